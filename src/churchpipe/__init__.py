@@ -1,0 +1,1 @@
+"""churchpipe: collapse load factors of masonry buildings."""

@@ -1,0 +1,1 @@
+"""Cone programs and their solvers: matrices and cones, no masonry."""

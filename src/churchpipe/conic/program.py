@@ -1,0 +1,74 @@
+"""The cone program that every limit analysis becomes, and what a solver answers."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import scipy.sparse as sp
+
+from churchpipe.errors import InputError
+from churchpipe.model.arrays import FloatArray, floats, store
+
+Outcome = Literal["solved", "infeasible", "unbounded", "failed"]
+
+
+@dataclass(frozen=True, slots=True)
+class ConeProgram:
+    """Maximise the multiplier of a load under balance and cone constraints.
+
+    maximise    tau - linear . n - 1/2 quadratic . n^2
+    subject to  balance x + constant + tau growth = 0,   tau <= cap,
+                n_k >= 0,   |t_k| <= limit_k + slope_k n_k,   x_k = (n_k, t1_k, t2_k)
+
+    `balance` (m, 3c); `constant`, `growth` (m,); `limit` (c,) >= 0; `slope` (c,); `linear`, `quadratic` (c,), the latter
+    >= 0; `cap` may be infinite. The multipliers y (m,) of the balance satisfy growth . y = 1 at an optimum (tau < cap).
+    """
+
+    balance: sp.csc_matrix[np.float64]
+    constant: FloatArray
+    growth: FloatArray
+    limit: FloatArray
+    slope: FloatArray
+    linear: FloatArray
+    quadratic: FloatArray
+    cap: float = np.inf
+
+    def __post_init__(self) -> None:
+        rows, columns = self.balance.shape
+        if columns % 3:
+            raise InputError("ConeProgram.balance", "wrong shape", found=(rows, columns), expected="three columns a point")
+        points = columns // 3
+        store(
+            self,
+            constant=floats("ConeProgram.constant", self.constant, (rows,)),
+            growth=floats("ConeProgram.growth", self.growth, (rows,)),
+            limit=floats("ConeProgram.limit", self.limit, (points,)),
+            slope=floats("ConeProgram.slope", self.slope, (points,)),
+            linear=floats("ConeProgram.linear", self.linear, (points,)),
+            quadratic=floats("ConeProgram.quadratic", self.quadratic, (points,)),
+        )
+        if (self.limit < 0).any() or (self.quadratic < 0).any():
+            raise InputError("ConeProgram", "negative limit or quadratic cost", expected=">= 0")
+
+    @property
+    def points(self) -> int:
+        """Number of cones."""
+        return len(self.limit)
+
+
+@dataclass(frozen=True, slots=True)
+class ConeSolution:
+    """A solver's answer, in the units of the program.
+
+    x (c, 3) forces; tau; y (m,) multipliers of the balance. outcome "infeasible": y is a certificate, balance^T y in the
+    dual cone with constant . y > 0 and growth . y = 0. "unbounded": x is a ray, balance x + growth = 0.
+    """
+
+    x: FloatArray
+    tau: float
+    y: FloatArray
+    outcome: Outcome
+    iterations: int
+    seconds: float
+    solver: str
+    message: str = ""

@@ -1,0 +1,1 @@
+"""From a building, or from stones, to the models that are analysed."""

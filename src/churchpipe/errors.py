@@ -1,0 +1,23 @@
+"""The one exception that users meet: what is wrong, where, and how to mend it."""
+
+
+class InputError(ValueError):
+    """Input that churchpipe cannot take.
+
+    Parameters
+    ----------
+    where: the file, key, stone or argument at fault.
+    problem: what is wrong there.
+    found, expected: the value met and the value wanted (left out of the message when empty).
+    remedy: what the user can do about it.
+    """
+
+    def __init__(self, where: str, problem: str, *, found: object = "", expected: str = "", remedy: str = "") -> None:
+        self.where, self.problem, self.found, self.expected, self.remedy = where, problem, found, expected, remedy
+        parts = [f"{where}: {problem}"]
+        if found != "":
+            parts.append(f"found {found}")
+        if expected:
+            parts.append(f"expected {expected}")
+        message = "; ".join(parts) + "."
+        super().__init__(f"{message} {remedy}".strip())

@@ -1,0 +1,1 @@
+"""Data only: frozen dataclasses of NumPy arrays."""

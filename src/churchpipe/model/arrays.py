@@ -1,0 +1,87 @@
+"""Array types, and the checks that every frozen dataclass of arrays runs on itself."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from churchpipe.errors import InputError
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+BoolArray = npt.NDArray[np.bool_]
+NameArray = npt.NDArray[np.str_]
+
+
+def _frozen(array: npt.NDArray[Any], given: object) -> npt.NDArray[Any]:
+    # A caller's own array stays writable: only a copy of it is made read-only.
+    out = array.copy() if array is given and array.flags.writeable else array
+    out.setflags(write=False)
+    return out
+
+
+def _check_shape(name: str, array: npt.NDArray[Any], shape: Sequence[int | None]) -> None:
+    if array.ndim != len(shape) or any(want is not None and want != have for want, have in zip(shape, array.shape, strict=True)):
+        wanted = "(" + ", ".join("any" if n is None else str(n) for n in shape) + ")"
+        raise InputError(name, "wrong shape", found=array.shape, expected=wanted)
+
+
+def floats(name: str, value: npt.ArrayLike, shape: Sequence[int | None], *, finite: bool = True) -> FloatArray:
+    """Return `value` as a read-only float64 array of the given shape (None: any length); every entry finite."""
+    array = np.asarray(value, dtype=np.float64)
+    _check_shape(name, array, shape)
+    if finite and not np.isfinite(array).all():
+        where = np.argwhere(~np.isfinite(array))[0].tolist()
+        raise InputError(name, f"not a finite number at index {where}", found=array[tuple(where)], expected="finite numbers")
+    return _frozen(array, value)
+
+
+def indices(name: str, value: npt.ArrayLike, shape: Sequence[int | None], *, below: int | None = None) -> IntArray:
+    """Return `value` as a read-only int64 array of the given shape, entries in [0, below)."""
+    array = np.asarray(value, dtype=np.int64)
+    _check_shape(name, array, shape)
+    if array.size and (array.min() < 0 or (below is not None and array.max() >= below)):
+        bad = array[(array < 0) | (array >= (below if below is not None else np.iinfo(np.int64).max))].flat[0]
+        raise InputError(name, "index out of range", found=int(bad), expected=f"0 <= index < {below}")
+    return _frozen(array, value)
+
+
+def pointers(name: str, value: npt.ArrayLike, rows: int, total: int) -> IntArray:
+    """Return a CSR-style pointer array: `rows + 1` non-decreasing entries from 0 to `total`."""
+    array = indices(name, value, (rows + 1,))
+    if array[0] != 0 or array[-1] != total or (np.diff(array) < 0).any():
+        raise InputError(
+            name, "not a pointer array", found=f"{array[:3]} .. {array[-1]}", expected=f"0 .. {total}, non-decreasing"
+        )
+    return array
+
+
+def flags(name: str, value: npt.ArrayLike, shape: Sequence[int | None]) -> BoolArray:
+    """Return `value` as a read-only bool array of the given shape."""
+    array = np.asarray(value)
+    if array.dtype != np.bool_ and not np.isin(array, (0, 1)).all():
+        raise InputError(name, "not a flag", found=array.dtype, expected="true or false")
+    array = array.astype(np.bool_, copy=False)
+    _check_shape(name, array, shape)
+    return _frozen(array, value)
+
+
+def names(name: str, value: npt.ArrayLike, shape: Sequence[int | None]) -> NameArray:
+    """Return `value` as a read-only array of strings of the given shape."""
+    array = np.asarray(value, dtype=np.str_)
+    _check_shape(name, array, shape)
+    return _frozen(array, value)
+
+
+def store(instance: object, **fields: object) -> None:
+    """Set checked fields on a frozen dataclass from inside its `__post_init__`."""
+    for key, value in fields.items():
+        object.__setattr__(instance, key, value)
+
+
+def ragged_indices(starts: IntArray, counts: IntArray) -> IntArray:
+    """Return the concatenation of arange(start, start + count) over all rows, without a loop."""
+    total = int(counts.sum())
+    offsets = np.repeat(starts - np.concatenate(([0], np.cumsum(counts)[:-1])), counts)
+    return np.arange(total, dtype=np.int64) + offsets

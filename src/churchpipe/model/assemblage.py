@@ -1,0 +1,267 @@
+"""The stones of a building as flat arrays."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from churchpipe.errors import InputError
+from churchpipe.model.arrays import (
+    BoolArray,
+    FloatArray,
+    IntArray,
+    NameArray,
+    flags,
+    floats,
+    indices,
+    names,
+    pointers,
+    store,
+)
+from churchpipe.model.polyhedra import face_normals, solid_properties
+
+Polyhedron = tuple[npt.ArrayLike, Sequence[Sequence[int]]]
+
+
+@dataclass(frozen=True, slots=True)
+class Assemblage:
+    """Rigid blocks: polyhedra with planar faces, counter-clockwise seen from outside.
+
+    Ragged data are flat arrays with pointers, as in a CSR matrix: stone i has the faces
+    `block_face_ptr[i]:block_face_ptr[i + 1]` and the points `block_point_ptr[i]:block_point_ptr[i + 1]`; face f has the
+    nodes `face_nodes[face_ptr[f]:face_ptr[f + 1]]`, indices into `points`.
+
+    Fields: points (nv, 3) m; centroid (nb, 3) m; volume (nb,) m3; unit_weight (nb,) N/m3; material, panel (nb,) names;
+    course (nb,), counted from 0 at the bottom, -1 unknown; fixed (nb,) True for ground; block_id (nb,) unique names.
+    """
+
+    points: FloatArray
+    face_nodes: IntArray
+    face_ptr: IntArray
+    block_face_ptr: IntArray
+    block_point_ptr: IntArray
+    centroid: FloatArray
+    volume: FloatArray
+    unit_weight: FloatArray
+    material: NameArray
+    panel: NameArray
+    course: IntArray
+    fixed: BoolArray
+    block_id: NameArray
+
+    def __post_init__(self) -> None:
+        nv, nb, nf = len(self.points), len(self.volume), len(self.face_ptr) - 1
+        store(
+            self,
+            points=floats("Assemblage.points", self.points, (None, 3)),
+            face_nodes=indices("Assemblage.face_nodes", self.face_nodes, (None,), below=nv),
+            face_ptr=pointers("Assemblage.face_ptr", self.face_ptr, nf, len(self.face_nodes)),
+            block_face_ptr=pointers("Assemblage.block_face_ptr", self.block_face_ptr, nb, nf),
+            block_point_ptr=pointers("Assemblage.block_point_ptr", self.block_point_ptr, nb, nv),
+            centroid=floats("Assemblage.centroid", self.centroid, (nb, 3)),
+            volume=floats("Assemblage.volume", self.volume, (nb,)),
+            unit_weight=floats("Assemblage.unit_weight", self.unit_weight, (nb,)),
+            material=names("Assemblage.material", self.material, (nb,)),
+            panel=names("Assemblage.panel", self.panel, (nb,)),
+            course=_courses(self.course, nb),
+            fixed=flags("Assemblage.fixed", self.fixed, (nb,)),
+            block_id=names("Assemblage.block_id", self.block_id, (nb,)),
+        )
+        _check_solids(self)
+
+    @property
+    def count(self) -> int:
+        """Number of stones, ground included."""
+        return len(self.volume)
+
+    @property
+    def weight(self) -> FloatArray:
+        """Weight of each stone (nb,), N; ground weighs nothing."""
+        return np.where(self.fixed, 0.0, self.volume * self.unit_weight)
+
+    @property
+    def size(self) -> float:
+        """Diagonal of the bounding box of the free stones, m."""
+        free = self.points[np.repeat(~self.fixed, np.diff(self.block_point_ptr))]
+        return float(np.linalg.norm(np.ptp(free if len(free) else self.points, axis=0)))
+
+    @classmethod
+    def from_polyhedra(
+        cls,
+        polyhedra: Iterable[Polyhedron],
+        unit_weight: npt.ArrayLike,
+        fixed: Iterable[int] = (),
+        *,
+        material: str | Sequence[str] = "default",
+        panel: str | Sequence[str] = "",
+        course: int | Sequence[int] = -1,
+        block_id: Sequence[str] | None = None,
+    ) -> "Assemblage":
+        """Build an assemblage from anybody's polyhedra.
+
+        Parameters
+        ----------
+        polyhedra: pairs (vertices (n, 3) m, faces: lists of vertex indices). Faces are planar, closed and consistently
+            oriented; a solid with all faces inward is turned inside out.
+        unit_weight: N/m3, scalar or one a stone.
+        fixed: indices of the stones that are ground.
+        material, panel, course, block_id: one value for all or one a stone; ids default to "B0", "B1", ...
+
+        Raises
+        ------
+        InputError: a solid that is open, flat or not planar, with its index.
+        """
+        points: list[FloatArray] = []
+        nodes: list[int] = []
+        face_sizes: list[int] = []
+        block_faces: list[int] = []
+        block_points: list[int] = []
+        offset = 0
+        for number, (vertices, faces) in enumerate(polyhedra):
+            array = floats(f"polyhedra[{number}] vertices", vertices, (None, 3))
+            for face in faces:
+                if len(face) < 3 or min(face) < 0 or max(face) >= len(array):
+                    raise InputError(
+                        f"polyhedra[{number}]", "bad face", found=list(face), expected=f"3 or more indices below {len(array)}"
+                    )
+                nodes.extend(i + offset for i in face)
+                face_sizes.append(len(face))
+            points.append(array)
+            block_faces.append(len(faces))
+            block_points.append(len(array))
+            offset += len(array)
+        if not points:
+            raise InputError("polyhedra", "no stones", found=0, expected="at least one polyhedron")
+        count = len(points)
+        fixed_flags = np.zeros(count, dtype=bool)
+        fixed_flags[indices("fixed", list(fixed), (None,), below=count)] = True
+        return assemble(
+            points=np.concatenate(points),
+            face_nodes=np.array(nodes, dtype=np.int64),
+            face_ptr=_cumulative(face_sizes),
+            block_face_ptr=_cumulative(block_faces),
+            block_point_ptr=_cumulative(block_points),
+            unit_weight=np.broadcast_to(np.asarray(unit_weight, dtype=float), (count,)).copy(),
+            material=np.broadcast_to(np.asarray(material, dtype=np.str_), (count,)).copy(),
+            panel=np.broadcast_to(np.asarray(panel, dtype=np.str_), (count,)).copy(),
+            course=np.broadcast_to(np.asarray(course, dtype=np.int64), (count,)).copy(),
+            fixed=fixed_flags,
+            block_id=np.array([f"B{i}" for i in range(count)] if block_id is None else list(block_id), dtype=np.str_),
+        )
+
+
+def assemble(
+    *,
+    points: FloatArray,
+    face_nodes: IntArray,
+    face_ptr: IntArray,
+    block_face_ptr: IntArray,
+    block_point_ptr: IntArray,
+    unit_weight: FloatArray,
+    material: NameArray,
+    panel: NameArray,
+    course: IntArray,
+    fixed: BoolArray,
+    block_id: NameArray,
+) -> Assemblage:
+    """Build an `Assemblage` from flat arrays, computing volumes and centroids; inside-out solids are turned."""
+    volume, centroid = solid_properties(points, face_nodes, face_ptr, block_face_ptr)
+    if (volume < 0).any():
+        face_nodes = _turn_faces(face_nodes, face_ptr, np.repeat(volume < 0, np.diff(block_face_ptr)))
+        volume, centroid = solid_properties(points, face_nodes, face_ptr, block_face_ptr)
+    return Assemblage(
+        points=points,
+        face_nodes=face_nodes,
+        face_ptr=face_ptr,
+        block_face_ptr=block_face_ptr,
+        block_point_ptr=block_point_ptr,
+        centroid=centroid,
+        volume=volume,
+        unit_weight=unit_weight,
+        material=material,
+        panel=panel,
+        course=course,
+        fixed=fixed,
+        block_id=block_id,
+    )
+
+
+def _cumulative(counts: Sequence[int]) -> IntArray:
+    return np.concatenate(([0], np.cumsum(np.asarray(counts, dtype=np.int64))))
+
+
+def _turn_faces(face_nodes: IntArray, face_ptr: IntArray, turn: BoolArray) -> IntArray:
+    """Reverse the node order of the flagged faces."""
+    face_of = np.repeat(np.arange(len(turn)), np.diff(face_ptr))
+    position = np.arange(len(face_nodes))
+    mirrored = face_ptr[face_of] + face_ptr[face_of + 1] - 1 - position
+    return face_nodes[np.where(turn[face_of], mirrored, position)]
+
+
+def _courses(value: npt.ArrayLike, count: int) -> IntArray:
+    shifted = indices("Assemblage.course", np.asarray(value) + 1, (count,))
+    return indices("Assemblage.course", shifted, (count,)) if count == 0 else _read_only(shifted - 1)
+
+
+def _read_only(array: IntArray) -> IntArray:
+    array.setflags(write=False)
+    return array
+
+
+def _check_solids(stones: Assemblage) -> None:
+    nb = stones.count
+    if len(np.unique(stones.block_id)) != nb:
+        ids, counts = np.unique(stones.block_id, return_counts=True)
+        raise InputError("Assemblage.block_id", "names are not unique", found=str(ids[counts > 1][0]))
+    free_weight = stones.unit_weight[~stones.fixed]
+    if (free_weight <= 0).any():
+        raise InputError(
+            "Assemblage.unit_weight", "a free stone weighs nothing", found=float(free_weight.min()), expected="> 0 N/m3"
+        )
+    _check_closed(stones)
+    if (stones.volume <= 0).any():
+        bad = int(np.argmin(stones.volume))
+        raise InputError(f"stone {stones.block_id[bad]}", "no volume", found=float(stones.volume[bad]), expected="> 0 m3")
+    _check_planar(stones)
+
+
+def _check_closed(stones: Assemblage) -> None:
+    # A closed, consistently oriented surface uses each edge once in each direction.
+    node, pointer = stones.face_nodes, stones.face_ptr
+    successor = np.arange(len(node)) + 1
+    successor[pointer[1:] - 1] = pointer[:-1]
+    count = len(stones.points) + 1
+    edge = np.sort(node * count + node[successor])
+    twin = np.sort(node[successor] * count + node)
+    if len(edge) and (not np.array_equal(edge, twin) or (np.diff(edge) == 0).any()):
+        odd = np.setdiff1d(edge, twin)
+        first = int(odd[0] if len(odd) else edge[:-1][np.diff(edge) == 0][0])
+        stone = int(np.searchsorted(stones.block_point_ptr, first // count, side="right")) - 1
+        x, y, z = stones.points[first // count]
+        raise InputError(
+            f"stone {stones.block_id[stone]}",
+            "its faces do not close a solid",
+            found=f"an open or doubled edge at ({x:.6g}, {y:.6g}, {z:.6g}) m",
+            expected="every edge shared by two faces that run along it in opposite directions",
+        )
+
+
+def _check_planar(stones: Assemblage) -> None:
+    _, normal, mean = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
+    face_of = np.repeat(np.arange(len(mean)), np.diff(stones.face_ptr))
+    reach = stones.points[stones.face_nodes] - mean[face_of]
+    height = np.abs(np.einsum("ij,ij->i", reach, normal[face_of]))
+    extent = np.zeros(len(mean))
+    np.maximum.at(extent, face_of, np.linalg.norm(reach, axis=1))
+    warped = height > 1e-6 * extent[face_of] + 1e-12
+    if warped.any():
+        face = int(face_of[np.argmax(height / np.maximum(extent[face_of], 1e-300))])
+        stone = int(np.searchsorted(stones.block_face_ptr, face, side="right")) - 1
+        raise InputError(
+            f"stone {stones.block_id[stone]}",
+            f"face {face - stones.block_face_ptr[stone]} is not planar",
+            found=f"{height[face_of == face].max():.3g} m out of plane",
+            expected="within 1e-6 of the face's size",
+            remedy="Split the face into triangles.",
+        )

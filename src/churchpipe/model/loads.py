@@ -1,0 +1,62 @@
+"""Lateral load cases."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from churchpipe.errors import InputError
+from churchpipe.model.arrays import FloatArray, floats, store
+
+
+@dataclass(frozen=True, slots=True)
+class LoadCase:
+    """A lateral load proportional to weight, multiplied by the load factor.
+
+    direction (3,) is normalised; `name` defaults to the direction ("+x", "-y", "(0.5, 0.866, 0)"); `panels`: names of the
+    panels that are pushed, None = all; profile "uniform", or "linear": f_i = W_i z_i (sum W) / (sum W z), so that the
+    load factor stays base shear over weight of the loaded part. `dead` and `live` are extra wrenches (nb, 6) N and Nm
+    about the centroids: dead ones act always, live ones grow with the load factor.
+    """
+
+    direction: FloatArray
+    name: str = ""
+    panels: tuple[str, ...] | None = None
+    profile: Literal["uniform", "linear"] = "uniform"
+    dead: FloatArray | None = None
+    live: FloatArray | None = None
+
+    def __init__(
+        self,
+        direction: npt.ArrayLike,
+        name: str = "",
+        panels: "tuple[str, ...] | list[str] | None" = None,
+        profile: Literal["uniform", "linear"] = "uniform",
+        dead: npt.ArrayLike | None = None,
+        live: npt.ArrayLike | None = None,
+    ) -> None:
+        vector = floats("LoadCase.direction", direction, (3,))
+        length = float(np.linalg.norm(vector))
+        if length == 0:
+            raise InputError("LoadCase.direction", "no direction", found=vector.tolist(), expected="a vector of length > 0")
+        if profile not in ("uniform", "linear"):
+            raise InputError("LoadCase.profile", "unknown profile", found=profile, expected='"uniform" or "linear"')
+        unit = floats("LoadCase.direction", vector / length, (3,))
+        store(
+            self,
+            direction=unit,
+            name=name or direction_name(unit),
+            panels=None if panels is None else tuple(panels),
+            profile=profile,
+            dead=None if dead is None else floats("LoadCase.dead", dead, (None, 6)),
+            live=None if live is None else floats("LoadCase.live", live, (None, 6)),
+        )
+
+
+def direction_name(direction: FloatArray) -> str:
+    """Return "+x", "-y" ... for a direction along an axis, else its components."""
+    axis = int(np.argmax(np.abs(direction)))
+    if abs(abs(direction[axis]) - 1) < 1e-9:
+        return ("+" if direction[axis] > 0 else "-") + "xyz"[axis]
+    return "(" + ", ".join(f"{c:.3g}" for c in direction) + ")"

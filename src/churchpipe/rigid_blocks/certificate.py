@@ -1,0 +1,94 @@
+"""Certificates: what an analysis claims, computed again from its own arrays."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from churchpipe.model.arrays import FloatArray
+from churchpipe.rigid_blocks.equilibrium import Equilibrium
+
+BOUND_TOLERANCE = 1e-6
+RESIDUAL_TOLERANCE = 1e-8
+
+
+@dataclass(frozen=True, slots=True)
+class Strength:
+    """Friction coefficient and cohesive resistance (in units of the total weight) of each contact point, both (nc,)."""
+
+    friction: FloatArray
+    cohesion: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Certificate:
+    """Static and kinematic bounds of a load factor, and the errors (relative to the total weight) that they rest on."""
+
+    lower_bound: float
+    upper_bound: float
+    equilibrium_residual: float
+    cone_violation: float
+
+    @property
+    def holds(self) -> bool:
+        """True when the bounds agree to 1e-6 and the forces are in equilibrium and in their cones to 1e-8 of the weight."""
+        # Load factors of zero are bounded absolutely: the weight is the unit.
+        size = max(abs(self.upper_bound), 1e-3)
+        return (
+            abs(self.upper_bound - self.lower_bound) <= BOUND_TOLERANCE * size
+            and self.equilibrium_residual < RESIDUAL_TOLERANCE
+            and self.cone_violation < RESIDUAL_TOLERANCE
+        )
+
+
+def certify(balance: Equilibrium, strength: Strength, x: FloatArray, tau: float, y: FloatArray) -> Certificate:
+    """Return the certificate of forces x (nc, 3), load factor tau and velocities y (6 nf,), all in scaled units.
+
+    lower (static): tau of forces in equilibrium, once projected onto the friction cones. upper (kinematic): velocities
+    scaled to f_L . u = 1, alpha = -f_D . u + sum n max(0, mu |v_t| - v_n) + sum c |v_t|.
+
+    The forces must come from `conic.polish.restore_balance`: a mechanism's velocities multiply an equilibrium residual,
+    so that 2e-9 of the weight has hidden an error of 3e-6 in the load factor.
+    """
+    inside = project_cone(x, strength)
+    residual = balance.matrix @ inside.ravel() + balance.dead + tau * balance.live
+    return Certificate(
+        lower_bound=tau,
+        upper_bound=kinematic_bound(balance, strength, inside[:, 0], y),
+        equilibrium_residual=float(np.abs(residual).max()),
+        cone_violation=cone_violation(x, strength),
+    )
+
+
+def kinematic_bound(balance: Equilibrium, strength: Strength, n: FloatArray, y: FloatArray) -> float:
+    """Return the load factor by virtual work of velocities y (6 nf,); flow that leaves the cone is charged to n (nc,)."""
+    power = balance.live @ y
+    if not power > 0:
+        return np.inf
+    u = y / power
+    rate = (balance.matrix.T @ u).reshape(-1, 3)
+    slip = np.hypot(rate[:, 1], rate[:, 2])
+    excess = np.maximum(0.0, strength.friction * slip - rate[:, 0])
+    return float(-balance.dead @ u + n @ excess + strength.cohesion @ slip)
+
+
+def cone_violation(x: FloatArray, strength: Strength) -> float:
+    """Return how far the worst force lies outside its cone: max(|t| - mu n - c, -n), at least 0."""
+    shear = np.hypot(x[:, 1], x[:, 2])
+    if not len(x):
+        return 0.0
+    return float(max(0.0, (shear - strength.friction * np.maximum(x[:, 0], 0) - strength.cohesion).max(), (-x[:, 0]).max()))
+
+
+def project_cone(x: FloatArray, strength: Strength) -> FloatArray:
+    """Return the nearest forces (nc, 3) in the friction cones |t| <= mu n + c, n >= 0."""
+    n, shear = x[:, 0], np.hypot(x[:, 1], x[:, 2])
+    mu, c = strength.friction, strength.cohesion
+    out = x.copy()
+    outside = (shear > mu * n + c) | (n < 0)
+    # Foot of the perpendicular on the line |t| = mu n + c, moved along it into n >= 0.
+    foot = np.maximum(0.0, (n + mu * (shear - c)) / (1 + mu**2))
+    length = np.minimum(np.maximum(mu * foot + c, 0.0), np.where(n < 0, np.maximum(shear, 0.0), np.inf))
+    scale = np.divide(length, shear, out=np.zeros_like(shear), where=shear > 0)
+    out[outside, 0] = foot[outside]
+    out[outside, 1:] *= np.minimum(scale, 1.0)[outside, None]
+    return out

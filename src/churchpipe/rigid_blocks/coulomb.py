@@ -1,0 +1,148 @@
+"""Coulomb friction without dilatancy: the gap that certifies a load factor, and the interval of a mechanism.
+
+The certificate is de Saxce's bipotential. For forces x in equilibrium and in the Coulomb cones, and velocities u with
+f_L . u = 1 that open or slide without dilating,
+
+    g = -f_D . u + sum mu n |v| - alpha = sum n w + sum (mu n |v| + t . v)  >= 0,
+
+and g = 0 exactly when (x, u) is a collapse state with zero dilatancy. One convex program P(n) gives the smallest g for given x.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.linalg import splu
+
+from churchpipe.conic.polish import restore_balance
+from churchpipe.conic.program import ConeProgram
+from churchpipe.conic.solve import solve
+from churchpipe.model.arrays import FloatArray
+from churchpipe.rigid_blocks.certificate import Strength, cone_violation
+from churchpipe.rigid_blocks.equilibrium import Equilibrium
+
+
+@dataclass(frozen=True, slots=True)
+class CoulombState:
+    """Forces x (nc, 3) in the Coulomb cones, their load factor, velocities y (6 nf,) and the gap between the two."""
+
+    x: FloatArray
+    load_factor: float
+    y: FloatArray
+    gap: float
+
+    @property
+    def relative_gap(self) -> float:
+        """g / alpha."""
+        return self.gap / max(abs(self.load_factor), 1e-12)
+
+
+def sliding_program(balance: Equilibrium, limit: FloatArray) -> ConeProgram:
+    """Return P: shear at each point at most `limit` (nc,) whatever the normal force, so that sliding does not dilate."""
+    zero = np.zeros(len(limit))
+    return ConeProgram(balance.matrix, balance.dead, balance.live, limit, zero, zero, zero)
+
+
+def sliding_velocities(balance: Equilibrium, strength: Strength, n: FloatArray, solver: str) -> FloatArray | None:
+    """Return the velocities (6 nf,) of P(n), or None when it is not solved."""
+    answer = solve(sliding_program(balance, strength.friction * n + strength.cohesion), solver)
+    return answer.y if answer.outcome == "solved" else None
+
+
+def coulomb_state(
+    balance: Equilibrium, strength: Strength, x: FloatArray, load_factor: float, solver: str
+) -> CoulombState | None:
+    """Return the Coulomb state of forces x (nc, 3) with the velocities that fit them best, or None when P(n) is not solved."""
+    limit = strength.friction * np.maximum(x[:, 0], 0.0) + strength.cohesion
+    answer = solve(sliding_program(balance, limit), solver)
+    if answer.outcome != "solved":
+        return None
+    return CoulombState(x=x, load_factor=load_factor, y=answer.y, gap=answer.tau - load_factor)
+
+
+def coulomb_step(
+    balance: Equilibrium, strength: Strength, n: FloatArray, y: FloatArray, solver: str, *, nearness: float
+) -> CoulombState | None:
+    """Return the Coulomb state near normal forces n (nc,) whose forces do the least work against the sliding of y."""
+    found = nearest_forces(balance, strength, n, y, solver, nearness=nearness)
+    return None if found is None else coulomb_state(balance, strength, *found, solver)
+
+
+def nearest_forces(
+    balance: Equilibrium, strength: Strength, n: FloatArray, y: FloatArray, solver: str, *, nearness: float
+) -> tuple[FloatArray, float] | None:
+    """Return forces (nc, 3) in the true cones, near the normal forces n, that do the least work against sliding y.
+
+    maximise  alpha - sum mu n |v(y)| - 1/2 sum R (mu n - mu n_given)^2,   R = nearness / (c mean(mu n)^2)
+    """
+    shear = strength.friction * n
+    rate = (balance.matrix.T @ y).reshape(-1, 3)
+    slip = np.hypot(rate[:, 1], rate[:, 2])
+    curvature = nearness / (len(n) * max(float(shear.mean()), 1e-12) ** 2) * strength.friction**2
+    program = ConeProgram(
+        balance=balance.matrix,
+        constant=balance.dead,
+        growth=balance.live,
+        limit=strength.cohesion,
+        slope=strength.friction,
+        linear=strength.friction * slip - curvature * n,
+        quadratic=curvature,
+    )
+    answer = solve(program, solver)
+    if answer.outcome != "solved":
+        return None
+    return restore_balance(program, answer.x, answer.tau)
+
+
+def dead_load_start(balance: Equilibrium) -> FloatArray:
+    """Return the normal forces (nc,) >= 0 of the least-squares dead-load forces A^T (A A^T)^-1 (-f_D): the canonical start."""
+    normal = sp.csc_matrix(balance.matrix @ balance.matrix.T)
+    normal += 1e-12 * float(normal.diagonal().max()) * sp.identity(normal.shape[0], format="csc")
+    forces = balance.matrix.T @ splu(sp.csc_matrix(normal), permc_spec="MMD_AT_PLUS_A").solve(-balance.dead)
+    return np.maximum(forces[::3], 0.0)
+
+
+def mechanism_interval(
+    balance: Equilibrium, strength: Strength, state: CoulombState, solver: str = "clarabel"
+) -> tuple[float, float]:
+    """Return the smallest and largest load factor of the Coulomb states that fit the mechanism as well as the given one.
+
+    For fixed velocities the compatible states are convex: sum n (w + mu |v|) + t . v <= defect is one linear row, with
+    the defect of the given state. The self-stress of sliding contacts is statically free, so the interval has a length.
+    """
+    rate = (balance.matrix.T @ state.y).reshape(-1, 3)
+    slip = np.hypot(rate[:, 1], rate[:, 2])
+    opening = np.maximum(rate[:, 0], 0.0)
+    cost = np.column_stack([opening + strength.friction * slip, rate[:, 1:]])
+    # The defect scales with the load factor: twice the certified accuracy leaves the given state strictly inside.
+    allowed = float((cost * state.x).sum()) + 1e-5 * abs(state.load_factor)
+    row = sp.hstack([sp.csr_matrix(cost.reshape(1, -1)), sp.csr_matrix([[1.0, 0.0, 0.0]])])
+    matrix = sp.csc_matrix(sp.vstack([sp.hstack([balance.matrix, sp.csr_matrix((len(balance.dead), 3))]), row]))
+    zero = np.zeros(len(slip) + 1)
+    ends: list[float] = []
+    for sign in (-1.0, 1.0):
+        program = ConeProgram(
+            balance=matrix,
+            constant=np.append(balance.dead, -allowed),
+            growth=np.append(sign * balance.live, 0.0),
+            limit=np.append(strength.cohesion, 0.0),
+            slope=np.append(strength.friction, 0.0),
+            linear=zero,
+            quadratic=zero,
+        )
+        answer = solve(program, "clarabel" if solver == "auto" else solver)
+        ends.append(sign * answer.tau if answer.outcome == "solved" else np.nan)
+    return ends[0], ends[1]
+
+
+def friction_violation(strength: Strength, x: FloatArray, allowance: float = 0.0) -> float:
+    """Return sum max(0, |t| - mu n - c - allowance) / sum mu n: the share of the friction that is overdrawn."""
+    shear = np.hypot(x[:, 1], x[:, 2])
+    over = np.maximum(0.0, shear - strength.friction * x[:, 0] - strength.cohesion - allowance)
+    return float(over.sum() / max(float((strength.friction * x[:, 0]).sum()), 1e-300))
+
+
+def admissible(balance: Equilibrium, strength: Strength, state: CoulombState) -> bool:
+    """True when the forces are in equilibrium to 1e-8 W and in their cones to 1e-8 W."""
+    residual = balance.matrix @ state.x.ravel() + balance.dead + state.load_factor * balance.live
+    return float(np.abs(residual).max()) < 1e-8 and cone_violation(state.x, strength) < 1e-8

@@ -1,0 +1,123 @@
+"""Equilibrium of the free stones: A c + f_D + alpha f_L = 0, eq. (1)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+
+from churchpipe.errors import InputError
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.contacts import Contacts
+from churchpipe.model.loads import LoadCase
+
+
+@dataclass(frozen=True, slots=True)
+class Equilibrium:
+    """The balance of the free stones in the units of the analysis.
+
+    The unit of force is the total weight of the free stones, the unit of length the mean size of a stone: any other choice
+    hides errors in relative residuals. matrix (6 nf, 3 nc) of the forces (n, t1, t2) on wrenches (force, moment about the
+    centroid); dead, live (6 nf,); free (nf,) stones; count nb; force N and length m are the units.
+    """
+
+    matrix: sp.csc_matrix
+    dead: FloatArray
+    live: FloatArray
+    free: IntArray
+    count: int
+    force: float
+    length: float
+
+    def velocities(self, y: FloatArray) -> FloatArray:
+        """Return velocities (nb, 6) of all stones from multipliers (6 nf,) of the balance: f_L . u is 1 m per total weight."""
+        out = np.zeros((self.count, 6))
+        out[self.free] = y.reshape(-1, 6)
+        out[:, 3:] /= self.length
+        return out
+
+
+def equilibrium(stones: Assemblage, contacts: Contacts, load: LoadCase) -> Equilibrium:
+    """Return the scaled balance of an assemblage under a load case.
+
+    Raises
+    ------
+    InputError: no free stone, contacts of another assemblage, or a load case that pushes nothing.
+    """
+    free = np.flatnonzero(~stones.fixed)
+    if not len(free):
+        raise InputError("stones", "every stone is fixed", expected="at least one free stone")
+    if len(contacts.blocks) and contacts.blocks.max() >= stones.count:
+        raise InputError(
+            "contacts", "made for another assemblage", found=int(contacts.blocks.max()), expected=f"< {stones.count}"
+        )
+    force = float(stones.weight.sum())
+    length = float(np.cbrt(stones.volume[free].mean()))
+    dead = np.zeros((stones.count, 6))
+    dead[:, 2] = -stones.weight
+    dead += _extra("LoadCase.dead", load.dead, stones.count)
+    live = np.zeros((stones.count, 6))
+    live[:, :3] = lateral_weight(stones, load)[:, None] * load.direction
+    live += _extra("LoadCase.live", load.live, stones.count)
+    unit = np.array([force] * 3 + [force * length] * 3)
+    return Equilibrium(
+        matrix=_matrix(stones, contacts, free, length),
+        dead=(dead / unit)[free].ravel(),
+        live=(live / unit)[free].ravel(),
+        free=free,
+        count=stones.count,
+        force=force,
+        length=length,
+    )
+
+
+def lateral_weight(stones: Assemblage, load: LoadCase) -> FloatArray:
+    """Return the weight (nb,) N that the load factor multiplies, by the load's panels and profile."""
+    pushed = pushed_stones(stones, load)
+    weight = np.where(pushed, stones.weight, 0.0)
+    if load.profile == "linear":
+        ground = stones.points[np.repeat(~stones.fixed, np.diff(stones.block_point_ptr)), 2].min()
+        height = stones.centroid[:, 2] - ground
+        return weight * height * weight.sum() / (weight @ height)
+    return weight
+
+
+def pushed_stones(stones: Assemblage, load: LoadCase) -> BoolArray:
+    """Return True (nb,) for the free stones that a load case pushes."""
+    if load.panels is None:
+        return ~stones.fixed
+    known = np.unique(stones.panel[~stones.fixed])
+    missing = sorted(set(load.panels) - set(known.tolist()))
+    if missing:
+        raise InputError(
+            f"load {load.name}: panels", "no such panel", found=", ".join(missing), expected=", ".join(known.tolist())
+        )
+    return np.isin(stones.panel, load.panels) & ~stones.fixed
+
+
+def _extra(name: str, wrench: FloatArray | None, count: int) -> FloatArray:
+    if wrench is None:
+        return np.zeros((count, 6))
+    if wrench.shape != (count, 6):
+        raise InputError(name, "wrong shape", found=wrench.shape, expected=f"({count}, 6)")
+    return wrench
+
+
+def _matrix(stones: Assemblage, contacts: Contacts, free: IntArray, length: float) -> sp.csc_matrix:
+    row_of = np.full(stones.count, -1, dtype=np.int64)
+    row_of[free] = np.arange(len(free))
+    interface = contacts.interface_of_point
+    axes = contacts.frame[interface]
+    data, rows, columns = [], [], []
+    for side, sign in ((0, -1.0), (1, 1.0)):
+        block = contacts.blocks[interface, side]
+        chosen = np.flatnonzero(row_of[block] >= 0)
+        arm = (contacts.point[chosen] - stones.centroid[block[chosen]]) / length
+        # wrench_iac: axis a of point i, component c of force and moment.
+        wrench = np.concatenate([axes[chosen], np.cross(arm[:, None, :], axes[chosen])], axis=2) * sign
+        data.append(wrench.ravel())
+        rows.append(np.broadcast_to((6 * row_of[block[chosen]])[:, None, None] + np.arange(6), wrench.shape).ravel())
+        columns.append(np.broadcast_to((3 * chosen)[:, None, None] + np.arange(3)[:, None], wrench.shape).ravel())
+    shape = (6 * len(free), 3 * len(contacts.point))
+    matrix = sp.coo_matrix((np.concatenate(data), (np.concatenate(rows), np.concatenate(columns))), shape=shape)
+    return sp.csc_matrix(matrix)

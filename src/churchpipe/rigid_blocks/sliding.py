@@ -1,0 +1,142 @@
+"""Non-associative limit analysis: several starts, one headline, and the certificate of each."""
+
+from collections.abc import Callable
+from typing import Literal
+
+import numpy as np
+
+from churchpipe.errors import InputError
+from churchpipe.model.arrays import FloatArray
+from churchpipe.model.results import LimitState
+from churchpipe.rigid_blocks.certificate import Strength, cone_violation
+from churchpipe.rigid_blocks.coulomb import (
+    CoulombState,
+    admissible,
+    coulomb_step,
+    dead_load_start,
+    friction_violation,
+    mechanism_interval,
+    sliding_velocities,
+)
+from churchpipe.rigid_blocks.equilibrium import Equilibrium
+from churchpipe.rigid_blocks.iterations import SchemeSettings, SlidingRun, certified_iteration, paper_iteration
+
+GAP_TOLERANCE = 1e-5
+Progress = Callable[[str, float], None]
+
+
+def sliding_analysis(
+    balance: Equilibrium,
+    strength: Strength,
+    associative: LimitState,
+    method: Literal["default", "paper"],
+    start: Literal["associative", "uniform"],
+    solver: str,
+    progress: Progress | None = None,
+) -> LimitState:
+    """Return a load factor of sliding without dilatancy, with its gap.
+
+    No such load factor is unique: self-stress at sliding contacts is statically free, so it depends on the start. Every
+    distinct value found is in `fixed_points`.
+
+    method: "default", the certified scheme from the canonical dead-load start (headline) and from the associative one;
+    "paper", the iteration of eq. (3) from `start` (the associative forces, or the mean of the least-squares dead-load
+    forces at every point) with n = 0 and n = n_0 before it, headline the lowest that settled.
+    """
+    normal = associative.forces[:, 0] / balance.force
+    if method == "default":
+        runs = [certified_iteration(balance, strength, n, solver, progress=progress) for n in (dead_load_start(balance), normal)]
+        found = [run for run in runs if run is not None]
+        if not found:
+            return _nothing(associative)
+        # The canonical start is the headline unless only the other one was certified.
+        chosen = next((run for run in found if run.settled), found[0])
+        state = CoulombState(chosen.x, chosen.load_factor, chosen.y, chosen.gap)
+        return _state(balance, strength, associative, chosen, found, state, solver)
+    if method != "paper":
+        raise InputError("limit_analysis: method", "unknown method", found=method, expected='"default" or "paper"')
+    n0 = _paper_start(start, normal, balance)
+    runs = [paper_iteration(balance, strength, n0, before, solver, progress=progress) for before in (np.zeros_like(n0), n0)]
+    found = [run for run in runs if run is not None]
+    if not found:
+        return _nothing(associative)
+    chosen = min(found, key=lambda run: (not run.settled, run.load_factor))
+    y = sliding_velocities(balance, strength, np.maximum(chosen.x[:, 0], 0.0), solver)
+    state = None
+    if y is not None:
+        # The iteration overdraws friction: its certificate is that of the nearest forces that do not.
+        nearness = SchemeSettings().weight_b
+        state = coulomb_step(balance, strength, np.maximum(chosen.x[:, 0], 0.0), y, solver, nearness=nearness)
+    return _state(balance, strength, associative, chosen, found, state, solver)
+
+
+def _paper_start(start: str, normal: FloatArray, balance: Equilibrium) -> FloatArray:
+    if start == "associative":
+        return np.maximum(normal, 0.0)
+    if start == "uniform":
+        return np.full_like(normal, float(dead_load_start(balance).mean()))
+    raise InputError("limit_analysis: start", "unknown start", found=start, expected='"associative" or "uniform"')
+
+
+def _state(
+    balance: Equilibrium,
+    strength: Strength,
+    associative: LimitState,
+    chosen: SlidingRun,
+    found: list[SlidingRun],
+    certified: CoulombState | None,
+    solver: str,
+) -> LimitState:
+    gap, interval = (np.nan, (np.nan, np.nan))
+    if certified is not None:
+        gap, interval = certified.gap, mechanism_interval(balance, strength, certified, solver)
+    proven = (
+        chosen.settled
+        and certified is not None
+        and certified.relative_gap <= GAP_TOLERANCE
+        and abs(certified.load_factor - chosen.load_factor) <= 1e-3 * abs(chosen.load_factor)
+        and admissible(balance, strength, certified)
+        and chosen.load_factor <= associative.load_factor * (1 + 1e-3)
+    )
+    residual = balance.matrix @ chosen.x.ravel() + balance.dead + chosen.history[-1].load_factor * balance.live
+    return LimitState(
+        load_factor=chosen.load_factor,
+        status="converged" if proven else "not-converged",
+        lower_bound=np.nan,
+        upper_bound=np.nan,
+        forces=chosen.x * balance.force,
+        velocities=balance.velocities(chosen.y / max(float(balance.live @ chosen.y), 1e-300)),
+        equilibrium_residual=float(np.abs(residual).max()),
+        cone_violation=cone_violation(chosen.x, strength),
+        iterations=sum(run.solves for run in found),
+        solver=associative.solver,
+        flow="non-associative",
+        history=chosen.history,
+        gap=gap,
+        interval=interval,
+        friction_violation=friction_violation(strength, chosen.x),
+        fixed_points=tuple(run.load_factor for run in found if run.settled),
+        message="" if proven else _why(chosen, certified),
+    )
+
+
+def _why(chosen: SlidingRun, certified: CoulombState | None) -> str:
+    if certified is None:
+        return "no forces within friction were found near the last iterate"
+    if not chosen.settled:
+        return f"the iteration did not settle; gap g/alpha {certified.relative_gap:.1e}"
+    return f"gap g/alpha {certified.relative_gap:.1e}, wanted {GAP_TOLERANCE:.0e}"
+
+
+def _nothing(associative: LimitState) -> LimitState:
+    return LimitState(
+        load_factor=np.nan,
+        status="failed",
+        lower_bound=np.nan,
+        upper_bound=np.nan,
+        forces=associative.forces,
+        velocities=associative.velocities,
+        flow="non-associative",
+        solver=associative.solver,
+        message="no start of the non-associative iteration gave a feasible step",
+    )

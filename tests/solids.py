@@ -1,0 +1,43 @@
+"""Hand-made stones for tests."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from churchpipe.model.arrays import FloatArray
+from churchpipe.model.assemblage import Assemblage, Polyhedron
+
+BOX_FACES = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+
+
+def box(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float]) -> Polyhedron:
+    """A box between the given coordinates, m."""
+    return np.array([[a, b, c] for a in x for b in y for c in z], dtype=float), BOX_FACES
+
+
+def prism(outline: Sequence[tuple[float, float]], width: float) -> Polyhedron:
+    """A prism: a polygon in the x-z plane, any orientation, from y = 0 to y = width, m."""
+    n = len(outline)
+    points = np.array([[x, y, z] for y in (0.0, width) for x, z in outline])
+    faces = [list(range(n)), list(range(2 * n - 1, n - 1, -1))]
+    faces += [[i, i + n, (i + 1) % n + n, (i + 1) % n] for i in range(n)]
+    return points, faces
+
+
+def on_ground(*free: Polyhedron, unit_weight: float = 18e3, reach: float = 50.0) -> Assemblage:
+    """Free stones on a fixed plate with its top at z = 0."""
+    plate = box((-reach, reach), (-reach, reach), (-1.0, 0.0))
+    return Assemblage.from_polyhedra([plate, *free], unit_weight, fixed=[0])
+
+
+def moved(stones: Assemblage, rotation: FloatArray, shift: FloatArray, scale: float = 1.0) -> Assemblage:
+    """The same stones rotated, shifted and scaled."""
+    polyhedra = []
+    for i in range(stones.count):
+        start, stop = stones.block_point_ptr[i : i + 2]
+        faces = [
+            (stones.face_nodes[stones.face_ptr[f] : stones.face_ptr[f + 1]] - start).tolist()
+            for f in range(*stones.block_face_ptr[i : i + 2])
+        ]
+        polyhedra.append((scale * stones.points[start:stop] @ rotation.T + shift, faces))
+    return Assemblage.from_polyhedra(polyhedra, stones.unit_weight, np.flatnonzero(stones.fixed).tolist())
