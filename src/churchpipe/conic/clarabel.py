@@ -20,10 +20,12 @@ _OUTCOMES: dict[str, Outcome] = {
 def solve_clarabel(program: ConeProgram, tolerance: float = 1e-9) -> ConeSolution:
     """Solve a cone program with Clarabel, aiming at `tolerance`; a hundred times that is still accepted, no more.
 
-    minimise  -constant . y + sum (limit r + p^2 / (2 quadratic) + cap_n q) + cap k
-    over y, r >= |v_t|, p, q >= 0, k >= 0  s.t.  growth . y + k = 1,   v_n + linear - slope r + p + q >= 0,   v = balance^T y
+    minimise  -constant . y + sum (limit r + p^2 / (2 quadratic)) + cap k
+    over y, r >= |v_t|, p, k >= 0  s.t.  growth . y + k = 1,   v_n + linear - slope r + p >= 0,   v = balance^T y
 
-    Points with a plain Coulomb cone (no limit, no quadratic cost) need no r: v_n + linear >= slope |v_t| is one cone.
+    With a negative slope r may exceed |v_t|: it then stands for the penetration that its cap on n allows. Points with a
+    plain Coulomb cone (no limit, no quadratic cost) need no r: v_n + linear >= slope |v_t| is one cone. No redundant
+    constraint is added: it would move the analytic centre of the optimal forces, on which iterations build.
     """
     begin = perf_counter()
     layout = _Layout(program)
@@ -58,13 +60,12 @@ def _settings(tolerance: float) -> clarabel.DefaultSettings:
 
 
 class _Layout:
-    """Columns y | r | p | q | k and the rows of the kinematic form, for one program."""
+    """Columns y | r | p | k and the rows of the kinematic form, for one program."""
 
     def __init__(self, program: ConeProgram) -> None:
         self.rows = program.balance.shape[0]
-        curbed = program.slope < 0
         damped = program.quadratic > 0
-        general = (program.limit > 0) | curbed | damped
+        general = (program.limit > 0) | (program.slope < 0) | damped
         smooth = ~general & (program.slope == 0)
         self.plain = np.flatnonzero(~general & ~smooth)
         self.smooth = np.flatnonzero(smooth)
@@ -72,21 +73,17 @@ class _Layout:
         capped = np.isfinite(program.cap)
         r = _columns(self.rows, general)
         p = _columns(self.rows + general.sum(), damped)
-        q = _columns(self.rows + general.sum() + damped.sum(), curbed)
-        width = int(self.rows + general.sum() + damped.sum() + curbed.sum() + capped)
+        width = int(self.rows + general.sum() + damped.sum() + capped)
         rate = sp.csr_matrix(program.balance.T)
         self._slope = program.slope
 
         growth = sp.csr_matrix(program.growth[None, :])
         balance_row = [growth, sp.csr_matrix((1, width - self.rows - capped)), sp.csr_matrix(np.ones((1, 1)))]
         equality = sp.hstack(balance_row if capped else balance_row[:2], format="csr")
-        signs = [_at(q[curbed], width)]
-        if capped:
-            signs.append(_at(np.array([width - 1]), width))
+        signs = [_at(np.array([width - 1]), width)] if capped else []
         smooth_rows = _pad(rate[3 * self.smooth], width)
         normal_rows = _pad(rate[3 * self.general], width) - sp.diags(program.slope[general]) @ _at(r[general], width)
-        for column, chosen in ((p, damped), (q, curbed)):
-            normal_rows = normal_rows + _at(column[general], width, chosen[general])
+        normal_rows = normal_rows + _at(p[general], width, damped[general])
         plain_rows = sp.diags(np.repeat(program.slope[self.plain], 3) ** np.tile([0, 1, 1], len(self.plain))) @ _pad(
             rate[_triples(self.plain)], width
         )
@@ -100,23 +97,22 @@ class _Layout:
         self.right = np.concatenate(
             [
                 [1.0],
-                zeros(int(curbed.sum()) + capped),
+                zeros(int(capped)),
                 program.linear[self.smooth],
                 program.linear[self.general],
                 np.kron(program.linear[self.plain], [1.0, 0.0, 0.0]),
                 zeros(3 * len(self.general)),
             ]
         )
-        nonnegative = int(curbed.sum()) + capped + len(self.smooth) + len(self.general)
+        nonnegative = int(capped) + len(self.smooth) + len(self.general)
         self.cones: list[clarabel.Cone] = [clarabel.ZeroConeT(1)]
         if nonnegative:
             self.cones.append(clarabel.NonnegativeConeT(nonnegative))
         self.cones += [clarabel.SecondOrderConeT(3) for _ in range(len(self.plain) + len(self.general))]
-        self._first_normal = 1 + int(curbed.sum()) + capped
+        self._first_normal = 1 + int(capped)
         self.cost = zeros(width)
         self.cost[: self.rows] = -program.constant
         self.cost[r[general]] = program.limit[general]
-        self.cost[q[curbed]] = program.limit[curbed] / -program.slope[curbed]
         if capped:
             self.cost[-1] = program.cap
         diagonal = zeros(width)
