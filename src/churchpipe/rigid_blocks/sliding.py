@@ -116,16 +116,20 @@ def _state(
         interval=interval,
         friction_violation=friction_violation(strength, chosen.x),
         fixed_points=tuple(run.load_factor for run in found if run.settled),
-        message="" if proven else _why(chosen, certified),
+        message="" if proven else _why(chosen, certified, friction_violation(strength, chosen.x)),
     )
 
 
-def _why(chosen: SlidingRun, certified: CoulombState | None) -> str:
+def _why(chosen: SlidingRun, certified: CoulombState | None, violation: float) -> str:
+    settled = "the iteration settled" if chosen.settled else "the iteration did not settle"
     if certified is None:
-        return "no forces within friction were found near the last iterate"
-    if not chosen.settled:
-        return f"the iteration did not settle; gap g/alpha {certified.relative_gap:.1e}"
-    return f"gap g/alpha {certified.relative_gap:.1e}, wanted {GAP_TOLERANCE:.0e}"
+        return f"{settled}; no forces within friction were found near its last iterate"
+    if certified.relative_gap > GAP_TOLERANCE:
+        return f"{settled}; gap g/alpha {certified.relative_gap:.1e}, wanted {GAP_TOLERANCE:.0e}"
+    return (
+        f"{settled} with {100 * violation:.2g} % of friction overdrawn; the nearest state within friction"
+        f" has load factor {certified.load_factor:.4f} and gap g/alpha {certified.relative_gap:.1e}"
+    )
 
 
 def _nothing(associative: LimitState) -> LimitState:

@@ -1,0 +1,159 @@
+"""report.html: one file that opens anywhere, offline, and says what was found and how far to trust it."""
+
+import base64
+import math
+import tempfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import jinja2
+import numpy as np
+
+from churchpipe.io.atomic import write_text
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.contacts import KINDS, Contacts
+from churchpipe.model.results import LimitState
+from churchpipe.report import viewer
+from churchpipe.report.figures import convergence_svg, friction_svg, mechanism_pictures
+from churchpipe.report.motion import push_direction, stone_of_point
+from churchpipe.report.notes import convergence_note, status_note
+from churchpipe.report.table import Record, Row, columns_for, figure, friction_text, last_part, rows_of, swept
+
+CARDS = 8
+
+
+def write_report(
+    path: str | Path,
+    *,
+    summary: Mapping[str, Any],
+    stones: Assemblage,
+    contacts: Contacts,
+    results: Sequence[tuple[Record, LimitState]],
+    case_text: str,
+    versions: Mapping[str, str],
+    figures_dir: Path | None = None,
+) -> None:
+    """Write a self-contained report.
+
+    Parameters
+    ----------
+    summary: the content of summary.json. results: for each rigid-block analysis its record in `summary["analyses"]` and its
+        state; a record may hold "direction" (3,), drawn as an arrow.
+    figures_dir: where the pictures of the mechanisms are kept as PNG too (None: nowhere).
+
+    A picture that cannot be drawn (no graphics library) is replaced by a sentence; the report is written all the same.
+    """
+    rows = rows_of(summary, results)
+    seen = [row for row in rows if row.state is not None]
+    pictures, picture_problem = _pictures(stones, seen, figures_dir)
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(Path(__file__).parent / "templates"),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    columns = columns_for(rows)
+    text = environment.get_template("report.html").render(
+        name=summary.get("case", ""),
+        facts=_facts(_sizes(summary, seen), stones),
+        kinds=_interface_kinds(contacts),
+        cards=[_card(row) for row in rows] if len(rows) <= CARDS else [],
+        columns=columns,
+        rows=[(row, [column.text(row) for column in columns]) for row in rows],
+        match=summary.get("match"),
+        notes=[(row.label, note) for row in rows if (note := status_note(stones, row))],
+        friction_plot=_friction_plot(rows),
+        convergence=_convergence(rows),
+        non_associative=any(row.record.get("flow") == "non-associative" for row in rows),
+        pictures=pictures,
+        picture_problem=picture_problem,
+        choices=[f"{row.label}: {figure(row.value('load_factor'), 4)}" for row in seen],
+        viewer_data=viewer.script_json(viewer.viewer_data(stones, [(dict(r.record), r.state, r.label) for r in seen if r.state])),
+        import_map=viewer.import_map(),
+        viewer_script=viewer.static_text("viewer.js"),
+        three_licence=viewer.static_text("three/LICENSE"),
+        style=viewer.static_text("report.css"),
+        case_text=case_text,
+        versions=versions,
+    )
+    write_text(path, text)
+
+
+def _sizes(summary: Mapping[str, Any], rows: Sequence[Row]) -> Mapping[str, Any]:
+    """Return the part of the summary that holds the sizes of the geometry that is drawn."""
+    geometry = str(rows[0].record.get("geometry")) if rows else ""
+    return {**summary, **summary.get("geometries", {}).get(geometry, {})}
+
+
+def _facts(summary: Mapping[str, Any], stones: Assemblage) -> list[tuple[str, str]]:
+    free = stones.points[~stones.fixed[stone_of_point(stones)]]
+    size = " \u00d7 ".join(f"{length:.2f}" for length in np.ptp(free, axis=0))
+    facts = [(title, f"{summary[key]:,}") for key, title in _COUNTS.items() if isinstance(summary.get(key), int)]
+    if isinstance(summary.get("weight_kN"), int | float):
+        facts.append(("weight", f"{summary['weight_kN']:.4g} kN"))
+    facts.append(("length \u00d7 width \u00d7 height", f"{size} m"))
+    shell = summary.get("shell") or {}
+    return facts + [(f"shell {key}", f"{value:,}") for key, value in shell.items() if isinstance(value, int)]
+
+
+_COUNTS = {"blocks": "stones", "interfaces": "interfaces", "contact_points": "contact points"}
+
+
+def _interface_kinds(contacts: Contacts) -> str:
+    counts = [(int((contacts.kind == kind).sum()), kind) for kind in KINDS]
+    return ", ".join(f"{count:,} {kind}" for count, kind in counts if count)
+
+
+def _card(row: Row) -> dict[str, str]:
+    return {"label": row.label, "value": figure(row.value("load_factor"), 4), "status": row.status}
+
+
+def _friction_plot(rows: Sequence[Row]) -> str:
+    """Return load factor against friction when some analysis was made for several frictions."""
+    curves: dict[str, list[tuple[float, float]]] = {}
+    for row in rows:
+        friction, factor = row.record.get("friction"), row.value("load_factor")
+        if isinstance(friction, int | float) and factor is not None and math.isfinite(factor):
+            others = [f"{last_part(key)} {value}" for key, value in swept(row).items()]
+            curves.setdefault(", ".join([row.kind, row.load, *others]), []).append((friction, factor))
+    drawn = [(label, *np.array(points).T) for label, points in curves.items() if len({f for f, _ in points}) > 1]
+    return friction_svg(drawn) if drawn else ""
+
+
+def _convergence(rows: Sequence[Row]) -> list[tuple[str, str, str]]:
+    """Return label, plot and facts of each non-associative iteration."""
+    associative = {_loading(row): row.state.load_factor for row in rows if row.state and row.state.flow == "associative"}
+    return [
+        (row.label, convergence_svg(row.state, associative.get(_loading(row))), convergence_note(row))
+        for row in rows
+        if row.state and row.state.history
+    ]
+
+
+def _loading(row: Row) -> tuple[str, str, str]:
+    return row.load, friction_text(row), str(swept(row))
+
+
+def _pictures(stones: Assemblage, rows: Sequence[Row], keep: Path | None) -> tuple[list[tuple[str, str]], str]:
+    """Return (label, PNG as base64) of the first analysis of each load and flow rule, and why there is none, if so."""
+    first: dict[tuple[str, str], Row] = {}
+    for row in rows:
+        first.setdefault((row.load, row.kind), row)
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = keep or Path(scratch)
+        folder.mkdir(parents=True, exist_ok=True)
+        files = [folder / f"{row.record.get('name', f'mechanism_{number}')}.png" for number, row in enumerate(first.values(), 1)]
+        jobs = [
+            (stones, np.nan_to_num(row.state.velocities), file, None if row.status == "unstable" else push_direction(row.record))
+            for row, file in zip(first.values(), files, strict=True)
+            if row.state
+        ]
+        problem = mechanism_pictures(jobs)
+        pictures = [
+            (row.label, base64.b64encode(file.read_bytes()).decode("ascii"))
+            for row, file in zip(first.values(), files, strict=True)
+            if file.exists()
+        ]
+    return pictures, problem

@@ -1,0 +1,142 @@
+"""How a mechanism moves: rigid motion of the stones at an amplitude, and from where it is best seen."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
+from churchpipe.model.assemblage import Assemblage
+
+STILL = 1e-3
+PUSH_LENGTH = 0.16
+
+
+def stone_of_point(stones: Assemblage) -> IntArray:
+    """Return the stone (nv,) that each point belongs to."""
+    return np.repeat(np.arange(stones.count, dtype=np.int64), np.diff(stones.block_point_ptr))
+
+
+def stone_speed(stones: Assemblage, velocities: FloatArray) -> FloatArray:
+    """Return the speed (nb,) of the fastest vertex of each stone; velocities (nb, 6): translation of the centroid, rotation."""
+    owner = stone_of_point(stones)
+    arm = stones.points - stones.centroid[owner]
+    velocity = velocities[owner, :3] + np.cross(velocities[owner, 3:], arm)
+    speed = np.zeros(stones.count)
+    np.maximum.at(speed, owner, np.linalg.norm(velocity, axis=1))
+    return speed
+
+
+def reference_speed(speed: FloatArray) -> float:
+    """Return the speed that stands for the mechanism: most moving stones are slower, and none is more than 4 times faster."""
+    fastest = float(speed.max(initial=0.0))
+    if fastest == 0.0:
+        return 0.0
+    return max(float(np.percentile(speed[speed > STILL * fastest], 98)), fastest / 4)
+
+
+def moving_stones(speed: FloatArray) -> BoolArray:
+    """Return True (nb,) for the stones that take part in the mechanism."""
+    return speed > STILL * max(reference_speed(speed), np.finfo(float).tiny)
+
+
+def natural_amplitude(stones: Assemblage, speed: FloatArray, share: float = 0.08) -> float:
+    """Return the factor on the velocities that moves the mechanism by a share of the structure's size; 0 without mechanism."""
+    reference = reference_speed(speed)
+    return share * stones.size / reference if reference > 0 else 0.0
+
+
+def displaced_points(stones: Assemblage, velocities: FloatArray, amplitude: float) -> FloatArray:
+    """Return the points (nv, 3) m of the stones, each carried along its own constant velocity field for a time `amplitude`.
+
+    The field of a stone, v + w x (p - c), makes it turn about a fixed axis: p' = c + R (p - c) + V v, with Rodrigues'
+    rotation R and V its integral. So stones keep their shape at any amplitude, and stones that move as one body stay together.
+    """
+    owner = stone_of_point(stones)
+    v, w = velocities[:, :3], velocities[:, 3:]
+    rate = np.linalg.norm(w, axis=1, keepdims=True)
+    turning = rate > 0
+    axis = w / np.where(turning, rate, 1.0)
+    sine, cosine = np.sin(amplitude * rate), np.cos(amplitude * rate)
+    along = axis * np.einsum("ij,ij->i", axis, v)[:, None]
+    circle = (sine * (v - along) + (1 - cosine) * np.cross(axis, v)) / np.where(turning, rate, 1.0)
+    shift = np.where(turning, amplitude * along + circle, amplitude * v)
+    arm = stones.points - stones.centroid[owner]
+    axis, sine, cosine = axis[owner], sine[owner], cosine[owner]
+    kept = axis * np.einsum("ij,ij->i", axis, arm)[:, None]
+    turned = kept + cosine * (arm - kept) + sine * np.cross(axis, arm)
+    return (stones.centroid + shift)[owner] + turned
+
+
+def viewpoint(stones: Assemblage, velocities: FloatArray) -> FloatArray:
+    """Return the unit vector (3,) towards a camera that sees both the breadth of the structure and its motion.
+
+    The azimuth is the one that scores best for the width of the plan, for motion across the line of sight, and for looking
+    at the side towards which the stones move, where the joints open.
+    """
+    free = ~stones.fixed
+    plan = np.ptp(stones.points[free[stone_of_point(stones)], :2], axis=0)
+    drift = (stones.weight[:, None] * velocities[:, :2]).sum(axis=0)
+    length = float(np.hypot(*drift))
+    drift = drift / length if length > 0 else np.array([0.0, -1.0])
+    azimuth = np.deg2rad(np.arange(7.5, 360.0, 15.0))
+    toward = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=1)
+    width = np.abs(toward[:, 1]) * plan[0] + np.abs(toward[:, 0]) * plan[1]
+    across = np.abs(toward[:, 0] * drift[1] - toward[:, 1] * drift[0])
+    score = width / width.max() + 0.6 * across + 0.5 * toward @ drift
+    best = toward[np.argmax(score)]
+    return np.array([*(best * np.cos(np.deg2rad(24.0))), np.sin(np.deg2rad(24.0))])
+
+
+def camera_position(points: FloatArray, toward: FloatArray, view_angle: float, aspect: float) -> tuple[FloatArray, FloatArray]:
+    """Return camera position (3,) and focus (3,) that frame points (n, 3) seen from the direction `toward`, z upright.
+
+    view_angle: vertical, degrees; aspect: width over height of the picture.
+    """
+    right = np.cross([0.0, 0.0, 1.0], toward)
+    right /= np.linalg.norm(right)
+    # axis_ac: axis a (right, up, towards the camera), component c.
+    axis = np.stack([right, np.cross(toward, right), toward])
+    seen = points @ axis.T
+    centre = (seen.min(axis=0) + seen.max(axis=0)) / 2
+    reach = np.abs(seen - centre)
+    slope = np.tan(np.deg2rad(view_angle) / 2)
+    distance = float((np.maximum(reach[:, 0] / aspect, reach[:, 1]) / slope + (seen - centre)[:, 2]).max())
+    focus = centre @ axis
+    return focus + 1.08 * distance * toward, focus
+
+
+def ground_plate(stones: Assemblage) -> BoolArray:
+    """Return True (nb,) for fixed stones that lie below the whole structure and reach beyond it on every side in plan."""
+    owner = stone_of_point(stones)
+    low, high = np.full((stones.count, 3), np.inf), np.full((stones.count, 3), -np.inf)
+    np.minimum.at(low, owner, stones.points)
+    np.maximum.at(high, owner, stones.points)
+    if not (~stones.fixed).any():
+        return np.zeros(stones.count, dtype=bool)
+    bottom, top = low[~stones.fixed].min(axis=0), high[~stones.fixed].max(axis=0)
+    slack = 1e-6 * stones.size
+    covers = (low[:, :2] <= bottom[:2] + slack).all(axis=1) & (high[:, :2] >= top[:2] - slack).all(axis=1)
+    return stones.fixed & covers & (high[:, 2] <= bottom[2] + slack)
+
+
+def push_direction(record: Mapping[str, Any]) -> FloatArray | None:
+    """Return the unit vector (3,) of an analysis' load: its "direction", else read from a load name such as "-y"; or None."""
+    given = record.get("direction")
+    name = str(record.get("load", ""))
+    if given is not None:
+        vector = np.asarray(given, dtype=float)
+    elif len(name) == 2 and name[0] in "+-" and name[1] in "xyz":
+        vector = np.eye(3)["xyz".index(name[1])] * (1.0 if name[0] == "+" else -1.0)
+    else:
+        return None
+    length = float(np.linalg.norm(vector))
+    return vector / length if vector.shape == (3,) and length > 0 else None
+
+
+def push_arrow_start(stones: Assemblage, push: FloatArray) -> FloatArray:
+    """Return the tail (3,) m of the arrow of a load in direction `push`: above the structure, where nothing hides it."""
+    free = stones.points[~stones.fixed[stone_of_point(stones)]]
+    low, high = free.min(axis=0), free.max(axis=0)
+    middle = np.array([*(low + high)[:2] / 2, high[2] + 0.09 * stones.size])
+    return middle - 0.5 * PUSH_LENGTH * stones.size * push

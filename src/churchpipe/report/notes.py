@@ -1,0 +1,81 @@
+"""Paragraphs of the report that depend on how an analysis ended."""
+
+import math
+
+import numpy as np
+
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.report.motion import moving_stones, reference_speed, stone_speed
+from churchpipe.report.table import Row, figure, small
+
+SHOWN = 12
+
+
+def status_note(stones: Assemblage, row: Row) -> str:
+    """Return what an engineer must know about an unusual end of an analysis; "" for a usual one."""
+    state = row.state
+    message = f" The solver says: {state.message}." if state and state.message and row.status == "failed" else ""
+    match row.status:
+        case "unstable":
+            return "The structure does not stand under its own weight, so there is no load factor. " + _fallen_stones(stones, row)
+        case "unbounded":
+            return (
+                "No lateral load of this kind brings the structure down: friction and geometry hold at any load factor. "
+                "Check the direction, the loaded panels and the supports; a real structure would crush or slide elsewhere first."
+            )
+        case "not-converged":
+            return "The iteration did not reach a certified state without dilatancy. " + _unfinished(row)
+        case "failed":
+            return (
+                "No certified answer was found: the bounds did not meet or the solver stopped early, and an uncertified "
+                f"number would be worse than none.{message}"
+            )
+    return ""
+
+
+def convergence_note(row: Row) -> str:
+    """Return one sentence a fact about a non-associative result: its gap, interval and fixed points."""
+    state = row.state
+    if state is None:
+        return ""
+    parts = []
+    if row.relative_gap is not None:
+        parts.append(f"Gap g / load factor: {small(row.relative_gap)}.")
+    if np.isfinite(state.interval).all():
+        low, high = state.interval
+        parts.append(f"Load factors compatible with this mechanism: {figure(low, 4)} to {figure(high, 4)}.")
+    if len(state.fixed_points) == 1:
+        parts.append(f"Every start led to {figure(state.fixed_points[0], 4)}.")
+    elif state.fixed_points:
+        values = ", ".join(figure(v, 4) for v in sorted(state.fixed_points))
+        parts.append(f"The starts led to {values}; the lowest is the safe one.")
+    if math.isfinite(state.friction_violation):
+        parts.append(f"Friction violation left: {small(state.friction_violation)}.")
+    return " ".join(parts)
+
+
+def _fallen_stones(stones: Assemblage, row: Row) -> str:
+    if row.state is None:
+        return ""
+    speed = stone_speed(stones, np.nan_to_num(row.state.velocities))
+    # Slow stones are carried along or are rounding: name those that fall, fastest first.
+    falling = np.flatnonzero(moving_stones(speed) & (speed > 0.05 * reference_speed(speed)))
+    if not len(falling):
+        return ""
+    order = falling[np.argsort(-speed[falling], kind="stable")]
+    names = ", ".join(stones.block_id[order[:SHOWN]])
+    more = f" and {len(order) - SHOWN} more" if len(order) > SHOWN else ""
+    verb = "stone moves" if len(order) == 1 else "stones move"
+    return f"{len(order)} {verb}, fastest first: {names}{more}. The picture shows how."
+
+
+def _unfinished(row: Row) -> str:
+    state = row.state
+    if state is None or not state.history:
+        return "Treat its load factor as an estimate."
+    last = [step.load_factor for step in state.history[-10:]]
+    steps = f"{len(last)} steps" if len(last) > 1 else "step"
+    return (
+        f"Over its last {steps} the load factor ranged from {figure(min(last), 4)} to {figure(max(last), 4)}. "
+        "Treat it as an estimate; the associative load factor remains an upper limit."
+    )

@@ -1,0 +1,296 @@
+// The structure and its mechanisms in 3-D. Reads #viewer-data (see viewer.py), draws into #viewer.
+import * as THREE from "three";
+import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+
+const data = JSON.parse(document.getElementById("viewer-data").textContent);
+const element = (id) => document.getElementById(id);
+
+function bytes(text) {
+  return Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer;
+}
+const floats = (text) => new Float32Array(bytes(text));
+const integers = (text) => new Uint32Array(bytes(text));
+
+const rest = floats(data.points);
+const centroid = floats(data.centroid);
+const pointer = integers(data.point_ptr);
+const triangles = integers(data.triangles);
+const analyses = data.analyses.map((a) => ({ ...a, velocities: floats(a.velocities), speed: floats(a.speed) }));
+const stoneCount = data.id.length;
+
+const stoneOfPoint = new Uint32Array(rest.length / 3);
+for (let s = 0; s < stoneCount; s++) stoneOfPoint.fill(s, pointer[s], pointer[s + 1]);
+
+// Every stone is carried along its own constant velocity field, that is turned about a fixed axis (motion.py): it keeps
+// its shape at any amplitude, and stones that move as one body stay together.
+function displace(out, velocities, amplitude) {
+  for (let s = 0; s < stoneCount; s++) {
+    const [vx, vy, vz, wx, wy, wz] = velocities.subarray(6 * s, 6 * s + 6);
+    const rate = Math.hypot(wx, wy, wz) || 1e-30;
+    const x = wx / rate, y = wy / rate, z = wz / rate;
+    const sin = Math.sin(amplitude * rate), cos = Math.cos(amplitude * rate);
+    const versine = 2 * Math.sin((amplitude * rate) / 2) ** 2;
+    const a = sin / rate, b = versine / rate, along = (x * vx + y * vy + z * vz) * (amplitude - a);
+    const cx = centroid[3 * s], cy = centroid[3 * s + 1], cz = centroid[3 * s + 2];
+    const dx = cx + a * vx + b * (y * vz - z * vy) + along * x;
+    const dy = cy + a * vy + b * (z * vx - x * vz) + along * y;
+    const dz = cz + a * vz + b * (x * vy - y * vx) + along * z;
+    for (let i = 3 * pointer[s]; i < 3 * pointer[s + 1]; i += 3) {
+      const px = rest[i] - cx, py = rest[i + 1] - cy, pz = rest[i + 2] - cz;
+      const kept = (x * px + y * py + z * pz) * versine;
+      out[i] = dx + cos * px + sin * (y * pz - z * py) + kept * x;
+      out[i + 1] = dy + cos * py + sin * (z * px - x * pz) + kept * y;
+      out[i + 2] = dz + cos * pz + sin * (x * py - y * px) + kept * z;
+    }
+  }
+}
+
+const panelColours = data.panels.map((p) => new THREE.Color(p.colour));
+const speedStops = data.speed_stops.map((c) => new THREE.Color(c));
+
+function speedColour(share, out) {
+  const place = Math.min(Math.max(share, 0), 1) * (speedStops.length - 1);
+  const below = Math.min(Math.floor(place), speedStops.length - 2);
+  return out.lerpColors(speedStops[below], speedStops[below + 1], place - below);
+}
+
+function paint(out, analysis, byPanel) {
+  const colour = new THREE.Color();
+  for (let s = 0; s < stoneCount; s++) {
+    if (byPanel) colour.copy(panelColours[data.panel_of[s]]);
+    else speedColour(analysis.reference_speed > 0 ? analysis.speed[s] / analysis.reference_speed : 0, colour);
+    for (let p = pointer[s]; p < pointer[s + 1]; p++) colour.toArray(out, 3 * p);
+  }
+}
+
+function lengthText(metres) {
+  const size = Math.abs(metres);
+  if (size >= 1) return `${metres.toFixed(2)} m`;
+  return `${(1000 * metres).toFixed(size >= 0.1 ? 0 : 1)} mm`;
+}
+
+function start(canvas, renderer) {
+  renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+  const scene = new THREE.Scene();
+  const extent = new THREE.Vector3(...data.size);
+  const radius = extent.length() / 2;
+  const camera = new THREE.PerspectiveCamera(28, 1, radius / 50, radius * 60);
+  camera.up.set(0, 0, 1);
+  const controls = new OrbitControls(camera, canvas);
+
+  scene.add(new THREE.HemisphereLight(0xffffff, 0xcfc5b5, 1.7));
+  const lamp = new THREE.DirectionalLight(0xffffff, 1.9);
+  lamp.position.set(-0.4, 0.7, 0.5);
+  camera.add(lamp);
+  scene.add(camera);
+
+  // One mesh and one set of lines share the positions; flat shading needs no normals.
+  const position = new THREE.BufferAttribute(new Float32Array(rest), 3).setUsage(THREE.DynamicDrawUsage);
+  const colour = new THREE.BufferAttribute(new Float32Array(rest.length), 3);
+  const solid = new THREE.BufferGeometry();
+  solid.setAttribute("position", position);
+  solid.setAttribute("color", colour);
+  solid.setIndex(new THREE.BufferAttribute(triangles, 1));
+  const wires = new THREE.BufferGeometry();
+  wires.setAttribute("position", position);
+  wires.setIndex(new THREE.BufferAttribute(integers(data.edges), 1));
+  const stones = new THREE.Mesh(solid, new THREE.MeshLambertMaterial({
+    vertexColors: true, flatShading: true, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1,
+  }));
+  const lines = new THREE.LineSegments(wires, new THREE.LineBasicMaterial({
+    color: data.colours.edge, transparent: true, opacity: 0.5,
+  }));
+  for (const object of [stones, lines]) {
+    object.frustumCulled = false;
+    scene.add(object);
+  }
+  if (data.ground) scene.add(ground(extent));
+  const arrow = new THREE.Group();
+  scene.add(arrow);
+
+  const framed = new Set(triangles);
+  const state = { analysis: analyses[0], byPanel: false, share: 0.5, playing: false, origin: null };
+  const period = 900; // ms a radian
+  const draw = () => renderer.render(scene, camera);
+
+  function move() {
+    const amplitude = 2 * state.share * state.analysis.amplitude;
+    displace(position.array, state.analysis.velocities, amplitude);
+    position.needsUpdate = true;
+    element("viewer-moved").textContent = state.analysis.moving
+      ? `largest displacement ${lengthText(amplitude * state.analysis.reference_speed)}` : "no mechanism";
+    canvas.dataset.amplitude = amplitude;
+    draw();
+  }
+
+  function choose(number) {
+    state.analysis = analyses[number];
+    const moving = state.analysis.moving;
+    if (!moving) setPlaying(false);
+    element("viewer-count").textContent = moving ? `${moving} of ${data.free} stones move,` : "";
+    element("viewer-amplitude").disabled = element("viewer-play").disabled = !moving;
+    arrow.clear();
+    if (state.analysis.push) arrow.add(pushArrow(state.analysis.push));
+    recolour();
+    move();
+  }
+
+  function recolour() {
+    const byPanel = state.byPanel || !state.analysis.moving;
+    paint(colour.array, state.analysis, byPanel);
+    colour.needsUpdate = true;
+    legend(byPanel);
+    draw();
+  }
+
+  // The nearest camera position that frames every displaced point and the arrow of the load.
+  function look() {
+    const toward = new THREE.Vector3(...state.analysis.toward);
+    const right = new THREE.Vector3(0, 0, 1).cross(toward).normalize();
+    const axes = [right, toward.clone().cross(right), toward];
+    const points = Array.from(framed, (p) => new THREE.Vector3().fromArray(position.array, 3 * p));
+    if (state.analysis.push) points.push(new THREE.Vector3(...state.analysis.push.start));
+    const seen = points.map((point) => new THREE.Vector3(...axes.map((axis) => point.dot(axis))));
+    const box = new THREE.Box3().setFromPoints(seen);
+    const centre = box.getCenter(new THREE.Vector3());
+    const slope = Math.tan((camera.fov * Math.PI) / 360);
+    let distance = 0;
+    for (const point of seen) {
+      point.sub(centre);
+      distance = Math.max(distance, Math.max(Math.abs(point.x) / camera.aspect, Math.abs(point.y)) / slope + point.z);
+    }
+    controls.target.set(0, 0, 0);
+    axes.forEach((axis, a) => controls.target.addScaledVector(axis, centre.getComponent(a)));
+    camera.position.copy(controls.target).addScaledVector(toward, 1.1 * distance);
+    controls.update();
+    draw();
+  }
+
+  function resize() {
+    const { clientWidth, clientHeight } = canvas.parentElement;
+    renderer.setSize(clientWidth, clientHeight, false);
+    camera.aspect = clientWidth / clientHeight;
+    camera.updateProjectionMatrix();
+    draw();
+  }
+
+  function play(time) {
+    if (!state.playing) return;
+    state.origin ??= time - period * Math.acos(1 - 2 * state.share);
+    state.share = 0.5 - 0.5 * Math.cos((time - state.origin) / period);
+    element("viewer-amplitude").value = 100 * state.share;
+    move();
+    requestAnimationFrame(play);
+  }
+
+  function setPlaying(playing) {
+    state.playing = playing;
+    state.origin = null;
+    element("viewer-play").textContent = playing ? "Pause" : "Play";
+    if (playing) requestAnimationFrame(play);
+  }
+
+  function pick(event) {
+    const box = canvas.getBoundingClientRect();
+    const pointerPlace = new THREE.Vector2(
+      (2 * (event.clientX - box.left)) / box.width - 1, 1 - (2 * (event.clientY - box.top)) / box.height);
+    const ray = new THREE.Raycaster();
+    ray.setFromCamera(pointerPlace, camera);
+    solid.computeBoundingSphere();
+    const hit = ray.intersectObject(stones)[0];
+    element("viewer-picked").textContent = hit ? describe(stoneOfPoint[hit.face.a]) : "";
+  }
+
+  function describe(s) {
+    const course = data.course[s] >= 0 ? `, course ${data.course[s]}` : "";
+    const moved = 2 * state.share * state.analysis.amplitude * state.analysis.speed[s];
+    const motion = state.analysis.moving ? `, moves ${lengthText(moved)}` : "";
+    return `Stone ${data.id[s]}: ${data.panels[data.panel_of[s]].name}${course}${motion}`;
+  }
+
+  element("viewer-analysis").addEventListener("change", (e) => { choose(Number(e.target.value)); });
+  element("viewer-colour").addEventListener("change", (e) => { state.byPanel = e.target.value === "panel"; recolour(); });
+  element("viewer-amplitude").addEventListener("input", (e) => {
+    setPlaying(false);
+    state.share = Number(e.target.value) / 100;
+    move();
+  });
+  element("viewer-play").addEventListener("click", () => { setPlaying(!state.playing); });
+  element("viewer-reset").addEventListener("click", look);
+  controls.addEventListener("change", draw);
+  let pressed = [0, 0];
+  canvas.addEventListener("pointerdown", (e) => { pressed = [e.clientX, e.clientY]; });
+  canvas.addEventListener("pointerup", (e) => {
+    if (Math.hypot(e.clientX - pressed[0], e.clientY - pressed[1]) < 4) pick(e);
+  });
+  new ResizeObserver(resize).observe(canvas.parentElement);
+  resize();
+  choose(0);
+  look();
+}
+
+function ground(extent) {
+  const group = new THREE.Group();
+  const reach = Math.ceil((0.65 * Math.max(extent.x, extent.y) + 0.15 * extent.length()) / data.grid) * data.grid;
+  const level = -1e-3 * extent.length();
+  const plane = new THREE.Mesh(
+    new THREE.PlaneGeometry(2 * reach, 2 * reach),
+    new THREE.MeshBasicMaterial({ color: data.colours.ground, transparent: true, opacity: 0.3, depthWrite: false, side: THREE.DoubleSide }));
+  const grid = new THREE.GridHelper(2 * reach, Math.round((2 * reach) / data.grid), data.colours.ground, data.colours.ground);
+  grid.rotation.x = Math.PI / 2;
+  plane.position.z = grid.position.z = level;
+  group.add(plane, grid);
+  return group;
+}
+
+function pushArrow({ direction, start, length }) {
+  const material = new THREE.MeshLambertMaterial({ color: data.colours.push });
+  const shaft = new THREE.Mesh(new THREE.CylinderGeometry(0.04 * length, 0.04 * length, 0.65 * length, 24), material);
+  const head = new THREE.Mesh(new THREE.ConeGeometry(0.11 * length, 0.35 * length, 32), material);
+  shaft.position.y = 0.325 * length;
+  head.position.y = 0.825 * length;
+  const group = new THREE.Group();
+  group.add(shaft, head);
+  group.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), new THREE.Vector3(...direction));
+  group.position.set(...start);
+  return group;
+}
+
+function legend(byPanel) {
+  const box = element("viewer-legend");
+  box.replaceChildren();
+  if (byPanel) {
+    for (const panel of data.panels.filter((p) => p.drawn)) {
+      const item = document.createElement("span");
+      const swatch = document.createElement("i");
+      swatch.style.background = panel.colour;
+      item.append(swatch, panel.name);
+      box.append(item);
+    }
+  } else {
+    const bar = document.createElement("i");
+    bar.className = "ramp";
+    bar.style.background = `linear-gradient(to right, ${data.speed_stops.join(",")})`;
+    const item = document.createElement("span");
+    item.append("at rest ", bar, " fastest");
+    box.append(item);
+  }
+  if (data.ground) {
+    const item = document.createElement("span");
+    item.append(`grid ${lengthText(data.grid)}`);
+    box.append(item);
+  }
+}
+
+const canvas = element("viewer-canvas");
+let renderer = null;
+try {
+  renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true });
+} catch (error) {
+  document.body.dataset.viewer = "no-webgl";
+}
+if (renderer) {
+  document.body.dataset.viewer = "on";
+  start(canvas, renderer);
+  requestAnimationFrame(() => { document.body.dataset.ready = "true"; });
+}

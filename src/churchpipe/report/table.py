@@ -1,0 +1,180 @@
+"""The table of load factors: one row an analysis, values as words and figures."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from churchpipe.model.results import LimitState
+
+Record = Mapping[str, Any]
+IDENTITY = ("model", "method", "flow", "load", "friction", "geometry")
+MODELS = {"rigid-block": "rigid blocks", "homogenised-shell": "homogenised shell"}
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """An analysis: its record in the summary, and its state when it is a rigid-block one that this report draws."""
+
+    record: Record
+    state: LimitState | None
+
+    @property
+    def status(self) -> str:
+        return str(self.record.get("status") or (self.state.status if self.state else "unknown"))
+
+    @property
+    def kind(self) -> str:
+        """Flow rule or method."""
+        return str(self.record.get("flow") or self.record.get("method") or "")
+
+    @property
+    def load(self) -> str:
+        return minus(str(self.record.get("load", "")))
+
+    @property
+    def label(self) -> str:
+        """Name of the analysis for a chooser or a heading."""
+        words = [self.kind or str(self.record.get("model", "analysis"))]
+        words += [f"load {self.load}"] if self.load else []
+        words += [f"friction {friction_text(self)}"] if "friction" in self.record else []
+        return ", ".join(words + [f"{last_part(key)} {value}" for key, value in swept(self).items()])
+
+    def value(self, key: str) -> float | None:
+        """Return a number of the record, else of the state (JSON has no infinity); None when neither has one."""
+        value = self.record.get(key)
+        if value is None and self.state is not None:
+            value = getattr(self.state, key, None)
+        return value if isinstance(value, int | float) and not math.isnan(value) else None
+
+    @property
+    def relative_gap(self) -> float | None:
+        """Gap g over load factor."""
+        gap, factor = self.value("gap"), self.value("load_factor")
+        return None if gap is None or not factor or math.isinf(factor) else gap / abs(factor)
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """A column: heading, explanation, and the text of a row's cell ("" when such a row has none)."""
+
+    title: str
+    meaning: str
+    text: Callable[[Row], str]
+    numeric: bool = True
+
+
+def rows_of(summary: Record, results: Sequence[tuple[Record, LimitState]]) -> list[Row]:
+    """Return the analyses in the order of the summary, each with its state; those that only `results` has come last."""
+    states = {identity(record): (record, state) for record, state in results}
+    rows = [Row(record, states.pop(identity(record), (None, None))[1]) for record in summary.get("analyses", ())]
+    return rows + [Row(record, state) for record, state in states.values()]
+
+
+def identity(record: Record) -> tuple[str, ...]:
+    """Return what tells one analysis of a run from another: its name, if it has one."""
+    return (str(record["name"]),) if "name" in record else tuple(str(record.get(key, "")) for key in IDENTITY)
+
+
+def columns_for(rows: Sequence[Row]) -> list[Column]:
+    """Return the columns that at least one row has something to say in; the model only where there are two."""
+    keys = list(dict.fromkeys(key for row in rows for key in swept(row)))
+    variants = [Column(last_part(key), key, lambda row, key=key: swept(row).get(key, "")) for key in keys]
+    told = [column for column in COLUMNS if any(column.text(row) not in ("", "none") for row in rows)]
+    if len({_model(row) for row in rows}) < 2:
+        told = [column for column in told if column.text is not _model]
+    return variants + told
+
+
+def figure(value: object, digits: int = 6) -> str:
+    """Return a load factor as text: `digits` decimals; NaN and None are "none", infinity is "no limit"."""
+    if not isinstance(value, int | float) or math.isnan(value):
+        return "none"
+    if math.isinf(value):
+        return "no limit"
+    return minus(f"{value:.{digits}f}")
+
+
+def small(value: object) -> str:
+    """Return an error or residual as text, such as "3.1e\u221210"; NaN and None are "none"."""
+    if not isinstance(value, int | float) or math.isnan(value):
+        return "none"
+    if math.isinf(value):
+        return "infinite"
+    return "0" if value == 0 else minus(f"{value:.1e}")
+
+
+def minus(text: str) -> str:
+    """Return text with typographic minus signs before figures and axes; other hyphens stay."""
+    is_number = any(c.isdigit() for c in text) and not any(c.isalpha() and c != "e" for c in text)
+    is_axis = len(text) == 2 and text[1] in "xyz"
+    return text.replace("-", "\u2212") if is_number or is_axis else text
+
+
+def swept(row: Row) -> dict[str, str]:
+    """Return the swept settings of a row and their values; friction has a column of its own."""
+    variant = row.record.get("variant")
+    items = variant.items() if isinstance(variant, Mapping) else ()
+    alone = isinstance(row.record.get("friction"), int | float)
+    return {key: str(value) for key, value in items if not (alone and key.endswith(".friction"))}
+
+
+def last_part(key: str) -> str:
+    """Return the last part of a dotted key of the case file, as words."""
+    return key.rsplit(".", 1)[-1].replace("_", " ")
+
+
+def friction_text(row: Row) -> str:
+    """Return the friction coefficient, or one a material."""
+    return _by_material(row.record.get("friction"))
+
+
+def _by_material(value: object) -> str:
+    if isinstance(value, Mapping):
+        return ", ".join(f"{name} {_by_material(number)}" for name, number in value.items())
+    return f"{value:g}" if isinstance(value, int | float) else ""
+
+
+def _model(row: Row) -> str:
+    name = str(row.record.get("model", ""))
+    return MODELS.get(name, name)
+
+
+def _cohesion(row: Row) -> str:
+    value = row.record.get("cohesion_kPa")
+    return _by_material(value) if value else ""
+
+
+def _seconds(row: Row) -> str:
+    value = row.value("seconds")
+    return "" if value is None else f"{value:.1f}"
+
+
+def _iterations(row: Row) -> str:
+    value = row.value("iterations")
+    return "" if value is None else f"{value:.0f}"
+
+
+COLUMNS = (
+    Column("Model", "", _model, numeric=False),
+    Column("Analysis", "flow rule of the joints, or method", lambda row: row.kind, numeric=False),
+    Column("Load", "direction or name of the lateral load", lambda row: row.load, numeric=False),
+    Column("Friction", "friction coefficient of the joints", friction_text),
+    Column("Cohesion, kPa", "cohesion of the joints", _cohesion),
+    Column(
+        "Load factor",
+        "lateral load over weight of the loaded part, at collapse",
+        lambda row: figure(row.value("load_factor")),
+    ),
+    Column("Lower bound", "static: forces in equilibrium and within friction", lambda row: figure(row.value("lower_bound"), 7)),
+    Column("Upper bound", "kinematic: work of the mechanism", lambda row: figure(row.value("upper_bound"), 7)),
+    Column("Status", "", lambda row: row.status, numeric=False),
+    Column("Equilibrium", "largest residual over total weight", lambda row: small(row.value("equilibrium_residual"))),
+    Column("Cone", "worst force outside its friction cone over total weight", lambda row: small(row.value("cone_violation"))),
+    Column(
+        "Friction violation", "shear beyond friction over frictional strength", lambda row: small(row.value("friction_violation"))
+    ),
+    Column("Gap g", "de Saxc\u00e9 gap over load factor; 0 is an exact state", lambda row: small(row.relative_gap)),
+    Column("Iterations", "", _iterations),
+    Column("Seconds", "", _seconds),
+)

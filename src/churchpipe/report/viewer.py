@@ -1,0 +1,128 @@
+"""What the 3-D viewer of the report needs: geometry and velocities as base64 arrays, and three.js inlined.
+
+three.js (release 170, MIT licence) lies unmodified in static/three; viewer.js is ours.
+"""
+
+import base64
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from churchpipe.model.arrays import FloatArray
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.results import LimitState
+from churchpipe.report import colours
+from churchpipe.report.motion import (
+    PUSH_LENGTH,
+    ground_plate,
+    moving_stones,
+    natural_amplitude,
+    push_arrow_start,
+    push_direction,
+    reference_speed,
+    stone_of_point,
+    stone_speed,
+    viewpoint,
+)
+from churchpipe.report.surface import edges, triangles
+
+SUPPORT = "support"
+STATIC = Path(__file__).parent / "static"
+
+
+def viewer_data(stones: Assemblage, results: Sequence[tuple[dict[str, Any], LimitState, str]]) -> dict[str, Any]:
+    """Return the viewer's input as JSON-ready values; results: record of the analysis, its state, its label.
+
+    Lengths are in m, from the centre of the structure's plan at its foot: float32 keeps micrometres however far the
+    drawing's origin is. Arrays are little-endian base64: float32 (`points`, `centroid`, `velocities`, `speed`) and uint32
+    (`point_ptr`, `triangles`, `edges`).
+    """
+    plate = ground_plate(stones)
+    free = stones.points[~stones.fixed[stone_of_point(stones)]]
+    low, high = free.min(axis=0), free.max(axis=0)
+    origin = np.array([*(low + high)[:2] / 2, low[2]])
+    panels, panel_of = np.unique(np.where(stones.fixed, SUPPORT, stones.panel), return_inverse=True)
+    return {
+        "points": _packed(stones.points - origin, "<f4"),
+        "centroid": _packed(stones.centroid - origin, "<f4"),
+        "point_ptr": _packed(stones.block_point_ptr, "<u4"),
+        "triangles": _packed(triangles(stones, ~plate), "<u4"),
+        "edges": _packed(edges(stones, ~plate), "<u4"),
+        "id": stones.block_id.tolist(),
+        "course": stones.course.tolist(),
+        "panel_of": panel_of.tolist(),
+        "panels": [
+            {
+                "name": str(name) or "unnamed",
+                "colour": colours.SUPPORT if name == SUPPORT else colours.PANELS[i % len(colours.PANELS)],
+                "drawn": bool((~plate & (panel_of == i)).any()),
+            }
+            for i, name in enumerate(panels)
+        ],
+        "free": int((~stones.fixed).sum()),
+        "size": (high - low).tolist(),
+        "ground": bool(plate.any()),
+        "grid": _round_length(float(np.ptp(free[:, :2], axis=0).max()) / 6),
+        "speed_stops": colours.SPEED_STOPS,
+        "colours": {"edge": colours.EDGE, "ground": colours.GROUND, "push": colours.PUSH},
+        "analyses": [_analysis(stones, record, state, label, origin) for record, state, label in results],
+    }
+
+
+def _analysis(stones: Assemblage, record: dict[str, Any], state: LimitState, label: str, origin: FloatArray) -> dict[str, Any]:
+    velocities = np.nan_to_num(state.velocities)
+    speed = stone_speed(stones, velocities)
+    push = push_direction(record)
+    return {
+        "label": label,
+        "velocities": _packed(velocities, "<f4"),
+        "speed": _packed(speed, "<f4"),
+        "reference_speed": reference_speed(speed),
+        "amplitude": natural_amplitude(stones, speed),
+        "moving": int(moving_stones(speed).sum()),
+        "toward": viewpoint(stones, velocities).tolist(),
+        "push": None if push is None or state.status == "unstable" else _arrow(stones, push, origin),
+    }
+
+
+def _arrow(stones: Assemblage, push: FloatArray, origin: FloatArray) -> dict[str, Any]:
+    start = push_arrow_start(stones, push) - origin
+    return {"direction": push.tolist(), "start": start.tolist(), "length": PUSH_LENGTH * stones.size}
+
+
+def import_map() -> str:
+    """Return the import map that gives viewer.js its modules as data: addresses, so that nothing is fetched."""
+    modules = {
+        "three": "three/three.module.min.js",
+        "three/addons/controls/OrbitControls.js": "three/OrbitControls.js",
+    }
+    imports = {name: f"data:text/javascript;base64,{_base64((STATIC / file).read_bytes())}" for name, file in modules.items()}
+    return json.dumps({"imports": imports})
+
+
+def static_text(name: str) -> str:
+    """Return the text of a file in static/."""
+    return (STATIC / name).read_text(encoding="utf-8")
+
+
+def script_json(value: object) -> str:
+    """Return JSON that can stand inside a script element: no "<", so no end tag and no comment."""
+    return json.dumps(value, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
+
+
+def _packed(array: npt.ArrayLike, dtype: str) -> str:
+    return _base64(np.ascontiguousarray(array, dtype=dtype).tobytes())
+
+
+def _base64(data: bytes) -> str:
+    return base64.b64encode(data).decode("ascii")
+
+
+def _round_length(length: float) -> float:
+    """Return 1, 2 or 5 times a power of ten, the largest not above `length`."""
+    power = 10.0 ** np.floor(np.log10(length))
+    return float(max(step * power for step in (1, 2, 5) if step * power <= length * (1 + 1e-9)))
