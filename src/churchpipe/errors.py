@@ -21,3 +21,7 @@ class InputError(ValueError):
             parts.append(f"expected {expected}")
         message = "; ".join(parts) + "."
         super().__init__(f"{message} {remedy}".strip())
+
+
+class UsageError(InputError):
+    """An argument of the command line that cannot be taken: the input itself was not looked at."""

@@ -1,0 +1,60 @@
+"""Where the head joints of a course lie: the rules "grid" and "bay"."""
+
+import numpy as np
+
+from churchpipe.bond.field import Field
+from churchpipe.bond.polygons import TOLERANCE
+from churchpipe.model.arrays import BoolArray, FloatArray
+
+
+def grid_joints(field: Field, b: float, offset: float) -> FloatArray:
+    """Return the joints offset + k b within the wall, s in m; the ends of the wall are clipped."""
+    low, high = field.span
+    first, last = int(np.ceil((low - offset) / b - TOLERANCE)), int(np.floor((high - offset) / b + TOLERANCE))
+    return offset + b * np.arange(first, last + 1, dtype=np.float64)
+
+
+def bay_joints(field: Field, b: float, through: bool, height: float) -> FloatArray:
+    """Return the joints of one course when each clear bay between junctions is divided evenly, s in m.
+
+    A bay of length L takes m = round(L / b) stones of b' = L / m. Cut courses have joints at face + k b'; through courses
+    at face + (k + 1/2) b', and the stretch across a junction that the wall owns, from the last joint before to the first
+    one behind it, is divided evenly: no straight joints at the returns.
+
+    Parameters
+    ----------
+    field: the wall. b: target length of a stone, m. through: whether this course runs through. height: t in mid-course, m.
+    """
+    low, high = field.span
+    owned = ~_lost(field, height)
+    edges = np.concatenate((np.array([low]), field.zones.ravel(), np.array([high])))
+    joints: list[FloatArray] = []
+    # Last joint before and first joint behind each zone: the ends of the stretch across it.
+    before, behind = field.zones[:, 0].copy(), field.zones[:, 1].copy()
+    for bay, (start, stop) in enumerate(zip(edges[::2], edges[1::2], strict=True)):
+        if stop - start <= TOLERANCE:
+            continue
+        count = _pieces(stop - start, b)
+        pitch = (stop - start) / count
+        place = np.arange(0.5, count) if through else np.arange(0.0, count + 1)
+        inside = start + pitch * place
+        joints.append(inside)
+        if bay > 0:
+            behind[bay - 1] = inside[0]
+        if bay < len(before):
+            before[bay] = inside[-1]
+    for start, stop in zip(before[owned], behind[owned], strict=True):
+        joints.append(np.linspace(float(start), float(stop), _pieces(stop - start, b) + 1))
+    return np.concatenate(joints) if joints else np.empty(0)
+
+
+def _lost(field: Field, height: float) -> BoolArray:
+    """Return for each zone whether another wall owns it at this height."""
+    middle = field.zones.mean(axis=1)[:, None]
+    s0, t0, s1, t1 = field.lost.T
+    return ((s0 < middle) & (middle < s1) & (t0 < height) & (height < t1)).any(axis=1)
+
+
+def _pieces(length: float, b: float) -> int:
+    # Half a stone rounds up always, not to the even number.
+    return max(1, int(np.floor(length / b + 0.5 + TOLERANCE)))

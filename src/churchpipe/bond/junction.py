@@ -1,0 +1,167 @@
+"""Junctions of walls: where footprints cross, and which wall each course of the crossing belongs to."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from churchpipe.bond.charts import along, base_level, footprint
+from churchpipe.bond.planar import Region, area, areas, boxes, common, common_areas, vertices
+from churchpipe.bond.polygons import TOLERANCE, snap_onto
+from churchpipe.errors import InputError
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
+from churchpipe.model.building import Panel
+
+
+@dataclass(frozen=True, slots=True)
+class WallJunctions:
+    """The junctions of one wall: zones (nz, 2), s from face to face, disjoint and sorted; lost (nl, 4), rectangles s0, t0,
+    s1, t1 of the zones that belong to other walls. All in m, chart coordinates."""
+
+    zones: FloatArray
+    lost: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Crossing:
+    """Where two walls cross: the junction zone is the intersection of their footprints in plan.
+
+    walls: their numbers, first and second. spans (2, 2) m: s of the zone's faces along each. levels (n + 1,) m: z that bound
+    bands; owner (n,): 0 or 1, the wall that owns the zone in each band, -1 where only one of them exists.
+    """
+
+    walls: tuple[int, int]
+    spans: FloatArray
+    levels: FloatArray
+    owner: IntArray
+
+
+def crossings(panels: Sequence[Panel], solids: Sequence[Region]) -> list[Crossing]:
+    """Return the crossings of walls in pairs, derived from the footprints: corners, T and crossings.
+
+    Where both walls exist, a wall with `runs_through` None owns the zone, then the wall whose parity is that of the course,
+    then the one listed first; where only one fills the whole zone, that one owns it.
+
+    Parameters
+    ----------
+    panels: the walls, upright. solids: outline less openings of each, chart coordinates.
+
+    Raises
+    ------
+    InputError: walls that cross at a slant or only in part, toothed walls whose courses do not line up, a zone that
+        neither wall fills.
+    """
+    plans = [footprint(p.chart, p.thickness, p.outline[:, 0].min(), p.outline[:, 0].max()) for p in panels]
+    found: list[Crossing] = []
+    for i, j in combinations(range(len(panels)), 2):
+        zone = common(plans[i], plans[j])
+        if area(zone) <= TOLERANCE * min(panels[i].thickness, panels[j].thickness) ** 2:
+            continue
+        levels, course = _bands(panels[i], panels[j], solids[i], solids[j])
+        if not len(course):
+            continue
+        spans = np.stack([_zone_span(panels, k, zone, (i, j)) for k in (i, j)])
+        cover = [_cover(panels[k], solids[k], span, levels) for k, span in zip((i, j), spans, strict=True)]
+        both = (cover[0] > TOLERANCE) & (cover[1] > TOLERANCE)
+        if not both.any():
+            continue
+        whole = [share > 1 - TOLERANCE for share in cover]
+        if (both & ~whole[0] & ~whole[1]).any():
+            level = levels[:-1][both & ~whole[0] & ~whole[1]][0]
+            raise InputError(
+                f"junction of {panels[i].name} and {panels[j].name}",
+                "neither wall fills it",
+                found=f"openings or slopes in both at z = {level:g} m",
+                remedy="Keep openings and slopes of one of the walls out of the junction.",
+            )
+        first_owns = np.where(whole[0] == whole[1], _first_comes_first(panels[i], panels[j], course), whole[0])
+        found.append(Crossing((i, j), spans, levels, np.where(both, np.where(first_owns, 0, 1), -1)))
+    return found
+
+
+def wall_junctions(panels: Sequence[Panel], solids: Sequence[Region]) -> list[WallJunctions]:
+    """Return the junctions of each wall: its zones, and what of them belongs to others; parameters and errors as `crossings`."""
+    zones: list[list[FloatArray]] = [[] for _ in panels]
+    lost: list[list[FloatArray]] = [[] for _ in panels]
+    for crossing in crossings(panels, solids):
+        for place, (wall, span) in enumerate(zip(crossing.walls, crossing.spans, strict=True)):
+            loses = crossing.owner == 1 - place
+            base = base_level(panels[wall].chart)
+            low, high = crossing.levels[:-1][loses] - base, crossing.levels[1:][loses] - base
+            zones[wall].append(span)
+            lost[wall].append(np.stack([np.full(len(low), span[0]), low, np.full(len(low), span[1]), high], axis=1))
+    return [
+        WallJunctions(_merged(z), np.concatenate(rectangles) if rectangles else np.empty((0, 4)))
+        for z, rectangles in zip(zones, lost, strict=True)
+    ]
+
+
+def _zone_span(panels: Sequence[Panel], index: int, zone: Region, pair: tuple[int, int]) -> FloatArray:
+    """Return s of the two faces of the zone along one of its walls."""
+    panel = panels[index]
+    s = along(panel.chart, vertices(zone))
+    span = snap_onto(np.array([s.min(), s.max()]), panel.outline[:, 0])
+    if abs(area(footprint(panel.chart, panel.thickness, span[0], span[1])) - area(zone)) > 1e-6 * area(zone):
+        raise InputError(
+            f"junction of {panels[pair[0]].name} and {panels[pair[1]].name}",
+            "the walls do not cross squarely, face to face",
+            found=f"an overlap of {area(zone):.4g} m2 in plan",
+            expected="footprints that cross at right angles, each through the whole thickness of the other or up to its face",
+            remedy="Extend the outline to the far face of the other wall, or stop it at the near face.",
+        )
+    return span
+
+
+def _bands(first: Panel, second: Panel, first_solid: Region, second_solid: Region) -> tuple[FloatArray, IntArray]:
+    """Return levels z (n + 1,) m that bound bands in which nothing changes, and the course (n,) of each band."""
+    marks = [vertices(solid)[:, 1] + base_level(panel.chart) for panel, solid in ((first, first_solid), (second, second_solid))]
+    low, high = max(m.min() for m in marks), min(m.max() for m in marks)
+    if high - low <= TOLERANCE:
+        return np.empty(0), np.empty(0, dtype=np.int64)
+    a = first.regions[0].cell.a
+    base = base_level(first.chart)
+    toothed = None not in (first.runs_through, second.runs_through) and first.runs_through != second.runs_through
+    if toothed and (abs(a - second.regions[0].cell.a) > TOLERANCE or abs(base - base_level(second.chart)) > TOLERANCE):
+        raise InputError(
+            f"junction of {first.name} and {second.name}",
+            "the courses of toothed walls do not line up",
+            found=f"courses of {a:g} and {second.regions[0].cell.a:g} m from z = {base:g} and {base_level(second.chart):g} m",
+            expected="equal courses from one level",
+            remedy="Use one course height, or butt the walls (runs_through = None on one of them).",
+        )
+    lines = base + a * np.arange(int(np.floor((low - base) / a)), int(np.ceil((high - base) / a)) + 1, dtype=np.float64)
+    marked = np.concatenate(marks)
+    levels = np.unique(np.concatenate((marked, snap_onto(lines, marked))))
+    levels = levels[(levels >= low) & (levels <= high)]
+    levels = levels[np.append(True, np.diff(levels) > TOLERANCE)]
+    middle = 0.5 * (levels[1:] + levels[:-1])
+    return levels, np.floor((middle - base) / a).astype(np.int64)
+
+
+def _cover(panel: Panel, solid: Region, span: FloatArray, levels: FloatArray) -> FloatArray:
+    """Return the share of each band of the zone that the wall fills."""
+    t = levels - base_level(panel.chart)
+    level = np.ones(len(t) - 1)
+    bands = boxes(np.stack([span[0] * level, t[:-1], span[1] * level, t[1:]], axis=1))
+    return common_areas(bands, solid) / areas(bands)
+
+
+def _first_comes_first(first: Panel, second: Panel, course: IntArray) -> BoolArray:
+    def rank(panel: Panel) -> IntArray:
+        if panel.runs_through is None:
+            return np.zeros(len(course), dtype=np.int64)
+        return np.where(course % 2 == panel.runs_through, 1, 2)
+
+    return rank(first) <= rank(second)
+
+
+def _merged(spans: Sequence[FloatArray]) -> FloatArray:
+    """Return overlapping or touching intervals joined, sorted."""
+    joined: list[FloatArray] = []
+    for span in sorted(spans, key=lambda s: (s[0], s[1])):
+        if joined and span[0] <= joined[-1][1] + TOLERANCE:
+            joined[-1] = np.array([joined[-1][0], max(joined[-1][1], span[1])])
+        else:
+            joined.append(span)
+    return np.array(joined) if joined else np.empty((0, 2))

@@ -1,0 +1,141 @@
+# pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
+"""Plane regions and polygons: the one door to shapely, whose stubs leave keywords untyped."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+import shapely
+
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
+
+Polygons = npt.NDArray[np.object_]
+Region = shapely.Polygon | shapely.MultiPolygon
+
+
+def polygon(outline: npt.ArrayLike) -> Region:
+    """Return the polygon with the given outline (n, 2)."""
+    return shapely.Polygon(np.asarray(outline, dtype=np.float64))
+
+
+def polygons_of(corner: FloatArray, corner_ptr: IntArray) -> Polygons:
+    """Return polygons (n,) from corners (nc, 2) and their pointer array (n + 1,)."""
+    owner = np.repeat(np.arange(len(corner_ptr) - 1), np.diff(corner_ptr))
+    return np.atleast_1d(np.asarray(shapely.polygons(shapely.linearrings(corner, indices=owner)), dtype=np.object_))
+
+
+def boxes(rectangles: FloatArray) -> Polygons:
+    """Return polygons (n,) from rectangles s0, t0, s1, t1 (n, 4)."""
+    return np.asarray(shapely.box(*rectangles.T), dtype=np.object_)
+
+
+def why_invalid(region: Region) -> str:
+    """Return what is wrong with a region, or an empty text."""
+    if shapely.is_valid(region) and region.area > 0:
+        return ""
+    return "no area" if shapely.is_valid(region) else str(shapely.is_valid_reason(region))
+
+
+def area(region: Region) -> float:
+    """Return the area of a region."""
+    return float(region.area)
+
+
+def areas(polygons: Polygons) -> FloatArray:
+    """Return the areas (n,)."""
+    return np.asarray(shapely.area(polygons), dtype=np.float64)
+
+
+def bounds(polygons: Polygons) -> FloatArray:
+    """Return the bounding rectangles s0, t0, s1, t1 (n, 4)."""
+    return np.asarray(shapely.bounds(polygons), dtype=np.float64)
+
+
+def extent(region: Region) -> FloatArray:
+    """Return the bounding rectangle s0, t0, s1, t1 (4,)."""
+    return np.asarray(shapely.bounds(region), dtype=np.float64)
+
+
+def vertices(region: Region) -> FloatArray:
+    """Return the corners (n, 2) of a region, those of its holes included."""
+    return np.asarray(shapely.get_coordinates(region), dtype=np.float64)
+
+
+def edges(region: Region) -> FloatArray:
+    """Return the edges (n, 2, 2) of a region, `edges_epc`: edge e, end p, coordinate c."""
+    point, ring = shapely.get_coordinates(shapely.get_rings(region), return_index=True)
+    inside = ring[1:] == ring[:-1]
+    return np.stack([point[:-1][inside], point[1:][inside]], axis=1)
+
+
+def outer_rings(polygons: Polygons) -> tuple[FloatArray, IntArray]:
+    """Return the corners (nc, 2) of the outer rings, the closing one left out, and the polygon (nc,) each belongs to."""
+    point, owner = shapely.get_coordinates(shapely.get_exterior_ring(polygons), return_index=True)
+    closing = np.append(owner[1:] != owner[:-1], True)
+    return point[~closing], owner[~closing].astype(np.int64)
+
+
+def has_hole(polygons: Polygons) -> BoolArray:
+    """Return which polygons (n,) have a hole."""
+    return np.asarray(shapely.get_num_interior_rings(polygons) > 0)
+
+
+def moved(polygons: Polygons, corner: FloatArray) -> Polygons:
+    """Return the polygons with all their ring coordinates, closing points included, replaced in order."""
+    return np.asarray(shapely.set_coordinates(polygons.copy(), corner), dtype=np.object_)
+
+
+def all_coordinates(polygons: Polygons) -> FloatArray:
+    """Return all ring coordinates (n, 2), closing points included."""
+    return np.asarray(shapely.get_coordinates(polygons), dtype=np.float64)
+
+
+def covered(polygons: Polygons, region: Region) -> BoolArray:
+    """Return which polygons (n,) lie wholly in the region."""
+    shapely.prepare(region)
+    return np.asarray(shapely.covers(region, polygons))
+
+
+def common_areas(polygons: Polygons, region: Region) -> FloatArray:
+    """Return the area (n,) that each polygon has in common with the region."""
+    return areas(np.asarray(shapely.intersection(polygons, region), dtype=np.object_))
+
+
+def clip(polygons: Polygons, region: Region) -> tuple[Polygons, IntArray]:
+    """Return the polygons' parts inside the region, and the polygon (n,) each comes from; lines and points are dropped."""
+    part, owner = shapely.get_parts(shapely.intersection(polygons, region), return_index=True)
+    keep = shapely.get_type_id(part) == shapely.GeometryType.POLYGON
+    return np.asarray(part[keep], dtype=np.object_), np.asarray(owner[keep], dtype=np.int64)
+
+
+def common(first: Region, second: Region) -> Region:
+    """Return what two regions have in common; lines and points are dropped."""
+    return _areal(shapely.intersection(first, second))
+
+
+def less(region: Region, holes: "Sequence[Region] | Polygons") -> Region:
+    """Return the region without the others."""
+    return _areal(shapely.difference(region, shapely.union_all(list(holes))))
+
+
+def united(regions: "Sequence[Region] | Polygons") -> Region:
+    """Return the union of regions."""
+    return _areal(shapely.union_all(list(regions)))
+
+
+def shared_edges(polygons: Polygons, other: shapely.Polygon) -> FloatArray:
+    """Return the length (n,) of the edge that each polygon shares with another one beside it."""
+    return np.asarray(shapely.length(shapely.intersection(polygons, other)), dtype=np.float64)
+
+
+def level_section(region: Region, t: float) -> FloatArray:
+    """Return the intervals s0, s1 (n, 2) in which a level line cuts a region."""
+    low, _, high, _ = extent(region)
+    line = shapely.LineString([(low - 1.0, t), (high + 1.0, t)])
+    spans = shapely.bounds(shapely.get_parts(shapely.intersection(line, region))).reshape(-1, 4)[:, [0, 2]]
+    return spans[spans[:, 1] > spans[:, 0]]
+
+
+def _areal(geometry: shapely.Geometry) -> Region:
+    parts = [part for part in shapely.get_parts(geometry) if isinstance(part, shapely.Polygon)]
+    return parts[0] if len(parts) == 1 else shapely.MultiPolygon(parts)

@@ -1,0 +1,115 @@
+"""Tiles thickened into closed solids."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from churchpipe.bond.charts import lift
+from churchpipe.bond.planar import boxes, clip, polygon
+from churchpipe.bond.polygons import TOLERANCE, corners, snap_onto
+from churchpipe.bond.tiles import TileSet
+from churchpipe.errors import InputError
+from churchpipe.model.arrays import FloatArray, IntArray
+from churchpipe.model.building import Chart, PlaneChart
+
+
+@dataclass(frozen=True, slots=True)
+class Solids:
+    """Polyhedra as flat arrays, fields as in `Assemblage`: faces counter-clockwise from outside."""
+
+    points: FloatArray
+    face_nodes: IntArray
+    face_ptr: IntArray
+    block_face_ptr: IntArray
+    block_point_ptr: IntArray
+
+
+def thicken(chart: Chart, thickness: float, tiles: TileSet) -> Solids:
+    """Return one closed solid a tile, half the thickness (m) to either side of the mid-surface."""
+    if isinstance(chart, PlaneChart):
+        return _prisms(chart, thickness, tiles)
+    return _bent_prisms(chart, thickness, tiles)
+
+
+def stations_of(tiles: TileSet) -> FloatArray:
+    """Return the s of all joints of a curved wall, between which it is straight, m."""
+    return np.unique(tiles.corner[:, 0])
+
+
+def _prisms(chart: Chart, thickness: float, tiles: TileSet) -> Solids:
+    """Right prisms: per tile of n corners first the n points of the back face (-h/2), then those of the front face."""
+    corner, pointer = tiles.corner, tiles.corner_ptr
+    count = np.diff(pointer)
+    start = np.repeat(pointer[:-1], count)
+    size = np.repeat(count, count)
+    local = np.arange(len(corner)) - start
+    back = start + np.arange(len(corner))
+    front = back + size
+    after = np.where(local == size - 1, 1 - size, 1)
+    points = np.empty((2 * len(corner), 3))
+    points[back] = lift(chart, corner, -0.5 * thickness)
+    points[front] = lift(chart, corner, 0.5 * thickness)
+    nodes = np.empty(6 * len(corner), dtype=np.int64)
+    nodes[6 * start + size - 1 - local] = back
+    nodes[6 * start + size + local] = front
+    sides = 6 * start + 2 * size + 4 * local
+    for place, node in enumerate((back, back + after, front + after, front)):
+        nodes[sides + place] = node
+    # Faces of a tile: back and front with n corners each, then n sides of four.
+    face_sizes = np.full(len(corner) + 2 * tiles.count, 4, dtype=np.int64)
+    first_face = pointer[:-1] + 2 * np.arange(tiles.count)
+    face_sizes[first_face] = face_sizes[first_face + 1] = count
+    return Solids(points, nodes, _cumulative(face_sizes), _cumulative(count + 2), 2 * pointer)
+
+
+def _bent_prisms(chart: Chart, thickness: float, tiles: TileSet) -> Solids:
+    """Stones of a curved wall: straight between all joints of the wall, so that courses fit face to face."""
+    stations = stations_of(tiles)
+    points: list[FloatArray] = []
+    nodes: list[IntArray] = []
+    face_sizes: list[int] = []
+    faces: list[int] = []
+    sizes: list[int] = []
+    offset = 0
+    for number in range(tiles.count):
+        outline = tiles.corner[tiles.corner_ptr[number] : tiles.corner_ptr[number + 1]]
+        flat, stone = _bend(outline, stations, int(tiles.course[number]))
+        points += [lift(chart, flat, -0.5 * thickness), lift(chart, flat, 0.5 * thickness)]
+        nodes += [np.array(face, dtype=np.int64) + offset for face in stone]
+        face_sizes += [len(face) for face in stone]
+        faces.append(len(stone))
+        sizes.append(2 * len(flat))
+        offset += 2 * len(flat)
+    return Solids(np.concatenate(points), np.concatenate(nodes), _cumulative(face_sizes), _cumulative(faces), _cumulative(sizes))
+
+
+def _bend(outline: FloatArray, stations: FloatArray, course: int) -> tuple[FloatArray, list[list[int]]]:
+    """Return the mid-surface points (n, 2) of one stone, and its faces: node k is on the back, n + k on the front."""
+    after = np.roll(outline, -1, axis=0)
+    if (np.abs(after - outline) > TOLERANCE).all(axis=1).any():
+        raise InputError(
+            f"course {course} of a curved wall", "a sloping edge", expected="upright and level edges in curved walls"
+        )
+    low, high = outline[:, 0].min(), outline[:, 0].max()
+    s = stations[(stations >= low) & (stations <= high)]
+    level = np.ones(len(s) - 1)
+    strips = boxes(np.stack([s[:-1], level * outline[:, 1].min(), s[1:], level * outline[:, 1].max()], axis=1))
+    corner, pointer = corners(clip(strips, polygon(outline))[0])
+    snapped = np.stack([snap_onto(corner[:, 0], s), snap_onto(corner[:, 1], outline[:, 1])], axis=1)
+    flat, inverse = np.unique(snapped, axis=0, return_inverse=True)
+    count = len(flat)
+    faces: list[list[int]] = []
+    for piece in np.split(inverse.ravel(), pointer[1:-1]):
+        faces += [piece[::-1].tolist(), (count + piece).tolist()]
+    for start, stop in zip(outline, after, strict=True):
+        # The nodes on one edge of the tile, in its direction: one side face, level or upright.
+        axis = 0 if abs(stop[0] - start[0]) > TOLERANCE else 1
+        inside = (flat[:, axis] - start[axis]) * (flat[:, axis] - stop[axis]) <= 0
+        chain = np.flatnonzero(inside & (flat[:, 1 - axis] == start[1 - axis]))
+        chain = chain[np.argsort(flat[chain, axis] * np.sign(stop[axis] - start[axis]))].tolist()
+        faces.append(chain + [count + k for k in chain[::-1]])
+    return flat, faces
+
+
+def _cumulative(counts: "IntArray | list[int]") -> IntArray:
+    return np.concatenate(([0], np.cumsum(np.asarray(counts, dtype=np.int64))))

@@ -1,0 +1,38 @@
+"""Running bond: courses of stones, each shifted against the one below."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from churchpipe.bond.courses import lay_courses
+from churchpipe.bond.field import Field
+from churchpipe.bond.joints import bay_joints, grid_joints
+from churchpipe.bond.tiles import TileSet
+from churchpipe.model.arrays import FloatArray
+from churchpipe.model.building import UnitCell
+
+
+@dataclass(frozen=True, slots=True)
+class RunningBond:
+    """Courses of height a, stones of length b; offsets of the joints on through and on cut courses, m (rule "grid")."""
+
+    cell: UnitCell
+    rule: Literal["grid", "bay"]
+    through_offset: float
+    cut_offset: float
+
+    def tiles(self, field: Field) -> TileSet:
+        """Return the stones of the field."""
+
+        def joints(course: int) -> FloatArray:
+            through = course % 2 == field.through
+            if self.rule == "bay":
+                return bay_joints(field, self.cell.b, through, (course + 0.5) * self.cell.a)
+            return grid_joints(field, self.cell.b, self.through_offset if through else self.cut_offset)
+
+        return lay_courses(field, self.cell, joints)
+
+    def bed_direction(self, points: FloatArray) -> FloatArray:
+        """Return the horizontal direction (1, 0) at points (n, 2)."""
+        return np.tile([1.0, 0.0], (len(points), 1))

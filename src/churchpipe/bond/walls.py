@@ -1,0 +1,61 @@
+"""Laying a whole wall: its junctions, then each bond region in turn."""
+
+from churchpipe.bond.charts import check_upright
+from churchpipe.bond.field import Field
+from churchpipe.bond.junction import WallJunctions
+from churchpipe.bond.patterns import bond_of
+from churchpipe.bond.planar import Region, area, boxes, common, less, polygon, why_invalid
+from churchpipe.bond.tiles import TileSet, join, sorted_by_course
+from churchpipe.errors import InputError
+from churchpipe.model.building import Panel
+
+
+def wall_region(panel: Panel) -> Region:
+    """Return the outline of a wall less its openings, chart coordinates, m2."""
+    check_upright(panel.name, panel.chart)
+    outline, openings = polygon(panel.outline), [polygon(o.outline) for o in panel.openings]
+    for name, ring in zip((panel.name, *(o.name for o in panel.openings)), (outline, *openings), strict=True):
+        if flaw := why_invalid(ring):
+            raise InputError(f"Panel {panel.name}: outline of {name}", "not a simple polygon", found=flaw)
+    region = less(outline, openings)
+    if area(region) == 0:
+        raise InputError(f"Panel {panel.name}", "nothing is left of the wall", remedy="Check its openings.")
+    return region
+
+
+def lay_wall(panel: Panel, solid: Region, junctions: WallJunctions) -> TileSet:
+    """Return the stones of one wall in chart coordinates: what is its own of the junctions, region by region.
+
+    Parameters
+    ----------
+    panel: the wall. solid: its outline less openings. junctions: its zones, and what of them belongs to others.
+    """
+    own = less(solid, boxes(junctions.lost))
+    span = (float(panel.outline[:, 0].min()), float(panel.outline[:, 0].max()))
+    sets: list[TileSet] = []
+    for number, region in enumerate(panel.regions):
+        above = [polygon(later.outline) for later in panel.regions[number + 1 :]]
+        part = less(common(polygon(region.outline), own), above)
+        if area(part) == 0 and region.pattern in ("running", "stack"):
+            continue
+        field = Field(
+            name=region.name,
+            solid=part,
+            span=span,
+            through=panel.runs_through or 0,
+            zones=junctions.zones,
+            lost=junctions.lost,
+        )
+        try:
+            sets.append(bond_of(region).tiles(field))
+        except InputError as error:
+            raise InputError(
+                f"Panel {panel.name}, {error.where}",
+                error.problem,
+                found=error.found,
+                expected=error.expected,
+                remedy=error.remedy,
+            ) from error
+    if not sets:
+        raise InputError(f"Panel {panel.name}", "nothing is left of the wall", remedy="Other walls own all of it.")
+    return sorted_by_course(join(sets))

@@ -1,0 +1,73 @@
+"""A free-standing arch between two skewbacks."""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from churchpipe.bond.planar import polygon
+from churchpipe.bond.prisms import thicken
+from churchpipe.bond.tiles import tiles_of
+from churchpipe.bond.voussoir import ring_outline
+from churchpipe.errors import InputError
+from churchpipe.generators.checks import positive, whole
+from churchpipe.generators.masonry import DEFAULT_MATERIAL
+from churchpipe.model.arrays import FloatArray
+from churchpipe.model.building import BondRegion, Building, Panel, PlaneChart, Support, UnitCell
+from churchpipe.model.materials import Material
+
+
+@dataclass(frozen=True, slots=True)
+class ArchParameters:
+    """A circular arch in the x-z plane about the origin, y from 0 to `width`.
+
+    mean_radius, thickness (in the plane of the arch), width: m. voussoirs: their number, straight-sided. half_angle: rad from the
+    crown to each springing; pi/2 is the semicircle.
+    """
+
+    mean_radius: float
+    thickness: float
+    width: float
+    voussoirs: int
+    half_angle: float = math.pi / 2
+
+    def __post_init__(self) -> None:
+        for key in ("mean_radius", "thickness", "width"):
+            positive(f"arch.{key}", getattr(self, key))
+        whole("arch.voussoirs", self.voussoirs, least=2)
+        if self.thickness >= 2 * self.mean_radius:
+            raise InputError(
+                "arch.thickness", "no opening is left", found=self.thickness, expected=f"< {2 * self.mean_radius:g} m"
+            )
+        if not 0 < self.half_angle <= 0.75 * math.pi:
+            raise InputError("arch.half_angle", "out of range", found=self.half_angle, expected="0 < half angle <= 3/4 pi rad")
+
+
+def arch(*, name: str = "arch", materials: tuple[Material, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
+    """Return an arch on two fixed skewbacks; keywords as in `ArchParameters`, SI."""
+    p = ArchParameters(**parameters)
+    start, stop = math.pi / 2 - p.half_angle, math.pi / 2 + p.half_angle
+    inner, outer = p.mean_radius - p.thickness / 2, p.mean_radius + p.thickness / 2
+    outline = ring_outline((0.0, 0.0), inner, outer, start, stop, p.voussoirs)
+    cell = UnitCell(a=2 * p.half_angle * p.mean_radius / p.voussoirs, b=p.thickness)
+    ring = BondRegion("ring", outline, "voussoir", cell, centre=(0.0, 0.0), pieces=p.voussoirs)
+    chart = PlaneChart(origin=np.array([0.0, p.width / 2, 0.0]), s_axis=np.array([1.0, 0.0, 0.0]))
+    panel = Panel("arch", chart, outline, p.width, (ring,), material=materials[0].name)
+    springings = (
+        ("skewback-right", outline[0], outline[-1], np.array([math.sin(start), -math.cos(start)])),
+        ("skewback-left", outline[p.voussoirs], outline[p.voussoirs + 1], np.array([-math.sin(stop), math.cos(stop)])),
+    )
+    skewbacks = tuple(
+        _skewback(name, panel, extrados, intrados, away * p.thickness) for name, extrados, intrados, away in springings
+    )
+    return Building(name, (panel,), materials, ground=None, supports=skewbacks)
+
+
+def _skewback(name: str, panel: Panel, extrados: FloatArray, intrados: FloatArray, away: FloatArray) -> Support:
+    """Return a fixed block behind a springing joint, as wide as the arch; `away` (2,) m points out of the arch."""
+    outline = polygon([extrados, intrados, intrados + away, extrados + away])
+    tile = tiles_of(np.array([outline], dtype=np.object_), np.array([-1], dtype=np.int64), name)
+    body = thicken(panel.chart, panel.thickness, tile)
+    faces = tuple(tuple(face.tolist()) for face in np.split(body.face_nodes, body.face_ptr[1:-1]))
+    return Support(name, body.points, faces)

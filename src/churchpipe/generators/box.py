@@ -1,0 +1,74 @@
+"""Four walls around a rectangle."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from churchpipe.errors import InputError
+from churchpipe.generators.checks import Brick, check_brick, one_of, positive, whole
+from churchpipe.generators.masonry import DEFAULT_MATERIAL, Masonry, bonded_offset, straight_wall
+from churchpipe.generators.openings import OpeningLike
+from churchpipe.model.building import Building, UnitCell
+from churchpipe.model.materials import Material
+
+
+@dataclass(frozen=True, slots=True)
+class BoxParameters:
+    """A box with outer dimensions `length` (x) and `width` (y), m; walls toothed at the corners.
+
+    brick: length, thickness, height, m; thickness of the walls defaults to that of the brick. openings_x: in both walls
+    along x, openings_y: in both along y, `start` measured from the outer corner (openings or mappings of their fields). Joint
+    offsets as in the prototypes: half a brick on through courses where the brick is no longer than the walls are thick.
+    """
+
+    length: float
+    width: float
+    courses: int
+    brick: Brick
+    thickness: float | None = None
+    joints: Literal["grid", "bay"] = "grid"
+    through_offset: float | None = None
+    cut_offset: float | None = None
+    openings_x: Sequence[OpeningLike] = ()
+    openings_y: Sequence[OpeningLike] = ()
+
+    def __post_init__(self) -> None:
+        check_brick("box.brick", self.brick)
+        whole("box.courses", self.courses, least=1)
+        one_of("box.joints", self.joints, "grid", "bay")
+        positive("box.thickness", self.wall_thickness)
+        for key in ("length", "width"):
+            positive(f"box.{key}", getattr(self, key))
+            if not getattr(self, key) > 2 * self.wall_thickness:
+                raise InputError(
+                    f"box.{key}", "no room inside", found=getattr(self, key), expected=f"> {2 * self.wall_thickness:g} m"
+                )
+
+    @property
+    def wall_thickness(self) -> float:
+        """Thickness of the walls, m."""
+        return self.brick[1] if self.thickness is None else self.thickness
+
+
+def box(*, name: str = "box", materials: tuple[Material, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
+    """Return a box of four walls; keywords as in `BoxParameters`, SI. Walls along x run through on even courses."""
+    p = BoxParameters(**parameters)
+    thickness = p.wall_thickness
+    masonry = Masonry(
+        cell=UnitCell(a=p.brick[2], b=p.brick[0]),
+        courses=p.courses,
+        thickness=thickness,
+        material=materials[0].name,
+        joints=p.joints,
+        through_offset=bonded_offset(p.brick, thickness) if p.through_offset is None else p.through_offset,
+        cut_offset=p.cut_offset,
+    )
+    walls = [
+        straight_wall(side, masonry, (0.0, y), "x", p.length, runs_through=0, openings=p.openings_x, where="box.openings_x")
+        for side, y in (("south", 0.0), ("north", p.width - thickness))
+    ]
+    walls += [
+        straight_wall(side, masonry, (x, 0.0), "y", p.width, runs_through=1, openings=p.openings_y, where="box.openings_y")
+        for side, x in (("west", 0.0), ("east", p.length - thickness))
+    ]
+    return Building(name, tuple(walls), materials)

@@ -1,0 +1,87 @@
+"""The masonry that a generator lays, and the straight walls made of it."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from churchpipe.generators.checks import Brick
+from churchpipe.generators.openings import OpeningLike, holes_and_lintels, rectangle
+from churchpipe.model.building import BondRegion, Panel, PlaneChart, UnitCell
+from churchpipe.model.materials import Material
+
+# The masonry of the tilting tests S5 and S22 (Malena et al. 2019, section 4.1).
+DEFAULT_MATERIAL = Material("default", unit_weight=28.6e3, friction=0.7)
+
+
+@dataclass(frozen=True, slots=True)
+class Masonry:
+    """What the walls of one building have in common.
+
+    cell: course height and stone length, m. courses: their number. thickness: m. material: its name. The rest is as in
+    `BondRegion`.
+    """
+
+    cell: UnitCell
+    courses: int
+    thickness: float
+    material: str
+    pattern: Literal["running", "stack"] = "running"
+    joints: Literal["grid", "bay"] = "grid"
+    through_offset: float = 0.0
+    cut_offset: float | None = None
+
+
+def straight_wall(
+    name: str,
+    masonry: Masonry,
+    corner: tuple[float, float],
+    along: Literal["x", "y"],
+    length: float,
+    *,
+    runs_through: Literal[0, 1] = 0,
+    openings: Iterable[OpeningLike] = (),
+    where: str = "openings",
+) -> Panel:
+    """Return a wall from z = 0 whose plan is a rectangle.
+
+    Parameters
+    ----------
+    corner: x and y of the rectangle's lowest corner, m. along: the axis it runs along. length: m. runs_through: parity of the
+    courses on which it runs through its junctions. openings: measured from the corner. where: their name in messages.
+    """
+    half = masonry.thickness / 2
+    outline = rectangle(0.0, 0.0, length, masonry.courses * masonry.cell.a)
+    holes, lintels = holes_and_lintels(where, openings, length, masonry.courses, masonry.cell)
+    bond = BondRegion(
+        "bond",
+        outline,
+        masonry.pattern,
+        masonry.cell,
+        joints=masonry.joints,
+        through_offset=masonry.through_offset,
+        cut_offset=masonry.cut_offset,
+    )
+    if along == "x":
+        chart = PlaneChart(np.array([corner[0], corner[1] + half, 0.0]), np.array([1.0, 0.0, 0.0]))
+    else:
+        chart = PlaneChart(np.array([corner[0] + half, corner[1], 0.0]), np.array([0.0, 1.0, 0.0]))
+    return Panel(
+        name,
+        chart,
+        outline,
+        masonry.thickness,
+        (bond, *lintels),
+        material=masonry.material,
+        openings=holes,
+        runs_through=runs_through,
+    )
+
+
+def bonded_offset(brick: Brick, thickness: float) -> float:
+    """Return the joint offset of through courses, m: half a brick where the brick is no longer than the wall is thick, else 0.
+
+    A header no longer than the wall is thick ends flush with the wall it crosses, and the corner above loses its bond.
+    """
+    return brick[0] / 2 if brick[0] <= thickness * (1 + 1e-9) else 0.0

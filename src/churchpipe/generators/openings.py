@@ -1,0 +1,89 @@
+"""Rectangular doors and windows with lintels."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from churchpipe.errors import InputError
+from churchpipe.generators.checks import positive, whole
+from churchpipe.model.arrays import FloatArray
+from churchpipe.model.building import BondRegion, Opening, UnitCell
+
+
+@dataclass(frozen=True, slots=True)
+class RectangularOpening:
+    """A door or window: start and width along the wall, m; sill and height in courses; bearing of a lintel of one course
+    on either side, m (0: no lintel)."""
+
+    start: float
+    width: float
+    height_courses: int
+    lintel_bearing: float = 0.0
+    sill_courses: int = 0
+
+    def __post_init__(self) -> None:
+        positive("opening.start", self.start, allow_zero=True)
+        positive("opening.width", self.width)
+        whole("opening.height_courses", self.height_courses, least=1)
+        positive("opening.lintel_bearing", self.lintel_bearing, allow_zero=True)
+        whole("opening.sill_courses", self.sill_courses, least=0)
+
+
+OpeningLike = RectangularOpening | Mapping[str, Any]
+
+
+def opening_from(where: str, value: OpeningLike) -> RectangularOpening:
+    """Return an opening that is given as such or as a mapping of its fields."""
+    if isinstance(value, RectangularOpening):
+        return value
+    known = [f.name for f in fields(RectangularOpening)]
+    for key in value:
+        if key not in known:
+            raise InputError(f"{where}.{key}", "unknown key", expected=", ".join(known))
+    for key in known[:3]:
+        if key not in value:
+            raise InputError(f"{where}.{key}", "missing")
+    return RectangularOpening(**value)
+
+
+def rectangle(s0: float, t0: float, s1: float, t1: float) -> FloatArray:
+    """Return the outline (4, 2) m of a rectangle, counter-clockwise."""
+    return np.array([[s0, t0], [s1, t0], [s1, t1], [s0, t1]])
+
+
+def holes_and_lintels(
+    where: str, openings: Iterable[OpeningLike], length: float, courses: int, cell: UnitCell
+) -> tuple[tuple[Opening, ...], tuple[BondRegion, ...]]:
+    """Return the openings of a wall (`length` m, `courses` high) and the lintels over them.
+
+    Raises
+    ------
+    InputError: an opening or lintel that reaches beyond the wall.
+    """
+    holes: list[Opening] = []
+    lintels: list[BondRegion] = []
+    for number, given in enumerate(openings, start=1):
+        opening = opening_from(where, given)
+        start, stop, bearing = opening.start, opening.start + opening.width, opening.lintel_bearing
+        sill, head = opening.sill_courses, opening.sill_courses + opening.height_courses
+        if start - bearing < -1e-9 or stop + bearing > length + 1e-9:
+            raise InputError(
+                where,
+                "an opening with its lintel reaches beyond the wall",
+                found=f"{start - bearing:g} to {stop + bearing:g} m",
+                expected=f"within 0 to {length:g} m",
+            )
+        if head + (bearing > 0) > courses:
+            raise InputError(
+                where,
+                "an opening with its lintel is higher than the wall",
+                found=f"{head + (bearing > 0)} courses",
+                expected=f"at most {courses}",
+            )
+        holes.append(Opening(f"opening-{number}", rectangle(start, sill * cell.a, stop, head * cell.a)))
+        if bearing > 0:
+            outline = rectangle(start - bearing, head * cell.a, stop + bearing, (head + 1) * cell.a)
+            lintels.append(BondRegion(f"lintel-{number}", outline, "single", cell, yields=False))
+    return tuple(holes), tuple(lintels)

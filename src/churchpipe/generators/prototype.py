@@ -1,0 +1,105 @@
+"""The tilting-test prototypes S22 and S5: a main wall with partitions behind it (Malena et al. 2019, section 4.1)."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, Literal
+
+from churchpipe.errors import InputError
+from churchpipe.generators.checks import Brick, check_brick, one_of, positive, whole
+from churchpipe.generators.masonry import DEFAULT_MATERIAL, Masonry, bonded_offset, straight_wall
+from churchpipe.generators.openings import OpeningLike
+from churchpipe.model.building import Building, UnitCell
+from churchpipe.model.materials import Material
+
+
+@dataclass(frozen=True, slots=True)
+class PrototypeParameters:
+    """A main wall along x with its outer face at y = 0, and partitions along y behind it.
+
+    brick: length, thickness, height, m; all walls are as thick as the brick. The main wall is `main_wall_bricks` bricks or
+    `main_wall_length` m long (give one). partitions_x: x of the left face of each partition, m; partition_length: from the
+    outer face of the main wall, m. opening: one in each partition, `start` measured from y = 0 (an opening or a mapping of
+    its fields). first_course: the wall that runs through on course 0. through_offset, cut_offset: joints of through and of cut
+    courses, m (rule "grid"); by default 0 and b/2, and b/2 and b for a brick no longer than the wall is thick.
+    """
+
+    brick: Brick
+    partitions_x: Sequence[float]
+    partition_length: float
+    courses: int
+    main_wall_bricks: float | None = None
+    main_wall_length: float | None = None
+    opening: OpeningLike | None = None
+    joints: Literal["grid", "bay"] = "grid"
+    first_course: Literal["main", "partitions"] = "main"
+    through_offset: float | None = None
+    cut_offset: float | None = None
+
+    def __post_init__(self) -> None:
+        check_brick("prototype.brick", self.brick)
+        whole("prototype.courses", self.courses, least=1)
+        one_of("prototype.joints", self.joints, "grid", "bay")
+        one_of("prototype.first_course", self.first_course, "main", "partitions")
+        length, thickness, places = self.length, self.brick[1], sorted(self.partitions_x)
+        positive("prototype.main_wall_length", length)
+        for left in places:
+            if left < -1e-9 or left + thickness > length + 1e-9:
+                raise InputError(
+                    "prototype.partitions_x",
+                    "a partition stands beyond the main wall",
+                    found=f"{left:g} to {left + thickness:g} m",
+                    expected=f"within 0 to {length:g} m",
+                )
+        if any(b - a < thickness - 1e-9 for a, b in pairwise(places)):
+            raise InputError("prototype.partitions_x", "partitions overlap", found=places, expected=f"{thickness:g} m apart")
+        if places and not self.partition_length > thickness:
+            raise InputError(
+                "prototype.partition_length",
+                "no longer than the main wall is thick",
+                found=self.partition_length,
+                expected=f"> {thickness:g} m",
+            )
+
+    @property
+    def length(self) -> float:
+        """Length of the main wall, m."""
+        if self.main_wall_length is not None and self.main_wall_bricks is None:
+            return self.main_wall_length
+        if self.main_wall_bricks is not None and self.main_wall_length is None:
+            return self.main_wall_bricks * self.brick[0]
+        raise InputError(
+            "prototype",
+            "the length of the main wall is given twice or not at all",
+            expected='either "main_wall_bricks" or "main_wall_length"',
+        )
+
+
+def prototype(*, name: str = "prototype", materials: tuple[Material, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
+    """Return a prototype of the tilting tests; keywords as in `PrototypeParameters`, SI."""
+    p = PrototypeParameters(**parameters)
+    masonry = Masonry(
+        cell=UnitCell(a=p.brick[2], b=p.brick[0]),
+        courses=p.courses,
+        thickness=p.brick[1],
+        material=materials[0].name,
+        joints=p.joints,
+        through_offset=bonded_offset(p.brick, p.brick[1]) if p.through_offset is None else p.through_offset,
+        cut_offset=p.cut_offset,
+    )
+    main_first = p.first_course == "main"
+    main = straight_wall("main", masonry, (0.0, 0.0), "x", p.length, runs_through=0 if main_first else 1)
+    partitions = [
+        straight_wall(
+            f"partition-{number}",
+            masonry,
+            (left, 0.0),
+            "y",
+            p.partition_length,
+            runs_through=1 if main_first else 0,
+            openings=() if p.opening is None else (p.opening,),
+            where="prototype.opening",
+        )
+        for number, left in enumerate(sorted(p.partitions_x), start=1)
+    ]
+    return Building(name, (main, *partitions), materials)

@@ -1,0 +1,79 @@
+"""A free-standing straight wall."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from churchpipe.errors import InputError
+from churchpipe.generators.checks import Brick, check_brick, one_of, positive, whole
+from churchpipe.generators.masonry import DEFAULT_MATERIAL, Masonry, straight_wall
+from churchpipe.generators.openings import OpeningLike
+from churchpipe.model.building import Building, UnitCell
+from churchpipe.model.materials import Material
+
+
+@dataclass(frozen=True, slots=True)
+class WallParameters:
+    """A wall along x from 0 to `length`, y from 0 to `thickness`, m.
+
+    brick: length, thickness, height, m. Height is given by `courses` or by `height` (a whole number of courses), m.
+    thickness defaults to that of the brick. Joint offsets are for even (through) and odd (cut) courses, m. openings: doors and
+    windows, or mappings of their fields.
+    """
+
+    length: float
+    brick: Brick
+    courses: int | None = None
+    height: float | None = None
+    thickness: float | None = None
+    pattern: Literal["running", "stack"] = "running"
+    joints: Literal["grid", "bay"] = "grid"
+    through_offset: float = 0.0
+    cut_offset: float | None = None
+    openings: Sequence[OpeningLike] = ()
+
+    def __post_init__(self) -> None:
+        positive("wall.length", self.length)
+        check_brick("wall.brick", self.brick)
+        one_of("wall.pattern", self.pattern, "running", "stack")
+        one_of("wall.joints", self.joints, "grid", "bay")
+        if self.thickness is not None:
+            positive("wall.thickness", self.thickness)
+        whole("wall.courses", self.course_count, least=1)
+
+    @property
+    def course_count(self) -> int:
+        """Number of courses."""
+        if (self.courses is None) == (self.height is None):
+            raise InputError("wall", "its height is given twice or not at all", expected='either "courses" or "height"')
+        if self.height is None:
+            return self.courses or 0
+        positive("wall.height", self.height)
+        ratio = self.height / self.brick[2]
+        count = max(1, round(ratio))
+        if abs(ratio - count) > 1e-6:
+            raise InputError(
+                "wall.height",
+                "not a whole number of courses",
+                found=f"{ratio:.4g} courses of {self.brick[2]:g} m",
+                expected=f"{count * self.brick[2]:g} m",
+                remedy='Round it, or give "courses".',
+            )
+        return count
+
+
+def wall(*, name: str = "wall", materials: tuple[Material, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
+    """Return a free-standing wall; keywords as in `WallParameters`, SI."""
+    p = WallParameters(**parameters)
+    masonry = Masonry(
+        cell=UnitCell(a=p.brick[2], b=p.brick[0]),
+        courses=p.course_count,
+        thickness=p.brick[1] if p.thickness is None else p.thickness,
+        material=materials[0].name,
+        pattern=p.pattern,
+        joints=p.joints,
+        through_offset=p.through_offset,
+        cut_offset=p.cut_offset,
+    )
+    panel = straight_wall("wall", masonry, (0.0, 0.0), "x", p.length, openings=p.openings, where="wall.openings")
+    return Building(name, (panel,), materials)
