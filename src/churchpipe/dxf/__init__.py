@@ -1,0 +1,1 @@
+"""CAD drawings to stones and back: the only package that knows ezdxf."""

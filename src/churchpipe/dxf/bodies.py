@@ -1,0 +1,227 @@
+"""The solids of a drawing: meshes, polyface meshes, bags of 3D faces and planar ACIS solids, welded and closed."""
+
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, cast
+
+import numpy as np
+from ezdxf.acis.const import AcisException
+from ezdxf.acis.dxf import load_dxf
+from ezdxf.acis.mesh import mesh_from_body
+from ezdxf.entities.dxfentity import DXFEntity
+from ezdxf.entities.mesh import Mesh
+from ezdxf.entities.polyline import Polyface
+from ezdxf.entities.solid import Face3d
+from ezdxf.lldxf.const import DXFError
+from ezdxf.render.mesh import MeshBuilder
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from churchpipe.dxf.schema import CORNER_TOLERANCE, LARGEST_COORDINATE
+from churchpipe.errors import InputError
+from churchpipe.model.arrays import FloatArray, IntArray
+from churchpipe.model.assemblage import Assemblage
+
+Faces = tuple[tuple[int, ...], ...]
+
+# What ezdxf and NumPy raise when the data of an entity are nonsense.
+BAD_ENTITY = (
+    DXFError,
+    AcisException,
+    ValueError,
+    TypeError,
+    AttributeError,
+    LookupError,
+    ArithmeticError,
+)
+
+
+NOT_SANE = f"a coordinate is no number up to {LARGEST_COORDINATE:g}"
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """A polyhedron in drawing units: points (n, 3) and faces as tuples of indices, outward when `flaw` is empty.
+
+    flaw: why it is no stone ("" when it is one); spot (3,): where, as far as one point tells.
+    """
+
+    points: FloatArray
+    faces: Faces
+    flaw: str = ""
+    spot: tuple[float, float, float] | None = None
+
+
+def is_sane(points: FloatArray) -> bool:
+    """Are all coordinates numbers that a building can have?"""
+    return bool((np.abs(points) <= LARGEST_COORDINATE).all())
+
+
+def is_solid(entity: DXFEntity) -> bool:
+    """Is the entity one body by itself (a 3D face is not)?"""
+    return entity.dxftype() in ("MESH", "3DSOLID", "BODY") or isinstance(entity, Polyface)
+
+
+def entity_bodies(entity: Any) -> list[Body]:
+    """Return the bodies of a solid entity (an ACIS solid may hold several lumps)."""
+    if isinstance(entity, Mesh):
+        points = np.array(entity.vertices.values, dtype=float).reshape(-1, 3)
+        return [make_body(points, cast(list[Sequence[int]], entity.faces))]
+    if isinstance(entity, Polyface):
+        meshes: Sequence[MeshBuilder] = [MeshBuilder.from_polyface(entity)]
+    else:
+        meshes = [mesh for body in load_dxf(entity) for mesh in mesh_from_body(body, merge_lumps=False)]
+    return [make_body(_points(m.vertices), [tuple(f) for f in m.faces]) for m in meshes]
+
+
+def make_body(points: FloatArray, faces: Iterable[Sequence[int]]) -> Body:
+    """Weld, turn faces to agree with each other, and say what keeps the result from being a stone.
+
+    A body that is sound as drawn is returned as drawn: same points, same order, same faces.
+    """
+    faces = tuple(tuple(map(int, face)) for face in faces)
+    if not len(points) or not faces:
+        return Body(np.zeros((0, 3)), (), "it has no faces")
+    if not is_sane(points):
+        return Body(np.zeros((1, 3)), (), NOT_SANE)
+    if min(map(min, faces)) < 0 or max(map(max, faces)) >= len(points):
+        return Body(points, faces, f"a face refers to a vertex beyond the {len(points)} there are")
+    points, faces = _weld(points, faces)
+    spot = _open_edge(points, faces)
+    if spot is not None:
+        return Body(points, faces, "its faces do not close a solid: an open edge", spot)
+    faces = _agreeing(faces)
+    try:
+        stone = Assemblage.from_polyhedra([(points, faces)], unit_weight=1.0)
+    except InputError as error:
+        return Body(points, faces, f"{error.problem}: {error.found}", _place(points.mean(axis=0)))
+    if stone.volume[0] < 1e-12 * np.linalg.norm(np.ptp(points, axis=0)) ** 3:
+        return Body(points, faces, "it has no volume", _place(points.mean(axis=0)))
+    nodes = np.split(stone.face_nodes, stone.face_ptr[1:-1])
+    return Body(points, tuple(tuple(n.tolist()) for n in nodes))
+
+
+def bag_bodies(faces: Sequence[Face3d]) -> tuple[list[tuple[Face3d, Body]], list[Face3d]]:
+    """Sort loose 3D faces into solids; return each with its first face, and the faces that close nothing.
+
+    Exploding a solid leaves its faces next to each other in the file, so a run of faces that closes is a stone. Shared corners
+    alone would not tell stones apart that touch.
+    """
+    out: list[tuple[Face3d, Body]] = []
+    if not faces:
+        return out, []
+    corners = [face_corners(face) for face in faces]
+    points = np.concatenate(corners)
+    label = _coincident(points, CORNER_TOLERANCE * float(np.median([np.ptp(c, axis=0).max() for c in corners])))
+    ends = np.cumsum([len(c) for c in corners])
+    open_edges: set[tuple[int, int]] = set()
+    first = 0
+    for number, nodes in enumerate(np.split(label, ends[:-1])):
+        open_edges ^= {(min(a, b), max(a, b)) for a, b in _edges(nodes.tolist()) if a != b}
+        if not open_edges:
+            run = range(first, number + 1)
+            offsets = np.cumsum([0] + [len(corners[k]) for k in run])
+            indices = [range(start, end) for start, end in pairwise(offsets)]
+            out.append((faces[first], make_body(np.concatenate([corners[k] for k in run]), indices)))
+            first = number + 1
+    return out, list(faces[first:])
+
+
+def ground_plate(face: Face3d) -> list[Body]:
+    """Return solids below a patch of ground: the patch (two triangles if it is not flat), thickened downwards."""
+    corners = face_corners(face)
+    depth = 0.1 * float(np.ptp(corners, axis=0).max())
+    plates: list[Body] = []
+    whole = [corners] if len(corners) == 3 or _flat(corners) else [corners[[0, 1, 2]], corners[[0, 2, 3]]]
+    for patch in whole:
+        normal = np.cross(patch[1] - patch[0], patch[2] - patch[0])
+        length = float(np.linalg.norm(normal))
+        if length == 0:
+            continue
+        # A level or sloping patch carries what is above it, however it was drawn; an upright one faces its own front.
+        up = normal / length * (-1.0 if normal[2] < -1e-9 * length else 1.0)
+        count = len(patch)
+        top, bottom = tuple(range(count)), tuple(range(2 * count - 1, count - 1, -1))
+        sides = [(i, (i + 1) % count, (i + 1) % count + count, i + count) for i in range(count)]
+        plates.append(make_body(np.concatenate([patch, patch - depth * up]), [top, bottom, *sides]))
+    return plates
+
+
+def _points(vertices: Iterable[Any]) -> FloatArray:
+    return np.array([(v.x, v.y, v.z) for v in vertices], dtype=float).reshape(-1, 3)
+
+
+def face_corners(face: Face3d) -> FloatArray:
+    """Return the corners (3, 3) or (4, 3) of a 3D face."""
+    return _points(face.wcs_vertices())
+
+
+def _flat(corners: FloatArray) -> bool:
+    edges = corners[1:] - corners[0]
+    return bool(abs(np.linalg.det(edges)) <= 1e-6 * np.linalg.norm(edges, axis=1).prod())
+
+
+def _edges(face: Sequence[int]) -> Iterable[tuple[int, int]]:
+    return zip(face, (*face[1:], face[0]), strict=True)
+
+
+def _place(point: FloatArray) -> tuple[float, float, float]:
+    x, y, z = point.tolist()
+    return x, y, z
+
+
+def _coincident(points: FloatArray, tolerance: float) -> IntArray:
+    """Return the index of the first of the points that coincide with each (n,)."""
+    pairs = cKDTree(points).query_pairs(tolerance, output_type="ndarray")
+    count = len(points)
+    if not len(pairs):
+        return np.arange(count)
+    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
+    _, component = connected_components(graph, directed=False)
+    _, first, inverse = np.unique(component, return_index=True, return_inverse=True)
+    return first[inverse]
+
+
+def _weld(points: FloatArray, faces: Faces) -> tuple[FloatArray, Faces]:
+    label = _coincident(points, CORNER_TOLERANCE * float(np.linalg.norm(np.ptp(points, axis=0))))
+    kept, new = np.unique(label, return_inverse=True)
+    renamed = [[int(new[i]) for i in face] for face in faces]
+    cleaned = (tuple(a for a, b in _edges(face) if a != b) for face in renamed)
+    return points[kept], tuple(face for face in cleaned if len(face) >= 3)
+
+
+def _open_edge(points: FloatArray, faces: Faces) -> tuple[float, float, float] | None:
+    """Return the middle of an edge that is not shared by an even number of faces."""
+    uses = Counter((min(edge), max(edge)) for face in faces for edge in _edges(face))
+    odd = [edge for edge, count in uses.items() if count % 2]
+    return _place(points[list(odd[0])].mean(axis=0)) if odd or not faces else None
+
+
+def _agreeing(faces: Faces) -> Faces:
+    """Turn faces so that neighbours run along their common edge in opposite directions, starting from the first."""
+    directed = Counter(edge for face in faces for edge in _edges(face))
+    if all(count == 1 and directed[b, a] == 1 for (a, b), count in list(directed.items())):
+        return faces
+    users: defaultdict[tuple[int, int], list[int]] = defaultdict(list)
+    for number, face in enumerate(faces):
+        for a, b in _edges(face):
+            users[min(a, b), max(a, b)].append(number)
+    out = list(faces)
+    seen: set[int] = set()
+    for start in range(len(faces)):
+        queue = [] if start in seen else [start]
+        seen.add(start)
+        while queue:
+            current = queue.pop()
+            for a, b in _edges(out[current]):
+                for other in users[min(a, b), max(a, b)]:
+                    if other in seen:
+                        continue
+                    if (a, b) in set(_edges(out[other])):
+                        out[other] = out[other][::-1]
+                    seen.add(other)
+                    queue.append(other)
+    return tuple(out)

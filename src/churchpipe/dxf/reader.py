@@ -1,0 +1,201 @@
+"""Drawings to stones: `read_drawing` for all that a drawing tells, `read_dxf` for the stones and the findings."""
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from churchpipe.dxf import schema
+from churchpipe.dxf.duplicates import distinct_stones
+from churchpipe.dxf.findings import DrawingError, Finding, Findings
+from churchpipe.dxf.opening import open_document
+from churchpipe.dxf.properties import decode_properties
+from churchpipe.dxf.stones import Stone, survey
+from churchpipe.dxf.units import find_unit
+from churchpipe.errors import InputError
+from churchpipe.model.arrays import FloatArray
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.loads import LoadCase
+from churchpipe.model.materials import Material
+
+# Unit weight, N/m3, of stones of which nobody said it: weights are then relative, `Drawing.unweighted` names them.
+RELATIVE_WEIGHT = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Drawing:
+    """What a drawing tells.
+
+    stones: as drawn, in SI, in drawing order; materials, loads: stored in the document, in storage order, empty in drawings
+    of other programs; findings: warnings only; units: name of the unit it was read in; unweighted: materials of free
+    stones whose unit weight neither the drawing nor the caller gave: `stones.unit_weight` is 1 N/m3 there.
+    """
+
+    stones: Assemblage
+    materials: tuple[Material, ...]
+    loads: tuple[LoadCase, ...]
+    findings: Findings
+    units: str
+    unweighted: tuple[str, ...] = ()
+
+
+def read_dxf(
+    path: str | os.PathLike[str],
+    *,
+    units: str | None = None,
+    repair: bool = False,
+    support: Literal["drawn", "base"] = "drawn",
+    unit_weight: float | Mapping[str, float] | None = None,
+) -> tuple[Assemblage, Findings]:
+    """Read the stones of a drawing; parameters and errors as in `read_drawing`."""
+    drawing = read_drawing(path, units=units, repair=repair, support=support, unit_weight=unit_weight)
+    return drawing.stones, drawing.findings
+
+
+def read_drawing(
+    path: str | os.PathLike[str],
+    *,
+    units: str | None = None,
+    repair: bool = False,
+    support: Literal["drawn", "base"] = "drawn",
+    unit_weight: float | Mapping[str, float] | None = None,
+) -> Drawing:
+    """Read a DXF drawing of stones (churchpipe DXF 1, or plain solids).
+
+    Parameters
+    ----------
+    units: read the drawing in this unit ("m", "mm", "cm", "in", ...) whatever it says itself.
+    repair: drop stones drawn twice and recompute attributes that cannot be understood; each repair is a warning.
+    support: "base" fixes the stones that stand on the lowest level when the drawing has no ground.
+    unit_weight: N/m3, for all stones or by material name; overrides what the drawing stores.
+
+    Raises
+    ------
+    DrawingError: the drawing has errors; its `findings` list all of them, warnings included.
+    InputError: an argument is no unit, no support or no unit weight.
+    """
+    if units is not None:
+        schema.metres(units)
+    if support not in ("drawn", "base"):
+        raise InputError("support", "unknown kind of support", found=repr(support), expected='"drawn" or "base"')
+    path = Path(path)
+    findings: list[Finding] = []
+    document = open_document(path, findings)
+    if document is None:
+        raise DrawingError(Findings(path.name, tuple(findings)))
+    findings += _check_version(document)
+    materials, loads, wrong = decode_properties(list(document.header.custom_vars))
+    findings += wrong
+    gathered = survey(document, repair)
+    findings += gathered.findings
+    stones = distinct_stones(gathered.stones, repair, findings)
+    if all(stone.fixed for stone in stones) and not any(f.severity == "error" for f in findings):
+        what = "no stones but ground in model space" if stones else "no stones in model space"
+        remedy = "Draw the stones as inserts on CP-BLOCKS, or as closed meshes."
+        findings.append(Finding("E17", what, "at least one solid", remedy))
+    stones = _supported(stones, support, findings) if stones else stones
+    stones = _named(stones, findings)
+    unit = find_unit(document, stones, units, findings)
+    weights, unweighted = _unit_weights(stones, materials, unit_weight, findings)
+    findings = [_in_metres(finding, unit) for finding in findings]
+    collected = Findings(path.name, tuple(findings))
+    if collected.errors or unit is None:
+        raise DrawingError(collected)
+    return Drawing(_assemble(stones, unit, weights, collected), materials, loads, collected, unit, unweighted)
+
+
+def _check_version(document: Any) -> list[Finding]:
+    text = document.header.custom_vars.get(schema.SCHEMA_PROPERTY)
+    if text is None or text.strip() == str(schema.VERSION):
+        return []
+    found = f"the drawing is churchpipe DXF {text!r}"
+    return [Finding("E20", found, f"version {schema.VERSION}", "Read it with the version of churchpipe that wrote it.")]
+
+
+def _supported(stones: list[Stone], support: str, findings: list[Finding]) -> list[Stone]:
+    if any(stone.fixed for stone in stones):
+        return stones
+    low = np.array([stone.points[:, 2].min() for stone in stones])
+    size = float(np.median([np.ptp(stone.points, axis=0).max() for stone in stones]))
+    lowest = low <= low.min() + 1e-3 * size
+    if support == "base" and not lowest.all():
+        findings.append(Finding("W12", f"no support is drawn: the {lowest.sum()} lowest of {len(stones)} stones were fixed"))
+        return [replace(stone, fixed=bool(down)) for stone, down in zip(stones, lowest, strict=True)]
+    chosen = [stone for stone, down in zip(stones, lowest, strict=True) if down]
+    named = ", ".join(f"{stone.name}" for stone in chosen[:8]) + (f" and {len(chosen) - 8} more" if len(chosen) > 8 else "")
+    remedy = "Draw the ground on CP-SUPPORT"
+    remedy += ", or pass --support base to fix the lowest stones." if not lowest.all() else "."
+    found = f"no support; the lowest stones are {named}"
+    findings.append(chosen[0].place.finding("E12", found, expected="a stone or a 3DFACE on CP-SUPPORT", remedy=remedy))
+    return stones
+
+
+def _named(stones: list[Stone], findings: list[Finding]) -> list[Stone]:
+    """Give stones that share an ID (a copy in the CAD program keeps it) names of their own, with a warning."""
+    taken = {stone.name for stone in stones}
+    seen: set[str] = set()
+    out: list[Stone] = []
+    for stone in stones:
+        name, number = stone.name, 1
+        while name in seen or (name != stone.name and name in taken):
+            number += 1
+            name = f"{stone.name}~{number}"
+        if name != stone.name:
+            findings.append(stone.place.finding("W15", f"the ID {stone.name} is taken; {name} is used"))
+        seen.add(name)
+        out.append(replace(stone, name=name) if name != stone.name else stone)
+    return out
+
+
+def _unit_weights(
+    stones: Sequence[Stone],
+    materials: Sequence[Material],
+    given: float | Mapping[str, float] | None,
+    findings: list[Finding],
+) -> tuple[FloatArray, tuple[str, ...]]:
+    """Return the unit weight of each stone (nb,), N/m3, and the materials of free stones that have none."""
+    table = {material.name: material.unit_weight for material in materials}
+    names = {stone.material for stone in stones}
+    if isinstance(given, Mapping):
+        table |= given
+    elif given is not None:
+        table |= dict.fromkeys(names, float(given))
+    for name in {stone.material for stone in stones if not stone.fixed} & table.keys():
+        if not 0 < table[name] < np.inf:
+            raise InputError(f"unit weight of {name!r}", "out of range", found=table[name], expected="> 0 N/m3")
+    unweighted = tuple(dict.fromkeys(s.material for s in stones if not s.fixed and s.material not in table))
+    for name in unweighted:
+        count = sum(stone.material == name and not stone.fixed for stone in stones)
+        found = f'no unit weight for the material "{name}" of {count} stones'
+        findings.append(
+            Finding("W19", found, remedy="Pass --unit-weight-kN-m3, or put it in the case; until then weights are relative.")
+        )
+    fallback = {True: 0.0, False: RELATIVE_WEIGHT}
+    return np.array([table.get(stone.material, fallback[stone.fixed]) for stone in stones]), unweighted
+
+
+def _in_metres(finding: Finding, unit: str | None) -> Finding:
+    if unit is None or finding.position is None:
+        return finding
+    x, y, z = (value * schema.metres(unit) for value in finding.position)
+    return replace(finding, position=(x, y, z), unit="m")
+
+
+def _assemble(stones: Sequence[Stone], unit: str, weights: FloatArray, findings: Findings) -> Assemblage:
+    factor = schema.metres(unit)
+    try:
+        return Assemblage.from_polyhedra(
+            [(stone.points * factor, stone.faces) for stone in stones],
+            weights,
+            fixed=[index for index, stone in enumerate(stones) if stone.fixed],
+            material=[stone.material for stone in stones],
+            panel=[stone.panel for stone in stones],
+            course=[stone.course for stone in stones],
+            block_id=[stone.name for stone in stones],
+        )
+    except InputError as error:
+        # Stretching an insert can warp a face that was just flat enough in its definition.
+        raise DrawingError(replace(findings, items=(*findings.items, Finding("E10", str(error).rstrip("."))))) from error

@@ -1,0 +1,294 @@
+"""From model space to stones: nested, arrayed and mirrored inserts followed down to the bodies they place."""
+
+from collections import Counter
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from ezdxf.entities.insert import Insert
+
+from churchpipe.dxf import schema
+from churchpipe.dxf.attributes import body_volume, read_labels
+from churchpipe.dxf.bodies import BAD_ENTITY, NOT_SANE, Faces, ground_plate, is_sane
+from churchpipe.dxf.definitions import Definition, Matrix, read_content, read_definition, transformed
+from churchpipe.dxf.findings import Finding, Place
+from churchpipe.model.arrays import FloatArray
+
+IDENTITY: Matrix = (np.eye(3), np.zeros(3))
+HIDDEN = "hidden or on frozen or off layers"
+# Parts of an insert or polyline: alone in a drawing they show that something else was lost.
+ORPHANS = ("ATTRIB", "VERTEX", "SEQEND")
+# Axes of an insert at angles whose cosine is below this are at right angles.
+SKEW_TOLERANCE = 1e-9
+# Arrays of arrays can ask for more stones than there is memory.
+MOST_INSERTS = 200_000
+# Two lengths of the axes of an insert that differ by less are one scale.
+STRETCH_TOLERANCE = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class Stone:
+    """One stone as drawn, in drawing units: points (n, 3), outward faces, and its labels."""
+
+    points: FloatArray
+    faces: Faces
+    fixed: bool
+    place: Place
+    name: str
+    material: str
+    panel: str = ""
+    course: int = -1
+
+
+@dataclass(frozen=True, slots=True)
+class _Branch:
+    """The way down to an insert: matrix, layer that "0" stands for, ground or not, names of inserts and blocks passed."""
+
+    matrix: Matrix = IDENTITY
+    layer: str = "0"
+    fixed: bool = False
+    names: tuple[str, ...] = ()
+    blocks: tuple[str, ...] = ()
+
+
+@dataclass(slots=True)
+class Survey:
+    """What a walk through model space gathers."""
+
+    doc: Any
+    repair: bool
+    hidden: frozenset[str]
+    stones: list[Stone] = field(default_factory=list)
+    findings: list[Finding] = field(default_factory=list)
+    left_out: Counter[str] = field(default_factory=Counter)
+    nameless: list[Place] = field(default_factory=list)
+    definitions: dict[str, Definition] = field(default_factory=dict)
+
+
+def survey(doc: Any, repair: bool) -> Survey:
+    """Walk through the model space of an ezdxf document; what is hidden, referenced or on paper is counted."""
+    hidden = frozenset(layer.dxf.name.upper() for layer in doc.layers if layer.is_frozen() or layer.is_off())
+    found = Survey(doc, repair, hidden)
+    try:
+        asked = _count_inserts(doc.modelspace(), {}, ())
+        if asked > MOST_INSERTS:
+            found.findings.append(Finding("E23", f"nested and arrayed inserts ask for {asked} stones", f"at most {MOST_INSERTS}"))
+            return found
+        _visit(found, read_content(list(doc.modelspace()), "", "", IDENTITY, found.findings), _Branch())
+    except BAD_ENTITY as error:
+        found.findings.append(Finding("E03", f"the file is damaged: model space cannot be read ({error})"))
+    for layout in doc.layouts:
+        if layout.is_any_paperspace:
+            drawn = sum(e.dxftype() in ("INSERT", "MESH", "POLYLINE", "3DFACE", "3DSOLID", "BODY") for e in layout)
+            found.left_out["in paper space"] += drawn
+    found.findings += _summary(found)
+    return found
+
+
+def _count_inserts(entities: Any, known: dict[str, int], trail: tuple[str, ...]) -> int:
+    """Return the number of inserts that follow from these entities, nested and arrayed ones included."""
+    total = 0
+    for insert in entities:
+        if not isinstance(insert, Insert) or (name := insert.dxf.name.upper()) in trail:
+            continue
+        block = insert.block()
+        if block is not None and name not in known:
+            known[name] = _count_inserts(block, known, (*trail, name))
+        total += max(insert.mcount, 1) * (1 + known.get(name, 0))
+    return total
+
+
+def _summary(found: Survey) -> list[Finding]:
+    out: list[Finding] = []
+    counted = ", ".join(f"{count} {what}" for what, count in sorted(found.left_out.items()) if count)
+    if counted:
+        out.append(Finding("W18", f"left out: {counted}"))
+    if found.nameless:
+        first = found.nameless[0]
+        what = (
+            f'{len(found.nameless)} stones without attributes, this one the first, are named by their handles, material "default"'
+        )
+        out.append(first.finding("W22", what))
+    return out
+
+
+def _visit(found: Survey, content: Definition, branch: _Branch) -> None:
+    """Gather everything that one level of the drawing holds."""
+    for index, solid in enumerate(content.solids):
+        layer = _layer(solid.layer, branch)
+        if layer in found.hidden:
+            found.left_out[HIDDEN] += 1
+            continue
+        if solid.body.flaw:
+            expected = "planar faces that close"
+            place = solid.place if solid.body.spot is None else _at(solid.place, branch.matrix, np.array(solid.body.spot))
+            found.findings.append(place.finding("E10", f"the body is no solid: {solid.body.flaw}", expected=expected))
+            continue
+        place = _at(solid.place, branch.matrix, solid.body.points[0])
+        name = "/".join((*branch.names, place.handle)) + (f".{index}" if _shares_handle(content, index) else "")
+        points, faces = _placed(solid.body.points, solid.body.faces, branch.matrix)
+        found.nameless.append(place)
+        found.stones.append(Stone(points, faces, branch.fixed or layer == schema.SUPPORT, place, name, "default"))
+    found.left_out[HIDDEN] += content.invisible
+    for face in content.loose:
+        _visit_loose(found, face, branch)
+    for other in content.others:
+        if other.dxftype() in ORPHANS:
+            place = Place(other.dxftype(), other.dxf.handle or "", content.name)
+            found.findings.append(place.finding("E03", "it has lost the entity it belongs to"))
+            continue
+        found.left_out[f"{other.dxftype()} (no solid)"] += 1
+    for insert in content.inserts:
+        try:
+            _visit_insert(found, insert, branch)
+        except BAD_ENTITY as error:
+            place = Place("INSERT", insert.dxf.handle or "", insert.dxf.get("name", ""))
+            found.findings.append(place.finding("E03", f"its data cannot be read ({error})"))
+
+
+def _visit_loose(found: Survey, face: Any, branch: _Branch) -> None:
+    layer = _layer(face.dxf.layer, branch)
+    corner = np.array(face.dxf.vtx0.xyz)
+    place = _at(Place("3DFACE", face.dxf.handle or ""), branch.matrix, corner)
+    if layer in found.hidden:
+        found.left_out[HIDDEN] += 1
+    elif not (branch.fixed or layer == schema.SUPPORT):
+        remedy = "Close it, or put it on CP-SUPPORT if it is ground."
+        found.findings.append(
+            place.finding("E10", "a 3D face that belongs to no closed solid", expected="a solid", remedy=remedy)
+        )
+    else:
+        plates = ground_plate(face)
+        for index, plate in enumerate(plates):
+            if plate.flaw:
+                found.findings.append(place.finding("E10", f"the patch of ground is no face: {plate.flaw}"))
+                continue
+            points, faces = _placed(plate.points, plate.faces, branch.matrix)
+            name = "/".join((*branch.names, f"ground-{place.handle}")) + (f".{index}" if len(plates) > 1 else "")
+            found.stones.append(Stone(points, faces, True, place, name, "default"))
+        if not plates:
+            found.findings.append(place.finding("E10", "the patch of ground has no area"))
+
+
+def _visit_insert(found: Survey, insert: Insert, branch: _Branch) -> None:
+    """Follow an insert, each member of an array by itself."""
+    layer = _layer(insert.dxf.layer, branch)
+    name = insert.dxf.name
+    place = Place("INSERT", insert.dxf.handle or "", name)
+    where = np.array(insert.ocs().to_wcs(insert.dxf.insert).xyz)
+    if not is_sane(where):
+        found.findings.append(place.finding("E10", f"in the placing of the insert {NOT_SANE}"))
+        return
+    place = _at(place, branch.matrix, where)
+    block = insert.block()
+    many = max(insert.mcount, 1)
+    if layer in found.hidden or insert.dxf.invisible:
+        found.left_out[HIDDEN] += many
+    elif block is None:
+        remedy = "Insert the block again from its source, or delete the insert."
+        found.findings.append(place.finding("E06", f"the block {name} is not defined", expected="its definition", remedy=remedy))
+    elif block.block is not None and (block.block.is_xref or block.block.is_xref_overlay):
+        found.left_out["external references (bind them to read them)"] += many
+    elif name.upper() in branch.blocks:
+        remedy = "Redraw the block without the insert of itself."
+        way = " > ".join((*branch.blocks[branch.blocks.index(name.upper()) :], name.upper()))
+        found.findings.append(place.finding("E08", f"the block contains itself: {way}", remedy=remedy))
+    else:
+        members = [insert] if many == 1 else list(insert.multi_insert())
+        for index, member in enumerate(members):
+            suffix = f"[{index}]" if len(members) > 1 else ""
+            rows = np.array(list(member.matrix44().rows()), dtype=float)
+            if not is_sane(rows):
+                found.findings.append(place.finding("E10", f"in the placing of the insert {NOT_SANE}"))
+                return
+            axes, origin = rows[:3, :3] @ branch.matrix[0], transformed(rows[None, 3, :3], branch.matrix)[0]
+            fixed = branch.fixed or layer == schema.SUPPORT
+            _visit_member(found, member, block, _Branch((axes, origin), layer, fixed, branch.names, branch.blocks), place, suffix)
+
+
+def _visit_member(found: Survey, insert: Insert, block: Any, branch: _Branch, place: Place, suffix: str) -> None:
+    base = np.array(block.block.dxf.base_point.xyz)
+    if not (is_sane(branch.matrix[0]) and is_sane(branch.matrix[1]) and is_sane(base)):
+        found.findings.append(place.finding("E10", f"in the placing of the insert {NOT_SANE}"))
+        return
+    place = _at(place, branch.matrix, base)
+    content = found.definitions.get(place.block.upper())
+    if content is None:
+        content = found.definitions[place.block.upper()] = read_definition(block, branch.matrix, found.findings, found.repair)
+    if not _is_rigid(found, branch.matrix, place):
+        return
+    texts = {a.dxf.tag.strip().upper(): a.dxf.text.strip() for a in insert.attribs}
+    own = texts.get(schema.ID) or place.handle
+    before = len(found.stones)
+    labelled = content.tagged or (len(content.solids) == 1 and bool(texts))
+    if labelled and content.solids:
+        _add_stone(found, content, texts, branch, place, suffix)
+        content = Definition(inserts=content.inserts)
+    deeper = _Branch(
+        branch.matrix, branch.layer, branch.fixed, (*branch.names, own + suffix), (*branch.blocks, place.block.upper())
+    )
+    _visit(found, content, deeper)
+    if len(found.stones) == before and not content.tagged and not (content.solids or content.inserts or content.loose):
+        if branch.layer in (schema.BLOCKS, schema.SUPPORT):
+            expected = "a MESH or polyface on CP-SOLID, or points F<face>.<corner> on CP-INTERFACE"
+            found.findings.append(place.finding("E10", "no body in the block", expected=expected))
+        else:
+            found.left_out["INSERT (no solid)"] += 1
+
+
+def _is_rigid(found: Survey, matrix: Matrix, place: Place) -> bool:
+    """Report an insert that skews (an error) or stretches (a warning); return whether its stone can be used."""
+    gram = matrix[0] @ matrix[0].T
+    length = np.sqrt(np.diag(gram))
+    if length.min() <= 0:
+        found.findings.append(place.finding("E10", f"the insert has the scale {np.round(length, 6).tolist()}", expected="no 0"))
+        return False
+    cosine = np.abs(gram / np.outer(length, length) - np.eye(3)).max()
+    if cosine > SKEW_TOLERANCE:
+        angle = float(np.degrees(np.arccos(min(cosine, 1.0))))
+        remedy = "Explode the outer block, or scale it evenly."
+        found.findings.append(
+            place.finding("E09", f"the insert skews its stone to {angle:.2f} degrees", expected="right angles", remedy=remedy)
+        )
+        return False
+    if np.ptp(length) > STRETCH_TOLERANCE * length.max():
+        scale = " x ".join(f"{s:.6g}" for s in length)
+        found.findings.append(place.finding("W09", f"the insert stretches its stone by {scale}; volume and faces follow"))
+    return True
+
+
+def _add_stone(found: Survey, content: Definition, texts: dict[str, str], branch: _Branch, place: Place, suffix: str) -> None:
+    body = content.solids[0].body
+    points, faces = _placed(body.points, body.faces, branch.matrix)
+    labels = read_labels(
+        texts,
+        content.constants,
+        content.defaults,
+        place,
+        volume=body_volume(points, faces) if schema.VOLUME in texts else 0.0,
+        required=content.tagged,
+        repair=found.repair,
+    )
+    found.findings += labels.findings
+    name = "/".join((*branch.names, labels.name + suffix))
+    found.stones.append(Stone(points, faces, branch.fixed, place, name, labels.material, labels.panel, labels.course))
+
+
+def _placed(points: FloatArray, faces: Faces, matrix: Matrix) -> tuple[FloatArray, Faces]:
+    """Move a body; a mirrored one gets its faces turned so that they look outwards again."""
+    mirrored = np.linalg.det(matrix[0]) < 0
+    return transformed(points, matrix), tuple(face[::-1] for face in faces) if mirrored else faces
+
+
+def _layer(name: str, branch: _Branch) -> str:
+    """Return the layer of an entity in capitals; what lies on layer 0 in a block is on the layer of the insert."""
+    return branch.layer if name == "0" else name.upper()
+
+
+def _at(place: Place, matrix: Matrix, point: FloatArray) -> Place:
+    x, y, z = transformed(point[None], matrix)[0].tolist()
+    return Place(place.entity, place.handle, place.block, (x, y, z))
+
+
+def _shares_handle(content: Definition, index: int) -> bool:
+    return sum(s.place.handle == content.solids[index].place.handle for s in content.solids) > 1

@@ -1,0 +1,136 @@
+"""Stones to a drawing: one block definition for each recurrent stone, one insert with short attributes for each stone."""
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from ezdxf import filemanagement
+
+from churchpipe.dxf import schema
+from churchpipe.dxf.properties import encode_loads, encode_materials
+from churchpipe.dxf.recurrence import Recurrence, Shape, find_recurrence
+from churchpipe.errors import InputError
+from churchpipe.model.arrays import FloatArray
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.loads import LoadCase
+from churchpipe.model.materials import Material
+
+
+def write_dxf(
+    assemblage: Assemblage,
+    path: str | os.PathLike[str],
+    *,
+    materials: Sequence[Material] = (),
+    loads: Sequence[LoadCase] = (),
+    units: Literal["m", "mm"] = "m",
+) -> None:
+    """Write an assemblage as a drawing (churchpipe DXF 1, AutoCAD R2010).
+
+    `read_drawing` gives back the same stones in the same order to 1e-12 m, the materials and the loads. A drawing says what
+    stones are made of; their unit weight travels with `materials`, without them it is lost.
+
+    Parameters
+    ----------
+    units: length unit of the drawing.
+
+    Raises
+    ------
+    InputError: a name that a drawing cannot hold, a unit weight that contradicts its material, a file that cannot be written.
+    """
+    if units not in ("m", "mm"):
+        raise InputError("units", "not a unit drawings are written in", found=repr(units), expected='"m" or "mm"')
+    _check_weights(assemblage, materials)
+    properties = [*encode_materials(materials), *encode_loads(loads)]
+    document = _new_document(units, properties)
+    recurrence = find_recurrence(assemblage)
+    scale = 1.0 / schema.metres(units)
+    optional = [schema.PANEL_NAME] if (assemblage.panel != "").any() else []
+    optional += [schema.COURSE] if (assemblage.course >= 0).any() else []
+    for number, shape in enumerate(recurrence.shapes):
+        _add_definition(document, f"{schema.BLOCK_PREFIX}{number + 1}", shape, scale, optional)
+    _add_inserts(document, assemblage, recurrence, scale)
+    _save(document, Path(path))
+
+
+def _check_weights(stones: Assemblage, materials: Sequence[Material]) -> None:
+    names = [material.name for material in materials]
+    if len(set(names)) != len(names):
+        raise InputError("materials", "names are not unique", found=names)
+    for material in materials:
+        own = stones.unit_weight[~stones.fixed & (stones.material == material.name)]
+        off = own[np.abs(own - material.unit_weight) > 1e-9 * material.unit_weight]
+        if len(off):
+            raise InputError(
+                f"material {material.name}: unit_weight",
+                "contradicts the stones made of it",
+                found=f"{off[0]:g} N/m3 in a stone",
+                expected=f"{material.unit_weight:g} N/m3",
+                remedy="A drawing stores one unit weight a material: give these stones a material of their own.",
+            )
+
+
+def _new_document(units: str, properties: Sequence[tuple[str, str]]) -> Any:
+    document = filemanagement.new(schema.DXF_VERSION)
+    document.header["$INSUNITS"] = schema.UNITS[units][0]
+    document.header["$MEASUREMENT"] = 1
+    document.appids.add(schema.APPID)
+    for layer, colour in schema.LAYERS.items():
+        document.layers.add(layer, color=colour)
+    store = document.header.custom_vars
+    for tag, value in ((schema.SCHEMA_PROPERTY, str(schema.VERSION)), (schema.UNITS_PROPERTY, units), *properties):
+        store.append(tag, value)
+    return document
+
+
+def _add_definition(document: Any, name: str, shape: Shape, scale: float, optional: Sequence[str]) -> None:
+    points = shape.points * scale
+    stone = Assemblage.from_polyhedra([(points, shape.faces)], unit_weight=1.0)
+    block = document.blocks.new(name)
+    with block.add_mesh(dxfattribs={"layer": schema.SOLID}).edit_data() as data:
+        data.vertices = points.tolist()
+        data.faces = [list(face) for face in shape.faces]
+    tagged = [(schema.VERTEX, f"V{i}", point) for i, point in enumerate(points)]
+    tagged.append((schema.CENTROID, schema.CENTROID_TAG, stone.centroid[0]))
+    for layer, tag, place in tagged:
+        block.add_point(place.tolist(), dxfattribs={"layer": layer}).set_xdata(schema.APPID, [(1000, tag)])
+    height = 0.1 * float(np.ptp(points, axis=0).max())
+    constant = {schema.VOLUME: f"{stone.volume[0]:.12g}", schema.NFACES: str(len(shape.faces))}
+    variable = dict.fromkeys((schema.ID, schema.MATERIAL, *optional), "")
+    for tag, text in {**constant, **variable}.items():
+        attribute = block.add_attdef(tag, stone.centroid[0].tolist(), text, height=height, dxfattribs={"layer": schema.BLOCKS})
+        attribute.is_const = tag in constant
+        attribute.is_invisible = True
+
+
+def _add_inserts(document: Any, stones: Assemblage, recurrence: Recurrence, scale: float) -> None:
+    space = document.modelspace()
+    place: FloatArray = recurrence.place * scale
+    for index in range(stones.count):
+        layer = schema.SUPPORT if stones.fixed[index] else schema.BLOCKS
+        where = place[index].tolist()
+        insert = space.add_blockref(f"{schema.BLOCK_PREFIX}{recurrence.shape[index] + 1}", where, dxfattribs={"layer": layer})
+        if recurrence.turn[index]:
+            insert.dxf.rotation = float(recurrence.turn[index])
+        texts = {schema.ID: str(stones.block_id[index]), schema.MATERIAL: str(stones.material[index])}
+        if stones.panel[index]:
+            texts[schema.PANEL_NAME] = str(stones.panel[index])
+        if stones.course[index] >= 0:
+            texts[schema.COURSE] = str(stones.course[index])
+        for tag, text in texts.items():
+            check_where = f"stone {stones.block_id[index]}: {tag}"
+            insert.add_attrib(tag, schema.check_text(check_where, text), where, {"layer": layer, "flags": 1})
+
+
+def _save(document: Any, path: Path) -> None:
+    """Write under a temporary name and rename, so that a killed run leaves no half of a drawing."""
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    try:
+        with temporary.open("w", encoding="utf-8", errors="dxfreplace", newline="\n") as stream:
+            document.write(stream)
+        temporary.replace(path)
+    except OSError as error:
+        raise InputError(str(path), "the drawing cannot be written", found=error.strerror or str(error)) from error
+    finally:
+        temporary.unlink(missing_ok=True)
