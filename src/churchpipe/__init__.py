@@ -1,1 +1,70 @@
-"""churchpipe: collapse load factors of masonry buildings."""
+"""churchpipe: collapse load factors of masonry buildings.
+
+The stable names; each is loaded when it is first used, so that `import churchpipe` costs nothing.
+"""
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from churchpipe.config import read_case as read_case
+    from churchpipe.derive.blocks import derive_blocks as derive_blocks
+    from churchpipe.derive.contacts import find_contacts as find_contacts
+    from churchpipe.dxf.reader import read_dxf as read_dxf
+    from churchpipe.dxf.writer import write_dxf as write_dxf
+    from churchpipe.errors import InputError as InputError
+    from churchpipe.model.assemblage import Assemblage as Assemblage
+    from churchpipe.model.building import Building as Building
+    from churchpipe.model.contacts import Contacts as Contacts
+    from churchpipe.model.loads import LoadCase as LoadCase
+    from churchpipe.model.materials import Material as Material
+    from churchpipe.model.results import LimitState as LimitState
+    from churchpipe.rigid_blocks.limit import limit_analysis as limit_analysis
+
+_PLACES = {
+    "Assemblage": "model.assemblage",
+    "Building": "model.building",
+    "Contacts": "model.contacts",
+    "InputError": "errors",
+    "LimitState": "model.results",
+    "LoadCase": "model.loads",
+    "Material": "model.materials",
+    "derive_blocks": "derive.blocks",
+    "find_contacts": "derive.contacts",
+    "limit_analysis": "rigid_blocks.limit",
+    "read_case": "config",
+    "read_dxf": "dxf.reader",
+    "write_dxf": "dxf.writer",
+}
+
+__all__ = [
+    "Assemblage",
+    "Building",
+    "Contacts",
+    "InputError",
+    "LimitState",
+    "LoadCase",
+    "Material",
+    "derive_blocks",
+    "find_contacts",
+    "limit_analysis",
+    "read_case",
+    "read_dxf",
+    "write_dxf",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("churchpipe")
+    if name not in _PLACES:
+        raise AttributeError(f"module 'churchpipe' has no attribute {name!r}")
+    value = getattr(importlib.import_module(f"churchpipe.{_PLACES[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *__all__])

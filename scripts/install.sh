@@ -1,0 +1,58 @@
+#!/bin/sh
+# Set up churchpipe in .venv, with the versions of uv.lock: sh scripts/install.sh [uv sync options]
+# Needs a shell and Python 3.11 or newer. System libraries that are missing are installed by apt (root or sudo).
+set -eu
+cd "$(dirname "$0")/.."
+
+say() { echo "churchpipe: $*"; }
+
+python=
+for name in "${PYTHON:-}" python3 python3.13 python3.12 python3.11; do
+    if [ -n "$name" ] && "$name" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then
+        python=$name
+        break
+    fi
+done
+[ -n "$python" ] || { say "no Python 3.11 or newer found (apt-get install python3, or set PYTHON=/path/to/python3)"; exit 1; }
+
+packages=
+has() { "$python" -c "$1" 2>/dev/null; }
+has 'import ensurepip, venv' || packages="$packages python3-venv"
+# Pictures are drawn off screen by Mesa.
+has 'import ctypes; ctypes.CDLL("libEGL.so.1")' || packages="$packages libegl1"
+has 'import ctypes; ctypes.CDLL("libGL.so.1")' || packages="$packages libgl1"
+has 'import glob, sys; sys.exit(not glob.glob("/usr/lib*/*/dri/*swrast*") + glob.glob("/usr/lib*/*/libgallium*.so"))' ||
+    packages="$packages libgl1-mesa-dri"
+has 'import ctypes; ctypes.CDLL("libgomp.so.1")' || packages="$packages libgomp1"
+has 'import ctypes; ctypes.CDLL("libstdc++.so.6")' || packages="$packages libstdc++6"
+has 'import ssl, sys; sys.exit(not ssl.create_default_context().get_ca_certs())' || packages="$packages ca-certificates"
+
+if [ -n "$packages" ]; then
+    root=
+    [ "$(id -u)" = 0 ] || root=sudo
+    if ! command -v apt-get >/dev/null || { [ -n "$root" ] && ! command -v sudo >/dev/null; }; then
+        say "please install these first, or what your system calls them:$packages"
+        exit 1
+    fi
+    say "installing system packages:$packages"
+    $root apt-get update -q
+    # shellcheck disable=SC2086
+    $root env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends $packages
+fi
+
+[ -x .venv/bin/python ] || { say "making .venv"; "$python" -m venv .venv; }
+if command -v uv >/dev/null; then
+    uv=uv
+else
+    [ -x .venv/bin/uv ] || .venv/bin/python -m pip install -q uv
+    uv=.venv/bin/uv
+fi
+say "installing churchpipe and the versions of uv.lock"
+# --inexact keeps uv itself. Where only pip's own index can be reached, pip installs the same versions from there.
+if ! "$uv" sync -q --frozen --inexact "$@"; then
+    say "uv did not succeed; pip installs the same versions"
+    "$uv" export -q --frozen --no-hashes --no-emit-project "$@" >.venv/locked.txt
+    .venv/bin/python -m pip install -q -r .venv/locked.txt
+    .venv/bin/python -m pip install -q --no-deps -e .
+fi
+say "installed: .venv/bin/churchpipe"

@@ -1,0 +1,5 @@
+"""`python -m churchpipe`."""
+
+from churchpipe.cli import main
+
+main()

@@ -1,0 +1,239 @@
+"""The command line: thin. Each command reads its arguments, calls one thing and says what came of it.
+
+Exit codes: 0 done, 1 findings in the input (a case file or a drawing that cannot be taken), 2 usage, 3 the structure or a
+solver (unstable, not converged, failed; the report is written all the same).
+"""
+
+import importlib.metadata
+import os
+import signal
+import sys
+from pathlib import Path
+from typing import Annotated, Any, NoReturn
+
+import typer
+from rich.console import Console
+
+from churchpipe.errors import InputError, UsageError
+
+FINDINGS, USAGE, STRUCTURE, INTERRUPTED = 1, 2, 3, 130
+
+app = typer.Typer(
+    name="churchpipe",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="rich",
+    context_settings={"help_option_names": ["-h", "--help"]},
+    epilog="Exit codes: 0 done, 1 findings in the input, 2 usage, 3 the structure or a solver (the report is written).",
+)
+# Into a file or a pipe, tables keep their width.
+out = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
+err = Console(stderr=True, highlight=False)
+
+Folder = Annotated[Path, typer.Option("--out", "-o", help="Folder to write to.", show_default=False)]
+Drawing = Annotated[Path, typer.Argument(help="A DXF drawing.", exists=True, dir_okay=False, show_default=False)]
+CaseFile = Annotated[Path, typer.Argument(help="A case file (TOML).", exists=True, dir_okay=False, show_default=False)]
+RunFolder = Annotated[Path, typer.Argument(help="Folder of a run.", exists=True, file_okay=False, show_default=False)]
+Changes = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Change a key of the case: --set material.default.friction=0.5. Repeatable."),
+]
+Units = Annotated[str | None, typer.Option(help="Read the drawing in this unit (m, mm, in ...), whatever it says.")]
+Repair = Annotated[bool, typer.Option("--repair", help="Drop duplicates and recompute wrong attributes; each is listed.")]
+Support = Annotated[str, typer.Option(help='"base" fixes what stands on the lowest level; "drawn" takes the supports drawn.')]
+
+
+def main() -> NoReturn:
+    """Run the command line and leave with its exit code."""
+    signal.signal(signal.SIGTERM, _interrupt)
+    try:
+        app()
+    except InputError as error:
+        err.print(str(error), style="red", markup=False, soft_wrap=True)
+        raise SystemExit(USAGE if isinstance(error, UsageError) else FINDINGS) from None
+    except BrokenPipeError:
+        # The reader of a pipe (head, less) has left.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        raise SystemExit(0) from None
+    raise SystemExit(0)
+
+
+def _interrupt(*_: object) -> NoReturn:
+    raise KeyboardInterrupt
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        out.print(f"churchpipe {importlib.metadata.version('churchpipe')}")
+        raise typer.Exit
+
+
+@app.callback()
+def churchpipe(
+    version: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")] = False,
+) -> None:
+    """How much lateral load brings a masonry building down, from its stones.
+
+    From a drawing: [bold]import-dxf[/], then [bold]run[/]. From a handful of dimensions: [bold]generate[/], edit, [bold]run[/].
+    """
+
+
+@app.command()
+def run(
+    case: CaseFile,
+    out_dir: Annotated[
+        Path | None, typer.Option("--out", "-o", help="Run folder; default runs/NAME.", show_default=False)
+    ] = None,
+    jobs: Annotated[int | None, typer.Option("--jobs", "-j", min=1, help="Stages at one time; default: one a core.")] = None,
+    changes: Changes = None,
+) -> None:
+    """Run a case: stones, contacts, load factors, report. What is up to date is not done again."""
+    from churchpipe import engine, stages
+    from churchpipe.compare import bad_news
+    from churchpipe.config import read_case
+    from churchpipe.io.tables import read_json
+    from churchpipe.terminal import Display, results_table
+
+    folder = out_dir or Path("runs") / read_case(case, changes or ()).name
+    stages.configure(case, folder, changes or ())
+    try:
+        with Display(err) as display:
+            code = engine.run(folder, jobs or os.cpu_count() or 1, display.show)
+    except KeyboardInterrupt:
+        err.print("Stopped. What was finished stays; run it again to go on.")
+        raise typer.Exit(INTERRUPTED) from None
+    if display.errors:
+        for text in display.errors:
+            err.print(text, style="red", markup=False, soft_wrap=True)
+        raise typer.Exit(FINDINGS)
+    if code:
+        err.print(f"A stage crashed; see {folder / 'run.log'}", style="red", soft_wrap=True)
+        raise typer.Exit(STRUCTURE)
+    summary = read_json(folder / "summary.json")
+    out.print(results_table(summary))
+    out.print(f"Report: {folder / 'report.html'}", soft_wrap=True)
+    if bad_news(summary["analyses"]):
+        raise typer.Exit(STRUCTURE)
+
+
+@app.command()
+def show(folder: RunFolder) -> None:
+    """Show the results of a run as a table."""
+    from churchpipe.io.tables import read_json
+    from churchpipe.terminal import results_table
+
+    summary = folder / "summary.json"
+    if not summary.is_file():
+        raise InputError(str(folder), "no results", expected="summary.json", remedy="churchpipe run CASE.toml makes it.")
+    out.print(results_table(read_json(summary)))
+
+
+@app.command("import-dxf")
+def import_dxf(
+    drawing: Drawing,
+    folder: Folder,
+    units: Units = None,
+    unit_weight: Annotated[float | None, typer.Option("--unit-weight-kN-m3", help="Of all stones.")] = None,
+    friction: Annotated[float | None, typer.Option(help="Friction coefficient of all joints.")] = None,
+    load: Annotated[
+        list[str] | None, typer.Option(metavar="DIRECTION", help='Direction of a load: "+x", "-y" or "1,1,0". Repeatable.')
+    ] = None,
+    support: Support = "drawn",
+    repair: Repair = False,
+) -> None:
+    """Make a case of a drawing: FOLDER/case.toml and a copy of the drawing. All findings are listed."""
+    from churchpipe.importing import import_drawing
+
+    done = import_drawing(
+        drawing,
+        folder,
+        units=units,
+        unit_weight=None if unit_weight is None else unit_weight * 1e3,
+        friction=friction,
+        loads=load or (),
+        support=support,
+        repair=repair,
+    )
+    _list(done.findings)
+    out.print(f"{done.stones} stones on {done.fixed} fixed ones: {done.case}", soft_wrap=True)
+    for key in done.missing:
+        out.print(f"Still to be filled in: {key}", markup=False, soft_wrap=True)
+
+
+@app.command()
+def check(drawing: Drawing, units: Units = None, support: Support = "drawn", repair: Repair = False) -> None:
+    """List all findings in a drawing, and stones that float or overlap. Exit code 1 when there are errors."""
+    from churchpipe.importing import check_drawing
+
+    read = check_drawing(drawing, units=units, support=support, repair=repair)
+    _list(read.findings)
+    warnings = f"{len(read.findings)} warnings" if len(read.findings) else "nothing to report"
+    out.print(f"{drawing}: {int((~read.stones.fixed).sum())} stones, {warnings}.", soft_wrap=True)
+
+
+@app.command("export-dxf")
+def export_dxf(
+    case: CaseFile,
+    drawing: Annotated[Path, typer.Option("--out", "-o", help="The drawing to write.", show_default=False)],
+    changes: Changes = None,
+) -> None:
+    """Write the stones of a case as a DXF drawing, its materials and loads inside."""
+    from churchpipe.config import read_case
+    from churchpipe.derive.blocks import derive_blocks
+    from churchpipe.dxf.writer import write_dxf
+
+    read = read_case(case, changes or ())
+    stones = derive_blocks(read.building())
+    write_dxf(stones, drawing, materials=read.materials, loads=read.loads)
+    out.print(f"{int((~stones.fixed).sum())} stones: {drawing}", soft_wrap=True)
+
+
+@app.command()
+def generate(
+    name: Annotated[str, typer.Argument(help="wall, arch, prototype, s5, s22 ...", show_default=False)],
+    case: Annotated[Path | None, typer.Option("--out", "-o", help="The case file to write; default: the terminal.")] = None,
+) -> None:
+    """Write a commented case file to edit: dimensions, materials, loads."""
+    from churchpipe.resources import sample_case
+
+    text = sample_case(name)
+    if case is None:
+        out.print(text, markup=False, end="", soft_wrap=True)
+        return
+    if case.exists():
+        raise UsageError(str(case), "exists already", remedy="Choose another name, or delete it first.")
+    from churchpipe.io.atomic import write_text
+
+    write_text(case, text)
+    out.print(f"{case}: edit it, then churchpipe run {case}", soft_wrap=True)
+
+
+@app.command()
+def doctor() -> None:
+    """Check what is native or heavy, draw one picture, and print the line that installs what is missing."""
+    from churchpipe.doctor import examine
+    from churchpipe.terminal import findings_table
+
+    findings = examine()
+    out.print(findings_table(findings))
+    for remedy in dict.fromkeys(finding.remedy for finding in findings if finding.remedy):
+        out.print(remedy, markup=False, soft_wrap=True)
+    if not all(finding.passed for finding in findings):
+        raise typer.Exit(FINDINGS)
+
+
+@app.command(hidden=True)
+def stage(name: str, label: str, paths: list[Path]) -> None:
+    """Run one stage: what the rules of the pipeline call."""
+    from churchpipe import stages
+    from churchpipe.terminal import Reporter
+
+    takes_progress = name in stages.LONG
+    code = Reporter(name, label, sys.stderr).run(stages.STAGES[name], *paths, takes_progress=takes_progress)
+    raise typer.Exit(code)
+
+
+def _list(findings: Any) -> None:
+    if len(findings):
+        err.print(str(findings), markup=False, soft_wrap=True)

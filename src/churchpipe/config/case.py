@@ -1,0 +1,190 @@
+"""A case: one source, materials, loads, analyses. Plain dataclasses, in SI."""
+
+import tomllib
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+from churchpipe.config import overrides as changes
+from churchpipe.config.schema import CaseTable, check
+from churchpipe.config.section import Section
+from churchpipe.config.sources import DrawingSource
+from churchpipe.config.units import in_si
+from churchpipe.errors import InputError
+from churchpipe.model.building import Building
+from churchpipe.model.loads import LoadCase
+from churchpipe.model.materials import Elastic, Material
+
+Flow = Literal["associative", "non-associative"]
+
+
+@dataclass(frozen=True, slots=True)
+class Generated:
+    """A building made by a generator: its name and its parameters, SI."""
+
+    generator: str
+    parameters: dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Drawing:
+    """A drawing: its path, the units that override its own, `support="base"`, and whether it may be repaired."""
+
+    path: Path
+    units: str | None = None
+    support: Literal["drawn", "base"] = "drawn"
+    repair: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class RigidSettings:
+    """The rigid-block analyses: see `churchpipe.limit_analysis`."""
+
+    flow: tuple[Flow, ...] = ("associative",)
+    solver: str = "auto"
+    method: Literal["default", "paper"] = "default"
+    start: Literal["associative", "uniform"] = "associative"
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """One variant of a case file. `variant`: the swept values that tell it from the others, by dotted key.
+
+    `table` is the checked file, as it is written, without its sweep.
+    """
+
+    name: str
+    path: Path
+    source: Generated | Drawing
+    materials: tuple[Material, ...]
+    loads: tuple[LoadCase, ...]
+    rigid: RigidSettings
+    variant: dict[str, Any] = field(default_factory=dict)
+    table: dict[str, Any] = field(default_factory=dict)
+
+    def building(self) -> Building:
+        """Generate the building.
+
+        Raises
+        ------
+        InputError: a drawing has stones, not a building; parameters that contradict each other.
+        """
+        if isinstance(self.source, Drawing):
+            raise InputError(
+                f"{self.path}: source",
+                "a drawing gives stones, not a building",
+                found=self.source.path.name,
+                remedy="Read the stones with churchpipe.read_dxf.",
+            )
+        return generate(self.source, self.materials, self.name)
+
+
+def generate(source: Generated, materials: Sequence[Material], name: str) -> Building:
+    """Return the building that a generator makes."""
+    from churchpipe.generators import GENERATORS
+
+    return GENERATORS[source.generator].build(**source.parameters, name=name, materials=tuple(materials))
+
+
+def read_case(path: str | Path, overrides: Sequence[str] = ()) -> Case:
+    """Read a case file; of a file with a sweep, the first variant.
+
+    Parameters
+    ----------
+    overrides: changes "a.b.c=value" to keys of the file.
+
+    Raises
+    ------
+    InputError: everything that is wrong with the file: key, found, expected, remedy.
+    """
+    return read_variants(path, overrides)[0]
+
+
+def read_variants(path: str | Path, overrides: Sequence[str] = ()) -> tuple[Case, ...]:
+    """Read a case file and multiply it by its sweep: one case for each combination of the swept values."""
+    path = Path(path)
+    table = changes.apply_overrides(_read_table(path), overrides)
+    table.setdefault("name", path.stem)
+    return tuple(_case(path, changed, variant) for changed, variant in changes.variants(table))
+
+
+def _read_table(path: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(str(path), "cannot be read", found=error.strerror or error, expected="a case file") from error
+    except UnicodeDecodeError as error:
+        raise InputError(str(path), "not a text file", found=error.reason, expected="a case file in TOML, UTF-8") from error
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(str(path), "not TOML", found=error, remedy="Text needs quotes; tables stand in [brackets].") from error
+
+
+def _case(path: Path, table: dict[str, Any], variant: dict[str, Any]) -> Case:
+    file = str(path)
+    checked, source = check(table, file)
+    _check_complete(checked, file)
+    rigid = checked.rigid
+    return Case(
+        name=checked.name,
+        path=path,
+        source=_source(path, source),
+        materials=tuple(_material(name, section.model_dump()) for name, section in checked.material.items()),
+        loads=_loads(file, checked),
+        rigid=RigidSettings(flow=tuple(rigid.flow), solver=rigid.solver, method=rigid.method, start=rigid.start),
+        variant=variant,
+        table=checked.model_dump(exclude_none=True) | {"source": source.model_dump(exclude_none=True)},
+    )
+
+
+def _check_complete(checked: CaseTable, file: str) -> None:
+    """Name at once all that an imported drawing did not say: materials, their unit weight and friction, loads."""
+    missing = [
+        f"material.{name}.{key}"
+        for name, section in checked.material.items()
+        for key in ("unit_weight_kN_m3", "friction")
+        if getattr(section, key) is None
+    ]
+    if not checked.material:
+        missing += ["material.default.unit_weight_kN_m3", "material.default.friction"]
+    if not checked.load:
+        missing.append("load (a table [[load]] with its direction)")
+    if missing:
+        raise InputError(
+            file,
+            "missing keys",
+            expected=", ".join(missing),
+            remedy="Neither the file nor its drawing says them, and nothing is assumed.",
+        )
+
+
+def _source(path: Path, source: Section) -> Generated | Drawing:
+    if isinstance(source, DrawingSource):
+        return Drawing(path.parent / source.dxf, source.units, source.support, source.repair)
+    parameters = source.model_dump(exclude_none=True)
+    return Generated(parameters.pop("generator"), in_si(parameters))
+
+
+def _material(name: str, table: dict[str, Any]) -> Material:
+    elastic = table.pop("elastic")
+    si = in_si(table)
+    return Material(name, si["unit_weight"], si["friction"], si["cohesion"], elastic_from(elastic) if elastic else None)
+
+
+def elastic_from(table: dict[str, Any]) -> Elastic:
+    """Return elastic constants from their table in the case file."""
+    si = in_si(table)
+    return Elastic(si["block_E"], si["block_nu"], si["joint_E"], si["joint_nu"], si["joint_thickness"])
+
+
+def _loads(file: str, checked: CaseTable) -> tuple[LoadCase, ...]:
+    loads: list[LoadCase] = []
+    for number, section in enumerate(checked.load):
+        try:
+            loads.append(LoadCase(**section.model_dump()))
+        except InputError as error:
+            raise InputError(f"{file}: load.{number}", error.problem, found=error.found, expected=error.expected) from error
+    names = [load.name for load in loads]
+    if len(set(names)) != len(names):
+        raise InputError(f"{file}: load", "two loads of one name", found=", ".join(names), expected="a name of its own for each")
+    return tuple(loads)

@@ -1,0 +1,88 @@
+"""Changes to a case file's table: `--set a.b.c=value` and `[sweep]`."""
+
+import copy
+import itertools
+import tomllib
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from churchpipe.config.section import Table
+from churchpipe.errors import InputError, UsageError
+
+
+def parse_override(text: str) -> tuple[str, Any]:
+    """Split "a.b.c=value" into its dotted key and its value, read as TOML (a bare word is a string)."""
+    key, equals, value = text.partition("=")
+    key = key.strip()
+    if not equals or not all(key.split(".")):
+        raise UsageError(f"--set {text}", "not an override", expected="key=value, such as --set rigid.solver=clarabel")
+    try:
+        return key, tomllib.loads(f"value = {value}")["value"]
+    except tomllib.TOMLDecodeError:
+        return key, value.strip()
+
+
+def set_key(table: Table, key: str, value: Any) -> None:
+    """Set a dotted key in place; a number steps into a list (load.0.direction). Tables on the way are made as needed."""
+    *path, last = key.split(".")
+    place: Any = table
+    for depth, part in enumerate(path):
+        if isinstance(place, list):
+            place = place[_position(place, part, key)]
+        elif isinstance(place, dict):
+            place = place.setdefault(part, {})
+        if not isinstance(place, dict | list):
+            raise InputError(key, f"{'.'.join(path[: depth + 1])} is not a table", found=place)
+    if isinstance(place, list):
+        place[_position(place, last, key)] = value
+    else:
+        place[last] = value
+
+
+def apply_overrides(table: Table, overrides: Sequence[str]) -> Table:
+    """Return the table with overrides set; a key that is set is not swept any more."""
+    table = copy.deepcopy(table)
+    for key, value in map(parse_override, overrides):
+        set_key(table, key, value)
+        sweep = table.get("sweep")
+        if isinstance(sweep, dict) and not key.startswith("sweep."):
+            table["sweep"] = {swept: values for swept, values in flatten(sweep).items() if swept != key}
+    return table
+
+
+def variants(table: Table) -> Iterator[tuple[Table, Table]]:
+    """Yield (table, swept values) for the product of all lists under [sweep]; the file's own table when there is none.
+
+    Keys may be quoted ("material.default.friction") or written as nested tables.
+    """
+    base = {key: value for key, value in table.items() if key != "sweep"}
+    sweep = table.get("sweep", {})
+    if not isinstance(sweep, dict):
+        raise InputError("sweep", "not a table", found=sweep, expected='lists such as "material.default.friction" = [0.5, 0.6]')
+    lists = flatten(sweep)
+    for key, values in lists.items():
+        if not isinstance(values, list) or not values:
+            raise InputError(f"sweep.{key}", "nothing to sweep", found=values, expected="a list of at least one value")
+    for values in itertools.product(*lists.values()):
+        variant = dict(zip(lists, values, strict=True))
+        changed = copy.deepcopy(base)
+        for key, value in variant.items():
+            set_key(changed, key, value)
+        yield changed, variant
+
+
+def flatten(table: Table, prefix: str = "") -> Table:
+    """Return a nested table as one level of dotted keys."""
+    out: Table = {}
+    for key, value in table.items():
+        if isinstance(value, dict):
+            out |= flatten(value, f"{prefix}{key}.")
+        else:
+            out[prefix + key] = value
+    return out
+
+
+def _position(place: list[Any], part: str, key: str) -> int:
+    if not part.isdecimal() or int(part) >= len(place):
+        raise InputError(key, "no such entry", found=part, expected=f"a number from 0 to {len(place) - 1}")
+    return int(part)

@@ -1,0 +1,73 @@
+"""What a case file may say. Keys, types and ranges; units are in the key names."""
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from churchpipe.config.section import NotNegative, Positive, Section, Table, Vector, gathered, validated
+from churchpipe.config.sources import check_source
+from churchpipe.errors import InputError
+
+Flow = Literal["associative", "non-associative"]
+
+
+class ElasticTable(Section):
+    """Elastic constants, which the rigid blocks do not need."""
+
+    block_E_GPa: Positive
+    block_nu: NotNegative
+    joint_E_GPa: Positive
+    joint_nu: NotNegative
+    joint_thickness_mm: Positive
+
+
+class MaterialTable(Section):
+    """One masonry. Unit weight and friction have no default: a case that leaves them out does not run."""
+
+    unit_weight_kN_m3: Positive | None = None
+    friction: NotNegative | None = None
+    cohesion_kPa: NotNegative = 0.0
+    elastic: ElasticTable | None = None
+
+
+class LoadTable(Section):
+    """A lateral load."""
+
+    direction: Vector
+    name: str = ""
+    panels: list[str] | None = None
+    profile: Literal["uniform", "linear"] = "uniform"
+
+
+class RigidTable(Section):
+    """The rigid-block analyses."""
+
+    flow: list[Flow] = Field(default_factory=lambda: ["associative"], min_length=1)
+    solver: str = "auto"
+    method: Literal["default", "paper"] = "default"
+    start: Literal["associative", "uniform"] = "associative"
+
+
+class CaseTable(Section):
+    """The whole file, one variant of it; [source] is checked apart, by its generator."""
+
+    name: Annotated[str, Field(pattern=r"^\w[\w .+-]*$")]
+    source: dict[str, Any]
+    material: dict[str, MaterialTable] = Field(default_factory=dict)
+    load: list[LoadTable] = Field(default_factory=list)
+    rigid: RigidTable = RigidTable()
+
+
+def check(table: Table, file: str) -> tuple[CaseTable, Section]:
+    """Return a case's table and its source, checked.
+
+    Raises
+    ------
+    InputError: everything that is wrong, each with its key; an unknown key with the nearest known one.
+    """
+    problems: list[InputError] = []
+    case = validated(CaseTable, table, "", file, problems)
+    source = check_source(table["source"], file, problems) if isinstance(table.get("source"), dict) else None
+    if problems or case is None or source is None:
+        raise gathered(file, problems)
+    return case, source

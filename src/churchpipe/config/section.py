@@ -1,0 +1,87 @@
+"""Tables of the case file, and what is wrong with one in the user's words."""
+
+import difflib
+from collections.abc import Iterable
+from typing import Annotated, Any, TypeVar, get_args
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from churchpipe.errors import InputError
+
+Table = dict[str, Any]
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Number = Annotated[float, Field(allow_inf_nan=False)]
+Count = Annotated[int, Field(ge=1)]
+Vector = Annotated[list[Number], Field(min_length=3, max_length=3)]
+
+
+class Section(BaseModel):
+    """A table of the case file: unknown keys are errors, numbers are not read out of strings."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+
+Kind = TypeVar("Kind", bound=Section)
+
+
+def validated(kind: type[Kind], table: Table, place: str, file: str, problems: list[InputError]) -> Kind | None:
+    """Return a table checked, or None and what is wrong with it among the problems. place: its own key in the file."""
+    try:
+        return kind.model_validate(table)
+    except ValidationError as error:
+        problems += [_translated(item, kind, place, file) for item in error.errors()]
+        return None
+
+
+def gathered(file: str, problems: list[InputError]) -> InputError:
+    """Return one error that says all."""
+    if len(problems) == 1:
+        return problems[0]
+    lines = "\n  ".join(str(problem).removeprefix(f"{file}: ") for problem in problems)
+    return InputError(file, f"{len(problems)} errors:\n  {lines}".removesuffix("."))
+
+
+def nearest(key: str, known: Iterable[str]) -> str:
+    """Return the remedy for an unknown word."""
+    close = difflib.get_close_matches(key, list(known), n=1, cutoff=0.5)
+    return f'Did you mean "{close[0]}"?' if close else ""
+
+
+def _translated(item: Any, kind: type[Section], place: str, file: str) -> InputError:
+    *path, last = item["loc"]
+    where = f"{file}: " + ".".join(map(str, (*([place] if place else []), *path, last)))
+    match item["type"]:
+        case "extra_forbidden":
+            known = [*_section_at(kind, path).model_fields, *(["sweep"] if not place and not path else [])]
+            return InputError(where, "unknown key", expected=f"one of {', '.join(known)}", remedy=nearest(str(last), known))
+        case "missing":
+            return InputError(
+                where, "missing key", expected=_described(_section_at(kind, path).model_fields[str(last)].annotation)
+            )
+        case _:
+            expected = str(item["msg"]).removeprefix("Input should be ").replace("List should have", "a list of")
+            return InputError(where, "wrong value", found=repr(item["input"]), expected=expected.replace(" after validation", ""))
+
+
+def _section_at(kind: type[Section], path: list[Any]) -> type[Section]:
+    """Return the table that a path of keys leads to; names of materials and numbers of loads are stepped over."""
+    for part in path:
+        field = kind.model_fields.get(str(part))
+        if field is not None:
+            kind = _section_in(field.annotation) or kind
+    return kind
+
+
+def _section_in(annotation: Any) -> type[Section] | None:
+    if isinstance(annotation, type) and issubclass(annotation, Section):
+        return annotation
+    return next((found for part in get_args(annotation) if (found := _section_in(part))), None)
+
+
+def _described(annotation: Any) -> str:
+    section = _section_in(annotation)
+    if section:
+        return f"a table with {', '.join(section.model_fields)}"
+    words = {float: "a number", int: "a whole number", str: "a text"}
+    return words.get(annotation, "a list" if "list" in str(annotation) else "a value")

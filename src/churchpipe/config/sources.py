@@ -1,0 +1,138 @@
+"""The [source] table: a generator's parameters, or a drawing.
+
+The keys are the fields of the generators' parameter classes with their unit; a length may be written in _m instead of _mm.
+"""
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from churchpipe.config.section import Count, NotNegative, Number, Positive, Section, Table, Vector, nearest, validated
+from churchpipe.errors import InputError
+
+Joints = Literal["grid", "bay"]
+
+
+class OpeningTable(Section):
+    """A door or window with a lintel of one course; `start_mm` is measured along its wall."""
+
+    start_mm: NotNegative
+    width_mm: Positive
+    height_courses: Count
+    lintel_bearing_mm: NotNegative = 0.0
+    sill_courses: Annotated[int, Field(ge=0)] = 0
+
+
+class WallSource(Section):
+    """A free-standing straight wall."""
+
+    generator: Literal["wall"]
+    length_mm: Positive
+    brick_mm: Vector
+    courses: Count | None = None
+    height_mm: Positive | None = None
+    thickness_mm: Positive | None = None
+    pattern: Literal["running", "stack"] = "running"
+    joints: Joints = "grid"
+    through_offset_mm: Number = 0.0
+    cut_offset_mm: Number | None = None
+    openings: list[OpeningTable] = Field(default_factory=list)
+
+
+class ArchSource(Section):
+    """A free-standing circular arch between two skewbacks."""
+
+    generator: Literal["arch"]
+    mean_radius_mm: Positive
+    thickness_mm: Positive
+    width_mm: Positive
+    voussoirs: Count
+    half_angle_deg: Positive = 90.0
+
+
+class PrototypeSource(Section):
+    """A main wall with partitions behind it, as in the tilting tests."""
+
+    generator: Literal["prototype"]
+    brick_mm: Vector
+    partitions_x_mm: list[Number]
+    partition_length_mm: Positive
+    courses: Count
+    main_wall_bricks: Positive | None = None
+    main_wall_length_mm: Positive | None = None
+    opening: OpeningTable | None = None
+    joints: Joints = "grid"
+    first_course: Literal["main", "partitions"] = "main"
+    through_offset_mm: Number | None = None
+    cut_offset_mm: Number | None = None
+
+
+class BoxSource(Section):
+    """Four walls around a rectangle."""
+
+    generator: Literal["box"]
+    length_mm: Positive
+    width_mm: Positive
+    courses: Count
+    brick_mm: Vector
+    thickness_mm: Positive | None = None
+    joints: Joints = "grid"
+    through_offset_mm: Number | None = None
+    cut_offset_mm: Number | None = None
+    openings_x: list[OpeningTable] = Field(default_factory=list)
+    openings_y: list[OpeningTable] = Field(default_factory=list)
+
+
+class DrawingSource(Section):
+    """A DXF drawing; its path is relative to the case file."""
+
+    dxf: Annotated[str, Field(min_length=1)]
+    units: str | None = None
+    support: Literal["drawn", "base"] = "drawn"
+    repair: bool = False
+
+
+GENERATED: dict[str, type[Section]] = {"wall": WallSource, "arch": ArchSource, "prototype": PrototypeSource, "box": BoxSource}
+
+
+def check_source(table: Table, file: str, problems: list[InputError]) -> Section | None:
+    """Return the [source] table checked, or None and what is wrong with it among the problems."""
+    if ("generator" in table) == ("dxf" in table):
+        found = "both" if "dxf" in table else ", ".join(table) or "an empty table"
+        problems.append(
+            InputError(f"{file}: source", "no single source", found=found, expected='generator = "..." or dxf = "..."')
+        )
+        return None
+    if "dxf" in table:
+        return validated(DrawingSource, table, "source", file, problems)
+    name = table["generator"]
+    if name not in GENERATED:
+        problems.append(
+            InputError(
+                f"{file}: source.generator",
+                "unknown generator",
+                found=repr(name),
+                expected=", ".join(GENERATED),
+                remedy=nearest(str(name), GENERATED),
+            )
+        )
+        return None
+    return validated(GENERATED[name], _in_millimetres(table, GENERATED[name]), "source", file, problems)
+
+
+def _in_millimetres(table: Table, kind: type[Section]) -> Table:
+    """Rename known lengths that are written in metres; the openings keep theirs."""
+    out: Table = {}
+    for key, value in table.items():
+        renamed = key.removesuffix("_m") + "_mm"
+        if key.endswith("_m") and renamed in kind.model_fields and renamed not in table:
+            out[renamed] = _times(value, 1000.0)
+        else:
+            out[key] = value
+    return out
+
+
+def _times(value: Any, factor: float) -> Any:
+    if isinstance(value, list):
+        return [_times(item, factor) for item in value]
+    return value * factor if isinstance(value, int | float) and not isinstance(value, bool) else value

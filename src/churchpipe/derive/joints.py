@@ -1,0 +1,41 @@
+"""Strength of the joints from the materials of the stones that meet there."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from churchpipe.errors import InputError
+from churchpipe.model.arrays import FloatArray
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.contacts import Contacts
+from churchpipe.model.materials import Material
+
+
+def joint_strength(stones: Assemblage, contacts: Contacts, materials: Sequence[Material]) -> tuple[FloatArray, FloatArray]:
+    """Return friction coefficient (ni,) and cohesion (ni,) Pa of each interface.
+
+    Where two materials meet the weaker one rules; on the ground that of the stone.
+
+    Raises
+    ------
+    InputError: a stone of a material that is not among `materials`.
+    """
+    used = np.unique(stones.material[~stones.fixed])
+    known = {material.name: material for material in materials}
+    unknown = [str(name) for name in used if name not in known]
+    if unknown:
+        raise InputError(
+            "materials",
+            "stones of an unknown material",
+            found=", ".join(unknown),
+            expected=", ".join(known),
+            remedy=f"Add [material.{unknown[0]}] to the case.",
+        )
+    row = np.searchsorted(used, stones.material).clip(max=len(used) - 1)
+    out: list[FloatArray] = []
+    for values in ([known[str(n)].friction for n in used], [known[str(n)].cohesion for n in used]):
+        stone = np.where(stones.fixed, np.inf, np.array(values)[row])
+        weaker = stone[contacts.blocks].min(axis=1)
+        # Ground on ground carries nothing that matters, but must be a number.
+        out.append(np.where(np.isfinite(weaker), weaker, 0.0))
+    return out[0], out[1]

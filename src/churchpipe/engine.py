@@ -1,0 +1,143 @@
+"""Start Snakemake on a run folder, follow it, and leave no lock behind. Snakemake is a child process, never imported."""
+
+import fcntl
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, Any
+
+from churchpipe.errors import InputError
+from churchpipe.io.atomic import PART
+from churchpipe.resources import pipeline_folder
+
+# A line of a stage begins so; all other lines are Snakemake's.
+MARK = "@churchpipe "
+_STEPS = re.compile(r"^(\d+) of (\d+) steps")
+_TOTAL = re.compile(r"^total\s+(\d+)$")
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """News of a run. kind: "start", "progress", "done", "error" of a stage; "total" of all jobs: `share` is their number."""
+
+    kind: str
+    stage: str = ""
+    name: str = ""
+    text: str = ""
+    share: float = 0.0
+
+
+def say(event: Event) -> str:
+    """Return an event as the line that `run` understands."""
+    return MARK + json.dumps([event.kind, event.stage, event.name, event.text, event.share])
+
+
+def run(folder: str | Path, jobs: int, watch: Callable[[Event], None]) -> int:
+    """Make everything that is missing or stale in a run folder; return Snakemake's exit code.
+
+    All output goes to run.log. An interrupt stops the engine and its jobs; what was finished stays.
+
+    Raises
+    ------
+    InputError: another run is at work in this folder.
+    """
+    folder = Path(folder).resolve()
+    with _only_run(folder) as lock:
+        for part in folder.rglob(f"{PART}*"):
+            part.unlink(missing_ok=True)
+        with (folder / "run.log").open("w", encoding="utf-8") as log:
+            return _follow(_start(folder, jobs, lock), log, watch)
+
+
+def command(folder: Path, jobs: int) -> list[str]:
+    """Return the command line of Snakemake for a run folder."""
+    pipeline = pipeline_folder()
+    return [
+        *(sys.executable, "-m", "snakemake", "--nocolor", "--cores", str(jobs), "--directory", str(folder)),
+        *("--snakefile", str(pipeline / "Snakefile"), "--profile", str(pipeline / "profiles" / "local")),
+    ]
+
+
+def _start(folder: Path, jobs: int, lock: IO[str]) -> "subprocess.Popen[str]":
+    # A session of its own: an interrupt reaches engine and jobs through `_follow` alone, once, from whatever cause.
+    process = subprocess.Popen(
+        command(folder, jobs),
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        encoding="utf-8",
+        errors="replace",
+        start_new_session=True,
+        pass_fds=(lock.fileno(),),
+    )
+    lock.seek(0)
+    lock.truncate()
+    lock.write(str(process.pid))
+    lock.flush()
+    return process
+
+
+def _follow(process: "subprocess.Popen[str]", log: IO[str], watch: Callable[[Event], None]) -> int:
+    try:
+        for line in process.stdout or ():
+            log.write(line)
+            log.flush()
+            if event := _event(line):
+                watch(event)
+        return process.wait()
+    finally:
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGINT)
+            try:
+                process.wait(timeout=10)
+            except subprocess.TimeoutExpired:
+                os.killpg(process.pid, signal.SIGKILL)
+                process.wait()
+
+
+def _event(line: str) -> Event | None:
+    if line.startswith(MARK):
+        return Event(*json.loads(line.removeprefix(MARK)))
+    if total := _TOTAL.match(line) or _STEPS.match(line):
+        return Event("total", share=float(total.groups()[-1]))
+    return None
+
+
+@contextmanager
+def _only_run(folder: Path) -> Iterator[IO[str]]:
+    """Hold the folder for one run; yield the lock that the engine inherits.
+
+    The system drops both locks when their holders die, so neither can be stale. The second one tells whether an engine
+    outlived the run that started it (killed with -9): it is stopped before its work is taken over.
+    """
+    state = folder / ".snakemake"
+    state.mkdir(parents=True, exist_ok=True)
+    with (state / "run.lock").open("a") as ours, (state / "engine.lock").open("a+") as theirs:
+        if not _lock(ours):
+            raise InputError(str(folder), "another run is at work in this folder", remedy="Wait for it, or choose another --out.")
+        if not _lock(theirs):
+            _stop_leftover(theirs)
+        yield theirs
+
+
+def _stop_leftover(lock: IO[str]) -> None:
+    lock.seek(0)
+    if pid := lock.read().strip():
+        os.killpg(int(pid), signal.SIGKILL)
+    fcntl.flock(lock, fcntl.LOCK_EX)
+
+
+def _lock(file: IO[Any]) -> bool:
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    return True

@@ -1,0 +1,179 @@
+"""From a drawing to a case file."""
+
+import re
+import shutil
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from churchpipe.derive.contacts import find_contacts
+from churchpipe.derive.soundness import check_soundness
+from churchpipe.dxf import reader
+from churchpipe.dxf.findings import Findings
+from churchpipe.errors import UsageError
+from churchpipe.io.atomic import write_text
+from churchpipe.model.loads import LoadCase, direction_name
+from churchpipe.model.materials import Elastic, Material
+
+Support = Literal["drawn", "base"]
+_AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+
+
+@dataclass(frozen=True, slots=True)
+class Imported:
+    """What an import made: the case file, how many stones, how many of them are fixed, the findings (warnings), and the
+    keys of the case that nobody gave."""
+
+    case: Path
+    stones: int
+    fixed: int
+    findings: Findings
+    missing: tuple[str, ...]
+
+
+def check_drawing(path: Path, *, units: str | None = None, support: str = "drawn", repair: bool = False) -> reader.Drawing:
+    """Read a drawing and look for stones that float or overlap.
+
+    Raises
+    ------
+    InputError: the drawing has errors, all of them listed.
+    """
+    drawing = reader.read_drawing(path, units=units, support=_support(support), repair=repair)
+    check_soundness(drawing.stones, find_contacts(drawing.stones))
+    return drawing
+
+
+def import_drawing(
+    path: Path,
+    folder: Path,
+    *,
+    units: str | None = None,
+    unit_weight: float | None = None,
+    friction: float | None = None,
+    loads: Sequence[str] = (),
+    support: str = "drawn",
+    repair: bool = False,
+) -> Imported:
+    """Write FOLDER/case.toml and a copy of the drawing beside it.
+
+    Parameters
+    ----------
+    unit_weight: N/m3, of all stones; friction: of all joints; loads: directions. All override what the drawing stores.
+
+    Raises
+    ------
+    InputError: the drawing has errors (nothing is written), the folder has a case already, a direction is none.
+    """
+    directions = [parse_direction(text) for text in loads]
+    case = folder / "case.toml"
+    if case.exists():
+        raise UsageError(str(case), "exists already", remedy="Choose another folder, or delete it first.")
+    drawing = check_drawing(path, units=units, support=support, repair=repair)
+    copy = folder / path.name
+    if copy.exists() and not copy.samefile(path):
+        raise UsageError(str(copy), "exists already", remedy="Choose another folder, or delete it first.")
+    stored = {material.name: material for material in drawing.materials}
+    used = [str(name) for name in np.unique(drawing.stones.material[~drawing.stones.fixed])]
+    names = [*used, *(name for name in stored if name not in used)]
+    tables = [_material_table(name, stored.get(name), unit_weight, friction) for name in names]
+    pushes = [LoadCase(direction) for direction in directions] or list(drawing.loads)
+    missing = [key for _, keys in tables for key in keys] + ([] if pushes else ["[[load]] with its direction"])
+    options = {"units": units, "support": support if support != "drawn" else None}
+    source = [f'dxf = "{path.name}"', *(f'{key} = "{value}"' for key, value in options.items() if value)]
+    source += ["repair = true"] if repair else []
+    text = "\n\n".join(
+        [
+            f'# Imported from {path.name}.\nname = "{re.sub(r"[^A-Za-z0-9_.+-]+", "-", path.stem).strip("-.+") or "drawing"}"',
+            "[source]\n" + "\n".join(source),
+            *(table for table, _ in tables),
+            *map(_load_table, pushes),
+            *([] if pushes else ["# [[load]]\n# direction = [1, 0, 0]"]),
+            '[rigid]\nflow = ["associative", "non-associative"]\n',
+        ]
+    )
+    folder.mkdir(parents=True, exist_ok=True)
+    if not copy.exists():
+        shutil.copyfile(path, copy)
+    write_text(case, text)
+    fixed = int(drawing.stones.fixed.sum())
+    return Imported(case, drawing.stones.count - fixed, fixed, drawing.findings, tuple(missing))
+
+
+def parse_direction(text: str) -> tuple[float, float, float]:
+    """Return the direction written as "+x", "-y" or "1,1,0"."""
+    word = text.strip().lower()
+    axis = _AXES.get(word.lstrip("+-"))
+    if axis and len(word) <= 2:
+        sign = -1.0 if word.startswith("-") else 1.0
+        return sign * axis[0], sign * axis[1], sign * axis[2]
+    try:
+        x, y, z = (float(part) for part in word.split(","))
+    except ValueError:
+        raise UsageError(f"--load {text}", "not a direction", expected='"+x", "-y" or components such as "1,1,0"') from None
+    return x, y, z
+
+
+def _support(text: str) -> Support:
+    if text == "base":
+        return "base"
+    if text == "drawn":
+        return "drawn"
+    raise UsageError(f"--support {text}", "unknown kind of support", expected='"drawn" or "base"')
+
+
+def _material_table(
+    name: str, stored: Material | None, unit_weight: float | None, friction: float | None
+) -> tuple[str, list[str]]:
+    """Return the table of a material and the keys that nobody gave, which stand in it as comments."""
+    values = {
+        "unit_weight_kN_m3": (unit_weight, stored.unit_weight if stored else None, 1e3),
+        "friction": (friction, stored.friction if stored else None, 1.0),
+        "cohesion_kPa": (None, stored.cohesion if stored else 0.0, 1e3),
+    }
+    lines, missing = [f"[material.{_key(name)}]"], []
+    for key, (given, drawn, factor) in values.items():
+        value = drawn if given is None else given
+        if value is None:
+            lines.append(f"# {key} =    # not in the drawing: fill it in")
+            missing.append(f"material.{_key(name)}.{key}")
+        else:
+            lines.append(f"{key} = {_number(value / factor)}")
+    if stored and stored.elastic:
+        lines.append(f"elastic = {_elastic(stored.elastic)}")
+    return "\n".join(lines), missing
+
+
+def _elastic(elastic: Elastic) -> str:
+    values = {
+        "block_E_GPa": elastic.block_modulus / 1e9,
+        "block_nu": elastic.block_poisson,
+        "joint_E_GPa": elastic.joint_modulus / 1e9,
+        "joint_nu": elastic.joint_poisson,
+        "joint_thickness_mm": elastic.joint_thickness * 1e3,
+    }
+    return "{ " + ", ".join(f"{key} = {_number(value)}" for key, value in values.items()) + " }"
+
+
+def _load_table(load: LoadCase) -> str:
+    lines = ["[[load]]", f"direction = [{', '.join(map(_number, load.direction))}]"]
+    lines += [f"name = {_text(load.name)}"] if load.name != direction_name(load.direction) else []
+    lines += [f"panels = [{', '.join(map(_text, load.panels))}]"] if load.panels is not None else []
+    lines += [f'profile = "{load.profile}"'] if load.profile != "uniform" else []
+    return "\n".join(lines)
+
+
+def _number(value: float) -> str:
+    # One unit in the last place hides that 0.001 has no exact binary form; nothing else is rounded.
+    short = f"{value:.15g}"
+    return short if abs(float(short) - value) <= 2**-52 * abs(value) else repr(float(value))
+
+
+def _text(value: str) -> str:
+    return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
+
+
+def _key(name: str) -> str:
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else _text(name)

@@ -1,0 +1,60 @@
+"""A `Building` as JSON that a person can read."""
+
+import json
+from dataclasses import fields, is_dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from churchpipe.errors import InputError
+from churchpipe.io.atomic import write_json
+from churchpipe.model.building import BondRegion, Building, CylinderChart, Opening, Panel, PlaneChart, Support, UnitCell
+from churchpipe.model.materials import Elastic, Material
+
+SCHEMA = "churchpipe building 1"
+
+_TYPES = {
+    kind.__name__: kind
+    for kind in (Building, Panel, BondRegion, UnitCell, Opening, PlaneChart, CylinderChart, Support, Material, Elastic)
+}
+
+
+def write_building(path: str | Path, building: Building) -> None:
+    """Write a building; each object names its type, arrays are lists, lengths are metres."""
+    write_json(path, {"schema": SCHEMA, "building": _encode(building)})
+
+
+def read_building(path: str | Path) -> Building:
+    """Read a building.
+
+    Raises
+    ------
+    InputError: not such a file, or one of another version.
+    """
+    try:
+        stored = json.loads(Path(path).read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise InputError(str(path), "cannot be read", found=error, expected=f'a file "{SCHEMA}"') from error
+    if not isinstance(stored, dict) or stored.get("schema") != SCHEMA:
+        found = stored.get("schema", "no schema") if isinstance(stored, dict) else "no schema"
+        raise InputError(str(path), "another schema", found=found, expected=SCHEMA, remedy="Delete it and run the case again.")
+    return _decode(stored["building"])
+
+
+def _encode(value: Any) -> Any:
+    if is_dataclass(value):
+        return {"type": type(value).__name__} | {field.name: _encode(getattr(value, field.name)) for field in fields(value)}
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, tuple):
+        return [_encode(item) for item in value]
+    return value
+
+
+def _decode(value: Any) -> Any:
+    if isinstance(value, dict):
+        return _TYPES[value["type"]](**{key: _decode(item) for key, item in value.items() if key != "type"})
+    if isinstance(value, list):
+        return tuple(_decode(item) for item in value)
+    return value

@@ -1,0 +1,53 @@
+"""summary.json and table.csv: what people and programs read when a run is done."""
+
+import csv
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from churchpipe.errors import InputError
+from churchpipe.io.atomic import replacing
+
+COLUMNS = (
+    "model",
+    "flow",
+    "load",
+    "friction",
+    "load_factor",
+    "lower_bound",
+    "upper_bound",
+    "status",
+    "gap",
+    "friction_violation",
+    "equilibrium_residual",
+    "cone_violation",
+    "iterations",
+    "seconds",
+)
+
+
+def read_json(path: str | Path) -> Any:
+    """Read a JSON artifact.
+
+    Raises
+    ------
+    InputError: the file is missing or not JSON.
+    """
+    try:
+        return json.loads(Path(path).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(str(path), "cannot be read", found=error.strerror or error, expected="an artifact of a run") from error
+    except ValueError as error:
+        raise InputError(str(path), "not JSON", found=error, remedy="Delete the file and run the case again.") from error
+
+
+def write_table(path: str | Path, analyses: Sequence[dict[str, Any]]) -> None:
+    """Write analyses as CSV, one row each: first what was swept, then `COLUMNS`."""
+    swept = list(dict.fromkeys(key for analysis in analyses for key in analysis.get("variant", {})))
+    with replacing(path) as part, part.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow([*swept, *COLUMNS])
+        for analysis in analyses:
+            row = [analysis.get("variant", {}).get(key) for key in swept] + [analysis.get(key) for key in COLUMNS]
+            writer.writerow(["" if value is None else value for value in row])

@@ -1,0 +1,58 @@
+"""Stones for ParaView."""
+
+from pathlib import Path
+from typing import Any
+
+import meshio
+import numpy as np
+import numpy.typing as npt
+
+from churchpipe.io.atomic import replacing
+from churchpipe.model.arrays import IntArray
+from churchpipe.model.assemblage import Assemblage
+
+
+def write_vtu(path: str | Path, stones: Assemblage, velocities: npt.ArrayLike | None = None) -> None:
+    """Write the stones as polyhedral cells.
+
+    Cell data: `stone` (index), `fixed`, `course`, `panel` and `material` (numbers in alphabetical order of the names),
+    `unit_weight` N/m3. velocities (nb, 6): point data `velocity` (warp by it to see the mechanism), cell data `speed` of the
+    centroid.
+    """
+    owner = np.repeat(np.arange(stones.count), np.diff(stones.block_point_ptr))
+    cell_data: dict[str, npt.NDArray[Any]] = {
+        "stone": np.arange(stones.count),
+        "fixed": stones.fixed.astype(np.int64),
+        "course": stones.course,
+        "panel": np.unique(stones.panel, return_inverse=True)[1].astype(np.int64),
+        "material": np.unique(stones.material, return_inverse=True)[1].astype(np.int64),
+        "unit_weight": stones.unit_weight,
+    }
+    point_data: dict[str, Any] = {}
+    if velocities is not None:
+        motion = np.nan_to_num(np.asarray(velocities, dtype=float))
+        arm = stones.points - stones.centroid[owner]
+        point_data["velocity"] = motion[owner, :3] + np.cross(motion[owner, 3:], arm)
+        cell_data["speed"] = np.linalg.norm(motion[:, :3], axis=1)
+    blocks, order = _cells(stones)
+    split = np.cumsum([len(cells) for _, cells in blocks])[:-1]
+    mesh = meshio.Mesh(
+        stones.points,
+        blocks,
+        point_data=point_data,
+        cell_data={name: [*np.split(values[order], split)] for name, values in cell_data.items()},
+    )
+    with replacing(path) as part:
+        mesh.write(part, file_format="vtu")
+
+
+def _cells(stones: Assemblage) -> tuple[list[Any], IntArray]:
+    """Return cell blocks by number of points, as meshio wants polyhedra, and the stones in that order."""
+    faces = np.split(stones.face_nodes, stones.face_ptr[1:-1])
+    sizes = np.diff(stones.block_point_ptr)
+    order = np.argsort(sizes, kind="stable")
+    blocks = []
+    for size in np.unique(sizes):
+        members = order[sizes[order] == size]
+        blocks.append((f"polyhedron{size}", [faces[stones.block_face_ptr[i] : stones.block_face_ptr[i + 1]] for i in members]))
+    return blocks, order

@@ -1,0 +1,156 @@
+"""What the command line shows: progress of a run, tables; and the news that stages send it."""
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, TextIO
+
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TaskID, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+from churchpipe.doctor import Finding
+from churchpipe.engine import Event, say
+from churchpipe.errors import InputError
+
+# Between two lines of progress of one stage, seconds.
+PAUSE = 0.25
+STATUS_STYLES = {"optimal": "green", "converged": "green", "unbounded": "cyan"}
+
+
+class Display:
+    """Progress of a run: a bar on a terminal, a line for each finished stage elsewhere. Errors are kept for the end."""
+
+    def __init__(self, console: Console) -> None:
+        self.errors: list[str] = []
+        self.finished = 0
+        self._console = console
+        self._bar = Progress(
+            SpinnerColumn(),
+            TextColumn("{task.description}", markup=False),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TimeElapsedColumn(),
+            console=console,
+            transient=True,
+            disable=not console.is_terminal,
+        )
+        self._all = self._bar.add_task("all stages", total=None)
+        self._running: dict[tuple[str, str], TaskID] = {}
+
+    def __enter__(self) -> "Display":
+        self._bar.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._bar.stop()
+
+    def show(self, event: Event) -> None:
+        """Take one event."""
+        key = (event.stage, event.name)
+        match event.kind:
+            case "total":
+                # Snakemake counts its own closing job, which is no stage.
+                self._bar.update(self._all, total=max(event.share - 1, 1))
+            case "start":
+                self._running[key] = self._bar.add_task(f"{event.stage}  {event.name}", total=100)
+            case "progress" if key in self._running:
+                description = f"{event.stage}  {event.name}: {event.text}"
+                self._bar.update(self._running[key], description=description, completed=100 * event.share)
+            case "done" | "error":
+                if key in self._running:
+                    self._bar.remove_task(self._running.pop(key))
+                self._close(event)
+
+    def _close(self, event: Event) -> None:
+        if event.kind == "error":
+            self.errors.append(event.text)
+            return
+        self.finished += 1
+        self._bar.advance(self._all)
+        self._console.print(f"{event.stage:<9} {event.name:<44} {event.share:7.1f} s", markup=False)
+
+
+class Reporter:
+    """Runs a stage and sends news of it as lines."""
+
+    def __init__(self, stage: str, name: str, stream: TextIO) -> None:
+        self._stage, self._name, self._stream = stage, name, stream
+        self._last = 0.0
+
+    def run(self, work: Callable[..., Any], *arguments: Any, takes_progress: bool) -> int:
+        """Call the stage; return the exit code: 1 when its input cannot be taken."""
+        begin = time.perf_counter()
+        self._send("start")
+        try:
+            work(*arguments, **({"progress": self.progress} if takes_progress else {}))
+        except InputError as error:
+            self._send("error", str(error))
+            return 1
+        self._send("done", share=time.perf_counter() - begin)
+        return 0
+
+    def progress(self, text: str, share: float) -> None:
+        """Take news from inside a stage; too frequent ones are dropped."""
+        now = time.perf_counter()
+        if now - self._last >= PAUSE:
+            self._last = now
+            self._send("progress", text, share)
+
+    def _send(self, kind: str, text: str = "", share: float = 0.0) -> None:
+        # One write a line: stages that run side by side share the stream.
+        self._stream.write(say(Event(kind, self._stage, self._name, text, share)) + "\n")
+        self._stream.flush()
+
+
+def results_table(summary: Mapping[str, Any]) -> Table:
+    """Return summary.json as a table."""
+    analyses: Sequence[Mapping[str, Any]] = summary["analyses"]
+    sizes = f"{summary['blocks']} stones, {summary['interfaces']} interfaces, {summary['weight_kN']:.4g} kN"
+    table = Table(
+        title=f"{summary['case']}: {sizes}", title_justify="left", title_style="bold", box=SIMPLE_HEAD, padding=(0, 1, 0, 0)
+    )
+    swept = [key for key in dict.fromkeys(k for a in analyses for k in a.get("variant", {})) if not key.endswith(".friction")]
+    for title in ("load", "flow", "friction", *swept):
+        table.add_column(title)
+    for title in ("load factor", "bounds apart", "s"):
+        table.add_column(title, justify="right")
+    table.add_column("status")
+    for analysis in analyses:
+        table.add_row(
+            str(analysis["load"]),
+            str(analysis.get("flow") or analysis.get("method")),
+            _words(analysis.get("friction")),
+            *(_words(analysis.get("variant", {}).get(key)) for key in swept),
+            _figure(analysis.get("load_factor")),
+            _bounds(analysis),
+            f"{analysis.get('seconds') or 0:.1f}",
+            f"[{STATUS_STYLES.get(analysis['status'], 'red')}]{analysis['status']}",
+        )
+    return table
+
+
+def findings_table(findings: Sequence[Finding]) -> Table:
+    """Return what `doctor` found as a table."""
+    table = Table()
+    for title in ("", "what", "for", "seen"):
+        table.add_column(title)
+    for finding in findings:
+        mark = "[green]ok" if finding.passed else "[red]missing"
+        table.add_row(mark, finding.name, finding.purpose, finding.detail)
+    return table
+
+
+def _bounds(analysis: Mapping[str, Any]) -> str:
+    lower, upper = analysis.get("lower_bound"), analysis.get("upper_bound")
+    return f"{abs(upper - lower):.1e}" if lower is not None and upper is not None else ""
+
+
+def _figure(value: float | None) -> str:
+    return "none" if value is None else f"{value:.6f}"
+
+
+def _words(value: object) -> str:
+    if isinstance(value, Mapping):
+        return ", ".join(f"{key} {item:g}" for key, item in value.items())
+    return f"{value:g}" if isinstance(value, float) else "" if value is None else str(value)

@@ -1,0 +1,297 @@
+"""The pipeline as a user meets it: what is made, what is made again, what survives a kill. Jobs are counted, not timed."""
+
+import csv
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from churchpipe import engine, stages
+
+ROOT = Path(__file__).parents[2]
+CASE = """
+name = "tiny"
+[source]
+generator = "wall"
+length_mm = 800
+brick_mm = [400, 250, 200]
+courses = 3
+[material.default]
+unit_weight_kN_m3 = 18
+friction = 0.6
+[[load]]
+direction = [-1, 0, 0]
+[rigid]
+flow = ["associative", "non-associative"]
+"""
+RESULTS = {"compare": 1, "report": 1, "all": 1}
+ALL = {"source": 1, "blocks": 1, "contacts": 1, "rigid": 2, **RESULTS}
+
+
+@dataclass(frozen=True)
+class Copy:
+    """A copy of the package whose sources may be edited, with a case and its run folder."""
+
+    root: Path
+
+    @property
+    def case(self) -> Path:
+        return self.root / "tiny.toml"
+
+    @property
+    def out(self) -> Path:
+        return self.root / "run"
+
+    def module(self, name: str) -> Path:
+        return self.root / "src" / "churchpipe" / name
+
+    def start(self, *arguments: object) -> "subprocess.Popen[str]":
+        environment = os.environ | {"PYTHONPATH": str(self.root / "src"), "MPLCONFIGDIR": str(self.root / "mpl")}
+        return subprocess.Popen(
+            [sys.executable, "-m", *map(str, arguments)],
+            cwd=self.root,
+            env=environment,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+
+    def call(self, *arguments: object) -> tuple[int, str, str]:
+        process = self.start(*arguments)
+        out, err = process.communicate(timeout=120)
+        return process.returncode, out, err
+
+    def run(self, *options: object) -> tuple[int, str, str]:
+        return self.call("churchpipe", "run", self.case, "--out", self.out, *options)
+
+    def done(self) -> Counter[str]:
+        """Jobs that the last run finished, by rule."""
+        return Counter(re.findall(r"Finished jobid: \d+ \(Rule: (\w+)\)", (self.out / "run.log").read_text()))
+
+    def stale(self, *changes: str) -> dict[str, int]:
+        """Jobs that a run would do now, by rule."""
+        stages.configure(self.case, self.out, changes)
+        command = [part.replace(str(ROOT), str(self.root)) for part in engine.command(self.out, 1)[2:]]
+        status, out, err = self.call(*command, "--dry-run", "--quiet", "rules")
+        assert status == 0, out + err
+        return {rule: int(count) for rule, count in re.findall(r"^(\w+) +(\d+)$", out + err, re.MULTILINE) if rule != "total"}
+
+    def summary(self) -> dict[str, object]:
+        return json.loads((self.out / "summary.json").read_text())
+
+
+@pytest.fixture(scope="module")
+def pristine(tmp_path_factory: pytest.TempPathFactory) -> Copy:
+    """A copy in which the case has been run once."""
+    copy = Copy(tmp_path_factory.mktemp("pristine"))
+    shutil.copytree(ROOT / "src", copy.root / "src", ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(ROOT / "pipeline", copy.root / "pipeline")
+    # A machine without graphics: its report has a sentence in place of each picture, and is made faster.
+    (copy.root / "src" / "pyvista.py").write_text("raise ImportError('no graphics here')\n")
+    copy.case.write_text(CASE)
+    code, out, err = copy.run("--jobs", 2)
+    assert code == 0, out + err + (copy.out / "run.log").read_text()
+    assert copy.done() == ALL
+    assert "-x    associative" in out
+    assert "rigid     -x_non-associative" in err
+    return copy
+
+
+@pytest.fixture
+def edited(pristine: Copy) -> Iterator[Callable[[str, Callable[[str], str]], None]]:
+    """Edit a file of the copy for one test: edited(path, function of its text)."""
+    before: dict[Path, tuple[str, os.stat_result]] = {}
+
+    def edit(name: str, change: Callable[[str], str]) -> None:
+        path = pristine.root / name
+        before[path] = (path.read_text(), path.stat())
+        path.write_text(change(path.read_text()))
+
+    yield edit
+    for path, (text, stat) in before.items():
+        path.write_text(text)
+        os.utime(path, ns=(stat.st_atime_ns, stat.st_mtime_ns))
+
+
+def test_everything_is_made(pristine: Copy) -> None:
+    made = {str(path.relative_to(pristine.out)) for path in pristine.out.rglob("*") if ".snakemake" not in path.parts}
+    wanted = ["report.html", "summary.json", "table.csv", "plan.json", "as-run.toml", "run.log"]
+    wanted += [
+        f"geometry/base/{name}" for name in ("building.json", "assemblage.npz", "stones.dxf", "stones.vtu", "contacts.npz")
+    ]
+    wanted += [
+        f"rigid/-x_{f}/{n}" for f in ("associative", "non-associative") for n in ("rigid.npz", "rigid.json", "mechanism.vtu")
+    ]
+    assert made >= set(wanted)
+    assert not [name for name in made if ".part" in name]
+
+
+def test_summary_and_table_say_the_same(pristine: Copy) -> None:
+    summary = pristine.summary()
+    assert list(summary) == ["case", "blocks", "interfaces", "contact_points", "weight_kN", "analyses"]
+    # Three courses of .8 m in bricks of .4 m: 2 + 3 + 2 stones, weight by hand.
+    assert (summary["case"], summary["blocks"], summary["weight_kN"]) == ("tiny", 7, pytest.approx(0.8 * 0.25 * 0.6 * 18))
+    associative, sliding = summary["analyses"]
+    assert (associative["model"], associative["load"], associative["friction"]) == ("rigid-block", "-x", 0.6)
+    assert associative["status"] == "optimal"
+    assert associative["lower_bound"] == pytest.approx(associative["upper_bound"], abs=1e-6)
+    # A wall longer than it is high slides whole on the ground, at its friction coefficient, by either flow rule.
+    assert associative["load_factor"] == pytest.approx(0.6, rel=1e-6)
+    assert sliding["load_factor"] == pytest.approx(0.6, rel=1e-6)
+    assert sliding["flow"] == "non-associative"
+    with (pristine.out / "table.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [float(row["load_factor"]) for row in rows] == [a["load_factor"] for a in summary["analyses"]]
+
+
+def test_a_second_run_does_nothing(pristine: Copy) -> None:
+    before = {path: path.stat().st_mtime_ns for path in pristine.out.glob("**/*.npz")}
+    code, out, _ = pristine.run()
+    assert code == 0
+    assert pristine.done() == {}
+    assert "associative" in out
+    assert {path: path.stat().st_mtime_ns for path in before} == before
+
+
+def test_dates_alone_change_nothing(pristine: Copy) -> None:
+    for path in (pristine.case, pristine.module("rigid_blocks/limit.py"), pristine.out / "geometry" / "base" / "contacts.npz"):
+        os.utime(path)
+    assert pristine.stale() == {}
+
+
+def test_a_new_friction_reruns_the_solves_alone(pristine: Copy) -> None:
+    assert pristine.stale("material.default.friction=0.5") == {"rigid": 2, **RESULTS}
+    assert pristine.stale("rigid.start=uniform") == {"rigid": 1, **RESULTS}
+    assert pristine.stale() == {}
+
+
+def test_a_new_length_reruns_everything(pristine: Copy) -> None:
+    assert pristine.stale("source.length_mm=1200") == ALL
+    assert pristine.stale() == {}
+
+
+def test_a_sweep_makes_the_stones_once(pristine: Copy) -> None:
+    sweep = 'sweep={"material.default.friction"=[0.4,0.5,0.6,0.7]}'
+    assert pristine.stale(sweep) == {"rigid": 8, **RESULTS}
+    both = 'sweep={"material.default.friction"=[0.4,0.5],"source.courses"=[3,4]}'
+    assert pristine.stale(both) == {"source": 2, "blocks": 2, "contacts": 2, "rigid": 8, **RESULTS, "report_1": 1}
+    assert pristine.stale() == {}
+
+
+@pytest.mark.parametrize(
+    ("name", "jobs"),
+    [
+        ("src/churchpipe/rigid_blocks/limit.py", {"rigid": 2, **RESULTS}),
+        ("src/churchpipe/derive/contacts.py", {"contacts": 1, "rigid": 2, **RESULTS}),
+        ("src/churchpipe/report/html.py", {"report": 1, "all": 1}),
+        ("src/churchpipe/cli.py", {}),
+    ],
+)
+def test_an_edited_source_reruns_what_depends_on_it(
+    name: str, jobs: dict[str, int], pristine: Copy, edited: Callable[[str, Callable[[str], str]], None]
+) -> None:
+    edited(name, lambda text: text + "\n# edited\n")
+    assert pristine.stale() == jobs
+
+
+def test_bad_input_found_by_a_stage_is_1_and_says_so(pristine: Copy, tmp_path: Path) -> None:
+    code, out, err = pristine.call(
+        "churchpipe",
+        "run",
+        pristine.case,
+        "--out",
+        tmp_path / "run",
+        "--set",
+        'load.0.panels=["apse"]',
+        "--set",
+        'rigid.flow=["associative"]',
+    )
+    assert code == 1
+    assert "apse" in err
+    assert "Traceback" not in out + err
+    assert not (tmp_path / "run" / "summary.json").exists()
+    assert (tmp_path / "run" / "geometry" / "base" / "contacts.npz").exists()
+
+
+def test_a_structure_that_falls_is_3_with_its_report(pristine: Copy, tmp_path: Path) -> None:
+    (tmp_path / "arch.toml").write_text(
+        'name="arch"\n[source]\ngenerator="arch"\nmean_radius_m=1\nthickness_m=0.2\nwidth_m=1\nvoussoirs=7\n'
+        "[material.default]\nunit_weight_kN_m3=18\nfriction=0.15\n[[load]]\ndirection=[1,0,0]\n"
+    )
+    code, out, _ = pristine.call("churchpipe", "run", tmp_path / "arch.toml", "--out", tmp_path / "run")
+    assert code == 3
+    assert "unstable" in out
+    assert (tmp_path / "run" / "report.html").stat().st_size > 10_000
+    analysis = json.loads((tmp_path / "run" / "summary.json").read_text())["analyses"][0]
+    assert (analysis["status"], analysis["load_factor"]) == ("unstable", None)
+    assert pristine.call("churchpipe", "show", tmp_path / "run")[1] == out.replace(out.splitlines(keepends=True)[-1], "")
+
+
+def wait_for(condition: Callable[[], bool]) -> None:
+    stop = time.monotonic() + 60
+    while not condition():
+        assert time.monotonic() < stop
+        time.sleep(0.02)
+
+
+def test_a_kill_in_the_middle_loses_nothing_finished(pristine: Copy, tmp_path: Path) -> None:
+    out = tmp_path / "run"
+    command = ("churchpipe", "run", pristine.case, "--out", out, "--jobs", 1)
+
+    def started(rule: str) -> bool:
+        log = out / "run.log"
+        return log.exists() and f'"start", "{rule}"' in log.read_text()
+
+    process = pristine.start(*command)
+    wait_for(lambda: started("contacts"))
+    # While it runs, nobody else may work in the same folder.
+    code, _, err = pristine.call(*command)
+    assert code == 1
+    assert "another run is at work" in err
+    wait_for(lambda: started("rigid"))
+    # First the command alone is killed: its engine lives on. Then the engine with all its jobs.
+    process.kill()
+    process.communicate()
+    finished = [out / "geometry" / "base" / name for name in ("building.json", "assemblage.npz", "contacts.npz")]
+    before = [path.stat().st_mtime_ns for path in finished]
+    (out / "rigid" / ".part-1-left.npz").touch()
+    process = pristine.start(*command)
+    wait_for(lambda: started("rigid") or process.poll() is not None)
+    assert process.poll() is None
+    os.killpg(int((out / ".snakemake" / "engine.lock").read_text()), signal.SIGKILL)
+    process.kill()
+    process.communicate()
+    code, text, err = pristine.call(*command)
+    assert code == 0, text + err
+    assert Copy.done(Copy(tmp_path)).keys() & {"source", "blocks", "contacts"} == set()
+    assert [path.stat().st_mtime_ns for path in finished] == before
+    assert not list(out.rglob(".part-*"))
+    for flow in ("associative", "non-associative"):
+        first, second = (
+            json.loads((folder / "rigid" / f"-x_{flow}" / "rigid.json").read_text())["load_factor"]
+            for folder in (pristine.out, out)
+        )
+        assert first == pytest.approx(second, rel=1e-6)
+
+
+def test_an_interrupt_stops_everything(pristine: Copy, tmp_path: Path) -> None:
+    out = tmp_path / "run"
+    process = pristine.start("churchpipe", "run", pristine.case, "--out", out, "--jobs", 1)
+    wait_for(lambda: (out / "geometry" / "base" / "contacts.npz").exists())
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=30)
+    assert process.returncode == 130
+    assert "What was finished stays" in err
+    assert "Traceback" not in err
+    with pytest.raises(ProcessLookupError):
+        os.killpg(int((out / ".snakemake" / "engine.lock").read_text()), 0)

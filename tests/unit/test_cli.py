@@ -1,0 +1,235 @@
+"""The command line: what it answers, and with which exit code. The pipeline itself is tested in tests/pipeline."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import churchpipe
+from churchpipe import cli
+from churchpipe.config import read_case
+from churchpipe.dxf.reader import read_drawing
+from churchpipe.dxf.writer import write_dxf
+from churchpipe.importing import parse_direction
+from churchpipe.io.tables import read_json
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.loads import LoadCase
+from churchpipe.model.materials import Elastic, Material
+from solids import box, on_ground
+
+
+def call(capsys: pytest.CaptureFixture[str], *arguments: object) -> tuple[int, str, str]:
+    """Run a command in this process; return its exit code and what it wrote."""
+    old = sys.argv
+    sys.argv = ["churchpipe", *map(str, arguments)]
+    try:
+        with pytest.raises(SystemExit) as left:
+            cli.main()
+    finally:
+        sys.argv = old
+    out, err = capsys.readouterr()
+    assert "Traceback" not in out + err
+    return int(left.value.code or 0), out, err
+
+
+@pytest.fixture
+def two_cubes() -> Assemblage:
+    return on_ground(box((0, 1), (0, 1), (0, 1)), box((0, 1), (0, 1), (1, 2)), unit_weight=2e4, reach=3)
+
+
+def test_version_and_help(capsys: pytest.CaptureFixture[str]) -> None:
+    assert call(capsys, "--version") == (0, f"churchpipe {churchpipe.__version__}\n", "")
+    code, out, _ = call(capsys, "--help")
+    assert code == 0
+    for command in ("run", "show", "import-dxf", "check", "export-dxf", "generate", "doctor", "Exit codes"):
+        assert command in out
+    assert "stage " not in out
+
+
+def test_import_is_light() -> None:
+    heavy = [
+        "gmsh",
+        "ezdxf",
+        "cvxpy",
+        "numpy",
+        "scipy",
+        "shapely",
+        "clarabel",
+        "pydantic",
+        "typer",
+        "snakemake",
+        "pyvista",
+        "meshio",
+    ]
+    code = f"import churchpipe, sys; print([m for m in {heavy} if m in sys.modules])"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"
+
+
+def test_all_stable_names_load() -> None:
+    for name in churchpipe.__all__:
+        assert getattr(churchpipe, name).__name__ == name
+        assert name in dir(churchpipe)
+    with pytest.raises(AttributeError, match="no attribute 'nonsense'"):
+        churchpipe.nonsense  # noqa: B018
+    assert set(churchpipe.__all__) == set(churchpipe._PLACES)
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("run",),
+        ("run", "none.toml"),
+        ("show", "nowhere"),
+        ("fly",),
+        ("generate", "palace"),
+        ("check", "none.dxf"),
+        ("run", "--jobs", "0"),
+    ],
+)
+def test_usage_is_2(arguments: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
+    code, _, err = call(capsys, *arguments)
+    assert code == 2
+    assert err
+
+
+def test_a_case_with_mistakes_is_1(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    assert call(capsys, "generate", "wall", "-o", tmp_path / "w.toml")[0] == 0
+    code, out, err = call(capsys, "run", tmp_path / "w.toml", "--out", tmp_path / "run", "--set", "source.lenght_m=3")
+    assert code == 1
+    assert 'Did you mean "length_mm"?' in err
+    assert out == ""
+    assert not (tmp_path / "run").exists()
+    assert call(capsys, "run", tmp_path / "w.toml", "--set", "nonsense")[0] == 2
+
+
+def test_generate_writes_a_case_once(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    code, out, _ = call(capsys, "generate", "prototype")
+    assert code == 0
+    assert 'name = "s22"' in out
+    (tmp_path / "mine.toml").write_text("precious")
+    code, _, err = call(capsys, "generate", "arch", "-o", tmp_path / "mine.toml")
+    assert code == 2
+    assert "exists already" in err
+    assert (tmp_path / "mine.toml").read_text() == "precious"
+
+
+def test_export_and_import_give_the_same_case(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    call(capsys, "generate", "wall", "-o", tmp_path / "w.toml")
+    changes = ("--set", "source.courses=10", "--set", "material.default.friction=0.55")
+    code, out, _ = call(capsys, "export-dxf", tmp_path / "w.toml", "-o", tmp_path / "w.dxf", *changes)
+    assert code == 0
+    code, out, err = call(capsys, "import-dxf", tmp_path / "w.dxf", "-o", tmp_path / "new")
+    assert (code, err) == (0, "")
+    assert "fill" not in out
+    imported = read_case(tmp_path / "new" / "case.toml")
+    original = read_case(tmp_path / "w.toml", ["material.default.friction=0.55"])
+    assert imported.materials == original.materials
+    assert [load.name for load in imported.loads] == ["+x", "+y"]
+    drawn = read_drawing(tmp_path / "new" / "w.dxf").stones
+    generated = churchpipe.derive_blocks(read_case(tmp_path / "w.toml", ["source.courses=10"]).building())
+    np.testing.assert_allclose(drawn.points, generated.points, atol=1e-12)
+    code, _, err = call(capsys, "import-dxf", tmp_path / "w.dxf", "-o", tmp_path / "new")
+    assert code == 2
+    assert "case.toml: exists already" in err
+
+
+def test_import_keeps_all_that_a_drawing_tells(capsys: pytest.CaptureFixture[str], tmp_path: Path, two_cubes: Assemblage) -> None:
+    elastic = Elastic(3.18e9, 0.23, 0.303e9, 0.3, 1e-3)
+    material = Material("default", 2e4, 1 / 3, 1234.5, elastic)
+    load = LoadCase((0.6, -0.8, 0), name='the "west" wind', panels=("front", "back"), profile="linear")
+    write_dxf(two_cubes, tmp_path / "a.dxf", materials=[material], loads=[load])
+    assert call(capsys, "import-dxf", tmp_path / "a.dxf", "-o", tmp_path / "a")[0] == 0
+    case = read_case(tmp_path / "a" / "case.toml")
+    assert case.materials == (material,)
+    assert (case.loads[0].name, case.loads[0].panels, case.loads[0].profile) == (load.name, load.panels, "linear")
+    np.testing.assert_allclose(case.loads[0].direction, load.direction, rtol=1e-15)
+
+
+def test_options_override_and_gaps_are_told(capsys: pytest.CaptureFixture[str], tmp_path: Path, two_cubes: Assemblage) -> None:
+    write_dxf(two_cubes, tmp_path / "a.dxf")
+    code, out, err = call(capsys, "import-dxf", tmp_path / "a.dxf", "-o", tmp_path / "a")
+    assert code == 0
+    assert "W19" in err
+    for key in ("material.default.unit_weight_kN_m3", "material.default.friction", "[[load]]"):
+        assert f"Still to be filled in: {key}" in out
+    code, _, err = call(capsys, "run", tmp_path / "a" / "case.toml", "--out", tmp_path / "run")
+    assert code == 1
+    assert "material.default.unit_weight_kN_m3, material.default.friction, load" in err
+    given = ("--unit-weight-kN-m3", 18, "--friction", 0.65, "--load", "-y", "--load", "1,1,0", "--units", "m")
+    code, out, _ = call(capsys, "import-dxf", tmp_path / "a.dxf", "-o", tmp_path / "b", *given)
+    assert code == 0
+    assert "fill" not in out
+    case = read_case(tmp_path / "b" / "case.toml")
+    assert [(m.unit_weight, m.friction) for m in case.materials] == [(18e3, 0.65)]
+    assert [load.name for load in case.loads] == ["-y", "(0.707, 0.707, 0)"]
+
+
+def test_a_drawing_with_errors_leaves_nothing(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    stones = on_ground(box((0, 1), (0, 1), (0, 1)), box((0, 1), (0, 1), (1.5, 2)), box((0.5, 1.5), (0, 1), (0, 1)), reach=3)
+    write_dxf(stones, tmp_path / "a.dxf", materials=[Material("default", 18e3, 0.6)])
+    for command in (("check", tmp_path / "a.dxf"), ("import-dxf", tmp_path / "a.dxf", "-o", tmp_path / "out")):
+        code, _, err = call(capsys, *command)
+        assert code == 1
+        assert "pairs overlap (B1 and B3)" in err
+        assert "without a path to a support (B2 at" in err
+    assert not (tmp_path / "out").exists()
+    (tmp_path / "cut.dxf").write_bytes((tmp_path / "a.dxf").read_bytes()[:5000])
+    code, _, err = call(capsys, "check", tmp_path / "cut.dxf")
+    assert code == 1
+    assert "dxf/E" in err
+
+
+def test_a_sound_drawing_is_0(capsys: pytest.CaptureFixture[str], tmp_path: Path, two_cubes: Assemblage) -> None:
+    write_dxf(two_cubes, tmp_path / "a.dxf", materials=[Material("default", 2e4, 0.6)])
+    code, out, err = call(capsys, "check", tmp_path / "a.dxf")
+    assert (code, err) == (0, "")
+    assert "2 stones, nothing to report." in out
+
+
+@pytest.mark.parametrize(
+    ("text", "direction"),
+    [("+x", (1, 0, 0)), ("-y", (0, -1, 0)), ("z", (0, 0, 1)), ("1, -2,0.5", (1, -2, 0.5)), ("-X", (-1, 0, 0))],
+)
+def test_directions(text: str, direction: tuple[float, float, float]) -> None:
+    assert parse_direction(text) == direction
+
+
+@pytest.mark.parametrize("text", ["north", "1,2", "+-x", "1,2,a", ""])
+def test_no_directions(text: str, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    (tmp_path / "a.dxf").touch()
+    code, _, err = call(capsys, "import-dxf", tmp_path / "a.dxf", "-o", tmp_path / "a", "--load", text)
+    assert code == 2
+    assert "not a direction" in err
+
+
+def test_show_wants_a_run(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    code, _, err = call(capsys, "show", tmp_path)
+    assert code == 1
+    assert "churchpipe run" in err
+    (tmp_path / "summary.json").write_text("{")
+    assert call(capsys, "show", tmp_path)[0] == 1
+
+
+def test_show_prints_every_analysis(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    (tmp_path / "summary.json").write_text(
+        """{"case": "w", "blocks": 9, "interfaces": 19, "contact_points": 76, "weight_kN": 1.296, "analyses": [
+        {"load": "+x", "flow": "associative", "friction": 0.6, "load_factor": 0.473684, "lower_bound": 0.473684,
+         "upper_bound": 0.473685, "status": "optimal", "seconds": 0.1, "variant": {"source.courses": 3}},
+        {"load": "-y", "flow": "non-associative", "friction": {"tuff": 0.6, "brick": 0.5}, "load_factor": null,
+         "lower_bound": null, "upper_bound": null, "status": "unstable", "seconds": null}]}"""
+    )
+    code, out, _ = call(capsys, "show", tmp_path)
+    assert code == 0
+    assert read_json(tmp_path / "summary.json")["case"] == "w"
+    for text in (
+        "w: 9 stones, 19 interfaces, 1.296 kN",
+        "0.473684",
+        "1.0e-06",
+        "optimal",
+        "tuff 0.6, brick 0.5",
+        "none",
+        "unstable",
+    ):
+        assert text in out

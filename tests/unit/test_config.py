@@ -1,0 +1,287 @@
+"""The case file: what it gives, and what it says about mistakes."""
+
+import dataclasses
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import tomli_w
+
+from churchpipe.config import Drawing, Generated, read_case, read_variants
+from churchpipe.config.overrides import parse_override, set_key
+from churchpipe.config.plan import building_of, load_of, materials_of, plan, unit_weights
+from churchpipe.config.sources import GENERATED, OpeningTable
+from churchpipe.config.units import UNITS, in_si
+from churchpipe.errors import InputError, UsageError
+from churchpipe.generators import GENERATORS
+from churchpipe.generators.openings import RectangularOpening
+from churchpipe.resources import pipeline_folder, sample_case, sample_names
+
+WALL = """
+[source]
+generator = "wall"
+length_m = 1.2
+brick_mm = [400, 250, 200]
+courses = 3
+[material.default]
+unit_weight_kN_m3 = 18
+friction = 0.6
+cohesion_kPa = 2.5
+elastic = { block_E_GPa = 3.18, block_nu = 0.23, joint_E_GPa = 0.303, joint_nu = 0.3, joint_thickness_mm = 1.0 }
+[[load]]
+direction = [0, 3, 0]
+[rigid]
+flow = ["associative", "non-associative"]
+"""
+
+
+def case_file(folder: Path, text: str, name: str = "case.toml") -> Path:
+    path = folder / name
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_a_case_is_in_si(tmp_path: Path) -> None:
+    case = read_case(case_file(tmp_path, WALL, "parish.toml"))
+    assert case.name == "parish"
+    assert case.source == Generated(
+        "wall",
+        {
+            "length": 1.2,
+            "brick": (0.4, 0.25, 0.2),
+            "courses": 3,
+            "pattern": "running",
+            "joints": "grid",
+            "through_offset": 0.0,
+            "openings": (),
+        },
+    )
+    material = case.materials[0]
+    assert (material.unit_weight, material.friction, material.cohesion) == (18e3, 0.6, 2.5e3)
+    assert material.elastic is not None
+    assert dataclasses.astuple(material.elastic) == (3.18e9, 0.23, 0.303e9, 0.3, 1e-3)
+    assert case.loads[0].name == "+y"
+    np.testing.assert_array_equal(case.loads[0].direction, [0, 1, 0])
+    building = case.building()
+    assert [panel.name for panel in building.panels] == ["wall"]
+    np.testing.assert_allclose(np.ptp(building.panels[0].outline, axis=0), [1.2, 0.6])
+
+
+def test_millimetres_are_divided_not_multiplied() -> None:
+    assert in_si({"a_mm": [30, 80.0], "b_mm": 520, "t": {"c_deg": 180.0, "d_kPa": 2}, "n": 3, "on": True}) == {
+        "a": (0.03, 0.08),
+        "b": 0.52,
+        "t": {"c": np.pi, "d": 2000.0},
+        "n": 3,
+        "on": True,
+    }
+
+
+@pytest.mark.parametrize("name", sorted(GENERATORS))
+def test_every_parameter_of_a_generator_has_a_key(name: str) -> None:
+    keys = {key for key in GENERATED[name].model_fields if key != "generator"}
+    bare = {key.removesuffix(next((u for u in UNITS if key.endswith(u)), "")) for key in keys}
+    assert bare == {field.name for field in dataclasses.fields(GENERATORS[name].parameters)}
+
+
+def test_every_key_of_an_opening_is_known() -> None:
+    fields = {field.name for field in dataclasses.fields(RectangularOpening)}
+    assert {key.removesuffix("_mm") for key in OpeningTable.model_fields} == fields
+
+
+@pytest.mark.parametrize("name", sample_names())
+def test_every_sample_case_runs(name: str, tmp_path: Path) -> None:
+    assert "#" in sample_case(name)
+    for case in read_variants(case_file(tmp_path, sample_case(name))):
+        assert case.building().panels
+
+
+def test_the_sample_cases_are_all_offered() -> None:
+    assert set(sample_names()) == {path.stem for path in (pipeline_folder() / "cases").iterdir()} | {"prototype"}
+    assert set(sample_names()) >= set(GENERATORS)
+
+
+# One mistake each: the override that makes it, and what must be said.
+MISTAKES = [
+    ("source.lenght_m=3", r'source\.lenght_m: unknown key.*Did you mean "length_mm"\?'),
+    ("rigid.frow=1", r'rigid\.frow: unknown key.*flow, solver, method, start.*Did you mean "flow"\?'),
+    ("materail.default.friction=1", r'materail: unknown key.*Did you mean "material"\?'),
+    ("material.default.frictoin=1", r'material\.default\.frictoin: unknown key.*Did you mean "friction"\?'),
+    ("material.default.elastic.block_E_Gpa=1", r'elastic\.block_E_Gpa: unknown key.*Did you mean "block_E_GPa"\?'),
+    ("load.0.directoin=[1,0,0]", r'load\.0\.directoin: unknown key.*Did you mean "direction"\?'),
+    ("shell.element_size_mm=30", r"shell: unknown key"),
+    ("material.default.friction=high", r"material\.default\.friction: wrong value; found 'high'; expected a valid number"),
+    ("material.default.friction=-0.1", r"found -0\.1; expected greater than or equal to 0"),
+    ("material.default.friction=nan", r"found nan; expected a finite number"),
+    ("source.brick_mm=[1,2]", r"source\.brick_mm: wrong value.*at least 3 items"),
+    ("source.courses=2.5", r"source\.courses: wrong value; found 2\.5; expected a valid integer"),
+    ("source.generator=walls", r'unknown generator; found \'walls\'; expected wall, arch, prototype, box.*Did you mean "wall"\?'),
+    ("source.dxf=a.dxf", r"source: no single source; found both"),
+    ("source={}", r"source: no single source"),
+    ("source=wall", r"source: wrong value"),
+    ("load.0.direction=[0,0,0]", r"load\.0: no direction"),
+    ("load=[{direction=[1,0,0]},{direction=[2,0,0]}]", r"load: two loads of one name"),
+    ('rigid.flow=["asociative"]', r"rigid\.flow\.0: wrong value; found 'asociative'; expected 'associative' or"),
+    ("name=a/b", r"name: wrong value; found 'a/b'"),
+    ("load.3.direction=[1,0,0]", r"load\.3\.direction: no such entry; found 3; expected a number from 0 to 0"),
+    ("name.first=x", r"name\.first: name is not a table"),
+    ("sweep.name=x", r"sweep\.name: nothing to sweep; found x"),
+    ("sweep=3", r"sweep: not a table"),
+]
+
+
+@pytest.mark.parametrize(("override", "said"), MISTAKES, ids=[override for override, _ in MISTAKES])
+def test_a_mistake_is_named(override: str, said: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=said):
+        read_case(case_file(tmp_path, 'name = "w"' + WALL), [override])
+
+
+def test_all_mistakes_are_told_at_once(tmp_path: Path) -> None:
+    path = case_file(tmp_path, WALL)
+    with pytest.raises(InputError) as caught:
+        read_case(path, ["source.courses=none", "rigid.frow=1", "material.default.friction=high"])
+    assert str(caught.value).startswith(f"{path}: 3 errors:")
+    assert all(key in str(caught.value) for key in ("source.courses", "rigid.frow", "material.default.friction"))
+
+
+def test_what_an_import_left_out_is_listed(tmp_path: Path) -> None:
+    text = '[source]\ndxf = "plan.dxf"\n[material.tuff]\n[material.brick]\nfriction = 0.5\n'
+    with pytest.raises(InputError) as caught:
+        read_case(case_file(tmp_path, text))
+    said = str(caught.value)
+    for key in ("material.tuff.unit_weight_kN_m3", "material.tuff.friction", "material.brick.unit_weight_kN_m3", "[[load]]"):
+        assert key in said
+    assert "material.brick.friction" not in said
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [("a = = 1", "not TOML.*line 1"), ("", "source: missing key"), ("name = 3", "name: wrong value; found 3")],
+)
+def test_a_file_that_is_no_case(text: str, said: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=said):
+        read_case(case_file(tmp_path, text))
+
+
+def test_files_that_cannot_be_read(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="cannot be read; found No such file"):
+        read_case(tmp_path / "none.toml")
+    (tmp_path / "latin.toml").write_bytes('name = "Pfarrkirche Sankt Jürgen"'.encode("latin-1"))
+    with pytest.raises(InputError, match="not a text file"):
+        read_case(tmp_path / "latin.toml")
+
+
+def test_a_drawing_is_found_beside_its_case(tmp_path: Path) -> None:
+    text = WALL.replace(WALL[: WALL.index("[material")], '[source]\ndxf = "cad/plan.dxf"\nsupport = "base"\n')
+    case = read_case(case_file(tmp_path, text))
+    assert case.source == Drawing(tmp_path / "cad" / "plan.dxf", support="base")
+    with pytest.raises(InputError, match=r"a drawing gives stones, not a building; found plan\.dxf"):
+        case.building()
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "value"),
+    [
+        ("a.b=0.5", "a.b", 0.5),
+        ("a = [1, 2]", "a", [1, 2]),
+        ("a=cvxpy:MOSEK", "a", "cvxpy:MOSEK"),
+        ('a="0.5"', "a", "0.5"),
+        ("a=x=y", "a", "x=y"),
+        ("a=true", "a", True),
+    ],
+)
+def test_overrides_are_toml_or_words(text: str, key: str, value: Any) -> None:
+    assert parse_override(text) == (key, value)
+
+
+@pytest.mark.parametrize("text", ["friction", "=3", "a..b=3", ".a=1"])
+def test_what_is_no_override(text: str) -> None:
+    with pytest.raises(UsageError, match="not an override"):
+        parse_override(text)
+
+
+def test_set_key_reaches_lists_and_makes_tables() -> None:
+    table: dict[str, Any] = {"load": [{"direction": [1, 0, 0]}, {}]}
+    set_key(table, "load.1.direction", [0, 1, 0])
+    set_key(table, "load.0.direction.2", 5)
+    set_key(table, "a.b", 1)
+    assert table == {"load": [{"direction": [1, 0, 5]}, {"direction": [0, 1, 0]}], "a": {"b": 1}}
+
+
+SWEEP = WALL.replace("friction = 0.6\n", "") + '[sweep]\n"material.default.friction" = [0.4, 0.5]\nsource.courses = [3, 4, 5]\n'
+
+
+def test_a_sweep_is_a_product(tmp_path: Path) -> None:
+    cases = read_variants(case_file(tmp_path, SWEEP))
+    assert [(c.materials[0].friction, c.variant["source.courses"]) for c in cases] == [
+        (0.4, 3),
+        (0.4, 4),
+        (0.4, 5),
+        (0.5, 3),
+        (0.5, 4),
+        (0.5, 5),
+    ]
+    todo = plan(cases)
+    assert list(todo.geometries) == ["courses=3", "courses=4", "courses=5"]
+    assert len(todo.analyses) == 12
+    assert "+y_non-associative_friction=0.5_courses=4" in todo.analyses
+    entry = next(e for e in todo.index["analyses"] if e["name"] == "+y_associative_friction=0.4_courses=5")
+    assert entry["geometry"] == "courses=5"
+    assert entry["variant"] == {"material.default.friction": 0.4, "source.courses": 5}
+
+
+def test_a_key_that_is_set_is_not_swept(tmp_path: Path) -> None:
+    cases = read_variants(case_file(tmp_path, SWEEP), ["source.courses=7"])
+    assert [case.variant for case in cases] == [{"material.default.friction": mu} for mu in (0.4, 0.5)]
+    todo = plan(cases)
+    assert list(todo.geometries) == ["base"]
+    assert todo.geometries["base"]["source"]["courses"] == 7
+
+
+def test_a_unit_weight_changes_the_stones_and_a_strength_does_not(tmp_path: Path) -> None:
+    def settings(*overrides: str) -> tuple[Any, Any]:
+        todo = plan(read_variants(case_file(tmp_path, WALL), overrides))
+        return todo.geometries, todo.analyses
+
+    geometry, analyses = settings()
+    for override in ("material.default.friction=0.3", "material.default.cohesion_kPa=1", "load.0.direction=[1,0,0]"):
+        same, other = settings(override)
+        assert same == geometry
+        assert other != analyses
+    other, same = settings("material.default.unit_weight_kN_m3=20")
+    assert other != geometry
+    assert same == analyses
+    _, changed = settings("rigid.method=paper", "rigid.start=uniform")
+    assert changed["+y_associative"] == analyses["+y_associative"]
+    assert changed["+y_non-associative"] != analyses["+y_non-associative"]
+
+
+def test_names_of_folders_are_plain_and_never_shared(tmp_path: Path) -> None:
+    loads = '[[load]]\ndirection=[1,0,0]\nname="to the west/left"\n[[load]]\ndirection=[-1,1,0]\n[[load]]\ndirection=[1,1,0]\n'
+    loads += '[[load]]\ndirection=[0,1,0]\nname="to the west left"\n'
+    text = WALL.replace("[[load]]\ndirection = [0, 3, 0]\n", loads)
+    names = list(plan(read_variants(case_file(tmp_path, text), ['rigid.flow=["associative"]'])).analyses)
+    assert len(names) == 4
+    assert all("/" not in name and " " not in name for name in names)
+
+
+def test_settings_give_back_the_case(tmp_path: Path) -> None:
+    case = read_case(case_file(tmp_path, WALL))
+    todo = plan([case])
+    building = building_of(todo.geometries["base"])
+    np.testing.assert_array_equal(building.panels[0].outline, case.building().panels[0].outline)
+    assert unit_weights(todo.geometries["base"]) == {"default": 18e3}
+    settings = todo.analyses["+y_non-associative"]
+    load, materials = load_of(settings), materials_of(settings)
+    np.testing.assert_array_equal(load.direction, case.loads[0].direction)
+    assert (load.name, load.profile, load.panels) == ("+y", "uniform", None)
+    assert [(m.name, m.friction, m.cohesion) for m in materials] == [("default", 0.6, 2.5e3)]
+
+
+def test_the_table_reads_back_as_the_same_case(tmp_path: Path) -> None:
+    case = read_case(case_file(tmp_path, WALL))
+    again = read_case(case_file(tmp_path, tomli_w.dumps(case.table)))
+    assert tomllib.loads(tomli_w.dumps(case.table)) == case.table
+    assert again.table == case.table
