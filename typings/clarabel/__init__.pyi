@@ -21,6 +21,7 @@ class DefaultSettings:
     verbose: bool
     max_threads: int
     max_iter: int
+    equilibrate_enable: bool
     tol_gap_abs: float
     tol_gap_rel: float
     tol_feas: float

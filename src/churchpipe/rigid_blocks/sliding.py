@@ -98,25 +98,32 @@ def _state(
         and admissible(balance, strength, certified)
         and chosen.load_factor <= associative.load_factor * (1 + 1e-3)
     )
-    residual = balance.matrix @ chosen.x.ravel() + balance.dead + chosen.history[-1].load_factor * balance.live
+    # What is called converged is the certified state itself, not the iterate beside it that still overdraws friction.
+    x, y, load_factor = chosen.x, chosen.y, chosen.load_factor
+    last = chosen.history[-1].load_factor
+    if proven and certified is not None:
+        x, y, load_factor = certified.x, certified.y, certified.load_factor
+        last = load_factor
+    residual = balance.matrix @ x.ravel() + balance.dead + last * balance.live
+    overdrawn = friction_violation(strength, x)
     return LimitState(
-        load_factor=chosen.load_factor,
+        load_factor=load_factor,
         status="converged" if proven else "not-converged",
         lower_bound=np.nan,
         upper_bound=np.nan,
-        forces=chosen.x * balance.force,
-        velocities=balance.velocities(chosen.y / max(float(balance.live @ chosen.y), 1e-300)),
+        forces=x * balance.force,
+        velocities=balance.velocities(y / max(float(balance.live @ y), 1e-300)),
         equilibrium_residual=float(np.abs(residual).max()),
-        cone_violation=cone_violation(chosen.x, strength),
+        cone_violation=cone_violation(x, strength),
         iterations=sum(run.solves for run in found),
         solver=associative.solver,
         flow="non-associative",
         history=chosen.history,
         gap=gap,
         interval=interval,
-        friction_violation=friction_violation(strength, chosen.x),
+        friction_violation=overdrawn,
         fixed_points=tuple(run.load_factor for run in found if run.settled),
-        message="" if proven else _why(chosen, certified, friction_violation(strength, chosen.x)),
+        message="" if proven else _why(chosen, certified, overdrawn),
     )
 
 
