@@ -80,6 +80,13 @@ TRIALS = (
     _imports("snakemake", "the staged pipeline", "snakemake"),
     _imports("matplotlib", "plots", "matplotlib"),
     _imports("pyvista", "pictures", "pyvista"),
+    Trial(
+        "gmsh",
+        "the shell's mesh",
+        "import gmsh; print(gmsh.__version__)",
+        "gmsh",
+        system="libglu1-mesa libxrender1 libxcursor1 libxfixes3 libxft2 libxinerama1 libfontconfig1 libgomp1",
+    ),
     Trial("off-screen picture", "pictures in the report", _DRAW, "pyvista", system="libegl1 libgl1-mesa-dri"),
 )
 

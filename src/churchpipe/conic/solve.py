@@ -1,38 +1,74 @@
 """Choose a solver by name."""
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
+import scipy.sparse as sp
 
 from churchpipe.conic.program import ConeProgram, ConeSolution
 from churchpipe.errors import InputError
 
-SOLVERS = ("auto", "clarabel", "cvxpy", "cvxpy:NAME")
+Solve = Callable[[ConeProgram], ConeSolution]
+
+SOLVERS = ("auto", "interior-point", "clarabel", "cvxpy", "cvxpy:NAME")
 
 
-def solve(program: ConeProgram, solver: str = "auto") -> ConeSolution:
-    """Solve a cone program.
+def solver_for(balance: sp.csc_matrix[np.float64], name: str = "auto") -> Solve:
+    """Return a solver of the cone programs that share a balance (m, 3c).
 
-    solver: "auto" or "clarabel"; "cvxpy" or "cvxpy:NAME" with any conic solver that cvxpy knows ("cvxpy:MOSEK").
+    name: "interior-point" (our own: one symbolic analysis serves all programs), "clarabel", "cvxpy" or "cvxpy:NAME" with any
+    conic solver that cvxpy knows ("cvxpy:MOSEK"); "auto": our own, and Clarabel where that fails.
+
+    Raises
+    ------
+    InputError: a name that is not one of these.
     """
-    name, _, backend = solver.partition(":")
-    if name in ("auto", "clarabel") and not backend:
-        from churchpipe.conic.clarabel import solve_clarabel
-
-        return _checked(program, solve_clarabel(program))
-    if name == "cvxpy":
+    family, _, backend = name.partition(":")
+    if family == "cvxpy":
         from churchpipe.conic.cvxpy import solve_cvxpy
 
-        return _checked(program, solve_cvxpy(program, backend or "CLARABEL"))
-    raise InputError("solver", "unknown solver", found=solver, expected=", ".join(SOLVERS))
+        return _checked(partial(solve_cvxpy, solver=backend or "CLARABEL"))
+    if name == "clarabel":
+        from churchpipe.conic.clarabel import solve_clarabel
+
+        return _checked(solve_clarabel)
+    if name in ("auto", "interior-point"):
+        from churchpipe.conic.interior_point import InteriorPointSolver
+
+        own = _checked(InteriorPointSolver(balance).solve)
+        return own if name == "interior-point" else _with_fallback(own, solver_for(balance, "clarabel"))
+    raise InputError("solver", "unknown solver", found=name, expected=", ".join(SOLVERS))
 
 
-def _checked(program: ConeProgram, answer: ConeSolution) -> ConeSolution:
+def solve(program: ConeProgram, name: str = "auto") -> ConeSolution:
+    """Solve one cone program; names as in `solver_for`."""
+    return solver_for(program.balance, name)(program)
+
+
+def _with_fallback(first: Solve, second: Solve) -> Solve:
+    def solve(program: ConeProgram) -> ConeSolution:
+        answer = first(program)
+        if answer.outcome != "failed":
+            return answer
+        other = second(program)
+        return replace(other, message=f"{answer.solver} failed ({answer.message}); {other.solver}: {other.message}")
+
+    return solve
+
+
+def _checked(solve: Solve) -> Solve:
     """Take a solver's word only when its forces balance: some call an infeasible program solved, with huge numbers."""
-    if answer.outcome != "solved":
-        return answer
-    residual = np.abs(program.balance @ answer.x.ravel() + program.constant + answer.tau * program.growth)
-    size = max(float(np.abs(program.constant).max()), float(np.abs(program.growth).max()))
-    if np.isfinite(residual).all() and residual.max() <= 1e-5 * size:
-        return answer
-    return replace(answer, outcome="failed", message=f"forces out of balance by {residual.max():.1e} after {answer.message}")
+
+    def checked(program: ConeProgram) -> ConeSolution:
+        answer = solve(program)
+        if answer.outcome != "solved":
+            return answer
+        residual = np.abs(program.balance @ answer.x.ravel() + program.constant + answer.tau * program.growth)
+        size = max(float(np.abs(program.constant).max()), float(np.abs(program.growth).max()))
+        if np.isfinite(residual).all() and residual.max() <= 1e-5 * size:
+            return answer
+        return replace(answer, outcome="failed", message=f"forces out of balance by {residual.max():.1e} after {answer.message}")
+
+    return checked

@@ -14,12 +14,16 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
+from churchpipe.conic.clarabel import solve_clarabel
 from churchpipe.conic.polish import restore_balance
 from churchpipe.conic.program import ConeProgram
-from churchpipe.conic.solve import solve
+from churchpipe.conic.solve import Solve
 from churchpipe.model.arrays import FloatArray
 from churchpipe.rigid_blocks.certificate import Strength, cone_violation
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
+
+# The ends of an interval are wanted to four digits.
+INTERVAL_TOLERANCE = 1e-7
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,33 +47,44 @@ def sliding_program(balance: Equilibrium, limit: FloatArray) -> ConeProgram:
     return ConeProgram(balance.matrix, balance.dead, balance.live, limit, zero, zero, zero)
 
 
-def sliding_velocities(balance: Equilibrium, strength: Strength, n: FloatArray, solver: str) -> FloatArray | None:
+def sliding_velocities(balance: Equilibrium, strength: Strength, n: FloatArray, solve: Solve) -> FloatArray | None:
     """Return the velocities (6 nf,) of P(n), or None when it is not solved."""
-    answer = solve(sliding_program(balance, strength.friction * n + strength.cohesion), solver)
+    answer = solve(sliding_program(balance, strength.friction * n + strength.cohesion))
     return answer.y if answer.outcome == "solved" else None
 
 
 def coulomb_state(
-    balance: Equilibrium, strength: Strength, x: FloatArray, load_factor: float, solver: str
+    balance: Equilibrium, strength: Strength, x: FloatArray, load_factor: float, solve: Solve
 ) -> CoulombState | None:
     """Return the Coulomb state of forces x (nc, 3) with the velocities that fit them best, or None when P(n) is not solved."""
     limit = strength.friction * np.maximum(x[:, 0], 0.0) + strength.cohesion
-    answer = solve(sliding_program(balance, limit), solver)
+    answer = solve(sliding_program(balance, limit))
     if answer.outcome != "solved":
         return None
-    return CoulombState(x=x, load_factor=load_factor, y=answer.y, gap=answer.tau - load_factor)
+    return CoulombState(x=x, load_factor=load_factor, y=answer.y, gap=bipotential_gap(balance, strength, x, answer.y))
+
+
+def bipotential_gap(balance: Equilibrium, strength: Strength, x: FloatArray, y: FloatArray) -> float:
+    """Return g = sum n |w| + sum ((mu n + c) |v| + t . v) >= 0 of forces x (nc, 3) and velocities y (6 nf,), f_L . u = 1.
+
+    Each term is zero or more by itself, so that nothing cancels; penetration is charged like an opening.
+    """
+    rate = (balance.matrix.T @ (y / (balance.live @ y))).reshape(-1, 3)
+    slip = np.hypot(rate[:, 1], rate[:, 2])
+    sliding = (strength.friction * x[:, 0] + strength.cohesion) * slip + (x[:, 1:] * rate[:, 1:]).sum(axis=1)
+    return float((x[:, 0] * np.abs(rate[:, 0])).sum() + np.maximum(sliding, 0.0).sum())
 
 
 def coulomb_step(
-    balance: Equilibrium, strength: Strength, n: FloatArray, y: FloatArray, solver: str, *, nearness: float
+    balance: Equilibrium, strength: Strength, n: FloatArray, y: FloatArray, solve: Solve, *, nearness: float
 ) -> CoulombState | None:
     """Return the Coulomb state near normal forces n (nc,) whose forces do the least work against the sliding of y."""
-    found = nearest_forces(balance, strength, n, y, solver, nearness=nearness)
-    return None if found is None else coulomb_state(balance, strength, *found, solver)
+    found = nearest_forces(balance, strength, n, y, solve, nearness=nearness)
+    return None if found is None else coulomb_state(balance, strength, *found, solve)
 
 
 def nearest_forces(
-    balance: Equilibrium, strength: Strength, n: FloatArray, y: FloatArray, solver: str, *, nearness: float
+    balance: Equilibrium, strength: Strength, n: FloatArray, y: FloatArray, solve: Solve, *, nearness: float
 ) -> tuple[FloatArray, float] | None:
     """Return forces (nc, 3) in the true cones, near the normal forces n, that do the least work against sliding y.
 
@@ -88,7 +103,7 @@ def nearest_forces(
         linear=strength.friction * slip - curvature * n,
         quadratic=curvature,
     )
-    answer = solve(program, solver)
+    answer = solve(program)
     if answer.outcome != "solved":
         return None
     return restore_balance(program, answer.x, answer.tau)
@@ -102,9 +117,7 @@ def dead_load_start(balance: Equilibrium) -> FloatArray:
     return np.maximum(forces[::3], 0.0)
 
 
-def mechanism_interval(
-    balance: Equilibrium, strength: Strength, state: CoulombState, solver: str = "clarabel"
-) -> tuple[float, float]:
+def mechanism_interval(balance: Equilibrium, strength: Strength, state: CoulombState) -> tuple[float, float]:
     """Return the smallest and largest load factor of the Coulomb states that fit the mechanism as well as the given one.
 
     For fixed velocities the compatible states are convex: sum n (w + mu |v|) + t . v <= defect is one linear row, with
@@ -116,23 +129,27 @@ def mechanism_interval(
     cost = np.column_stack([opening + strength.friction * slip, rate[:, 1:]])
     # The defect scales with the load factor: twice the certified accuracy leaves the given state strictly inside.
     allowed = float((cost * state.x).sum()) + 1e-5 * abs(state.load_factor)
-    row = sp.hstack([sp.csr_matrix(cost.reshape(1, -1)), sp.csr_matrix([[1.0, 0.0, 0.0]])])
+    # The row in the size of the others: its right side as large as the largest load.
+    size = float(np.abs(balance.dead).max()) / abs(allowed)
+    row = sp.hstack([sp.csr_matrix(size * cost.reshape(1, -1)), sp.csr_matrix([[1.0, 0.0, 0.0]])])
     matrix = sp.csc_matrix(sp.vstack([sp.hstack([balance.matrix, sp.csr_matrix((len(balance.dead), 3))]), row]))
     zero = np.zeros(len(slip) + 1)
     ends: list[float] = []
     for sign in (-1.0, 1.0):
         program = ConeProgram(
             balance=matrix,
-            constant=np.append(balance.dead, -allowed),
+            constant=np.append(balance.dead, -size * allowed),
             growth=np.append(sign * balance.live, 0.0),
             limit=np.append(strength.cohesion, 0.0),
             slope=np.append(strength.friction, 0.0),
             linear=zero,
             quadratic=zero,
         )
-        answer = solve(program, "clarabel" if solver == "auto" else solver)
+        # One dense row would fill the block matrix of our own solver.
+        answer = solve_clarabel(program, tolerance=INTERVAL_TOLERANCE)
         ends.append(sign * answer.tau if answer.outcome == "solved" else np.nan)
-    return ends[0], ends[1]
+    # The given state is one of them, whatever the last digits of the two ends.
+    return float(np.minimum(ends[0], state.load_factor)), float(np.maximum(ends[1], state.load_factor))
 
 
 def friction_violation(strength: Strength, x: FloatArray, allowance: float = 0.0) -> float:

@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from churchpipe.conic.program import ConeProgram
-from churchpipe.conic.solve import solve
+from churchpipe.conic.solve import Solve
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.results import Iteration
 from churchpipe.rigid_blocks.certificate import Strength
@@ -42,7 +42,8 @@ class PaperSettings:
 class SchemeSettings:
     """Constants of the certified scheme: rounds of stages A and B, their tolerances and proximal weights.
 
-    `mixing`: share of the new normal forces that stage A takes; at 1 it swings to and fro for ever on some walls.
+    `mixing`: share of the new normal forces that stage A takes from the second round on; the first round takes all, which
+    leads closest to where it started from but swings to and fro for ever on some walls.
     """
 
     rounds: int = 3
@@ -51,7 +52,7 @@ class SchemeSettings:
     violation: float = 1e-4
     gap: float = 1e-5
     mixing: float = 0.6
-    weight_a: float = 0.03
+    weight_a: float = 0.3
     weight_b: float = 0.003
     cohesion: float = 1e-5
 
@@ -74,7 +75,7 @@ def paper_iteration(
     strength: Strength,
     n0: FloatArray,
     n_before: FloatArray,
-    solver: str,
+    solve: Solve,
     settings: PaperSettings | None = None,
     progress: Progress | None = None,
 ) -> SlidingRun | None:
@@ -98,7 +99,7 @@ def paper_iteration(
         mixed = settings.beta * n + (1 - settings.beta) * n_before
         limit = mixed * (1 + settings.slope) * mu + strength.cohesion + floor
         program = ConeProgram(balance.matrix, balance.dead, balance.live, limit, -settings.slope * mu, zero, zero)
-        answer = solve(program, solver)
+        answer = solve(program)
         if answer.outcome != "solved":
             break
         latest = answer
@@ -121,7 +122,7 @@ def certified_iteration(
     balance: Equilibrium,
     strength: Strength,
     n: FloatArray,
-    solver: str,
+    solve: Solve,
     settings: SchemeSettings | None = None,
     progress: Progress | None = None,
 ) -> SlidingRun | None:
@@ -137,7 +138,7 @@ def certified_iteration(
     solves = 0
     for round_number in range(settings.rounds):
         for _ in range(settings.stage_a):
-            step = _stage_a(balance, strength, n, solver, settings)
+            step = _stage_a(balance, strength, n, solve, settings, settings.mixing if round_number else 1.0)
             solves += 1
             if step is None:
                 break
@@ -145,12 +146,12 @@ def certified_iteration(
             history.append(iteration)
             if iteration.violation < settings.violation:
                 break
-        y = sliding_velocities(balance, strength, n, solver)
+        y = sliding_velocities(balance, strength, n, solve)
         solves += 1
         for pair in range(settings.stage_b):
             if progress:
                 progress("non-associative", (round_number + pair / settings.stage_b) / settings.rounds)
-            state = None if y is None else coulomb_step(balance, strength, n, y, solver, nearness=settings.weight_b)
+            state = None if y is None else coulomb_step(balance, strength, n, y, solve, nearness=settings.weight_b)
             solves += 2
             if state is None:
                 break
@@ -168,7 +169,7 @@ def _run(state: CoulombState, settled: bool, history: list[Iteration], solves: i
 
 
 def _stage_a(
-    balance: Equilibrium, strength: Strength, n: FloatArray, solver: str, settings: SchemeSettings
+    balance: Equilibrium, strength: Strength, n: FloatArray, solve: Solve, settings: SchemeSettings, mixing: float
 ) -> tuple[FloatArray, Iteration] | None:
     mu = strength.friction
     shear = mu * n
@@ -176,8 +177,8 @@ def _stage_a(
     curvature = settings.weight_a / (len(n) * mean * (shear + 0.1 * mean)) * mu**2
     limit = shear + strength.cohesion + settings.cohesion * float(shear.max())
     program = ConeProgram(balance.matrix, balance.dead, balance.live, limit, np.zeros_like(n), -curvature * n, curvature)
-    answer = solve(program, solver)
+    answer = solve(program)
     if answer.outcome != "solved":
         return None
-    mixed = settings.mixing * np.maximum(answer.x[:, 0], 0.0) + (1 - settings.mixing) * n
+    mixed = mixing * np.maximum(answer.x[:, 0], 0.0) + (1 - mixing) * n
     return mixed, Iteration(answer.tau, friction_violation(strength, answer.x))

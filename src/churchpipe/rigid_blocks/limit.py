@@ -11,7 +11,7 @@ import scipy.sparse as sp
 
 from churchpipe.conic.polish import restore_balance
 from churchpipe.conic.program import ConeProgram, ConeSolution
-from churchpipe.conic.solve import solve
+from churchpipe.conic.solve import Solve, solver_for
 from churchpipe.errors import InputError
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
@@ -46,7 +46,7 @@ def limit_analysis(
     friction: coefficient, scalar or one an interface (ni,). cohesion: Pa, scalar or (ni,).
     flow: "associative" (sliding dilates, eq. (1)) or "non-associative" (no dilatancy, by iteration, eq. (3)).
     method, start: of the non-associative iteration; see `sliding.sliding_analysis`.
-    solver: "auto", "clarabel", "cvxpy", "cvxpy:MOSEK" ...
+    solver: "auto" (our own interior point, Clarabel where that fails), "interior-point", "clarabel", "cvxpy", "cvxpy:MOSEK" ...
     progress: called with a text and the share done.
 
     Returns
@@ -66,20 +66,18 @@ def limit_analysis(
         raise InputError("limit_analysis: flow", "unknown flow rule", found=flow, expected='"associative" or "non-associative"')
     if progress:
         progress("dead load", 0.0)
-    standing, dead_answer = dead_load_analysis(balance, strength, solver)
+    solve = solver_for(balance.matrix, solver)
+    standing, dead_answer = dead_load_analysis(balance, strength, solve)
     if standing != "stable":
         return _fallen(balance, standing, dead_answer, flow, perf_counter() - begin)
     if progress:
         progress("associative", 0.1)
-    program = associative_program(balance, strength)
-    answer = solve(program, solver)
-    if answer.outcome == "solved":
-        x, tau = restore_balance(program, answer.x, answer.tau)
-        answer = replace(answer, x=x, tau=tau)
-    state = associative_state(balance, strength, answer, perf_counter() - begin)
-    if flow == "associative" or state.status not in ("optimal", "failed"):
-        return state
-    sliding = sliding_analysis(balance, strength, state, method, start, solver, progress)
+    state = associative_state(balance, strength, solve, begin)
+    if state.status == "failed" and solver == "auto":
+        state = associative_state(balance, strength, solver_for(balance.matrix, "clarabel"), begin)
+    if flow == "associative" or state.status != "optimal":
+        return replace(state, flow=flow)
+    sliding = sliding_analysis(balance, strength, state, method, start, solve, progress)
     return replace(sliding, seconds=perf_counter() - begin)
 
 
@@ -105,7 +103,7 @@ def associative_program(balance: Equilibrium, strength: Strength) -> ConeProgram
 
 
 def dead_load_analysis(
-    balance: Equilibrium, strength: Strength, solver: str
+    balance: Equilibrium, strength: Strength, solve: Solve
 ) -> tuple[Literal["stable", "unstable", "failed"], ConeSolution]:
     """Say whether the structure carries its dead load, with the forces that do or the mechanism that falls.
 
@@ -116,7 +114,7 @@ def dead_load_analysis(
     program = ConeProgram(
         balance.matrix, np.zeros_like(balance.dead), balance.dead, strength.cohesion, strength.friction, zero, zero, cap=1.0
     )
-    answer = solve(program, solver)
+    answer = solve(program)
     if answer.outcome != "solved":
         return "failed", answer
     if answer.tau > 1 - 1e-6:
@@ -124,8 +122,14 @@ def dead_load_analysis(
     return "unstable", answer
 
 
-def associative_state(balance: Equilibrium, strength: Strength, answer: ConeSolution, seconds: float) -> LimitState:
-    """Turn a solver's answer into a certified result."""
+def associative_state(balance: Equilibrium, strength: Strength, solve: Solve, begin: float) -> LimitState:
+    """Solve eqs. (1)-(2) and turn the answer into a certified result; `begin`: when the analysis began (perf_counter)."""
+    program = associative_program(balance, strength)
+    answer = solve(program)
+    if answer.outcome == "solved":
+        x, tau = restore_balance(program, answer.x, answer.tau)
+        answer = replace(answer, x=x, tau=tau)
+    seconds = perf_counter() - begin
     if answer.outcome == "unbounded":
         ray = project_cone(answer.x, Strength(strength.friction, np.zeros_like(strength.cohesion)))
         residual = float(np.abs(balance.matrix @ ray.ravel() + balance.live).max())

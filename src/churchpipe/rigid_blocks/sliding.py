@@ -5,6 +5,7 @@ from typing import Literal
 
 import numpy as np
 
+from churchpipe.conic.solve import Solve
 from churchpipe.errors import InputError
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.results import LimitState
@@ -31,7 +32,7 @@ def sliding_analysis(
     associative: LimitState,
     method: Literal["default", "paper"],
     start: Literal["associative", "uniform"],
-    solver: str,
+    solve: Solve,
     progress: Progress | None = None,
 ) -> LimitState:
     """Return a load factor of sliding without dilatancy, with its gap.
@@ -45,29 +46,29 @@ def sliding_analysis(
     """
     normal = associative.forces[:, 0] / balance.force
     if method == "default":
-        runs = [certified_iteration(balance, strength, n, solver, progress=progress) for n in (dead_load_start(balance), normal)]
+        runs = [certified_iteration(balance, strength, n, solve, progress=progress) for n in (dead_load_start(balance), normal)]
         found = [run for run in runs if run is not None]
         if not found:
             return _nothing(associative)
         # The canonical start is the headline unless only the other one was certified.
         chosen = next((run for run in found if run.settled), found[0])
         state = CoulombState(chosen.x, chosen.load_factor, chosen.y, chosen.gap)
-        return _state(balance, strength, associative, chosen, found, state, solver)
+        return _state(balance, strength, associative, chosen, found, state)
     if method != "paper":
         raise InputError("limit_analysis: method", "unknown method", found=method, expected='"default" or "paper"')
     n0 = _paper_start(start, normal, balance)
-    runs = [paper_iteration(balance, strength, n0, before, solver, progress=progress) for before in (np.zeros_like(n0), n0)]
+    runs = [paper_iteration(balance, strength, n0, before, solve, progress=progress) for before in (np.zeros_like(n0), n0)]
     found = [run for run in runs if run is not None]
     if not found:
         return _nothing(associative)
     chosen = min(found, key=lambda run: (not run.settled, run.load_factor))
-    y = sliding_velocities(balance, strength, np.maximum(chosen.x[:, 0], 0.0), solver)
+    y = sliding_velocities(balance, strength, np.maximum(chosen.x[:, 0], 0.0), solve)
     state = None
     if y is not None:
         # The iteration overdraws friction: its certificate is that of the nearest forces that do not.
         nearness = SchemeSettings().weight_b
-        state = coulomb_step(balance, strength, np.maximum(chosen.x[:, 0], 0.0), y, solver, nearness=nearness)
-    return _state(balance, strength, associative, chosen, found, state, solver)
+        state = coulomb_step(balance, strength, np.maximum(chosen.x[:, 0], 0.0), y, solve, nearness=nearness)
+    return _state(balance, strength, associative, chosen, found, state)
 
 
 def _paper_start(start: str, normal: FloatArray, balance: Equilibrium) -> FloatArray:
@@ -85,11 +86,10 @@ def _state(
     chosen: SlidingRun,
     found: list[SlidingRun],
     certified: CoulombState | None,
-    solver: str,
 ) -> LimitState:
     gap, interval = (np.nan, (np.nan, np.nan))
     if certified is not None:
-        gap, interval = certified.gap, mechanism_interval(balance, strength, certified, solver)
+        gap, interval = certified.gap, mechanism_interval(balance, strength, certified)
     proven = (
         chosen.settled
         and certified is not None

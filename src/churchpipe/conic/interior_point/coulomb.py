@@ -1,0 +1,188 @@
+"""Points with a Coulomb-type cone, |t| <= limit + slope n and n >= 0: closed forms for all of them at once."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from churchpipe.conic.interior_point.cones import Cone, Scaling
+from churchpipe.conic.interior_point.nonnegative import Nonnegative, NonnegativeScaling
+from churchpipe.conic.interior_point.second_order import SecondOrder, SecondOrderScaling
+from churchpipe.model.arrays import BoolArray, FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class CoulombCompliance:
+    """Compliances as n = normal (f_n + lean f_u), u = along f_u + lean n, v = across f_v, with u, v along and across `direction`.
+
+    In this form a rounding error of n moves the force along the surface of its cone. As a matrix S, whose entries are as large
+    as 1e10, it would move it out of the cone too, where the compliance is as small as 1e-10.
+    All (count,), direction (2, count) of unit length.
+    """
+
+    normal: FloatArray
+    lean: FloatArray
+    along: FloatArray
+    across: FloatArray
+    direction: FloatArray
+
+    @property
+    def matrix(self) -> FloatArray:
+        """S_ijk, (3, 3, count)."""
+        u, v = self.direction
+        tilt = self.normal * self.lean
+        along = self.along + tilt * self.lean
+        out = np.empty((3, 3, len(u)))
+        out[0, 0] = self.normal
+        out[0, 1] = out[1, 0] = tilt * u
+        out[0, 2] = out[2, 0] = tilt * v
+        out[1, 1] = along * u * u + self.across * v * v
+        out[2, 2] = along * v * v + self.across * u * u
+        out[1, 2] = out[2, 1] = (along - self.across) * u * v
+        return out
+
+    def apply(self, force: FloatArray) -> FloatArray:
+        """Return S force."""
+        u, v = self.direction
+        along = force[1] * u + force[2] * v
+        across = self.across * (force[2] * u - force[1] * v)
+        out = np.empty_like(force)
+        out[0] = self.normal * (force[0] + self.lean * along)
+        slide = self.along * along + self.lean * out[0]
+        out[1] = slide * u - across * v
+        out[2] = slide * v + across * u
+        return out
+
+
+class CoulombPoints:
+    """x = (n, t1, t2) at each point; limit, slope, linear, curvature (count,), the last two the cost of n.
+
+    Points without shear resistance keep t = 0, points with neither limit nor slope >= 0 keep x = 0: `active` (3, count) says
+    which components are free. n >= 0 is a row of its own where limit or slope <= 0 make it one.
+    """
+
+    dimension = 3
+
+    def __init__(self, limit: FloatArray, slope: FloatArray, linear: FloatArray, curvature: FloatArray) -> None:
+        self.count = len(limit)
+        sheared = (limit > 0) | (slope > 0)
+        guarded = (limit > 0) | (slope == 0)
+        self.active: BoolArray = np.stack([sheared | guarded, sheared, sheared])
+        self._sheared, self._guarded = np.flatnonzero(sheared), np.flatnonzero(guarded)
+        self._all_sheared, self._is_guarded = bool(sheared.all()), guarded
+        self._limit, self._slope = limit, slope
+        self._curvature = np.where(self.active[0], curvature, 0.0)
+        self.linear = np.zeros((3, self.count))
+        self.linear[0] = np.where(self.active[0], linear, 0.0)
+        cones: list[Cone] = []
+        right: list[FloatArray] = []
+        if len(self._sheared):
+            cones.append(SecondOrder(3, 1, len(self._sheared)))
+            right += [limit[self._sheared], np.zeros(2 * len(self._sheared))]
+        if len(self._guarded):
+            cones.append(Nonnegative(1, len(self._guarded)))
+            right.append(np.zeros(len(self._guarded)))
+        self.cones = tuple(cones)
+        self.right = np.concatenate(right) if right else np.zeros(0)
+        self._split = 3 * len(self._sheared)
+
+    def quadratic(self, x: FloatArray) -> FloatArray:
+        """Return Q x."""
+        out = np.zeros_like(x)
+        out[0] = self._curvature * x[0]
+        return out
+
+    def apply(self, x: FloatArray) -> FloatArray:
+        """Return G x."""
+        cone = self._take(x)
+        axis = self._take(self._slope) * cone[0]
+        return -np.concatenate([axis, cone[1], cone[2], x[0, self._guarded]])
+
+    def transpose(self, z: FloatArray) -> FloatArray:
+        """Return G^T z."""
+        cone = z[: self._split].reshape(3, -1)
+        out = np.zeros((3, self.count))
+        self._put(out, -cone)
+        out[0] *= self._slope
+        out[0, self._guarded] -= z[self._split :]
+        return out
+
+    def compliance(self, scalings: Sequence[Scaling]) -> "CoulombCompliance":
+        """Return the compliances in closed form."""
+        stiffness = self._curvature.copy()
+        last = scalings[-1] if scalings else None
+        if isinstance(last, NonnegativeScaling):
+            stiffness[self._guarded] += 1.0 / last.factor[0] ** 2
+        first = scalings[0] if scalings else None
+        if isinstance(first, SecondOrderScaling) and self._all_sheared:
+            return _cone_compliance(first, self._slope, stiffness)
+        normal = np.zeros(self.count)
+        alone = self.active[0] & ~self.active[1]
+        normal[alone] = 1.0 / stiffness[alone]
+        zero = np.zeros(self.count)
+        out = CoulombCompliance(normal, zero, zero, zero, np.stack([zero, zero]))
+        if isinstance(first, SecondOrderScaling):
+            cone = _cone_compliance(first, self._slope[self._sheared], stiffness[self._sheared])
+            parts = [values.copy() for values in (out.normal, out.lean, out.along, out.across, out.direction)]
+            new = (cone.normal, cone.lean, cone.along, cone.across, cone.direction)
+            for whole, part in zip(parts, new, strict=True):
+                whole[..., self._sheared] = part
+            out = CoulombCompliance(*parts)
+        return out
+
+    def balanced(self, force: FloatArray, z: FloatArray) -> FloatArray:
+        """Return z with its shear rows, and the guard n >= 0 or else the axis of the cone, taken from the force."""
+        cone = z[: self._split].reshape(3, -1)
+        pull = self._take(force)
+        slope = self._take(self._slope)
+        axis = -pull[0] / np.where(slope > 0, slope, 1.0)
+        kept = self._is_guarded[self._sheared]
+        axis[kept] = cone[0, kept]
+        push = np.zeros(self.count)
+        push[slice(None) if self._all_sheared else self._sheared] = slope * axis
+        return np.concatenate([axis, -pull[1], -pull[2], -force[0, self._guarded] - push[self._guarded]])
+
+    def interior(self, size: float) -> FloatArray:
+        """Return compression `size` everywhere, less where the cone is shorter, without shear."""
+        out = np.zeros((3, self.count))
+        reach = np.where(self._slope < 0, -0.5 * self._limit / np.minimum(self._slope, -1e-300), np.inf)
+        out[0] = np.where(self.active[0], np.minimum(size, reach), 0.0)
+        return out
+
+    def inside(self, x: FloatArray) -> FloatArray:
+        """Return x (3, count) with rounding errors outside the cones removed."""
+        out = np.where(self.active, x, 0.0)
+        n = np.maximum(out[0], 0.0)
+        with np.errstate(divide="ignore"):
+            out[0] = np.minimum(n, np.where(self._slope < 0, -self._limit / np.minimum(self._slope, -1e-300), np.inf))
+        reach = np.maximum(self._limit + self._slope * out[0], 0.0)
+        shear = np.hypot(out[1], out[2])
+        out[1:] *= np.where(shear > reach, reach / np.maximum(shear, 1e-300), 1.0)
+        return out
+
+    def _take(self, values: FloatArray) -> FloatArray:
+        return values if self._all_sheared else values[..., self._sheared]
+
+    def _put(self, out: FloatArray, cone: FloatArray) -> None:
+        out[:, slice(None) if self._all_sheared else self._sheared] = cone
+
+
+def _cone_compliance(scaling: SecondOrderScaling, slope: FloatArray, stiffness: FloatArray) -> CoulombCompliance:
+    """Return the compliances of points with shear; stiffness (count,): what resists n besides the cone.
+
+    In the directions (n, along w_1) the stiffness Q + G^T W^-2 G is a 2 x 2 block with determinant
+    (a (2 r^2 + 1) + slope^2) / eta^4, r = |w_1|, a = eta^2 stiffness; across w_1 it is 1 / eta^2. Nothing cancels.
+    """
+    w0, w1 = scaling.w[0, 0], scaling.w[1:, 0]
+    square = scaling.eta[0] ** 2
+    length = np.sqrt(w1[0] ** 2 + w1[1] ** 2)
+    stretch = 1.0 + 2.0 * length**2
+    still = length == 0.0
+    direction = np.where(still, np.array([[1.0], [0.0]]), w1) / np.where(still, 1.0, length)
+    return CoulombCompliance(
+        normal=square * stretch / (square * stiffness * stretch + slope**2),
+        lean=2.0 * slope * w0 * length / stretch,
+        along=square / stretch,
+        across=square,
+        direction=direction,
+    )

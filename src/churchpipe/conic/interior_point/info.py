@@ -1,0 +1,28 @@
+"""What the loop tells about each iteration, and how it ends."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+Status = Literal["running", "solved", "infeasible", "unbounded", "failed"]
+
+
+@dataclass(frozen=True, slots=True)
+class Info:
+    """One iteration: errors are relative to the objective.
+
+    error: the largest of the gap of the objectives, the complementarity, and the work of the residuals on their multipliers;
+    residual: largest entry of the coupling rows, relative to the largest load; step and correctors: what led here.
+    """
+
+    iteration: int
+    primal: float
+    dual: float
+    error: float
+    residual: float
+    product: float
+    step: float
+    correctors: int
+
+
+Progress: TypeAlias = Callable[[Info], None]

@@ -1,0 +1,172 @@
+"""The loop: homogeneous embedding, Mehrotra predictor-corrector, Nesterov-Todd scaling, centrality correctors."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from churchpipe.conic.interior_point.cholesky import Cholesky, NotDefiniteError
+from churchpipe.conic.interior_point.info import Info, Progress, Status
+from churchpipe.conic.interior_point.iterate import Iterate, inner
+from churchpipe.conic.interior_point.kkt import KktSystem
+from churchpipe.conic.interior_point.newton import NewtonSystem, centrality_target
+from churchpipe.conic.interior_point.normal import NormalMatrix
+from churchpipe.conic.interior_point.problem import CoupledProblem
+from churchpipe.conic.interior_point.residuals import Residuals, largest, residuals
+from churchpipe.conic.interior_point.settings import Settings
+
+# Centrality correctors aim at a step this much longer, and count when they win this share of it (Gondzio 1996).
+_REACH = 0.3
+_WIN = 0.03
+# Centring beyond this only lengthens a solve whose correctors keep the products together.
+_MOST_CENTRING = 0.1
+_TARGET = 0.3
+_STALLED_STEP = 1e-3
+_PATIENCE = 12
+_VANISHED = 1e-8
+_ROUGH = 1e-4
+
+
+@dataclass(frozen=True, slots=True)
+class Ending:
+    """How a loop ended: the best iterate, its status and errors, the iterations done, and an iterate to start others from."""
+
+    status: Status
+    at: Iterate
+    info: Info
+    message: str
+    warm: Iterate
+
+
+def solve_coupled(
+    problem: CoupledProblem,
+    normal: NormalMatrix,
+    cholesky: Cholesky,
+    start: Iterate,
+    settings: Settings,
+    progress: Progress | None = None,
+) -> Ending:
+    """Run the interior-point loop from an interior iterate; residual tolerances are absolute, in the problem's units."""
+    kkt = KktSystem(problem, normal, cholesky)
+    at = warm = start
+    best: tuple[Iterate, Info] | None = None
+    step_length, correctors, stalled = 0.0, 0, 0
+    message = "iteration limit"
+    for iteration in range(settings.iterations + 1):
+        found = residuals(problem, at)
+        info = _measure(problem, at, found, iteration, step_length, correctors)
+        if progress:
+            progress(info)
+        if best is None or _distance(info, settings) < _distance(best[1], settings):
+            best = at, info
+        if info.error > 1e-2:
+            warm = at
+        status = _status(problem, at, found, info, settings)
+        if status != "running":
+            return Ending(status, at, info, "", warm)
+        stalled = stalled + 1 if iteration and step_length < _STALLED_STEP else 0
+        if stalled >= 3 or iteration - best[1].iteration > _PATIENCE:
+            message = "no further progress"
+            break
+        try:
+            # Overflow ends the loop below; it is no reason to warn.
+            with np.errstate(all="ignore"):
+                at, step_length, correctors = _advance(problem, kkt, at, found, settings)
+        except NotDefiniteError:
+            message = "normal matrix lost its definiteness"
+            break
+        if not at.finite():
+            message = "overflow"
+            break
+    at, info = best if best is not None else (start, _measure(problem, start, residuals(problem, start), 0, 0.0, 0))
+    accepted = info.error <= max(settings.error, settings.acceptable) and info.residual <= max(
+        settings.residual, settings.acceptable
+    )
+    return Ending("solved" if accepted else "failed", at, info, f"{message}; error {info.error:.1e}", warm)
+
+
+def _advance(
+    problem: CoupledProblem, kkt: KktSystem, at: Iterate, found: Residuals, settings: Settings
+) -> tuple[Iterate, float, int]:
+    """Return the next iterate, the step length and the number of centrality correctors that helped."""
+    system = NewtonSystem(problem, kkt, at, found, settings)
+    affine = system.predictor
+    reach = min(1.0, at.longest_step(problem, affine))
+    mean = at.mean_product(problem)
+    centring = min((1.0 - reach) ** 3, _MOST_CENTRING)
+    target = centring * mean
+    product = system.second_order(affine) + problem.cone.product(system.point, system.point)
+    product -= target * problem.cone.identity()
+    pair = affine.theta * affine.kappa + at.theta * at.kappa - target
+    step = system.direction(1.0 - centring, product, pair)
+    length = at.longest_step(problem, step)
+    helped = 0
+    while helped < settings.correctors and settings.fraction * length < 1.0:
+        fix, fix_pair = centrality_target(problem, system, at, step, min(1.0, length + _REACH), max(target, _TARGET * mean))
+        trial = system.direction(1.0 - centring, product - fix, pair - fix_pair)
+        longer = at.longest_step(problem, trial)
+        if longer < length + _WIN * _REACH:
+            break
+        step, length, product, pair = trial, longer, product - fix, pair - fix_pair
+        helped += 1
+    length = min(1.0, settings.fraction * length)
+    return at.moved(step, length), length, helped
+
+
+def _distance(info: Info, settings: Settings) -> float:
+    """Return how far an iterate is from the tolerances; at most 1 is solved."""
+    return max(info.error / settings.error, info.residual / settings.residual)
+
+
+def _measure(problem: CoupledProblem, at: Iterate, found: Residuals, iteration: int, step: float, correctors: int) -> Info:
+    # A load of a thousandth of the reward's unit is the least that an objective is measured by.
+    size = max(abs(found.primal), abs(found.dual), 1e-3 * abs(problem.reward)) * at.theta**2
+    work = (
+        abs(found.primal - found.dual) * at.theta**2,
+        inner(at.s, at.z),
+        abs(inner(found.y, at.y)),
+        abs(inner(found.x, at.x)) + abs(found.load * at.load),
+    )
+    return Info(
+        iteration=iteration,
+        primal=found.primal,
+        dual=found.dual,
+        error=max(work) / max(size, 1e-300),
+        residual=largest(found.y) / at.theta,
+        product=at.mean_product(problem),
+        step=step,
+        correctors=correctors,
+    )
+
+
+def _status(problem: CoupledProblem, at: Iterate, found: Residuals, info: Info, settings: Settings) -> Status:
+    if info.error <= settings.error and info.residual <= settings.residual:
+        return "solved"
+    # A scale that has vanished says as much as the last digits of a certificate, which a singular matrix may spoil.
+    vanished = at.theta <= _VANISHED * at.kappa
+    allowed = max(settings.certificate, _ROUGH) if vanished else settings.certificate
+    # What is left of each residual without the terms of theta is the error of a certificate.
+    price = inner(problem.right, at.z) - inner(problem.constant, at.y)
+    if price < 0:
+        error = largest(found.x - found.curvature - problem.linear * at.theta)
+        error = max(error, abs(found.load + problem.reward * at.theta))
+        if error <= -price * allowed:
+            return "infeasible"
+    gain = problem.reward * at.load - inner(problem.linear, at.x)
+    if gain > 0:
+        error = max(
+            largest(found.curvature),
+            largest(found.y - problem.constant * at.theta),
+            largest(problem.constrain(at.x, at.load) + at.s),
+        )
+        if error * max(abs(problem.reward), 1.0) <= gain * allowed:
+            return "unbounded"
+    return "running"
+
+
+def interior_start(problem: CoupledProblem, settings: Settings) -> Iterate:
+    """Return a start without load: local interior points, and multipliers of the size that the reward calls for."""
+    x = problem.interior(settings.force)
+    s = problem.right - problem.constrain(x, 0.0)
+    z = settings.rate * max(abs(problem.reward), 1.0) * problem.cone.identity()
+    product = inner(s, z) / max(problem.cone.degree, 1)
+    return Iterate(x, 0.0, np.zeros(problem.rows), s, z, 1.0, max(product, 1e-3))

@@ -1,0 +1,64 @@
+"""The nonnegative cone: products, eigenvalues, steps and Nesterov-Todd scaling."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from churchpipe.model.arrays import FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class NonnegativeScaling:
+    """Scaling s = W lam, z = W^-1 lam at one point: `factor` = sqrt(s / z), `point` = lam = sqrt(s z), both (rows, count)."""
+
+    factor: FloatArray
+    point: FloatArray
+
+    def apply(self, v: FloatArray) -> FloatArray:
+        """Return W v."""
+        return self.factor * v
+
+    def solve(self, v: FloatArray) -> FloatArray:
+        """Return W^-1 v."""
+        return v / self.factor
+
+    def divide(self, v: FloatArray) -> FloatArray:
+        """Return u with lam o u = v."""
+        return v / self.point
+
+
+@dataclass(frozen=True, slots=True)
+class Nonnegative:
+    """`rows` nonnegative numbers of each of `count` local problems; vectors are (rows, count)."""
+
+    rows: int
+    count: int
+
+    @property
+    def degree(self) -> int:
+        """Parameter of the barrier."""
+        return self.rows * self.count
+
+    def identity(self) -> FloatArray:
+        """Return e."""
+        return np.ones((self.rows, self.count))
+
+    def product(self, u: FloatArray, v: FloatArray) -> FloatArray:
+        """Return u o v."""
+        return u * v
+
+    def margin(self, s: FloatArray) -> float:
+        """Return the smallest eigenvalue."""
+        return float(s.min(initial=np.inf))
+
+    def longest_step(self, s: FloatArray, step: FloatArray) -> float:
+        """Return the largest t with s + t step in the cone."""
+        return 1.0 / max(float((-step / s).max(initial=0.0)), 1e-300)
+
+    def scaling(self, s: FloatArray, z: FloatArray) -> NonnegativeScaling:
+        """Return the Nesterov-Todd scaling of interior s and z."""
+        return NonnegativeScaling(np.sqrt(s / z), np.sqrt(s * z))
+
+    def recentre(self, product: FloatArray, low: float, high: float) -> FloatArray:
+        """Return the correction that brings the eigenvalues of a complementarity product into [low, high]."""
+        return np.maximum(np.clip(product, low, high) - product, -high)

@@ -1,0 +1,44 @@
+"""Tolerances and limits of the interior-point loop, checked."""
+
+from dataclasses import dataclass
+
+from churchpipe.errors import InputError
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """How far to go, and how.
+
+    error: relative error of the objective aimed at (gap, complementarity and the work of residuals); acceptable: error at
+    which a solve that got stuck still counts as solved; residual: of the balance, absolute, in the units of the program;
+    certificate: residual of a certificate of infeasibility or of a ray, relative to what it proves; iterations: at most;
+    correctors: centrality correctors tried at an iteration (Gondzio 1996); fraction: share of the way to the boundary;
+    regularisation: of the normal matrix, relative to its diagonal; refinements: of each linear solve, at most;
+    force, rate: size of the starting forces (in the largest load on one row) and multipliers (in those that earn the reward).
+    """
+
+    error: float = 1e-8
+    acceptable: float = 1e-7
+    residual: float = 1e-10
+    certificate: float = 1e-7
+    iterations: int = 150
+    correctors: int = 4
+    fraction: float = 0.99
+    regularisation: float = 1e-14
+    refinements: int = 3
+    force: float = 10.0
+    rate: float = 1.0
+
+    def __post_init__(self) -> None:
+        positive = ("error", "acceptable", "residual", "certificate", "fraction", "force", "rate", "iterations")
+        for name in positive:
+            _check(name, getattr(self, name), getattr(self, name) > 0, "> 0")
+        for name in ("correctors", "refinements", "regularisation"):
+            _check(name, getattr(self, name), getattr(self, name) >= 0, ">= 0")
+        _check("fraction", self.fraction, self.fraction < 1, "< 1")
+        _check("regularisation", self.regularisation, self.regularisation < 1e-4, "< 1e-4")
+
+
+def _check(name: str, value: float, good: bool, expected: str) -> None:
+    if not good:
+        raise InputError(f"Settings.{name}", "out of range", found=value, expected=expected)

@@ -1,0 +1,205 @@
+"""Cone programs on the interior-point loop: scaling of units, one symbolic analysis for all programs of a balance."""
+
+from dataclasses import dataclass, replace
+from time import perf_counter, process_time
+
+import numpy as np
+import scipy.sparse as sp
+
+from churchpipe.conic.interior_point.cholesky import Cholesky
+from churchpipe.conic.interior_point.coulomb import CoulombPoints
+from churchpipe.conic.interior_point.info import Progress
+from churchpipe.conic.interior_point.iterate import Iterate
+from churchpipe.conic.interior_point.loop import Ending, interior_start, solve_coupled
+from churchpipe.conic.interior_point.normal import NormalMatrix
+from churchpipe.conic.interior_point.problem import CoupledProblem
+from churchpipe.conic.interior_point.settings import Settings
+from churchpipe.conic.polish import restore_balance
+from churchpipe.conic.program import ConeProgram, ConeSolution
+from churchpipe.errors import InputError
+from churchpipe.model.arrays import FloatArray
+
+# Rows of the balance of one rigid body.
+BLOCK = 6
+# A limit below this share of the largest load is no shear resistance at all: its cone has no interior in double precision.
+_NO_SHEAR = 1e-13
+
+
+def solve_interior_point(
+    program: ConeProgram, settings: Settings | None = None, progress: Progress | None = None
+) -> ConeSolution:
+    """Solve one cone program; `InteriorPointSolver` solves several that share a balance."""
+    begin = perf_counter()
+    answer = InteriorPointSolver(program.balance).solve(program, settings, progress)
+    return replace(answer, seconds=perf_counter() - begin)
+
+
+@dataclass(frozen=True, slots=True)
+class _Previous:
+    """A problem solved before, and an iterate on the way to its solution that others can start from."""
+
+    problem: CoupledProblem
+    warm: Iterate
+
+    def at(self, problem: CoupledProblem) -> Iterate | None:
+        """Return the iterate in the units of another problem, or None when its cones are others."""
+        if problem.cone.cones != self.problem.cone.cones:
+            return None
+        warm = self.warm
+        rate = problem.reward / (self.problem.reward * warm.theta)
+        force = 1.0 / warm.theta
+        pair = warm.kappa * rate * force * warm.theta
+        return Iterate(warm.x * force, warm.load * force, warm.y * rate, warm.s * force, warm.z * rate, 1.0, pair)
+
+
+class InteriorPointSolver:
+    """Solves programs with one balance (m, 3c): structure, ordering and symbolic analysis are done once."""
+
+    def __init__(self, balance: sp.csc_matrix[np.float64]) -> None:
+        rows, columns = balance.shape
+        points = columns // 3
+        self._balance, self._rows = balance, rows
+        padded = -(-rows // BLOCK) * BLOCK
+        order = (3 * np.arange(points) + np.arange(3)[:, None]).ravel()
+        coupling = sp.csr_matrix(balance[:, order])
+        self._coupling = sp.csr_matrix(
+            (coupling.data, coupling.indices, _padded(coupling.indptr, padded)), shape=(padded, columns)
+        )
+        self._normal = NormalMatrix(self._coupling, 3, BLOCK)
+        self._cholesky = Cholesky(self._normal.pattern, BLOCK)
+        self._previous: _Previous | None = None
+
+    def solve(
+        self,
+        program: ConeProgram,
+        settings: Settings | None = None,
+        progress: Progress | None = None,
+        *,
+        warm: bool = False,
+    ) -> ConeSolution:
+        """Solve a program with the balance of this solver.
+
+        warm: start from an early, central iterate of the previous solve, when its points had the same kinds of cone.
+
+        Returns
+        -------
+        ConeSolution: x lies in the cones to the last digit; outcome "failed" when not even `settings.acceptable` was reached.
+        """
+        begin = perf_counter()
+        settings = settings or Settings()
+        if not _same(program.balance, self._balance):
+            raise InputError("InteriorPointSolver.solve", "another balance", expected="the balance that the solver was made for")
+        force = max(float(np.abs(program.constant).max(initial=0.0)), float(np.abs(program.growth).max(initial=0.0)))
+        force = force if force > 0 else 1.0
+        growth = _pad(program.growth / force, len(self._coupling.indptr) - 1)
+        # The work of a unit load on unit rates is the unit of the objective: rates are then of order one.
+        reward = max(float(np.abs(growth).sum()), 1.0)
+        limit = np.where(program.limit / force > _NO_SHEAR, program.limit / force, 0.0)
+        local = CoulombPoints(limit, program.slope, reward * force * program.linear, reward * force**2 * program.quadratic)
+        problem = CoupledProblem(
+            local,
+            _masked(self._coupling, local),
+            _pad(program.constant / force, len(growth)),
+            growth,
+            reward=reward,
+            cap=program.cap,
+        )
+        nothing = _unsupported(problem)
+        if nothing is not None:
+            y = nothing[: self._rows] / force
+            return ConeSolution(
+                np.zeros((program.points, 3)),
+                np.nan,
+                y,
+                "infeasible",
+                0,
+                perf_counter() - begin,
+                "interior-point",
+                "a body without contact",
+            )
+        loop_settings = replace(settings, residual=settings.residual / force)
+        ending = None
+        start = self._previous.at(problem) if warm and self._previous is not None else None
+        if start is not None:
+            ending = solve_coupled(problem, self._normal, self._cholesky, start, loop_settings, progress)
+        if ending is None or ending.status == "failed":
+            start = interior_start(problem, settings)
+            ending = solve_coupled(problem, self._normal, self._cholesky, start, loop_settings, progress)
+        self._previous = _Previous(problem, ending.warm)
+        answer = self._solution(program, ending, local, force, reward, settings.residual)
+        return replace(answer, seconds=perf_counter() - begin)
+
+    def factorisation_seconds(self) -> float:
+        """Return the processor time of one bare factorisation, s, the best of three."""
+        values = np.zeros(self._normal.pattern.nnz)
+        values[self._normal.diagonal] = 1.0
+        times: list[float] = []
+        for _ in range(3):
+            begin = process_time()
+            self._cholesky.factor(values)
+            times.append(process_time() - begin)
+        return min(times)
+
+    def factor_nonzeros(self) -> int:
+        """Return the number of stored entries of the last factor."""
+        return self._cholesky.nonzeros()
+
+    def _solution(
+        self, program: ConeProgram, ending: Ending, local: CoulombPoints, force: float, reward: float, allowed: float
+    ) -> ConeSolution:
+        at = ending.at
+        unit = _unit(ending, at)
+        x, load = local.inside(at.x.reshape(3, -1) / unit).T * force, at.load / unit
+        if ending.status == "solved" and ending.info.residual * force > allowed:
+            # Stuck at the last digits, as tiny programs are: the nearest forces in balance.
+            x, load = restore_balance(program, x, load)
+            x = local.inside(x.T / force).T * force
+        return ConeSolution(
+            x=np.ascontiguousarray(x),
+            tau=load,
+            y=at.y[: self._rows] / (force * unit if ending.status == "infeasible" else force * unit * reward),
+            outcome="failed" if ending.status == "running" else ending.status,
+            iterations=ending.info.iteration,
+            seconds=0.0,
+            solver="interior-point",
+            message=ending.message,
+        )
+
+
+def _unit(ending: Ending, at: Iterate) -> float:
+    """Return what the variables are divided by: theta, or the size of a certificate."""
+    if ending.status == "unbounded":
+        return at.load if at.load > 0 else max(float(np.abs(at.x).max(initial=0.0)), 1e-300)
+    if ending.status == "infeasible":
+        return max(float(np.abs(at.y).max(initial=0.0)), 1e-300)
+    return at.theta
+
+
+def _unsupported(problem: CoupledProblem) -> FloatArray | None:
+    """Return a certificate of infeasibility from rows that nothing resists, if they alone give one."""
+    rows = np.asarray(abs(problem.coupling).sum(axis=1)).ravel() == 0
+    constant, growth = np.where(rows, problem.constant, 0.0), np.where(rows, problem.growth, 0.0)
+    square = float(growth @ growth)
+    y = constant - (float(constant @ growth) / square * growth if square > 0 else 0.0)
+    work = float(constant @ y)
+    return y / work if work > 1e-12 * max(float(problem.constant @ problem.constant), 1e-300) else None
+
+
+def _same(a: sp.csc_matrix[np.float64], b: sp.csc_matrix[np.float64]) -> bool:
+    return a is b or (a.shape == b.shape and np.array_equal(a.indices, b.indices) and np.array_equal(a.data, b.data))
+
+
+def _pad(v: FloatArray, size: int) -> FloatArray:
+    return np.concatenate([v, np.zeros(size - len(v))])
+
+
+def _padded(pointer: np.ndarray, rows: int) -> np.ndarray:
+    return np.concatenate([pointer, np.full(rows + 1 - len(pointer), pointer[-1])])
+
+
+def _masked(coupling: sp.csr_matrix[np.float64], local: CoulombPoints) -> sp.csr_matrix[np.float64]:
+    """Return the coupling with the columns of fixed components set to zero, in the same pattern."""
+    if local.active.all():
+        return coupling
+    data = coupling.data * local.active.ravel()[coupling.indices]
+    return sp.csr_matrix((data, coupling.indices, coupling.indptr), shape=coupling.shape)

@@ -1,0 +1,146 @@
+"""The parts of the interior-point core, each against its definition; and its second user, a condensed quadratic program."""
+
+from typing import Any
+
+import cvxpy
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+from churchpipe.conic.interior_point.cholesky import Cholesky
+from churchpipe.conic.interior_point.cones import Cone, ProductCone
+from churchpipe.conic.interior_point.coulomb import CoulombPoints
+from churchpipe.conic.interior_point.dense import DenseProblems
+from churchpipe.conic.interior_point.loop import interior_start, solve_coupled
+from churchpipe.conic.interior_point.nonnegative import Nonnegative
+from churchpipe.conic.interior_point.normal import NormalMatrix
+from churchpipe.conic.interior_point.problem import CoupledProblem
+from churchpipe.conic.interior_point.second_order import SecondOrder
+from churchpipe.conic.interior_point.settings import Settings
+
+cp: Any = cvxpy
+rng = np.random.default_rng(1)
+
+
+def interior(product: ProductCone) -> np.ndarray:
+    v = rng.normal(size=product.size)
+    return v + (0.1 - min(product.margin(v), 0.0)) * product.identity()
+
+
+def test_scaling_maps_both_points_to_one() -> None:
+    product = ProductCone([SecondOrder(3, 2, 50), Nonnegative(4, 50), SecondOrder(5, 1, 50)])
+    s, z = interior(product), interior(product)
+    scaling = product.scaling(s, z)
+    np.testing.assert_allclose(scaling.apply(z), scaling.solve(s), rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(scaling.point(), scaling.apply(z), rtol=1e-12)
+    np.testing.assert_allclose(scaling.solve(scaling.apply(s)), s, rtol=1e-9, atol=1e-9)
+    v = rng.normal(size=product.size)
+    np.testing.assert_allclose(product.product(scaling.point(), scaling.divide(v)), v, rtol=1e-8, atol=1e-8)
+
+
+def test_longest_step_ends_on_the_boundary() -> None:
+    product = ProductCone([SecondOrder(3, 1, 200), Nonnegative(1, 200)])
+    s, step = interior(product), rng.normal(size=product.size)
+    length = product.longest_step(s, step)
+    assert product.margin(s + 0.999 * length * step) > 0 > product.margin(s + 1.001 * length * step)
+
+
+@pytest.mark.parametrize("kind", ["coulomb", "cohesive", "capped", "smooth", "mixed"])
+def test_compliance_inverts_the_local_stiffness(kind: str) -> None:
+    count = 40
+    limit = {"coulomb": 0.0, "cohesive": 0.5, "capped": 0.5, "smooth": 0.0, "mixed": 0.5}[kind] * np.ones(count)
+    slope = {"coulomb": 0.7, "cohesive": 0.7, "capped": -0.2, "smooth": 0.0, "mixed": 0.4}[kind] * np.ones(count)
+    if kind == "mixed":
+        limit[::2], slope[::4] = 0.0, 0.0
+    local = CoulombPoints(limit, slope, np.zeros(count), rng.uniform(0, 1, count))
+    product = ProductCone(local.cones)
+    scaling = product.scaling(interior(product), interior(product))
+    compliance = local.compliance(scaling.parts)
+    x = np.where(local.active, rng.normal(size=(3, count)), 0.0)
+    force = local.quadratic(x) + local.transpose(scaling.solve(scaling.solve(local.apply(x))))
+    np.testing.assert_allclose(compliance.apply(force), x, rtol=1e-7, atol=1e-7)
+    np.testing.assert_allclose(np.einsum("ijk,jk->ik", compliance.matrix, force), x, rtol=1e-7, atol=1e-7)
+
+
+@pytest.mark.parametrize(("block", "rigid"), [(1, False), (6, False), (6, True)])
+def test_assembly_equals_the_plain_product(block: int, rigid: bool) -> None:
+    bodies, pairs, points = 9, 14, 3
+    rows = bodies * block
+    coupling = np.zeros((rows, 3, pairs * points))
+    for pair in range(pairs):
+        i, j = rng.choice(bodies, 2, replace=False)
+        transform = rng.normal(size=(block, block))
+        for k in range(pair * points, (pair + 1) * points):
+            coupling[i * block : (i + 1) * block, :, k] = rng.normal(size=(block, 3))
+            other = transform @ coupling[i * block : (i + 1) * block, :, k] if rigid else rng.normal(size=(block, 3))
+            coupling[j * block : (j + 1) * block, :, k] = other
+    plain = coupling.reshape(rows, -1)
+    normal = NormalMatrix(sp.csr_matrix(plain), 3, block)
+    root = rng.normal(size=(3, 3, pairs * points))
+    compliance = np.einsum("iak,jak->ijk", root, root)
+    expected = np.einsum("rik,ijk,sjk->rs", coupling, compliance, coupling)
+    matrix = normal.pattern.copy()
+    matrix.data = normal.assemble(compliance)
+    np.testing.assert_allclose(matrix.toarray(), np.tril(expected), atol=1e-10 * np.abs(expected).max())
+
+    values = normal.assemble(compliance)
+    values[normal.diagonal] += 1.0
+    factor = Cholesky(normal.pattern, block)
+    factor.factor(values)
+    right = rng.normal(size=(rows, 2))
+    np.testing.assert_allclose((expected + np.eye(rows)) @ factor.solve(right), right, atol=1e-7)
+
+
+def condensed(cone: Cone, matrix: np.ndarray, right: np.ndarray, count: int) -> tuple[DenseProblems, sp.csr_matrix]:
+    """Stress increments x_k in R^6 with compliance C^-1, in `count` elements on a strip of nodes with six unknowns."""
+    root = rng.normal(size=(6, 6, count))
+    compliance = np.einsum("iak,jak->ijk", root, root) + 0.1 * np.eye(6)[:, :, None]
+    linear = 0.1 * rng.normal(size=(6, count))
+    local = DenseProblems(compliance, linear, matrix, right, (cone,), np.zeros((6, count)))
+    dense = np.zeros((6 * (count // 2), 6, count))
+    for k in range(count):
+        for node in (k // 2, min(k // 2 + 1, count // 2 - 1)):
+            dense[6 * node : 6 * node + 6, :, k] = rng.normal(size=(6, 6))
+    return local, sp.csr_matrix(dense.reshape(dense.shape[0], -1))
+
+
+@pytest.mark.parametrize("kind", ["planes", "cones"])
+def test_condensed_quadratic_program_agrees_with_cvxpy(kind: str) -> None:
+    count = 20
+    if kind == "planes":
+        matrix = rng.normal(size=(8, 6, count))
+        cone, right = Nonnegative(8, count), np.ones((8, count))
+    else:
+        matrix = rng.normal(size=(36, 6, count))
+        cone, right = SecondOrder(3, 12, count), np.zeros((36, count))
+        right[:12] = 4.0
+    local, coupling = condensed(cone, matrix, right, count)
+    inside = 0.05 * rng.normal(size=6 * count)
+    growth = rng.normal(size=coupling.shape[0])
+    constant = -coupling @ inside
+    # Displacement control: the multiplier of the live load earns the prescribed displacement.
+    target = 0.3
+    problem = CoupledProblem(local, coupling, constant, growth, reward=target)
+    normal = NormalMatrix(coupling, 6, 6)
+    ending = solve_coupled(problem, normal, Cholesky(normal.pattern, 6), interior_start(problem, Settings()), Settings())
+    assert ending.status == "solved"
+
+    x, load = cp.Variable((6, count)), cp.Variable()
+    quadratic = np.zeros((6 * count, 6 * count))
+    for k in range(count):
+        quadratic[np.ix_(np.arange(6) * count + k, np.arange(6) * count + k)] = local.quadratic_matrix[:, :, k]
+    flat = cp.vec(x, order="C")
+    slack = [right[:, k] - matrix[:, :, k] @ x[:, k] for k in range(count)]
+    if kind == "planes":
+        constraints: list[Any] = [s >= 0 for s in slack]
+    else:
+        constraints = [cp.SOC(s[c], cp.hstack([s[12 + c], s[24 + c]])) for s in slack for c in range(12)]
+    constraints.append(coupling @ flat + constant + load * growth == 0)
+    cost = 0.5 * cp.quad_form(flat, cp.psd_wrap(quadratic)) + local.linear.ravel() @ flat
+    reference = cp.Problem(cp.Minimize(cost - target * load), constraints)
+    reference.solve(solver="CLARABEL")
+    assert reference.status == "optimal"
+    assert ending.info.primal == pytest.approx(-reference.value, rel=1e-6)
+    at = ending.at
+    assert at.load / at.theta == pytest.approx(float(load.value), rel=1e-4)
+    np.testing.assert_allclose((at.x / at.theta).reshape(6, count), x.value, atol=1e-4)
