@@ -1,0 +1,80 @@
+"""Which stone a point lies in, and on which facet of a shell a point lies."""
+
+import numpy as np
+import shapely
+from scipy.spatial import cKDTree
+
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, ragged_indices
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.shell import ShellModel
+
+# Points looked at in one go: bounds the memory.
+CHUNK = 20_000
+# Facets looked at for each point.
+NEIGHBOURS = 16
+
+
+def inside_stones(stones: Assemblage, points: FloatArray) -> BoolArray:
+    """Return which points (n, 3) m lie in a free stone: the winding numbers of the stones' surfaces add up to one there."""
+    free = np.flatnonzero(~stones.fixed)
+    count = np.diff(stones.block_point_ptr)[free]
+    owned = stones.points[ragged_indices(stones.block_point_ptr[free], count)]
+    start = np.cumsum(count) - count
+    low, high = np.minimum.reduceat(owned, start), np.maximum.reduceat(owned, start)
+    triangles, pointer = _surface_triangles(stones, free)
+    # Seen along a slanting direction walls along x and along y both spread out.
+    slant = np.array([np.cos(0.6), np.sin(0.6)])
+    tree = shapely.STRtree(shapely.box(low[:, :2] @ slant, low[:, 2], high[:, :2] @ slant, high[:, 2]))
+    inside = np.zeros(len(points), dtype=np.bool_)
+    for first in range(0, len(points), CHUNK):
+        part = points[first : first + CHUNK]
+        point, stone = tree.query(shapely.points(part[:, :2] @ slant, part[:, 2]))
+        near = ((part[point] >= low[stone]) & (part[point] <= high[stone])).all(axis=1)
+        point, stone = point[near], stone[near]
+        sides = pointer[stone + 1] - pointer[stone]
+        owner = np.repeat(point, sides)
+        angle = _solid_angles(triangles[ragged_indices(pointer[stone], sides)] - part[owner][:, None])
+        winding = np.bincount(owner, angle, minlength=len(part)) / (4 * np.pi)
+        inside[first : first + CHUNK] = winding > 0.5
+    return inside
+
+
+def facet_at(shell: ShellModel, points: FloatArray, panel: str) -> tuple[IntArray, FloatArray]:
+    """Return for points (n, 3) m the facet of a panel that each lies on, looking along the facet's normal, and how far outside
+    of it, m (0 inside)."""
+    members = np.flatnonzero(shell.panel == panel)
+    corner = shell.points[shell.triangles[members]]
+    near = cKDTree(corner.mean(axis=1)).query(points, k=min(NEIGHBOURS, len(members)))[1].reshape(len(points), -1)
+    # Heights of the point over the three edges of each candidate: all positive inside.
+    after = np.roll(corner, -1, axis=1)
+    normal = shell.axes[members, 2]
+    turn = np.sign(np.einsum("tc,tc->t", np.cross(after[:, 0] - corner[:, 0], after[:, 1] - corner[:, 1]), normal))
+    inward = np.cross(normal[:, None], after - corner) * turn[:, None, None]
+    inward /= np.linalg.norm(inward, axis=2, keepdims=True)
+    height = np.einsum("nkec,nkec->nke", points[:, None, None] - corner[near], inward[near]).min(axis=2)
+    best = np.argmax(height, axis=1)
+    row = np.arange(len(points))
+    return members[near[row, best]], np.maximum(-height[row, best], 0.0)
+
+
+def _surface_triangles(stones: Assemblage, blocks: IntArray) -> tuple[FloatArray, IntArray]:
+    """Return the faces of some stones as fans of triangles (n, 3, 3) m and the pointer array of the stones."""
+    faces = np.diff(stones.block_face_ptr)[blocks]
+    face = ragged_indices(stones.block_face_ptr[blocks], faces)
+    fans = np.diff(stones.face_ptr)[face] - 2
+    start = np.repeat(stones.face_ptr[face], fans)
+    step = ragged_indices(np.ones(len(face), dtype=np.int64), fans)
+    nodes = stones.face_nodes[np.stack([start, start + step, start + step + 1], axis=1)]
+    per_stone = np.add.reduceat(fans, np.cumsum(faces) - faces)
+    return stones.points[nodes], np.concatenate(([0], np.cumsum(per_stone)))
+
+
+def _solid_angles(triangles: FloatArray) -> FloatArray:
+    """Return the signed solid angles (n,) of triangles (n, 3, 3) seen from the origin (Van Oosterom & Strackee 1983)."""
+    a, b, c = np.moveaxis(triangles, 1, 0)
+    la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))
+
+    def dot(p: FloatArray, q: FloatArray) -> FloatArray:
+        return np.einsum("ij,ij->i", p, q)
+
+    return 2 * np.arctan2(dot(a, np.cross(b, c)), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb)

@@ -1,0 +1,251 @@
+"""From the description of a building to its mid-surfaces as one conforming mesh of triangles."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from churchpipe.bond.charts import lift
+from churchpipe.bond.patterns import bond_of
+from churchpipe.bond.planar import area
+from churchpipe.derive.midplanes import NODE_TOLERANCE, MidSurface, clusters, components, mid_surfaces
+from churchpipe.derive.self_weight import weight_factors
+from churchpipe.derive.subdivision import Subdivision, subdivide
+from churchpipe.errors import InputError
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
+from churchpipe.model.building import BondRegion, Building, PlaneChart, Support
+from churchpipe.model.polyhedra import face_normals
+from churchpipe.model.shell import ShellModel
+
+# The part of a mid-surface that its mesh may miss: rounding only.
+AREA_TOLERANCE = 1e-6
+
+
+@dataclass(frozen=True, slots=True)
+class _Mesh:
+    """Facets of one mid-surface: corners (nt, 3, 2) m in chart coordinates, counter-clockwise; bond (nt,) its region of each."""
+
+    corners: FloatArray
+    bond: IntArray
+
+
+def derive_shell(building: Building, element_size: float, sizes: Mapping[str, float] | None = None) -> ShellModel:
+    """Return the mid-surfaces of a building as one mesh.
+
+    Walls end at the mid-planes of the walls they meet and share nodes there; openings and the borders of bond regions are mesh
+    edges. Each facet takes the bed direction, unit cell and yielding of its bond region; single stones (lintels) do not
+    yield. Weights are the stones' (see `self_weight`). Supported are the nodes on the ground and on fixed bodies, which are
+    taken as convex.
+
+    Parameters
+    ----------
+    building: panels upright. element_size: largest edge of an element, m, about. sizes: the same for single panels, by name.
+
+    Raises
+    ------
+    InputError: a wall that cannot be meshed, a size out of range or of an unknown panel, a wall that rests on nothing.
+    """
+    if not building.panels:
+        raise InputError(f"building {building.name}", "no walls", found=0, expected="at least one panel")
+    lengths = _sizes(building, element_size, sizes or {})
+    surfaces = mid_surfaces(building.panels)
+    meshes = _meshes(surfaces, subdivide(surfaces, lengths))
+    counts = [len(mesh.bond) for mesh in meshes]
+    points, triangles = _merged(surfaces, meshes)
+    facets = [points[part] for part in np.split(triangles, np.cumsum(counts)[:-1])]
+    bonds = [
+        (region.cell.a, region.cell.b, region.yields and region.pattern != "single")
+        for panel in building.panels
+        for region in panel.regions
+    ]
+    unit_cells, cell = np.unique(np.array([bond[:2] for bond in bonds]), axis=0, return_inverse=True)
+    start = np.cumsum([0] + [len(panel.regions) for panel in building.panels])
+    bond = np.concatenate([mesh.bond + offset for mesh, offset in zip(meshes, start[:-1], strict=True)])
+    weights = {material.name: material.unit_weight for material in building.materials}
+    shell = ShellModel(
+        points=points,
+        triangles=triangles,
+        axes=np.concatenate([_axes(*part) for part in zip(surfaces, meshes, facets, strict=True)]),
+        thickness=np.repeat([panel.thickness for panel in building.panels], counts),
+        surface_weight=np.concatenate(
+            [weights[s.panel.material] * _thickness_carried(s, m, f) for s, m, f in zip(surfaces, meshes, facets, strict=True)]
+        ),
+        cell=cell.ravel()[bond],
+        unit_cells=unit_cells,
+        material=np.repeat([panel.material for panel in building.panels], counts),
+        panel=np.repeat([panel.name for panel in building.panels], counts),
+        yields=np.array([bond[2] for bond in bonds])[bond],
+        supported=_supported(building, points),
+    )
+    _check_resting(shell)
+    return shell
+
+
+def _sizes(building: Building, element_size: float, sizes: Mapping[str, float]) -> list[float]:
+    names = [panel.name for panel in building.panels]
+    for name in sizes:
+        if name not in names:
+            raise InputError(f"element size of {name}", "no such panel", expected=", ".join(names))
+    out = [float(sizes.get(name, element_size)) for name in names]
+    for name, size, panel in zip(names, out, building.panels, strict=True):
+        if not NODE_TOLERANCE * 10 < size < np.inf:
+            raise InputError(f"element size of {name}", "out of range", found=size, expected="a length > 0 m")
+        if np.ptp(panel.outline, axis=0).prod() / size**2 > 2e6:
+            raise InputError(f"element size of {name}", "too small", found=size, expected="less than two million elements a wall")
+    return out
+
+
+def _meshes(surfaces: Sequence[MidSurface], cuts: Sequence[Subdivision]) -> list[_Mesh]:
+    with _gmsh() as gmsh:
+        meshes = [_mesh(gmsh, cut, surface.panel.name) for cut, surface in zip(cuts, surfaces, strict=True)]
+    for mesh, surface in zip(meshes, surfaces, strict=True):
+        found, expected = float(_signed_areas(mesh.corners).sum()), area(surface.region)
+        if abs(found - expected) > AREA_TOLERANCE * expected:
+            raise InputError(
+                f"Panel {surface.panel.name}",
+                "its mesh does not cover its mid-surface",
+                found=f"{found:.9g} m2",
+                expected=f"{expected:.9g} m2",
+                remedy="Look for openings or bond regions that touch in a point, or are smaller than a micrometre.",
+            )
+    return meshes
+
+
+@contextmanager
+def _gmsh() -> Iterator[Any]:
+    import gmsh
+
+    mine = not gmsh.isInitialized()
+    if mine:
+        gmsh.initialize(readConfigFiles=False, interruptible=False)
+    gmsh.option.setNumber("General.Terminal", 0)
+    try:
+        yield gmsh
+    finally:
+        if mine:
+            gmsh.finalize()
+
+
+def _mesh(gmsh: Any, cut: Subdivision, name: str) -> _Mesh:
+    """Mesh the faces of one mid-surface, in its chart: walls share nodes because they divide shared edges alike."""
+    gmsh.model.add(name)
+    try:
+        geo = gmsh.model.geo
+        ends = cut.corners[cut.edges]
+        length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+        pieces = np.maximum(np.ceil(length / cut.size - 1e-6), 1).astype(int)
+        size = np.full(len(cut.corners), np.inf)
+        np.minimum.at(size, cut.edges, np.broadcast_to((length / pieces)[:, None], cut.edges.shape))
+        for number, (s, t) in enumerate(cut.corners):
+            geo.addPoint(s, t, 0.0, size[number], number + 1)
+        for number, (start, stop) in enumerate(cut.edges):
+            geo.addLine(start + 1, stop + 1, number + 1)
+            geo.mesh.setTransfiniteCurve(number + 1, int(pieces[number]) + 1)
+        lines = {(int(start), int(stop)): number + 1 for number, (start, stop) in enumerate(cut.edges)}
+        for face, loops in enumerate(cut.loops):
+            rings = [
+                geo.addCurveLoop([_signed(lines, *pair) for pair in zip(ring, np.roll(ring, -1), strict=True)]) for ring in loops
+            ]
+            geo.addPlaneSurface(rings, face + 1)
+        geo.synchronize()
+        gmsh.model.mesh.generate(2)
+        tags, coordinates, _ = gmsh.model.mesh.getNodes()
+        place = np.zeros(int(tags.max()) + 1, dtype=np.int64)
+        place[tags.astype(np.int64)] = np.arange(len(tags))
+        nodes = np.asarray(coordinates).reshape(-1, 3)[:, :2]
+        facets = [gmsh.model.mesh.getElementsByType(2, face + 1)[1].astype(np.int64) for face in range(len(cut.loops))]
+    except InputError:
+        raise
+    except Exception as error:
+        raise InputError(f"Panel {name}", "its mid-surface cannot be meshed", found=error) from error
+    finally:
+        gmsh.model.remove()
+    corners = nodes[place[np.concatenate(facets)]].reshape(-1, 3, 2)
+    turned = _signed_areas(corners) < 0
+    corners[turned] = corners[turned][:, ::-1]
+    return _Mesh(corners, np.repeat(cut.bond, [len(facet) // 3 for facet in facets]))
+
+
+def _signed(lines: Mapping[tuple[int, int], int], start: int, stop: int) -> int:
+    return lines[start, stop] if start < stop else -lines[stop, start]
+
+
+def _signed_areas(corners: FloatArray) -> FloatArray:
+    first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    return 0.5 * (first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])
+
+
+def _merged(surfaces: Sequence[MidSurface], meshes: Sequence[_Mesh]) -> tuple[FloatArray, IntArray]:
+    """Return the nodes of all mid-surfaces in space, those of the same place as one, and the triangles."""
+    flat = [np.unique(mesh.corners.reshape(-1, 2), axis=0, return_inverse=True) for mesh in meshes]
+    places = np.concatenate([lift(s.panel.chart, nodes) for s, (nodes, _) in zip(surfaces, flat, strict=True)])
+    offsets = np.cumsum([0] + [len(nodes) for nodes, _ in flat])
+    corner = np.concatenate([number.ravel() + offset for (_, number), offset in zip(flat, offsets[:-1], strict=True)])
+    label = clusters(places)
+    first = np.unique(label, return_index=True)[1]
+    return places[first], label[corner].reshape(-1, 3)
+
+
+def _axes(surface: MidSurface, mesh: _Mesh, facets: FloatArray) -> FloatArray:
+    """Return the local axes (nt, 3, 3) of facets (nt, 3, 3) m: along the bed, up the courses, normal."""
+    middle = mesh.corners.mean(axis=1)
+    direction = np.empty_like(middle)
+    for number, region in enumerate(surface.panel.regions):
+        inside = mesh.bond == number
+        direction[inside] = bond_of(region).bed_direction(middle[inside])
+    normal = np.cross(facets[:, 1] - facets[:, 0], facets[:, 2] - facets[:, 0])
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    # Level and rising directions of the facet itself: a facet of a curved wall leans a little against its chart.
+    level = np.cross([0.0, 0.0, 1.0], normal)
+    level /= np.linalg.norm(level, axis=1, keepdims=True)
+    bed = direction[:, :1] * level + direction[:, 1:] * np.cross(normal, level)
+    return np.stack([bed, np.cross(normal, bed), normal], axis=1)
+
+
+def _thickness_carried(surface: MidSurface, mesh: _Mesh, facets: FloatArray) -> FloatArray:
+    """Return for each facet the volume of stones it carries over its own area (nt,) m."""
+    carried = surface.panel.thickness * weight_factors(surface, mesh.corners)
+    chart = surface.panel.chart
+    if isinstance(chart, PlaneChart):
+        return carried
+    # Stones of a curved wall are straight from joint to joint (the joints of two courses in running bond), so of each sector
+    # of angle x they fill sin(x) / x; and a facet is shorter than the arc whose stones it carries.
+    angle = np.array([_sector(region) for region in surface.panel.regions])[mesh.bond] / chart.radius
+    cross = np.cross(facets[:, 1] - facets[:, 0], facets[:, 2] - facets[:, 0])
+    return carried * np.sinc(angle / np.pi) * _signed_areas(mesh.corners) / (0.5 * np.linalg.norm(cross, axis=1))
+
+
+def _sector(region: BondRegion) -> float:
+    return region.cell.b / 2 if region.pattern == "running" else region.cell.b
+
+
+def _supported(building: Building, points: FloatArray) -> BoolArray:
+    on = np.zeros(len(points), dtype=np.bool_)
+    if building.ground is not None:
+        on |= points[:, 2] < building.ground + NODE_TOLERANCE
+    for support in building.supports:
+        on |= _touching(support, points)
+    return on
+
+
+def _touching(support: Support, points: FloatArray) -> BoolArray:
+    nodes = np.array([node for face in support.faces for node in face], dtype=np.int64)
+    _, normal, mean = face_normals(support.points, nodes, np.cumsum([0] + [len(face) for face in support.faces]))
+    return (points @ normal.T - np.einsum("fc,fc->f", normal, mean) < NODE_TOLERANCE).all(axis=1)
+
+
+def _check_resting(shell: ShellModel) -> None:
+    edges = np.concatenate([shell.triangles[:, [0, 1]], shell.triangles[:, [1, 2]]])
+    part = components(len(shell.points), edges)
+    resting = np.bincount(part, shell.supported) > 0
+    loose = ~resting[part[shell.triangles[:, 0]]]
+    if loose.any():
+        raise InputError(
+            f"Panel {shell.panel[loose][0]}",
+            "its mid-surface rests on nothing",
+            found=f"walls without a path to the ground: {', '.join(np.unique(shell.panel[loose]))}",
+            expected="walls whose footprints overlap where they meet, or that stand on the ground",
+            remedy="Extend the outline to the far face of the wall it leans on.",
+        )

@@ -1,0 +1,85 @@
+"""Which wall each stone belongs to, and the plane that wall stands in."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from churchpipe.derive.midplanes import clusters
+from churchpipe.model.arrays import FloatArray, IntArray
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.polyhedra import face_normals
+
+# Faces whose normals or places differ by less than this are of one plane (rad, m).
+PLANE_TOLERANCE = 1e-4
+# Fewer stones than this make no wall.
+LEAST_STONES = 3
+
+
+@dataclass(frozen=True, slots=True)
+class WallPlane:
+    """A wall: its name, its stones (n,), the unit normal (3,) and offset m of its mid-plane, its thickness m."""
+
+    name: str
+    stones: IntArray
+    normal: FloatArray
+    offset: float
+    thickness: float
+
+
+def wall_planes(stones: Assemblage) -> tuple[list[WallPlane], IntArray]:
+    """Return the walls of an assemblage, and the free stones that fit none.
+
+    Stones of one panel name are one wall, in the plane that most of them (by volume) lie across; stones without a name go to
+    the plane that gathers most, and so on. A stone lies across a plane that is midway between two of its upright faces.
+    """
+    stone, plane = _candidates(stones)
+    label = clusters(plane, PLANE_TOLERANCE) if len(plane) else np.empty(0, dtype=np.int64)
+    walls: list[WallPlane] = []
+    free = ~stones.fixed
+    for name in sorted(set(stones.panel[free].tolist()) - {""}):
+        chosen = free[stone] & (stones.panel[stone] == name)
+        if chosen.any():
+            walls.append(_heaviest(str(name), stones, stone, plane, label, chosen))
+    loose = free & (stones.panel == "")
+    while loose[stone].any():
+        wall = _heaviest(f"wall-{len(walls) + 1}", stones, stone, plane, label, loose[stone])
+        loose[wall.stones] = False
+        if len(wall.stones) < LEAST_STONES:
+            break
+        walls.append(wall)
+    fitted = np.concatenate([wall.stones for wall in walls]) if walls else np.empty(0, dtype=np.int64)
+    return walls, np.setdiff1d(np.flatnonzero(free), fitted)
+
+
+def _candidates(stones: Assemblage) -> tuple[IntArray, FloatArray]:
+    """Return the stone (n,) and plane (n, 4) of all pairs of opposite upright faces: normal x, y, offset, thickness."""
+    _, normal, mean = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
+    owner: list[int] = []
+    planes: list[FloatArray] = []
+    for block in np.flatnonzero(~stones.fixed):
+        faces = np.arange(*stones.block_face_ptr[block : block + 2])
+        faces = faces[np.abs(normal[faces, 2]) < PLANE_TOLERANCE]
+        opposite = np.argwhere(np.triu(normal[faces] @ normal[faces].T < PLANE_TOLERANCE**2 / 2 - 1))
+        for first, second in faces[opposite]:
+            # The normal that points to +x, or to -y in walls along x: s then runs along +x or +y.
+            n = normal[first] if _outward(normal[first]) else normal[second]
+            near, far = sorted((float(mean[first] @ n), float(mean[second] @ n)))
+            planes.append(np.array([n[0], n[1], 0.5 * (near + far), far - near]))
+            owner.append(int(block))
+    return np.array(owner, dtype=np.int64), np.array(planes).reshape(-1, 4)
+
+
+def _outward(normal: FloatArray) -> bool:
+    return bool(normal[1] < -PLANE_TOLERANCE or (abs(normal[1]) <= PLANE_TOLERANCE and normal[0] > 0))
+
+
+def _heaviest(
+    name: str, stones: Assemblage, stone: IntArray, plane: FloatArray, label: IntArray, chosen: Sequence[bool] | np.ndarray
+) -> WallPlane:
+    rows = np.flatnonzero(chosen)
+    best = int(np.argmax(np.bincount(label[rows], stones.volume[stone[rows]])))
+    rows = rows[label[rows] == best]
+    n1, n2, offset, thickness = np.median(plane[rows], axis=0)
+    normal = np.array([n1, n2, 0.0]) / np.hypot(n1, n2)
+    return WallPlane(name, np.unique(stone[rows]), normal, round(float(offset), 9), round(float(thickness), 9))

@@ -1,0 +1,86 @@
+"""The shell for ParaView and for Gmsh."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import meshio
+import numpy as np
+import numpy.typing as npt
+
+from churchpipe.errors import InputError
+from churchpipe.io.atomic import replacing
+from churchpipe.model.shell import ShellModel
+
+
+def write_shell_vtu(path: str | Path, shell: ShellModel, fields: Mapping[str, npt.ArrayLike] | None = None) -> None:
+    """Write the facets as triangles.
+
+    Cell data: `bed` and `up` (vectors along the bed joint and up the courses), `normal`, `thickness` m, `surface_weight` N/m2,
+    `course_height` and `stone_length` m, `yields`, `panel` and `material` (numbers in alphabetical order of the names); point
+    data: `supported`.
+
+    Parameters
+    ----------
+    fields: further data by name, one row a node or one a facet: point or cell data.
+
+    Raises
+    ------
+    InputError: a field with another number of rows.
+    """
+    point_data, cell_data = _data(shell)
+    for name, given in (fields or {}).items():
+        values = np.asarray(given)
+        rows = len(values) if values.ndim else 0
+        if rows == len(shell.points):
+            point_data[name] = values
+        elif rows == len(shell.triangles):
+            cell_data[name] = values
+        else:
+            raise InputError(
+                f"field {name}",
+                "wrong number of rows",
+                found=rows,
+                expected=f"{len(shell.points)} (nodes) or {len(shell.triangles)} (facets)",
+            )
+    mesh = _mesh(shell, point_data, cell_data)
+    with replacing(path) as part:
+        mesh.write(part, file_format="vtu")
+
+
+def write_shell_msh(path: str | Path, shell: ShellModel) -> None:
+    """Write the facets for Gmsh (format 2.2): a physical surface a panel, the data of `write_shell_vtu` as views."""
+    point_data, cell_data = _data(shell)
+    panels, number = np.unique(shell.panel, return_inverse=True)
+    group = (number + 1).astype(np.int32)
+    mesh = _mesh(shell, point_data, cell_data | {"gmsh:physical": group, "gmsh:geometrical": group})
+    mesh.field_data = {str(name): np.array([row + 1, 2]) for row, name in enumerate(panels)}
+    with replacing(path) as part:
+        # Binary: meshio's text form spells NumPy 2 numbers in a way that no reader takes.
+        meshio.gmsh.write(part, mesh, fmt_version="2.2", binary=True)
+
+
+def _data(shell: ShellModel) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return point data and cell data."""
+    cell_data: dict[str, Any] = {
+        "bed": shell.axes[:, 0],
+        "up": shell.axes[:, 1],
+        "normal": shell.axes[:, 2],
+        "thickness": shell.thickness,
+        "surface_weight": shell.surface_weight,
+        "course_height": shell.unit_cells[shell.cell, 0],
+        "stone_length": shell.unit_cells[shell.cell, 1],
+        "yields": shell.yields.astype(np.float64),
+        "panel": np.unique(shell.panel, return_inverse=True)[1].astype(np.float64),
+        "material": np.unique(shell.material, return_inverse=True)[1].astype(np.float64),
+    }
+    return {"supported": shell.supported.astype(np.float64)}, cell_data
+
+
+def _mesh(shell: ShellModel, point_data: dict[str, Any], cell_data: dict[str, Any]) -> meshio.Mesh:
+    return meshio.Mesh(
+        shell.points,
+        [("triangle", shell.triangles)],
+        point_data=point_data,
+        cell_data={name: [values] for name, values in cell_data.items()},
+    )

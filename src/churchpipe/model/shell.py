@@ -1,0 +1,101 @@
+"""The mid-surface of a building as flat triangles with a bed-joint direction: the second model."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from churchpipe.errors import InputError
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, NameArray, flags, floats, indices, names, store
+
+
+@dataclass(frozen=True, slots=True)
+class ShellModel:
+    """Mid-surface mesh, bed-joint field and unit cells of a building.
+
+    Fields: points (nn, 3) m; triangles (nt, 3); axes (nt, 3, 3), `axes_fac`: axis a (along the bed joints, up the courses,
+    normal) and component c (x, y, z) of facet f, right-handed, the normal square to the facet whichever way round its vertices
+    run; thickness (nt,) m; surface_weight (nt,) N/m2, zero where another wall's stones are counted; cell (nt,), row of
+    unit_cells (nu, 2) m, course height a and stone length b; material, panel (nt,) names; yields (nt,) False for parts
+    kept elastic, such as a lintel; supported (nn,) nodes that are clamped.
+    """
+
+    points: FloatArray
+    triangles: IntArray
+    axes: FloatArray
+    thickness: FloatArray
+    surface_weight: FloatArray
+    cell: IntArray
+    unit_cells: FloatArray
+    material: NameArray
+    panel: NameArray
+    yields: BoolArray
+    supported: BoolArray
+
+    def __post_init__(self) -> None:
+        nn, nt = len(self.points), len(self.triangles)
+        store(
+            self,
+            points=floats("ShellModel.points", self.points, (nn, 3)),
+            triangles=indices("ShellModel.triangles", self.triangles, (nt, 3), below=nn),
+            axes=floats("ShellModel.axes", self.axes, (nt, 3, 3)),
+            thickness=floats("ShellModel.thickness", self.thickness, (nt,)),
+            surface_weight=floats("ShellModel.surface_weight", self.surface_weight, (nt,)),
+            cell=indices("ShellModel.cell", self.cell, (nt,), below=len(self.unit_cells)),
+            unit_cells=floats("ShellModel.unit_cells", self.unit_cells, (None, 2)),
+            material=names("ShellModel.material", self.material, (nt,)),
+            panel=names("ShellModel.panel", self.panel, (nt,)),
+            yields=flags("ShellModel.yields", self.yields, (nt,)),
+            supported=flags("ShellModel.supported", self.supported, (nn,)),
+        )
+        self._check_ranges()
+        self._check_facets()
+
+    def _check_ranges(self) -> None:
+        for key, values, positive in (
+            ("thickness", self.thickness, True),
+            ("unit_cells", self.unit_cells, True),
+            ("surface_weight", self.surface_weight, False),
+        ):
+            bad = values <= 0 if positive else values < 0
+            if bad.any():
+                expected = "> 0" if positive else ">= 0"
+                raise InputError(f"ShellModel.{key}", "out of range", found=float(values[bad][0]), expected=expected)
+        unused = np.setdiff1d(np.arange(len(self.points)), self.triangles)
+        if len(unused):
+            raise InputError("ShellModel.points", "a node belongs to no triangle", found=int(unused[0]))
+
+    def _check_facets(self) -> None:
+        if not len(self.triangles):
+            raise InputError("ShellModel.triangles", "no triangle", expected="at least one")
+        corners = self.points[self.triangles]
+        sides = corners[:, [1, 2, 0]] - corners
+        longest = np.sqrt((sides**2).sum(axis=2).max(axis=1))
+        flat = self.area <= 1e-9 * longest**2
+        if flat.any():
+            raise InputError("ShellModel.triangles", "a triangle has no area", found=int(np.flatnonzero(flat)[0]))
+        gram = np.einsum("fac,fbc->fab", self.axes, self.axes)
+        handed = np.linalg.det(self.axes)
+        if np.abs(gram - np.eye(3)).max() > 1e-9 or (handed < 0).any():
+            raise InputError(
+                "ShellModel.axes", "axes are not orthonormal and right-handed", expected="rows along the bed, up, normal"
+            )
+        out_of_plane = np.abs(np.einsum("fkc,fc->fk", sides, self.axes[:, 2])).max(axis=1) / longest
+        if (out_of_plane > 1e-6).any():
+            raise InputError(
+                "ShellModel.axes",
+                "the third axis is not normal to its facet",
+                found=f"facet {int(out_of_plane.argmax())}, sine {float(out_of_plane.max()):.2g}",
+                expected="sine of the angle < 1e-6",
+            )
+
+    @property
+    def area(self) -> FloatArray:
+        """Area of each facet (nt,), m2."""
+        corners = self.points[self.triangles]
+        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        return 0.5 * np.sqrt((normal**2).sum(axis=1))
+
+    @property
+    def weight(self) -> FloatArray:
+        """Weight of each facet (nt,), N."""
+        return self.area * self.surface_weight

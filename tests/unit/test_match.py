@@ -1,0 +1,179 @@
+"""The gate between the two models: it passes buildings, and stops each kind of wrong one."""
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from churchpipe.bond.voussoir import ring_outline
+from churchpipe.derive.blocks import derive_blocks
+from churchpipe.derive.contacts import find_contacts
+from churchpipe.derive.locate import facet_at, inside_stones
+from churchpipe.derive.match import match_models
+from churchpipe.derive.shell import derive_shell
+from churchpipe.generators import arch, box, prototype, wall
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.building import BondRegion, Opening, UnitCell
+
+S5 = {"brick": (0.08, 0.04, 0.03), "main_wall_length": 0.64, "partitions_x": [0.0, 0.6], "partition_length": 0.32, "courses": 21}
+DOOR = {"start": 0.12, "width": 0.16, "height_courses": 15, "lintel_bearing": 0.04}
+S22 = {
+    "brick": (0.08, 0.04, 0.03),
+    "main_wall_length": 1.12,
+    "partitions_x": [0.0, 0.52, 1.08],
+    "partition_length": 0.84,
+    "courses": 21,
+    "opening": DOOR,
+}
+
+
+def blocks_of(building):
+    stones = derive_blocks(building)
+    return stones, find_contacts(stones)
+
+
+def compare(stones_of, shell_of, size=0.04):
+    return match_models(*blocks_of(stones_of), derive_shell(shell_of, size))
+
+
+def failed(match):
+    return {figure.name for figure in match.figures if not figure.passed}
+
+
+def with_wall(building, number, **changes):
+    panels = list(building.panels)
+    panels[number] = replace(panels[number], **changes)
+    return replace(building, panels=tuple(panels))
+
+
+@pytest.mark.parametrize("size", [0.02, 0.05])
+@pytest.mark.parametrize("parameters", [S5, S22, S22 | {"joints": "bay"}, S22 | {"brick": (0.06, 0.04, 0.03)}])
+def test_two_models_of_one_prototype_match(parameters, size):
+    match = compare(prototype(**parameters), prototype(**parameters), size)
+    assert match.passed
+    figures = {figure.name: figure for figure in match.figures}
+    assert figures["weight"].difference < 1e-9
+    assert max(figure.difference for name, figure in figures.items() if name.startswith("weight of")) < 1e-9
+    assert figures["stones turned by more than 20 degrees"].shell == 0
+
+
+def test_mid_planes_of_s22_overlap_by_six_per_mille():
+    # By hand: 2.0142 m2 x 40 mm of mid-surfaces on .080064 m3 of stones.
+    match = compare(prototype(**S22), prototype(**S22))
+    assert match.junction_overlap == pytest.approx(2.0142 * 0.04 / 0.080064 - 1, rel=1e-9)
+
+
+def test_an_arch_and_a_box_match():
+    bow = arch(mean_radius=1.0, thickness=0.2, width=0.5, voussoirs=27)
+    assert compare(bow, bow, 0.1).passed
+    house = box(length=3.0, width=2.5, thickness=0.5, brick=(0.5, 0.5, 0.2), courses=9)
+    assert compare(house, house, 0.2).passed
+
+
+def test_match_json_holds_every_figure():
+    match = compare(prototype(**S5), prototype(**S5))
+    stored = json.loads(json.dumps(match.as_dict()))
+    assert stored["passed"] is True
+    assert stored["junction_overlap"] == pytest.approx(0, abs=1e-9)
+    assert {"name", "stones", "shell", "unit", "difference", "tolerance", "passed"} == set(stored["figures"][0])
+    weight = stored["figures"][0]
+    assert (weight["name"], weight["unit"]) == ("weight", "N")
+    assert weight["stones"] == pytest.approx(864.864, rel=1e-9)
+
+
+def test_another_thickness_fails():
+    plain = {"length": 1.0, "brick": (0.2, 0.1, 0.05), "courses": 10}
+    names = failed(compare(wall(**plain), wall(**plain, thickness=0.105), 0.1))
+    assert {"weight", "weight of wall", "volume", "thickness", "supported length x thickness"} <= names
+    building = prototype(**S22)
+    light = replace(building, materials=(replace(building.materials[0], unit_weight=27e3),))
+    assert {"weight", "volume"} <= failed(compare(building, light))
+
+
+def test_a_missing_opening_fails_either_way():
+    building = prototype(**S22)
+    closed = with_wall(building, 2, openings=())
+    names = failed(compare(building, closed))
+    assert {"weight of partition-2", "mid-surface backed by stones", "supported length x thickness"} <= names
+    assert {"weight of partition-2", "stones on a mid-surface"} <= failed(compare(closed, building))
+
+
+def test_an_opening_in_the_wrong_place_fails():
+    building, moved = prototype(**S22), prototype(**S22 | {"opening": DOOR | {"start": 0.4}})
+    assert {"mid-surface backed by stones", "stones on a mid-surface"} <= failed(compare(building, moved))
+
+
+def test_a_small_window_is_not_lost():
+    big = box(length=6.0, width=5.0, thickness=0.5, brick=(0.5, 0.5, 0.2), courses=20)
+    window = Opening("window", np.array([[2.0, 2.0], [2.5, 2.0], [2.5, 2.6], [2.0, 2.6]]))
+    assert "mid-surface backed by stones" in failed(compare(with_wall(big, 0, openings=(window,)), big, 0.2))
+
+
+def test_a_turned_course_over_the_doors_fails():
+    building = prototype(**S22)
+    course = np.array([[0.08, 0.45], [0.32, 0.45], [0.32, 0.48], [0.08, 0.48]])
+    upright = BondRegion("turned", course, "voussoir", UnitCell(0.03, 0.08), centre=(0.2, -1e3), pieces=1)
+    turned = with_wall(building, 1, regions=(building.panels[1].regions[0], upright))
+    assert failed(compare(building, turned)) == {"stones turned by more than 20 degrees"}
+    sheet = derive_shell(building, 0.04)
+    all_turned = replace(sheet, axes=np.stack([sheet.axes[:, 1], -sheet.axes[:, 0], sheet.axes[:, 2]], axis=1))
+    match = match_models(*blocks_of(building), all_turned)
+    assert {"angle between beds, mean", "stones turned by more than 20 degrees"} == failed(match)
+    assert {f.name: f for f in match.figures}["angle between beds, mean"].shell == pytest.approx(90)
+
+
+def test_level_beds_in_an_arch_fail():
+    bow = arch(mean_radius=1.0, thickness=0.2, width=0.5, voussoirs=27)
+    flat = replace(bow.panels[0].regions[0], pattern="running")
+    assert failed(compare(bow, with_wall(bow, 0, regions=(flat,)), 0.1)) >= {"angle between beds, mean"}
+
+
+def test_a_wall_that_only_one_model_has_fails():
+    building = prototype(**S22)
+    two = replace(building, panels=building.panels[:-1])
+    assert {"weight", "weight of partition-3", "stones on a mid-surface"} <= failed(compare(building, two))
+    assert {"weight of partition-3", "mid-surface backed by stones"} <= failed(compare(two, building))
+
+
+def test_points_in_stones_by_the_winding_number():
+    # An L-shaped stone beside a cube, and the ground, which does not count.
+    corner = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
+    ell = ([(x, y, z) for z in (0, 1) for x, y in corner], [list(range(5, -1, -1)), list(range(6, 12))])
+    ell[1].extend([k, (k + 1) % 6, 6 + (k + 1) % 6, 6 + k] for k in range(6))
+    box_faces = [[3, 2, 1, 0], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
+
+    def cuboid(x, y, z, side):
+        corners = [(x, y), (x + side, y), (x + side, y + side), (x, y + side)]
+        return [(a, b, c) for c in (z, z + side) for a, b in corners], box_faces
+
+    stones = Assemblage.from_polyhedra([ell, cuboid(2, 0, 0, 1), cuboid(-5, -5, -10, 10)], 1.0, fixed=[2])
+    points = np.array([[0.3, 0.4, 0.5], [1.6, 1.7, 0.5], [0.4, 1.7, 0.9], [2.5, 0.45, 0.2], [0.1, 0.2, -1], [2.5, 0.5, 1.01]])
+    np.testing.assert_array_equal(inside_stones(stones, points), [True, False, True, True, False, False])
+
+
+def test_the_facet_at_a_point():
+    shell = derive_shell(prototype(**S5), 0.1)
+    middle = shell.points[shell.triangles].mean(axis=1)
+    for name in ("main", "partition-1"):
+        own = np.flatnonzero(shell.panel == name)
+        facet, outside = facet_at(shell, middle[own] + 0.015 * shell.axes[own, 2], name)
+        np.testing.assert_array_equal(facet, own)
+        assert (outside == 0).all()
+    _, outside = facet_at(shell, np.array([[0.3, 0.02, 0.65]]), "main")
+    assert outside[0] == pytest.approx(0.02, rel=1e-9)
+
+
+def test_stones_beside_a_ring_are_not_taken_for_voussoirs():
+    ring = ring_outline((1.5, 0.8), 0.4, 0.7, 0.0, math.pi, 9)
+    house = box(length=3.0, width=2.5, thickness=0.5, brick=(0.5, 0.5, 0.2), courses=12)
+    front = house.panels[0]
+    door = np.concatenate([[[1.1, 0.0], [1.9, 0.0]], ring[:9:-1]])
+    arched = with_wall(
+        house,
+        0,
+        openings=(Opening("door", door),),
+        regions=(*front.regions, BondRegion("ring", ring, "voussoir", UnitCell(0.19, 0.3), centre=(1.5, 0.8), pieces=9)),
+    )
+    assert compare(arched, arched, 0.2).passed
