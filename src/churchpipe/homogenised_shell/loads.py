@@ -1,0 +1,40 @@
+"""Dead load and lateral load of a shell, per area of facet."""
+
+import numpy as np
+
+from churchpipe.errors import InputError
+from churchpipe.model.arrays import FloatArray
+from churchpipe.model.loads import LoadCase
+from churchpipe.model.shell import ShellModel
+
+
+def dead_pressure(shell: ShellModel) -> FloatArray:
+    """Return the self-weight (nt, 3), N/m2."""
+    return shell.surface_weight[:, None] * np.array([0.0, 0.0, -1.0])
+
+
+def live_pressure(shell: ShellModel, load: LoadCase) -> FloatArray:
+    """Return the lateral load at load factor 1 (nt, 3), N/m2.
+
+    Raises
+    ------
+    InputError: unknown panels, nothing to push, wrenches (they belong to stones).
+    """
+    if load.dead is not None or load.live is not None:
+        raise InputError(f"load {load.name}", "extra wrenches act on stones", expected="no dead or live wrenches for a shell")
+    pushed = np.ones(len(shell.triangles), dtype=bool)
+    if load.panels is not None:
+        unknown = np.setdiff1d(load.panels, shell.panel)
+        if len(unknown):
+            known = ", ".join(np.unique(shell.panel))
+            raise InputError(f"load {load.name}: panels", "no such panel", found=str(unknown[0]), expected=known)
+        pushed = np.isin(shell.panel, load.panels)
+    weight = np.where(pushed, shell.weight, 0.0)
+    share = np.where(pushed, shell.surface_weight, 0.0)
+    if load.profile == "linear":
+        height = shell.points[shell.triangles, 2].mean(axis=1)
+        moment = float(weight @ height)
+        share = share * height * (weight.sum() / moment if moment > 0 else 0.0)
+    if not share.any():
+        raise InputError(f"load {load.name}", "nothing to push", expected="panels with weight above z = 0")
+    return share[:, None] * load.direction

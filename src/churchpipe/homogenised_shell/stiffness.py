@@ -1,0 +1,82 @@
+"""Elastic stiffness of a wall: stones and elastic joints in series (Malena et al. 2019, Table 1)."""
+
+import numpy as np
+import numpy.typing as npt
+
+from churchpipe.errors import InputError
+from churchpipe.homogenised_shell.unit_cell import positive
+from churchpipe.model.arrays import FloatArray
+from churchpipe.model.materials import Elastic
+
+
+def wall_stiffness(pattern: str, a: npt.ArrayLike, b: npt.ArrayLike, h: npt.ArrayLike, elastic: Elastic) -> FloatArray:
+    """Return the stiffness C (..., 6, 6) of a wall, stress (N11 .. M12) = C strain (E11, E22, 2 E12, chi11, chi22, 2 chi12).
+
+    pattern: "running", or "single" for one stone without joints (a lintel). a, b, h: course height, stone length, wall
+    thickness, m, which broadcast. Membrane stiffness N/m, bending stiffness N m. The compliances of stones (an isotropic
+    plate) and of joints between rigid stones are added; against a finite-element cell this holds within 5 %, but M12 is 23 %
+    too stiff.
+
+    Raises
+    ------
+    InputError: another pattern, sizes or elastic constants out of range.
+    """
+    a, b, h = np.broadcast_arrays(positive("a", a), positive("b", b), positive("h", h))
+    stones = stone_stiffness(h, elastic)
+    if pattern == "single":
+        return stones
+    if pattern != "running":
+        raise InputError(
+            "stiffness",
+            "not derived for this bond",
+            found=pattern,
+            expected='"running" or "single"',
+            remedy="A limit analysis needs no stiffness; for a capacity curve describe the region in running bond.",
+        )
+    compliance = np.linalg.inv(stones) + np.linalg.inv(running_joint_stiffness(a, b, h, elastic))
+    return np.asarray(np.linalg.inv(compliance), dtype=np.float64)
+
+
+def stone_stiffness(h: npt.ArrayLike, elastic: Elastic) -> FloatArray:
+    """Return the stiffness (..., 6, 6) of an isotropic plate of thickness h, m, made of the stones' material."""
+    _check(elastic)
+    h = positive("h", h)
+    nu = elastic.block_poisson
+    plane = elastic.block_modulus / (1 - nu**2) * np.array([[1, nu, 0], [nu, 1, 0], [0, 0, (1 - nu) / 2]])
+    out = np.zeros((*h.shape, 6, 6))
+    out[..., :3, :3] = h[..., None, None] * plane
+    out[..., 3:, 3:] = (h**3 / 12)[..., None, None] * plane
+    return out
+
+
+def running_joint_stiffness(a: npt.ArrayLike, b: npt.ArrayLike, h: npt.ArrayLike, elastic: Elastic) -> FloatArray:
+    """Return the stiffness (..., 6, 6) of rigid stones in running bond with elastic joints, their rotations minimised out.
+
+    Stiffness per area of a joint, confined by the stones: kn across, kt along it.
+    """
+    _check(elastic)
+    t, nu = elastic.joint_thickness, elastic.joint_poisson
+    kt = elastic.joint_modulus / (2 * (1 + nu)) / t
+    kn = elastic.joint_modulus * (1 - nu) / ((1 + nu) * (1 - 2 * nu)) / t
+    a, b, h = positive("a", a) + t, positive("b", b) + t, positive("h", h)
+    along = b * kn + b**2 * kt / (4 * a)
+    bed, head = a * kt, kn * b**2 / (4 * a) + b * kt
+    roll = h * kt
+    diagonal = [
+        h * along,
+        h * a * kn,
+        h * bed * head / (bed + head),
+        h**3 / 12 * along + roll * b**4 / (192 * a),
+        h**3 / 12 * a * kn,
+        (h**3 / 12 * (bed + head) + roll * (a * b**2 / 48 + a**2 * b / 12)) / 4,
+    ]
+    return np.stack(np.broadcast_arrays(*diagonal), axis=-1)[..., None] * np.eye(6)
+
+
+def _check(elastic: Elastic) -> None:
+    for key in ("block_modulus", "joint_modulus", "joint_thickness"):
+        positive(f"elastic.{key}", getattr(elastic, key))
+    for key in ("block_poisson", "joint_poisson"):
+        value = getattr(elastic, key)
+        if not -1 < value < 0.5:
+            raise InputError(f"elastic.{key}", "out of range", found=value, expected="-1 < value < 0.5")

@@ -1,0 +1,131 @@
+"""Strength of a running bond as a wall: the eight planes of eq. (6), corrected, or the exact cones of the unit cell.
+
+As printed, the planes f7-8 are inadmissible: they lack N11, without which head joints interpenetrate, and their signs break the
+symmetry of the mid-plane. The planes here are admissible mechanisms of the cell, so they hold the exact domain inside. They are
+exact for M11 with M22, and for membrane forces while friction 2 a / b <= 1 (beyond, stones rock in the plane before they
+slide); mixed states lie outside it. M12 is bounded by the optional pair f9-10 alone, exact for N11 = N22.
+"""
+
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+import numpy.typing as npt
+
+from churchpipe.errors import InputError
+from churchpipe.homogenised_shell.unit_cell import cohesion_shift, joint_closing
+from churchpipe.model.arrays import FloatArray, floats
+
+PlaneSet = Literal["paper", "paper+torsion", "cell"]
+
+
+@dataclass(frozen=True, slots=True)
+class Planes:
+    """Linear strength: normal_...pi stress_i <= limit_...p, stress (N11, N22, N12, M11, M22, M12) in N/m and N."""
+
+    normal: FloatArray
+    limit: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Cones:
+    """Exact strength: stress = apex + sum_kc f_kc closing_...kci with corner forces f in Coulomb's cone.
+
+    closing (..., 12, 3, 9), see `unit_cell.joint_closing`; friction (...,); apex (..., 6) N/m and N.
+    """
+
+    closing: FloatArray
+    friction: FloatArray
+    apex: FloatArray
+
+
+def strength(
+    planes: PlaneSet,
+    a: npt.ArrayLike,
+    b: npt.ArrayLike,
+    h: npt.ArrayLike,
+    friction: npt.ArrayLike,
+    cohesion: npt.ArrayLike = 0.0,
+) -> Planes | Cones:
+    """Return the strength of walls in running bond; sizes, friction and cohesion broadcast.
+
+    planes: "paper", eight planes; "paper+torsion", with the pair that bounds M12; "cell", the exact second-order cones.
+    a, b, h: course height, block length, wall thickness, m. cohesion: Pa.
+
+    Raises
+    ------
+    InputError: unknown planes, values out of range, friction > 1 with planes.
+    """
+    if planes == "cell":
+        return cell_cones(a, b, h, friction, cohesion)
+    if planes not in get_args(PlaneSet):
+        raise InputError("planes", "unknown strength", found=planes, expected=", ".join(get_args(PlaneSet)))
+    return paper_planes(a, b, h, friction, cohesion, torsion=planes == "paper+torsion")
+
+
+def cell_cones(
+    a: npt.ArrayLike, b: npt.ArrayLike, h: npt.ArrayLike, friction: npt.ArrayLike, cohesion: npt.ArrayLike = 0.0
+) -> Cones:
+    """Return the exact strength, valid for any friction > 0."""
+    apex = cohesion_shift(h, friction, cohesion)
+    closing = joint_closing(a, b, h)
+    shape = np.broadcast_shapes(apex.shape[:-1], closing.shape[:-3])
+    return Cones(
+        closing=np.broadcast_to(closing, (*shape, 12, 3, 9)),
+        friction=np.broadcast_to(np.asarray(friction, dtype=np.float64), shape),
+        apex=np.broadcast_to(apex, (*shape, 6)),
+    )
+
+
+def paper_planes(
+    a: npt.ArrayLike,
+    b: npt.ArrayLike,
+    h: npt.ArrayLike,
+    friction: npt.ArrayLike,
+    cohesion: npt.ArrayLike = 0.0,
+    *,
+    torsion: bool = False,
+) -> Planes:
+    """Return the planes f1-8 of eq. (6), corrected, normal (..., 8, 6) and limit (..., 8); with `torsion` f9-10 too.
+
+    Raises
+    ------
+    InputError: values out of range; friction > 1, where the planes f1-2 cut into the exact domain.
+    """
+    joint_closing(a, b, h)
+    apex = cohesion_shift(h, friction, cohesion)
+    a, b, h, mu = np.broadcast_arrays(*(np.asarray(value, dtype=np.float64) for value in (a, b, h, friction)))
+    if (mu > 1).any():
+        raise InputError(
+            "friction",
+            "the planes of eq. (6) are valid for tan(phi) <= 1 only",
+            found=float(mu.max()),
+            expected="friction <= 1",
+            remedy='Use planes = "cell", the exact strength of the unit cell, which holds for any friction.',
+        )
+    mu_b = 2 * a / b
+    p = mu * b / (4 * h * mu_b)
+    q = mu / mu_b * np.sqrt(1 + (b / (4 * h)) ** 2)
+    zero, one = np.zeros_like(mu), np.ones_like(mu)
+    pairs = [
+        ([mu_b, mu, zero, zero, zero, zero], [zero, zero, 1 + mu * mu_b, zero, zero, zero]),
+        ([zero, one, zero, zero, zero, zero], [zero, zero, 1 / mu, zero, zero, zero]),
+        ([zero, one, zero, zero, zero, zero], [zero, zero, zero, zero, 2 / h, zero]),
+        ([one, p + q, zero, zero, zero, zero], [zero, zero, zero, 2 / h, 2 / h * (q - p), zero]),
+    ]
+    if torsion:
+        n11 = mu / 4 * np.hypot(h, a)
+        # Bed joints twist, open, and slide by half the opening of the head joints, which the twist takes back at the corners
+        # that would interpenetrate first.
+        slide, twist, roll = n11 * b / 2, h * a / 4, a * b / 8
+        first, last = mu * np.hypot(slide - twist, roll) + h * b / 8, mu * np.hypot(slide + twist, roll) - h * b / 8
+        pairs.append(([n11, np.maximum(first, last) / a, zero, zero, zero, zero], [zero, zero, zero, zero, zero, one]))
+    both = [np.stack(same, axis=-1) + sign * np.stack(change, axis=-1) for same, change in pairs for sign in (1.0, -1.0)]
+    normal = np.stack(both, axis=-2)
+    return Planes(normal, np.einsum("...pi,...i->...p", normal, apex))
+
+
+def violation(planes: Planes, stress: npt.ArrayLike) -> FloatArray:
+    """Return the largest excess over the planes (n,) of stresses (n, 6); <= 0 inside. One set of planes, or one a stress."""
+    values = floats("stress", stress, (None, 6))
+    return (np.einsum("...pi,...i->...p", planes.normal, values) - planes.limit).max(axis=-1)

@@ -1,0 +1,142 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from churchpipe.errors import InputError
+from churchpipe.homogenised_shell.element import shell_elements, surface_load
+from churchpipe.homogenised_shell.limit import shell_limit_analysis
+from churchpipe.homogenised_shell.loads import dead_pressure, live_pressure
+from churchpipe.homogenised_shell.program import shell_program
+from churchpipe.homogenised_shell.reference import reference_load_factor
+from churchpipe.homogenised_shell.strength import PlaneSet, paper_planes, violation
+from churchpipe.model.loads import LoadCase
+from churchpipe.model.materials import Material
+from churchpipe.model.shell import ShellModel
+from shell_meshes import grid, shell, wall_points
+
+MASONRY = [Material("default", 28.6e3, 0.7)]
+ASKEW = LoadCase((1, 1, 0))
+
+
+def wall(rows: int = 3, **changes: object) -> ShellModel:
+    points, triangles = grid(rows, rows, 0.6, 0.6)
+    model = shell(wall_points(points), triangles, surface_weight=1144.0, supported=lambda p: p[:, 2] < 1e-9)
+    return replace(model, **changes)
+
+
+def portal(lintel_yields: bool) -> ShellModel:
+    """A wall 1.2 m square with a door .4 x .8 m under a lintel .8 x .2 m."""
+    flat, triangles = grid(6, 6, 1.2, 1.2)
+    centre = flat[triangles].mean(axis=1)
+    triangles = triangles[(np.abs(centre[:, 0] - 0.6) > 0.2) | (centre[:, 1] > 0.8)]
+    used, new = np.unique(triangles, return_inverse=True)
+    flat, triangles = flat[used], new.reshape(-1, 3)
+    centre = flat[triangles].mean(axis=1)
+    lintel = (np.abs(centre[:, 0] - 0.6) < 0.4) & (centre[:, 1] > 0.8) & (centre[:, 1] < 1.0)
+    model = shell(wall_points(flat), triangles, surface_weight=1144.0, supported=lambda p: p[:, 2] < 1e-9)
+    return replace(model, yields=~lintel | lintel_yields)
+
+
+@pytest.mark.parametrize("planes", ["paper", "paper+torsion", "cell"])
+@pytest.mark.parametrize("cohesion", [0.0, 500.0])
+def test_the_reference_statement_agrees(planes: PlaneSet, cohesion: float) -> None:
+    material = [Material("default", 28.6e3, 0.7, cohesion)]
+    state = shell_limit_analysis(wall(2), ASKEW, material, planes=planes)
+    program = shell_program(shell_elements(wall(2)), ASKEW, material, planes)
+    assert state.status == "optimal"
+    assert state.load_factor == pytest.approx(reference_load_factor(program), rel=1e-6)
+
+
+def test_stress_and_velocities_prove_the_load_factor() -> None:
+    model = wall()
+    state = shell_limit_analysis(model, ASKEW, MASONRY, membrane="CST")
+    elements = shell_elements(model, "CST")
+    dead = surface_load(elements, dead_pressure(model))
+    live = surface_load(elements, live_pressure(model, ASKEW))
+    inner = elements.strain.T @ (elements.weight[:, None] * state.stress).ravel()
+    residual = (inner - dead - state.load_factor * live)[~elements.clamped]
+    assert np.abs(residual).max() < 1e-8 * model.weight.sum()
+    assert violation(paper_planes(0.03, 0.08, 0.04, 0.7), state.stress).max() < 1e-6 * model.weight.sum()
+    # Without cohesion nothing is dissipated: lifting the weight takes all that the push gives.
+    motion = np.concatenate([state.velocities.ravel(), state.edge_rotation])
+    assert live @ motion == pytest.approx(model.weight.sum(), rel=1e-6)
+    assert -dead @ motion == pytest.approx(state.load_factor * model.weight.sum(), rel=1e-6)
+    assert state.velocities[model.supported] == pytest.approx(0.0)
+
+
+def test_a_flat_soffit_falls_without_a_lintel_and_stands_with_one() -> None:
+    for planes in ("paper", "cell"):
+        state = shell_limit_analysis(portal(True), ASKEW, MASONRY, planes=planes, membrane="CST")
+        assert state.status == "unstable"
+        assert np.isnan(state.load_factor)
+        assert "flat soffit" in state.message
+        over_door = portal(True).points[:, 2] > 0.79
+        assert state.velocities[over_door, 2].min() < 0
+        held = shell_limit_analysis(portal(False), ASKEW, MASONRY, planes=planes, membrane="CST")
+        assert held.status == "optimal"
+        assert held.load_factor > 0.02
+
+
+def test_facets_that_do_not_yield_never_limit() -> None:
+    state = shell_limit_analysis(wall(yields=np.zeros(36, dtype=bool)), ASKEW, MASONRY, membrane="CST")
+    assert state.status == "unbounded"
+    assert state.load_factor == np.inf
+
+
+def test_load_factor_knows_no_units() -> None:
+    # The same wall ten times as large and three times as heavy.
+    model = wall()
+    large = replace(
+        model,
+        points=model.points * 10,
+        thickness=model.thickness * 10,
+        unit_cells=model.unit_cells * 10,
+        surface_weight=model.surface_weight * 30,
+    )
+    factors = [shell_limit_analysis(m, ASKEW, MASONRY).load_factor for m in (model, large)]
+    assert factors[0] == pytest.approx(factors[1], rel=1e-6)
+
+
+def test_cohesion_and_friction_raise_the_load_factor() -> None:
+    factors = [
+        shell_limit_analysis(wall(), LoadCase((1, 0, 0)), [Material("default", 28.6e3, mu, c)], membrane="CST").load_factor
+        for mu, c in ((0.4, 0.0), (0.7, 0.0), (0.7, 1e3))
+    ]
+    assert factors[0] < factors[1] < factors[2]
+
+
+def test_cohesion_shifts_planes_and_cell_alike() -> None:
+    material = [Material("default", 28.6e3, 0.7, 5e3)]
+    planes, cell, without = (
+        shell_limit_analysis(wall(), LoadCase((0, 1, 0)), given, planes=which, membrane="CST").load_factor
+        for which, given in (("paper", material), ("cell", material), ("paper", MASONRY))
+    )
+    assert without < 0.8 * planes
+    assert cell == pytest.approx(planes, rel=1e-5)
+
+
+def test_lateral_load_profiles() -> None:
+    model = wall(panel=np.repeat(["left", "right"], 18))
+    uniform = live_pressure(model, LoadCase((3, 4, 0)))
+    np.testing.assert_allclose(uniform, np.tile([0.6 * 1144, 0.8 * 1144, 0], (36, 1)))
+    linear = live_pressure(model, LoadCase((1, 0, 0), profile="linear"))
+    assert (model.area * linear[:, 0]).sum() == pytest.approx(model.weight.sum())
+    assert linear[:, 0].max() / linear[:, 0].min() == pytest.approx(
+        np.ptp(model.points[model.triangles, 2].mean(axis=1)) / model.points[model.triangles, 2].mean(axis=1).min() + 1
+    )
+    one = live_pressure(model, LoadCase((1, 0, 0), panels=("left",)))
+    np.testing.assert_array_equal(one[:, 0] > 0, model.panel == "left")
+
+
+def test_what_cannot_be_analysed_is_named() -> None:
+    with pytest.raises(InputError, match="no such panel; found tower; expected wall"):
+        live_pressure(wall(), LoadCase((1, 0, 0), panels=("tower",)))
+    with pytest.raises(InputError, match="extra wrenches act on stones"):
+        live_pressure(wall(), LoadCase((1, 0, 0), live=np.zeros((3, 6))))
+    with pytest.raises(InputError, match="a material of the shell is not given; found default; expected stone"):
+        shell_limit_analysis(wall(), ASKEW, [Material("stone", 1.0, 0.5)])
+    with pytest.raises(InputError, match="no weight"):
+        shell_limit_analysis(wall(surface_weight=np.zeros(36)), ASKEW, MASONRY)
+    with pytest.raises(InputError, match="valid for"):
+        shell_limit_analysis(wall(), ASKEW, [Material("default", 1.0, 1.2)])

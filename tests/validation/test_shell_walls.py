@@ -1,0 +1,109 @@
+"""Load factors of free walls as shells, base clamped, brick 80 x 40 x 30 mm, 28.6 kN/m3, cohesionless.
+
+Closed forms: a wall of thickness t and height H overturns out of plane at t / H, and slides in its plane at the friction
+coefficient; a pier B x H splits along a line as steep as the stones' stagger, mu_b = 2 a / b, and turns about its toe, which
+bounds the load factor by (B H/2 - B^2 mu_b/3) / (H^2/2 - B^2 mu_b^2/6) from above (friction <= mu_b). Series of meshes:
+independent calculation made for this project.
+"""
+
+import numpy as np
+import pytest
+
+from churchpipe.homogenised_shell.limit import ShellLimitState, shell_limit_analysis
+from churchpipe.model.loads import LoadCase
+from churchpipe.model.materials import Material
+from churchpipe.model.shell import ShellModel
+from shell_meshes import grid, joined_walls, shell, wall_points
+
+OUT, ALONG = LoadCase((0, 1, 0)), LoadCase((1, 0, 0))
+
+
+def free_wall(rows: int, width: float = 0.63, height: float = 0.63, cell: tuple[float, float] = (0.03, 0.08)) -> ShellModel:
+    points, triangles = grid(round(rows * width / height), rows, width, height)
+    return shell(wall_points(points), triangles, cell=cell, surface_weight=28.6e3 * 0.04, supported=lambda p: p[:, 2] < 1e-9)
+
+
+def push(model: ShellModel, load: LoadCase, friction: float = 0.7, **choices: str) -> ShellLimitState:
+    state = shell_limit_analysis(model, load, [Material("default", 28.6e3, friction)], **choices)  # pyright: ignore[reportArgumentType]
+    assert state.status == "optimal"
+    assert state.upper_bound - state.lower_bound == pytest.approx(0, abs=1e-6 * state.load_factor)
+    assert state.equilibrium_residual < 1e-8
+    assert state.yield_violation < 1e-8
+    return state
+
+
+def test_wall_overturns_out_of_plane() -> None:
+    rows = [2, 4, 8, 16]
+    factors = [push(free_wall(n), OUT, membrane="CST").load_factor for n in rows]
+    assert factors == pytest.approx([0.0788, 0.0716, 0.0675, 0.0655], abs=5e-5)
+    # From above and of first order; the limit from the last three by Richardson, its order fitted.
+    coarse, middle, fine = factors[1:]
+    ratio = (coarse - middle) / (middle - fine)
+    assert fine - (middle - fine) / (ratio - 1) == pytest.approx(0.04 / 0.63, rel=0.01)
+
+
+@pytest.mark.parametrize("planes", ["paper", "paper+torsion", "cell"])
+@pytest.mark.parametrize("membrane", ["CST", "LST"])
+def test_overturning_does_not_depend_on_membrane_or_planes(planes: str, membrane: str) -> None:
+    for load in (OUT, LoadCase((0, -1, 0))):
+        state = push(free_wall(4), load, planes=planes, membrane=membrane)
+        assert state.load_factor == pytest.approx(0.071588, abs=1e-6)
+        # The top moves along the load, and evenly.
+        top = state.velocities[-20:, 1] * load.direction[1]
+        assert top.min() > 0
+
+
+def test_wall_slides_in_its_plane_at_the_friction_coefficient() -> None:
+    assert push(free_wall(2), ALONG, 0.2, membrane="LST").load_factor == pytest.approx(0.2, abs=1e-6)
+    assert push(free_wall(4), ALONG, 0.2, membrane="CST").load_factor == pytest.approx(0.2, abs=1e-6)
+    # Finer meshes find a mechanism of sliding and cracking below it.
+    assert push(free_wall(16), ALONG, 0.2, membrane="CST").load_factor == pytest.approx(0.1952, abs=5e-5)
+
+
+def test_pier_in_its_plane() -> None:
+    b, h, mu_b = 1.0, 2.0, 0.8
+    wedge = (b * h / 2 - b**2 * mu_b / 3) / (h**2 / 2 - b**2 * mu_b**2 / 6)
+    assert wedge == pytest.approx(0.387, abs=5e-4)
+    piers = [free_wall(n, b, h, (0.4, 1.0)) for n in (4, 8, 16)]
+    constant = [push(pier, ALONG, membrane="CST").load_factor for pier in piers]
+    corners = [push(pier, ALONG, membrane="LST", stations="corners").load_factor for pier in piers[:2]]
+    inner = [push(pier, ALONG, membrane="LST").load_factor for pier in piers[:2]]
+    # Each mesh contains the one before: upper bounds fall, below the wedge, which combines with sliding.
+    assert constant == sorted(constant, reverse=True)
+    assert constant[-1] < wedge
+    assert corners[1] < corners[0] < wedge
+    assert all(np.array(inner) < corners)
+    assert all(np.array(corners) < constant[:2])
+    assert inner == pytest.approx([0.3533, 0.3523], abs=5e-5)
+
+
+def test_planes_bound_the_exact_cell() -> None:
+    model = free_wall(4)
+    askew = LoadCase((1, 1, 0))
+    by_planes = {
+        planes: push(model, askew, planes=planes, membrane="LST").load_factor for planes in ("paper", "paper+torsion", "cell")
+    }
+    assert by_planes["cell"] <= by_planes["paper+torsion"] * (1 + 1e-6)
+    assert by_planes["paper+torsion"] <= by_planes["paper"] * (1 + 1e-6)
+
+
+def prototype_s5(dx: float, dz: float, cut: int) -> ShellModel:
+    """The mid-planes of S5 (Malena et al. 2019, section 4.1): main wall .6 m, two partitions .3 m long."""
+    walls = []
+    for origin, along, length in (((0, 0), (1, 0), 0.6), ((0, 0), (0, 1), 0.3), ((0.6, 0), (0, 1), 0.3)):
+        flat, triangles = grid(round(length / dx), round(0.63 / dz), length, 0.63, cut)
+        walls.append((np.column_stack([np.array(origin) + flat[:, :1] * np.array(along), flat[:, 1]]), triangles))
+    points, triangles = joined_walls(walls)
+    return shell(points, triangles, bed=(1, 1, 0), surface_weight=28.6e3 * 0.04, supported=lambda p: p[:, 2] < 1e-9)
+
+
+def test_s5_with_constant_strain_at_20_by_30_mm() -> None:
+    factor = push(prototype_s5(0.02, 0.03, 4), OUT, membrane="CST").load_factor
+    assert 0.3155 < factor < 0.322
+
+
+@pytest.mark.slow
+def test_s5_with_quadratic_membrane_at_40_by_45_mm() -> None:
+    model = prototype_s5(0.04, 0.045, 2)
+    assert push(model, OUT).load_factor == pytest.approx(0.316, abs=5e-4)
+    assert push(model, OUT, planes="paper+torsion").load_factor == pytest.approx(0.316, abs=5e-4)
