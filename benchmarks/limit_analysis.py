@@ -1,0 +1,142 @@
+"""Speed and size of limit analysis on box buildings: our interior-point core, Clarabel, cvxpy.
+
+    python benchmarks/limit_analysis.py --models 1k 5k 10k 20k 50k
+
+Every run is a process of its own with one thread, so that peak memory and processor time are its own. Writes
+docs/benchmarks_limit_analysis.md.
+"""
+
+import argparse
+import json
+import os
+import resource
+import subprocess
+import sys
+from pathlib import Path
+from time import perf_counter, process_time
+from typing import Any
+
+import numpy as np
+
+# Outer length and width in bricks of 1 m, and courses: about this many stones.
+MODELS = {"1k": (14, 9, 24), "5k": (24, 16, 69), "10k": (34, 22, 92), "20k": (48, 32, 128), "50k": (76, 50, 200)}
+CLARABEL_TO, CAP = 6000, 600
+SOLVERS = ("interior-point", "clarabel", "cvxpy")
+DOCUMENT = Path(__file__).parents[1] / "docs" / "benchmarks_limit_analysis.md"
+
+
+def model(name: str) -> tuple[Any, Any]:
+    """Return balance and strength of a box building; friction .6, pushed along x."""
+    from churchpipe.derive.blocks import derive_blocks
+    from churchpipe.derive.contacts import find_contacts
+    from churchpipe.generators.box import box
+    from churchpipe.model.loads import LoadCase
+    from churchpipe.rigid_blocks.equilibrium import equilibrium
+    from churchpipe.rigid_blocks.limit import point_strength
+
+    length, width, courses = MODELS[name]
+    stones = derive_blocks(box(length=length, width=width, courses=courses, brick=(1.0, 0.5, 0.4)))
+    contacts = find_contacts(stones)
+    balance = equilibrium(stones, contacts, LoadCase((1, 0, 0)))
+    return balance, point_strength(contacts, 0.6, 0.0, balance.force)
+
+
+def run(name: str, solver: str) -> dict[str, Any]:
+    """Solve one model and return its figures; the bounds come from the arrays."""
+    from churchpipe.conic.clarabel import solve_clarabel
+    from churchpipe.conic.interior_point import InteriorPointSolver
+    from churchpipe.conic.polish import restore_balance
+    from churchpipe.conic.solve import solver_for
+    from churchpipe.rigid_blocks.certificate import certify
+    from churchpipe.rigid_blocks.limit import associative_program
+
+    balance, strength = model(name)
+    program = associative_program(balance, strength)
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    processor, wall = process_time(), perf_counter()
+    out: dict[str, Any] = {"model": name, "solver": solver, "stones": len(balance.free), "points": program.points}
+    if solver == "interior-point":
+        own = InteriorPointSolver(program.balance)
+        answer = own.solve(program)
+        out["processor"], out["wall"] = process_time() - processor, perf_counter() - wall
+        out["factor"], out["nonzeros"] = own.factorisation_seconds(), own.factor_nonzeros()
+    else:
+        # Clarabel at its own default tolerance, in the kinematic form that suits it best.
+        answer = solve_clarabel(program, 1e-8) if solver == "clarabel" else solver_for(program.balance, solver)(program)
+        out["processor"], out["wall"] = process_time() - processor, perf_counter() - wall
+    out["memory"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**10
+    out["before"] = before / 2**10
+    out |= {"iterations": answer.iterations, "outcome": answer.outcome}
+    if answer.outcome == "solved":
+        x, tau = restore_balance(program, answer.x, answer.tau)
+        found = certify(balance, strength, x, tau, answer.y)
+        out |= {"lower": found.lower_bound, "upper": found.upper_bound, "residual": found.equilibrium_residual}
+    return out
+
+
+def in_child(name: str, solver: str) -> dict[str, Any]:
+    """Run one solve in a process with one thread, capped at `CAP` seconds of wall time."""
+    threads = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+    command = [sys.executable, __file__, "--one", name, solver]
+    try:
+        done = subprocess.run(command, env=os.environ | threads, capture_output=True, text=True, timeout=CAP, check=True)
+    except (subprocess.TimeoutExpired, subprocess.CalledProcessError) as error:
+        return {"model": name, "solver": solver, "outcome": type(error).__name__}
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+def table(rows: list[dict[str, Any]], command: str) -> str:
+    """Return the document: one row a run, then exponents of growth and the distance from bare factorisations."""
+    head = (
+        "| model | stones | points | solver | outcome | iterations | processor s | wall s | memory MiB | nonzeros of L | bounds |"
+    )
+    lines = ["# Limit analysis: speed and size", "", f"    {command}", "", head, "|" + "---|" * 11]
+    for row in rows:
+        bounds = f"{row['lower']:.8f} .. {row['upper']:.8f}" if "lower" in row else ""
+        cells = [row.get(key, "") for key in ("model", "stones", "points", "solver", "outcome", "iterations")]
+        cells += [f"{row[key]:.1f}" if key in row else "" for key in ("processor", "wall", "memory")]
+        cells += [f"{row['nonzeros']:.3g}" if "nonzeros" in row else "", bounds]
+        lines.append("| " + " | ".join(map(str, cells)) + " |")
+    own = [row for row in rows if "factor" in row]
+    if len(own) > 1:
+        size = np.log([row["stones"] for row in own])
+        lines.append("")
+        for key in ("processor", "factor", "memory"):
+            power = np.polyfit(size, np.log([row[key] for row in own]), 1)[0]
+            lines.append(f"{key} of the interior-point core grows as stones^{power:.2f}.")
+    for row in own:
+        bare = row["factor"]
+        share = row["processor"] / (max(row["iterations"], 1) * bare)
+        lines.append("")
+        lines.append(
+            f"{row['model']}: one factorisation {bare:.3f} s; an iteration costs {share:.1f} of them, "
+            f"the solve {row['processor'] / (25 * bare):.1f} times 25 of them."
+        )
+    return "\n".join(lines) + "\n"
+
+
+def main() -> None:
+    """Run the chosen models, solvers interleaved, and write the document."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--models", nargs="+", default=list(MODELS), choices=MODELS)
+    parser.add_argument("--solvers", nargs="+", default=list(SOLVERS))
+    parser.add_argument("--one", nargs=2, metavar=("MODEL", "SOLVER"), help="one run, as JSON")
+    chosen = parser.parse_args()
+    if chosen.one:
+        print(json.dumps(run(*chosen.one)))
+        return
+    rows: list[dict[str, Any]] = []
+    for name in chosen.models:
+        first = in_child(name, chosen.solvers[0])
+        rows.append(first)
+        print(first, flush=True)
+        for solver in chosen.solvers[1:]:
+            if first.get("stones", 0) <= CLARABEL_TO:
+                rows.append(in_child(name, solver))
+                print(rows[-1], flush=True)
+    command = "python benchmarks/limit_analysis.py --models " + " ".join(chosen.models)
+    DOCUMENT.write_text(table(rows, command), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
