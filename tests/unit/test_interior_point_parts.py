@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from churchpipe.conic.interior_point.cholesky import Cholesky
+from churchpipe.conic.cholesky import Cholesky
 from churchpipe.conic.interior_point.cones import Cone, ProductCone
 from churchpipe.conic.interior_point.coulomb import CoulombPoints
 from churchpipe.conic.interior_point.dense import DenseProblems

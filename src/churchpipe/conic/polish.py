@@ -2,9 +2,9 @@
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.linalg import splu
 
 from churchpipe.conic.program import ConeProgram
+from churchpipe.conic.semidefinite import semidefinite_solver
 from churchpipe.model.arrays import FloatArray
 
 
@@ -15,18 +15,14 @@ def restore_balance(program: ConeProgram, x: FloatArray, tau: float, sweeps: int
     the cone): a force near the boundary of its cone moves along it, one near zero hardly at all. What only the
     collapse mechanism could balance goes into tau.
     """
-    rows = program.balance.shape[0]
     metric = _cone_metric(program, x)
-    normal = sp.csc_matrix(program.balance @ metric @ program.balance.T)
-    scale = np.sqrt(np.maximum(normal.diagonal(), 1e-300))
-    scaled = sp.csc_matrix(sp.diags(1 / scale) @ normal @ sp.diags(1 / scale) + 1e-14 * sp.identity(rows))
-    factor = splu(scaled, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+    solve = semidefinite_solver(sp.csc_matrix(program.balance @ metric @ program.balance.T))
     out = x.ravel().copy()
-    lever = factor.solve(program.growth / scale) / scale
+    lever = solve(program.growth)
     stiffness = float(program.growth @ lever) + (1.0 if tau < program.cap * (1 - 1e-6) else np.inf)
     for _ in range(sweeps):
         residual = program.balance @ out + program.constant + tau * program.growth
-        shift = factor.solve(residual / scale) / scale
+        shift = solve(residual)
         step = float(program.growth @ shift) / stiffness
         out -= metric @ (program.balance.T @ (shift - step * lever))
         tau -= step

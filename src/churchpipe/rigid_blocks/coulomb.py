@@ -12,11 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.linalg import splu
 
 from churchpipe.conic.clarabel import solve_clarabel
 from churchpipe.conic.polish import restore_balance
 from churchpipe.conic.program import ConeProgram
+from churchpipe.conic.semidefinite import semidefinite_solver
 from churchpipe.conic.solve import Solve
 from churchpipe.model.arrays import FloatArray
 from churchpipe.rigid_blocks.certificate import Strength, cone_violation
@@ -111,9 +111,8 @@ def nearest_forces(
 
 def dead_load_start(balance: Equilibrium) -> FloatArray:
     """Return the normal forces (nc,) >= 0 of the least-squares dead-load forces A^T (A A^T)^-1 (-f_D): the canonical start."""
-    normal = sp.csc_matrix(balance.matrix @ balance.matrix.T)
-    normal += 1e-12 * float(normal.diagonal().max()) * sp.identity(normal.shape[0], format="csc")
-    forces = balance.matrix.T @ splu(sp.csc_matrix(normal), permc_spec="MMD_AT_PLUS_A").solve(-balance.dead)
+    solve = semidefinite_solver(sp.csc_matrix(balance.matrix @ balance.matrix.T))
+    forces = -(balance.matrix.T @ solve(balance.dead))
     return np.maximum(forces[::3], 0.0)
 
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from churchpipe.conic.interior_point.cholesky import Cholesky, NotDefiniteError
+from churchpipe.conic.cholesky import Cholesky, NotDefiniteError
 from churchpipe.conic.interior_point.info import Info, Progress, Status
 from churchpipe.conic.interior_point.iterate import Iterate, inner
 from churchpipe.conic.interior_point.kkt import KktSystem

@@ -6,7 +6,7 @@ from time import perf_counter, process_time
 import numpy as np
 import scipy.sparse as sp
 
-from churchpipe.conic.interior_point.cholesky import Cholesky
+from churchpipe.conic.cholesky import Cholesky
 from churchpipe.conic.interior_point.coulomb import CoulombPoints
 from churchpipe.conic.interior_point.info import Progress
 from churchpipe.conic.interior_point.iterate import Iterate
