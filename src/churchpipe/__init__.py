@@ -10,15 +10,19 @@ if TYPE_CHECKING:
     from churchpipe.config import read_case as read_case
     from churchpipe.derive.blocks import derive_blocks as derive_blocks
     from churchpipe.derive.contacts import find_contacts as find_contacts
+    from churchpipe.derive.match import match_models as match_models
+    from churchpipe.derive.shell import derive_shell as derive_shell
     from churchpipe.dxf.reader import read_dxf as read_dxf
     from churchpipe.dxf.writer import write_dxf as write_dxf
     from churchpipe.errors import InputError as InputError
+    from churchpipe.homogenised_shell.limit import shell_limit_analysis as shell_limit_analysis
     from churchpipe.model.assemblage import Assemblage as Assemblage
     from churchpipe.model.building import Building as Building
     from churchpipe.model.contacts import Contacts as Contacts
     from churchpipe.model.loads import LoadCase as LoadCase
     from churchpipe.model.materials import Material as Material
     from churchpipe.model.results import LimitState as LimitState
+    from churchpipe.model.shell import ShellModel as ShellModel
     from churchpipe.rigid_blocks.limit import limit_analysis as limit_analysis
 
 _PLACES = {
@@ -29,11 +33,15 @@ _PLACES = {
     "LimitState": "model.results",
     "LoadCase": "model.loads",
     "Material": "model.materials",
+    "ShellModel": "model.shell",
     "derive_blocks": "derive.blocks",
+    "derive_shell": "derive.shell",
     "find_contacts": "derive.contacts",
     "limit_analysis": "rigid_blocks.limit",
+    "match_models": "derive.match",
     "read_case": "config",
     "read_dxf": "dxf.reader",
+    "shell_limit_analysis": "homogenised_shell.limit",
     "write_dxf": "dxf.writer",
 }
 
@@ -45,11 +53,15 @@ __all__ = [
     "LimitState",
     "LoadCase",
     "Material",
+    "ShellModel",
     "derive_blocks",
+    "derive_shell",
     "find_contacts",
     "limit_analysis",
+    "match_models",
     "read_case",
     "read_dxf",
+    "shell_limit_analysis",
     "write_dxf",
 ]
 
