@@ -52,6 +52,11 @@ def main() -> NoReturn:
     except InputError as error:
         err.print(str(error), style="red", markup=False, soft_wrap=True)
         raise SystemExit(USAGE if isinstance(error, UsageError) else FINDINGS) from None
+    except (FileNotFoundError, NotADirectoryError, FileExistsError, IsADirectoryError, PermissionError) as error:
+        err.print(
+            f"{error.filename}: {error.strerror}. Choose another place to write to.", style="red", markup=False, soft_wrap=True
+        )
+        raise SystemExit(USAGE) from None
     except BrokenPipeError:
         # The reader of a pipe (head, less) has left.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -104,7 +109,8 @@ def run(
         err.print("Stopped. What was finished stays; run it again to go on.")
         raise typer.Exit(INTERRUPTED) from None
     if display.errors:
-        for text in display.errors:
+        # The jobs of several analyses meet the same fault.
+        for text in dict.fromkeys(display.errors):
             err.print(text, style="red", markup=False, soft_wrap=True)
         raise typer.Exit(FINDINGS)
     if code:

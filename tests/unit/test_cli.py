@@ -233,3 +233,12 @@ def test_show_prints_every_analysis(capsys: pytest.CaptureFixture[str], tmp_path
         "unstable",
     ):
         assert text in out
+
+
+def test_a_place_that_cannot_be_written_to_is_named(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    taken = tmp_path / "taken"
+    taken.write_text("a file, not a folder")
+    code, _, err = call(capsys, "run", Path(__file__).parents[2] / "pipeline" / "cases" / "wall.toml", "--out", taken)
+    assert code == cli.USAGE
+    assert "Not a directory" in err.replace("\n", " ")
+    assert taken.read_text() == "a file, not a folder"

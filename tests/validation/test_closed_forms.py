@@ -162,3 +162,10 @@ def test_cohesion_holds_a_block_that_friction_alone_would_let_slide() -> None:
     # mu W + c A with no tension: sliding at mu + c A / W until overturning at b / h governs.
     stones = on_ground(box((0, 1), (0, 1), (0, 1)), unit_weight=20e3)
     assert_optimal(collapse(stones, 0.3, cohesion=4e3), 0.3 + 4e3 / 20e3)
+
+
+@pytest.mark.parametrize("flow", ["associative", "non-associative"])
+def test_without_friction_nothing_resists_sliding(flow: str) -> None:
+    state = collapse(on_ground(box((0, 1), (0, 1), (0, 1))), 0.0, flow=flow)
+    assert state.status == ("optimal" if flow == "associative" else "converged")
+    assert state.load_factor == pytest.approx(0.0, abs=1e-9)

@@ -37,8 +37,8 @@ class CoulombState:
 
     @property
     def relative_gap(self) -> float:
-        """g / alpha."""
-        return self.gap / max(abs(self.load_factor), 1e-12)
+        """g / alpha; a load factor of zero is measured against a thousandth of the weight."""
+        return self.gap / max(abs(self.load_factor), 1e-3)
 
 
 def sliding_program(balance: Equilibrium, limit: FloatArray) -> ConeProgram:

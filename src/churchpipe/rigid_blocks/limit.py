@@ -89,7 +89,8 @@ def point_strength(contacts: Contacts, friction: npt.ArrayLike, cohesion: npt.Ar
         if array.ndim > 1 or (array.ndim == 1 and array.shape != contacts.area.shape):
             raise InputError(name, "wrong shape", found=array.shape, expected=f"a number or ({len(contacts.area)},)")
         if not np.isfinite(array).all() or (array < 0).any():
-            raise InputError(name, "out of range", found=float(np.nanmin(array)), expected="finite numbers >= 0")
+            bad = array[~(np.isfinite(array) & (array >= 0))].flat[0]
+            raise InputError(name, "out of range", found=float(bad), expected="finite numbers >= 0")
         values.append(np.broadcast_to(array, contacts.area.shape))
     share = contacts.area / np.maximum(contacts.points_per_interface, 1)
     interface = contacts.interface_of_point

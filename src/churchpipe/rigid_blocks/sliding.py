@@ -90,13 +90,14 @@ def _state(
     gap, interval = (np.nan, (np.nan, np.nan))
     if certified is not None:
         gap, interval = certified.gap, mechanism_interval(balance, strength, certified)
+    slack = 1e-3 * max(abs(associative.load_factor), 1e-3)
     proven = (
         chosen.settled
         and certified is not None
         and certified.relative_gap <= GAP_TOLERANCE
-        and abs(certified.load_factor - chosen.load_factor) <= 1e-3 * abs(chosen.load_factor)
+        and abs(certified.load_factor - chosen.load_factor) <= slack
         and admissible(balance, strength, certified)
-        and chosen.load_factor <= associative.load_factor * (1 + 1e-3)
+        and chosen.load_factor <= associative.load_factor + slack
     )
     # What is called converged is the certified state itself, not the iterate beside it that still overdraws friction.
     x, y, load_factor = chosen.x, chosen.y, chosen.load_factor
