@@ -8,6 +8,7 @@ import importlib.metadata
 import os
 import signal
 import sys
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, NoReturn
 
@@ -100,11 +101,13 @@ def run(
     from churchpipe.io.tables import read_json
     from churchpipe.terminal import Display, results_table
 
-    folder = out_dir or Path("runs") / read_case(case, changes or ()).name
-    stages.configure(case, folder, changes or ())
+    # A case with mistakes is refused before anything is written.
+    name = read_case(case, changes or ()).name
+    folder = out_dir or Path("runs") / name
     try:
         with Display(err) as display:
-            code = engine.run(folder, jobs or os.cpu_count() or 1, display.show)
+            prepare = partial(stages.configure, case, folder, changes or ())
+            code = engine.run(folder, jobs or os.cpu_count() or 1, display.show, prepare)
     except KeyboardInterrupt:
         err.print("Stopped. What was finished stays; run it again to go on.")
         raise typer.Exit(INTERRUPTED) from None

@@ -39,10 +39,11 @@ def say(event: Event) -> str:
     return MARK + json.dumps([event.kind, event.stage, event.name, event.text, event.share])
 
 
-def run(folder: str | Path, jobs: int, watch: Callable[[Event], None]) -> int:
+def run(folder: str | Path, jobs: int, watch: Callable[[Event], None], prepare: Callable[[], object] | None = None) -> int:
     """Make everything that is missing or stale in a run folder; return Snakemake's exit code.
 
-    All output goes to run.log. An interrupt stops the engine and its jobs; what was finished stays.
+    `prepare` writes the plan, once no other run can be at work on it. All output goes to run.log. An interrupt stops the
+    engine and its jobs; what was finished stays.
 
     Raises
     ------
@@ -50,6 +51,8 @@ def run(folder: str | Path, jobs: int, watch: Callable[[Event], None]) -> int:
     """
     folder = Path(folder).resolve()
     with _only_run(folder) as lock:
+        if prepare:
+            prepare()
         for part in folder.rglob(f"{PART}*"):
             part.unlink(missing_ok=True)
         with (folder / "run.log").open("w", encoding="utf-8") as log:

@@ -76,3 +76,13 @@ def test_bad_arguments_are_refused() -> None:
         Assemblage.from_polyhedra([cube], 0.0)
     with pytest.raises(InputError, match="not unique"):
         Assemblage.from_polyhedra([cube, (CUBE + 3, BOX_FACES)], 1.0, block_id=["a", "a"])
+
+
+def test_fixed_takes_indices_or_a_flag_for_each_stone() -> None:
+    cubes = [(CUBE, BOX_FACES), (CUBE + 3, BOX_FACES)]
+    assert Assemblage.from_polyhedra(cubes, 1.0, fixed=[False, True]).fixed.tolist() == [False, True]
+    assert Assemblage.from_polyhedra(cubes, 1.0, fixed=[1]).fixed.tolist() == [False, True]
+    with pytest.raises(InputError, match="wrong shape"):
+        Assemblage.from_polyhedra(cubes, 1.0, fixed=[True])
+    with pytest.raises(InputError, match="not whole numbers"):
+        Assemblage.from_polyhedra(cubes, 1.0, fixed=[0.5])

@@ -39,7 +39,10 @@ def floats(name: str, value: npt.ArrayLike, shape: Sequence[int | None], *, fini
 
 def indices(name: str, value: npt.ArrayLike, shape: Sequence[int | None], *, below: int | None = None) -> IntArray:
     """Return `value` as a read-only int64 array of the given shape, entries in [0, below)."""
-    array = np.asarray(value, dtype=np.int64)
+    given = np.asarray(value)
+    if given.size and given.dtype.kind not in "iu":
+        raise InputError(name, "not whole numbers", found=given.dtype, expected="integers")
+    array = given.astype(np.int64, copy=False)
     _check_shape(name, array, shape)
     if array.size and (array.min() < 0 or (below is not None and array.max() >= below)):
         bad = array[(array < 0) | (array >= (below if below is not None else np.iinfo(np.int64).max))].flat[0]

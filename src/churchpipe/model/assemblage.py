@@ -105,7 +105,7 @@ class Assemblage:
         polyhedra: pairs (vertices (n, 3) m, faces: lists of vertex indices). Faces are planar, closed and consistently
             oriented; a solid with all faces inward is turned inside out.
         unit_weight: N/m3, scalar or one a stone.
-        fixed: indices of the stones that are ground.
+        fixed: indices of the stones that are ground, or a flag for each stone.
         material, panel, course, block_id: one value for all or one a stone; ids default to "B0", "B1", ...
 
         Raises
@@ -135,7 +135,10 @@ class Assemblage:
             raise InputError("polyhedra", "no stones", found=0, expected="at least one polyhedron")
         count = len(points)
         fixed_flags = np.zeros(count, dtype=bool)
-        fixed_flags[indices("fixed", list(fixed), (None,), below=count)] = True
+        chosen = np.asarray(list(fixed))
+        if chosen.dtype == np.bool_:
+            chosen = np.flatnonzero(flags("fixed", chosen, (count,)))
+        fixed_flags[indices("fixed", chosen, (None,), below=count)] = True
         return assemble(
             points=np.concatenate(points),
             face_nodes=np.array(nodes, dtype=np.int64),

@@ -37,9 +37,13 @@ class LoadCase:
         live: npt.ArrayLike | None = None,
     ) -> None:
         vector = floats("LoadCase.direction", direction, (3,))
+        # Scaled first: squares of very large or small components would overflow or vanish.
+        vector = vector / (np.abs(vector).max() or 1.0)
         length = float(np.linalg.norm(vector))
         if length == 0:
             raise InputError("LoadCase.direction", "no direction", found=vector.tolist(), expected="a vector of length > 0")
+        if panels is not None and not len(panels):
+            raise InputError("LoadCase.panels", "nothing is pushed", expected="names of panels, or None for all")
         if profile not in ("uniform", "linear"):
             raise InputError("LoadCase.profile", "unknown profile", found=profile, expected='"uniform" or "linear"')
         unit = floats("LoadCase.direction", vector / length, (3,))
