@@ -109,11 +109,11 @@ def test_wall_has_matching_bounds() -> None:
 
 @st.composite
 def assemblages(draw: st.DrawFn) -> tuple[Assemblage, float, tuple[float, float, float]]:
-    """Stacks of boxes whose sizes differ by up to a factor of 7, and small walls with stones missing."""
+    """Stacks of boxes whose sizes differ by up to a factor of 400, and small walls with stones missing."""
     numbers = np.random.default_rng(draw(st.integers(0, 10**6)))
     stones: list[Polyhedron] = []
     if draw(st.booleans()):
-        spread, reach, x, z = draw(st.sampled_from([0.1, 0.4])), draw(st.sampled_from([0.3, 1.0])), 0.0, 0.0
+        spread, reach, x, z = draw(st.sampled_from([0.1, 0.4])), draw(st.sampled_from([0.3, 3.0])), 0.0, 0.0
         width = 1.0
         for _ in range(draw(st.integers(1, 5))):
             x += spread * width * numbers.uniform(-1, 1)
