@@ -9,9 +9,10 @@ independent calculation made for this project.
 import numpy as np
 import pytest
 
-from churchpipe.homogenised_shell.limit import ShellLimitState, shell_limit_analysis
+from churchpipe.homogenised_shell.limit import shell_limit_analysis
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
+from churchpipe.model.results import ShellLimitState
 from churchpipe.model.shell import ShellModel
 from shell_meshes import grid, joined_walls, shell, wall_points
 

@@ -63,6 +63,13 @@ class ShellElements:
         start = 3 * len(self.shell.points)
         return unknowns[start : start + len(self.edges.nodes)]
 
+    def facet_strain(self, unknowns: FloatArray) -> FloatArray:
+        """Return the strain of each facet (nt, 6), the mean of its quadrature points."""
+        strain = (self.strain @ unknowns).reshape(-1, 6)
+        total = np.zeros((len(self.shell.triangles), 6))
+        np.add.at(total, self.facet, strain * self.weight[:, None])
+        return total / np.bincount(self.facet, self.weight)[:, None]
+
     def stiffness_matrix(self, stiffness: FloatArray) -> sp.csc_matrix[np.float64]:
         """Return K (n, n) for the facets' stiffness (nt, 6, 6), as of `stiffness.wall_stiffness`."""
         local = stiffness[self.facet] * self.weight[:, None, None]

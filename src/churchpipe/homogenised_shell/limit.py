@@ -14,38 +14,12 @@ from churchpipe.homogenised_shell.strength import PlaneSet
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
-from churchpipe.model.results import Status
+from churchpipe.model.results import ShellLimitState, Status
 from churchpipe.model.shell import ShellModel
 
 _TOLERANCE = 1e-6
 # With less regularisation quadratic membranes end "almost solved".
 _SETTINGS = {"verbose": False, "max_threads": 1, "max_iter": 300, "static_regularization_constant": 1e-7}
-
-
-@dataclass(frozen=True, slots=True)
-class ShellLimitState:
-    """The result of a limit analysis of a shell.
-
-    load_factor: NaN when unstable or failed, inf when unbounded. lower_bound, upper_bound: of the stress and of the velocity
-    field, for the problem of this mesh (Morley bending is neither static nor kinematic: refine and extrapolate).
-    stress (nq, 6) N/m and N, in the axes of the facets; velocities (nn, 3) and edge_rotation (ne,), f_L . u = 1 per total weight
-    (of an unstable shell: the falling mechanism, f_D . u = 1). equilibrium_residual over the total weight, yield_violation
-    over the unit of stress.
-    """
-
-    load_factor: float
-    status: Status
-    lower_bound: float
-    upper_bound: float
-    stress: FloatArray
-    velocities: FloatArray
-    edge_rotation: FloatArray
-    equilibrium_residual: float = np.nan
-    yield_violation: float = np.nan
-    iterations: int = 0
-    seconds: float = 0.0
-    solver: str = "clarabel"
-    message: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,6 +136,7 @@ def _state(elements: ShellElements, answer: _Answer, status: Status, message: st
         stress=answer.stress,
         velocities=elements.translations(motion),
         edge_rotation=elements.edge_rotation(motion),
+        plastic=elements.facet_strain(motion) * elements.shell.yields[:, None],
         equilibrium_residual=answer.residual,
         yield_violation=answer.violation,
         iterations=answer.iterations,

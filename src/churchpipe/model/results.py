@@ -59,3 +59,76 @@ class LimitState:
             forces=floats("LimitState.forces", self.forces, (None, 3), finite=False),
             velocities=floats("LimitState.velocities", self.velocities, (None, 6), finite=False),
         )
+
+
+@dataclass(frozen=True, slots=True)
+class ShellLimitState:
+    """The result of a limit analysis of a shell.
+
+    load_factor: NaN when unstable or failed, inf when unbounded. lower_bound, upper_bound: of the stress and of the velocity
+    field, for the problem of this mesh (Morley bending is neither static nor kinematic: refine and extrapolate).
+    stress (nq, 6) N/m and N, in the axes of the facets; velocities (nn, 3) and edge_rotation (ne,), f_L . u = 1 per total weight
+    (of an unstable shell: the falling mechanism, f_D . u = 1). plastic (nt, 6): its strain rates, 1/m and 1/m2, membrane and
+    curvature, the mean of each facet in its own axes. equilibrium_residual over the total weight, yield_violation over the unit
+    of stress.
+    """
+
+    load_factor: float
+    status: Status
+    lower_bound: float
+    upper_bound: float
+    stress: FloatArray
+    velocities: FloatArray
+    edge_rotation: FloatArray
+    plastic: FloatArray
+    equilibrium_residual: float = np.nan
+    yield_violation: float = np.nan
+    iterations: int = 0
+    seconds: float = 0.0
+    solver: str = "clarabel"
+    message: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class CapacityStep:
+    """One step of a pushover: work-conjugate displacement f_L . u (m, per total weight), and what proves its stresses.
+
+    residual: of equilibrium, over the total weight; violation of the strength, over the unit of stress; gap: primal against dual
+    objective, relative.
+    """
+
+    displacement: float
+    load_factor: float
+    residual: float
+    violation: float
+    gap: float
+    iterations: int
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class CapacityCurve:
+    """The result of a pushover of a shell: dead load first (step 0, load factor 0), then lateral load by displacement.
+
+    load_factor (ns,); control (ns,) m, the displacement of node `control_point` along the load since the dead load;
+    displacement (nn, 3) m and edge_rotation (ne,) rad at the last step; plastic (nt, 6): plastic membrane strains and curvatures
+    (1/m) at the last step, the mean of each facet in its own axes; multipliers (nt, planes): of each plane, the mean of each facet.
+    status: "converged" when every step is proved and the last ones lie on a plateau.
+    """
+
+    load_factor: FloatArray
+    control: FloatArray
+    control_point: int
+    displacement: FloatArray
+    edge_rotation: FloatArray
+    plastic: FloatArray
+    multipliers: FloatArray
+    steps: tuple[CapacityStep, ...]
+    status: Status
+    seconds: float = 0.0
+    message: str = ""
+
+    @property
+    def plateau(self) -> float:
+        """The largest load factor reached."""
+        return float(self.load_factor.max(initial=0.0))
