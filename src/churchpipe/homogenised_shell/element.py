@@ -65,7 +65,7 @@ class ShellElements:
 
     def facet_strain(self, unknowns: FloatArray) -> FloatArray:
         """Return the strain of each facet (nt, 6), the mean of its quadrature points."""
-        strain = (self.strain @ unknowns).reshape(-1, 6)
+        strain = np.asarray(self.strain @ unknowns).reshape(-1, 6)
         total = np.zeros((len(self.shell.triangles), 6))
         np.add.at(total, self.facet, strain * self.weight[:, None])
         return total / np.bincount(self.facet, self.weight)[:, None]

@@ -112,7 +112,7 @@ class CapacityCurve:
 
     load_factor (ns,); control (ns,) m, the displacement of node `control_point` along the load since the dead load;
     displacement (nn, 3) m and edge_rotation (ne,) rad at the last step; plastic (nt, 6): plastic membrane strains and curvatures
-    (1/m) at the last step, the mean of each facet in its own axes; multipliers (nt, planes): of each plane, the mean of each facet.
+    (1/m) at the last step, the mean of each facet in its own axes; multipliers (nt, planes): of each plane, facet means.
     status: "converged" when every step is proved and the last ones lie on a plateau.
     """
 
