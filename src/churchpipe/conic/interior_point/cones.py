@@ -36,6 +36,10 @@ class ProductScaling:
         """Return W^-1 v."""
         return self.product.join([part.solve(view) for part, view in zip(self.parts, self.product.split(v), strict=True)])
 
+    def soften(self, v: FloatArray) -> FloatArray:
+        """Return W^-2 v."""
+        return self.product.join([part.soften(view) for part, view in zip(self.parts, self.product.split(v), strict=True)])
+
     def divide(self, v: FloatArray) -> FloatArray:
         """Return u with lam o u = v."""
         return self.product.join([part.divide(view) for part, view in zip(self.parts, self.product.split(v), strict=True)])
@@ -64,11 +68,17 @@ class ProductCone:
 
     def join(self, parts: Sequence[FloatArray]) -> FloatArray:
         """Return the flat vector of the parts."""
+        if len(parts) == 1:
+            return parts[0].reshape(-1)
         return np.concatenate([part.ravel() for part in parts]) if parts else np.zeros(0)
 
     def identity(self) -> FloatArray:
         """Return e."""
         return self.join([cone.identity() for cone in self.cones])
+
+    def inverse(self, s: FloatArray) -> FloatArray:
+        """Return u with s o u = e."""
+        return self.join([cone.inverse(part) for cone, part in zip(self.cones, self.split(s), strict=True)])
 
     def product(self, u: FloatArray, v: FloatArray) -> FloatArray:
         """Return u o v."""
@@ -78,10 +88,10 @@ class ProductCone:
         """Return the smallest eigenvalue."""
         return min((cone.margin(part) for cone, part in zip(self.cones, self.split(s), strict=True)), default=np.inf)
 
-    def longest_step(self, s: FloatArray, step: FloatArray) -> float:
-        """Return the largest t with s + t step in all cones."""
-        parts = zip(self.cones, self.split(s), self.split(step), strict=True)
-        return min((cone.longest_step(a, b) for cone, a, b in parts), default=np.inf)
+    def longest_step(self, s: FloatArray, step: FloatArray, more: FloatArray, weight: float) -> float:
+        """Return the largest t with s + t (step + weight more) in all cones."""
+        parts = zip(self.cones, self.split(s), self.split(step), self.split(more), strict=True)
+        return min((cone.longest_step(a, b, c, weight) for cone, a, b, c in parts), default=np.inf)
 
     def scaling(self, s: FloatArray, z: FloatArray) -> ProductScaling:
         """Return the Nesterov-Todd scaling of interior s and z."""

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numba
 import numpy as np
 
 from churchpipe.conic.interior_point.cones import Cone, Scaling
@@ -43,14 +44,8 @@ class CoulombCompliance:
 
     def apply(self, force: FloatArray) -> FloatArray:
         """Return S force."""
-        u, v = self.direction
-        along = force[1] * u + force[2] * v
-        across = self.across * (force[2] * u - force[1] * v)
         out = np.empty_like(force)
-        out[0] = self.normal * (force[0] + self.lean * along)
-        slide = self.along * along + self.lean * out[0]
-        out[1] = slide * u - across * v
-        out[2] = slide * v + across * u
+        _comply(self.normal, self.lean, self.along, self.across, self.direction, force, out)
         return out
 
 
@@ -142,8 +137,8 @@ class CoulombPoints:
         push[slice(None) if self._all_sheared else self._sheared] = slope * axis
         return np.concatenate([axis, -pull[1], -pull[2], -force[0, self._guarded] - push[self._guarded]])
 
-    def interior(self, size: float) -> FloatArray:
-        """Return compression `size` everywhere, less where the cone is shorter, without shear."""
+    def interior(self, size: FloatArray) -> FloatArray:
+        """Return compression `size` (count,), less where the cone is shorter, without shear."""
         out = np.zeros((3, self.count))
         reach = np.where(self._slope < 0, -0.5 * self._limit / np.minimum(self._slope, -1e-300), np.inf)
         out[0] = np.where(self.active[0], np.minimum(size, reach), 0.0)
@@ -186,3 +181,23 @@ def _cone_compliance(scaling: SecondOrderScaling, slope: FloatArray, stiffness: 
         across=square,
         direction=direction,
     )
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _comply(
+    normal: FloatArray,
+    lean: FloatArray,
+    along: FloatArray,
+    across: FloatArray,
+    direction: FloatArray,
+    force: FloatArray,
+    out: FloatArray,
+) -> None:
+    for k in range(force.shape[1]):
+        u, v = direction[0, k], direction[1, k]
+        push = force[1, k] * u + force[2, k] * v
+        side = across[k] * (force[2, k] * u - force[1, k] * v)
+        out[0, k] = normal[k] * (force[0, k] + lean[k] * push)
+        slide = along[k] * push + lean[k] * out[0, k]
+        out[1, k] = slide * u - side * v
+        out[2, k] = slide * v + side * u

@@ -73,7 +73,7 @@ class DenseProblems:
         """Return z as it is: there are more rows than variables, and the next residual takes the rounding."""
         return z
 
-    def interior(self, _size: float) -> FloatArray:
+    def interior(self, _size: FloatArray) -> FloatArray:
         """Return the given interior point, whatever the size."""
         return self._inner
 
@@ -85,5 +85,6 @@ def _unscaled(block: FloatArray, scaling: Scaling) -> FloatArray:
     dimension, copies, count = scaling.w.shape
     # v_rcik: row r of cone copy c, variable i, problem k.
     v = block.reshape(dimension, copies, -1, count)
-    spread = SecondOrderScaling(scaling.eta[:, None, :], scaling.w[:, :, None, :], scaling.point[:, :, None, :])
-    return spread.solve(v).reshape(block.shape)
+    eta = np.ascontiguousarray(np.broadcast_to(scaling.eta[:, None, :], v.shape[1:]))
+    w = np.ascontiguousarray(np.broadcast_to(scaling.w[:, :, None, :], v.shape))
+    return SecondOrderScaling(eta, w, w).solve(np.ascontiguousarray(v)).reshape(block.shape)

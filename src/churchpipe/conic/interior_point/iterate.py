@@ -35,13 +35,15 @@ class Iterate:
             self.kappa + length * step.kappa,
         )
 
-    def longest_step(self, problem: CoupledProblem, step: "Iterate") -> float:
-        """Return the largest length (at most 1e3) that keeps s, z, theta and kappa in their cones."""
-        length = min(problem.cone.longest_step(self.s, step.s), problem.cone.longest_step(self.z, step.z), 1e3)
-        if step.theta < 0:
-            length = min(length, -self.theta / step.theta)
-        if step.kappa < 0:
-            length = min(length, -self.kappa / step.kappa)
+    def longest_step(self, problem: CoupledProblem, step: "Iterate", more: "Iterate", weight: float) -> float:
+        """Return the largest length (at most 1e3) along step + weight more that keeps s, z, theta and kappa in their cones."""
+        cone = problem.cone
+        length = min(cone.longest_step(self.s, step.s, more.s, weight), cone.longest_step(self.z, step.z, more.z, weight), 1e3)
+        theta, kappa = step.theta + weight * more.theta, step.kappa + weight * more.kappa
+        if theta < 0:
+            length = min(length, -self.theta / theta)
+        if kappa < 0:
+            length = min(length, -self.kappa / kappa)
         return length
 
     def mean_product(self, problem: CoupledProblem) -> float:

@@ -8,9 +8,11 @@ from churchpipe.conic.cholesky import Cholesky, NotDefiniteError
 from churchpipe.conic.interior_point.cones import ProductScaling
 from churchpipe.conic.interior_point.iterate import inner
 from churchpipe.conic.interior_point.normal import NormalMatrix
-from churchpipe.conic.interior_point.problem import CoupledProblem
-from churchpipe.conic.interior_point.residuals import largest
+from churchpipe.conic.interior_point.problem import CoupledProblem, largest
 from churchpipe.model.arrays import FloatArray
+
+# Imbalance that counts as rounding, in the unit of force.
+_BALANCED = 1e-15
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,22 +31,23 @@ class Right:
 
 @dataclass(frozen=True, slots=True)
 class Direction:
-    """A solution: x (nx,), load, y (m,), z (rows,)."""
+    """A solution: x (nx,), load, y (m,), z (rows,), and B^T y (nx,)."""
 
     x: FloatArray
     load: float
     y: FloatArray
     z: FloatArray
+    spread: FloatArray
 
     def plus(self, other: "Direction", factor: float = 1.0) -> "Direction":
         """Return self + factor other."""
         return Direction(
-            self.x + factor * other.x, self.load + factor * other.load, self.y + factor * other.y, self.z + factor * other.z
+            self.x + factor * other.x,
+            self.load + factor * other.load,
+            self.y + factor * other.y,
+            self.z + factor * other.z,
+            self.spread + factor * other.spread,
         )
-
-    def times(self, factor: float) -> "Direction":
-        """Return factor self."""
-        return Direction(factor * self.x, factor * self.load, factor * self.y, factor * self.z)
 
 
 class KktSystem:
@@ -73,8 +76,9 @@ class KktSystem:
         values = self._normal.assemble(self._compliance.matrix)
         diagonal = values[self._normal.diagonal]
         # Rows that nothing resists get next to no stiffness: a load on them then fixes the multiplier.
-        largest = float(diagonal.max(initial=0.0)) or 1.0
-        shift = regularisation * (diagonal + 1e-8 * largest)
+        body = diagonal.reshape(-1, problem.coupling.block).max(axis=1)
+        body = np.where(body > 0, body, float(body.max(initial=0.0)) or 1.0)
+        shift = regularisation * (diagonal + 1e-8 * np.repeat(body, problem.coupling.block))
         for attempt in range(4):
             shifted = values.copy()
             shifted[self._normal.diagonal] += 100.0**attempt * shift
@@ -86,37 +90,55 @@ class KktSystem:
                     raise
         self._lever: FloatArray | None = None
 
-    def solve(self, rights: list[Right], refinements: int, allowed: float) -> list[Direction]:
-        """Return the solutions for several right sides, refined until the coupling rows hold to `allowed`.
+    def solve(self, rights: list[Right]) -> list[Direction]:
+        """Return the solutions for several right sides, their coupling rows as exact as the factor is."""
+        problem = self._problem
+        pulls = [self._pull(right) for right in rights]
+        forces = [right.x + problem.transpose(pull) for right, pull in zip(rights, pulls, strict=True)]
+        targets = np.array([self._target(right, pull) for right, pull in zip(rights, pulls, strict=True)])
+        rows = [problem.couple(self._comply(force)) - right.y for force, right in zip(forces, rights, strict=True)]
+        y, load = self._bordered(np.stack(rows, axis=1), targets)
+        out: list[Direction] = []
+        for k, right in enumerate(rights):
+            column = np.ascontiguousarray(y[:, k])
+            spread = problem.spread(column)
+            x = self._comply(forces[k] - spread)
+            out.append(self._complete(right, pulls[k], x, spread, column, float(load[k])))
+        return out
 
-        Refinement corrects x by small steps of its own: recomputed from the whole of y, it would carry the rounding of y times
-        the largest compliance. The rows of x hold by construction of z.
+    def refine(self, right: Right, found: Direction, refinements: int, allowed: float) -> Direction:
+        """Return a solution whose coupling rows hold to `allowed`, or after so many refinements.
+
+        They correct x by small steps of its own: recomputed from the whole of y, it would carry the rounding of y times the
+        largest compliance. The rows of x hold by construction of z.
         """
         problem = self._problem
-        pulls = [right.pull if right.z is None else right.pull + self._softened(right.z) for right in rights]
-        forces = [right.x + problem.transpose(pull) for right, pull in zip(rights, pulls, strict=True)]
-        x = [self._comply(force) for force in forces]
-        targets = np.array(
-            [right.load + (pull[-1] if problem.capped else 0.0) for right, pull in zip(rights, pulls, strict=True)]
-        )
-        rows = [problem.couple(part) - right.y for part, right in zip(x, rights, strict=True)]
-        y, load = self._bordered(np.column_stack(rows), targets)
-        spread = [problem.spread(y[:, k]) for k in range(len(rights))]
-        x = [self._comply(force - part) for force, part in zip(forces, spread, strict=True)]
+        x, load, y, spread = found.x, found.load, found.y, found.spread
+        pull = self._pull(right)
         for _ in range(refinements):
-            rows = [problem.couple(x[k]) + load[k] * problem.growth - right.y for k, right in enumerate(rights)]
-            if max(largest(row) for row in rows) <= allowed:
+            row = problem.couple(x) + load * problem.growth - right.y
+            if problem.imbalance(row) <= allowed:
                 break
-            lack = targets - np.einsum("i,ik->k", problem.growth, y) - self._softness * load
-            more_y, more_load = self._bordered(np.column_stack(rows), lack)
-            more = [problem.spread(more_y[:, k]) for k in range(len(rights))]
-            x = [part - self._comply(extra) for part, extra in zip(x, more, strict=True)]
-            y, load = y + more_y, load + more_load
-            spread = [problem.spread(y[:, k]) for k in range(len(rights))]
-        return [
-            self._complete(right, pulls[k], x[k], spread[k], np.ascontiguousarray(y[:, k]), float(load[k]))
-            for k, right in enumerate(rights)
-        ]
+            lack = self._target(right, pull) - inner(problem.growth, y) - self._softness * load
+            more, more_load = self._bordered(row[:, None], np.array([lack]))
+            extra = problem.spread(more[:, 0])
+            x, load, y, spread = x - self._comply(extra), load + float(more_load[0]), y + more[:, 0], spread + extra
+        return found if x is found.x else self._complete(right, pull, x, spread, y, load)
+
+    def balance(self, x: FloatArray, load: float, sweeps: int) -> tuple[FloatArray, float]:
+        """Return x and load with coupling x + constant + load growth = 0 to rounding.
+
+        The correction is the smallest in the metric of the scaling: a point near the boundary of its cone moves along it. What
+        only a mechanism could balance goes into the load.
+        """
+        problem = self._problem
+        for _ in range(sweeps):
+            rows = problem.couple(x) + problem.constant + load * problem.growth
+            if largest(rows) <= _BALANCED:
+                break
+            y, step = self._bordered(rows[:, None], np.zeros(1))
+            x, load = x - self._comply(problem.spread(y[:, 0])), load + float(step[0])
+        return x, load
 
     def _bordered(self, rows: FloatArray, targets: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return y (m, k), load (k,) with N y - load growth = rows, growth . y + softness load = targets."""
@@ -141,7 +163,13 @@ class KktSystem:
         exact = problem.local.balanced(problem.local_view(force), z[:rows])
         if problem.capped:
             exact = np.append(exact, right.load - inner(problem.growth, y))
-        return Direction(x, load, y, exact)
+        return Direction(x, load, y, exact, spread)
+
+    def _pull(self, right: Right) -> FloatArray:
+        return right.pull if right.z is None else right.pull + self._softened(right.z)
+
+    def _target(self, right: Right, pull: FloatArray) -> float:
+        return right.load + (float(pull[-1]) if self._problem.capped else 0.0)
 
     def _comply(self, force: FloatArray) -> FloatArray:
         """Return S force."""
@@ -149,4 +177,4 @@ class KktSystem:
 
     def _softened(self, z: FloatArray) -> FloatArray:
         """Return W^-2 z."""
-        return self._scaling.solve(self._scaling.solve(z))
+        return self._scaling.soften(z)

@@ -71,6 +71,6 @@ class LocalProblems(Protocol):
         """Return multipliers near z with G^T z = force to rounding, as far as the constraints allow it."""
         ...
 
-    def interior(self, size: float, /) -> FloatArray:
-        """Return some x with right - G x inside the cones, of about this size if that is free."""
+    def interior(self, size: FloatArray, /) -> FloatArray:
+        """Return some x with right - G x inside the cones, of about this size (count,) if that is free."""
         ...

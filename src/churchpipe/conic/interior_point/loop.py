@@ -1,6 +1,6 @@
 """The loop: homogeneous embedding, Mehrotra predictor-corrector, Nesterov-Todd scaling, centrality correctors."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -10,16 +10,22 @@ from churchpipe.conic.interior_point.iterate import Iterate, inner
 from churchpipe.conic.interior_point.kkt import KktSystem
 from churchpipe.conic.interior_point.newton import NewtonSystem, centrality_target
 from churchpipe.conic.interior_point.normal import NormalMatrix
-from churchpipe.conic.interior_point.problem import CoupledProblem
-from churchpipe.conic.interior_point.residuals import Residuals, largest, residuals
+from churchpipe.conic.interior_point.problem import CoupledProblem, largest
+from churchpipe.conic.interior_point.residuals import Residuals, residuals
 from churchpipe.conic.interior_point.settings import Settings
 
 # Centrality correctors aim at a step this much longer, and count when they win this share of it (Gondzio 1996).
-_REACH = 0.3
-_WIN = 0.03
+_REACH = 0.5
+_WIN = 0.01
 # Centring beyond this only lengthens a solve whose correctors keep the products together.
-_MOST_CENTRING = 0.1
+_MOST_CENTRING = 0.03
 _TARGET = 0.3
+_WEIGHTS = (1.0, 0.7, 0.4)
+# Where a balance to rounding leads out of the cones, several mechanisms compete: the loop goes on to this share of the tolerance.
+_EXACT = 1e-3
+_SWEEPS = 8
+_LACK = 1e-9
+_OUTSIDE = 1e-13
 _STALLED_STEP = 1e-3
 _PATIENCE = 12
 _VANISHED = 1e-8
@@ -53,7 +59,7 @@ def solve_coupled(
     message = "iteration limit"
     for iteration in range(settings.iterations + 1):
         found = residuals(problem, at)
-        info = _measure(problem, at, found, iteration, step_length, correctors)
+        info = _measure(problem, at, found, settings, iteration, step_length, correctors)
         if progress:
             progress(info)
         if best is None or _distance(info, settings) < _distance(best[1], settings):
@@ -61,7 +67,11 @@ def solve_coupled(
         if info.error > 1e-2:
             warm = at
         status = _status(problem, at, found, info, settings)
-        if status != "running":
+        if status == "solved" and iteration:
+            exact = _balanced(problem, kkt, at)
+            if exact is not None or info.residual <= _EXACT * settings.residual:
+                return Ending(status, exact or at, info, "", warm)
+        elif status != "running":
             return Ending(status, at, info, "", warm)
         stalled = stalled + 1 if iteration and step_length < _STALLED_STEP else 0
         if stalled >= 3 or iteration - best[1].iteration > _PATIENCE:
@@ -77,7 +87,7 @@ def solve_coupled(
         if not at.finite():
             message = "overflow"
             break
-    at, info = best if best is not None else (start, _measure(problem, start, residuals(problem, start), 0, 0.0, 0))
+    at, info = best if best is not None else (start, _measure(problem, start, residuals(problem, start), settings, 0, 0.0, 0))
     accepted = info.error <= max(settings.error, settings.acceptable) and info.residual <= max(
         settings.residual, settings.acceptable
     )
@@ -89,8 +99,8 @@ def _advance(
 ) -> tuple[Iterate, float, int]:
     """Return the next iterate, the step length and the number of centrality correctors that helped."""
     system = NewtonSystem(problem, kkt, at, found, settings)
-    affine = system.predictor
-    reach = min(1.0, at.longest_step(problem, affine))
+    affine = system.predictor.move
+    reach = min(1.0, at.longest_step(problem, affine, affine, 0.0))
     mean = at.mean_product(problem)
     centring = min((1.0 - reach) ** 3, _MOST_CENTRING)
     target = centring * mean
@@ -98,18 +108,29 @@ def _advance(
     product -= target * problem.cone.identity()
     pair = affine.theta * affine.kappa + at.theta * at.kappa - target
     step = system.direction(1.0 - centring, product, pair)
-    length = at.longest_step(problem, step)
+    length = at.longest_step(problem, step.move, step.move, 0.0)
     helped = 0
     while helped < settings.correctors and settings.fraction * length < 1.0:
-        fix, fix_pair = centrality_target(problem, system, at, step, min(1.0, length + _REACH), max(target, _TARGET * mean))
-        trial = system.direction(1.0 - centring, product - fix, pair - fix_pair)
-        longer = at.longest_step(problem, trial)
+        fix, fix_pair = centrality_target(problem, system, at, step.move, min(1.0, length + _REACH), max(target, _TARGET * mean))
+        corrector = system.direction(0.0, -fix, -fix_pair)
+        longer, weight = max((at.longest_step(problem, step.move, corrector.move, weight), weight) for weight in _WEIGHTS)
         if longer < length + _WIN * _REACH:
             break
-        step, length, product, pair = trial, longer, product - fix, pair - fix_pair
+        step, length = step.plus(corrector, weight), longer
         helped += 1
-    length = min(1.0, settings.fraction * length)
-    return at.moved(step, length), length, helped
+    move = system.refined(step)
+    length = min(1.0, settings.fraction * at.longest_step(problem, move, move, 0.0))
+    return at.moved(move, length), length, helped
+
+
+def _balanced(problem: CoupledProblem, kkt: KktSystem, at: Iterate) -> Iterate | None:
+    """Return the iterate with the last digits of its coupling rows put right, None where that leads out of the cones."""
+    x, load = kkt.balance(at.x / at.theta, at.load / at.theta, _SWEEPS)
+    s = problem.right - problem.constrain(x, load)
+    lack = problem.rounded_imbalance(problem.couple(x) + problem.constant + load * problem.growth, x)
+    if not lack <= _LACK or problem.cone.margin(s) < -_OUTSIDE * largest(s):
+        return None
+    return replace(at, x=x * at.theta, load=load * at.theta, s=s * at.theta)
 
 
 def _distance(info: Info, settings: Settings) -> float:
@@ -117,7 +138,9 @@ def _distance(info: Info, settings: Settings) -> float:
     return max(info.error / settings.error, info.residual / settings.residual)
 
 
-def _measure(problem: CoupledProblem, at: Iterate, found: Residuals, iteration: int, step: float, correctors: int) -> Info:
+def _measure(
+    problem: CoupledProblem, at: Iterate, found: Residuals, settings: Settings, iteration: int, step: float, correctors: int
+) -> Info:
     # A load of a thousandth of the reward's unit is the least that an objective is measured by.
     size = max(abs(found.primal), abs(found.dual), 1e-3 * abs(problem.reward)) * at.theta**2
     work = (
@@ -126,12 +149,16 @@ def _measure(problem: CoupledProblem, at: Iterate, found: Residuals, iteration: 
         abs(inner(found.y, at.y)),
         abs(inner(found.x, at.x)) + abs(found.load * at.load),
     )
+    error = max(work) / max(size, 1e-300)
+    residual = problem.imbalance(found.y) / at.theta
+    if error <= settings.error and residual > settings.residual:
+        residual = problem.rounded_imbalance(found.y / at.theta, at.x / at.theta)
     return Info(
         iteration=iteration,
         primal=found.primal,
         dual=found.dual,
-        error=max(work) / max(size, 1e-300),
-        residual=largest(found.y) / at.theta,
+        error=error,
+        residual=residual,
         product=at.mean_product(problem),
         step=step,
         correctors=correctors,
@@ -164,9 +191,8 @@ def _status(problem: CoupledProblem, at: Iterate, found: Residuals, info: Info, 
 
 
 def interior_start(problem: CoupledProblem, settings: Settings) -> Iterate:
-    """Return a start without load: local interior points, and multipliers of the size that the reward calls for."""
+    """Return a start without load: local interior points, and multipliers that make all complementarity products equal."""
     x = problem.interior(settings.force)
     s = problem.right - problem.constrain(x, 0.0)
-    z = settings.rate * max(abs(problem.reward), 1.0) * problem.cone.identity()
-    product = inner(s, z) / max(problem.cone.degree, 1)
-    return Iterate(x, 0.0, np.zeros(problem.rows), s, z, 1.0, max(product, 1e-3))
+    product = settings.rate * settings.force * max(abs(problem.reward), 1.0)
+    return Iterate(x, 0.0, np.zeros(problem.rows), s, product * problem.cone.inverse(s), 1.0, product)

@@ -1,13 +1,47 @@
 """Newton directions of the homogeneous embedding at one iterate."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from churchpipe.conic.interior_point.iterate import Iterate, inner
 from churchpipe.conic.interior_point.kkt import Direction, KktSystem, Right
 from churchpipe.conic.interior_point.problem import CoupledProblem
-from churchpipe.conic.interior_point.residuals import Residuals, largest
+from churchpipe.conic.interior_point.residuals import Residuals
 from churchpipe.conic.interior_point.settings import Settings
 from churchpipe.model.arrays import FloatArray
+
+# Coupling rows solved to this share of what is left in them need no refinement.
+_EXACT = 0.1
+_ROUNDING = 1e-12
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """A direction of the embedding, with what it answers: `share` of the residuals, `right`, `pair` of theta kappa."""
+
+    share: float
+    right: Right
+    pair: float
+    direction: Direction
+    move: Iterate
+
+    def plus(self, other: "Step", factor: float) -> "Step":
+        """Return self + factor other."""
+        right = Right(
+            self.right.x + factor * other.right.x,
+            self.right.load + factor * other.right.load,
+            self.right.y + factor * other.right.y,
+            self.right.z if other.right.z is None else other.right.z,
+            self.right.pull + factor * other.right.pull,
+        )
+        return Step(
+            self.share + factor * other.share,
+            right,
+            self.pair + factor * other.pair,
+            self.direction.plus(other.direction, factor),
+            self.move.moved(other.move, factor),
+        )
 
 
 class NewtonSystem:
@@ -22,47 +56,56 @@ class NewtonSystem:
         # A vanishing scale announces a certificate: the matrix may be singular then, and its null space is wanted.
         singular = at.theta <= 1e-4 * at.kappa
         kkt.update(self.scaling, settings.regularisation * (1e4 if singular else 1.0))
-        # Coupling rows solved to a thousandth of what is left in them need no refinement.
-        self._allowed = 1e-3 * largest(found.y) + 1e-15
+        self._allowed = _EXACT * problem.imbalance(found.y) + _ROUNDING
         self.point = self.scaling.point()
-        affine = Right(-found.x, -found.load, -found.y, _opposite(found.z, 1.0), at.z)
-        slack = Right(np.zeros_like(at.x), 0.0, np.zeros_like(at.y), None, at.z)
-        first, second = kkt.solve([affine, slack], settings.refinements, self._allowed)
+        affine = self._right(1.0, at.z)
+        slack = self._right(0.0, at.z)
+        first, second = kkt.solve([affine, slack])
         self._slope = problem.linear + (2.0 / at.theta) * found.curvature
         # The solution for the data alone is the iterate itself plus a part as small as the residuals. Solving for that part
         # keeps digits that theta's own row, a difference of nearly equal works, would lose.
-        rest = first.plus(second)
-        here = Direction(at.x, at.load, at.y, at.z)
-        self._data = here.plus(rest).times(1.0 / at.theta)
+        both = Right(affine.x, affine.load, affine.y, affine.z, 2.0 * at.z)
+        rest = kkt.refine(both, first.plus(second), settings.refinements, self._allowed)
         self._stiffness = (found.theta - 2.0 * at.kappa + self._price(rest)) / at.theta
-        self.predictor = self._complete(first, 1.0, at.theta * at.kappa)
+        whole = Direction(at.x, at.load, at.y, at.z, rest.spread).plus(rest)
+        self._data = Iterate(whole.x, whole.load, whole.y, problem.right * at.theta, whole.z, at.theta, -at.kappa)
+        self._data.s[:] -= problem.constrain(whole.x, whole.load)
+        self.predictor = self._step(1.0, affine, at.theta * at.kappa, first)
 
-    def direction(self, share: float, product: FloatArray, pair: float) -> Iterate:
+    def direction(self, share: float, product: FloatArray, pair: float) -> Step:
         """Return the step that removes `share` of the residuals, `product` of lam o lam and `pair` of theta kappa."""
-        found = self._found
-        pull = self.scaling.solve(self.scaling.divide(product))
-        right = Right(-share * found.x, -share * found.load, -share * found.y, _opposite(found.z, share), pull)
-        (step,) = self._kkt.solve([right], self._settings.refinements, self._allowed)
-        return self._complete(step, share, pair)
+        right = self._right(share, self.scaling.solve(self.scaling.divide(product)))
+        (found,) = self._kkt.solve([right])
+        return self._step(share, right, pair, found)
+
+    def refined(self, step: Step) -> Iterate:
+        """Return the move of a step, its coupling rows made exact."""
+        found = self._kkt.refine(step.right, step.direction, self._settings.refinements, self._allowed)
+        return step.move if found is step.direction else self._step(step.share, step.right, step.pair, found).move
 
     def second_order(self, step: Iterate) -> FloatArray:
         """Return W^-1 ds o W dz, the product that a linear step neglects."""
         return self._problem.cone.product(self.scaling.solve(step.s), self.scaling.apply(step.z))
+
+    def _right(self, share: float, pull: FloatArray) -> Right:
+        found = self._found
+        z = None if share == 0.0 or found.z is None else -share * found.z
+        return Right(-share * found.x, -share * found.load, -share * found.y, z, pull)
 
     def _price(self, step: Direction) -> float:
         problem = self._problem
         slope = self._slope
         return inner(slope, step.x) - problem.reward * step.load - inner(problem.constant, step.y) + inner(problem.right, step.z)
 
-    def _complete(self, step: Direction, share: float, pair: float) -> Iterate:
+    def _step(self, share: float, right: Right, pair: float, found: Direction) -> Step:
         at, problem = self._at, self._problem
-        theta = (pair / at.theta - share * self._found.theta - self._price(step)) / self._stiffness
-        full = step.plus(self._data, theta)
+        theta = (pair / at.theta - share * self._found.theta - self._price(found)) / self._stiffness
         # s from the constraints, not from the complementarity rows: those keep rounding errors, these stay exact.
-        s = theta * problem.right - problem.constrain(full.x, full.load)
-        if self._found.z is not None:
-            s -= share * self._found.z
-        return Iterate(full.x, full.load, full.y, s, full.z, theta, -(pair + at.kappa * theta) / at.theta)
+        s = -problem.constrain(found.x, found.load)
+        if right.z is not None:
+            s += right.z
+        move = Iterate(found.x, found.load, found.y, s, found.z, 0.0, -pair / at.theta)
+        return Step(share, right, pair, found, move.moved(self._data, theta / at.theta))
 
 
 def centrality_target(
@@ -75,7 +118,3 @@ def centrality_target(
     fix = problem.cone.recentre(problem.cone.product(s, z), low, high)
     pair = (at.theta + length * step.theta) * (at.kappa + length * step.kappa)
     return fix, float(max(np.clip(pair, low, high) - pair, -high))
-
-
-def _opposite(residual: FloatArray | None, share: float) -> FloatArray | None:
-    return None if residual is None else -share * residual

@@ -22,6 +22,10 @@ class NonnegativeScaling:
         """Return W^-1 v."""
         return v / self.factor
 
+    def soften(self, v: FloatArray) -> FloatArray:
+        """Return W^-2 v."""
+        return v / self.factor / self.factor
+
     def divide(self, v: FloatArray) -> FloatArray:
         """Return u with lam o u = v."""
         return v / self.point
@@ -43,6 +47,10 @@ class Nonnegative:
         """Return e."""
         return np.ones((self.rows, self.count))
 
+    def inverse(self, s: FloatArray) -> FloatArray:
+        """Return u with s o u = e."""
+        return 1.0 / s
+
     def product(self, u: FloatArray, v: FloatArray) -> FloatArray:
         """Return u o v."""
         return u * v
@@ -51,9 +59,9 @@ class Nonnegative:
         """Return the smallest eigenvalue."""
         return float(s.min(initial=np.inf))
 
-    def longest_step(self, s: FloatArray, step: FloatArray) -> float:
-        """Return the largest t with s + t step in the cone."""
-        return 1.0 / max(float((-step / s).max(initial=0.0)), 1e-300)
+    def longest_step(self, s: FloatArray, step: FloatArray, more: FloatArray, weight: float) -> float:
+        """Return the largest t with s + t (step + weight more) in the cone."""
+        return 1.0 / max(float(((step + weight * more) / -s).max(initial=0.0)), 1e-300)
 
     def scaling(self, s: FloatArray, z: FloatArray) -> NonnegativeScaling:
         """Return the Nesterov-Todd scaling of interior s and z."""

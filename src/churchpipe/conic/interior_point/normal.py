@@ -1,110 +1,129 @@
 """The normal matrix sum_k B_k S_k B_k^T, assembled straight into the nonzeros of its lower triangle."""
 
-from dataclasses import dataclass
-from itertools import pairwise
+from functools import lru_cache
+from typing import Protocol
 
+import numba
 import numpy as np
 import scipy.sparse as sp
 
+from churchpipe.conic.interior_point.coupling import Coupling
 from churchpipe.model.arrays import FloatArray, IntArray, ragged_indices
 
-# Local problems treated together: what one pass touches stays in the second-level cache.
-_CHUNK = 8192
 
-
-@dataclass(frozen=True, slots=True)
-class _Elements:
-    """Local problems that touch equally many row blocks; those with the same blocks form one element.
-
-    members (p,), sorted by element; ends (ne + 1,); matrix_bik (basis rows, d, p); lift_rbe (further rows, basis rows, ne)
-    gives the other rows of an element from the basis rows, for bodies that move rigidly against each other;
-    blocks (width, ne), ascending.
-    """
-
-    members: IntArray
-    ends: IntArray
-    matrix: FloatArray
-    lift: FloatArray | None
-    blocks: IntArray
+class _Assemble(Protocol):
+    def __call__(
+        self,
+        elements: tuple[IntArray, IntArray, IntArray, IntArray, IntArray, IntArray, IntArray],
+        coupled: FloatArray,
+        compliance: FloatArray,
+        out: FloatArray,
+        /,
+    ) -> None: ...
 
 
 class NormalMatrix:
-    """Fixed pattern and repeated assembly of the normal matrix; the coupling's rows come in blocks of `block`."""
+    """Fixed pattern and repeated assembly of the normal matrix of a coupling.
 
-    def __init__(self, coupling: sp.csr_matrix[np.float64], dimension: int, block: int) -> None:
-        """coupling (m, dimension * count), columns component first, m a multiple of `block`."""
-        size = coupling.shape[0]
-        self.block = block
-        self._elements = _elements(coupling, dimension, block)
-        graph = _block_graph([e.blocks for e in self._elements], size // block)
-        self.pattern, pointer = _pattern(graph, block)
-        self._slots = [_slots(e.blocks, graph, pointer, block) for e in self._elements]
-        self.diagonal = self.pattern.indptr[:-1].astype(np.int64)
+    Local problems that touch the same row blocks form one element, whose matrix is summed before it is scattered.
+    """
+
+    def __init__(self, coupling: Coupling) -> None:
+        self._coupling = coupling
+        order, ends = _elements(coupling)
+        first = coupling.pointer[order[ends[:-1]]]
+        width = np.diff(coupling.pointer)[order[ends[:-1]]]
+        graph = _block_graph(coupling, first, width)
+        self.pattern, columns = _pattern(graph, coupling.block)
+        rank, rank_pointer = _ranks(coupling, first, width, graph)
+        self._order = (order, ends, coupling.pointer, coupling.blocks, rank_pointer, rank, columns)
+        self._widest = int(width.max(initial=0))
+        self._assemble = _kernel(coupling.dimension, coupling.block, self._widest)
+        self.diagonal: IntArray = self.pattern.indptr[:-1].astype(np.int64)
 
     def assemble(self, compliance: FloatArray) -> FloatArray:
         """Return the values of the lower triangle, in the order of the pattern; compliance_ijk (d, d, count)."""
-        nonzeros = self.pattern.nnz
-        values = np.zeros(nonzeros)
-        for elements, slots in zip(self._elements, self._slots, strict=True):
-            lower = _element_matrices(elements, compliance)
-            values += np.bincount(slots.ravel(), weights=lower.ravel(), minlength=nonzeros)
+        values = np.zeros(self.pattern.nnz)
+        self._assemble(self._order, self._coupling.values, compliance, values)
         return values
 
 
-def _elements(coupling: sp.csr_matrix[np.float64], dimension: int, block: int) -> list[_Elements]:
-    """Sort local problems by the number of row blocks they touch, and merge those that touch the same ones."""
-    count = coupling.shape[1] // dimension
-    entry = sp.coo_matrix(coupling)
-    component, local = np.divmod(entry.col.astype(np.int64), count)
-    row_block, within = np.divmod(entry.row.astype(np.int64), block)
-    touched = sp.csc_matrix((np.ones(len(local)), (row_block, local)), shape=(coupling.shape[0] // block, count))
-    touched.sort_indices()
-    degree = np.diff(touched.indptr)
-    out: list[_Elements] = []
-    for width in np.unique(degree[degree > 0]).tolist():
-        chosen = np.flatnonzero(degree == width)
-        # blocks_wp: the row blocks of each local problem.
-        blocks = touched.indices[touched.indptr[chosen] + np.arange(width)[:, None]].astype(np.int64)
-        order = np.lexsort(blocks[::-1])
-        members, blocks = chosen[order], blocks[:, order]
-        first = np.flatnonzero(np.append(True, (blocks[:, 1:] != blocks[:, :-1]).any(axis=0)))
-        ends = np.append(first, len(members))
-        position = np.full(count, -1)
-        position[members] = np.arange(len(members))
-        mine = position[local] >= 0
-        at = position[local[mine]]
-        place = (blocks[:, at] < row_block[mine]).sum(axis=0)
-        matrix = np.zeros((width * block, dimension, len(members)))
-        matrix[place * block + within[mine], component[mine], at] = entry.data[mine]
-        lift = _rigid_lift(matrix, ends, block) if block > 1 else None
-        basis = matrix if lift is None else np.ascontiguousarray(matrix[:block])
-        out.append(_Elements(members, ends, basis, lift, np.ascontiguousarray(blocks[:, first])))
-    return out
+@lru_cache
+def _kernel(dimension: int, block: int, widest: int) -> _Assemble:
+    """Compile the assembly for one size of block."""
+
+    @numba.njit(cache=True, fastmath={"reassoc", "contract"})
+    def assemble(
+        elements: tuple[IntArray, IntArray, IntArray, IntArray, IntArray, IntArray, IntArray],
+        coupled: FloatArray,
+        compliance: FloatArray,
+        out: FloatArray,
+    ) -> None:
+        order, ends, pointer, blocks, rank_pointer, rank, columns = elements
+        total = np.empty((widest, widest, block, block))
+        flexed = np.empty((widest, dimension, block))
+        for element in range(len(ends) - 1):
+            total[:] = 0.0
+            start = pointer[order[ends[element]]]
+            width = pointer[order[ends[element]] + 1] - start
+            for member in range(ends[element], ends[element + 1]):
+                k = order[member]
+                touch = pointer[k]
+                for p in range(width):
+                    for a in range(dimension):
+                        for c in range(block):
+                            value = 0.0
+                            for b in range(dimension):
+                                value += compliance[a, b, k] * coupled[touch + p, b, c]
+                            flexed[p, a, c] = value
+                for p in range(width):
+                    for q in range(p + 1):
+                        for c in range(block):
+                            for r in range(block):
+                                value = 0.0
+                                for a in range(dimension):
+                                    value += coupled[touch + p, a, r] * flexed[q, a, c]
+                                total[p, q, c, r] += value
+            pair = rank_pointer[element]
+            for p in range(width):
+                for q in range(p + 1):
+                    place = rank[pair] * block
+                    pair += 1
+                    for c in range(block):
+                        at = columns[blocks[start + q] * block + c] + place - c
+                        for r in range(c if p == q else 0, block):
+                            out[at + r] += total[p, q, c, r]
+
+    return assemble
 
 
-def _rigid_lift(matrix: FloatArray, ends: IntArray, block: int) -> FloatArray | None:
-    """Return lift_rbe with matrix[block:] = lift matrix[:block] in every element, or None when there is none.
+def _elements(coupling: Coupling) -> tuple[IntArray, IntArray]:
+    """Return the local problems that touch anything, those with the same blocks side by side, and where each group ends."""
+    width = np.diff(coupling.pointer)
+    chosen: list[IntArray] = []
+    ends: list[IntArray] = [np.zeros(1, dtype=np.int64)]
+    done = 0
+    for wide in np.unique(width[width > 0]).tolist():
+        mine = np.flatnonzero(width == wide)
+        touched = coupling.blocks[coupling.pointer[mine] + np.arange(wide)[:, None]]
+        order = np.lexsort(touched[::-1])
+        touched = touched[:, order]
+        last = np.flatnonzero(np.append((touched[:, 1:] != touched[:, :-1]).any(axis=0), True))
+        chosen.append(mine[order])
+        ends.append(done + last + 1)
+        done += len(mine)
+    return np.concatenate([*chosen, np.zeros(0, dtype=np.int64)]), np.concatenate(ends)
 
-    Two rigid bodies that meet at an interface see the same forces: the wrench on one is a fixed transform of that on the other.
-    """
-    if matrix.shape[0] == block:
-        return None
-    top, rest = matrix[:block], matrix[block:]
-    gram = np.add.reduceat(np.einsum("bik,cik->bck", top, top), ends[:-1], axis=2)
-    mixed = np.add.reduceat(np.einsum("rik,cik->rck", rest, top), ends[:-1], axis=2)
-    inverse = np.linalg.pinv(np.moveaxis(gram, 2, 0), rcond=1e-12, hermitian=True)
-    lift = np.ascontiguousarray(np.moveaxis(np.moveaxis(mixed, 2, 0) @ inverse, 0, 2))
-    error = rest - np.einsum("rbk,bik->rik", np.repeat(lift, np.diff(ends), axis=2), top)
-    return lift if np.abs(error).max(initial=0.0) <= 1e-11 * np.abs(matrix).max(initial=0.0) else None
 
-
-def _block_graph(lists: list[IntArray], count: int) -> sp.csc_matrix[np.float64]:
-    """Return the lower triangle (count, count) of which blocks meet in an element, the diagonal always."""
+def _block_graph(coupling: Coupling, first: IntArray, width: IntArray) -> sp.csc_matrix[np.float64]:
+    """Return the lower triangle of which blocks meet in an element, the diagonal always."""
+    count = coupling.rows // coupling.block
     rows, columns = [np.arange(count)], [np.arange(count)]
-    for blocks in lists:
-        i, j = np.tril_indices(len(blocks), -1)
-        rows.append(blocks[i].ravel())
-        columns.append(blocks[j].ravel())
+    for p in range(1, int(width.max(initial=0))):
+        start = first[width > p]
+        for q in range(p):
+            rows.append(coupling.blocks[start + p])
+            columns.append(coupling.blocks[start + q])
     row, column = np.concatenate(rows), np.concatenate(columns)
     graph = sp.csc_matrix((np.ones(len(row)), (row, column)), shape=(count, count))
     graph.sort_indices()
@@ -117,7 +136,7 @@ def _pattern(graph: sp.csc_matrix[np.float64], block: int) -> tuple[sp.csc_matri
     blocks_below = np.diff(graph.indptr).astype(np.int64)
     lengths = (block * blocks_below[:, None] - np.arange(block)).ravel()
     pointer = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(lengths)])
-    rows = (block * graph.indices[:, None] + np.arange(block)).ravel()
+    rows = (block * graph.indices[:, None] + np.arange(block, dtype=graph.indices.dtype)).ravel()
     # Every column of a block column has all its rows, less those above the diagonal.
     starts = np.repeat(block * graph.indptr[:-1].astype(np.int64), block) + np.tile(np.arange(block), count)
     take = ragged_indices(starts, lengths)
@@ -126,52 +145,19 @@ def _pattern(graph: sp.csc_matrix[np.float64], block: int) -> tuple[sp.csc_matri
     return pattern, pointer
 
 
-def _slots(blocks: IntArray, graph: sp.csc_matrix[np.float64], pointer: IntArray, block: int) -> IntArray:
-    """Return where the lower triangle of each element goes among the values, (pairs, ne)."""
+def _ranks(coupling: Coupling, first: IntArray, width: IntArray, graph: sp.csc_matrix[np.float64]) -> tuple[IntArray, IntArray]:
+    """Return for each pair p >= q of an element's blocks the rank of block p in column q, and where elements start."""
     count = graph.shape[0]
     columns = np.repeat(np.arange(count), np.diff(graph.indptr))
-    first = np.asarray(graph.indptr, dtype=np.int64)
+    start = np.asarray(graph.indptr, dtype=np.int64)
     keys = columns * count + graph.indices
-    i, j = np.tril_indices(len(blocks) * block)
-    out = np.empty((len(i), blocks.shape[1]), dtype=np.int64)
-    for p in range(len(blocks)):
+    pointer = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(width * (width + 1) // 2)])
+    rank = np.empty(int(pointer[-1]), dtype=np.int64)
+    for p in range(int(width.max(initial=0))):
+        wide = np.flatnonzero(width > p)
+        upper = coupling.blocks[first[wide] + p]
         for q in range(p + 1):
-            rank = np.asarray(np.searchsorted(keys, blocks[q] * count + blocks[p]), dtype=np.int64) - first[blocks[q]]
-            for k in np.flatnonzero((i // block == p) & (j // block == q)).tolist():
-                r, c = i[k] % block, j[k] % block
-                out[k] = pointer[blocks[q] * block + c] + rank * block + r - c
-    return out
-
-
-def _element_matrices(elements: _Elements, compliance: FloatArray) -> FloatArray:
-    """Return the lower triangles (pairs, ne) of sum_k B_k S_k B_k^T over the members of each element."""
-    basis, dimension, count = elements.matrix.shape
-    ends = elements.ends
-    core = np.empty((basis, basis, len(ends) - 1))
-    cuts = [int(np.searchsorted(ends[:-1], start)) for start in range(0, count, _CHUNK)]
-    for low, high in pairwise(sorted({*cuts, len(ends) - 1})):
-        start, stop = ends[low], ends[high]
-        piece = elements.matrix[:, :, start:stop]
-        weight = compliance[:, :, elements.members[start:stop]]
-        first = ends[low:high] - start
-        for i in range(basis):
-            row = [sum(piece[i, a] * weight[a, b] for a in range(dimension)) for b in range(dimension)]
-            for j in range(i + 1):
-                core[i, j, low:high] = np.add.reduceat(sum(row[b] * piece[j, b] for b in range(dimension)), first)
-                core[j, i, low:high] = core[i, j, low:high]
-    if elements.lift is None:
-        i, j = np.tril_indices(basis)
-        return core[i, j]
-    return _lifted(core, elements.lift)
-
-
-def _lifted(core: FloatArray, lift: FloatArray) -> FloatArray:
-    """Return the lower triangles of (I; lift) core (I; lift)^T."""
-    side = np.einsum("rbe,bce->rce", lift, core)
-    corner = np.einsum("rbe,sbe->rse", side, lift)
-    basis, rest = core.shape[0], corner.shape[0]
-    i, j = np.tril_indices(basis + rest)
-    out = np.empty((len(i), core.shape[2]))
-    for k, (r, c) in enumerate(zip(i.tolist(), j.tolist(), strict=True)):
-        out[k] = core[r, c] if r < basis else side[r - basis, c] if c < basis else corner[r - basis, c - basis]
-    return out
+            lower = coupling.blocks[first[wide] + q]
+            place = np.asarray(np.searchsorted(keys, lower * count + upper), dtype=np.int64)
+            rank[pointer[wide] + p * (p + 1) // 2 + q] = place - start[lower]
+    return rank, pointer

@@ -1,38 +1,41 @@
 """The problem that the interior-point loop solves: local problems, coupled by rows and one multiplier of a load."""
 
 import numpy as np
-import scipy.sparse as sp
 
 from churchpipe.conic.interior_point.cones import ProductCone
+from churchpipe.conic.interior_point.coupling import Coupling
 from churchpipe.conic.interior_point.local import LocalProblems
 from churchpipe.conic.interior_point.nonnegative import Nonnegative
 from churchpipe.model.arrays import FloatArray
+
+_ROUNDING = 1e-6
 
 
 class CoupledProblem:
     """minimise    sum_k (1/2 x_k Q_k x_k + linear_k x_k) - reward load
     subject to  coupling x + constant + load growth = 0,   G_k x_k + s_k = right_k,  s_k in cones,   load <= cap
 
-    x is flat, component first: x[i * count + k]; coupling (m, dimension * count) has its columns in that order. The cap, when
-    finite, is the last row of s and z.
+    x is flat, component first: x[i * count + k]. The cap, when finite, is the last row of s and z.
     """
 
     def __init__(
         self,
         local: LocalProblems,
-        coupling: sp.csr_matrix[np.float64],
+        coupling: Coupling,
         constant: FloatArray,
         growth: FloatArray,
         *,
         reward: float = 1.0,
         cap: float = np.inf,
+        row_unit: FloatArray | None = None,
     ) -> None:
+        """row_unit (m,): what a residual of each coupling row is measured by, 1 if not given."""
         self.local = local
         self.coupling = coupling
         self.constant, self.growth, self.reward, self.cap = constant, growth, reward, cap
+        self._row_unit = np.ones(len(constant)) if row_unit is None else row_unit
+        self._unit = coupling.smallest(self._row_unit)
         self.capped = bool(np.isfinite(cap))
-        # Both directions by rows: products that scatter cost three times as much.
-        self._transposed = sp.csr_matrix(coupling.T)
         self.linear = local.linear.ravel()
         self.cone = ProductCone([*local.cones, Nonnegative(1, 1)] if self.capped else local.cones)
         self.right = np.append(local.right, cap) if self.capped else local.right
@@ -42,13 +45,21 @@ class CoupledProblem:
         """Number of coupling rows."""
         return len(self.constant)
 
+    def imbalance(self, rows: FloatArray) -> float:
+        """Return the largest of these residuals of the coupling rows, each in its own unit."""
+        return largest(rows / self._row_unit)
+
+    def rounded_imbalance(self, rows: FloatArray, x: FloatArray) -> float:
+        """Return the same, in units of at least a millionth of the forces x that pass: a wafer under a tower has no other."""
+        return largest(rows / np.maximum(self._row_unit, _ROUNDING * self.coupling.passing(x)))
+
     def couple(self, x: FloatArray) -> FloatArray:
         """Return coupling x."""
-        return np.asarray(self.coupling @ x)
+        return self.coupling.couple(x)
 
     def spread(self, y: FloatArray) -> FloatArray:
         """Return coupling^T y."""
-        return np.asarray(self._transposed @ y)
+        return self.coupling.spread(y)
 
     def local_view(self, x: FloatArray) -> FloatArray:
         """Return x as (dimension, count)."""
@@ -68,5 +79,10 @@ class CoupledProblem:
         return self.local.transpose(z[: len(self.local.right)]).ravel()
 
     def interior(self, size: float) -> FloatArray:
-        """Return x inside all local cones, of about this size."""
-        return self.local.interior(size).ravel()
+        """Return x inside all local cones, of about this size in the smallest unit of the rows that each touches."""
+        return self.local.interior(size * self._unit).ravel()
+
+
+def largest(v: FloatArray) -> float:
+    """Return max |v|, 0 for nothing."""
+    return float(np.abs(v).max(initial=0.0))

@@ -2,10 +2,8 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from churchpipe.conic.interior_point.iterate import Iterate, inner
-from churchpipe.conic.interior_point.problem import CoupledProblem
+from churchpipe.conic.interior_point.problem import CoupledProblem, largest
 from churchpipe.model.arrays import FloatArray
 
 # Residuals of the constraints below this share of the slacks are rounding, which the scaling would blow up.
@@ -51,8 +49,3 @@ def residuals(problem: CoupledProblem, at: Iterate) -> Residuals:
         primal=-(cost / at.theta + 0.5 * square / at.theta**2),
         dual=price / at.theta + 0.5 * square / at.theta**2,
     )
-
-
-def largest(v: FloatArray) -> float:
-    """Return max |v|, 0 for nothing."""
-    return float(np.abs(v).max(initial=0.0))

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+import numba
 import numpy as np
 
 from churchpipe.model.arrays import FloatArray
@@ -21,28 +22,26 @@ class SecondOrderScaling:
 
     def apply(self, v: FloatArray) -> FloatArray:
         """Return W v."""
-        w0, w1 = self.w[0], self.w[1:]
-        along = (w1 * v[1:]).sum(axis=0)
         out = np.empty_like(v)
-        out[0] = self.eta * (w0 * v[0] + along)
-        out[1:] = self.eta * (v[1:] + (v[0] + along / (1.0 + w0)) * w1)
+        _scale(_flat(v), _flat(self.w), self.eta.ravel(), 1.0, _flat(out))
         return out
 
     def solve(self, v: FloatArray) -> FloatArray:
         """Return W^-1 v."""
-        w0, w1 = self.w[0], self.w[1:]
-        along = (w1 * v[1:]).sum(axis=0)
         out = np.empty_like(v)
-        out[0] = (w0 * v[0] - along) / self.eta
-        out[1:] = (v[1:] + (along / (1.0 + w0) - v[0]) * w1) / self.eta
+        _scale(_flat(v), _flat(self.w), 1.0 / self.eta.ravel(), -1.0, _flat(out))
+        return out
+
+    def soften(self, v: FloatArray) -> FloatArray:
+        """Return W^-2 v."""
+        out = np.empty_like(v)
+        _soften(_flat(v), _flat(self.w), self.eta.ravel(), _flat(out))
         return out
 
     def divide(self, v: FloatArray) -> FloatArray:
         """Return u with lam o u = v."""
-        p0, p1 = self.point[0], self.point[1:]
         out = np.empty_like(v)
-        out[0] = (p0 * v[0] - (p1 * v[1:]).sum(axis=0)) / _determinant(self.point)
-        out[1:] = (v[1:] - out[0] * p1) / p0
+        _divide(_flat(self.point), _flat(v), _flat(out))
         return out
 
 
@@ -70,50 +69,37 @@ class SecondOrder:
         out[0] = 1.0
         return out
 
+    def inverse(self, s: FloatArray) -> FloatArray:
+        """Return u with s o u = e."""
+        out = np.empty_like(s)
+        _divide(_flat(s), _flat(self.identity()), _flat(out))
+        return out
+
     def product(self, u: FloatArray, v: FloatArray) -> FloatArray:
         """Return u o v."""
         out = np.empty_like(u)
-        out[0] = (u * v).sum(axis=0)
-        out[1:] = u[0] * v[1:] + v[0] * u[1:]
+        _multiply(_flat(u), _flat(v), _flat(out))
         return out
 
     def margin(self, s: FloatArray) -> float:
         """Return the smallest eigenvalue."""
         return float((s[0] - _length(s)).min(initial=np.inf))
 
-    def longest_step(self, s: FloatArray, step: FloatArray) -> float:
-        """Return the largest t with s + t step in the cone, from the roots of its determinant in t."""
-        root = np.sqrt(_determinant(s))
-        # In the frame that takes s to e: step becomes (rho_0, rho_1), and s + t step leaves at 1 / (|rho_1| - rho_0).
-        unit = s / root
-        rho0 = unit[0] * step[0] - (unit[1:] * step[1:]).sum(axis=0)
-        rho1 = step[1:] - ((step[0] + rho0) / (1.0 + unit[0])) * unit[1:]
-        steepest = (np.sqrt((rho1**2).sum(axis=0)) - rho0) / root
-        return 1.0 / max(float(steepest.max(initial=0.0)), 1e-300)
+    def longest_step(self, s: FloatArray, step: FloatArray, more: FloatArray, weight: float) -> float:
+        """Return the largest t with s + t (step + weight more) in the cone, from the roots of its determinant in t."""
+        return 1.0 / max(_steepest(_flat(s), _flat(step), _flat(more), weight), 1e-300)
 
     def scaling(self, s: FloatArray, z: FloatArray) -> SecondOrderScaling:
         """Return the Nesterov-Todd scaling of interior s and z."""
-        root_s, root_z = np.sqrt(_determinant(s)), np.sqrt(_determinant(z))
-        unit_s, unit_z = s / root_s, z / root_z
-        gamma = np.sqrt(0.5 * (1.0 + (unit_s * unit_z).sum(axis=0)))
-        w = np.empty_like(s)
-        w[0] = (unit_s[0] + unit_z[0]) / (2.0 * gamma)
-        w[1:] = (unit_s[1:] - unit_z[1:]) / (2.0 * gamma)
-        w[0] = np.sqrt(1.0 + (w[1:] ** 2).sum(axis=0))
-        scaling = SecondOrderScaling(np.sqrt(root_s / root_z), w, s)
-        point = scaling.apply(z)
-        return SecondOrderScaling(scaling.eta, w, point)
+        eta, w, point = np.empty(s.shape[1:]), np.empty_like(s), np.empty_like(s)
+        _nesterov_todd(_flat(s), _flat(z), eta.reshape(-1), _flat(w))
+        _scale(_flat(z), _flat(w), eta.ravel(), 1.0, _flat(point))
+        return SecondOrderScaling(eta, w, point)
 
     def recentre(self, product: FloatArray, low: float, high: float) -> FloatArray:
         """Return the correction that brings the eigenvalues of a complementarity product into [low, high]."""
-        length = _length(product)
-        direction = product[1:] / np.maximum(length, 1e-300)
-        small, large = product[0] - length, product[0] + length
-        fix_small = np.maximum(np.clip(small, low, high) - small, -high)
-        fix_large = np.maximum(np.clip(large, low, high) - large, -high)
         out = np.empty_like(product)
-        out[0] = 0.5 * (fix_large + fix_small)
-        out[1:] = 0.5 * (fix_large - fix_small) * direction
+        _recentre(_flat(product), low, high, _flat(out))
         return out
 
 
@@ -121,6 +107,116 @@ def _length(s: FloatArray) -> FloatArray:
     return np.sqrt((s[1:] ** 2).sum(axis=0))
 
 
-def _determinant(s: FloatArray) -> FloatArray:
-    length = _length(s)
-    return (s[0] - length) * (s[0] + length)
+def _flat(v: FloatArray) -> FloatArray:
+    """Return a view (dimension, copies * count)."""
+    return v.reshape(v.shape[0], -1)
+
+
+@numba.njit(cache=True, inline="always", error_model="numpy")
+def _determinant(s: FloatArray, k: int) -> float:
+    square = 0.0
+    for i in range(1, s.shape[0]):
+        square += s[i, k] * s[i, k]
+    length = np.sqrt(square)
+    return (s[0, k] - length) * (s[0, k] + length)
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _scale(v: FloatArray, w: FloatArray, eta: FloatArray, sign: float, out: FloatArray) -> None:
+    """W v with sign 1; W^-1 v with sign -1 and the inverse of eta."""
+    for k in range(v.shape[1]):
+        along = 0.0
+        for i in range(1, v.shape[0]):
+            along += w[i, k] * v[i, k]
+        out[0, k] = eta[k] * (w[0, k] * v[0, k] + sign * along)
+        share = sign * v[0, k] + along / (1.0 + w[0, k])
+        for i in range(1, v.shape[0]):
+            out[i, k] = eta[k] * (v[i, k] + share * w[i, k])
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _soften(v: FloatArray, w: FloatArray, eta: FloatArray, out: FloatArray) -> None:
+    """W^-2 v as W^-1 twice: the closed form 2 w w^T - J would cancel."""
+    for k in range(v.shape[1]):
+        along, square = 0.0, 0.0
+        for i in range(1, v.shape[0]):
+            along += w[i, k] * v[i, k]
+            square += w[i, k] * w[i, k]
+        first = w[0, k] * v[0, k] - along
+        share = along / (1.0 + w[0, k]) - v[0, k]
+        along += share * square
+        out[0, k] = (w[0, k] * first - along) / eta[k] ** 2
+        share += along / (1.0 + w[0, k]) - first
+        for i in range(1, v.shape[0]):
+            out[i, k] = (v[i, k] + share * w[i, k]) / eta[k] ** 2
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _divide(p: FloatArray, v: FloatArray, out: FloatArray) -> None:
+    for k in range(v.shape[1]):
+        along = 0.0
+        for i in range(1, v.shape[0]):
+            along += p[i, k] * v[i, k]
+        out[0, k] = (p[0, k] * v[0, k] - along) / _determinant(p, k)
+        for i in range(1, v.shape[0]):
+            out[i, k] = (v[i, k] - out[0, k] * p[i, k]) / p[0, k]
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _multiply(u: FloatArray, v: FloatArray, out: FloatArray) -> None:
+    for k in range(v.shape[1]):
+        total = u[0, k] * v[0, k]
+        for i in range(1, v.shape[0]):
+            total += u[i, k] * v[i, k]
+            out[i, k] = u[0, k] * v[i, k] + v[0, k] * u[i, k]
+        out[0, k] = total
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _steepest(s: FloatArray, step: FloatArray, more: FloatArray, weight: float) -> float:
+    """Return the largest rate at which a cone is left: in the frame that takes s to e, where the step becomes (rho_0, rho_1)."""
+    steepest = 0.0
+    for k in range(s.shape[1]):
+        root = np.sqrt(_determinant(s, k))
+        first = step[0, k] + weight * more[0, k]
+        rho0 = s[0, k] * first
+        for i in range(1, s.shape[0]):
+            rho0 -= s[i, k] * (step[i, k] + weight * more[i, k])
+        rho0 /= root
+        share = (first + rho0) / (root + s[0, k])
+        square = 0.0
+        for i in range(1, s.shape[0]):
+            square += (step[i, k] + weight * more[i, k] - share * s[i, k]) ** 2
+        steepest = max(steepest, (np.sqrt(square) - rho0) / root)
+    return steepest
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _nesterov_todd(s: FloatArray, z: FloatArray, eta: FloatArray, w: FloatArray) -> None:
+    for k in range(s.shape[1]):
+        root_s, root_z = np.sqrt(_determinant(s, k)), np.sqrt(_determinant(z, k))
+        both = 0.0
+        for i in range(s.shape[0]):
+            both += (s[i, k] / root_s) * (z[i, k] / root_z)
+        twice = 2.0 * np.sqrt(0.5 * (1.0 + both))
+        square = 1.0
+        for i in range(1, s.shape[0]):
+            w[i, k] = (s[i, k] / root_s - z[i, k] / root_z) / twice
+            square += w[i, k] * w[i, k]
+        w[0, k] = np.sqrt(square)
+        eta[k] = np.sqrt(root_s / root_z)
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _recentre(product: FloatArray, low: float, high: float, out: FloatArray) -> None:
+    for k in range(product.shape[1]):
+        square = 0.0
+        for i in range(1, product.shape[0]):
+            square += product[i, k] ** 2
+        length = np.sqrt(square)
+        small, large = product[0, k] - length, product[0, k] + length
+        fix_small = max(min(max(small, low), high) - small, -high)
+        fix_large = max(min(max(large, low), high) - large, -high)
+        out[0, k] = 0.5 * (fix_large + fix_small)
+        for i in range(1, product.shape[0]):
+            out[i, k] = 0.5 * (fix_large - fix_small) * product[i, k] / max(length, 1e-300)

@@ -10,19 +10,19 @@ class Settings:
     """How far to go, and how.
 
     error: relative error of the objective aimed at (gap, complementarity and the work of residuals); acceptable: error at
-    which a solve that got stuck still counts as solved; residual: of the balance, absolute, in the units of the program;
+    which a solve that got stuck still counts as solved; residual: of the balance, relative to the loads on each body;
     certificate: residual of a certificate of infeasibility or of a ray, relative to what it proves; iterations: at most;
     correctors: centrality correctors tried at an iteration (Gondzio 1996); fraction: share of the way to the boundary;
     regularisation: of the normal matrix, relative to its diagonal; refinements: of each linear solve, at most;
     force, rate: size of the starting forces (in the largest load on one row) and multipliers (in those that earn the reward).
     """
 
-    error: float = 1e-8
-    acceptable: float = 1e-7
-    residual: float = 1e-10
+    error: float = 1e-7
+    acceptable: float = 2e-7
+    residual: float = 1e-7
     certificate: float = 1e-7
     iterations: int = 150
-    correctors: int = 4
+    correctors: int = 12
     fraction: float = 0.99
     regularisation: float = 1e-14
     refinements: int = 3

@@ -8,6 +8,7 @@ import scipy.sparse as sp
 
 from churchpipe.conic.cholesky import Cholesky
 from churchpipe.conic.interior_point.coulomb import CoulombPoints
+from churchpipe.conic.interior_point.coupling import Coupling
 from churchpipe.conic.interior_point.info import Progress
 from churchpipe.conic.interior_point.iterate import Iterate
 from churchpipe.conic.interior_point.loop import Ending, interior_start, solve_coupled
@@ -23,6 +24,8 @@ from churchpipe.model.arrays import FloatArray
 BLOCK = 6
 # A limit below this share of the largest load is no shear resistance at all: its cone has no interior in double precision.
 _NO_SHEAR = 1e-13
+# Imbalance, over the largest load on a body, that counts as rounding.
+_ROUNDED = 1e-12
 
 
 def solve_interior_point(
@@ -61,11 +64,11 @@ class InteriorPointSolver:
         self._balance, self._rows = balance, rows
         padded = -(-rows // BLOCK) * BLOCK
         order = (3 * np.arange(points) + np.arange(3)[:, None]).ravel()
-        coupling = sp.csr_matrix(balance[:, order])
-        self._coupling = sp.csr_matrix(
-            (coupling.data, coupling.indices, _padded(coupling.indptr, padded)), shape=(padded, columns)
-        )
-        self._normal = NormalMatrix(self._coupling, 3, BLOCK)
+        entry = sp.coo_matrix(balance[:, order])
+        coupling = sp.csr_matrix((entry.data, (entry.row, entry.col)), shape=(padded, columns))
+        self._coupling = Coupling(coupling, 3, BLOCK)
+        self._lever = self._coupling.largest_entries()
+        self._normal = NormalMatrix(self._coupling)
         self._cholesky = Cholesky(self._normal.pattern, BLOCK)
         self._previous: _Previous | None = None
 
@@ -91,18 +94,19 @@ class InteriorPointSolver:
             raise InputError("InteriorPointSolver.solve", "another balance", expected="the balance that the solver was made for")
         force = max(float(np.abs(program.constant).max(initial=0.0)), float(np.abs(program.growth).max(initial=0.0)))
         force = force if force > 0 else 1.0
-        growth = _pad(program.growth / force, len(self._coupling.indptr) - 1)
+        growth = _pad(program.growth / force, self._coupling.rows)
         # The work of a unit load on unit rates is the unit of the objective: rates are then of order one.
         reward = max(float(np.abs(growth).sum()), 1.0)
         limit = np.where(program.limit / force > _NO_SHEAR, program.limit / force, 0.0)
         local = CoulombPoints(limit, program.slope, reward * force * program.linear, reward * force**2 * program.quadratic)
         problem = CoupledProblem(
             local,
-            _masked(self._coupling, local),
+            self._coupling.masked(local.active),
             _pad(program.constant / force, len(growth)),
             growth,
             reward=reward,
             cap=program.cap,
+            row_unit=self._row_unit(program) / force,
         )
         nothing = _unsupported(problem)
         if nothing is not None:
@@ -117,17 +121,26 @@ class InteriorPointSolver:
                 "interior-point",
                 "a body without contact",
             )
-        loop_settings = replace(settings, residual=settings.residual / force)
         ending = None
         start = self._previous.at(problem) if warm and self._previous is not None else None
         if start is not None:
-            ending = solve_coupled(problem, self._normal, self._cholesky, start, loop_settings, progress)
+            ending = solve_coupled(problem, self._normal, self._cholesky, start, settings, progress)
         if ending is None or ending.status == "failed":
             start = interior_start(problem, settings)
-            ending = solve_coupled(problem, self._normal, self._cholesky, start, loop_settings, progress)
+            ending = solve_coupled(problem, self._normal, self._cholesky, start, settings, progress)
         self._previous = _Previous(problem, ending.warm)
-        answer = self._solution(program, ending, local, force, reward, settings.residual)
+        answer = self._solution(program, ending, local, force, reward)
         return replace(answer, seconds=perf_counter() - begin)
+
+    def _row_unit(self, program: ConeProgram) -> FloatArray:
+        """Return the largest load on each body times the largest lever of each of its rows (m,).
+
+        Measured by the total weight, the fall of one light stone would pass for rounding.
+        """
+        loads = _pad(np.maximum(np.abs(program.constant), np.abs(program.growth)), self._coupling.rows)
+        own = loads.reshape(-1, BLOCK).max(axis=1)
+        own = np.where(own > 0, own, own.max(initial=0.0) or 1.0)
+        return np.repeat(own, BLOCK) * self._lever
 
     def factorisation_seconds(self) -> float:
         """Return the processor time of one bare factorisation, s, the best of three."""
@@ -144,14 +157,12 @@ class InteriorPointSolver:
         """Return the number of stored entries of the last factor."""
         return self._cholesky.nonzeros()
 
-    def _solution(
-        self, program: ConeProgram, ending: Ending, local: CoulombPoints, force: float, reward: float, allowed: float
-    ) -> ConeSolution:
+    def _solution(self, program: ConeProgram, ending: Ending, local: CoulombPoints, force: float, reward: float) -> ConeSolution:
         at = ending.at
         unit = _unit(ending, at)
         x, load = local.inside(at.x.reshape(3, -1) / unit).T * force, at.load / unit
-        if ending.status == "solved" and ending.info.residual * force > allowed:
-            # Stuck at the last digits, as tiny programs are: the nearest forces in balance.
+        if ending.status == "solved" and _lack(program, x, load) > _ROUNDED * force:
+            # The last step went along more mechanisms than one load can balance: the nearest forces that do.
             x, load = restore_balance(program, x, load)
             x = local.inside(x.T / force).T * force
         return ConeSolution(
@@ -177,12 +188,16 @@ def _unit(ending: Ending, at: Iterate) -> float:
 
 def _unsupported(problem: CoupledProblem) -> FloatArray | None:
     """Return a certificate of infeasibility from rows that nothing resists, if they alone give one."""
-    rows = np.asarray(abs(problem.coupling).sum(axis=1)).ravel() == 0
+    rows = ~problem.coupling.touched_rows()
     constant, growth = np.where(rows, problem.constant, 0.0), np.where(rows, problem.growth, 0.0)
     square = float(growth @ growth)
     y = constant - (float(constant @ growth) / square * growth if square > 0 else 0.0)
     work = float(constant @ y)
     return y / work if work > 1e-12 * max(float(problem.constant @ problem.constant), 1e-300) else None
+
+
+def _lack(program: ConeProgram, x: FloatArray, load: float) -> float:
+    return float(np.abs(program.balance @ x.ravel() + program.constant + load * program.growth).max(initial=0.0))
 
 
 def _same(a: sp.csc_matrix[np.float64], b: sp.csc_matrix[np.float64]) -> bool:
@@ -191,15 +206,3 @@ def _same(a: sp.csc_matrix[np.float64], b: sp.csc_matrix[np.float64]) -> bool:
 
 def _pad(v: FloatArray, size: int) -> FloatArray:
     return np.concatenate([v, np.zeros(size - len(v))])
-
-
-def _padded(pointer: np.ndarray, rows: int) -> np.ndarray:
-    return np.concatenate([pointer, np.full(rows + 1 - len(pointer), pointer[-1])])
-
-
-def _masked(coupling: sp.csr_matrix[np.float64], local: CoulombPoints) -> sp.csr_matrix[np.float64]:
-    """Return the coupling with the columns of fixed components set to zero, in the same pattern."""
-    if local.active.all():
-        return coupling
-    data = coupling.data * local.active.ravel()[coupling.indices]
-    return sp.csr_matrix((data, coupling.indices, coupling.indptr), shape=coupling.shape)
