@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from typing import Protocol
 
 import numpy as np
 import scipy.sparse as sp
@@ -10,7 +11,14 @@ import scipy.sparse as sp
 from churchpipe.conic.program import ConeProgram, ConeSolution
 from churchpipe.errors import InputError
 
-Solve = Callable[[ConeProgram], ConeSolution]
+
+class Solve(Protocol):
+    """Solves programs of one balance."""
+
+    def __call__(self, program: ConeProgram, /, *, error: float | None = None) -> ConeSolution:
+        """Solve a program; `error`: relative error of the objective that will do, for solvers that can stop early."""
+        ...
+
 
 SOLVERS = ("auto", "interior-point", "clarabel", "cvxpy", "cvxpy:NAME")
 
@@ -29,15 +37,13 @@ def solver_for(balance: sp.csc_matrix[np.float64], name: str = "auto") -> Solve:
     if family == "cvxpy":
         from churchpipe.conic.cvxpy import solve_cvxpy
 
-        return _checked(partial(solve_cvxpy, solver=backend or "CLARABEL"))
+        return _checked(_whole(partial(solve_cvxpy, solver=backend or "CLARABEL")))
     if name == "clarabel":
         from churchpipe.conic.clarabel import solve_clarabel
 
-        return _checked(solve_clarabel)
+        return _checked(_whole(solve_clarabel))
     if name in ("auto", "interior-point"):
-        from churchpipe.conic.interior_point import InteriorPointSolver
-
-        own = _checked(InteriorPointSolver(balance).solve)
+        own = _checked_own(balance)
         return own if name == "interior-point" else _with_fallback(own, solver_for(balance, "clarabel"))
     raise InputError("solver", "unknown solver", found=name, expected=", ".join(SOLVERS))
 
@@ -48,21 +54,45 @@ def solve(program: ConeProgram, name: str = "auto") -> ConeSolution:
 
 
 def _with_fallback(first: Solve, second: Solve) -> Solve:
-    def solve(program: ConeProgram) -> ConeSolution:
-        answer = first(program)
+    def solve(program: ConeProgram, /, *, error: float | None = None) -> ConeSolution:
+        answer = first(program, error=error)
         if answer.outcome != "failed":
             return answer
-        other = second(program)
+        other = second(program, error=error)
         return replace(other, message=f"{answer.solver} failed ({answer.message}); {other.solver}: {other.message}")
 
     return solve
 
 
-def _checked(solve: Solve) -> Solve:
+def _checked_own(balance: sp.csc_matrix[np.float64]) -> Solve:
+    """Return our own solver, which stops as early as it may."""
+    from churchpipe.conic.interior_point import InteriorPointSolver
+    from churchpipe.conic.interior_point.settings import Settings
+
+    own = InteriorPointSolver(balance)
+
+    def solve(program: ConeProgram, error: float | None) -> ConeSolution:
+        if error is None:
+            return own.solve(program)
+        return own.solve(program, Settings(error=error, residual=max(1e-10, 1e-3 * error)))
+
+    return _checked(solve)
+
+
+def _whole(solve: Callable[[ConeProgram], ConeSolution]) -> Callable[[ConeProgram, float | None], ConeSolution]:
+    """Return a solver that never stops early."""
+
+    def whole(program: ConeProgram, _: float | None) -> ConeSolution:
+        return solve(program)
+
+    return whole
+
+
+def _checked(solve: Callable[[ConeProgram, float | None], ConeSolution]) -> Solve:
     """Take a solver's word only when its forces balance: some call an infeasible program solved, with huge numbers."""
 
-    def checked(program: ConeProgram) -> ConeSolution:
-        answer = solve(program)
+    def checked(program: ConeProgram, /, *, error: float | None = None) -> ConeSolution:
+        answer = solve(program, error)
         if answer.outcome != "solved":
             return answer
         residual = np.abs(program.balance @ answer.x.ravel() + program.constant + answer.tau * program.growth)

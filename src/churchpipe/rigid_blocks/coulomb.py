@@ -47,9 +47,11 @@ def sliding_program(balance: Equilibrium, limit: FloatArray) -> ConeProgram:
     return ConeProgram(balance.matrix, balance.dead, balance.live, limit, zero, zero, zero)
 
 
-def sliding_velocities(balance: Equilibrium, strength: Strength, n: FloatArray, solve: Solve) -> FloatArray | None:
+def sliding_velocities(
+    balance: Equilibrium, strength: Strength, n: FloatArray, solve: Solve, *, error: float | None = None
+) -> FloatArray | None:
     """Return the velocities (6 nf,) of P(n), or None when it is not solved."""
-    answer = solve(sliding_program(balance, strength.friction * n + strength.cohesion))
+    answer = solve(sliding_program(balance, strength.friction * n + strength.cohesion), error=error)
     return answer.y if answer.outcome == "solved" else None
 
 
@@ -84,7 +86,14 @@ def coulomb_step(
 
 
 def nearest_forces(
-    balance: Equilibrium, strength: Strength, n: FloatArray, y: FloatArray, solve: Solve, *, nearness: float
+    balance: Equilibrium,
+    strength: Strength,
+    n: FloatArray,
+    y: FloatArray,
+    solve: Solve,
+    *,
+    nearness: float,
+    error: float | None = None,
 ) -> tuple[FloatArray, float] | None:
     """Return forces (nc, 3) in the true cones, near the normal forces n, that do the least work against sliding y.
 
@@ -103,7 +112,7 @@ def nearest_forces(
         linear=strength.friction * slip - curvature * n,
         quadratic=curvature,
     )
-    answer = solve(program)
+    answer = solve(program, error=error)
     if answer.outcome != "solved":
         return None
     return restore_balance(program, answer.x, answer.tau)

@@ -6,15 +6,16 @@ from typing import Literal
 
 import numpy as np
 
-from churchpipe.conic.program import ConeProgram
+from churchpipe.conic.program import ConeProgram, ConeSolution
 from churchpipe.conic.solve import Solve
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.results import Iteration
 from churchpipe.rigid_blocks.certificate import Strength
 from churchpipe.rigid_blocks.coulomb import (
     CoulombState,
-    coulomb_step,
+    bipotential_gap,
     friction_violation,
+    nearest_forces,
     sliding_velocities,
 )
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
@@ -40,26 +41,39 @@ class PaperSettings:
 
 @dataclass(frozen=True, slots=True)
 class SchemeSettings:
-    """Constants of the certified scheme: rounds of stages A and B, their tolerances and proximal weights.
+    """Constants of the certified scheme.
 
-    `mixing`: share of the new normal forces that stage A takes from the second round on; the first round takes all, which
-    leads closest to where it started from but swings to and fro for ever on some walls.
+    rounds: of stages A and B, at most; stage_a, stage_b: steps of each in a round, at most.
+    violation, settled: stage A ends when no more than this share of the friction is overdrawn, or (in the first round) when
+    the load factor changes by no more than this share. mixing: share of the new normal forces that stage A takes from the
+    second round on; the first takes all, which leads closest to where it started from but swings to and fro for ever on
+    some walls. weight_a, weight_b: proximal weights. cohesion: fictitious, in stage A, over the largest normal force.
+    momentum: share of its last step that stage B goes on by. stall: stage B gives up when four steps have not brought the
+    gap below this share. gap: g / alpha at which the search ends.
+    error: to which the convex programs are solved; the gap is computed from the arrays, whatever it is.
     """
 
     rounds: int = 3
     stage_a: int = 15
-    stage_b: int = 12
+    stage_b: int = 25
     violation: float = 1e-4
+    settled: float = 5e-3
     gap: float = 1e-5
     mixing: float = 0.6
     weight_a: float = 0.3
     weight_b: float = 0.003
     cohesion: float = 1e-5
+    momentum: float = 0.9
+    stall: float = 0.8
+    error: float = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
 class SlidingRun:
-    """One run of an iteration from one start: its last forces x (nc, 3), load factor, velocities y (6 nf,), history."""
+    """One run of an iteration from one start: its last forces x (nc, 3), load factor, velocities y (6 nf,), history.
+
+    solves: convex programs solved; iterations: interior-point iterations in all of them.
+    """
 
     x: FloatArray
     load_factor: float
@@ -68,6 +82,7 @@ class SlidingRun:
     history: tuple[Iteration, ...]
     gap: float = np.nan
     solves: int = 0
+    iterations: int = 0
 
 
 def paper_iteration(
@@ -93,7 +108,7 @@ def paper_iteration(
     mu, n, zero = strength.friction, n0, np.zeros_like(n0)
     history: list[Iteration] = []
     latest = None
-    calm = 0
+    calm = spent = 0
     for _ in range(settings.iterations):
         floor = settings.cohesion * float(n.max())
         mixed = settings.beta * n + (1 - settings.beta) * n_before
@@ -103,6 +118,7 @@ def paper_iteration(
         if answer.outcome != "solved":
             break
         latest = answer
+        spent += answer.iterations
         n_before, n = n, np.maximum(answer.x[:, 0], 0.0)
         history.append(Iteration(answer.tau, friction_violation(strength, answer.x, settings.cohesion * float(n.max()))))
         if progress:
@@ -115,7 +131,7 @@ def paper_iteration(
         return None
     settled = calm >= 2
     value = latest.tau if settled else float(np.mean([step.load_factor for step in history[-10:]]))
-    return SlidingRun(latest.x, value, latest.y, settled, tuple(history), solves=len(history))
+    return SlidingRun(latest.x, value, latest.y, settled, tuple(history), solves=len(history), iterations=spent)
 
 
 def certified_iteration(
@@ -130,42 +146,82 @@ def certified_iteration(
 
     Stage A walks to forces that hardly overdraw friction: maximise alpha - 1/2 sum R_k (mu n - mu n_hat)^2 with shear limited
     by mu n_hat. Stage B closes the gap: velocities from P(n), then forces in the true cones that do the least work
-    against their sliding.
+    against their sliding. By itself it creeps along a valley of the gap, so each step goes on by a share of the one before
+    (heavy ball, Polyak 1964), and starts afresh when the gap grows.
     """
     settings = settings or SchemeSettings()
+    count = SolveCount(solve)
     history: list[Iteration] = []
     best: CoulombState | None = None
-    solves = 0
     for round_number in range(settings.rounds):
+        mixing = settings.mixing if round_number else 1.0
         for _ in range(settings.stage_a):
-            step = _stage_a(balance, strength, n, solve, settings, settings.mixing if round_number else 1.0)
-            solves += 1
+            step = _stage_a(balance, strength, n, count, settings, mixing)
             if step is None:
                 break
             n, iteration = step
+            change = abs(iteration.load_factor / history[-1].load_factor - 1) if history else np.inf
             history.append(iteration)
-            if iteration.violation < settings.violation:
+            if iteration.violation < settings.violation or (not round_number and change <= settings.settled):
                 break
-        y = sliding_velocities(balance, strength, n, solve)
-        solves += 1
+        gaps: list[float] = []
+        ahead, before = n, None
         for pair in range(settings.stage_b):
             if progress:
                 progress("non-associative", (round_number + pair / settings.stage_b) / settings.rounds)
-            state = None if y is None else coulomb_step(balance, strength, n, y, solve, nearness=settings.weight_b)
-            solves += 2
+            state = _stage_b(balance, strength, ahead, count, settings)
+            if state is None and before is not None and ahead is not before:
+                # So far on, no velocities may fit: back to the forces that were found.
+                ahead = before
+                continue
             if state is None:
                 break
-            n, y = np.maximum(state.x[:, 0], 0.0), state.y
             history.append(Iteration(state.load_factor, 0.0, state.relative_gap))
             if best is None or state.gap < best.gap:
                 best = state
             if state.relative_gap <= settings.gap:
-                return _run(state, True, history, solves)
-    return None if best is None else _run(best, False, history, solves)
+                return _run(state, True, history, count)
+            n = np.maximum(state.x[:, 0], 0.0)
+            grown = bool(gaps) and state.relative_gap > gaps[-1]
+            ahead = n if before is None or grown else np.maximum(n + settings.momentum * (n - before), 0.0)
+            before = n
+            gaps.append(state.relative_gap)
+            if len(gaps) > 4 and min(gaps[-4:]) > settings.stall * min(gaps[:-4]):
+                break
+    return None if best is None else _run(best, False, history, count)
 
 
-def _run(state: CoulombState, settled: bool, history: list[Iteration], solves: int) -> SlidingRun:
-    return SlidingRun(state.x, state.load_factor, state.y, settled, tuple(history), state.gap, solves)
+class SolveCount:
+    """A solver that counts the programs it has solved and its iterations."""
+
+    def __init__(self, solve: Solve) -> None:
+        self._solve = solve
+        self.solves = self.iterations = 0
+
+    def __call__(self, program: ConeProgram, /, *, error: float | None = None) -> ConeSolution:
+        """Solve a program, and count it."""
+        answer = self._solve(program, error=error)
+        self.solves += 1
+        self.iterations += answer.iterations
+        return answer
+
+
+def _run(state: CoulombState, settled: bool, history: list[Iteration], count: SolveCount) -> SlidingRun:
+    return SlidingRun(state.x, state.load_factor, state.y, settled, tuple(history), state.gap, count.solves, count.iterations)
+
+
+def _stage_b(
+    balance: Equilibrium, strength: Strength, n: FloatArray, solve: Solve, settings: SchemeSettings
+) -> CoulombState | None:
+    """Return the next state: velocities from P(n), then the forces that do the least work against them."""
+    y = sliding_velocities(balance, strength, n, solve, error=settings.error)
+    if y is None:
+        return None
+    found = nearest_forces(balance, strength, n, y, solve, nearness=settings.weight_b, error=settings.error)
+    if found is None:
+        return None
+    x, load_factor = found
+    return CoulombState(x, load_factor, y, bipotential_gap(balance, strength, x, y))
 
 
 def _stage_a(
@@ -177,7 +233,7 @@ def _stage_a(
     curvature = settings.weight_a / (len(n) * mean * (shear + 0.1 * mean)) * mu**2
     limit = shear + strength.cohesion + settings.cohesion * float(shear.max())
     program = ConeProgram(balance.matrix, balance.dead, balance.live, limit, np.zeros_like(n), -curvature * n, curvature)
-    answer = solve(program)
+    answer = solve(program, error=settings.error)
     if answer.outcome != "solved":
         return None
     mixed = mixing * np.maximum(answer.x[:, 0], 0.0) + (1 - mixing) * n

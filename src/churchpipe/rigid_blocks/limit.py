@@ -20,7 +20,7 @@ from churchpipe.model.loads import LoadCase
 from churchpipe.model.results import LimitState, Status
 from churchpipe.rigid_blocks.certificate import Certificate, Strength, certify, project_cone
 from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
-from churchpipe.rigid_blocks.sliding import sliding_analysis
+from churchpipe.rigid_blocks.sliding import GAP_TOLERANCE, sliding_analysis
 
 Progress = Callable[[str, float], None]
 Flow = Literal["associative", "non-associative"]
@@ -37,6 +37,7 @@ def limit_analysis(
     method: Literal["default", "paper"] = "default",
     start: Literal["associative", "uniform"] = "associative",
     solver: str = "auto",
+    gap_tolerance: float = GAP_TOLERANCE,
     progress: Progress | None = None,
 ) -> LimitState:
     """Return the collapse load factor of an assemblage and its mechanism.
@@ -45,7 +46,7 @@ def limit_analysis(
     ----------
     friction: coefficient, scalar or one an interface (ni,). cohesion: Pa, scalar or (ni,).
     flow: "associative" (sliding dilates, eq. (1)) or "non-associative" (no dilatancy, by iteration, eq. (3)).
-    method, start: of the non-associative iteration; see `sliding.sliding_analysis`.
+    method, start, gap_tolerance: of the non-associative iteration; see `sliding.sliding_analysis`.
     solver: "auto" (our own interior point, Clarabel where that fails), "interior-point", "clarabel", "cvxpy", "cvxpy:MOSEK" ...
     progress: called with a text and the share done.
 
@@ -64,6 +65,8 @@ def limit_analysis(
     _check_connected(stones, contacts, balance)
     if flow not in ("associative", "non-associative"):
         raise InputError("limit_analysis: flow", "unknown flow rule", found=flow, expected='"associative" or "non-associative"')
+    if not 0 < gap_tolerance < 1:
+        raise InputError("limit_analysis: gap_tolerance", "out of range", found=gap_tolerance, expected="between 0 and 1")
     if progress:
         progress("dead load", 0.0)
     solve = solver_for(balance.matrix, solver)
@@ -77,7 +80,7 @@ def limit_analysis(
         state = associative_state(balance, strength, solver_for(balance.matrix, "clarabel"), begin)
     if flow == "associative" or state.status != "optimal":
         return replace(state, flow=flow)
-    sliding = sliding_analysis(balance, strength, state, method, start, solve, progress)
+    sliding = sliding_analysis(balance, strength, state, method, start, solve, progress, gap_tolerance)
     return replace(sliding, seconds=perf_counter() - begin)
 
 

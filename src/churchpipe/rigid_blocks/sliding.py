@@ -34,6 +34,7 @@ def sliding_analysis(
     start: Literal["associative", "uniform"],
     solve: Solve,
     progress: Progress | None = None,
+    gap_tolerance: float = GAP_TOLERANCE,
 ) -> LimitState:
     """Return a load factor of sliding without dilatancy, with its gap.
 
@@ -43,10 +44,14 @@ def sliding_analysis(
     method: "default", the certified scheme from the canonical dead-load start (headline) and from the associative one;
     "paper", the iteration of eq. (3) from `start` (the associative forces, or the mean of the least-squares dead-load
     forces at every point) with n = 0 and n = n_0 before it, headline the lowest that settled.
+    gap_tolerance: g / alpha at which the certified scheme stops looking. More than 1e-5 saves time on large models, but only
+    1e-5 is called "converged".
     """
     normal = associative.forces[:, 0] / balance.force
     if method == "default":
-        runs = [certified_iteration(balance, strength, n, solve, progress=progress) for n in (dead_load_start(balance), normal)]
+        settings = SchemeSettings(gap=gap_tolerance)
+        starts = (dead_load_start(balance), np.maximum(normal, 0.0))
+        runs = [certified_iteration(balance, strength, n, solve, settings, progress) for n in starts]
         found = [run for run in runs if run is not None]
         if not found:
             return _nothing(associative)
@@ -124,8 +129,18 @@ def _state(
         interval=interval,
         friction_violation=overdrawn,
         fixed_points=tuple(run.load_factor for run in found if run.settled),
-        message="" if proven else _why(chosen, certified, overdrawn),
+        message=_cost(found, associative.iterations) if proven else _why(chosen, certified, overdrawn),
     )
+
+
+def _cost(found: list[SlidingRun], associative: int) -> str:
+    """Say what each start cost, in convex programs and in solves of the associative problem with as many iterations."""
+    parts = [
+        f"{run.solves} convex programs, {run.iterations} iterations"
+        + (f" = {run.iterations / associative:.1f} associative solves" if associative else "")
+        for run in found
+    ]
+    return "; ".join(parts)
 
 
 def _why(chosen: SlidingRun, certified: CoulombState | None, violation: float) -> str:

@@ -1,0 +1,61 @@
+"""Sliding without dilatancy from the canonical dead-load start: value, gap and cost of box buildings and of the test models.
+
+PYTHONPATH=tests:tests/validation:benchmarks python benchmarks/sliding.py wall1 S5 S5-swapped S22 1k 5k --gap 1e-5
+"""
+
+import argparse
+from time import process_time
+from typing import Any
+
+from churchpipe.conic.solve import solver_for
+from churchpipe.derive.contacts import find_contacts
+from churchpipe.rigid_blocks.coulomb import dead_load_start
+from churchpipe.rigid_blocks.equilibrium import equilibrium
+from churchpipe.rigid_blocks.iterations import SchemeSettings, certified_iteration
+from churchpipe.rigid_blocks.limit import associative_program, point_strength
+
+
+def problem(name: str) -> tuple[Any, Any]:
+    """Return balance and strength of a model of the tests or of the benchmark of limit analysis."""
+    if name.startswith("wall"):
+        from test_ferris_tin_loi import LOAD, wall
+
+        stones, load, friction = wall(int(name[4:])), LOAD, 0.65
+        contacts = find_contacts(stones)
+    elif name.startswith("S"):
+        from test_prototypes import LOADS, model
+
+        test, _, swapped = name.partition("-")
+        stones, contacts = model(test, first_course="partitions" if swapped else "main")
+        load, friction = LOADS[test], 0.7
+    else:
+        from limit_analysis import model as box_model
+
+        return box_model(name)
+    balance = equilibrium(stones, contacts, load)
+    return balance, point_strength(contacts, friction, 0.0, balance.force)
+
+
+def main() -> None:
+    """Print one row a model."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("models", nargs="+")
+    parser.add_argument("--gap", type=float, default=1e-5)
+    arguments = parser.parse_args()
+    for name in arguments.models:
+        balance, strength = problem(name)
+        solve = solver_for(balance.matrix)
+        associative = solve(associative_program(balance, strength))
+        begin = process_time()
+        run = certified_iteration(balance, strength, dead_load_start(balance), solve, SchemeSettings(gap=arguments.gap))
+        seconds = process_time() - begin
+        if run is None:
+            print(f"| {name} | no feasible step |")
+            continue
+        equivalent = f"{run.iterations / associative.iterations:.1f} ({associative.iterations})"
+        cells = [name, f"{run.load_factor:.5f}", f"{run.gap / run.load_factor:.1e}", run.solves, run.iterations, equivalent]
+        print("| " + " | ".join(map(str, cells)) + f" | {seconds:.0f} s |")
+
+
+if __name__ == "__main__":
+    main()
