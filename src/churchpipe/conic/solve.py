@@ -72,9 +72,7 @@ def _checked_own(balance: sp.csc_matrix[np.float64]) -> Solve:
     own = InteriorPointSolver(balance)
 
     def solve(program: ConeProgram, error: float | None) -> ConeSolution:
-        if error is None:
-            return own.solve(program)
-        return own.solve(program, Settings(error=error, residual=max(1e-10, 1e-3 * error)))
+        return own.solve(program, None if error is None else Settings(error=error))
 
     return _checked(solve)
 
