@@ -2,7 +2,9 @@
 
     python benchmarks/limit_analysis.py --models 1k 5k 10k 20k 50k
 
-Every run is a process of its own with one thread, so that peak memory and processor time are its own. Writes
+Every run is a process of its own with one thread, so that peak memory and processor time are its own. Clarabel has its default
+settings and the form that suits it best (kinematic, forces in the weight of a stone). With `--mkl DIR` it also runs with the
+PARDISO of an MKL wheel: DIR must hold libmkl_rt.so (a link to the wheel's libmkl_rt.so.N). Writes
 docs/benchmarks_limit_analysis.md.
 """
 
@@ -20,8 +22,9 @@ import numpy as np
 
 # Outer length and width in bricks of 1 m, and courses: about this many stones.
 MODELS = {"1k": (14, 9, 24), "5k": (24, 16, 69), "10k": (34, 22, 92), "20k": (48, 32, 128), "50k": (76, 50, 200)}
-CLARABEL_TO, CAP = 6000, 600
-SOLVERS = ("interior-point", "clarabel", "cvxpy")
+# The largest model of each, and the cap of one run, s.
+LIMITS = {"interior-point": 10**6, "clarabel": 6000, "clarabel-mkl": 21000, "cvxpy": 6000}
+CAP = 600
 DOCUMENT = Path(__file__).parents[1] / "docs" / "benchmarks_limit_analysis.md"
 
 
@@ -59,12 +62,15 @@ def run(name: str, solver: str) -> dict[str, Any]:
         own = InteriorPointSolver(program.balance)
         answer = own.solve(program)
         out["processor"], out["wall"] = process_time() - processor, perf_counter() - wall
+        out["memory"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**10
         out["factor"], out["nonzeros"] = own.factorisation_seconds(), own.factor_nonzeros()
     else:
-        # Clarabel at its own default tolerance, in the kinematic form that suits it best.
-        answer = solve_clarabel(program, 1e-8) if solver == "clarabel" else solver_for(program.balance, solver)(program)
+        if solver.startswith("clarabel"):
+            answer = solve_clarabel(program, settings=clarabel_settings(solver))
+        else:
+            answer = solver_for(program.balance, solver)(program)
         out["processor"], out["wall"] = process_time() - processor, perf_counter() - wall
-    out["memory"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**10
+        out["memory"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**10
     out["before"] = before / 2**10
     out |= {"iterations": answer.iterations, "outcome": answer.outcome}
     if answer.outcome == "solved":
@@ -74,9 +80,23 @@ def run(name: str, solver: str) -> dict[str, Any]:
     return out
 
 
-def in_child(name: str, solver: str) -> dict[str, Any]:
+def clarabel_settings(solver: str) -> Any:
+    """Return Clarabel's default settings, on one thread, or with MKL's PARDISO, which takes two."""
+    import clarabel
+
+    settings = clarabel.DefaultSettings()
+    settings.verbose = False
+    settings.max_threads = 1
+    if solver == "clarabel-mkl":
+        settings.direct_solve_method, settings.max_threads = "mkl", 2
+    return settings
+
+
+def in_child(name: str, solver: str, mkl: str) -> dict[str, Any]:
     """Run one solve in a process with one thread, capped at `CAP` seconds of wall time."""
     threads = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+    if solver == "clarabel-mkl":
+        threads = {"LD_LIBRARY_PATH": mkl, "MKL_NUM_THREADS": "2"}
     command = [sys.executable, __file__, "--one", name, solver]
     try:
         done = subprocess.run(command, env=os.environ | threads, capture_output=True, text=True, timeout=CAP, check=True)
@@ -104,6 +124,13 @@ def table(rows: list[dict[str, Any]], command: str) -> str:
         for key in ("processor", "factor", "memory"):
             power = np.polyfit(size, np.log([row[key] for row in own]), 1)[0]
             lines.append(f"{key} of the interior-point core grows as stones^{power:.2f}.")
+    for row in rows:
+        ours = next((one for one in own if one["model"] == row["model"]), None)
+        if ours is not None and row is not ours and "processor" in row:
+            lines.append("")
+            lines.append(
+                f"{row['model']}: {row['solver']} takes {row['processor'] / ours['processor']:.1f} times our processor time."
+            )
     for row in own:
         bare = row["factor"]
         share = row["processor"] / (max(row["iterations"], 1) * bare)
@@ -119,7 +146,8 @@ def main() -> None:
     """Run the chosen models, solvers interleaved, and write the document."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--models", nargs="+", default=list(MODELS), choices=MODELS)
-    parser.add_argument("--solvers", nargs="+", default=list(SOLVERS))
+    parser.add_argument("--solvers", nargs="+", default=["interior-point", "clarabel", "cvxpy"], choices=LIMITS)
+    parser.add_argument("--mkl", default="", metavar="DIR", help="folder with libmkl_rt.so, for clarabel-mkl")
     parser.add_argument("--one", nargs=2, metavar=("MODEL", "SOLVER"), help="one run, as JSON")
     chosen = parser.parse_args()
     if chosen.one:
@@ -127,14 +155,11 @@ def main() -> None:
         return
     rows: list[dict[str, Any]] = []
     for name in chosen.models:
-        first = in_child(name, chosen.solvers[0])
-        rows.append(first)
-        print(first, flush=True)
-        for solver in chosen.solvers[1:]:
-            if first.get("stones", 0) <= CLARABEL_TO:
-                rows.append(in_child(name, solver))
+        for solver in chosen.solvers:
+            if all(row.get("stones", 0) <= LIMITS[solver] for row in rows if row["model"] == name):
+                rows.append(in_child(name, solver, chosen.mkl))
                 print(rows[-1], flush=True)
-    command = "python benchmarks/limit_analysis.py --models " + " ".join(chosen.models)
+    command = f"python benchmarks/limit_analysis.py --models {' '.join(chosen.models)} --solvers {' '.join(chosen.solvers)}"
     DOCUMENT.write_text(table(rows, command), encoding="utf-8")
 
 

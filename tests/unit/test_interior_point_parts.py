@@ -76,7 +76,7 @@ def test_assembly_equals_the_plain_product(block: int, rigid: bool) -> None:
             other = transform @ coupling[i * block : (i + 1) * block, :, k] if rigid else rng.normal(size=(block, 3))
             coupling[j * block : (j + 1) * block, :, k] = other
     plain = coupling.reshape(rows, -1)
-    normal = NormalMatrix(Coupling(sp.csr_matrix(plain), 3, block))
+    normal = NormalMatrix(Coupling(sp.csc_matrix(plain), 3, block))
     root = rng.normal(size=(3, 3, pairs * points))
     compliance = np.einsum("iak,jak->ijk", root, root)
     expected = np.einsum("rik,ijk,sjk->rs", coupling, compliance, coupling)
@@ -121,7 +121,7 @@ def test_condensed_quadratic_program_agrees_with_cvxpy(kind: str) -> None:
     constant = -coupling @ inside
     # Displacement control: the multiplier of the live load earns the prescribed displacement.
     target = 0.3
-    problem = CoupledProblem(local, Coupling(coupling, 6, 6), constant, growth, reward=target)
+    problem = CoupledProblem(local, Coupling(sp.csc_matrix(coupling), 6, 6), constant, growth, reward=target)
     normal = NormalMatrix(problem.coupling)
     ending = solve_coupled(problem, normal, Cholesky(normal.pattern, 6), interior_start(problem, Settings()), Settings())
     assert ending.status == "solved"

@@ -17,8 +17,12 @@ _OUTCOMES: dict[str, Outcome] = {
 }
 
 
-def solve_clarabel(program: ConeProgram, tolerance: float = 1e-9) -> ConeSolution:
+def solve_clarabel(
+    program: ConeProgram, tolerance: float = 1e-9, settings: clarabel.DefaultSettings | None = None
+) -> ConeSolution:
     """Solve a cone program with Clarabel, aiming at `tolerance`; a hundred times that is still accepted, no more.
+
+    settings: Clarabel's own, instead of ours and of `tolerance`.
 
     minimise  -constant . y + sum (limit r + p^2 / (2 quadratic)) + cap k
     over y, r >= |v_t|, p, k >= 0  s.t.  growth . y + k = 1,   v_n + linear - slope r + p >= 0,   v = balance^T y
@@ -32,7 +36,7 @@ def solve_clarabel(program: ConeProgram, tolerance: float = 1e-9) -> ConeSolutio
     # The largest single load is the unit of force inside: relative to the total weight, errors that matter look like zero.
     scale = 1.0 / max(float(np.abs(program.constant).max()), float(np.abs(program.growth).max()))
     solver = clarabel.DefaultSolver(
-        layout.quadratic * scale, layout.cost * scale, layout.matrix, layout.right, layout.cones, _settings(tolerance)
+        layout.quadratic * scale, layout.cost * scale, layout.matrix, layout.right, layout.cones, settings or _settings(tolerance)
     )
     answer = solver.solve()
     status = str(answer.status)

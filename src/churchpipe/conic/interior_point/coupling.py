@@ -1,13 +1,17 @@
 """The coupling of local problems: a dense block for every local problem and every block of rows that it touches."""
 
 from functools import lru_cache
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, TypeAlias
 
 import numba
 import numpy as np
+import numpy.typing as npt
 import scipy.sparse as sp
 
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
+
+_Indices: TypeAlias = npt.NDArray[np.int32] | npt.NDArray[np.int64]
+_Entries: TypeAlias = tuple[_Indices, _Indices, FloatArray]
 
 
 class _Product(Protocol):
@@ -27,22 +31,24 @@ class Coupling:
     Local problem k touches blocks[pointer[k] : pointer[k + 1]] (ascending); values_sij (touches, dimension, block) are its parts.
     """
 
-    def __init__(self, matrix: sp.csr_matrix[np.float64], dimension: int, block: int) -> None:
-        """matrix (m, dimension * count), m a multiple of `block`."""
+    def __init__(self, matrix: sp.csc_matrix[np.float64], dimension: int, block: int, *, by_point: bool = False) -> None:
+        """matrix (m, dimension * count), its columns component first, or `by_point`, all of a point side by side.
+
+        Rows are added to fill the last block.
+        """
         rows, columns = matrix.shape
-        self.rows, self.dimension, self.block = rows, dimension, block
+        self.dimension, self.block = dimension, block
+        self.rows = -(-rows // block) * block
         self.count = columns // dimension
-        entry = sp.coo_matrix(matrix)
-        component, local = np.divmod(entry.col.astype(np.int64), max(self.count, 1))
-        row_block, within = np.divmod(entry.row.astype(np.int64), block)
-        touched = sp.csc_matrix((np.ones(len(local)), (row_block, local)), shape=(rows // block, self.count))
-        touched.sort_indices()
-        self.pointer: IntArray = touched.indptr.astype(np.int64)
-        self.blocks: IntArray = touched.indices.astype(np.int64)
-        keys = np.repeat(np.arange(self.count), np.diff(self.pointer)) * (rows // block) + self.blocks
-        touch = np.searchsorted(keys, local * (rows // block) + row_block)
+        columnwise = sp.csc_matrix(matrix)
+        steps = (1, dimension) if by_point else (self.count, 1)
+        entries = (columnwise.indptr, columnwise.indices, columnwise.data)
+        self.pointer: IntArray = np.zeros(self.count + 1, dtype=np.int64)
+        _count_touches(entries, dimension, block, steps, self.pointer)
+        np.cumsum(self.pointer, out=self.pointer)
+        self.blocks: IntArray = np.empty(int(self.pointer[-1]), dtype=np.int64)
         self.values: FloatArray = np.zeros((len(self.blocks), dimension, block))
-        self.values[touch, component, within] = entry.data
+        _fill_touches(entries, dimension, block, steps, self.pointer, self.blocks, self.values)
         self._kernels = _kernels(dimension, block)
 
     def masked(self, active: BoolArray) -> "Coupling":
@@ -123,3 +129,66 @@ def _kernels(dimension: int, block: int) -> _Kernels:
                 out[i * count + k] = total
 
     return _Kernels(couple, spread)
+
+
+@numba.njit(cache=True)
+def _touched(entries: _Entries, dimension: int, block: int, steps: tuple[int, int], k: int, found: IntArray) -> int:
+    """Write the blocks that local problem k touches into `found`, ascending, and return how many."""
+    pointer, rows, _ = entries
+    count = 0
+    for i in range(dimension):
+        column = i * steps[0] + k * steps[1]
+        for at in range(pointer[column], pointer[column + 1]):
+            touch = rows[at] // block
+            place = count
+            while place > 0 and found[place - 1] > touch:
+                place -= 1
+            if place > 0 and found[place - 1] == touch:
+                continue
+            for move in range(count, place, -1):
+                found[move] = found[move - 1]
+            found[place] = touch
+            count += 1
+    return count
+
+
+@numba.njit(cache=True)
+def _widest(pointer: _Indices, dimension: int, steps: tuple[int, int], count: int) -> int:
+    most = 0
+    for k in range(count):
+        total = 0
+        for i in range(dimension):
+            column = i * steps[0] + k * steps[1]
+            total += pointer[column + 1] - pointer[column]
+        most = max(most, total)
+    return most
+
+
+@numba.njit(cache=True)
+def _count_touches(entries: _Entries, dimension: int, block: int, steps: tuple[int, int], out: IntArray) -> None:
+    found = np.empty(_widest(entries[0], dimension, steps, len(out) - 1), dtype=np.int64)
+    for k in range(len(out) - 1):
+        out[k + 1] = _touched(entries, dimension, block, steps, k, found)
+
+
+@numba.njit(cache=True)
+def _fill_touches(
+    entries: _Entries,
+    dimension: int,
+    block: int,
+    steps: tuple[int, int],
+    pointer: IntArray,
+    blocks: IntArray,
+    values: FloatArray,
+) -> None:
+    found = np.empty(_widest(entries[0], dimension, steps, len(pointer) - 1), dtype=np.int64)
+    for k in range(len(pointer) - 1):
+        count = _touched(entries, dimension, block, steps, k, found)
+        blocks[pointer[k] : pointer[k + 1]] = found[:count]
+        for i in range(dimension):
+            column = i * steps[0] + k * steps[1]
+            for at in range(entries[0][column], entries[0][column + 1]):
+                touch = pointer[k]
+                while blocks[touch] != entries[1][at] // block:
+                    touch += 1
+                values[touch, i, entries[1][at] % block] += entries[2][at]
