@@ -8,11 +8,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from churchpipe.bond.charts import along, check_upright, footprint, lift, normals
+from churchpipe.bond.parts import part_names
 from churchpipe.bond.planar import area, polygon, polygons_of
 from churchpipe.bond.prisms import thicken
 from churchpipe.bond.tiles import TileSet, tiles_of
 from churchpipe.errors import InputError
-from churchpipe.model.building import CylinderChart, PlaneChart
+from churchpipe.model.building import BondRegion, CylinderChart, Panel, Part, PlaneChart, UnitCell
 from churchpipe.model.polyhedra import solid_properties
 
 WALL = PlaneChart(origin=np.array([1.0, 2.0, 0.5]), s_axis=np.array([0.0, 1.0, 0.0]))
@@ -47,6 +48,27 @@ def test_plan_points_lead_back_to_s(s, offset):
     for chart in (WALL, APSE):
         place = lift(chart, np.array([[s, 1.0]]), offset)
         assert along(chart, place[:, :2])[0] == pytest.approx(s, abs=1e-9)
+
+
+def test_the_legs_of_an_apse_run_on_straight():
+    chart = CylinderChart(np.zeros(3), 2.0, 0.0, math.pi)
+    # The half circle bulges to +y; its ends run on to -y at x = 2 and x = -2.
+    place = lift(chart, np.array([[-1.0, 0.5], [2 * math.pi + 1.0, 0.5]]), 0.25)
+    np.testing.assert_allclose(place, [[2.25, -1.0, 0.5], [-2.25, -1.0, 0.5]], atol=1e-15)
+    np.testing.assert_allclose(along(chart, place[:, :2]), [-1.0, 2 * math.pi + 1.0], rtol=1e-12)
+    assert area(footprint(chart, 0.5, -1.0, 0.0)) == pytest.approx(0.5, rel=1e-12)
+    with pytest.raises(InputError, match=r"CylinderChart\.sweep: out of range; found 7\.0"):
+        CylinderChart(np.zeros(3), 2.0, sweep=7.0)
+
+
+def test_stones_in_a_part_carry_its_name():
+    outline = np.array([[0, 0], [4, 0], [4, 2], [0, 2]], dtype=float)
+    bond = BondRegion("bond", outline, "running", UnitCell(0.25, 0.5))
+    parts = (Part("left", outline * [0.25, 1.0]), Part("low", outline * [1.0, 0.5]))
+    panel = Panel("wall", WALL, outline, 0.4, (bond,), parts=parts)
+    places = np.array([[0.5, 1.5], [0.5, 0.5], [1.0, 0.5], [2.0, 0.5], [2.0, 1.5]])
+    # On a border, and where parts overlap, the first one listed.
+    assert part_names(panel, places).tolist() == ["left", "left", "left", "low", "wall"]
 
 
 def test_footprints():

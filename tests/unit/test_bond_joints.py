@@ -65,6 +65,26 @@ def test_a_zone_owned_on_a_cut_course_is_divided_by_itself():
     assert {4.0, 4.45, 4.9} <= set(joints.tolist())
 
 
+def test_a_junction_takes_a_stone_for_each_begun_length():
+    # A wall 1.4 m thick crossing: three stones of .57 m over 1.4 + b', two over .9 + b'.
+    for thickness, stones in ((0.9, 2), (1.4, 3), (0.57, 1)):
+        joints = np.sort(bay_joints(field(8.0 + thickness, [[4.0, 4.0 + thickness]]), B, True, 0.5))
+        inside = joints[(joints > 4.0 - 2 / 7 + 1e-9) & (joints < 4.0 + thickness + 2 / 7 - 1e-9)]
+        assert len(inside) == stones - 1
+
+
+def test_a_wall_that_ends_at_a_junction_is_divided_up_to_there():
+    # Above the roof, at t > .5, the wall is 4.9 m long; below it goes on to 8.9 m.
+    outline = polygon([[0, 0], [8.9, 0], [8.9, 0.5], [4.9, 0.5], [4.9, 1], [0, 1]])
+    tower = Field("wall", outline, (0.0, 8.9), 0, np.array([[4.0, 4.9]]))
+    low, high = (np.unique(np.round(bay_joints(tower, B, True, t), 9)) for t in (0.25, 0.75))
+    before = 4.0 - 2 / 7
+    np.testing.assert_allclose(high[(high > before - 1e-6) & (high < 4.9 + 1e-6)], np.linspace(before, 4.9, 3), atol=1e-9)
+    np.testing.assert_allclose(
+        low[(low > before - 1e-6) & (low < 4.9 + 2 / 7 + 1e-6)], np.linspace(before, 4.9 + 2 / 7, 3), atol=1e-9
+    )
+
+
 def test_half_a_stone_rounds_up():
     # 520 mm take 6.5 bricks of 80 mm: seven shorter ones, as 7.5 would take eight.
     for length, count in ((0.52, 7), (0.60, 8)):

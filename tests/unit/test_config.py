@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 import tomli_w
 
-from churchpipe.config import Drawing, Generated, read_case, read_variants
+from churchpipe.config import Drawing, Generated, church_sources, read_case, read_variants
 from churchpipe.config.overrides import parse_override, set_key
 from churchpipe.config.plan import building_of, load_of, materials_of, plan, unit_weights
 from churchpipe.config.sources import GENERATED, OpeningTable
 from churchpipe.config.units import UNITS, in_si
 from churchpipe.errors import InputError, UsageError
-from churchpipe.generators import GENERATORS
+from churchpipe.generators import GENERATORS, church_parts
+from churchpipe.generators.arched import ArchedOpening
 from churchpipe.generators.openings import RectangularOpening
 from churchpipe.resources import pipeline_folder, sample_case, sample_names
 
@@ -86,9 +87,35 @@ def test_every_parameter_of_a_generator_has_a_key(name: str) -> None:
     assert bare == {field.name for field in dataclasses.fields(GENERATORS[name].parameters)}
 
 
-def test_every_key_of_an_opening_is_known() -> None:
-    fields = {field.name for field in dataclasses.fields(RectangularOpening)}
-    assert {key.removesuffix("_mm") for key in OpeningTable.model_fields} == fields
+@pytest.mark.parametrize(
+    ("table", "kind"),
+    [
+        (OpeningTable, RectangularOpening),
+        (church_sources.ArchedOpeningTable, ArchedOpening),
+        (church_sources.NaveTable, church_parts.Nave),
+        (church_sources.CrossWallTable, church_parts.CrossWall),
+        (church_sources.TranseptTable, church_parts.Transept),
+        (church_sources.ChoirTable, church_parts.Choir),
+        (church_sources.ChurchTowerTable, church_parts.Tower),
+        (church_sources.ChurchChapelTable, church_parts.Chapel),
+        (church_sources.ChurchApseTable, church_parts.Apse),
+    ],
+)
+def test_every_key_of_a_part_is_known(table: Any, kind: Any) -> None:
+    assert {key.removesuffix("_mm") for key in table.model_fields} == {field.name for field in dataclasses.fields(kind)}
+
+
+def test_lengths_of_nested_tables_may_be_in_metres(tmp_path: Path) -> None:
+    metres = read_case(case_file(tmp_path, sample_case("church"))).source
+    text = (
+        sample_case("church")
+        .replace("centre_m = [-1.5, 1.5]", "centre_mm = [-1500, 1500]")
+        .replace("width_m = 5.6", "width_mm = 5600")
+    )
+    assert read_case(case_file(tmp_path, text)).source == metres
+    assert isinstance(metres, Generated)
+    assert metres.parameters["openings"][2]["centre"] == (-1.5, 1.5)
+    assert metres.parameters["openings"][0]["wall"] == ("facade",)
 
 
 @pytest.mark.parametrize("name", sample_names())
@@ -117,7 +144,10 @@ MISTAKES = [
     ("material.default.friction=nan", r"found nan; expected a finite number"),
     ("source.brick_mm=[1,2]", r"source\.brick_mm: wrong value.*at least 3 items"),
     ("source.courses=2.5", r"source\.courses: wrong value; found 2\.5; expected a valid integer"),
-    ("source.generator=walls", r'unknown generator; found \'walls\'; expected wall, arch, prototype, box.*Did you mean "wall"\?'),
+    (
+        "source.generator=walls",
+        r'unknown generator; found \'walls\'; expected wall, arch, arch_piers, prototype, box.*Did you mean "wall"\?',
+    ),
     ("source.dxf=a.dxf", r"source: no single source; found both"),
     ("source={}", r"source: no single source"),
     ("source=wall", r"source: wrong value"),

@@ -257,6 +257,32 @@ def test_curved_walls_fit_face_to_face(turn):
     np.testing.assert_allclose(contacts.area[heads], 0.9 * 0.275, rtol=1e-9)
 
 
+@pytest.mark.parametrize(("joints", "through"), [("grid", 0.0), ("bay", 0.0)])
+def test_a_round_tower_has_no_seam(joints, through):
+    length = 1.7 * 2 * math.pi
+    outline = np.array([[0, 0], [length, 0], [length, 2.2], [0, 2.2]])
+    bond = BondRegion("bond", outline, "running", UnitCell(0.275, length / 16), joints=joints, through_offset=through)
+    # A window across the seam, off the joints: its jambs break the curve where the whole courses have no joint.
+    windows = (
+        Opening("left", np.array([[0, 0.55], [0.3, 0.55], [0.3, 1.1], [0, 1.1]])),
+        Opening("right", np.array([[length - 0.4, 0.55], [length, 0.55], [length, 1.1], [length - 0.4, 1.1]])),
+    )
+    panel = Panel("tower", CylinderChart(np.zeros(3), 1.7), outline, 0.9, (bond,), openings=windows)
+    stones = derive_blocks(Building("tower", (panel,), (MATERIAL,)))
+    contacts = find_contacts(stones)
+    assert not len(overlapping_stones(stones))
+    assert not len(floating_stones(stones, contacts))
+    # Sixteen stones in every whole course, half a stone off from one to the next: no joint above another.
+    for course in (0, 1, 4, 5, 6, 7):
+        assert (stones.course[~stones.fixed] == course).sum() == 16
+    heads = contacts.kind == "head"
+    angle = np.arctan2(*contacts.point[contacts.point_ptr[:-1][heads]].T[1::-1]) % (2 * math.pi / 16)
+    upper = stones.course[contacts.blocks[heads, 0]]
+    even, odd = angle[upper == 0], angle[upper == 1]
+    turned = np.abs(even[:, None] - odd[None])
+    assert np.minimum(turned, 2 * math.pi / 16 - turned).min() == pytest.approx(math.pi / 16, abs=1e-6)
+
+
 def test_five_thousand_stones_take_about_a_second():
     building = box(length=8.0, width=8.0, courses=40, brick=(0.25, 0.25, 0.1))
     start = time.perf_counter()

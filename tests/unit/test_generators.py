@@ -17,7 +17,22 @@ WALL = {"length": 0.32, "brick": BRICK, "courses": 5}
 ARCH = {"mean_radius": 1.0, "thickness": 0.2, "width": 0.5, "voussoirs": 27}
 PROTOTYPE = {"brick": BRICK, "main_wall_bricks": 8, "partitions_x": [0.0, 0.6], "partition_length": 0.32, "courses": 21}
 BOX = {"length": 1.0, "width": 0.8, "courses": 4, "brick": BRICK}
-EXAMPLES = {"wall": WALL, "arch": ARCH, "prototype": PROTOTYPE, "box": BOX}
+BOND = {"course": 0.25, "stone_length": 0.5}
+SIZE = {"width": 3.0, "height": 4.0, "thickness": 0.5}
+NAVE = {"width": 4.0, "length": 5.0, "height": 4.0, "thickness": 0.5}
+APSE = {"inner_radius": 1.0, "thickness": 0.5, "height": 3.0, "wall_length": 4.0, "wall_thickness": 0.5, "wall_height": 4.0}
+PIERS = {"span": 2.0, "springing": 1.5, "pier_width": 0.8, "thickness": 0.5, "height": 3.5, "voussoirs": 9, "depth": 0.3}
+EXAMPLES = {
+    "wall": WALL,
+    "arch": ARCH,
+    "prototype": PROTOTYPE,
+    "box": BOX,
+    "tower": BOND | SIZE | {"depth": 3.0},
+    "chapel": BOND | SIZE | {"length": 5.0},
+    "church": BOND | {"nave": NAVE},
+    "apse": BOND | APSE,
+    "arch_piers": BOND | PIERS,
+}
 
 
 @pytest.mark.parametrize("name", GENERATORS)

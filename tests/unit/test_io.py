@@ -115,11 +115,23 @@ def test_npz_of_another_type_or_form_is_named(tmp_path: Path) -> None:
 
 BRICK = (ROOT2 / 4, ROOT3 / 10, 0.15)
 DOOR = {"start": 0.5 * ROOT2, "width": 0.4, "height_courses": 3, "lintel_bearing": 0.1}
+BOND = {"course": 0.25, "stone_length": ROOT2 / 3}
+WALLS = {"height": 4.0, "thickness": ROOT3 / 3}
+APSE = {"inner_radius": PI / 3, "thickness": 0.5, "height": 3.0}
+NAVE = {"width": 4.0, "length": 5.0, "height": 4.0, "thickness": 0.5}
+END = {"thickness": 0.5, "ridge": 4.0 + ROOT2}
+ARMS = {"width": 9.0, "depth": PI, "thickness": 0.5}
+WINDOW = {"name": "w", "wall": "front", "centre": 0.0, "width": 0.5, "springing": ROOT2, "voussoirs": 5, "depth": 0.2}
 PARAMETERS: dict[str, dict[str, Any]] = {
     "wall": {"length": PI, "brick": BRICK, "courses": 7, "openings": [DOOR]},
     "arch": {"mean_radius": PI / 3, "thickness": 0.2, "width": ROOT2, "voussoirs": 7, "half_angle": 1.3},
     "prototype": {"brick": BRICK, "main_wall_bricks": 5, "partitions_x": [0, 1.0], "partition_length": PI / 2, "courses": 7},
     "box": {"length": PI, "width": ROOT3, "courses": 5, "brick": BRICK},
+    "arch_piers": BOND | WALLS | {"span": ROOT3, "springing": 1.5, "pier_width": 1.0, "voussoirs": 9, "depth": 0.3},
+    "tower": BOND | WALLS | {"width": PI, "depth": PI, "openings": [WINDOW]},
+    "apse": BOND | APSE | {"wall_length": 5.0, "wall_thickness": ROOT2, "wall_height": 4.0},
+    "chapel": BOND | WALLS | {"width": PI + ROOT2, "length": 6.0, "apse": APSE},
+    "church": BOND | {"nave": NAVE, "triumphal_arch": END, "transept": ARMS, "east": END, "tower": {"height": 5.0}},
 }
 
 

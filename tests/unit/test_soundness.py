@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 
 from churchpipe.derive.contacts import find_contacts
-from churchpipe.derive.soundness import check_soundness, duplicate_stones, floating_stones, overlapping_stones
+from churchpipe.derive.soundness import (
+    check_soundness,
+    duplicate_stones,
+    floating_stones,
+    overlapping_stones,
+    unsupported_stones,
+)
 from churchpipe.errors import InputError
 from solids import box, moved, on_ground, prism
 
@@ -22,6 +28,14 @@ def test_floating_stones_are_named_with_their_place() -> None:
     assert floating_stones(stones, contacts).tolist() == [2, 3]
     with pytest.raises(InputError, match=r"B2 at \[0.5, 0.5, 5.5\] m, B3"):
         check_soundness(stones, contacts)
+
+
+def test_a_stone_that_only_leans_on_its_neighbour_is_unsupported() -> None:
+    # B2 hangs on the side of B1, B3 stands on B2.
+    stones = on_ground(CUBE, box((1, 2), (0, 1), (0.5, 1.5)), box((1, 2), (0, 1), (1.5, 2.5)))
+    contacts = find_contacts(stones)
+    assert not len(floating_stones(stones, contacts))
+    assert unsupported_stones(stones, contacts).tolist() == [2]
 
 
 def test_duplicates_are_not_called_overlaps_too() -> None:

@@ -5,7 +5,21 @@ from collections.abc import Callable
 import numpy as np
 
 from churchpipe.bond.field import Field
-from churchpipe.bond.planar import Polygons, areas, bounds, boxes, clip, covered, extent, has_hole, vertices
+from churchpipe.bond.planar import (
+    Polygons,
+    all_coordinates,
+    areas,
+    bounds,
+    boxes,
+    clip,
+    covered,
+    extent,
+    has_hole,
+    moved,
+    shared_edges,
+    united,
+    vertices,
+)
 from churchpipe.bond.polygons import TOLERANCE, snap, snap_onto, snap_polygons
 from churchpipe.bond.slivers import merge_slivers
 from churchpipe.bond.tiles import TileSet, tiles_of
@@ -38,8 +52,31 @@ def lay_courses(field: Field, cell: UnitCell, joints: Callable[[int], FloatArray
         rows.append(np.stack([s[:-1], bottom * height, s[1:], top * height, course * height], axis=1))
     cells = np.concatenate(rows)
     polygons, course = cut(boxes(cells[:, :4]), cells[:, 4].astype(np.int64), field)
+    if field.closed:
+        polygons, course = _joined_at_seam(polygons, course, field, joints)
     polygons, course = merge_slivers(polygons, course, cell, field.name)
     return tiles_of(polygons, course, field.name)
+
+
+def _joined_at_seam(
+    polygons: Polygons, course: IntArray, field: Field, joints: Callable[[int], FloatArray]
+) -> tuple[Polygons, IntArray]:
+    """Return the tiles of a closed wall, the first and last one of a course joined where it has no joint at the seam."""
+    start, stop = field.span
+    low, _, high, _ = bounds(polygons).T
+    kept = np.ones(len(polygons), dtype=np.bool_)
+    for last in np.flatnonzero(high > stop - TOLERANCE):
+        if (np.abs(joints(int(course[last])) - start) < TOLERANCE).any():
+            continue
+        beyond = moved(polygons[[last]], all_coordinates(polygons[[last]]) - [stop - start, 0.0])
+        firsts = np.flatnonzero((low < start + TOLERANCE) & (course == course[last]) & kept)
+        shared = shared_edges(polygons[firsts], beyond[0])
+        if len(firsts) and shared.max() > TOLERANCE:
+            first = firsts[shared.argmax()]
+            whole = united(np.concatenate([polygons[[first]], beyond]))
+            polygons[first] = snap_polygons(np.array([whole], dtype=np.object_))[0]
+            kept[last] = False
+    return polygons[kept], course[kept]
 
 
 def cut(cells: Polygons, course: IntArray, field: Field) -> tuple[Polygons, IntArray]:

@@ -18,7 +18,8 @@ class Field:
 
     name: for messages. solid: what is to be filled, m2. span: the ends of the wall, s in m. through: parity of the courses
     on which the wall runs through its junctions. zones (nz, 2) m: its junctions, disjoint and sorted along s. lost (nl, 4) m:
-    rectangles s0, t0, s1, t1 of the zones that belong to other walls.
+    rectangles s0, t0, s1, t1 of the zones that belong to other walls. closed: whether the wall's end is its start, as of a
+    round tower.
     """
 
     name: str
@@ -27,6 +28,7 @@ class Field:
     through: Literal[0, 1] = 0
     zones: FloatArray = dataclass_field(default_factory=lambda: np.empty((0, 2)))
     lost: FloatArray = dataclass_field(default_factory=lambda: np.empty((0, 4)))
+    closed: bool = False
 
     def __post_init__(self) -> None:
         store(

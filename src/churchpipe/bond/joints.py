@@ -3,8 +3,12 @@
 import numpy as np
 
 from churchpipe.bond.field import Field
+from churchpipe.bond.planar import distances
 from churchpipe.bond.polygons import TOLERANCE
 from churchpipe.model.arrays import BoolArray, FloatArray
+
+# A wall reaches beyond a junction if there is masonry this far from its face, m.
+END = 1e-6
 
 
 def grid_joints(field: Field, b: float, offset: float) -> FloatArray:
@@ -19,7 +23,8 @@ def bay_joints(field: Field, b: float, through: bool, height: float) -> FloatArr
 
     A bay of length L takes m = round(L / b) stones of b' = L / m. Cut courses have joints at face + k b'; through courses
     at face + (k + 1/2) b', and the stretch across a junction that the wall owns, from the last joint before to the first
-    one behind it, is divided evenly: no straight joints at the returns.
+    one behind it, or to the end of the wall at this height, is divided evenly into a stone for each begun stone length of the
+    junction: no straight joints at the returns.
 
     Parameters
     ----------
@@ -43,9 +48,18 @@ def bay_joints(field: Field, b: float, through: bool, height: float) -> FloatArr
             behind[bay - 1] = inside[0]
         if bay < len(before):
             before[bay] = inside[-1]
-    for start, stop in zip(before[owned], behind[owned], strict=True):
-        joints.append(np.linspace(float(start), float(stop), _pieces(stop - start, b) + 1))
+    # A wall that ends at the zone at this height (a tower above the roof) has no joint to reach to.
+    before = np.where(_masonry(field, field.zones[:, 0] - END, height), before, field.zones[:, 0])
+    behind = np.where(_masonry(field, field.zones[:, 1] + END, height), behind, field.zones[:, 1])
+    stones = np.ceil((field.zones[:, 1] - field.zones[:, 0]) / b - TOLERANCE).astype(np.int64)
+    for start, stop, count in zip(before[owned], behind[owned], stones[owned], strict=True):
+        joints.append(np.linspace(float(start), float(stop), int(count) + 1))
     return np.concatenate(joints) if joints else np.empty(0)
+
+
+def _masonry(field: Field, s: FloatArray, height: float) -> BoolArray:
+    """Return whether there is masonry at s (n,) m at a height."""
+    return distances(field.solid, np.stack([s, np.full(len(s), height)], axis=1)) == 0
 
 
 def _lost(field: Field, height: float) -> BoolArray:

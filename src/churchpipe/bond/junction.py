@@ -7,7 +7,7 @@ from itertools import combinations
 import numpy as np
 
 from churchpipe.bond.charts import along, base_level, footprint
-from churchpipe.bond.planar import Region, area, areas, boxes, common, common_areas, vertices
+from churchpipe.bond.planar import Region, area, areas, boxes, common, common_areas, pieces, vertices
 from churchpipe.bond.polygons import TOLERANCE, snap_onto
 from churchpipe.errors import InputError
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
@@ -38,7 +38,7 @@ class Crossing:
 
 
 def crossings(panels: Sequence[Panel], solids: Sequence[Region]) -> list[Crossing]:
-    """Return the crossings of walls in pairs, derived from the footprints: corners, T and crossings.
+    """Return the crossings of walls in pairs, derived from the footprints: corners, T and crossings; one for each leg of an apse.
 
     Where both walls exist, a wall with `runs_through` None owns the zone, then the wall whose parity is that of the course,
     then the one listed first; where only one fills the whole zone, that one owns it.
@@ -54,8 +54,8 @@ def crossings(panels: Sequence[Panel], solids: Sequence[Region]) -> list[Crossin
     """
     plans = [footprint(p.chart, p.thickness, p.outline[:, 0].min(), p.outline[:, 0].max()) for p in panels]
     found: list[Crossing] = []
-    for i, j in combinations(range(len(panels)), 2):
-        zone = common(plans[i], plans[j])
+    zones = ((i, j, zone) for i, j in combinations(range(len(panels)), 2) for zone in pieces(common(plans[i], plans[j])))
+    for i, j, zone in zones:
         if area(zone) <= TOLERANCE * min(panels[i].thickness, panels[j].thickness) ** 2:
             continue
         levels, course = _bands(panels[i], panels[j], solids[i], solids[j])

@@ -90,6 +90,16 @@ def all_coordinates(polygons: Polygons) -> FloatArray:
     return np.asarray(shapely.get_coordinates(polygons), dtype=np.float64)
 
 
+def centroids(polygons: Polygons) -> FloatArray:
+    """Return the centroids (n, 2)."""
+    return np.asarray(shapely.get_coordinates(shapely.centroid(polygons)), dtype=np.float64)
+
+
+def distances(region: Region, points: FloatArray) -> FloatArray:
+    """Return how far points (n, 2) are from a region (n,), 0 inside."""
+    return np.asarray(shapely.distance(region, shapely.points(points)), dtype=np.float64)
+
+
 def covered(polygons: Polygons, region: Region) -> BoolArray:
     """Return which polygons (n,) lie wholly in the region."""
     shapely.prepare(region)
@@ -111,6 +121,11 @@ def clip(polygons: Polygons, region: Region) -> tuple[Polygons, IntArray]:
 def common(first: Region, second: Region) -> Region:
     """Return what two regions have in common; lines and points are dropped."""
     return _areal(shapely.intersection(first, second))
+
+
+def pieces(region: shapely.Geometry) -> list[shapely.Polygon]:
+    """Return the connected pieces of a region."""
+    return [part for part in shapely.get_parts(region) if isinstance(part, shapely.Polygon)]
 
 
 def less(region: Region, holes: "Sequence[Region] | Polygons") -> Region:
@@ -137,5 +152,5 @@ def level_section(region: Region, t: float) -> FloatArray:
 
 
 def _areal(geometry: shapely.Geometry) -> Region:
-    parts = [part for part in shapely.get_parts(geometry) if isinstance(part, shapely.Polygon)]
+    parts = pieces(geometry)
     return parts[0] if len(parts) == 1 else shapely.MultiPolygon(parts)

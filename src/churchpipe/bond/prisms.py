@@ -31,9 +31,13 @@ def thicken(chart: Chart, thickness: float, tiles: TileSet) -> Solids:
     return _bent_prisms(chart, thickness, tiles)
 
 
-def stations_of(tiles: TileSet) -> FloatArray:
-    """Return the s of all joints of a curved wall, between which it is straight, m."""
-    return np.unique(tiles.corner[:, 0])
+def stations_of(chart: Chart, tiles: TileSet) -> FloatArray:
+    """Return the s of all joints of a curved wall, between which it is straight, m; of a circle, on both sides of the seam."""
+    stations = np.unique(tiles.corner[:, 0])
+    if isinstance(chart, PlaneChart) or chart.sweep < 2 * np.pi:
+        return stations
+    turn = 2 * np.pi * chart.radius
+    return np.unique(snap_onto(np.concatenate((stations - turn, stations, stations + turn)), stations))
 
 
 def _prisms(chart: Chart, thickness: float, tiles: TileSet) -> Solids:
@@ -64,7 +68,7 @@ def _prisms(chart: Chart, thickness: float, tiles: TileSet) -> Solids:
 
 def _bent_prisms(chart: Chart, thickness: float, tiles: TileSet) -> Solids:
     """Stones of a curved wall: straight between all joints of the wall, so that courses fit face to face."""
-    stations = stations_of(tiles)
+    stations = stations_of(chart, tiles)
     points: list[FloatArray] = []
     nodes: list[IntArray] = []
     face_sizes: list[int] = []

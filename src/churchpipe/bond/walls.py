@@ -1,6 +1,6 @@
 """Laying a whole wall: its junctions, then each bond region in turn."""
 
-from churchpipe.bond.charts import check_upright
+from churchpipe.bond.charts import check_upright, closes
 from churchpipe.bond.field import Field
 from churchpipe.bond.junction import WallJunctions
 from churchpipe.bond.patterns import bond_of
@@ -45,6 +45,7 @@ def lay_wall(panel: Panel, solid: Region, junctions: WallJunctions) -> TileSet:
             through=panel.runs_through or 0,
             zones=junctions.zones,
             lost=junctions.lost,
+            closed=closes(panel.chart, *span),
         )
         try:
             sets.append(bond_of(region).tiles(field))

@@ -69,18 +69,19 @@ def _section_at(kind: type[Section], path: list[Any]) -> type[Section]:
     for part in path:
         field = kind.model_fields.get(str(part))
         if field is not None:
-            kind = _section_in(field.annotation) or kind
+            kind = section_in(field.annotation) or kind
     return kind
 
 
-def _section_in(annotation: Any) -> type[Section] | None:
+def section_in(annotation: Any) -> type[Section] | None:
+    """Return the table that a key holds, one or a list of them, or None."""
     if isinstance(annotation, type) and issubclass(annotation, Section):
         return annotation
-    return next((found for part in get_args(annotation) if (found := _section_in(part))), None)
+    return next((found for part in get_args(annotation) if (found := section_in(part))), None)
 
 
 def _described(annotation: Any) -> str:
-    section = _section_in(annotation)
+    section = section_in(annotation)
     if section:
         return f"a table with {', '.join(section.model_fields)}"
     words = {float: "a number", int: "a whole number", str: "a text"}

@@ -7,7 +7,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from churchpipe.config.section import Count, NotNegative, Number, Positive, Section, Table, Vector, nearest, validated
+from churchpipe.config.church_sources import ApseSource, ArchPiersSource, ChapelSource, ChurchSource, TowerSource
+from churchpipe.config.section import Count, NotNegative, Number, Positive, Section, Table, Vector, nearest, section_in, validated
 from churchpipe.errors import InputError
 
 Joints = Literal["grid", "bay"]
@@ -92,7 +93,17 @@ class DrawingSource(Section):
     repair: bool = False
 
 
-GENERATED: dict[str, type[Section]] = {"wall": WallSource, "arch": ArchSource, "prototype": PrototypeSource, "box": BoxSource}
+GENERATED: dict[str, type[Section]] = {
+    "wall": WallSource,
+    "arch": ArchSource,
+    "arch_piers": ArchPiersSource,
+    "prototype": PrototypeSource,
+    "box": BoxSource,
+    "tower": TowerSource,
+    "apse": ApseSource,
+    "chapel": ChapelSource,
+    "church": ChurchSource,
+}
 
 
 def check_source(table: Table, file: str, problems: list[InputError]) -> Section | None:
@@ -121,15 +132,22 @@ def check_source(table: Table, file: str, problems: list[InputError]) -> Section
 
 
 def _in_millimetres(table: Table, kind: type[Section]) -> Table:
-    """Rename known lengths that are written in metres; the openings keep theirs."""
+    """Rename known lengths that are written in metres, those of nested tables too."""
     out: Table = {}
     for key, value in table.items():
         renamed = key.removesuffix("_m") + "_mm"
         if key.endswith("_m") and renamed in kind.model_fields and renamed not in table:
             out[renamed] = _times(value, 1000.0)
-        else:
-            out[key] = value
+            continue
+        inner = section_in(kind.model_fields[key].annotation) if key in kind.model_fields else None
+        out[key] = _nested(value, inner) if inner else value
     return out
+
+
+def _nested(value: Any, kind: type[Section]) -> Any:
+    if isinstance(value, list):
+        return [_nested(item, kind) for item in value]
+    return _in_millimetres(value, kind) if isinstance(value, dict) else value
 
 
 def _times(value: Any, factor: float) -> Any:

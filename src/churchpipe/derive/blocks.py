@@ -5,6 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from churchpipe.bond.junction import wall_junctions
+from churchpipe.bond.parts import part_names
+from churchpipe.bond.planar import centroids
 from churchpipe.bond.polygons import TOLERANCE, snap
 from churchpipe.bond.prisms import Solids, stations_of, thicken
 from churchpipe.bond.tiles import TileSet
@@ -37,9 +39,8 @@ def derive_blocks(building: Building) -> Assemblage:
     tiles = [lay_wall(*wall) for wall in zip(building.panels, solids, junctions, strict=True)]
     walls = [thicken(p.chart, p.thickness, t) for p, t in zip(building.panels, tiles, strict=True)]
     stones = _assemble(building, tiles, [*_fixed_bodies(building, walls), *walls])
-    expected = masonry_volume(
-        building.panels, solids, [wall.zones.ravel() for wall in junctions], [stations_of(wall) for wall in tiles]
-    )
+    stations = [stations_of(panel.chart, wall) for panel, wall in zip(building.panels, tiles, strict=True)]
+    expected = masonry_volume(building.panels, solids, [wall.zones.ravel() for wall in junctions], stations)
     found = float(stones.volume[~stones.fixed].sum())
     if abs(found - expected) > VOLUME_TOLERANCE * expected:
         raise InputError(
@@ -97,7 +98,7 @@ def _assemble(building: Building, tiles: Sequence[TileSet], bodies: Sequence[Sol
     weights = {material.name: material.unit_weight for material in building.materials}
     material = np.array(
         [building.materials[0].name] * len(fixed_names)
-        + [p.material for p, t in zip(building.panels, tiles, strict=True) for _ in range(t.count)]
+        + [name for p, t in zip(building.panels, tiles, strict=True) for name in _materials(p, t)]
     )
     names = [name for p, t in zip(building.panels, tiles, strict=True) for name in _names(p, t)]
     return assemble(
@@ -109,7 +110,9 @@ def _assemble(building: Building, tiles: Sequence[TileSet], bodies: Sequence[Sol
         block_point_ptr=_chained([body.block_point_ptr for body in bodies], point_offset),
         unit_weight=np.array([weights[name] for name in material]),
         material=material,
-        panel=np.array(fixed_names + [p.name for p, t in zip(building.panels, tiles, strict=True) for _ in range(t.count)]),
+        panel=np.concatenate(
+            [fixed_names, *(part_names(p, centroids(t.polygons)) for p, t in zip(building.panels, tiles, strict=True))]
+        ),
         course=np.concatenate([np.full(len(fixed_names), -1), *(t.course for t in tiles)]),
         fixed=np.arange(len(material)) < len(fixed_names),
         block_id=np.array([*fixed_names, *names]),
@@ -118,6 +121,11 @@ def _assemble(building: Building, tiles: Sequence[TileSet], bodies: Sequence[Sol
 
 def _chained(pointers: Sequence[IntArray], offsets: IntArray) -> IntArray:
     return np.concatenate([[0], *(p[1:] + o for p, o in zip(pointers, offsets[:-1], strict=True))])
+
+
+def _materials(panel: Panel, tiles: TileSet) -> list[str]:
+    of_region = {region.name: region.material or panel.material for region in panel.regions}
+    return [of_region[name] for name in tiles.region.tolist()]
 
 
 def _names(panel: Panel, tiles: TileSet) -> list[str]:

@@ -4,8 +4,10 @@ import numpy as np
 import shapely
 from scipy.spatial import cKDTree
 
+from churchpipe.bond.planar import polygons_of
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, ragged_indices
 from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.polyhedra import face_normals
 from churchpipe.model.shell import ShellModel
 
 # Points looked at in one go: bounds the memory.
@@ -37,6 +39,33 @@ def inside_stones(stones: Assemblage, points: FloatArray) -> BoolArray:
         winding = np.bincount(owner, angle, minlength=len(part)) / (4 * np.pi)
         inside[first : first + CHUNK] = winding > 0.5
     return inside
+
+
+def seats(stones: Assemblage) -> FloatArray:
+    """Return a point (nb, 3) m inside each stone: its centroid, or beside it where a notch takes that away.
+
+    A notch shows in the face with the most corners, the front of a stone cut to an arch.
+    """
+    _, normal, _ = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
+    corners = np.diff(stones.face_ptr)
+    block = np.repeat(np.arange(stones.count), np.diff(stones.block_face_ptr))
+    order = np.lexsort((corners, block))
+    face = order[stones.block_face_ptr[1:] - 1]
+    notched = np.flatnonzero((corners[face] > 4) & (np.abs(normal[face, 2]) < 0.5) & ~stones.fixed)
+    out = stones.centroid.copy()
+    if not len(notched):
+        return out
+    face = face[notched]
+    across = np.cross([0.0, 0.0, 1.0], normal[face])
+    across /= np.linalg.norm(across, axis=1, keepdims=True)
+    owner = np.repeat(np.arange(len(face)), corners[face])
+    reach = stones.points[stones.face_nodes[ragged_indices(stones.face_ptr[face], corners[face])]] - out[notched][owner]
+    flat = np.stack([np.einsum("nc,nc->n", reach, across[owner]), reach[:, 2]], axis=1)
+    front = polygons_of(flat, np.concatenate(([0], np.cumsum(corners[face]))))
+    outside = ~shapely.contains_xy(front, 0.0, 0.0)
+    aside = shapely.get_coordinates(shapely.point_on_surface(front[outside]))
+    out[notched[outside]] += aside[:, :1] * across[outside] + aside[:, 1:] * np.array([0.0, 0.0, 1.0])
+    return out
 
 
 def facet_at(shell: ShellModel, points: FloatArray, panel: str) -> tuple[IntArray, FloatArray]:

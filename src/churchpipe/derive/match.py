@@ -5,8 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from churchpipe.derive.locate import facet_at, inside_stones
-from churchpipe.model.arrays import FloatArray, IntArray
+from churchpipe.derive.locate import facet_at, inside_stones, seats
+from churchpipe.derive.midplanes import components
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, NameArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.polyhedra import face_normals
@@ -20,6 +21,8 @@ SUPPORTED = 0.02
 MEAN_ANGLE = 3.0
 # A stone whose bed differs by more than this (degrees) is turned; part of the stones' volume that may be.
 TURNED, TURNED_SHARE = 20.0, 0.001
+# Tells a normal from its opposite: no wall of a drawing lies along it.
+SLANT = np.array([0.8367, 0.5476, 0.0123])
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,22 +64,25 @@ class Match:
 def match_models(stones: Assemblage, contacts: Contacts, shell: ShellModel) -> Match:
     """Compare the two models of a building.
 
-    Weight, in all and panel by panel; centroid; volume (area x thickness less the overlaps at junctions) and thickness;
-    openings, as mid-surface with no stone behind it and stones with no mid-surface; supported length x thickness; the angle
-    between the bed of each stone and the bed direction of the shell there. Weights, lengths and volumes differ by their
-    share of the larger one.
+    Weight, in all and wall by wall (panels side by side in one plane, toothed into one another, are one); centroid; volume
+    (area x thickness less the overlaps at junctions) and thickness; openings, as mid-surface with no stone behind it and stones
+    with no mid-surface; supported length x thickness; the angle between the bed of each stone and the bed direction of the
+    shell there. Weights, lengths and volumes differ by their share of the larger one.
 
     Parameters
     ----------
     stones, contacts, shell: the two models, by the same panel names.
     """
     free = ~stones.fixed
-    panels = np.unique(np.concatenate([stones.panel[free], shell.panel]))
     weights = [
         _relative(
-            f"weight of {name}", stones.weight[stones.panel == name].sum(), shell.weight[shell.panel == name].sum(), "N", WEIGHT
+            f"weight of {' + '.join(wall)}",
+            stones.weight[np.isin(stones.panel, wall)].sum(),
+            shell.weight[np.isin(shell.panel, wall)].sum(),
+            "N",
+            WEIGHT,
         )
-        for name in panels
+        for wall in _walls(np.unique(np.concatenate([stones.panel[free], shell.panel])), shell)
     ]
     unit_weight = _unit_weights(stones, shell)
     carried = shell.surface_weight / np.where(unit_weight > 0, unit_weight, np.inf)
@@ -102,6 +108,21 @@ def _relative(name: str, stones: float, shell: float, unit: str, tolerance: floa
     return Figure(name, float(stones), float(shell), unit, float(abs(shell - stones) / largest) if largest else 0.0, tolerance)
 
 
+def _walls(panels: NameArray, shell: ShellModel) -> list[list[str]]:
+    """Return the panels, those side by side in one plane as one wall: a stone across their border belongs to either."""
+    normal = shell.axes[:, 2] * np.where(shell.axes[:, 2] @ SLANT < 0, -1.0, 1.0)[:, None]
+    offset = np.einsum("tc,tc->t", normal, shell.points[shell.triangles[:, 0]])
+    plane = np.round(np.hstack([normal, offset[:, None]]), 4)
+    # Nodes and planes both in common: links of panels.
+    place = np.hstack([np.repeat(plane, 3, axis=0), shell.triangles.reshape(-1, 1)])
+    number = np.searchsorted(panels, shell.panel)
+    pairs = np.unique(np.hstack([place, np.repeat(number, 3)[:, None]]), axis=0)
+    beside = (pairs[1:, :-1] == pairs[:-1, :-1]).all(axis=1)
+    links = np.stack([pairs[:-1, -1], pairs[1:, -1]], axis=1)[beside].astype(np.int64)
+    label = components(len(panels), links)
+    return [[str(name) for name in panels[label == wall]] for wall in range(label.max() + 1)]
+
+
 def _unit_weights(stones: Assemblage, shell: ShellModel) -> FloatArray:
     """Return the unit weight (nt,) N/m3 of the stones of each facet's material, 0 where there are none."""
     out = np.zeros(len(shell.material))
@@ -120,11 +141,12 @@ def _centroid(stones: Assemblage, shell: ShellModel) -> Figure:
 
 
 def _facets_of(stones: Assemblage, shell: ShellModel, free: IntArray) -> tuple[IntArray, FloatArray]:
-    """Return for each stone the facet of its own panel at its centroid (nb,), -1 for none, and how far outside it lies, m."""
+    """Return for each stone the facet of its own panel at its middle (nb,), -1 for none, and how far outside it lies, m."""
+    middle = seats(stones)
     facet, outside = np.full(stones.count, -1, dtype=np.int64), np.full(stones.count, np.inf)
     for name in np.intersect1d(stones.panel[free], shell.panel):
         own = free[stones.panel[free] == name]
-        facet[own], outside[own] = facet_at(shell, stones.centroid[own], str(name))
+        facet[own], outside[own] = facet_at(shell, middle[own], str(name))
     return facet, outside
 
 
@@ -204,11 +226,29 @@ def _bed_figures(angle: FloatArray, volume: FloatArray) -> tuple[Figure, Figure]
 
 
 def _joint_normal(stones: Assemblage, contacts: Contacts, normal: FloatArray) -> FloatArray:
-    """Return the axis (nb, 3) that the joints of each stone are most at right angles to, within the plane of its wall."""
-    tensor = np.zeros((stones.count, 3, 3))
+    """Return the axis (nb, 3) that the joints of each stone are most at right angles to, within the plane of its wall.
+
+    Of a stone without a course the joints with others without one lead, where it has such, its neighbours in the ring; what lies
+    more across than along them, the extrados, does not count.
+    """
+    loose = (stones.course < 0) & ~stones.fixed
+    in_ring = np.asarray(loose[contacts.blocks].all(axis=1))
+    ringed = np.isin(np.arange(stones.count), contacts.blocks[in_ring])
+    everywhere = _mean_axis(stones.count, contacts, normal, np.ones(contacts.blocks.shape, dtype=np.bool_))
+    first = np.where(
+        ringed[:, None], _mean_axis(stones.count, contacts, normal, np.stack([in_ring, in_ring], axis=1)), everywhere
+    )
+    along = np.abs(np.einsum("nc,nsc->ns", contacts.frame[:, 0], first[contacts.blocks])) > np.sqrt(0.5)
+    return np.where(ringed[:, None], _mean_axis(stones.count, contacts, normal, along), everywhere)
+
+
+def _mean_axis(count: int, contacts: Contacts, normal: FloatArray, counts: BoolArray) -> FloatArray:
+    """Return the mean axis (nb, 3) of the joints of each stone by area; counts (ni, 2): those that count for either stone."""
+    tensor = np.zeros((count, 3, 3))
     n = contacts.frame[:, 0]
     weighed = contacts.area[:, None, None] * n[:, :, None] * n[:, None, :]
     for side in (0, 1):
-        np.add.at(tensor, contacts.blocks[:, side], weighed)
+        chosen = counts[:, side]
+        np.add.at(tensor, contacts.blocks[chosen, side], weighed[chosen])
     flat = np.eye(3) - normal[:, :, None] * normal[:, None, :]
     return np.linalg.eigh(flat @ tensor @ flat)[1][:, :, 2]

@@ -115,15 +115,22 @@ def _clipped(panel: Panel, zones: FloatArray, lines: FloatArray) -> tuple[Region
 def _steps_on_lines(outline: FloatArray, zones: FloatArray, lines: FloatArray) -> FloatArray:
     """Return the outline with its upright edges at the face of a crossing wall, or within it, moved to that wall's mid-plane.
 
-    A tower rises from the far or the near face of the wall that carries it; its mid-surface rises from that wall's own.
+    A tower rises from the far or the near face of the wall that carries it; its mid-surface rises from that wall's own. A slope
+    that starts at the edge starts there too, on its own line.
     """
     moved = outline.copy()
     after = np.roll(np.arange(len(outline)), -1)
+    before = np.roll(np.arange(len(outline)), 1)
     upright = np.abs(outline[:, 0] - outline[after, 0]) < TOLERANCE
     for (start, stop), line in zip(zones, lines, strict=True):
         edge = upright & (outline[:, 0] > start - TOLERANCE) & (outline[:, 0] < stop + TOLERANCE)
-        moved[edge, 0] = line
-        moved[after[edge], 0] = line
+        for corner, beside in ((np.flatnonzero(edge), before[edge]), (after[edge], after[after[edge]])):
+            run, rise = (outline[corner] - outline[beside]).T
+            sloping = np.abs(run) > TOLERANCE
+            slope = np.where(sloping, rise / np.where(sloping, run, 1.0), 0.0)
+            moved[corner] = np.stack(
+                [np.full(len(corner), line), outline[corner, 1] + slope * (line - outline[corner, 0])], axis=1
+            )
     return moved
 
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from churchpipe.bond.charts import lift
+from churchpipe.bond.parts import part_names
 from churchpipe.bond.patterns import bond_of
 from churchpipe.bond.planar import area
 from churchpipe.derive.midplanes import NODE_TOLERANCE, MidSurface, clusters, components, mid_surfaces
@@ -64,18 +65,18 @@ def derive_shell(building: Building, element_size: float, sizes: Mapping[str, fl
     start = np.cumsum([0] + [len(panel.regions) for panel in building.panels])
     bond = np.concatenate([mesh.bond + offset for mesh, offset in zip(meshes, start[:-1], strict=True)])
     weights = {material.name: material.unit_weight for material in building.materials}
+    material = np.array([region.material or panel.material for panel in building.panels for region in panel.regions])[bond]
     shell = ShellModel(
         points=points,
         triangles=triangles,
         axes=np.concatenate([_axes(*part) for part in zip(surfaces, meshes, facets, strict=True)]),
         thickness=np.repeat([panel.thickness for panel in building.panels], counts),
-        surface_weight=np.concatenate(
-            [weights[s.panel.material] * _thickness_carried(s, m, f) for s, m, f in zip(surfaces, meshes, facets, strict=True)]
-        ),
+        surface_weight=np.array([weights[name] for name in material.tolist()])
+        * np.concatenate([_thickness_carried(*part) for part in zip(surfaces, meshes, facets, strict=True)]),
         cell=cell.ravel()[bond],
         unit_cells=unit_cells,
-        material=np.repeat([panel.material for panel in building.panels], counts),
-        panel=np.repeat([panel.name for panel in building.panels], counts),
+        material=material,
+        panel=np.concatenate([part_names(p, m.corners.mean(axis=1)) for p, m in zip(building.panels, meshes, strict=True)]),
         yields=np.array([bond[2] for bond in bonds])[bond],
         supported=_supported(building, points),
     )

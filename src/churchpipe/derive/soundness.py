@@ -14,6 +14,8 @@ from churchpipe.model.contacts import Contacts
 
 # Solids overlap when they share more than this part of the smaller one's volume.
 OVERLAP_TOLERANCE = 1e-6
+# A joint holds a stone from below when its normal rises by at least this much.
+LEAST_LIFT = 0.05
 
 
 def floating_stones(stones: Assemblage, contacts: Contacts) -> IntArray:
@@ -23,6 +25,14 @@ def floating_stones(stones: Assemblage, contacts: Contacts) -> IntArray:
     # Fixed stones are one body, however far apart they lie.
     _, component = sp.csgraph.connected_components(graph, directed=False)
     return np.flatnonzero(~np.isin(component, np.unique(component[stones.fixed])))
+
+
+def unsupported_stones(stones: Assemblage, contacts: Contacts) -> IntArray:
+    """Return the indices of the free stones that nothing holds from below: no joint of theirs can push them upwards."""
+    # Frames point from the first stone to the second, so the second is pushed along the normal, the first against it.
+    up = contacts.frame[:, 0, 2]
+    held = np.concatenate([contacts.blocks[up > LEAST_LIFT, 1], contacts.blocks[up < -LEAST_LIFT, 0]])
+    return np.setdiff1d(np.flatnonzero(~stones.fixed), held)
 
 
 def duplicate_stones(stones: Assemblage, tolerance: float = 1e-6) -> IntArray:

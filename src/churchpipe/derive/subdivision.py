@@ -33,7 +33,7 @@ class Subdivision:
 
 
 def subdivide(surfaces: Sequence[MidSurface], sizes: Sequence[float]) -> list[Subdivision]:
-    """Return the faces of all mid-surfaces: cut along the borders of the bond regions and along the mid-planes of crossing
+    """Return the faces of all mid-surfaces: cut along the borders of bond regions and parts and along the mid-planes of crossing
     walls; every corner that one wall has on a shared upright line, all walls on that line have.
 
     Parameters
@@ -65,12 +65,13 @@ def _faces(surface: MidSurface) -> list[shapely.Polygon]:
     low, bottom, high, top = extent(surface.region)
     # Junction lines run over the whole height: a line that ended inside the wall would be dropped as dangling.
     lines = [shapely.LineString([(s, bottom), (s, top)]) for s in surface.lines if low < s < high]
-    borders = [shapely.LinearRing(outline) for outline in surface.regions]
+    parts = [part.outline for part in surface.panel.parts]
+    borders = [shapely.LinearRing(outline) for outline in (*surface.regions, *parts)]
     noded = shapely.union_all([shapely.boundary(surface.region), *borders, *lines], grid_size=GRID)
     faces = np.asarray(shapely.get_parts(shapely.polygonize(shapely.get_parts(noded))), dtype=np.object_)
     shapely.prepare(surface.region)
     faces = faces[shapely.contains(surface.region, shapely.point_on_surface(faces))]
-    given = np.concatenate([vertices(surface.region), *surface.regions])
+    given = np.concatenate([vertices(surface.region), *surface.regions, *parts])
     marks = [np.append(given[:, 0], surface.lines), given[:, 1]]
 
     def exact(point: FloatArray) -> FloatArray:

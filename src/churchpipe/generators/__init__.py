@@ -3,9 +3,14 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from churchpipe.generators.apse import ApseParameters, apse
 from churchpipe.generators.arch import ArchParameters, arch
+from churchpipe.generators.arch_piers import ArchPiersParameters, arch_piers
 from churchpipe.generators.box import BoxParameters, box
+from churchpipe.generators.chapel import ChapelParameters, chapel
+from churchpipe.generators.church import ChurchParameters, church
 from churchpipe.generators.prototype import PrototypeParameters, prototype
+from churchpipe.generators.tower import TowerParameters, tower
 from churchpipe.generators.wall import WallParameters, wall
 from churchpipe.model.building import Building
 
@@ -22,8 +27,13 @@ class Generator:
 GENERATORS = {
     "wall": Generator(WallParameters, wall),
     "arch": Generator(ArchParameters, arch),
+    "arch_piers": Generator(ArchPiersParameters, arch_piers),
     "prototype": Generator(PrototypeParameters, prototype),
     "box": Generator(BoxParameters, box),
+    "tower": Generator(TowerParameters, tower),
+    "apse": Generator(ApseParameters, apse),
+    "chapel": Generator(ChapelParameters, chapel),
+    "church": Generator(ChurchParameters, church),
 }
 
-__all__ = ["GENERATORS", "Generator", "arch", "box", "prototype", "wall"]
+__all__ = ["GENERATORS", "Generator", "apse", "arch", "arch_piers", "box", "chapel", "church", "prototype", "tower", "wall"]

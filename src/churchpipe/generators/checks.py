@@ -31,3 +31,15 @@ def check_brick(where: str, brick: Brick) -> None:
         raise InputError(where, "wrong number of dimensions", found=len(brick), expected="3: length, thickness, height")
     for value in brick:
         positive(where, value)
+
+
+def whole_courses(where: str, height: float, course: float) -> None:
+    """Raise InputError unless a height is a whole number of courses, m."""
+    count = height / course
+    if abs(count - round(count)) > 1e-6:
+        raise InputError(
+            where,
+            "not a whole number of courses",
+            found=f"{height:g} m, {count:.4g} courses of {course:g} m",
+            expected=f"{max(1, round(count)) * course:.6g} m",
+        )

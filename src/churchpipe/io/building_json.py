@@ -9,14 +9,14 @@ import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.io.atomic import write_json
-from churchpipe.model.building import BondRegion, Building, CylinderChart, Opening, Panel, PlaneChart, Support, UnitCell
+from churchpipe.model.building import BondRegion, Building, CylinderChart, Opening, Panel, Part, PlaneChart, Support, UnitCell
 from churchpipe.model.materials import Elastic, Material
 
 SCHEMA = "churchpipe building 1"
 
 _TYPES = {
     kind.__name__: kind
-    for kind in (Building, Panel, BondRegion, UnitCell, Opening, PlaneChart, CylinderChart, Support, Material, Elastic)
+    for kind in (Building, Panel, Part, BondRegion, UnitCell, Opening, PlaneChart, CylinderChart, Support, Material, Elastic)
 }
 
 

@@ -28,15 +28,22 @@ class PlaneChart:
 
 @dataclass(frozen=True, slots=True)
 class CylinderChart:
-    """A vertical cylinder of mid-radius `radius`: s is arc length from the angle `start` (rad, counter-clockwise), t height."""
+    """A vertical cylinder of mid-radius `radius`: s is arc length from the angle `start` (rad, counter-clockwise), t height.
+
+    The arc turns by `sweep` (rad); beyond it, s < 0 or s > radius sweep, the wall runs on straight along the tangents: the
+    legs of an apse.
+    """
 
     centre: FloatArray
     radius: float
     start: float = 0.0
+    sweep: float = 2 * np.pi
 
     def __post_init__(self) -> None:
         if not self.radius > 0:
             raise InputError("CylinderChart.radius", "out of range", found=self.radius, expected="> 0 m")
+        if not 0 < self.sweep <= 2 * np.pi:
+            raise InputError("CylinderChart.sweep", "out of range", found=self.sweep, expected="0 < sweep <= 2 pi rad")
         store(self, centre=floats("CylinderChart.centre", self.centre, (3,)))
 
 
@@ -64,6 +71,7 @@ class BondRegion:
     `centre`, radial joints) or "single" (one stone: a lintel). Joints of through courses lie at
     through_offset + k b, of cut courses at cut_offset + k b (rule "grid", measured along s), or each clear bay is
     divided evenly (rule "bay"). `pieces`: number of voussoirs of a ring. yields: False for parts the shell keeps elastic.
+    material: of this region; empty for that of its panel.
     """
 
     name: str
@@ -76,6 +84,7 @@ class BondRegion:
     centre: tuple[float, float] | None = None
     pieces: int = 0
     yields: bool = True
+    material: str = ""
 
     def __post_init__(self) -> None:
         store(self, outline=floats(f"BondRegion {self.name}.outline", self.outline, (None, 2)))
@@ -95,6 +104,17 @@ class Opening:
 
 
 @dataclass(frozen=True, slots=True)
+class Part:
+    """A macro-element that takes up part of a panel: its name and outline (n, 2) m in chart coordinates."""
+
+    name: str
+    outline: FloatArray
+
+    def __post_init__(self) -> None:
+        store(self, outline=floats(f"Part {self.name}.outline", self.outline, (None, 2)))
+
+
+@dataclass(frozen=True, slots=True)
 class Panel:
     """A wall: chart, outline (n, 2) m counter-clockwise, thickness m, openings, material name, bond regions.
 
@@ -102,7 +122,7 @@ class Panel:
     `runs_through`: on courses of this parity (0 even, 1 odd) the panel runs through the junctions it shares with panels
     of the other parity (toothed); None: it always runs through and others butt against it; panels of the same
     parity butt, the one listed first runs through. Regions listed later lie on top of earlier ones (a lintel in a wall).
-    `part`: name of the macro-element, for reports and load cases; defaults to the panel's own name.
+    Stones and facets carry the panel's name, those within one of the `parts` that part's: macro-elements, for reports and loads.
     """
 
     name: str
@@ -113,10 +133,10 @@ class Panel:
     material: str = "default"
     openings: tuple[Opening, ...] = ()
     runs_through: Literal[0, 1] | None = 0
-    part: str = ""
+    parts: tuple[Part, ...] = ()
 
     def __post_init__(self) -> None:
-        store(self, outline=floats(f"Panel {self.name}.outline", self.outline, (None, 2)), part=self.part or self.name)
+        store(self, outline=floats(f"Panel {self.name}.outline", self.outline, (None, 2)))
         if not self.thickness > 0:
             raise InputError(f"Panel {self.name}.thickness", "out of range", found=self.thickness, expected="> 0 m")
         if not self.regions:
@@ -151,7 +171,7 @@ class Building:
             raise InputError(f"Building {self.name}", "panel names are not unique", found=seen)
         known = {m.name for m in self.materials}
         for panel in self.panels:
-            if panel.material not in known:
+            for name in {panel.material, *(region.material for region in panel.regions)} - known - {""}:
                 raise InputError(
-                    f"Panel {panel.name}.material", "unknown material", found=panel.material, expected=", ".join(sorted(known))
+                    f"Panel {panel.name}.material", "unknown material", found=name, expected=", ".join(sorted(known))
                 )

@@ -1,0 +1,20 @@
+"""Which macro-element a place on a wall belongs to."""
+
+import numpy as np
+
+from churchpipe.bond.planar import distances, polygon
+from churchpipe.bond.polygons import TOLERANCE
+from churchpipe.model.arrays import FloatArray, NameArray
+from churchpipe.model.building import Panel
+
+
+def part_names(panel: Panel, points: FloatArray) -> NameArray:
+    """Return for points (n, 2) m, chart coordinates, the name of the part that they lie in, else the panel's own (n,).
+
+    Of parts that share a border the first one listed takes it.
+    """
+    width = max(len(name) for name in (panel.name, *(part.name for part in panel.parts)))
+    names = np.full(len(points), panel.name, dtype=f"<U{width}")
+    for part in reversed(panel.parts):
+        names[distances(polygon(part.outline), points) < TOLERANCE] = part.name
+    return names

@@ -1,0 +1,100 @@
+"""Apses: half rounds of masonry, free-standing or behind a wall."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from churchpipe.generators.arched import ArchedOpening, Given, opening_of
+from churchpipe.generators.checks import one_of, positive, whole_courses
+from churchpipe.generators.layout import Bonding, WallLayout, check_clear, wall_panels
+from churchpipe.generators.masonry import DEFAULT_MATERIAL
+from churchpipe.generators.openings import rectangle
+from churchpipe.model.building import BondRegion, Building, CylinderChart, Panel, UnitCell
+from churchpipe.model.materials import Material
+
+
+@dataclass(frozen=True, slots=True)
+class ApseParameters:
+    """An apse behind a wall along x with its middle at x = 0: inner radius, thickness and height of the apse, length, thickness
+    and height of the wall, m.
+
+    course, stone_length: m. openings: in the wall `wall`. first_course: what runs through on course 0, the wall (x) or
+    the apse (y).
+    """
+
+    course: float
+    stone_length: float
+    inner_radius: float
+    thickness: float
+    height: float
+    wall_length: float
+    wall_thickness: float
+    wall_height: float
+    openings: Sequence[ArchedOpening | Given] = ()
+    joints: Literal["grid", "bay"] = "bay"
+    first_course: Literal["x", "y"] = "x"
+
+    def __post_init__(self) -> None:
+        keys = ("course", "stone_length", "inner_radius", "thickness", "height", "wall_length", "wall_thickness", "wall_height")
+        for key in keys:
+            positive(f"apse.{key}", getattr(self, key))
+        one_of("apse.joints", self.joints, "grid", "bay")
+        one_of("apse.first_course", self.first_course, "x", "y")
+        for key in ("height", "wall_height"):
+            whole_courses(f"apse.{key}", getattr(self, key), self.course)
+
+
+def apse(*, name: str = "apse", materials: tuple[Material, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
+    """Return an apse behind a wall; keywords as in `ApseParameters`, SI."""
+    p = ApseParameters(**parameters)
+    openings = tuple(opening_of(f"apse.openings.{k}", opening) for k, opening in enumerate(p.openings))
+    bonding = Bonding(UnitCell(a=p.course, b=p.stone_length), p.joints, materials[0].name, openings)
+    across, along = (0, 1) if p.first_course == "x" else (1, 0)
+    half = p.wall_length / 2
+    wall = WallLayout(
+        "wall", "x", -p.wall_thickness / 2, p.wall_thickness, ((-half, p.wall_height), (half, p.wall_height)), across
+    )
+    legs = apse_legs("apse", (0.0, 0.0), p.inner_radius, p.thickness, p.height, p.wall_thickness)
+    for leg in legs:
+        check_clear(leg, wall, (), "apse")
+    round_wall = apse_panel(
+        "apse", bonding, (0.0, 0.0), p.inner_radius, p.thickness, p.height, legs=p.wall_thickness, runs_through=along
+    )
+    return Building(name, (*wall_panels([wall], bonding, "apse", legs), round_wall), materials)
+
+
+def apse_panel(
+    name: str,
+    bonding: Bonding,
+    centre: tuple[float, float],
+    inner_radius: float,
+    thickness: float,
+    height: float,
+    *,
+    legs: float,
+    runs_through: Literal[0, 1],
+) -> Panel:
+    """Return a half round that bulges towards +y, its ends running on straight as legs into the wall before it.
+
+    Parameters
+    ----------
+    centre: of the half circle, x and y in m. legs: their length, the thickness of the wall that they pass through, m. The rest as
+    in `Panel`.
+    """
+    radius = inner_radius + thickness / 2
+    outline = rectangle(-legs, 0.0, math.pi * radius + legs, height)
+    chart = CylinderChart(np.array([*centre, 0.0]), radius, sweep=math.pi)
+    bond = BondRegion("bond", outline, "running", bonding.cell, joints=bonding.joints)
+    return Panel(name, chart, outline, thickness, (bond,), material=bonding.material, runs_through=runs_through)
+
+
+def apse_legs(
+    name: str, centre: tuple[float, float], inner_radius: float, thickness: float, height: float, legs: float
+) -> list[WallLayout]:
+    """Return the places that the legs of an apse take up, as walls that nothing may reach into; parameters as `apse_panel`."""
+    top = ((centre[1] - legs, height), (centre[1], height))
+    offset = inner_radius + thickness / 2
+    return [WallLayout(name, "y", centre[0] + side * offset, thickness, top, 0) for side in (-1.0, 1.0)]

@@ -1,0 +1,172 @@
+"""Doors and windows under rings of voussoirs, and round windows."""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, fields
+from typing import Any, Literal
+
+import numpy as np
+
+from churchpipe.bond.voussoir import ring_outline
+from churchpipe.errors import InputError
+from churchpipe.generators.checks import one_of, positive, whole
+from churchpipe.model.arrays import FloatArray
+from churchpipe.model.building import BondRegion, Opening, UnitCell
+
+# An opening or a part of a building as a table of its fields.
+Given = Mapping[str, Any]
+Shape = Literal["round", "segmental", "pointed", "circle"]
+
+
+@dataclass(frozen=True, slots=True)
+class ArchedOpening:
+    """An opening under a ring of voussoirs, once or several times.
+
+    name: for messages, reports and region names. wall: one or more walls. centre: one or more places of its middle, x in
+    walls along x and y in walls along y, m. width: m. springing: z at which the arch begins; of a circle, z of its centre, m.
+    voussoirs: their number in the whole ring. depth: of the ring, m. sill: z, m. shape: "round" (a semicircle), "segmental"
+    and "pointed" with their `rise` over the springing, m, or "circle".
+    """
+
+    name: str
+    wall: str | Sequence[str]
+    centre: float | Sequence[float]
+    width: float
+    springing: float
+    voussoirs: int
+    depth: float
+    sill: float = 0.0
+    shape: Shape = "round"
+    rise: float | None = None
+
+    def __post_init__(self) -> None:
+        where = f"opening {self.name}"
+        one_of(f"{where}: shape", self.shape, "round", "segmental", "pointed", "circle")
+        for key in ("width", "depth", "springing"):
+            positive(f"{where}: {key}", getattr(self, key))
+        positive(f"{where}: sill", self.sill, allow_zero=True)
+        whole(f"{where}: voussoirs", self.voussoirs, least=8 if self.shape == "circle" else 2)
+        if self.shape in ("pointed", "circle") and self.voussoirs % 2:
+            raise InputError(f"{where}: voussoirs", "odd", found=self.voussoirs, expected="an even number: two equal halves")
+        if self.shape != "circle" and not self.sill < self.springing:
+            raise InputError(
+                f"{where}: springing", "not above the sill", found=f"{self.springing:g} m", expected=f"> {self.sill:g} m"
+            )
+        if (self.rise is not None) != (self.shape in ("segmental", "pointed")):
+            raise InputError(
+                f"{where}: rise", "given or left out wrongly", found=self.rise, expected="a rise of segmental and pointed arches"
+            )
+        if self.rise is not None:
+            low, high = (0.05 * self.width, 0.5 * self.width) if self.shape == "segmental" else (0.5 * self.width, 3 * self.width)
+            if not low <= self.rise <= high:
+                raise InputError(
+                    f"{where}: rise", "out of range", found=f"{self.rise:g} m", expected=f"{low:g} to {high:g} m for this shape"
+                )
+
+    @property
+    def walls(self) -> tuple[str, ...]:
+        """The walls it is in."""
+        return (self.wall,) if isinstance(self.wall, str) else tuple(self.wall)
+
+    @property
+    def centres(self) -> tuple[float, ...]:
+        """The places of its middle in each wall, m."""
+        return tuple(self.centre) if isinstance(self.centre, Sequence) else (float(self.centre),)
+
+
+@dataclass(frozen=True, slots=True)
+class Hole:
+    """One opening of one wall, in chart coordinates: the opening and the rings around it. outer: s0, t0, s1, t1 of all that
+    with its rings, m."""
+
+    opening: Opening
+    rings: tuple[BondRegion, ...]
+    outer: tuple[float, float, float, float]
+
+
+def opening_of(where: str, value: ArchedOpening | Given) -> ArchedOpening:
+    """Return an opening that is given as such or as a mapping of its fields."""
+    if isinstance(value, ArchedOpening):
+        return value
+    known = {f.name: f for f in fields(ArchedOpening)}
+    for key in value:
+        if key not in known:
+            raise InputError(f"{where}.{key}", "unknown key", expected=", ".join(known))
+    for key in list(known)[:7]:
+        if key not in value:
+            raise InputError(f"{where}.{key}", "missing")
+    return ArchedOpening(**value)
+
+
+def holes(openings: Iterable[ArchedOpening], wall: str) -> list[Hole]:
+    """Return all openings of one wall."""
+    found = [(opening, centre) for opening in openings if wall in opening.walls for centre in opening.centres]
+    names = [f"{o.name}-{1 + o.centres.index(c)}" if len(o.centres) > 1 else o.name for o, c in found]
+    return [_hole(opening, centre, name) for (opening, centre), name in zip(found, names, strict=True)]
+
+
+def _hole(opening: ArchedOpening, centre: float, name: str) -> Hole:
+    arcs = _arcs(opening, centre)
+    rings = tuple(
+        BondRegion(
+            f"{name}-ring" if len(arcs) == 1 else f"{name}-ring-{number}",
+            outline,
+            "voussoir",
+            UnitCell(a=_mean_width(outline), b=opening.depth),
+            centre=middle,
+            pieces=len(outline) // 2 - 1,
+        )
+        for number, (outline, middle) in enumerate(arcs, start=1)
+    )
+    intrados = np.concatenate([outline[len(outline) // 2 :][::-1][: None if len(arcs) == 1 else -1] for outline, _ in arcs])
+    if opening.shape == "pointed":
+        intrados = np.concatenate([intrados, arcs[-1][0][len(arcs[-1][0]) // 2][None]])
+    if opening.shape != "circle" and opening.sill < opening.springing:
+        half = opening.width / 2
+        intrados = np.concatenate([[[centre - half, opening.sill], [centre + half, opening.sill]], intrados])
+    corner = np.concatenate([intrados, *(outline for outline, _ in arcs)])
+    (s0, t0), (s1, t1) = corner.min(axis=0), corner.max(axis=0)
+    return Hole(Opening(name, intrados), rings, (float(s0), float(t0), float(s1), float(t1)))
+
+
+def _arcs(opening: ArchedOpening, centre: float) -> list[tuple[FloatArray, tuple[float, float]]]:
+    """Return the outlines of the rings, counter-clockwise from the right springing, with their centres."""
+    half, depth, level = opening.width / 2, opening.depth, opening.springing
+    match opening.shape:
+        case "circle":
+            middle, pieces = (centre, level), opening.voussoirs // 2
+            return [
+                (ring_outline(middle, half, half + depth, start, start + math.pi, pieces), middle) for start in (0.0, math.pi)
+            ]
+        case "pointed":
+            return _pointed(opening, centre)
+        case _:
+            rise = half if opening.rise is None else opening.rise
+            radius = (half**2 + rise**2) / (2 * rise)
+            middle = (centre, level + rise - radius)
+            start = math.asin(min(1.0, (radius - rise) / radius))
+            return [(ring_outline(middle, radius, radius + depth, start, math.pi - start, opening.voussoirs), middle)]
+
+
+def _pointed(opening: ArchedOpening, centre: float) -> list[tuple[FloatArray, tuple[float, float]]]:
+    """Two arcs, each with its centre on the springing line beyond the middle; the last joint of each is upright."""
+    half, level, pieces = opening.width / 2, opening.springing, opening.voussoirs // 2
+    rise = half if opening.rise is None else opening.rise
+    radius = (half**2 + rise**2) / (2 * half)
+    outer = radius + opening.depth
+    away = radius - half
+    stop = math.atan2(rise, away)
+    right = ring_outline((centre - away, level), radius, outer, 0.0, stop, pieces)
+    # The extrados goes on to the middle.
+    right[pieces] = [centre, level + math.sqrt(outer**2 - away**2)]
+    right[pieces + 1] = [centre, level + rise]
+    left = right * [-1.0, 1.0] + [2 * centre, 0.0]
+    left = np.concatenate([left[: pieces + 1][::-1], left[pieces + 1 :][::-1]])
+    return [(right, (centre - away, level)), (left, (centre + away, level))]
+
+
+def _mean_width(outline: FloatArray) -> float:
+    """Return the mean width of the voussoirs of a ring at half its depth, m."""
+    count = len(outline) // 2
+    middle = 0.5 * (outline[:count] + outline[count:][::-1])
+    return float(np.linalg.norm(np.diff(middle, axis=0), axis=1).mean())

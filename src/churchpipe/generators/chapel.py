@@ -1,0 +1,64 @@
+"""A small church of one room: facade, two side walls, end wall and apse."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from churchpipe.generators.arched import ArchedOpening, Given
+from churchpipe.generators.checks import positive
+from churchpipe.generators.church import church
+from churchpipe.generators.church_parts import Apse
+from churchpipe.generators.masonry import DEFAULT_MATERIAL
+from churchpipe.model.building import Building
+from churchpipe.model.materials import Material
+
+
+@dataclass(frozen=True, slots=True)
+class ChapelParameters:
+    """A chapel: width along x and length along y over all, height of the eaves, ridge of both gables (None: none), thickness of
+    its walls, m.
+
+    course, stone_length: m. apse: behind the end wall. openings: in the walls facade, nave_left, nave_right and east; x is 0
+    in the middle, y in the middle of the facade's thickness. joints, first_course as for a church.
+    """
+
+    course: float
+    stone_length: float
+    width: float
+    length: float
+    height: float
+    thickness: float
+    ridge: float | None = None
+    apse: Apse | Given | None = None
+    openings: Sequence[ArchedOpening | Given] = ()
+    joints: Literal["grid", "bay"] = "bay"
+    first_course: Literal["x", "y"] = "x"
+
+    def __post_init__(self) -> None:
+        for key in ("width", "length", "height", "thickness"):
+            positive(f"chapel.{key}", getattr(self, key))
+        positive("chapel.length, less its walls", self.length - 2 * self.thickness)
+
+
+def chapel(*, name: str = "chapel", materials: tuple[Material, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
+    """Return a chapel; keywords as in `ChapelParameters`, SI."""
+    p = ChapelParameters(**parameters)
+    end = {"thickness": p.thickness, "ridge": p.ridge}
+    return church(
+        name=name,
+        materials=materials,
+        course=p.course,
+        stone_length=p.stone_length,
+        nave={
+            "width": p.width - p.thickness,
+            "length": p.length - p.thickness,
+            "height": p.height,
+            "thickness": p.thickness,
+        },
+        facade=end,
+        east=end,
+        apses=() if p.apse is None else (p.apse,),
+        openings=p.openings,
+        joints=p.joints,
+        first_course=p.first_course,
+    )

@@ -1,0 +1,117 @@
+"""A church on a Latin cross or a T: facade, nave, triumphal arch, transept, choir, apses, chapel and bell tower."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from churchpipe.generators.apse import apse_legs, apse_panel
+from churchpipe.generators.arched import ArchedOpening, Given, opening_of
+from churchpipe.generators.checks import one_of, positive, whole_courses
+from churchpipe.generators.church_parts import Apse, Chapel, Choir, CrossWall, Nave, Tower, Transept, part_of
+from churchpipe.generators.church_plan import Plan, church_walls, cross_walls
+from churchpipe.generators.layout import Bonding, WallLayout, check_clear, wall_panels
+from churchpipe.generators.masonry import DEFAULT_MATERIAL
+from churchpipe.model.building import Building, Panel, UnitCell
+from churchpipe.model.materials import Material
+
+
+@dataclass(frozen=True, slots=True)
+class ChurchParameters:
+    """A church from its parts; x across the nave, y along it from the facade's centreline. Only the nave is required.
+
+    course, stone_length: height of the courses and target length of the stones, m. first_course: the walls that run through
+    junctions on course 0, those along x or along y. joints as in `BondRegion`. Parts as in `church_parts`, or mappings of their
+    fields; openings as in `ArchedOpening`, in the walls facade, nave_left, nave_right, triumphal_arch, transept_left,
+    transept_right, choir_arch, east and tower_inner, as far as these stand.
+    """
+
+    course: float
+    stone_length: float
+    nave: Nave | Given
+    facade: CrossWall | Given | None = None
+    triumphal_arch: CrossWall | Given | None = None
+    transept: Transept | Given | None = None
+    choir_arch: CrossWall | Given | None = None
+    choir: Choir | Given | None = None
+    east: CrossWall | Given | None = None
+    tower: Tower | Given | None = None
+    chapel: Chapel | Given | None = None
+    apses: Sequence[Apse | Given] = ()
+    openings: Sequence[ArchedOpening | Given] = ()
+    joints: Literal["grid", "bay"] = "bay"
+    first_course: Literal["x", "y"] = "x"
+
+    def __post_init__(self) -> None:
+        positive("church.course", self.course)
+        positive("church.stone_length", self.stone_length)
+        one_of("church.joints", self.joints, "grid", "bay")
+        one_of("church.first_course", self.first_course, "x", "y")
+
+    @property
+    def plan(self) -> Plan:
+        """The parts, checked."""
+        plan = Plan(
+            stone_length=self.stone_length,
+            nave=part_of(Nave, "church.nave", self.nave),
+            facade=part_of(CrossWall, "church.facade", self.facade),
+            triumphal_arch=part_of(CrossWall, "church.triumphal_arch", self.triumphal_arch),
+            transept=part_of(Transept, "church.transept", self.transept),
+            choir_arch=part_of(CrossWall, "church.choir_arch", self.choir_arch),
+            choir=part_of(Choir, "church.choir", self.choir),
+            east=part_of(CrossWall, "church.east", self.east),
+            tower=part_of(Tower, "church.tower", self.tower),
+            chapel=part_of(Chapel, "church.chapel", self.chapel),
+            apses=tuple(part_of(Apse, f"church.apses.{k}", apse) for k, apse in enumerate(self.apses)),
+            x_first=self.first_course == "x",
+        )
+        for name in ("nave", "transept", "tower", "chapel"):
+            height = getattr(getattr(plan, name), "height", None)
+            if height is not None:
+                whole_courses(f"church.{name}.height", height, self.course)
+        return plan
+
+
+def church(*, name: str = "church", materials: tuple[Material, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
+    """Return a church; keywords as in `ChurchParameters`, SI.
+
+    Raises
+    ------
+    InputError: parts that clash, with the numbers: an opening wider than its wall, a tower wider than its arm.
+    """
+    p = ChurchParameters(**parameters)
+    plan = p.plan
+    openings = tuple(opening_of(f"church.openings.{k}", opening) for k, opening in enumerate(p.openings))
+    bonding = Bonding(UnitCell(a=p.course, b=p.stone_length), p.joints, materials[0].name, openings)
+    walls = church_walls(plan)
+    apses, legs = _apses(plan, bonding, walls, p.course)
+    return Building(name, (*wall_panels(walls, bonding, "church", legs), *apses), materials)
+
+
+def _apses(plan: Plan, bonding: Bonding, walls: Sequence[WallLayout], course: float) -> tuple[list[Panel], list[WallLayout]]:
+    """Return the apses, and what their legs take up of the end wall."""
+    panels: list[Panel] = []
+    legs: list[WallLayout] = []
+    if not plan.apses or plan.east is None:
+        return panels, legs
+    end = next(wall for wall in walls if wall.name == "east")
+    face, thickness = cross_walls(plan)[-1][2] + plan.east.thickness / 2, plan.east.thickness
+    for number, apse in enumerate(plan.apses, start=1):
+        name = "apse" if len(plan.apses) == 1 else f"apse_{number}"
+        whole_courses(f"church.{name}.height", apse.height, course)
+        own = apse_legs(name, (apse.centre, face), apse.inner_radius, apse.thickness, apse.height, thickness)
+        for leg in own:
+            check_clear(leg, end, [*(wall for wall in walls if wall.along == "y"), *legs], f"church.{name}")
+        legs += own
+        panels.append(
+            apse_panel(
+                name,
+                bonding,
+                (apse.centre, face),
+                apse.inner_radius,
+                apse.thickness,
+                apse.height,
+                legs=thickness,
+                runs_through=1 if plan.x_first else 0,
+            )
+        )
+    return panels, legs

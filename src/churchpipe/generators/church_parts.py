@@ -1,0 +1,100 @@
+"""The parts of a church as an engineer lists them."""
+
+from collections.abc import Mapping
+from dataclasses import MISSING, dataclass, fields
+from typing import Any, Literal
+
+from churchpipe.errors import InputError
+from churchpipe.generators.checks import one_of, positive
+
+
+@dataclass(frozen=True, slots=True)
+class Nave:
+    """Two side walls: width between their centrelines, length from the facade's centreline (y = 0) to that of the next cross
+    wall, height of the eaves, thickness, m."""
+
+    width: float
+    length: float
+    height: float
+    thickness: float
+
+
+@dataclass(frozen=True, slots=True)
+class CrossWall:
+    """A wall across the nave: thickness, m, and the height of the ridge of its gable, m (None: level with the eaves). Gables
+    slope from the outer faces of the side walls."""
+
+    thickness: float
+    ridge: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Transept:
+    """Two arms behind the triumphal wall: width over all, depth between the centrelines of the walls before and behind them,
+    thickness of the outer walls, height of the arms' eaves (None: that of the nave), m."""
+
+    width: float
+    depth: float
+    thickness: float
+    height: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Choir:
+    """What lies behind the transept of a Latin cross: length from the wall before it to the end wall, centrelines, m."""
+
+    length: float
+
+
+@dataclass(frozen=True, slots=True)
+class Tower:
+    """A bell tower that rises out of one arm of the transept, whose walls are made higher: height, width over all, m (None: the
+    whole arm, up to the inner face of the nave's side wall)."""
+
+    height: float
+    side: Literal["left", "right"] = "left"
+    width: float | None = None
+
+    def __post_init__(self) -> None:
+        one_of("church.tower.side", self.side, "left", "right")
+
+
+@dataclass(frozen=True, slots=True)
+class Chapel:
+    """One arm of the transept with a height of its own, m."""
+
+    height: float
+    side: Literal["left", "right"] = "right"
+
+    def __post_init__(self) -> None:
+        one_of("church.chapel.side", self.side, "left", "right")
+
+
+@dataclass(frozen=True, slots=True)
+class Apse:
+    """A half round of masonry behind the end wall: inner radius, thickness, height, x of its middle, m."""
+
+    inner_radius: float
+    thickness: float
+    height: float
+    centre: float = 0.0
+
+
+def part_of(kind: type[Any], where: str, value: Any) -> Any:
+    """Return a part that is given as such or as a mapping of its fields, its lengths checked; None for None."""
+    if value is None:
+        return None
+    if isinstance(value, Mapping):
+        known = {f.name: f for f in fields(kind)}
+        for key in value:
+            if key not in known:
+                raise InputError(f"{where}.{key}", "unknown key", expected=", ".join(known))
+        for key, item in known.items():
+            if item.default is MISSING and key not in value:
+                raise InputError(f"{where}.{key}", "missing")
+        value = kind(**value)
+    for item in fields(value):
+        length = getattr(value, item.name)
+        if isinstance(length, float | int) and item.name != "centre":
+            positive(f"{where}.{item.name}", length)
+    return value

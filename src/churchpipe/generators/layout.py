@@ -1,0 +1,176 @@
+"""Straight walls from their place in plan and the line of their tops: what towers and churches are put together of."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from itertools import combinations, pairwise
+from typing import Literal
+
+import numpy as np
+
+from churchpipe.bond.planar import Region, area, common, less, polygon, united
+from churchpipe.errors import InputError
+from churchpipe.generators.arched import ArchedOpening, Hole, holes
+from churchpipe.generators.openings import rectangle
+from churchpipe.model.building import BondRegion, Panel, Part, PlaneChart, UnitCell
+
+# Lengths closer than this are equal, m.
+CLOSE = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class WallLayout:
+    """One straight wall: along x or y, its centreline at y or x = `at`, thickness, m; top: its upper outline from one end to
+    the other, (s, z) in m, s being x or y. runs_through: parity of the courses on which it runs through its junctions. parts:
+    macro-elements as (name, start, stop), m."""
+
+    name: str
+    along: Literal["x", "y"]
+    at: float
+    thickness: float
+    top: tuple[tuple[float, float], ...]
+    runs_through: Literal[0, 1]
+    parts: tuple[tuple[str, float, float], ...] = ()
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """Start and stop, s in m."""
+        return self.top[0][0], self.top[-1][0]
+
+    @property
+    def height(self) -> float:
+        """Height of its highest point, m."""
+        return max(z for _, z in self.top)
+
+
+@dataclass(frozen=True, slots=True)
+class Bonding:
+    """How all walls of a building are laid: unit cell, rule of the joints, material."""
+
+    cell: UnitCell
+    joints: Literal["grid", "bay"] = "bay"
+    material: str = "default"
+    openings: tuple[ArchedOpening, ...] = field(default=())
+
+
+def wall_panels(layouts: Sequence[WallLayout], bonding: Bonding, where: str, obstacles: Sequence[WallLayout] = ()) -> list[Panel]:
+    """Return the walls as panels. obstacles: further walls that openings must keep clear of.
+
+    Raises
+    ------
+    InputError: an opening of an unknown wall, one that does not fit into its wall, openings that overlap.
+    """
+    check_walls(bonding.openings, [layout.name for layout in layouts], where)
+    return [_panel(layout, bonding, [*layouts, *obstacles]) for layout in layouts]
+
+
+def check_walls(openings: Iterable[ArchedOpening], known: Sequence[str], where: str) -> None:
+    """Raise InputError for an opening in a wall that is not there."""
+    for opening in openings:
+        for name in opening.walls:
+            if name not in known:
+                raise InputError(f"{where}: opening {opening.name}", "no such wall", found=f'"{name}"', expected=", ".join(known))
+
+
+def _panel(layout: WallLayout, bonding: Bonding, layouts: Sequence[WallLayout]) -> Panel:
+    start, stop = layout.span
+    outline = np.array([(start, 0.0), (stop, 0.0), *layout.top[::-1]])
+    found = holes(bonding.openings, layout.name)
+    for hole in found:
+        _check_fit(hole, layout, polygon(outline), layouts)
+    for first, second in combinations(found, 2):
+        _check_apart(first, second, layout.name)
+    bond = BondRegion("bond", outline, "running", bonding.cell, joints=bonding.joints)
+    origin, axis = ((0.0, layout.at, 0.0), (1.0, 0.0, 0.0)) if layout.along == "x" else ((layout.at, 0.0, 0.0), (0.0, 1.0, 0.0))
+    return Panel(
+        layout.name,
+        PlaneChart(np.array(origin), np.array(axis)),
+        outline,
+        layout.thickness,
+        (bond, *(ring for hole in found for ring in hole.rings)),
+        material=bonding.material,
+        openings=tuple(hole.opening for hole in found),
+        runs_through=layout.runs_through,
+        parts=tuple(Part(name, rectangle(low, 0.0, high, layout.height)) for name, low, high in layout.parts),
+    )
+
+
+def top_at(layout: WallLayout, s: float) -> float:
+    """Return z of the top of a wall at s, m: on the higher side of a step; 0 beyond the wall."""
+    z = [0.0]
+    for (s0, z0), (s1, z1) in pairwise(layout.top):
+        if s0 - CLOSE <= s <= s1 + CLOSE:
+            z += [z0, z1] if s1 - s0 < CLOSE else [z0 + (z1 - z0) * min(max((s - s0) / (s1 - s0), 0.0), 1.0)]
+    return max(z)
+
+
+def check_clear(leg: WallLayout, end: WallLayout, others: Sequence[WallLayout], where: str) -> None:
+    """Raise InputError unless the leg of an apse has its place in the wall `end`, clear of the walls that cross it."""
+    low, high = leg.at - leg.thickness / 2, leg.at + leg.thickness / 2
+    start, stop = end.span
+    for other in others:
+        near, far = other.at - other.thickness / 2, other.at + other.thickness / 2
+        reaches = other.span[1] > end.at
+        if reaches and low < far - CLOSE and high > near + CLOSE:
+            raise InputError(
+                where,
+                f"its wall meets the wall {other.name}",
+                found=f"x = {low:.4g} to {high:.4g} m",
+                expected=f"clear of {near:.4g} to {far:.4g} m",
+                remedy="Make its radius or thickness smaller, or move its centre.",
+            )
+    if low < start - CLOSE or high > stop + CLOSE:
+        raise InputError(
+            where,
+            "does not fit on its wall",
+            found=f"x = {low:.4g} to {high:.4g} m",
+            expected=f"within {start:.4g} to {stop:.4g} m",
+        )
+
+
+def _check_fit(hole: Hole, layout: WallLayout, outline: Region, layouts: Sequence[WallLayout]) -> None:
+    """Raise InputError unless an opening with its voussoirs lies within its wall, clear of the walls that cross it."""
+    s0, t0, s1, t1 = hole.outer
+    (start, stop), where = layout.span, f"wall {layout.name}: opening {hole.opening.name}"
+    if s0 < start - CLOSE or s1 > stop + CLOSE:
+        raise InputError(
+            where,
+            "wider than its wall",
+            found=f"{s0:.4g} to {s1:.4g} m with its voussoirs ({s1 - s0:.4g} m)",
+            expected=f"within {start:.4g} to {stop:.4g} m ({stop - start:.4g} m)",
+            remedy="Move or narrow it.",
+        )
+    if area(less(_taken(hole), [outline])) > CLOSE:
+        raise InputError(
+            where,
+            "reaches beyond the top or the foot of its wall",
+            found=f"z = {t0:.4g} to {t1:.4g} m with its voussoirs",
+            expected=f"within 0 to {top_at(layout, 0.5 * (s0 + s1)):.4g} m, less where the top slopes",
+            remedy="Lower the springing, or make it smaller.",
+        )
+    for other in layouts:
+        low, high = other.at - other.thickness / 2, other.at + other.thickness / 2
+        crossing = other.along != layout.along and start < high and stop > low
+        if crossing and s0 < high - CLOSE and s1 > low + CLOSE and t0 < top_at(other, layout.at) - CLOSE:
+            raise InputError(
+                where,
+                f"reaches into the wall {other.name}",
+                found=f"{s0:.4g} to {s1:.4g} m with its voussoirs",
+                expected=f"clear of {low:.4g} to {high:.4g} m",
+                remedy="Move or narrow it, or make its voussoirs less deep.",
+            )
+
+
+def _check_apart(first: Hole, second: Hole, wall: str) -> None:
+    shared = area(common(_taken(first), _taken(second)))
+    if shared > CLOSE:
+        raise InputError(
+            f"wall {wall}: openings {first.opening.name} and {second.opening.name}",
+            "overlap with their voussoirs",
+            found=f"{shared:.4g} m2 in common",
+            expected="openings beside or above each other",
+            remedy="Move one of them, or make it smaller.",
+        )
+
+
+def _taken(hole: Hole) -> Region:
+    return united([polygon(hole.opening.outline), *(polygon(ring.outline) for ring in hole.rings)])

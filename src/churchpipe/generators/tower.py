@@ -1,0 +1,89 @@
+"""A free-standing tower, rectangular or round."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from churchpipe.errors import InputError
+from churchpipe.generators.arched import ArchedOpening, Given, opening_of
+from churchpipe.generators.checks import one_of, positive, whole_courses
+from churchpipe.generators.layout import Bonding, WallLayout, wall_panels
+from churchpipe.generators.masonry import DEFAULT_MATERIAL
+from churchpipe.generators.openings import rectangle
+from churchpipe.model.building import BondRegion, Building, CylinderChart, Panel, UnitCell
+from churchpipe.model.materials import Material
+
+
+@dataclass(frozen=True, slots=True)
+class TowerParameters:
+    """A tower about the origin: width over all along x, depth along y (None: the width), height, thickness of its walls, m.
+
+    course, stone_length: m. plan: "rectangular", or "round" with the width as its diameter, of stones cut to a wedge. openings:
+    of a rectangular one, in the walls front and back (along x, y < 0 and y > 0), left and right (along y). joints as in
+    `BondRegion`. first_course: the walls that run through the corners on course 0, those along x or along y.
+    """
+
+    course: float
+    stone_length: float
+    width: float
+    height: float
+    thickness: float
+    depth: float | None = None
+    plan: Literal["rectangular", "round"] = "rectangular"
+    openings: Sequence[ArchedOpening | Given] = ()
+    joints: Literal["grid", "bay"] = "bay"
+    first_course: Literal["x", "y"] = "x"
+
+    def __post_init__(self) -> None:
+        for key in ("course", "stone_length", "width", "height", "thickness"):
+            positive(f"tower.{key}", getattr(self, key))
+        positive("tower.depth", self.length)
+        one_of("tower.plan", self.plan, "rectangular", "round")
+        one_of("tower.joints", self.joints, "grid", "bay")
+        one_of("tower.first_course", self.first_course, "x", "y")
+        whole_courses("tower.height", self.height, self.course)
+        if self.plan == "round" and (self.openings or self.length != self.width):
+            raise InputError(
+                "tower.plan", "a round tower has no arched openings and no depth of its own", expected='plan = "rectangular"'
+            )
+        for key, size in (("width", self.width), ("depth", self.length)):
+            room = size - 2 * self.thickness
+            if room < self.stone_length:
+                raise InputError(
+                    f"tower.{key}", "no room inside", found=f"{room:.4g} m clear", expected=f">= {self.stone_length:g} m"
+                )
+
+    @property
+    def length(self) -> float:
+        """Depth along y, m."""
+        return self.width if self.depth is None else self.depth
+
+
+def tower(*, name: str = "tower", materials: tuple[Material, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
+    """Return a tower; keywords as in `TowerParameters`, SI."""
+    p = TowerParameters(**parameters)
+    openings = tuple(opening_of(f"tower.openings.{k}", opening) for k, opening in enumerate(p.openings))
+    bonding = Bonding(UnitCell(a=p.course, b=p.stone_length), p.joints, materials[0].name, openings)
+    if p.plan == "round":
+        return Building(name, (_round(p, bonding),), materials)
+    across, along = (0, 1) if p.first_course == "x" else (1, 0)
+    x, y = p.width / 2, p.length / 2
+    walls = [
+        WallLayout(wall, "x", sign * (y - p.thickness / 2), p.thickness, ((-x, p.height), (x, p.height)), across)
+        for wall, sign in (("front", -1), ("back", 1))
+    ]
+    walls += [
+        WallLayout(wall, "y", sign * (x - p.thickness / 2), p.thickness, ((-y, p.height), (y, p.height)), along)
+        for wall, sign in (("left", -1), ("right", 1))
+    ]
+    return Building(name, tuple(wall_panels(walls, bonding, "tower")), materials)
+
+
+def _round(p: TowerParameters, bonding: Bonding) -> Panel:
+    radius = (p.width - p.thickness) / 2
+    outline = rectangle(0.0, 0.0, 2 * math.pi * radius, p.height)
+    bond = BondRegion("bond", outline, "running", bonding.cell, joints="bay")
+    return Panel("round", CylinderChart(np.zeros(3), radius), outline, p.thickness, (bond,), material=bonding.material)
