@@ -71,7 +71,8 @@ def match_models(stones: Assemblage, contacts: Contacts, shell: ShellModel) -> M
     stones, contacts, shell: the two models, by the same panel names.
     """
     free = ~stones.fixed
-    panels = np.unique(np.concatenate([stones.panel[free], shell.panel]))
+    # Stones without a panel have no mid-surface to compare with; the figures of the whole count them.
+    panels = np.setdiff1d(np.concatenate([stones.panel[free], shell.panel]), [""])
     weights = [
         _relative(
             f"weight of {name}", stones.weight[stones.panel == name].sum(), shell.weight[shell.panel == name].sum(), "N", WEIGHT
