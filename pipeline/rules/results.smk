@@ -5,8 +5,11 @@ rule compare:
     input:
         plan="plan.json",
         sizes=expand("geometry/{geometry}/{part}.npz", geometry=GEOMETRIES, part=["assemblage", "contacts"]),
-        analyses=expand("rigid/{analysis}/rigid.json", analysis=ANALYSES),
-        sources=sources("compare.py", "io/tables.py"),
+        shells=expand("shell/{mesh}/{part}", mesh=SHELLS, part=["shell.npz", "match.json"]),
+        fits=expand("geometry/{geometry}/fit.json", geometry=set(SHELLS.values()) if config["drawing"] else []),
+        records=files_of(ANALYSES, "json"),
+        states=files_of(ANALYSES, "npz") if SHELLS else [],
+        sources=sources("compare.py", "io/tables.py", "derive/locate.py"),
     output:
         summary="summary.json",
         table="table.csv",
@@ -25,10 +28,11 @@ for number, geometry in enumerate(GEOMETRIES):
             summary="summary.json",
             assemblage=f"geometry/{geometry}/assemblage.npz",
             contacts=f"geometry/{geometry}/contacts.npz",
-            states=[f"rigid/{analysis}/rigid.npz" for analysis, place in ANALYSES.items() if place == geometry],
-            sources=sources("report", "io/vtu.py"),
+            shells=[f"shell/{mesh}/shell.npz" for mesh, place in SHELLS.items() if place == geometry],
+            states=files_of([a for a in ANALYSES if a["geometry"] == geometry], "npz"),
+            sources=sources("report", "io/vtu.py", "io/shell_vtu.py"),
         output:
             html=report_of(geometry),
-            mechanisms=[f"rigid/{analysis}/mechanism.vtu" for analysis, place in ANALYSES.items() if place == geometry],
+            mechanisms=[f"rigid/{a['name']}/mechanism.vtu" for a in ANALYSES if a["geometry"] == geometry and a["kind"] == "rigid"],
         shell:
             STAGE + " report {output.html:q} {input.plan:q} {input.summary:q} {input.assemblage:q} {input.contacts:q} {output.html:q}"

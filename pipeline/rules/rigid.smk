@@ -4,8 +4,8 @@
 rule rigid:
     input:
         settings="rigid/{analysis}/settings.json",
-        assemblage=lambda wildcards: f"geometry/{ANALYSES[wildcards.analysis]}/assemblage.npz",
-        contacts=lambda wildcards: f"geometry/{ANALYSES[wildcards.analysis]}/contacts.npz",
+        assemblage=lambda wildcards: f"geometry/{GEOMETRY_OF[wildcards.analysis]}/assemblage.npz",
+        contacts=lambda wildcards: f"geometry/{GEOMETRY_OF[wildcards.analysis]}/contacts.npz",
         sources=sources("rigid_blocks", "conic", "derive/joints.py", "config/plan.py", "config/units.py", "io/records.py"),
     output:
         state="rigid/{analysis}/rigid.npz",

@@ -16,6 +16,7 @@ import typer
 from rich.console import Console
 
 from churchpipe.errors import InputError, UsageError
+from churchpipe.resources import sample_case, sample_names
 
 FINDINGS, USAGE, STRUCTURE, INTERRUPTED = 1, 2, 3, 130
 
@@ -99,7 +100,7 @@ def run(
     from churchpipe.compare import bad_news
     from churchpipe.config import read_case
     from churchpipe.io.tables import read_json
-    from churchpipe.terminal import Display, results_table
+    from churchpipe.terminal import Display
 
     # A case with mistakes is refused before anything is written.
     name = read_case(case, changes or ()).name
@@ -120,22 +121,24 @@ def run(
         err.print(f"A stage crashed; see {folder / 'run.log'}", style="red", soft_wrap=True)
         raise typer.Exit(STRUCTURE)
     summary = read_json(folder / "summary.json")
-    out.print(results_table(summary))
+    _print_results(summary)
     out.print(f"Report: {folder / 'report.html'}", soft_wrap=True)
-    if bad_news(summary["analyses"]):
+    if bad_news(summary):
         raise typer.Exit(STRUCTURE)
 
 
 @app.command()
 def show(folder: RunFolder) -> None:
     """Show the results of a run as a table."""
-    from churchpipe.io.tables import read_json
-    from churchpipe.terminal import results_table
+    from churchpipe.engine import unfinished
+    from churchpipe.io.tables import read_summary
 
     summary = folder / "summary.json"
+    if why := unfinished(folder):
+        raise InputError(str(folder), "the last run did not end well", found=why, remedy="Mend what it says and run it again.")
     if not summary.is_file():
         raise InputError(str(folder), "no results", expected="summary.json", remedy="churchpipe run CASE.toml makes it.")
-    out.print(results_table(read_json(summary)))
+    _print_results(read_summary(summary))
 
 
 @app.command("import-dxf")
@@ -166,6 +169,7 @@ def import_dxf(
     )
     _list(done.findings)
     out.print(f"{done.stones} stones on {done.fixed} fixed ones: {done.case}", soft_wrap=True)
+    out.print(done.shell, markup=False, soft_wrap=True)
     for key in done.missing:
         out.print(f"Still to be filled in: {key}", markup=False, soft_wrap=True)
 
@@ -200,12 +204,10 @@ def export_dxf(
 
 @app.command()
 def generate(
-    name: Annotated[str, typer.Argument(help="wall, arch, prototype, s5, s22 ...", show_default=False)],
+    name: Annotated[str, typer.Argument(help=f"One of {', '.join(sample_names())}.", show_default=False)],
     case: Annotated[Path | None, typer.Option("--out", "-o", help="The case file to write; default: the terminal.")] = None,
 ) -> None:
     """Write a commented case file to edit: dimensions, materials, loads."""
-    from churchpipe.resources import sample_case
-
     text = sample_case(name)
     if case is None:
         out.print(text, markup=False, end="", soft_wrap=True)
@@ -241,6 +243,14 @@ def stage(name: str, label: str, paths: list[Path]) -> None:
     takes_progress = name in stages.LONG
     code = Reporter(name, label, sys.stderr).run(stages.STAGES[name], *paths, takes_progress=takes_progress)
     raise typer.Exit(code)
+
+
+def _print_results(summary: dict[str, Any]) -> None:
+    from churchpipe.terminal import gate_lines, results_table
+
+    out.print(results_table(summary))
+    for line in gate_lines(summary):
+        out.print(line, markup=False, soft_wrap=True)
 
 
 def _list(findings: Any) -> None:

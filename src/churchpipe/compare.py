@@ -1,13 +1,19 @@
 """Results side by side."""
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
+from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
+from churchpipe.model.shell import ShellModel
 
 # What a load factor rests on; anything else is bad news that the command line reports with its exit code.
 GOOD = frozenset({"optimal", "converged", "unbounded"})
+MODELS = ("rigid-block", "homogenised-shell")
 
 
 def figures(stones: Assemblage, contacts: Contacts) -> dict[str, Any]:
@@ -20,13 +26,95 @@ def figures(stones: Assemblage, contacts: Contacts) -> dict[str, Any]:
     }
 
 
-def summary(name: str, sizes: Mapping[str, dict[str, Any]], analyses: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Return summary.json: the size of the (first) geometry and all analyses; of a geometry sweep, all sizes by name."""
-    first = next(iter(sizes.values()))
+def shell_figures(shell: ShellModel | None, gate: dict[str, Any], geometry: str, element_size: float) -> dict[str, Any]:
+    """Return the size of a mesh and its gate; shell: None where there is none. element_size: m."""
+    counts = {"elements": len(shell.triangles), "nodes": len(shell.points)} if shell else {"elements": 0, "nodes": 0}
+    return {"geometry": geometry, "element_size_mm": round(1e3 * element_size, 9), **counts, "match": gate}
+
+
+def summary(
+    name: str,
+    sizes: Mapping[str, dict[str, Any]],
+    shells: Mapping[str, dict[str, Any]],
+    analyses: Sequence[dict[str, Any]],
+    compared: Sequence[dict[str, Any]],
+) -> dict[str, Any]:
+    """Return summary.json: the size of the (first) geometry and of its (first) mesh with the gate, all analyses, and the pairs
+    of both models; of a sweep of geometries or meshes, all sizes by name."""
+    first = dict(next(iter(sizes.values())))
+    if shells:
+        mesh = next(iter(shells.values()))
+        first |= {"shell": {key: mesh[key] for key in ("elements", "nodes", "element_size_mm")}, "match": mesh["match"]}
     several = {"geometries": dict(sizes)} if len(sizes) > 1 else {}
-    return {"case": name, **first, **several, "analyses": list(analyses)}
+    several |= {"shells": dict(shells)} if len(shells) > 1 else {}
+    both = {"comparison": list(compared)} if compared else {}
+    return {"case": name, **first, **several, "analyses": list(analyses), **both}
 
 
-def bad_news(analyses: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
-    """Return the analyses without a load factor to rest on: unstable, not converged, failed."""
-    return [analysis for analysis in analyses if analysis.get("status") not in GOOD]
+def bad_news(summary: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    """Return the analyses without a load factor to rest on (unstable, not converged, failed), and the gates that failed."""
+    gates = [shell["match"] for shell in summary.get("shells", {}).values()] or [summary.get("match", {"passed": True})]
+    return [record for record in summary["analyses"] if record.get("status") not in GOOD] + [g for g in gates if not g["passed"]]
+
+
+def pairs(entries: Sequence[Mapping[str, Any]], records: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """Return the analyses of both models that answer the same question: stones, load and strength alike.
+
+    entries: those of the plan. Each pair: load, name of either analysis by model, and "ratio", shell over rigid blocks.
+    """
+    known = {record["name"]: record for record in records if _is_number(record.get("load_factor"))}
+    mine = [entry for entry in entries if entry["name"] in known]
+    found: list[dict[str, Any]] = []
+    for shell in (entry for entry in mine if "shell" in entry):
+        for blocks in (entry for entry in mine if "shell" not in entry):
+            names = (blocks["name"], shell["name"])
+            of_blocks, of_shell = (known[name] for name in names)
+            if _question(blocks, of_blocks) == _question(shell, of_shell):
+                factor = of_blocks["load_factor"]
+                ratio = of_shell["load_factor"] / factor if factor else None
+                found.append({"load": of_shell["load"], **dict(zip(MODELS, names, strict=True)), "ratio": ratio})
+    return found
+
+
+def _question(entry: Mapping[str, Any], record: Mapping[str, Any]) -> tuple[str, ...]:
+    shared = {
+        key: value
+        for key, value in entry["variant"].items()
+        if not key.startswith(("rigid.", "shell.")) and ".elastic" not in key
+    }
+    return entry["geometry"], str(record["load"]), str(record["friction"]), str(record["cohesion_kPa"]), str(shared)
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and math.isfinite(value)
+
+
+def overlap(stones: Assemblage, velocities: FloatArray, shell: ShellModel, motion: FloatArray) -> float:
+    """Return how far two mechanisms are the same: 1 when alike but for their size, 0 when they have nothing in common.
+
+    The cosine of the velocities of the stones (nb, 6) at their centroids against those of the shell (nn, 3) at the same places,
+    each weighed by the stone's weight. Stones whose panel the shell does not have are left out.
+    """
+    # Every stage imports this module, and one of them needs a tree of facets.
+    from churchpipe.derive.locate import facet_at
+
+    moved = np.full((stones.count, 3), np.nan)
+    for name in np.intersect1d(stones.panel[~stones.fixed], shell.panel):
+        own = np.flatnonzero(~stones.fixed & (stones.panel == name))
+        facet, _ = facet_at(shell, stones.centroid[own], str(name))
+        share = _barycentric(shell.points[shell.triangles[facet]], stones.centroid[own])
+        moved[own] = np.einsum("nk,nkc->nc", share, motion[shell.triangles[facet]])
+    known = np.isfinite(moved).all(axis=1)
+    weight = stones.weight[known, None]
+    first, second = np.nan_to_num(velocities[known, :3]), moved[known]
+    size = math.sqrt(float((weight * first**2).sum()) * float((weight * second**2).sum()))
+    return float((weight * first * second).sum()) / size if size > 0 else math.nan
+
+
+def _barycentric(corners: FloatArray, points: FloatArray) -> FloatArray:
+    """Return the barycentric coordinates (n, 3) of points (n, 3) over the planes of triangles (n, 3, 3)."""
+    one, two, place = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0], points - corners[:, 0]
+    gram = np.stack([np.stack([(u * v).sum(axis=1) for v in (one, two)], axis=1) for u in (one, two)], axis=1)
+    side = np.stack([(u * place).sum(axis=1) for u in (one, two)], axis=1)
+    share = np.linalg.solve(gram, side[:, :, None])[:, :, 0]
+    return np.column_stack([1 - share.sum(axis=1), share])

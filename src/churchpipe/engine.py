@@ -19,6 +19,8 @@ from churchpipe.resources import pipeline_folder
 
 # A line of a stage begins so; all other lines are Snakemake's.
 MARK = "@churchpipe "
+# Lies in a run folder from the start of a run until it has ended well.
+UNFINISHED = "unfinished.txt"
 _STEPS = re.compile(r"^(\d+) of (\d+) steps")
 _TOTAL = re.compile(r"^total\s+(\d+)$")
 
@@ -50,13 +52,34 @@ def run(folder: str | Path, jobs: int, watch: Callable[[Event], None], prepare: 
     InputError: another run is at work in this folder.
     """
     folder = Path(folder).resolve()
+    errors: list[str] = []
+
+    def follow(event: Event) -> None:
+        if event.kind == "error":
+            errors.append(event.text)
+        watch(event)
+
     with _only_run(folder) as lock:
         if prepare:
             prepare()
+        # Until the run has ended well, what lies here may be of an older case.
+        mark = folder / UNFINISHED
+        mark.write_text("it was stopped, or is still at work\n", encoding="utf-8")
         for part in folder.rglob(f"{PART}*"):
             part.unlink(missing_ok=True)
         with (folder / "run.log").open("w", encoding="utf-8") as log:
-            return _follow(_start(folder, jobs, lock), log, watch)
+            code = _follow(_start(folder, jobs, lock), log, follow)
+        if code:
+            mark.write_text("\n".join(dict.fromkeys(errors)) or "a stage crashed, see run.log", encoding="utf-8")
+        else:
+            mark.unlink()
+        return code
+
+
+def unfinished(folder: str | Path) -> str:
+    """Return why the last run of a folder did not end well; "" when it did."""
+    mark = Path(folder) / UNFINISHED
+    return mark.read_text(encoding="utf-8").strip() if mark.is_file() else ""
 
 
 def command(folder: Path, jobs: int) -> list[str]:

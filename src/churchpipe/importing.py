@@ -1,5 +1,6 @@
 """From a drawing to a case file."""
 
+import math
 import re
 import shutil
 from collections.abc import Sequence
@@ -9,6 +10,7 @@ from typing import Literal
 
 import numpy as np
 
+from churchpipe.config.shell_table import shell_table
 from churchpipe.derive.contacts import find_contacts
 from churchpipe.derive.soundness import check_soundness
 from churchpipe.dxf import reader
@@ -24,14 +26,15 @@ _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 @dataclass(frozen=True, slots=True)
 class Imported:
-    """What an import made: the case file, how many stones, how many of them are fixed, the findings (warnings), and the
-    keys of the case that nobody gave."""
+    """What an import made: the case file, how many stones, how many of them are fixed, the findings (warnings), the
+    keys of the case that nobody gave, and what is to be said of the shell."""
 
     case: Path
     stones: int
     fixed: int
     findings: Findings
     missing: tuple[str, ...]
+    shell: str
 
 
 def check_drawing(path: Path, *, units: str | None = None, support: str = "drawn", repair: bool = False) -> reader.Drawing:
@@ -67,7 +70,9 @@ def import_drawing(
     ------
     InputError: the drawing has errors (nothing is written), the folder has a case already, a direction is none.
     """
-    directions = [parse_direction(text) for text in loads]
+    directions = _directions(loads)
+    _check_range("--unit-weight-kN-m3", None if unit_weight is None else unit_weight / 1e3, above_zero=True)
+    _check_range("--friction", friction, above_zero=False)
     case = folder / "case.toml"
     if case.exists():
         raise UsageError(str(case), "exists already", remedy="Choose another folder, or delete it first.")
@@ -84,6 +89,7 @@ def import_drawing(
     options = {"units": units, "support": support if support != "drawn" else None}
     source = [f'dxf = "{path.name}"', *(f'{key} = "{value}"' for key, value in options.items() if value)]
     source += ["repair = true"] if repair else []
+    shell = shell_table(drawing.stones, {name: stored[name].elastic is not None if name in stored else False for name in names})
     text = "\n\n".join(
         [
             f'# Imported from {path.name}.\nname = "{re.sub(r"[^A-Za-z0-9_.+-]+", "-", path.stem).strip("-.+") or "drawing"}"',
@@ -91,15 +97,30 @@ def import_drawing(
             *(table for table, _ in tables),
             *map(_load_table, pushes),
             *([] if pushes else ["# [[load]]\n# direction = [1, 0, 0]"]),
-            '[rigid]\nflow = ["associative", "non-associative"]\n',
+            '[rigid]\nflow = ["associative", "non-associative"]',
+            *([shell.text] if shell.text else []),
         ]
     )
     folder.mkdir(parents=True, exist_ok=True)
     if not copy.exists():
         shutil.copyfile(path, copy)
-    write_text(case, text)
+    write_text(case, text + "\n")
     fixed = int(drawing.stones.fixed.sum())
-    return Imported(case, drawing.stones.count - fixed, fixed, drawing.findings, tuple(missing))
+    return Imported(case, drawing.stones.count - fixed, fixed, drawing.findings, tuple(missing), shell.note)
+
+
+def _directions(texts: Sequence[str]) -> list[tuple[float, float, float]]:
+    directions = [parse_direction(text) for text in texts]
+    names = [LoadCase(direction).name for direction in directions]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise UsageError("--load", "one direction given twice", found=", ".join(twice), expected="each load once")
+    return directions
+
+
+def _check_range(option: str, value: float | None, *, above_zero: bool) -> None:
+    if value is not None and not ((value > 0 if above_zero else value >= 0) and value < math.inf):
+        raise UsageError(option, "out of range", found=value, expected=f"a finite number {'>' if above_zero else '>='} 0")
 
 
 def parse_direction(text: str) -> tuple[float, float, float]:
@@ -111,6 +132,8 @@ def parse_direction(text: str) -> tuple[float, float, float]:
         return sign * axis[0], sign * axis[1], sign * axis[2]
     try:
         x, y, z = (float(part) for part in word.split(","))
+        if not 0 < math.hypot(x, y, z) < math.inf:
+            raise ValueError
     except ValueError:
         raise UsageError(f"--load {text}", "not a direction", expected='"+x", "-y" or components such as "1,1,0"') from None
     return x, y, z

@@ -1,28 +1,36 @@
 """The stages of a run: one plain function each, paths in, paths out. They know no engine.
 
-A stage whose result is bad news (unstable, not converged) ends well, with the status in its JSON; only input that cannot be
-taken raises.
+A stage whose result is bad news (unstable, not converged, no shell to be had of these stones) ends well, with the status in its
+JSON; only input that cannot be taken raises. What the shell refuses stops the shell alone: the rigid blocks go on.
 """
 
 import importlib.metadata
 import platform
 from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from churchpipe import compare as results
+from churchpipe.config.asrun import as_run
 from churchpipe.config.case import read_variants
 from churchpipe.config.plan import building_of, load_of, materials_of, plan, unit_weights
 from churchpipe.errors import InputError
 from churchpipe.io.atomic import canonical_json, write_if_changed, write_json
 from churchpipe.io.building_json import read_building, write_building
-from churchpipe.io.npz import read_npz, write_npz
-from churchpipe.io.records import record_of
+from churchpipe.io.npz import Absent, read_if_made, read_npz, write_npz
+from churchpipe.io.records import record_of, shell_record_of
+from churchpipe.io.shell_vtu import write_shell_msh, write_shell_vtu
 from churchpipe.io.tables import read_json, write_table
 from churchpipe.io.vtu import write_vtu
 from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.building import Building
 from churchpipe.model.contacts import Contacts
-from churchpipe.model.results import LimitState
+from churchpipe.model.loads import LoadCase
+from churchpipe.model.materials import Material
+from churchpipe.model.results import CapacityCurve, CapacityStep, LimitState, ShellLimitState
+from churchpipe.model.shell import ShellModel
 
 Progress = Callable[[str, float], None]
 
@@ -30,19 +38,20 @@ Progress = Callable[[str, float], None]
 def configure(case: str | Path, out: str | Path, overrides: Sequence[str] = ()) -> Path:
     """Write the plan of a run and the settings of each stage into `out`; a file whose content is unchanged is not touched.
 
-    Files: plan.json, as-run.toml (the case, and what --set changed), geometry/NAME/settings.json, rigid/NAME/settings.json.
-    Returns the plan's path.
+    Files: plan.json, as-run.toml (the case with what --set changed), and settings.json of each stage: geometry/NAME, shell/NAME,
+    rigid/NAME, limit/NAME, pushover/NAME. Returns the plan's path.
     """
     out = Path(out)
     todo = plan(read_variants(case, overrides))
     drawing = todo.index["drawing"]
     if drawing and not Path(drawing).is_file():
         raise InputError(f"{case}: source.dxf", "no such drawing", found=drawing, remedy="Paths are relative to the case file.")
-    for kind, settings in (("geometry", todo.geometries), ("rigid", todo.analyses)):
-        for name, table in settings.items():
-            write_if_changed(out / kind / name / "settings.json", canonical_json(table))
-    changes = "".join(f"# --set {change}\n" for change in overrides)
-    write_if_changed(out / "as-run.toml", changes + Path(case).read_text(encoding="utf-8"))
+    folders = {f"geometry/{name}": table for name, table in todo.geometries.items()}
+    folders |= {f"shell/{name}": table for name, table in todo.shells.items()}
+    folders |= {f"{todo.kinds[name]}/{name}": table for name, table in todo.analyses.items()}
+    for folder, table in folders.items():
+        write_if_changed(out / folder / "settings.json", canonical_json(table))
+    write_if_changed(out / "as-run.toml", as_run(Path(case), overrides))
     write_if_changed(out / "plan.json", canonical_json(todo.index))
     return out / "plan.json"
 
@@ -95,6 +104,124 @@ def contacts(assemblage: Path, contacts: Path, progress: Progress | None = None)
     write_npz(contacts, found)
 
 
+def panels(settings: Path, assemblage: Path, building: Path, fitted: Path, fit: Path) -> None:
+    """Stones of a drawing -> the panels fitted to them, and the stones by these panels' names.
+
+    fit.json: the stones that fit none, and why there are no panels at all ("message"), if so.
+    """
+    from churchpipe.derive.panels import fit_panels
+
+    table, stones = read_json(settings), read_npz(assemblage, Assemblage)
+    materials = tuple(Material(name, weight, 0.0) for name, weight in unit_weights(table).items())
+    try:
+        found = fit_panels(stones, materials, name=table["name"])
+    except InputError as error:
+        write_building(building, Building(table["name"], (), materials))
+        write_npz(fitted, stones)
+        write_json(fit, {"unfit": stones.block_id[~stones.fixed].tolist(), "message": str(error)})
+        return
+    write_building(building, found.building)
+    write_npz(fitted, replace(stones, panel=found.panel))
+    write_json(fit, {"unfit": found.unfit.tolist(), "message": ""})
+
+
+def shell(settings: Path, building: Path, shell: Path) -> None:
+    """Building -> its mid-surfaces as a mesh, for the next stages; beside it shell.msh for Gmsh and shell.vtu for ParaView."""
+    from churchpipe.derive.shell import derive_shell
+
+    exports = shell.with_suffix(".msh"), shell.with_suffix(".vtu")
+    try:
+        mesh = derive_shell(read_building(building), read_json(settings)["element_size"])
+    except InputError as error:
+        for export in exports:
+            export.unlink(missing_ok=True)
+        write_npz(shell, Absent(str(error)))
+        return
+    write_shell_msh(exports[0], mesh)
+    write_shell_vtu(exports[1], mesh)
+    write_npz(shell, mesh)
+
+
+def match(shell: Path, assemblage: Path, contacts: Path, record: Path) -> None:
+    """Both models -> whether they are one building, and all figures of it."""
+    from churchpipe.derive.match import match_models
+
+    mesh = read_if_made(shell, ShellModel)
+    if isinstance(mesh, Absent):
+        write_json(record, {"passed": False, "message": mesh.reason, "figures": []})
+        return
+    found = match_models(read_npz(assemblage, Assemblage), read_npz(contacts, Contacts), mesh)
+    write_json(record, found.as_dict() | {"message": ""})
+
+
+def limit(settings: Path, shell: Path, match: Path, state: Path, record: Path, progress: Progress | None = None) -> None:
+    """One limit analysis of the shell -> its state and its record; none where the gate failed."""
+    from churchpipe.homogenised_shell.limit import shell_limit_analysis
+
+    table = read_json(settings)
+    options = {key: table[key] for key in ("planes", "membrane")}
+    options |= {"solver": table["solver"]} if table["solver"] != "auto" else {}
+    _analyse_shell("limit", table, shell, match, state, record, partial(shell_limit_analysis, **options), progress)
+
+
+def pushover(
+    settings: Path, building: Path, shell: Path, match: Path, state: Path, record: Path, progress: Progress | None = None
+) -> None:
+    """One capacity curve of the shell -> the curve with the last step's state, and its record; none where the gate failed.
+
+    Refused for bonds whose stiffness is not known, which the building tells.
+    """
+    from churchpipe.homogenised_shell.pushover import pushover
+    from churchpipe.homogenised_shell.stiffness import wall_stiffness
+
+    table = read_json(settings)
+    options = {key: table[key] for key in ("planes", "membrane", "control_point", "steps") if key in table}
+
+    def tell(step: CapacityStep) -> None:
+        if progress:
+            progress(f"load factor {step.load_factor:.4f}, {step.displacement * 1e3:.3g} mm", 0.0)
+
+    def work(mesh: ShellModel, load: LoadCase, materials: list[Material]) -> CapacityCurve:
+        elastic = {material.name: material.elastic for material in materials}
+        for panel in read_building(building).panels:
+            for region in panel.regions:
+                if constants := elastic[panel.material]:
+                    wall_stiffness(region.pattern, region.cell.a, region.cell.b, panel.thickness, constants)
+        return pushover(mesh, load, materials, **options, progress=tell)
+
+    _analyse_shell("pushover", table, shell, match, state, record, work, progress)
+
+
+def _analyse_shell(
+    method: str,
+    table: dict[str, Any],
+    shell: Path,
+    match: Path,
+    state: Path,
+    record: Path,
+    work: Callable[..., ShellLimitState | CapacityCurve],
+    progress: Progress | None,
+) -> None:
+    load, materials = load_of(table), materials_of(table)
+    if not read_json(match)["passed"]:
+        write_npz(state, Absent("the two models do not match"))
+        write_json(record, {"status": "left-out", "message": "the two models do not match"})
+        return
+    mesh = read_npz(shell, ShellModel)
+    used = [material for material in materials if material.name in mesh.material]
+    words = {"method": method, "planes": table["planes"]}
+    if progress:
+        progress(f"{len(mesh.triangles)} elements", 0.0)
+    try:
+        found = work(mesh, load, materials)
+    except InputError as error:
+        write_npz(state, Absent(str(error)))
+        write_json(record, shell_record_of(None, load, used, **words, message=str(error)))
+        return
+    write_npz(state, found)
+    write_json(record, shell_record_of(found, load, used, **words))
+
+
 def rigid(settings: Path, assemblage: Path, contacts: Path, state: Path, record: Path, progress: Progress | None = None) -> None:
     """One rigid-block analysis -> its state and its record for the summary."""
     from churchpipe.derive.joints import joint_strength
@@ -114,52 +241,114 @@ def rigid(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
 def compare(plan: Path, summary: Path, table: Path) -> None:
     """All analyses of a plan -> summary.json and table.csv."""
     run, index = plan.parent, read_json(plan)
-    sizes = {
-        name: results.figures(
-            read_npz(run / "geometry" / name / "assemblage.npz", Assemblage),
-            read_npz(run / "geometry" / name / "contacts.npz", Contacts),
-        )
-        for name in index["geometries"]
-    }
-    analyses = [_analysis(run, entry, len(sizes) > 1) for entry in index["analyses"]]
+    sizes = {name: results.figures(*_stones(run, name)) for name in index["geometries"]}
+    shells = {mesh["name"]: _shell_figures(run, mesh["name"], mesh["geometry"], index["drawing"]) for mesh in index["shells"]}
+    records = [_analysis(run, entry, len(sizes) > 1, shells) for entry in index["analyses"]]
+    analyses = [record for record in records if record["status"] != "left-out"]
+    pairs = results.pairs(index["analyses"], analyses)
+    compared = [pair | _overlap(run, index, *(pair[model] for model in results.MODELS)) for pair in pairs]
     write_table(table, analyses)
-    write_json(summary, results.summary(index["case"], sizes, analyses))
+    write_json(summary, results.summary(index["case"], sizes, shells, analyses, compared))
 
 
 def report(plan: Path, summary: Path, assemblage: Path, contacts: Path, html: Path) -> None:
     """Summary and states of one geometry -> report.html, its pictures, and the mechanisms for ParaView."""
     from churchpipe.report.html import write_report
 
-    run = plan.parent
+    run, index, geometry = plan.parent, read_json(plan), assemblage.parent.name
     stones = read_npz(assemblage, Assemblage)
     records = {record["name"]: record for record in read_json(summary)["analyses"]}
-    mine = [entry["name"] for entry in read_json(plan)["analyses"] if entry["geometry"] == assemblage.parent.name]
-    states = {name: read_npz(run / "rigid" / name / "rigid.npz", LimitState) for name in mine}
+    mine = [entry for entry in index["analyses"] if entry["geometry"] == geometry]
+    states = {e["name"]: read_npz(run / "rigid" / e["name"] / "rigid.npz", LimitState) for e in mine if e["kind"] == "rigid"}
     for name, state in states.items():
         write_vtu(run / "rigid" / name / "mechanism.vtu", stones, state.velocities)
+    places = {
+        mesh["name"]: run / "shell" / mesh["name"] / "shell.npz" for mesh in index["shells"] if mesh["geometry"] == geometry
+    }
+    made = {name: read_if_made(path, ShellModel) for name, path in places.items()}
+    meshes = {name: mesh for name, mesh in made.items() if isinstance(mesh, ShellModel)}
+    found: list[tuple[dict[str, Any], str, ShellLimitState | CapacityCurve]] = []
+    for entry in (entry for entry in mine if "shell" in entry):
+        mechanism = run / entry["kind"] / entry["name"] / "mechanism.vtu"
+        state = _shell_state(run, entry)
+        if isinstance(state, Absent):
+            mechanism.unlink(missing_ok=True)
+            continue
+        _write_shell_mechanism(mechanism, meshes[entry["shell"]], state)
+        found.append((records[entry["name"]], entry["shell"], state))
     write_report(
         html,
         summary=read_json(summary),
         stones=stones,
         contacts=read_npz(contacts, Contacts),
         results=[(records[name], state) for name, state in states.items()],
+        shells=meshes,
+        shell_results=found,
         case_text=(run / "as-run.toml").read_text(encoding="utf-8"),
         versions=versions(),
         figures_dir=html.parent / "figures",
     )
 
 
+def _stones(run: Path, geometry: str) -> tuple[Assemblage, Contacts]:
+    folder = run / "geometry" / geometry
+    return read_npz(folder / "assemblage.npz", Assemblage), read_npz(folder / "contacts.npz", Contacts)
+
+
+def _fitted(run: Path, geometry: str, drawing: str | None) -> Path:
+    """Return the stones by the names of the shell's panels."""
+    return run / "geometry" / geometry / ("fitted.npz" if drawing else "assemblage.npz")
+
+
+def _shell_figures(run: Path, name: str, geometry: str, drawing: str | None) -> dict[str, Any]:
+    gate = read_json(run / "shell" / name / "match.json")
+    if drawing:
+        fit = read_json(run / "geometry" / geometry / "fit.json")
+        gate |= {"unfit": fit["unfit"], "message": fit["message"] or gate["message"]}
+    size = read_json(run / "shell" / name / "settings.json")["element_size"]
+    mesh = read_if_made(run / "shell" / name / "shell.npz", ShellModel)
+    return results.shell_figures(None if isinstance(mesh, Absent) else mesh, gate, geometry, size)
+
+
+def _shell_state(run: Path, entry: dict[str, Any]) -> ShellLimitState | CapacityCurve | Absent:
+    folder = run / entry["kind"] / entry["name"]
+    if entry["kind"] == "limit":
+        return read_if_made(folder / "limit.npz", ShellLimitState)
+    return read_if_made(folder / "pushover.npz", CapacityCurve)
+
+
+def _overlap(run: Path, index: dict[str, Any], blocks: str, shell: str) -> dict[str, Any]:
+    """Return how far the mechanisms of two analyses, by name, are the same."""
+    entries = {entry["name"]: entry for entry in index["analyses"]}
+    state = _shell_state(run, entries[shell])
+    if isinstance(state, Absent):
+        return {}
+    mesh = read_npz(run / "shell" / entries[shell]["shell"] / "shell.npz", ShellModel)
+    stones = read_npz(_fitted(run, entries[shell]["geometry"], index["drawing"]), Assemblage)
+    moved = read_npz(run / "rigid" / blocks / "rigid.npz", LimitState).velocities
+    motion = state.velocities if isinstance(state, ShellLimitState) else state.displacement
+    return {"overlap": results.overlap(stones, moved, mesh, motion)}
+
+
+def _write_shell_mechanism(path: Path, mesh: ShellModel, state: ShellLimitState | CapacityCurve) -> None:
+    motion = {"velocity": state.velocities} if isinstance(state, ShellLimitState) else {"displacement": state.displacement}
+    strain = {"plastic_membrane": state.plastic[:, :3], "plastic_curvature": state.plastic[:, 3:]}
+    write_shell_vtu(path, mesh, motion | strain)
+
+
 def versions() -> dict[str, str]:
     """Return the versions that a result depends on."""
-    packages = ("churchpipe", "numpy", "scipy", "shapely", "clarabel", "ezdxf", "manifold3d")
+    packages = ("churchpipe", "numpy", "scipy", "shapely", "clarabel", "ezdxf", "manifold3d", "gmsh")
     return {"python": platform.python_version()} | {name: importlib.metadata.version(name) for name in packages}
 
 
-def _analysis(run: Path, entry: dict[str, Any], several: bool) -> dict[str, Any]:
-    """Return the record of an analysis, with its name, what was swept, and its geometry where there are several."""
+def _analysis(run: Path, entry: dict[str, Any], several: bool, shells: dict[str, dict[str, Any]]) -> dict[str, Any]:
+    """Return the record of an analysis, with its name, what was swept, its geometry where there are several, and its mesh."""
+    kind, name = entry["kind"], entry["name"]
     place = {"geometry": entry["geometry"]} if several else {}
+    mesh = {key: shells[entry["shell"]][key] for key in ("element_size_mm", "elements")} if "shell" in entry else {}
     variant = {"variant": entry["variant"]} if entry["variant"] else {}
-    return {"name": entry["name"], **read_json(run / "rigid" / entry["name"] / "rigid.json"), **place, **variant}
+    return {"name": name, **read_json(run / kind / name / f"{kind}.json"), **mesh, **place, **variant}
 
 
 # All arguments are paths; those in `LONG` take `progress` besides.
@@ -168,8 +357,13 @@ STAGES: dict[str, Callable[..., None]] = {
     "blocks": blocks,
     "drawing": drawing,
     "contacts": contacts,
+    "panels": panels,
+    "shell": shell,
+    "match": match,
     "rigid": rigid,
+    "limit": limit,
+    "pushover": pushover,
     "compare": compare,
     "report": report,
 }
-LONG = frozenset({"contacts", "rigid"})
+LONG = frozenset({"contacts", "rigid", "limit", "pushover"})

@@ -15,6 +15,8 @@ from churchpipe.errors import InputError
 
 # Between two lines of progress of one stage, seconds.
 PAUSE = 0.25
+_MODELS = {"rigid-block": "rigid blocks", "homogenised-shell": "shell"}
+_METHODS = {"limit": "limit load", "pushover": "capacity curve"}
 STATUS_STYLES = {"optimal": "green", "converged": "green", "unbounded": "cyan"}
 
 
@@ -107,11 +109,15 @@ def results_table(summary: Mapping[str, Any]) -> Table:
     """Return summary.json as a table."""
     analyses: Sequence[Mapping[str, Any]] = summary["analyses"]
     sizes = f"{summary['blocks']} stones, {summary['interfaces']} interfaces, {summary['weight_kN']:.4g} kN"
+    shells = list(summary.get("shells", {}).values()) or [summary.get("shell", {})]
+    meshes = ", ".join(f"{shell['elements']}" for shell in shells if shell.get("elements"))
+    sizes += f"; shell of {meshes} elements" if meshes else ""
     table = Table(
         title=f"{summary['case']}: {sizes}", title_justify="left", title_style="bold", box=SIMPLE_HEAD, padding=(0, 1, 0, 0)
     )
+    both = len({analysis.get("model") for analysis in analyses}) > 1
     swept = [key for key in dict.fromkeys(k for a in analyses for k in a.get("variant", {})) if not key.endswith(".friction")]
-    for title in ("load", "flow", "friction", *swept):
+    for title in ("load", *(["model"] if both else []), "analysis" if both else "flow", "friction", *swept):
         table.add_column(title)
     for title in ("load factor", "bounds apart", "s"):
         table.add_column(title, justify="right")
@@ -119,7 +125,8 @@ def results_table(summary: Mapping[str, Any]) -> Table:
     for analysis in analyses:
         table.add_row(
             str(analysis["load"]),
-            str(analysis.get("flow") or analysis.get("method")),
+            *([_MODELS.get(analysis["model"], analysis["model"])] if both else []),
+            str(analysis.get("flow") or _METHODS.get(analysis.get("method", ""), analysis.get("method"))),
             _words(analysis.get("friction")),
             *(_words(analysis.get("variant", {}).get(key)) for key in swept),
             _figure(analysis.get("load_factor")),
@@ -128,6 +135,24 @@ def results_table(summary: Mapping[str, Any]) -> Table:
             f"[{STATUS_STYLES.get(analysis['status'], 'red')}]{analysis['status']}",
         )
     return table
+
+
+def gate_lines(summary: Mapping[str, Any]) -> list[str]:
+    """Return what the comparison of the two models has to say: a gate that failed, stones missing from the shell, overlap."""
+    named = {name: shell["match"] for name, shell in summary.get("shells", {}).items()} or {"": summary.get("match")}
+    lines: list[str] = []
+    for name, gate in named.items():
+        if not gate:
+            continue
+        place = f" ({name})" if name else ""
+        differ = ", ".join(item["name"] for item in gate.get("figures", ()) if not item["passed"])
+        if not gate["passed"]:
+            reason = gate.get("message") or f"The two models do not match: {differ}."
+            lines.append(f"No shell{place}. {reason} The rigid blocks stand.")
+        elif unfit := gate.get("unfit"):
+            more = f" and {len(unfit) - 8} more" if len(unfit) > 8 else ""
+            lines.append(f"Stones that fit no wall and are missing from the shell{place}: {', '.join(unfit[:8])}{more}.")
+    return list(dict.fromkeys(lines))
 
 
 def findings_table(findings: Sequence[Finding]) -> Table:

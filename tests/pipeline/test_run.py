@@ -35,6 +35,7 @@ direction = [-1, 0, 0]
 flow = ["associative", "non-associative"]
 """
 RESULTS = {"compare": 1, "report": 1, "all": 1}
+SHELL = {"shell": 1, "match": 1, "limit": 1}
 ALL = {"source": 1, "blocks": 1, "contacts": 1, "rigid": 2, **RESULTS}
 
 
@@ -43,14 +44,16 @@ class Copy:
     """A copy of the package whose sources may be edited, with a case and its run folder."""
 
     root: Path
+    name: str = "tiny"
+    folder: str = "run"
 
     @property
     def case(self) -> Path:
-        return self.root / "tiny.toml"
+        return self.root / f"{self.name}.toml"
 
     @property
     def out(self) -> Path:
-        return self.root / "run"
+        return self.root / self.folder
 
     def module(self, name: str) -> Path:
         return self.root / "src" / "churchpipe" / name
@@ -104,6 +107,18 @@ def pristine(tmp_path_factory: pytest.TempPathFactory) -> Copy:
     assert copy.done() == ALL
     assert "-x    associative" in out
     assert "rigid     -x_non-associative" in err
+    return copy
+
+
+@pytest.fixture(scope="module")
+def with_shell(pristine: Copy) -> Copy:
+    """The same package, and a case with a shell that has been run once."""
+    copy = Copy(pristine.root, "shell", "run-shell")
+    copy.case.write_text(CASE.replace(', "non-associative"', "") + "[shell]\nelement_size_mm = 400\n")
+    code, out, err = copy.run("--jobs", 2)
+    assert code == 0, out + err + (copy.out / "run.log").read_text()
+    assert copy.done() == {**ALL, "rigid": 1, **SHELL}
+    assert "shell         limit load" in out
     return copy
 
 
@@ -204,6 +219,40 @@ def test_an_edited_source_reruns_what_depends_on_it(
     assert pristine.stale() == jobs
 
 
+def test_a_case_with_a_shell_makes_its_artifacts_once(with_shell: Copy) -> None:
+    made = {str(path.relative_to(with_shell.out)) for path in with_shell.out.rglob("*") if ".snakemake" not in path.parts}
+    assert made >= {f"shell/base/{name}" for name in ("shell.npz", "shell.msh", "shell.vtu", "match.json")}
+    assert made >= {f"limit/-x_limit/{name}" for name in ("limit.npz", "limit.json", "mechanism.vtu")}
+    assert not (with_shell.out / engine.UNFINISHED).exists()
+    assert with_shell.stale() == {}
+
+
+def test_a_sweep_of_frictions_reruns_the_solves_of_both_models(with_shell: Copy) -> None:
+    assert with_shell.stale('sweep={"material.default.friction"=[0.5,0.6]}') == {"rigid": 2, "limit": 2, **RESULTS}
+
+
+def test_a_sweep_of_meshes_reruns_the_shell_alone(with_shell: Copy) -> None:
+    sweep = 'sweep={"shell.element_size_mm"=[400,200]}'
+    assert with_shell.stale(sweep) == {"shell": 2, "match": 2, "limit": 2, **RESULTS}
+    assert with_shell.stale("shell.planes=cell") == {"limit": 1, **RESULTS}
+    assert with_shell.stale() == {}
+
+
+@pytest.mark.parametrize(
+    ("name", "jobs"),
+    [
+        ("src/churchpipe/homogenised_shell/limit.py", {"limit": 1, **RESULTS}),
+        ("src/churchpipe/derive/match.py", {"match": 1, "limit": 1, **RESULTS}),
+        ("src/churchpipe/rigid_blocks/limit.py", {"rigid": 1, **RESULTS}),
+    ],
+)
+def test_an_edited_source_of_one_model_leaves_the_other(
+    name: str, jobs: dict[str, int], with_shell: Copy, edited: Callable[[str, Callable[[str], str]], None]
+) -> None:
+    edited(name, lambda text: text + "\n# edited\n")
+    assert with_shell.stale() == jobs
+
+
 def test_bad_input_found_by_a_stage_is_1_and_says_so(pristine: Copy, tmp_path: Path) -> None:
     code, out, err = pristine.call(
         "churchpipe",
@@ -220,6 +269,10 @@ def test_bad_input_found_by_a_stage_is_1_and_says_so(pristine: Copy, tmp_path: P
     assert "apse" in err
     assert "Traceback" not in out + err
     assert not (tmp_path / "run" / "summary.json").exists()
+    code, _, err = pristine.call("churchpipe", "show", tmp_path / "run")
+    assert code == 1
+    assert "the last run did not end well" in err
+    assert "apse" in err
     assert (tmp_path / "run" / "geometry" / "base" / "contacts.npz").exists()
 
 

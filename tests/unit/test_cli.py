@@ -8,16 +8,18 @@ import numpy as np
 import pytest
 
 import churchpipe
-from churchpipe import cli
+from churchpipe import cli, engine
 from churchpipe.config import read_case
 from churchpipe.dxf.reader import read_drawing
 from churchpipe.dxf.writer import write_dxf
 from churchpipe.importing import parse_direction
+from churchpipe.io.atomic import write_json
 from churchpipe.io.tables import read_json
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Elastic, Material
-from solids import box, on_ground
+from churchpipe.resources import sample_names
+from solids import box, on_ground, prism
 
 
 def call(capsys: pytest.CaptureFixture[str], *arguments: object) -> tuple[int, str, str]:
@@ -196,12 +198,67 @@ def test_directions(text: str, direction: tuple[float, float, float]) -> None:
     assert parse_direction(text) == direction
 
 
-@pytest.mark.parametrize("text", ["north", "1,2", "+-x", "1,2,a", ""])
+@pytest.mark.parametrize("text", ["north", "1,2", "+-x", "1,2,a", "", "0,0,0", "nan,0,1", "inf,0,0"])
 def test_no_directions(text: str, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     (tmp_path / "a.dxf").touch()
     code, _, err = call(capsys, "import-dxf", tmp_path / "a.dxf", "-o", tmp_path / "a", "--load", text)
     assert code == 2
     assert "not a direction" in err
+
+
+@pytest.mark.parametrize(
+    ("option", "value"),
+    [
+        ("--friction", "nan"),
+        ("--friction", -1),
+        ("--friction", "inf"),
+        ("--unit-weight-kN-m3", 0),
+        ("--unit-weight-kN-m3", "nan"),
+    ],
+)
+def test_numbers_that_are_none(option: str, value: object, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    (tmp_path / "a.dxf").touch()
+    code, _, err = call(capsys, "import-dxf", tmp_path / "a.dxf", "-o", tmp_path / "a", option, value)
+    assert code == 2
+    assert f"{option}: out of range; found {float(value)}" in err
+    assert not (tmp_path / "a").exists()
+
+
+def test_one_load_given_twice(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    (tmp_path / "a.dxf").touch()
+    code, _, err = call(capsys, "import-dxf", tmp_path / "a.dxf", "-o", tmp_path / "a", "--load", "+x", "--load", "2,0,0")
+    assert code == 2
+    assert "one direction given twice; found +x" in err
+
+
+def test_an_imported_wall_gets_a_shell(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    samples = Path(__file__).parents[2] / "cad_samples"
+    code, out, _ = call(capsys, "import-dxf", samples / "s5.dxf", "-o", tmp_path / "s5")
+    assert code == 0
+    assert "3 walls fitted for the shell: main, partition-1, partition-2." in out
+    shell = read_case(tmp_path / "s5" / "case.toml").shell
+    assert shell is not None
+    assert (shell.element_size, shell.analyses) == (0.06, ("limit", "pushover"))
+    assert call(capsys, "import-dxf", samples / "arch.dxf", "-o", tmp_path / "arch")[0] == 0
+    shell = read_case(tmp_path / "arch" / "case.toml").shell
+    assert shell is not None
+    assert shell.analyses == ("limit",)
+    assert "no stiffness is known of voussoir bond" in (tmp_path / "arch" / "case.toml").read_text()
+
+
+def test_stones_that_make_no_wall_get_no_shell(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    spike = prism([(0, 0), (1, 0), (0.5, 0.8)], 1.0)
+    write_dxf(on_ground(spike, unit_weight=2e4, reach=3), tmp_path / "a.dxf", materials=[Material("default", 2e4, 0.6)])
+    code, out, _ = call(capsys, "import-dxf", tmp_path / "a.dxf", "-o", tmp_path / "a", "--load", "+x")
+    assert code == 0
+    assert "No shell: no wall can be fitted" in out
+    assert read_case(tmp_path / "a" / "case.toml").shell is None
+
+
+def test_generate_names_every_sample(capsys: pytest.CaptureFixture[str]) -> None:
+    _, out, _ = call(capsys, "generate", "--help")
+    for name in sample_names():
+        assert name in out
 
 
 def test_show_wants_a_run(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
@@ -210,6 +267,10 @@ def test_show_wants_a_run(capsys: pytest.CaptureFixture[str], tmp_path: Path) ->
     assert "churchpipe run" in err
     (tmp_path / "summary.json").write_text("{")
     assert call(capsys, "show", tmp_path)[0] == 1
+    (tmp_path / "summary.json").write_text("{}")
+    code, _, err = call(capsys, "show", tmp_path)
+    assert code == 1
+    assert "not a summary of a run; expected case, blocks, interfaces, weight_kN, analyses" in err
 
 
 def test_show_prints_every_analysis(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
@@ -233,6 +294,48 @@ def test_show_prints_every_analysis(capsys: pytest.CaptureFixture[str], tmp_path
         "unstable",
     ):
         assert text in out
+
+
+def test_show_tells_both_models_apart(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    rigid = {
+        "model": "rigid-block",
+        "flow": "associative",
+        "load": "-y",
+        "friction": 0.7,
+        "load_factor": 0.2065,
+        "status": "optimal",
+    }
+    shell = {"model": "homogenised-shell", "load": "-y", "friction": 0.7, "load_factor": 0.222, "status": "optimal"}
+    summary = {
+        "case": "s22",
+        "blocks": 869,
+        "interfaces": 2415,
+        "weight_kN": 2.29,
+        "shell": {"elements": 1681, "nodes": 939},
+        "match": {"passed": True, "unfit": ["B7"], "figures": []},
+        "analyses": [rigid, shell | {"method": "limit"}, shell | {"method": "pushover", "status": "converged"}],
+    }
+    write_json(tmp_path / "summary.json", summary)
+    code, out, _ = call(capsys, "show", tmp_path)
+    assert code == 0
+    for text in ("shell of 1681 elements", "rigid blocks", "limit load", "capacity curve", "missing from the shell: B7."):
+        assert text in out
+    failed = {
+        "passed": False,
+        "message": "",
+        "figures": [{"name": "weight", "passed": False}, {"name": "volume", "passed": True}],
+    }
+    write_json(tmp_path / "summary.json", summary | {"match": failed, "analyses": [rigid]})
+    assert "No shell. The two models do not match: weight. The rigid blocks stand." in call(capsys, "show", tmp_path)[1]
+
+
+def test_show_does_not_show_what_a_failed_run_left(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    write_json(tmp_path / "summary.json", {"case": "w", "blocks": 1, "interfaces": 1, "weight_kN": 1.0, "analyses": []})
+    assert call(capsys, "show", tmp_path)[0] == 0
+    (tmp_path / engine.UNFINISHED).write_text("load +x: panels: no such panel")
+    code, out, err = call(capsys, "show", tmp_path)
+    assert (code, out) == (1, "")
+    assert "the last run did not end well; found load +x: panels: no such panel" in err
 
 
 def test_a_place_that_cannot_be_written_to_is_named(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 import tomli_w
 
-from churchpipe.config import Drawing, Generated, church_sources, read_case, read_variants
+from churchpipe.config import Drawing, Generated, ShellSettings, church_sources, read_case, read_variants
 from churchpipe.config.overrides import parse_override, set_key
-from churchpipe.config.plan import building_of, load_of, materials_of, plan, unit_weights
+from churchpipe.config.plan import Plan, building_of, load_of, materials_of, plan, unit_weights
 from churchpipe.config.sources import GENERATED, OpeningTable
 from churchpipe.config.units import UNITS, in_si
 from churchpipe.errors import InputError, UsageError
@@ -138,7 +138,11 @@ MISTAKES = [
     ("material.default.frictoin=1", r'material\.default\.frictoin: unknown key.*Did you mean "friction"\?'),
     ("material.default.elastic.block_E_Gpa=1", r'elastic\.block_E_Gpa: unknown key.*Did you mean "block_E_GPa"\?'),
     ("load.0.directoin=[1,0,0]", r'load\.0\.directoin: unknown key.*Did you mean "direction"\?'),
-    ("shell.element_size_mm=30", r"shell: unknown key"),
+    ("shell.element_size_mm=0", r"shell\.element_size_mm: wrong value; found 0; expected greater than 0"),
+    ("shell.element_sise_mm=30", r'element_sise_mm: unknown key.*Did you mean "element_size_mm"\?'),
+    ('shell={element_size_mm=30, planes="nine"}', r"shell\.planes: wrong value; found 'nine'"),
+    ('shell={element_size_mm=30, analyses=["collapse"]}', r"shell\.analyses\.0: wrong value; found 'collapse'"),
+    ("shell={element_size_mm=30, control_point=7, control_point_mm=[0, 0, 600]}", r"shell: two control points"),
     ("material.default.friction=high", r"material\.default\.friction: wrong value; found 'high'; expected a valid number"),
     ("material.default.friction=-0.1", r"found -0\.1; expected greater than or equal to 0"),
     ("material.default.friction=nan", r"found nan; expected a finite number"),
@@ -286,6 +290,57 @@ def test_a_unit_weight_changes_the_stones_and_a_strength_does_not(tmp_path: Path
     _, changed = settings("rigid.method=paper", "rigid.start=uniform")
     assert changed["+y_associative"] == analyses["+y_associative"]
     assert changed["+y_non-associative"] != analyses["+y_non-associative"]
+
+
+SHELL = WALL + '[shell]\nelement_size_mm = 100\nanalyses = ["limit", "pushover"]\ncontrol_point_mm = [0, 125, 600]\n'
+
+
+def test_a_shell_is_in_si(tmp_path: Path) -> None:
+    assert read_case(case_file(tmp_path, WALL)).shell is None
+    shell = read_case(case_file(tmp_path, SHELL)).shell
+    assert shell == ShellSettings(0.1, analyses=("limit", "pushover"), control_point=(0.0, 0.125, 0.6))
+
+
+def test_a_capacity_curve_needs_elastic_constants(tmp_path: Path) -> None:
+    stiff = next(line for line in SHELL.splitlines(keepends=True) if line.startswith("elastic"))
+    with pytest.raises(InputError, match=r"missing keys; expected material\.default\.elastic"):
+        read_case(case_file(tmp_path, SHELL.replace(stiff, "")))
+    assert read_case(case_file(tmp_path, SHELL.replace(stiff, "")), ['shell.analyses=["limit"]']).shell is not None
+
+
+def test_a_mark_of_byte_order_is_passed_over(tmp_path: Path) -> None:
+    (tmp_path / "case.toml").write_bytes(b"\xef\xbb\xbf" + WALL.encode())
+    assert read_case(tmp_path / "case.toml").loads[0].name == "+y"
+
+
+def of_kind(todo: Plan, kind: str) -> list[str]:
+    return [entry["name"] for entry in todo.index["analyses"] if entry["kind"] == kind]
+
+
+def test_a_sweep_of_frictions_shares_the_mesh(tmp_path: Path) -> None:
+    todo = plan(read_variants(case_file(tmp_path, SHELL), ['sweep={"material.default.friction"=[0.5,0.6]}']))
+    assert todo.index["shells"] == [{"name": "base", "geometry": "base"}]
+    assert of_kind(todo, "limit") == ["+y_limit_friction=0.5", "+y_limit_friction=0.6"]
+    assert of_kind(todo, "pushover") == ["+y_pushover_friction=0.5", "+y_pushover_friction=0.6"]
+    assert len(of_kind(todo, "rigid")) == 4
+
+
+def test_a_sweep_of_meshes_shares_the_stones_and_their_analyses(tmp_path: Path) -> None:
+    todo = plan(read_variants(case_file(tmp_path, SHELL), ['sweep={"shell.element_size_mm"=[200,100,50]}']))
+    assert list(todo.geometries) == ["base"]
+    # In the order of the file, not of the alphabet.
+    assert [mesh["name"] for mesh in todo.index["shells"]] == [f"element_size_mm={size}" for size in (200, 100, 50)]
+    assert of_kind(todo, "rigid") == ["+y_associative", "+y_non-associative"]
+    assert len(of_kind(todo, "limit")) == 3
+    assert todo.shells["element_size_mm=50"]["element_size"] == 0.05
+
+
+def test_what_one_model_alone_knows_leaves_the_other_alone(tmp_path: Path) -> None:
+    sweep = 'sweep={"rigid.start"=["associative","uniform"],"material.default.elastic.joint_E_GPa"=[0.3,0.6]}'
+    todo = plan(read_variants(case_file(tmp_path, SHELL), [sweep]))
+    assert len(of_kind(todo, "limit")) == 2
+    assert len(of_kind(todo, "rigid")) == 4
+    assert "elastic" not in todo.analyses[of_kind(todo, "limit")[0]]["material"]["default"]
 
 
 def test_names_of_folders_are_plain_and_never_shared(tmp_path: Path) -> None:

@@ -18,13 +18,14 @@ from churchpipe.errors import InputError
 from churchpipe.generators import GENERATORS
 from churchpipe.io.atomic import canonical_json, replacing, write_if_changed
 from churchpipe.io.building_json import read_building, write_building
-from churchpipe.io.npz import read_npz, write_npz
+from churchpipe.io.npz import Absent, read_if_made, read_npz, write_npz
 from churchpipe.io.tables import read_json, write_table
 from churchpipe.io.vtu import write_vtu
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.materials import Elastic, Material
-from churchpipe.model.results import Iteration, LimitState
+from churchpipe.model.results import CapacityCurve, CapacityStep, Iteration, LimitState, ShellLimitState
+from churchpipe.model.shell import ShellModel
 from solids import box, moved, on_ground, prism
 
 ROOT2, ROOT3, PI = np.sqrt(2.0), np.sqrt(3.0), np.pi
@@ -200,6 +201,47 @@ def test_unchanged_settings_keep_their_date(tmp_path: Path) -> None:
     assert target.stat().st_mtime_ns == before
     write_if_changed(target, canonical_json({"a": [0.1], "b": 1}))
     assert json.loads(target.read_text()) == {"a": [0.1], "b": 1}
+
+
+def test_results_of_the_shell_come_back(tmp_path: Path) -> None:
+    random = np.random.default_rng(7)
+    limit = ShellLimitState(
+        load_factor=ROOT2,
+        status="optimal",
+        lower_bound=np.nan,
+        upper_bound=np.inf,
+        stress=random.normal(size=(6, 6)),
+        velocities=random.normal(size=(4, 3)),
+        edge_rotation=random.normal(size=5),
+        plastic=random.normal(size=(2, 6)),
+        message="gelöst",
+    )
+    curve = CapacityCurve(
+        load_factor=np.array([0.0, 1 / PI]),
+        control=np.array([0.0, ROOT3]),
+        control_point=np.int64(3),
+        displacement=random.normal(size=(4, 3)),
+        edge_rotation=random.normal(size=5),
+        plastic=random.normal(size=(2, 6)),
+        multipliers=random.normal(size=(2, 8)),
+        steps=(CapacityStep(0.0, 0.0, 1e-9, 0.0, np.nan, 12, 0.5), CapacityStep(ROOT3, 1 / PI, 1e-9, 0.0, 1e-8, 9, 0.25)),
+        status="converged",
+    )
+    for value in (limit, curve):
+        write_npz(tmp_path / "value.npz", value)
+        back = read_npz(tmp_path / "value.npz", type(value))
+        for field in dataclasses.fields(value):
+            found, wanted = getattr(back, field.name), getattr(value, field.name)
+            if field.name == "steps":
+                found, wanted = ([dataclasses.astuple(step) for step in steps] for steps in (found, wanted))
+            np.testing.assert_equal(found, wanted, err_msg=field.name)
+
+
+def test_an_artifact_that_could_not_be_made_says_why(tmp_path: Path) -> None:
+    write_npz(tmp_path / "shell.npz", Absent("no wall fits"))
+    assert read_if_made(tmp_path / "shell.npz", ShellModel) == Absent("no wall fits")
+    with pytest.raises(InputError, match="could not be made; found no wall fits"):
+        read_npz(tmp_path / "shell.npz", ShellModel)
 
 
 def test_table_has_what_was_swept_first(tmp_path: Path) -> None:

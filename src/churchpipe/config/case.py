@@ -17,6 +17,7 @@ from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Elastic, Material
 
 Flow = Literal["associative", "non-associative"]
+Method = Literal["limit", "pushover"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,8 +49,26 @@ class RigidSettings:
 
 
 @dataclass(frozen=True, slots=True)
+class ShellSettings:
+    """The homogenised shell: see `churchpipe.derive_shell`, `shell_limit_analysis` and `pushover`.
+
+    element_size: m. control_point: a node of the mesh, or a place (m) whose nearest node is taken; None: what moves most.
+    """
+
+    element_size: float
+    planes: Literal["paper", "paper+torsion", "cell"] = "paper"
+    membrane: Literal["LST", "CST"] = "LST"
+    analyses: tuple[Method, ...] = ("limit",)
+    solver: str = "auto"
+    control_point: int | tuple[float, ...] | None = None
+    steps: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class Case:
     """One variant of a case file. `variant`: the swept values that tell it from the others, by dotted key.
+
+    shell: None for the rigid blocks alone.
 
     `table` is the checked file, as it is written, without its sweep.
     """
@@ -60,6 +79,7 @@ class Case:
     materials: tuple[Material, ...]
     loads: tuple[LoadCase, ...]
     rigid: RigidSettings
+    shell: ShellSettings | None = None
     variant: dict[str, Any] = field(default_factory=dict)
     table: dict[str, Any] = field(default_factory=dict)
 
@@ -104,14 +124,20 @@ def read_case(path: str | Path, overrides: Sequence[str] = ()) -> Case:
 def read_variants(path: str | Path, overrides: Sequence[str] = ()) -> tuple[Case, ...]:
     """Read a case file and multiply it by its sweep: one case for each combination of the swept values."""
     path = Path(path)
-    table = changes.apply_overrides(_read_table(path), overrides)
+    table = changes.apply_overrides(read_table(path), overrides)
     table.setdefault("name", path.stem)
     return tuple(_case(path, changed, variant) for changed, variant in changes.variants(table))
 
 
-def _read_table(path: Path) -> dict[str, Any]:
+def read_table(path: Path) -> dict[str, Any]:
+    """Return a case file's table as it is written.
+
+    Raises
+    ------
+    InputError: not a text file, not TOML.
+    """
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except OSError as error:
         raise InputError(str(path), "cannot be read", found=error.strerror or error, expected="a case file") from error
     except UnicodeDecodeError as error:
@@ -132,6 +158,7 @@ def _case(path: Path, table: dict[str, Any], variant: dict[str, Any]) -> Case:
         materials=tuple(_material(name, section.model_dump()) for name, section in checked.material.items()),
         loads=_loads(file, checked),
         rigid=RigidSettings(flow=tuple(rigid.flow), solver=rigid.solver, method=rigid.method, start=rigid.start),
+        shell=_shell(file, checked),
         variant=variant,
         table=checked.model_dump(exclude_none=True) | {"source": source.model_dump(exclude_none=True)},
     )
@@ -147,6 +174,10 @@ def _check_complete(checked: CaseTable, file: str) -> None:
     ]
     if not checked.material:
         missing += ["material.default.unit_weight_kN_m3", "material.default.friction"]
+    if checked.shell and "pushover" in checked.shell.analyses:
+        missing += [
+            f"material.{name}.elastic (for the capacity curve)" for name, m in checked.material.items() if m.elastic is None
+        ]
     if not checked.load:
         missing.append("load (a table [[load]] with its direction)")
     if missing:
@@ -175,6 +206,15 @@ def elastic_from(table: dict[str, Any]) -> Elastic:
     """Return elastic constants from their table in the case file."""
     si = in_si(table)
     return Elastic(si["block_E"], si["block_nu"], si["joint_E"], si["joint_nu"], si["joint_thickness"])
+
+
+def _shell(file: str, checked: CaseTable) -> ShellSettings | None:
+    if checked.shell is None:
+        return None
+    table = checked.shell.model_dump(exclude_none=True)
+    if "control_point" in table and "control_point_mm" in table:
+        raise InputError(f"{file}: shell", "two control points", expected="control_point (a node) or control_point_mm (a place)")
+    return ShellSettings(**in_si(table))
 
 
 def _loads(file: str, checked: CaseTable) -> tuple[LoadCase, ...]:

@@ -5,50 +5,79 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from churchpipe.config.case import Case, Drawing, Generated, generate
+from churchpipe.config.case import Case, Drawing, Generated, elastic_from, generate
 from churchpipe.config.units import in_si
 from churchpipe.model.building import Building
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
 
-# A swept key that changes the stones; every other one touches the solves alone.
+# A swept key that changes the stones; one that changes the mesh of the shell besides; those of one model alone. Every other one
+# touches all solves, and nothing else.
 _GEOMETRIC = re.compile(r"source\.|material\..+\.unit_weight_kN_m3$")
+_MESHED = re.compile(rf"{_GEOMETRIC.pattern}|shell\.element_size_mm$")
+_RIGID = re.compile(r"rigid\.")
+_SHELL = re.compile(r"shell\.|material\..+\.elastic")
 
 
 @dataclass(frozen=True, slots=True)
 class Plan:
     """What a run makes: `index` is the table of contents, the others the settings of each stage by the name of its folder.
 
-    geometries: settings of the stones. analyses: settings of the rigid-block analyses. A name is a label, nobody parses it.
+    geometries: settings of the stones. shells: of the meshes. analyses: of the analyses of both models; `kinds` has the kind of
+    each: "rigid", "limit" or "pushover". A name is a label, nobody parses it.
     """
 
     index: dict[str, Any]
     geometries: dict[str, dict[str, Any]]
+    shells: dict[str, dict[str, Any]]
     analyses: dict[str, dict[str, Any]]
+
+    @property
+    def kinds(self) -> dict[str, str]:
+        """Kind of each analysis, by its name."""
+        return {entry["name"]: entry["kind"] for entry in self.index["analyses"]}
 
 
 def plan(cases: Sequence[Case]) -> Plan:
-    """Return the plan of a case's variants. Variants that differ in friction alone share their geometry."""
+    """Return the plan of a case's variants. Variants that differ in friction alone share stones and mesh, those that differ in
+    the element size alone share the stones and the rigid-block analyses."""
     geometries: dict[str, dict[str, Any]] = {}
+    shells: dict[str, dict[str, Any]] = {}
     analyses: dict[str, dict[str, Any]] = {}
-    entries: list[dict[str, Any]] = []
+    entries: dict[str, dict[str, Any]] = {}
+    places: dict[str, str] = {}
+
+    def add(kind: str, words: list[str], variant: dict[str, Any], settings: dict[str, Any], **place: str) -> None:
+        name = _keep(analyses, [*words, *_words(variant)], settings)
+        entries.setdefault(name, {"name": name, "kind": kind, **place, "variant": variant})
+
     for case in cases:
         shape = {key: value for key, value in case.variant.items() if _GEOMETRIC.match(key)}
         geometry = _keep(geometries, _words(shape) or ["base"], _geometry_settings(case))
-        for number, load in enumerate(case.loads):
+        of_stones = {key: value for key, value in case.variant.items() if not _SHELL.match(key)}
+        of_shell = {key: value for key, value in case.variant.items() if not _RIGID.match(key)}
+        for load in case.loads:
             for flow in case.rigid.flow:
-                label = _keep(
-                    analyses, [load.name, flow, *_words(case.variant)], _analysis_settings(case, geometry, number, flow)
-                )
-                entries.append({"name": label, "geometry": geometry, "variant": case.variant})
+                add("rigid", [load.name, flow], of_stones, _rigid_settings(case, geometry, load, flow), geometry=geometry)
+        if case.shell is None:
+            continue
+        meshed = {key: value for key, value in case.variant.items() if _MESHED.match(key)}
+        settings = {"geometry": geometry, "element_size": case.shell.element_size}
+        mesh = _keep(shells, _words(meshed) or ["base"], settings)
+        places[mesh] = geometry
+        for load in case.loads:
+            for method in case.shell.analyses:
+                settings = _shell_settings(case, mesh, load, method)
+                add(method, [load.name, method], of_shell, settings, geometry=geometry, shell=mesh)
     source = cases[0].source
     index = {
         "case": cases[0].name,
         "drawing": str(source.path.resolve()) if isinstance(source, Drawing) else None,
         "geometries": list(geometries),
-        "analyses": entries,
+        "shells": [{"name": mesh, "geometry": place} for mesh, place in places.items()],
+        "analyses": list(entries.values()),
     }
-    return Plan(index, geometries, analyses)
+    return Plan(index, geometries, shells, analyses)
 
 
 def building_of(settings: dict[str, Any]) -> Building:
@@ -69,8 +98,13 @@ def load_of(settings: dict[str, Any]) -> LoadCase:
 
 
 def materials_of(settings: dict[str, Any]) -> list[Material]:
-    """Return the strength of an analysis from its settings; its materials have no unit weight, which the stones have."""
-    return [Material(name, 0.0, values["friction"], values["cohesion"]) for name, values in settings["material"].items()]
+    """Return the materials of an analysis from its settings, without unit weight, which the models have."""
+    return [
+        Material(
+            name, 0.0, values["friction"], values["cohesion"], elastic_from(values["elastic"]) if values.get("elastic") else None
+        )
+        for name, values in settings["material"].items()
+    ]
 
 
 def _geometry_settings(case: Case) -> dict[str, Any]:
@@ -79,23 +113,42 @@ def _geometry_settings(case: Case) -> dict[str, Any]:
     return {"name": case.name, "source": case.table["source"], "material": weights}
 
 
-def _analysis_settings(case: Case, geometry: str, number: int, flow: str) -> dict[str, Any]:
-    load = case.loads[number]
-    strength = {material.name: {"friction": material.friction, "cohesion": material.cohesion} for material in case.materials}
-    settings: dict[str, Any] = {
+def _rigid_settings(case: Case, geometry: str, load: LoadCase, flow: str) -> dict[str, Any]:
+    settings = {
         "geometry": geometry,
-        "load": {
-            "direction": load.direction.tolist(),
-            "name": load.name,
-            "panels": None if load.panels is None else list(load.panels),
-            "profile": load.profile,
-        },
-        "material": strength,
+        "load": _load_settings(load),
+        "material": _strength(case),
         "flow": flow,
         "solver": case.rigid.solver,
     }
     # The associative analysis has no method and no start: changing them must not touch it.
     return settings | ({"method": case.rigid.method, "start": case.rigid.start} if flow == "non-associative" else {})
+
+
+def _shell_settings(case: Case, mesh: str, load: LoadCase, method: str) -> dict[str, Any]:
+    shell = case.shell
+    assert shell is not None
+    material = _strength(case)
+    settings = {"shell": mesh, "load": _load_settings(load), "planes": shell.planes, "membrane": shell.membrane}
+    if method == "limit":
+        return settings | {"material": material, "solver": shell.solver}
+    for name, table in case.table["material"].items():
+        material[name]["elastic"] = table.get("elastic")
+    given = {"control_point": shell.control_point, "steps": shell.steps}
+    return settings | {"material": material} | {key: value for key, value in given.items() if value is not None}
+
+
+def _load_settings(load: LoadCase) -> dict[str, Any]:
+    return {
+        "direction": load.direction.tolist(),
+        "name": load.name,
+        "panels": None if load.panels is None else list(load.panels),
+        "profile": load.profile,
+    }
+
+
+def _strength(case: Case) -> dict[str, dict[str, Any]]:
+    return {material.name: {"friction": material.friction, "cohesion": material.cohesion} for material in case.materials}
 
 
 def _words(variant: dict[str, Any]) -> list[str]:

@@ -4,11 +4,12 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from churchpipe.config.section import NotNegative, Positive, Section, Table, Vector, gathered, validated
+from churchpipe.config.section import Count, NotNegative, Positive, Section, Table, Vector, gathered, validated
 from churchpipe.config.sources import check_source
 from churchpipe.errors import InputError
 
 Flow = Literal["associative", "non-associative"]
+Method = Literal["limit", "pushover"]
 
 
 class ElasticTable(Section):
@@ -48,6 +49,19 @@ class RigidTable(Section):
     start: Literal["associative", "uniform"] = "associative"
 
 
+class ShellTable(Section):
+    """The homogenised shell: its mesh, its strength, its analyses."""
+
+    element_size_mm: Positive
+    planes: Literal["paper", "paper+torsion", "cell"] = "paper"
+    membrane: Literal["LST", "CST"] = "LST"
+    analyses: list[Method] = Field(default_factory=lambda: ["limit"], min_length=1)
+    solver: str = "auto"
+    control_point: Annotated[int, Field(ge=0)] | None = None
+    control_point_mm: Vector | None = None
+    steps: Count | None = None
+
+
 class CaseTable(Section):
     """The whole file, one variant of it; [source] is checked apart, by its generator."""
 
@@ -56,6 +70,7 @@ class CaseTable(Section):
     material: dict[str, MaterialTable] = Field(default_factory=dict)
     load: list[LoadTable] = Field(default_factory=list)
     rigid: RigidTable = RigidTable()
+    shell: ShellTable | None = None
 
 
 def check(table: Table, file: str) -> tuple[CaseTable, Section]:

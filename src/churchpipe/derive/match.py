@@ -74,6 +74,8 @@ def match_models(stones: Assemblage, contacts: Contacts, shell: ShellModel) -> M
     stones, contacts, shell: the two models, by the same panel names.
     """
     free = ~stones.fixed
+    # Stones without a panel have no mid-surface to compare with; the figures of the whole count them.
+    panels = np.setdiff1d(np.concatenate([stones.panel[free], shell.panel]), [""])
     weights = [
         _relative(
             f"weight of {' + '.join(wall)}",
@@ -82,7 +84,7 @@ def match_models(stones: Assemblage, contacts: Contacts, shell: ShellModel) -> M
             "N",
             WEIGHT,
         )
-        for wall in _walls(np.unique(np.concatenate([stones.panel[free], shell.panel])), shell)
+        for wall in _walls(panels, shell)
     ]
     unit_weight = _unit_weights(stones, shell)
     carried = shell.surface_weight / np.where(unit_weight > 0, unit_weight, np.inf)

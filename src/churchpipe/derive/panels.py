@@ -26,10 +26,14 @@ GRID = 1e-6
 
 @dataclass(frozen=True, slots=True)
 class FittedBuilding:
-    """Panels fitted to stones, and the ids of the free stones that fit no panel: they are missing from the shell."""
+    """Panels fitted to stones, and the ids of the free stones that fit no panel: they are missing from the shell.
+
+    panel (nb,): the panel each stone went to, "" for none; what the gate compares the shell with.
+    """
 
     building: Building
     unfit: NameArray
+    panel: NameArray
 
 
 def fit_panels(
@@ -62,7 +66,10 @@ def fit_panels(
     panels = tuple(_panel(stones, wall, walls, base, gap) for wall in walls)
     fixed = np.flatnonzero(stones.fixed)
     building = Building(name, panels, materials, ground=None, supports=tuple(_support(stones, int(block)) for block in fixed))
-    return FittedBuilding(building, stones.block_id[unfit])
+    panel = np.full(stones.count, "", dtype=np.object_)
+    for wall in walls:
+        panel[wall.stones] = wall.name
+    return FittedBuilding(building, stones.block_id[unfit], panel.astype(str))
 
 
 def _support(stones: Assemblage, block: int) -> Support:

@@ -1,7 +1,7 @@
 """Frozen dataclasses of arrays as .npz files: no pickle, the schema inside."""
 
 import json
-from dataclasses import fields
+from dataclasses import astuple, dataclass, fields
 from pathlib import Path
 from typing import Any, TypeVar
 from zipfile import BadZipFile
@@ -12,31 +12,60 @@ from churchpipe.errors import InputError
 from churchpipe.io.atomic import replacing
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
-from churchpipe.model.results import Iteration, LimitState
+from churchpipe.model.results import CapacityCurve, CapacityStep, Iteration, LimitState, ShellLimitState
+from churchpipe.model.shell import ShellModel
+
+
+@dataclass(frozen=True, slots=True)
+class Absent:
+    """Stands in the place of an artifact that cannot be made, and says why."""
+
+    reason: str
+
 
 # Raise the number when the fields of a type change: an artifact of another version is then named, not misread.
 SCHEMAS: dict[type, str] = {
     Assemblage: "churchpipe assemblage 1",
     Contacts: "churchpipe contacts 1",
     LimitState: "churchpipe limit-state 1",
+    ShellModel: "churchpipe shell 1",
+    ShellLimitState: "churchpipe shell-limit-state 1",
+    CapacityCurve: "churchpipe capacity-curve 1",
+    Absent: "churchpipe absent 1",
 }
+# Tuples of small records, by the name of their field.
+_RECORDS: dict[str, type[Iteration] | type[CapacityStep]] = {"history": Iteration, "steps": CapacityStep}
 
-Artifact = TypeVar("Artifact", Assemblage, Contacts, LimitState)
+Artifact = TypeVar("Artifact", Assemblage, Contacts, LimitState, ShellModel, ShellLimitState, CapacityCurve)
 
 
-def write_npz(path: str | Path, value: Assemblage | Contacts | LimitState) -> None:
+def write_npz(
+    path: str | Path, value: Assemblage | Contacts | LimitState | ShellModel | ShellLimitState | CapacityCurve | Absent
+) -> None:
     """Write an artifact: arrays as arrays, everything else as one JSON text."""
     values = {field.name: getattr(value, field.name) for field in fields(value)}
     arrays: dict[str, Any] = {name: item for name, item in values.items() if isinstance(item, np.ndarray)}
     rest = {name: item for name, item in values.items() if name not in arrays}
-    if "history" in rest:
-        rest["history"] = [(step.load_factor, step.violation, step.gap) for step in rest["history"]]
+    rest |= {name: [astuple(record) for record in rest[name]] for name in _RECORDS if name in rest}
     with replacing(path) as part, part.open("wb") as file:
-        np.savez_compressed(file, schema=SCHEMAS[type(value)], fields=json.dumps(rest), **arrays)
+        np.savez_compressed(file, schema=SCHEMAS[type(value)], fields=json.dumps(rest, default=np.generic.item), **arrays)
 
 
 def read_npz(path: str | Path, kind: type[Artifact]) -> Artifact:
     """Read an artifact of the given type.
+
+    Raises
+    ------
+    InputError: not such a file, one of another version, or one that could not be made.
+    """
+    found = read_if_made(path, kind)
+    if isinstance(found, Absent):
+        raise InputError(str(path), "could not be made", found=found.reason)
+    return found
+
+
+def read_if_made(path: str | Path, kind: type[Artifact]) -> Artifact | Absent:
+    """Read an artifact of the given type, or why there is none.
 
     Raises
     ------
@@ -48,13 +77,12 @@ def read_npz(path: str | Path, kind: type[Artifact]) -> Artifact:
     except (BadZipFile, ValueError, EOFError, OSError) as error:
         raise InputError(str(path), "cannot be read", found=error, expected=f'a file "{SCHEMAS[kind]}"') from error
     schema = str(stored.pop("schema", "no schema"))
-    if schema != SCHEMAS[kind]:
+    if schema not in (SCHEMAS[kind], SCHEMAS[Absent]):
         raise InputError(
             str(path), "another schema", found=schema, expected=SCHEMAS[kind], remedy="Delete the file and run the case again."
         )
     rest: dict[str, Any] = {
         name: tuple(item) if isinstance(item, list) else item for name, item in json.loads(str(stored.pop("fields"))).items()
     }
-    if "history" in rest:
-        rest["history"] = tuple(Iteration(*step) for step in rest["history"])
-    return kind(**stored, **rest)
+    rest |= {name: tuple(record(*item) for item in rest[name]) for name, record in _RECORDS.items() if name in rest}
+    return Absent(**rest) if schema == SCHEMAS[Absent] else kind(**stored, **rest)

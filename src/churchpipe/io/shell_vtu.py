@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import meshio
 import numpy as np
 import numpy.typing as npt
 
@@ -50,6 +49,8 @@ def write_shell_vtu(path: str | Path, shell: ShellModel, fields: Mapping[str, np
 
 def write_shell_msh(path: str | Path, shell: ShellModel) -> None:
     """Write the facets for Gmsh (format 2.2): a physical surface a panel, the data of `write_shell_vtu` as views."""
+    import meshio
+
     point_data, cell_data = _data(shell)
     panels, number = np.unique(shell.panel, return_inverse=True)
     group = (number + 1).astype(np.int32)
@@ -77,7 +78,9 @@ def _data(shell: ShellModel) -> tuple[dict[str, Any], dict[str, Any]]:
     return {"supported": shell.supported.astype(np.float64)}, cell_data
 
 
-def _mesh(shell: ShellModel, point_data: dict[str, Any], cell_data: dict[str, Any]) -> meshio.Mesh:
+def _mesh(shell: ShellModel, point_data: dict[str, Any], cell_data: dict[str, Any]) -> Any:
+    import meshio
+
     return meshio.Mesh(
         shell.points,
         [("triangle", shell.triangles)],

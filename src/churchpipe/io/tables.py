@@ -9,9 +9,12 @@ from typing import Any
 from churchpipe.errors import InputError
 from churchpipe.io.atomic import replacing
 
+# What every summary has.
+SUMMARY = ("case", "blocks", "interfaces", "weight_kN", "analyses")
 COLUMNS = (
     "model",
     "flow",
+    "method",
     "load",
     "friction",
     "load_factor",
@@ -22,6 +25,7 @@ COLUMNS = (
     "friction_violation",
     "equilibrium_residual",
     "cone_violation",
+    "yield_violation",
     "iterations",
     "seconds",
 )
@@ -40,6 +44,22 @@ def read_json(path: str | Path) -> Any:
         raise InputError(str(path), "cannot be read", found=error.strerror or error, expected="an artifact of a run") from error
     except ValueError as error:
         raise InputError(str(path), "not JSON", found=error, remedy="Delete the file and run the case again.") from error
+
+
+def read_summary(path: str | Path) -> dict[str, Any]:
+    """Read summary.json.
+
+    Raises
+    ------
+    InputError: the file is missing, not JSON, or without the keys of a summary.
+    """
+    summary = read_json(path)
+    missing = [key for key in SUMMARY if not isinstance(summary, dict) or key not in summary]
+    if missing:
+        raise InputError(
+            str(path), "not a summary of a run", expected=", ".join(missing), remedy="Delete the file and run the case again."
+        )
+    return summary
 
 
 def write_table(path: str | Path, analyses: Sequence[dict[str, Any]]) -> None:

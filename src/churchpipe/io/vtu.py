@@ -3,7 +3,6 @@
 from pathlib import Path
 from typing import Any
 
-import meshio
 import numpy as np
 import numpy.typing as npt
 
@@ -19,6 +18,8 @@ def write_vtu(path: str | Path, stones: Assemblage, velocities: npt.ArrayLike | 
     `unit_weight` N/m3. velocities (nb, 6): point data `velocity` (warp by it to see the mechanism), cell data `speed` of the
     centroid.
     """
+    import meshio
+
     owner = np.repeat(np.arange(stones.count), np.diff(stones.block_point_ptr))
     cell_data: dict[str, npt.NDArray[Any]] = {
         "stone": np.arange(stones.count),

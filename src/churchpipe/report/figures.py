@@ -1,10 +1,9 @@
-"""Pictures of mechanisms (VTK, off screen) and plots (matplotlib, as SVG)."""
+"""Pictures of mechanisms (VTK, off screen)."""
 
-import io
 import pickle
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +11,6 @@ import numpy as np
 
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
-from churchpipe.model.results import LimitState
 from churchpipe.report import colours
 from churchpipe.report.motion import (
     PUSH_LENGTH,
@@ -30,6 +28,9 @@ from churchpipe.report.motion import (
 from churchpipe.report.surface import edges, triangles
 
 PICTURE_SECONDS = 300
+PICTURE_SIZE = (1500, 1100)
+# What to draw: a function of this package and its arguments.
+Job = tuple[Callable[..., None], tuple[Any, ...]]
 VIEW_ANGLE = 24.0
 
 
@@ -37,10 +38,10 @@ def mechanism_picture(
     stones: Assemblage,
     velocities: FloatArray | None,
     path: str | Path,
+    push: FloatArray | None = None,
     *,
     amplitude: float | None = None,
-    push: FloatArray | None = None,
-    size: tuple[int, int] = (1500, 1100),
+    size: tuple[int, int] = PICTURE_SIZE,
 ) -> None:
     """Write a PNG of the structure displaced by velocities (nb, 6), stones coloured by speed; None: as it stands, by panel.
 
@@ -49,7 +50,6 @@ def mechanism_picture(
     """
     import pyvista as pv
     from matplotlib.colors import LinearSegmentedColormap, to_rgb
-    from PIL import Image
 
     motion = np.zeros((stones.count, 6)) if velocities is None else np.asarray(velocities, dtype=float)
     arrow = None if push is None else np.asarray(push, dtype=float) / np.linalg.norm(push)
@@ -81,17 +81,23 @@ def mechanism_picture(
         framed = points[~plate[owner]]
         if arrow is not None:
             framed = np.concatenate([framed, push_arrow_start(stones, arrow)[None, :]])
-        _set_camera(plotter, framed, viewpoint(stones, motion))
+        frame_camera(plotter, framed, viewpoint(stones, motion))
         plotter.enable_anti_aliasing("ssaa")
         pixels = plotter.screenshot(return_img=True)
     finally:
         plotter.close()
-    # Flat faces need few colours: a palette makes the file a third of its size.
+    save_screenshot(pixels, path)
+
+
+def save_screenshot(pixels: Any, path: str | Path) -> None:
+    """Write an image (rows, columns, 3) as PNG. Flat faces need few colours: a palette makes the file a third of its size."""
+    from PIL import Image
+
     Image.fromarray(np.asarray(pixels)).quantize(256, dither=Image.Dither.NONE).save(path, format="PNG", optimize=True)
 
 
-def mechanism_pictures(jobs: Sequence[tuple[Assemblage, FloatArray | None, Path, FloatArray | None]]) -> str:
-    """Draw pictures (stones, velocities, path, push) in a child process; return why it failed, or "" when it did not.
+def mechanism_pictures(jobs: Sequence[Job]) -> str:
+    """Draw pictures in a child process; return why it failed, or "" when it did not.
 
     A graphics library that is missing or crashes then costs a picture, not the report.
     """
@@ -117,79 +123,8 @@ def mechanism_pictures(jobs: Sequence[tuple[Assemblage, FloatArray | None, Path,
 
 def draw_from_stdin() -> None:
     """Draw the pickled jobs of `mechanism_pictures`: what its child process runs."""
-    for stones, velocities, path, push in pickle.load(sys.stdin.buffer):
-        mechanism_picture(stones, velocities, path, push=push)
-
-
-def convergence_svg(state: LimitState, associative: float | None = None) -> str:
-    """Return an SVG of the non-associative iteration: load factor above, friction violation and gap below."""
-    steps = np.arange(1, len(state.history) + 1)
-    factor = np.array([step.load_factor for step in state.history])
-    errors = {
-        "friction violation": (np.array([step.violation for step in state.history]), colours.ALARM, "o"),
-        "gap g / load factor": (np.array([step.gap for step in state.history]), colours.PUSH, "s"),
-    }
-    figure, (upper, lower) = _plot(2, (7.2, 4.6))
-    if np.isfinite(state.interval).all():
-        upper.axhspan(*state.interval, color=colours.PUSH, alpha=0.12, lw=0, label="interval of the mechanism")
-    if associative is not None and np.isfinite(associative):
-        upper.axhline(associative, color=colours.INK, lw=1, ls="--", label=f"associative, {associative:.4f}")
-    for number, value in enumerate(state.fixed_points):
-        label = "fixed points of the starts" if number == 0 else None
-        upper.axhline(value, color=colours.PUSH, lw=0.9, ls=":", label=label)
-    upper.plot(steps, factor, "-o", ms=3.2, lw=1.4, color="#a8581a", label="load factor")
-    upper.set_ylabel("load factor")
-    for label, (values, colour, marker) in errors.items():
-        seen = np.isfinite(values) & (values > 0)
-        if seen.any():
-            lower.semilogy(steps[seen], values[seen], "-", marker=marker, ms=3.2, lw=1.2, color=colour, label=label)
-    lower.set_ylabel("error")
-    lower.set_xlabel("iteration")
-    for axes in (upper, lower):
-        axes.margins(y=0.18)
-        if axes.get_legend_handles_labels()[0]:
-            axes.legend(fontsize=8, frameon=False, loc="upper left", bbox_to_anchor=(1.01, 1.0))
-    return _svg(figure)
-
-
-def friction_svg(curves: Sequence[tuple[str, FloatArray, FloatArray]]) -> str:
-    """Return an SVG of load factor against friction; each curve: label, frictions (n,), load factors (n,)."""
-    figure, (axes,) = _plot(1, (7.2, 3.2))
-    for (label, friction, factor), marker in zip(curves, "os^vD<>ph*" * (len(curves) // 10 + 1), strict=False):
-        order = np.argsort(friction)
-        axes.plot(friction[order], factor[order], "-", marker=marker, ms=4.5, lw=1.4, label=label)
-    axes.set_xlabel("friction coefficient")
-    axes.set_ylabel("load factor")
-    axes.set_ylim(bottom=0)
-    axes.legend(fontsize=8, frameon=False, loc="upper left", bbox_to_anchor=(1.01, 1.0))
-    return _svg(figure)
-
-
-def _plot(rows: int, size: tuple[float, float]) -> tuple[Any, Any]:
-    from matplotlib.figure import Figure
-    from matplotlib.ticker import MaxNLocator
-
-    figure = Figure(figsize=size, layout="constrained")
-    axes = figure.subplots(rows, 1, sharex=True, squeeze=False)[:, 0]
-    for a in axes:
-        a.grid(color="#e6e2db", lw=0.7)
-        a.spines[["top", "right"]].set_visible(False)
-        a.tick_params(labelsize=8)
-    if rows > 1:
-        axes[-1].xaxis.set_major_locator(MaxNLocator(integer=True))
-    return figure, axes
-
-
-def _svg(figure: Any) -> str:
-    from matplotlib import rc_context
-
-    buffer = io.StringIO()
-    # Text stays text (searchable, in the page's font); without metadata the file names no address at all.
-    nothing = dict.fromkeys(("Creator", "Date", "Format", "Type"))
-    with rc_context({"svg.fonttype": "none", "svg.hashsalt": "churchpipe", "font.family": "sans-serif"}):
-        figure.savefig(buffer, format="svg", metadata=nothing)
-    text = buffer.getvalue()
-    return text[text.index("<svg") :]
+    for draw, arguments in pickle.load(sys.stdin.buffer):
+        draw(*arguments)
 
 
 def _add_surroundings(plotter: Any, stones: Assemblage, push: FloatArray | None) -> None:
@@ -222,7 +157,8 @@ def _add_surroundings(plotter: Any, stones: Assemblage, push: FloatArray | None)
         plotter.add_mesh(arrow, color=colours.PUSH, lighting=False)
 
 
-def _set_camera(plotter: Any, points: FloatArray, toward: FloatArray) -> None:
+def frame_camera(plotter: Any, points: FloatArray, toward: FloatArray) -> None:
+    """Place a plotter's camera so that it frames points (n, 3), seen from the direction `toward` (3,)."""
     width, height = plotter.window_size
     position, focus = camera_position(points, toward, VIEW_ANGLE, width / height)
     plotter.camera_position = [tuple(position), tuple(focus), (0.0, 0.0, 1.0)]

@@ -14,10 +14,14 @@ from churchpipe.io.atomic import write_text
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import KINDS, Contacts
 from churchpipe.model.results import LimitState
-from churchpipe.report import viewer
-from churchpipe.report.figures import convergence_svg, friction_svg, mechanism_pictures
-from churchpipe.report.motion import push_direction, stone_of_point
+from churchpipe.model.shell import ShellModel
+from churchpipe.report import both, viewer
+from churchpipe.report.figures import Job, mechanism_picture, mechanism_pictures
+from churchpipe.report.motion import joint_opening, opened_joints, push_direction, stone_of_point, viewpoint
 from churchpipe.report.notes import convergence_note, status_note
+from churchpipe.report.plots import convergence_svg, friction_svg
+from churchpipe.report.shell_picture import shell_picture
+from churchpipe.report.shell_view import ShellState, joint_outlines, motion_of, shell_data
 from churchpipe.report.table import Record, Row, columns_for, figure, friction_text, last_part, rows_of, swept
 
 CARDS = 8
@@ -33,6 +37,8 @@ def write_report(
     case_text: str,
     versions: Mapping[str, str],
     figures_dir: Path | None = None,
+    shells: Mapping[str, ShellModel] | None = None,
+    shell_results: Sequence[tuple[Record, str, ShellState]] = (),
 ) -> None:
     """Write a self-contained report.
 
@@ -41,12 +47,16 @@ def write_report(
     summary: the content of summary.json. results: for each rigid-block analysis its record in `summary["analyses"]` and its
         state; a record may hold "direction" (3,), drawn as an arrow.
     figures_dir: where the pictures of the mechanisms are kept as PNG too (None: nowhere).
+    shells: the meshes of the shell, by name. shell_results: for each analysis of the shell its record, its mesh, its state.
 
     A picture that cannot be drawn (no graphics library) is replaced by a sentence; the report is written all the same.
     """
-    rows = rows_of(summary, results)
+    meshes = shells or {}
+    rows = rows_of(summary, results, shell_results)
     seen = [row for row in rows if row.state is not None]
-    pictures, picture_problem = _pictures(stones, seen, figures_dir)
+    of_shell = [row for row in rows if row.shell is not None]
+    pictures, picture_problem = _pictures(stones, contacts, meshes, seen, of_shell, figures_dir)
+    domain, domain_words = both.domain_plot(meshes, rows)
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(Path(__file__).parent / "templates"),
         autoescape=True,
@@ -59,10 +69,15 @@ def write_report(
         name=summary.get("case", ""),
         facts=_facts(_sizes(summary, seen), stones),
         kinds=_interface_kinds(contacts),
-        cards=[_card(row) for row in rows] if len(rows) <= CARDS else [],
+        cards=[_card(row, bool(of_shell)) for row in rows] if len(rows) <= CARDS else [],
         columns=columns,
         rows=[(row, [column.text(row) for column in columns]) for row in rows],
-        match=summary.get("match"),
+        match=both.gate(summary, list(meshes)),
+        compared=both.compared(summary, rows),
+        capacity=both.capacity_plots(rows),
+        mesh_plot=both.mesh_plot(rows),
+        domain=domain,
+        domain_words=domain_words,
         notes=[(row.label, note) for row in rows if (note := status_note(stones, row))],
         friction_plot=_friction_plot(rows),
         convergence=_convergence(rows),
@@ -70,7 +85,8 @@ def write_report(
         pictures=pictures,
         picture_problem=picture_problem,
         choices=[f"{row.label}: {figure(row.value('load_factor'), 4)}" for row in seen],
-        viewer_data=viewer.script_json(viewer.viewer_data(stones, [(dict(r.record), r.state, r.label) for r in seen if r.state])),
+        shell_choices=[f"{row.label}: {figure(row.value('load_factor'), 4)}" for row in of_shell] if seen else [],
+        viewer_data=viewer.script_json(_viewer_data(stones, contacts, meshes, seen, of_shell)),
         import_map=viewer.import_map(),
         viewer_script=viewer.static_text("viewer.js"),
         three_licence=viewer.static_text("three/LICENSE"),
@@ -106,8 +122,9 @@ def _interface_kinds(contacts: Contacts) -> str:
     return ", ".join(f"{count:,} {kind}" for count, kind in counts if count)
 
 
-def _card(row: Row) -> dict[str, str]:
-    return {"label": row.label, "value": figure(row.value("load_factor"), 4), "status": row.status}
+def _card(row: Row, both_models: bool) -> dict[str, str]:
+    model = "rigid blocks, " if both_models and not row.of_shell else ""
+    return {"label": model + row.label, "value": figure(row.value("load_factor"), 4), "status": row.status}
 
 
 def _friction_plot(rows: Sequence[Row]) -> str:
@@ -136,24 +153,53 @@ def _loading(row: Row) -> tuple[str, str, str]:
     return row.load, friction_text(row), str(swept(row))
 
 
-def _pictures(stones: Assemblage, rows: Sequence[Row], keep: Path | None) -> tuple[list[tuple[str, str]], str]:
-    """Return (label, PNG as base64) of the first analysis of each load and flow rule, and why there is none, if so."""
+def _viewer_data(
+    stones: Assemblage, contacts: Contacts, meshes: Mapping[str, ShellModel], seen: Sequence[Row], of_shell: Sequence[Row]
+) -> dict[str, Any]:
+    data = viewer.viewer_data(stones, [(dict(row.record), row.state, row.label) for row in seen if row.state])
+    if not of_shell or not seen:
+        return data
+    found = [(row.label, *row.shell, both.partner(row, seen)) for row in of_shell if row.shell]
+    velocities = [np.nan_to_num(row.state.velocities) for row in seen if row.state]
+    return data | {"shell": shell_data(meshes, found, stones, contacts, velocities, viewer.origin_of(stones))}
+
+
+def _pictures(
+    stones: Assemblage,
+    contacts: Contacts,
+    meshes: Mapping[str, ShellModel],
+    rows: Sequence[Row],
+    of_shell: Sequence[Row],
+    keep: Path | None,
+) -> tuple[list[tuple[str, str]], str]:
+    """Return (label, PNG as base64) of the first analysis of each load and kind, and why there is none, if so."""
     first: dict[tuple[str, str], Row] = {}
-    for row in rows:
+    for row in (*rows, *of_shell):
         first.setdefault((row.load, row.kind), row)
     with tempfile.TemporaryDirectory() as scratch:
         folder = keep or Path(scratch)
         folder.mkdir(parents=True, exist_ok=True)
-        files = [folder / f"{row.record.get('name', f'mechanism_{number}')}.png" for number, row in enumerate(first.values(), 1)]
-        jobs = [
-            (stones, np.nan_to_num(row.state.velocities), file, None if row.status == "unstable" else push_direction(row.record))
-            for row, file in zip(first.values(), files, strict=True)
-            if row.state
-        ]
+        drawn: list[tuple[str, Path]] = []
+        jobs: list[Job] = []
+        for number, row in enumerate(first.values(), 1):
+            file = folder / f"{row.record.get('name', f'mechanism_{number}')}.png"
+            drawn.append((row.label, file))
+            if row.state:
+                push = None if row.status == "unstable" else push_direction(row.record)
+                jobs.append((mechanism_picture, (stones, np.nan_to_num(row.state.velocities), file, push)))
+            elif row.shell:
+                beside = rows[max(both.partner(row, rows), 0)].state if rows else None
+                still = np.zeros((stones.count, 6))
+                moved = np.nan_to_num(beside.velocities) if beside else still
+                mesh, state = meshes[row.shell[0]], row.shell[1]
+                scene = (mesh, motion_of(state), np.nan_to_num(state.plastic))
+                toward = viewpoint(stones, moved)
+                jobs.append((shell_picture, (*scene, file, toward)))
+                if beside and row.record.get("method") == "limit":
+                    overlay = file.with_stem(f"{file.stem}_overlay")
+                    joints = joint_outlines(contacts, np.flatnonzero(opened_joints(joint_opening(contacts, stones, moved))))
+                    drawn.append((f"{row.label}: plastic strain, and the joints of the stones that open", overlay))
+                    jobs.append((shell_picture, (*scene, overlay, toward, joints)))
         problem = mechanism_pictures(jobs)
-        pictures = [
-            (row.label, base64.b64encode(file.read_bytes()).decode("ascii"))
-            for row, file in zip(first.values(), files, strict=True)
-            if file.exists()
-        ]
+        pictures = [(label, base64.b64encode(file.read_bytes()).decode("ascii")) for label, file in drawn if file.exists()]
     return pictures, problem

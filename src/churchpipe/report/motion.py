@@ -7,6 +7,8 @@ import numpy as np
 
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.contacts import Contacts
+from churchpipe.model.shell import ShellModel
 
 STILL = 1e-3
 PUSH_LENGTH = 0.16
@@ -33,6 +35,43 @@ def reference_speed(speed: FloatArray) -> float:
     if fastest == 0.0:
         return 0.0
     return max(float(np.percentile(speed[speed > STILL * fastest], 98)), fastest / 4)
+
+
+def plastic_size(plastic: FloatArray, thickness: FloatArray) -> FloatArray:
+    """Return the size (nt,) of plastic strains (nt, 6): sqrt(E : E + (h/2)^2 chi : chi), as strain, at the faces of the wall."""
+    tensor = np.array([1.0, 1.0, 0.5])
+    squares = plastic**2 * np.concatenate([tensor, tensor])
+    return np.sqrt(squares[:, :3].sum(axis=1) + (thickness / 2) ** 2 * squares[:, 3:].sum(axis=1))
+
+
+def reference_strain(size: FloatArray) -> float:
+    """Return the plastic strain that stands for the mechanism: most facets that flow strain less."""
+    largest = float(size.max(initial=0.0))
+    return float(np.percentile(size[size > 1e-3 * largest], 90)) if largest > 0 else 0.0
+
+
+def shell_amplitude(shell: ShellModel, speed: FloatArray, share: float = 0.08) -> float:
+    """Return the factor on the motion of the nodes (nn,) that moves the mechanism by a share of the structure's size."""
+    reference = reference_speed(speed)
+    return share * float(np.linalg.norm(np.ptp(shell.points, axis=0))) / reference if reference > 0 else 0.0
+
+
+def joint_opening(contacts: Contacts, stones: Assemblage, velocities: FloatArray) -> FloatArray:
+    """Return how fast each interface opens (ni,): the fastest of its corners; 0 where it stays shut."""
+    interface = np.repeat(np.arange(len(contacts.blocks)), np.diff(contacts.point_ptr))
+    first, second = (
+        velocities[block, :3] + np.cross(velocities[block, 3:], contacts.point - stones.centroid[block])
+        for block in contacts.blocks[interface].T
+    )
+    rate = np.einsum("pc,pc->p", second - first, contacts.frame[interface, 0])
+    opening = np.zeros(len(contacts.blocks))
+    np.maximum.at(opening, interface, rate)
+    return opening
+
+
+def opened_joints(opening: FloatArray, share: float = 0.05) -> BoolArray:
+    """Return True (ni,) for the interfaces that open by more than a share of the widest ones."""
+    return opening > max(share * float(np.percentile(opening, 99.5)) if len(opening) else 0.0, np.finfo(float).tiny)
 
 
 def moving_stones(speed: FloatArray) -> BoolArray:

@@ -13,6 +13,8 @@ SHOWN = 12
 
 def status_note(stones: Assemblage, row: Row) -> str:
     """Return what an engineer must know about an unusual end of an analysis; "" for a usual one."""
+    if row.of_shell:
+        return _shell_note(row)
     state = row.state
     message = f" The solver says: {state.message}." if state and state.message and row.status == "failed" else ""
     match row.status:
@@ -52,6 +54,20 @@ def convergence_note(row: Row) -> str:
     if math.isfinite(state.friction_violation):
         parts.append(f"Friction violation left: {small(state.friction_violation)}.")
     return " ".join(parts)
+
+
+def _shell_note(row: Row) -> str:
+    message = str(row.record.get("message") or (row.shell[1].message if row.shell else ""))
+    match row.status:
+        case "unstable":
+            return f"The shell does not stand under its own weight, so there is no load factor: {message}."
+        case "unbounded":
+            return "No lateral load of this kind brings the shell down."
+        case "not-converged":
+            return f"The capacity curve ends before a proved plateau; its load factor is the largest one reached. {message}"
+        case "failed":
+            return f"No certified answer was found. {message}"
+    return ""
 
 
 def _fallen_stones(stones: Assemblage, row: Row) -> str:

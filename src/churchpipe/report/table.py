@@ -5,19 +5,22 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from churchpipe.model.results import LimitState
+from churchpipe.model.results import CapacityCurve, LimitState, ShellLimitState
 
 Record = Mapping[str, Any]
 IDENTITY = ("model", "method", "flow", "load", "friction", "geometry")
-MODELS = {"rigid-block": "rigid blocks", "homogenised-shell": "homogenised shell"}
+MODELS = {"rigid-block": "rigid blocks", "homogenised-shell": "shell"}
+METHODS = {"limit": "limit load", "pushover": "capacity curve"}
 
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """An analysis: its record in the summary, and its state when it is a rigid-block one that this report draws."""
+    """An analysis: its record in the summary, and its state when this report draws it: `state` of the rigid blocks; of the shell
+    `shell`, the name of its mesh and the state."""
 
     record: Record
-    state: LimitState | None
+    state: LimitState | None = None
+    shell: tuple[str, ShellLimitState | CapacityCurve] | None = None
 
     @property
     def status(self) -> str:
@@ -26,7 +29,12 @@ class Row:
     @property
     def kind(self) -> str:
         """Flow rule or method."""
-        return str(self.record.get("flow") or self.record.get("method") or "")
+        return str(self.record.get("flow") or METHODS.get(str(self.record.get("method")), self.record.get("method")) or "")
+
+    @property
+    def of_shell(self) -> bool:
+        """Whether the analysis is one of the shell."""
+        return self.record.get("model") == "homogenised-shell"
 
     @property
     def load(self) -> str:
@@ -35,7 +43,8 @@ class Row:
     @property
     def label(self) -> str:
         """Name of the analysis for a chooser or a heading."""
-        words = [self.kind or str(self.record.get("model", "analysis"))]
+        words = ["shell"] if self.of_shell else []
+        words += [self.kind or str(self.record.get("model", "analysis"))]
         words += [f"load {self.load}"] if self.load else []
         words += [f"friction {friction_text(self)}"] if "friction" in self.record else []
         return ", ".join(words + [f"{last_part(key)} {value}" for key, value in swept(self).items()])
@@ -64,11 +73,19 @@ class Column:
     numeric: bool = True
 
 
-def rows_of(summary: Record, results: Sequence[tuple[Record, LimitState]]) -> list[Row]:
+def rows_of(
+    summary: Record,
+    results: Sequence[tuple[Record, LimitState]],
+    shells: Sequence[tuple[Record, str, ShellLimitState | CapacityCurve]] = (),
+) -> list[Row]:
     """Return the analyses in the order of the summary, each with its state; those that only `results` has come last."""
-    states = {identity(record): (record, state) for record, state in results}
-    rows = [Row(record, states.pop(identity(record), (None, None))[1]) for record in summary.get("analyses", ())]
-    return rows + [Row(record, state) for record, state in states.values()]
+    states = {identity(record): Row(record, state) for record, state in results}
+    states |= {identity(record): Row(record, None, (mesh, state)) for record, mesh, state in shells}
+    rows: list[Row] = []
+    for record in summary.get("analyses", ()):
+        found = states.pop(identity(record), Row(record))
+        rows.append(Row(record, found.state, found.shell))
+    return rows + list(states.values())
 
 
 def identity(record: Record) -> tuple[str, ...]:
@@ -145,6 +162,11 @@ def _cohesion(row: Row) -> str:
     return _by_material(value) if value else ""
 
 
+def _elements(row: Row) -> str:
+    value = row.record.get("elements")
+    return f"{value:,}" if isinstance(value, int) and row.of_shell else ""
+
+
 def _seconds(row: Row) -> str:
     value = row.value("seconds")
     return "" if value is None else f"{value:.1f}"
@@ -160,6 +182,7 @@ COLUMNS = (
     Column("Analysis", "flow rule of the joints, or method", lambda row: row.kind, numeric=False),
     Column("Load", "direction or name of the lateral load", lambda row: row.load, numeric=False),
     Column("Friction", "friction coefficient of the joints", friction_text),
+    Column("Elements", "facets of the shell's mesh", _elements),
     Column("Cohesion, kPa", "cohesion of the joints", _cohesion),
     Column(
         "Load factor",
@@ -170,7 +193,11 @@ COLUMNS = (
     Column("Upper bound", "kinematic: work of the mechanism", lambda row: figure(row.value("upper_bound"), 7)),
     Column("Status", "", lambda row: row.status, numeric=False),
     Column("Equilibrium", "largest residual over total weight", lambda row: small(row.value("equilibrium_residual"))),
-    Column("Cone", "worst force outside its friction cone over total weight", lambda row: small(row.value("cone_violation"))),
+    Column(
+        "Strength",
+        "worst force outside its friction cone over total weight; of the shell, stress outside its strength over the unit of it",
+        lambda row: small(row.value("yield_violation" if row.of_shell else "cone_violation")),
+    ),
     Column(
         "Friction violation", "shear beyond friction over frictional strength", lambda row: small(row.value("friction_violation"))
     ),

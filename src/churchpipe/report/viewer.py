@@ -3,14 +3,12 @@
 three.js (release 170, MIT licence) lies unmodified in static/three; viewer.js is ours.
 """
 
-import base64
 import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
@@ -28,6 +26,7 @@ from churchpipe.report.motion import (
     stone_speed,
     viewpoint,
 )
+from churchpipe.report.packing import base64_text, packed
 from churchpipe.report.surface import edges, triangles
 
 SUPPORT = "support"
@@ -44,14 +43,14 @@ def viewer_data(stones: Assemblage, results: Sequence[tuple[dict[str, Any], Limi
     plate = ground_plate(stones)
     free = stones.points[~stones.fixed[stone_of_point(stones)]]
     low, high = free.min(axis=0), free.max(axis=0)
-    origin = np.array([*(low + high)[:2] / 2, low[2]])
+    origin = origin_of(stones)
     panels, panel_of = np.unique(np.where(stones.fixed, SUPPORT, stones.panel), return_inverse=True)
     return {
-        "points": _packed(stones.points - origin, "<f4"),
-        "centroid": _packed(stones.centroid - origin, "<f4"),
-        "point_ptr": _packed(stones.block_point_ptr, "<u4"),
-        "triangles": _packed(triangles(stones, ~plate), "<u4"),
-        "edges": _packed(edges(stones, ~plate), "<u4"),
+        "points": packed(stones.points - origin, "<f4"),
+        "centroid": packed(stones.centroid - origin, "<f4"),
+        "point_ptr": packed(stones.block_point_ptr, "<u4"),
+        "triangles": packed(triangles(stones, ~plate), "<u4"),
+        "edges": packed(edges(stones, ~plate), "<u4"),
         "id": stones.block_id.tolist(),
         "course": stones.course.tolist(),
         "panel_of": panel_of.tolist(),
@@ -73,14 +72,21 @@ def viewer_data(stones: Assemblage, results: Sequence[tuple[dict[str, Any], Limi
     }
 
 
+def origin_of(stones: Assemblage) -> FloatArray:
+    """Return the centre (3,) m of the structure's plan at its foot."""
+    free = stones.points[~stones.fixed[stone_of_point(stones)]]
+    low, high = free.min(axis=0), free.max(axis=0)
+    return np.array([*(low + high)[:2] / 2, low[2]])
+
+
 def _analysis(stones: Assemblage, record: dict[str, Any], state: LimitState, label: str, origin: FloatArray) -> dict[str, Any]:
     velocities = np.nan_to_num(state.velocities)
     speed = stone_speed(stones, velocities)
     push = push_direction(record)
     return {
         "label": label,
-        "velocities": _packed(velocities, "<f4"),
-        "speed": _packed(speed, "<f4"),
+        "velocities": packed(velocities, "<f4"),
+        "speed": packed(speed, "<f4"),
         "reference_speed": reference_speed(speed),
         "amplitude": natural_amplitude(stones, speed),
         "moving": int(moving_stones(speed).sum()),
@@ -99,8 +105,9 @@ def import_map() -> str:
     modules = {
         "three": "three/three.module.min.js",
         "three/addons/controls/OrbitControls.js": "three/OrbitControls.js",
+        "churchpipe/shell.js": "shell.js",
     }
-    imports = {name: f"data:text/javascript;base64,{_base64((STATIC / file).read_bytes())}" for name, file in modules.items()}
+    imports = {name: f"data:text/javascript;base64,{base64_text((STATIC / file).read_bytes())}" for name, file in modules.items()}
     return json.dumps({"imports": imports})
 
 
@@ -112,14 +119,6 @@ def static_text(name: str) -> str:
 def script_json(value: object) -> str:
     """Return JSON that can stand inside a script element: no "<", so no end tag and no comment."""
     return json.dumps(value, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
-
-
-def _packed(array: npt.ArrayLike, dtype: str) -> str:
-    return _base64(np.ascontiguousarray(array, dtype=dtype).tobytes())
-
-
-def _base64(data: bytes) -> str:
-    return base64.b64encode(data).decode("ascii")
 
 
 def _round_length(length: float) -> float:

@@ -1,6 +1,7 @@
 // The structure and its mechanisms in 3-D. Reads #viewer-data (see viewer.py), draws into #viewer.
 import * as THREE from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import { SHELL, STONES, ShellView, VIEWS } from "churchpipe/shell.js";
 
 const data = JSON.parse(document.getElementById("viewer-data").textContent);
 const element = (id) => document.getElementById(id);
@@ -102,21 +103,39 @@ function start(canvas, renderer) {
   }));
   for (const object of [stones, lines]) {
     object.frustumCulled = false;
+    object.layers.set(STONES);
     scene.add(object);
   }
+  const byName = Object.fromEntries(data.panels.map((p, i) => [p.name, panelColours[i]]));
+  const shell = data.shell ? new ShellView(data.shell, byName, data.colours.edge, scene) : null;
   if (data.ground) scene.add(ground(extent));
   const arrow = new THREE.Group();
   scene.add(arrow);
 
   const framed = new Set(triangles);
-  const state = { analysis: analyses[0], byPanel: false, share: 0.5, playing: false, origin: null };
+  const state = { analysis: analyses[0], view: shell ? "both" : "stones", byPanel: false, share: 0.5, playing: false, origin: null };
   const period = 900; // ms a radian
-  const draw = () => renderer.render(scene, camera);
+
+  // The pictures of a view stand side by side, seen by one camera.
+  function draw() {
+    const { clientWidth, clientHeight } = canvas.parentElement;
+    const pictures = VIEWS[state.view], width = clientWidth / pictures.length;
+    renderer.setScissorTest(pictures.length > 1);
+    pictures.forEach((layers, number) => {
+      renderer.setViewport(number * width, 0, width, clientHeight);
+      renderer.setScissor(number * width, 0, width, clientHeight);
+      camera.layers.set(0);
+      layers.forEach((layer) => camera.layers.enable(layer));
+      renderer.render(scene, camera);
+    });
+  }
 
   function move() {
     const amplitude = 2 * state.share * state.analysis.amplitude;
     displace(position.array, state.analysis.velocities, amplitude);
     position.needsUpdate = true;
+    // Opened joints are drawn on the shell as it stands.
+    shell?.move(state.view === "overlay" ? 0 : 2 * state.share * shell.current.amplitude);
     element("viewer-moved").textContent = state.analysis.moving
       ? `largest displacement ${lengthText(amplitude * state.analysis.reference_speed)}` : "no mechanism";
     canvas.dataset.amplitude = amplitude;
@@ -128,19 +147,42 @@ function start(canvas, renderer) {
     const moving = state.analysis.moving;
     if (!moving) setPlaying(false);
     element("viewer-count").textContent = moving ? `${moving} of ${data.free} stones move,` : "";
-    element("viewer-amplitude").disabled = element("viewer-play").disabled = !moving;
+    if (shell) {
+      const partner = Math.max(shell.partnerOf(number), 0);
+      element("viewer-shell").value = partner;
+      shell.choose(partner);
+      shell.chooseJoints(number);
+    }
+    enable();
     arrow.clear();
     if (state.analysis.push) arrow.add(pushArrow(state.analysis.push));
     recolour();
     move();
   }
 
+  function enable() {
+    const still = state.view === "overlay" || !(state.analysis.moving || (shell && state.view !== "stones"));
+    if (still) setPlaying(false);
+    element("viewer-amplitude").disabled = element("viewer-play").disabled = still;
+  }
+
   function recolour() {
     const byPanel = state.byPanel || !state.analysis.moving;
     paint(colour.array, state.analysis, byPanel);
     colour.needsUpdate = true;
-    legend(byPanel);
+    shell?.paint(state.byPanel);
+    legend(byPanel, state.view, state.byPanel);
     draw();
+  }
+
+  function show(view) {
+    state.view = view;
+    element("viewer-halves").dataset.view = view;
+    enable();
+    resize();
+    recolour();
+    move();
+    look();
   }
 
   // The nearest camera position that frames every displaced point and the arrow of the load.
@@ -169,7 +211,7 @@ function start(canvas, renderer) {
   function resize() {
     const { clientWidth, clientHeight } = canvas.parentElement;
     renderer.setSize(clientWidth, clientHeight, false);
-    camera.aspect = clientWidth / clientHeight;
+    camera.aspect = clientWidth / VIEWS[state.view].length / clientHeight;
     camera.updateProjectionMatrix();
     draw();
   }
@@ -192,10 +234,17 @@ function start(canvas, renderer) {
 
   function pick(event) {
     const box = canvas.getBoundingClientRect();
-    const pointerPlace = new THREE.Vector2(
-      (2 * (event.clientX - box.left)) / box.width - 1, 1 - (2 * (event.clientY - box.top)) / box.height);
+    const pictures = VIEWS[state.view];
+    const across = (pictures.length * (event.clientX - box.left)) / box.width;
+    const number = Math.min(Math.max(Math.floor(across), 0), pictures.length - 1);
+    const pointerPlace = new THREE.Vector2(2 * (across - number) - 1, 1 - (2 * (event.clientY - box.top)) / box.height);
     const ray = new THREE.Raycaster();
     ray.setFromCamera(pointerPlace, camera);
+    ray.layers.enableAll();
+    if (pictures[number].includes(SHELL)) {
+      element("viewer-picked").textContent = shell.describe(ray);
+      return;
+    }
     solid.computeBoundingSphere();
     const hit = ray.intersectObject(stones)[0];
     element("viewer-picked").textContent = hit ? describe(stoneOfPoint[hit.face.a]) : "";
@@ -209,6 +258,10 @@ function start(canvas, renderer) {
   }
 
   element("viewer-analysis").addEventListener("change", (e) => { choose(Number(e.target.value)); });
+  if (shell) {
+    element("viewer-shell").addEventListener("change", (e) => { shell.choose(Number(e.target.value)); recolour(); move(); });
+    element("viewer-view").addEventListener("change", (e) => { show(e.target.value); });
+  }
   element("viewer-colour").addEventListener("change", (e) => { state.byPanel = e.target.value === "panel"; recolour(); });
   element("viewer-amplitude").addEventListener("input", (e) => {
     setPlaying(false);
@@ -256,10 +309,26 @@ function pushArrow({ direction, start, length }) {
   return group;
 }
 
-function legend(byPanel) {
+function legend(byPanel, view, shellByPanel) {
   const box = element("viewer-legend");
   box.replaceChildren();
-  if (byPanel) {
+  const add = (stops, before, after) => {
+    const bar = document.createElement("i");
+    bar.className = "ramp";
+    bar.style.background = `linear-gradient(to right, ${stops.join(",")})`;
+    const item = document.createElement("span");
+    item.append(`${before} `, bar, ` ${after}`);
+    box.append(item);
+  };
+  const stonesSeen = view === "both" || view === "stones";
+  if (view !== "stones" && !shellByPanel) add(data.shell.plastic_stops, "shell: elastic", "plastic strain");
+  if (view === "overlay") {
+    const item = document.createElement("span"), swatch = document.createElement("i");
+    swatch.style.background = data.shell.joint;
+    item.append(swatch, "joints of the stones that open");
+    box.append(item);
+  }
+  if ((byPanel && stonesSeen) || shellByPanel) {
     for (const panel of data.panels.filter((p) => p.drawn)) {
       const item = document.createElement("span");
       const swatch = document.createElement("i");
@@ -267,13 +336,8 @@ function legend(byPanel) {
       item.append(swatch, panel.name);
       box.append(item);
     }
-  } else {
-    const bar = document.createElement("i");
-    bar.className = "ramp";
-    bar.style.background = `linear-gradient(to right, ${data.speed_stops.join(",")})`;
-    const item = document.createElement("span");
-    item.append("at rest ", bar, " fastest");
-    box.append(item);
+  } else if (stonesSeen) {
+    add(data.speed_stops, data.shell ? "stones: at rest" : "at rest", "fastest");
   }
   if (data.ground) {
     const item = document.createElement("span");

@@ -1,0 +1,71 @@
+# The homogenised shell: panels of a drawing, mesh, gate, and one limit analysis or capacity curve for each load and combination
+# of swept values.
+
+PANEL_SOURCES = [f"derive/{name}.py" for name in ("panels", "rings", "wall_planes", "midplanes")]
+SHELL_SOURCES = [f"derive/{name}.py" for name in ("shell", "midplanes", "self_weight", "subdivision")]
+
+if config["drawing"]:
+
+    rule panels:
+        input:
+            settings="geometry/{geometry}/settings.json",
+            assemblage="geometry/{geometry}/assemblage.npz",
+            sources=sources(*PANEL_SOURCES, "bond", "io/building_json.py"),
+        output:
+            building="geometry/{geometry}/building.json",
+            fitted="geometry/{geometry}/fitted.npz",
+            fit="geometry/{geometry}/fit.json",
+        shell:
+            STAGE + " panels {wildcards.geometry:q} {input.settings:q} {input.assemblage:q} {output.building:q} {output.fitted:q}"
+            " {output.fit:q}"
+
+
+rule shell:
+    input:
+        settings="shell/{mesh}/settings.json",
+        building=lambda wildcards: f"geometry/{SHELLS[wildcards.mesh]}/building.json",
+        sources=sources(*SHELL_SOURCES, "bond", "io/building_json.py", "io/shell_vtu.py"),
+    output:
+        shell="shell/{mesh}/shell.npz",
+    shell:
+        STAGE + " shell {wildcards.mesh:q} {input.settings:q} {input.building:q} {output.shell:q}"
+
+
+rule match:
+    input:
+        shell="shell/{mesh}/shell.npz",
+        stones=lambda wildcards: f"geometry/{SHELLS[wildcards.mesh]}/{FITTED}",
+        contacts=lambda wildcards: f"geometry/{SHELLS[wildcards.mesh]}/contacts.npz",
+        sources=sources("derive/match.py", "derive/locate.py"),
+    output:
+        match="shell/{mesh}/match.json",
+    shell:
+        STAGE + " match {wildcards.mesh:q} {input.shell:q} {input.stones:q} {input.contacts:q} {output.match:q}"
+
+
+rule limit:
+    input:
+        settings="limit/{analysis}/settings.json",
+        shell=lambda wildcards: f"shell/{MESH_OF[wildcards.analysis]}/shell.npz",
+        match=lambda wildcards: f"shell/{MESH_OF[wildcards.analysis]}/match.json",
+        sources=sources("homogenised_shell", "conic", "config/plan.py", "config/units.py", "io/records.py"),
+    output:
+        state="limit/{analysis}/limit.npz",
+        record="limit/{analysis}/limit.json",
+    shell:
+        STAGE + " limit {wildcards.analysis:q} {input.settings:q} {input.shell:q} {input.match:q} {output.state:q} {output.record:q}"
+
+
+rule pushover:
+    input:
+        settings="pushover/{analysis}/settings.json",
+        building=lambda wildcards: f"geometry/{GEOMETRY_OF[wildcards.analysis]}/building.json",
+        shell=lambda wildcards: f"shell/{MESH_OF[wildcards.analysis]}/shell.npz",
+        match=lambda wildcards: f"shell/{MESH_OF[wildcards.analysis]}/match.json",
+        sources=sources("homogenised_shell", "conic", "config/plan.py", "config/units.py", "io/records.py", "io/building_json.py"),
+    output:
+        state="pushover/{analysis}/pushover.npz",
+        record="pushover/{analysis}/pushover.json",
+    shell:
+        STAGE + " pushover {wildcards.analysis:q} {input.settings:q} {input.building:q} {input.shell:q} {input.match:q}"
+        " {output.state:q} {output.record:q}"

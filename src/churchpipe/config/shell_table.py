@@ -1,0 +1,64 @@
+"""The [shell] table of an imported drawing."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import shapely
+
+from churchpipe.derive.panels import fit_panels
+from churchpipe.errors import InputError
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.building import Building
+from churchpipe.model.materials import Material
+
+# Elements of a first mesh: enough to see the mechanism, solved in well under a minute.
+ELEMENTS = 3000
+
+
+@dataclass(frozen=True, slots=True)
+class ShellTable:
+    """The text of a [shell] table ("" when no wall fits the stones), and what the user should know about it."""
+
+    text: str
+    note: str
+
+
+def shell_table(stones: Assemblage, elastic: Mapping[str, bool]) -> ShellTable:
+    """Return the [shell] table for the stones of a drawing.
+
+    elastic: whether each material has elastic constants, by its name. Without them, or with bonds whose stiffness is not known,
+    the table asks for the limit load alone.
+    """
+    try:
+        fitted = fit_panels(stones, tuple(Material(name, 1.0, 0.0) for name in elastic))
+    except InputError as error:
+        return ShellTable("", f"No shell: {error.problem}; the rigid blocks stand alone. {error.remedy}")
+    building = fitted.building
+    size = element_size(building)
+    patterns = {region.pattern for panel in building.panels for region in panel.regions} - {"running", "single"}
+    used = {panel.material for panel in building.panels}
+    lines = ["[shell]", f"element_size_mm = {1e3 * size:g}"]
+    if all(elastic[name] for name in used) and not patterns:
+        lines.append('analyses = ["limit", "pushover"]')
+    else:
+        why = (
+            f"no stiffness is known of {', '.join(sorted(patterns))} bond"
+            if patterns
+            else "give each material its elastic constants"
+        )
+        lines.append(f'analyses = ["limit"]    # "pushover" besides: {why}')
+    note = f"{len(building.panels)} walls fitted for the shell: {', '.join(panel.name for panel in building.panels)}."
+    if len(fitted.unfit):
+        few = ", ".join(fitted.unfit[:8])
+        note += f" {len(fitted.unfit)} stones fit none: {few}{' ...' if len(fitted.unfit) > 8 else ''}."
+    return ShellTable("\n".join(lines), note)
+
+
+def element_size(building: Building) -> float:
+    """Return the size of elements, m, to begin with: three quarters of a stone, or more where the walls are large."""
+    area = sum(shapely.Polygon(panel.outline).area for panel in building.panels)
+    stone = min(region.cell.b for panel in building.panels for region in panel.regions)
+    size = max(0.75 * stone, math.sqrt(3 * area / ELEMENTS))
+    digits = 1 - math.floor(math.log10(size))
+    return round(size, digits)

@@ -1,0 +1,152 @@
+"""The part of the report that sets the two models side by side: what the template shows of the shell."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from churchpipe.model.results import CapacityCurve
+from churchpipe.model.shell import ShellModel
+from churchpipe.report.shell_plots import capacity_svg, domain_svg, mesh_svg
+from churchpipe.report.table import MODELS, Row, figure, friction_text, last_part, minus, small, swept
+
+# Swept keys that one model alone knows.
+_OWN = ("rigid.", "shell.")
+
+
+def question(row: Row) -> tuple[str, ...]:
+    """Return what an analysis asks, by either model: stones, load, strength."""
+    others = {key: value for key, value in swept(row).items() if not key.startswith(_OWN) and ".elastic" not in key}
+    return str(row.record.get("geometry", "")), row.load, friction_text(row), str(row.record.get("cohesion_kPa")), str(others)
+
+
+def partner(row: Row, rows: Sequence[Row]) -> int:
+    """Return which of the rigid-block rows asks the same as a row of the shell; -1: none."""
+    return next((number for number, other in enumerate(rows) if question(other) == question(row)), -1)
+
+
+def compared(summary: Mapping[str, Any], rows: Sequence[Row]) -> list[list[str]]:
+    """Return the cells of the table of pairs: load, then analysis and load factor of either model, shell over blocks, overlap."""
+    by_name = {str(row.record.get("name")): row for row in rows}
+    out: list[list[str]] = []
+    for pair in summary.get("comparison", ()):
+        blocks, shell = (by_name.get(str(pair.get(model))) for model in MODELS)
+        if blocks and shell:
+            cells = [text for row in (blocks, shell) for text in (_words(row), figure(row.value("load_factor"), 4))]
+            ratio, overlap = pair.get("ratio"), pair.get("overlap")
+            ends = [
+                "" if ratio is None else minus(f"{100 * (ratio - 1):+.1f} %"),
+                "" if overlap is None else minus(f"{overlap:.2f}"),
+            ]
+            out.append([blocks.load, *cells, *ends])
+    return out
+
+
+def _words(row: Row) -> str:
+    more = [f"{last_part(key)} {value}" for key, value in swept(row).items() if key != "shell.element_size_mm"]
+    size = row.record.get("element_size_mm")
+    return ", ".join([row.kind, *([f"{size:g} mm"] if row.of_shell and size else []), f"friction {friction_text(row)}", *more])
+
+
+def gate(summary: Mapping[str, Any], meshes: Sequence[str]) -> dict[str, Any] | None:
+    """Return the gate of the first of a report's meshes as text, or None: passed, message, unfit stones, rows of figures."""
+    shells = summary.get("shells", {})
+    match = next((shells[name]["match"] for name in meshes if name in shells), summary.get("match"))
+    if match is None:
+        return None
+    rows = [
+        {
+            "cells": [item["name"], *(_quantity(item[key], item["unit"]) for key in ("stones", "shell")), *_apart(item)],
+            "passed": item["passed"],
+        }
+        for item in match.get("figures", ())
+    ]
+    overlap = match.get("junction_overlap")
+    return {
+        "passed": match["passed"],
+        "message": match.get("message", ""),
+        "unfit": match.get("unfit", []),
+        "rows": rows,
+        "junction_overlap": "" if overlap is None else f"{100 * overlap:.1f} %",
+    }
+
+
+def _quantity(value: float, unit: str) -> str:
+    return minus(f"{value:.6g}") + (f" {unit}" if unit else "")
+
+
+def _apart(item: Mapping[str, Any]) -> tuple[str, str]:
+    if item["unit"] == "degrees":
+        return f"{item['difference']:.2f}\u00b0", f"{item['tolerance']:g}\u00b0"
+    return small(item["difference"]), f"{100 * item['tolerance']:g} %"
+
+
+def capacity_plots(rows: Sequence[Row]) -> list[tuple[str, str]]:
+    """Return heading and plot of the capacity curves of each question, the load factors of the other analyses as lines."""
+    groups: dict[tuple[str, ...], list[Row]] = {}
+    for row in rows:
+        if row.shell and isinstance(row.shell[1], CapacityCurve) and len(row.shell[1].control) > 1:
+            groups.setdefault(question(row), []).append(row)
+    plots: list[tuple[str, str]] = []
+    for asked, members in groups.items():
+        curves = [
+            (_words(row), 1e3 * row.shell[1].control, row.shell[1].load_factor)
+            for row in members
+            if row.shell and isinstance(row.shell[1], CapacityCurve)
+        ]
+        meshes = {row.shell[0] for row in members if row.shell}
+        others = [r for r in rows if question(r) == asked and r not in members and (not r.shell or r.shell[0] in meshes)]
+        lines = [
+            (_line(row), value) for row in others if (value := row.value("load_factor")) is not None and math.isfinite(value)
+        ]
+        heading = ", ".join([f"load {members[0].load}", f"friction {friction_text(members[0])}"])
+        plots.append((heading, capacity_svg(curves, lines)))
+    return plots
+
+
+def _line(row: Row) -> str:
+    return "shell, limit analysis" if row.of_shell else f"rigid blocks, {row.kind}"
+
+
+def mesh_plot(rows: Sequence[Row]) -> str:
+    """Return load factor against element size when some analysis of the shell was made on several meshes; else ""."""
+    series: dict[tuple[str, ...], list[tuple[float, float]]] = {}
+    for row in rows:
+        factor, size = row.value("load_factor"), row.record.get("element_size_mm")
+        if row.of_shell and size and factor is not None and math.isfinite(factor):
+            series.setdefault((*question(row), row.kind), []).append((float(size), factor))
+    drawn = {key: points for key, points in series.items() if len({size for size, _ in points}) > 1}
+    if not drawn:
+        return ""
+    several = len({key[:-1] for key in drawn}) > 1
+    labels = {key: f"shell, {key[-1]}" + (f", load {key[1]}, friction {key[2]}" if several else "") for key in drawn}
+    asked = {key[:-1] for key in drawn}
+    lines = [
+        (_line(row), value)
+        for row in rows
+        if not row.of_shell
+        and question(row) in asked
+        and (value := row.value("load_factor")) is not None
+        and math.isfinite(value)
+    ]
+    return mesh_svg([(labels[key], *np.array(points).T) for key, points in drawn.items()], [] if several else lines)
+
+
+def domain_plot(meshes: Mapping[str, ShellModel], rows: Sequence[Row]) -> tuple[str, str]:
+    """Return sections of the strength of the most common unit cell of the shell, and what they are drawn for."""
+    shell = next(iter(meshes.values()), None)
+    friction = next((_one(row.record.get("friction"), shell) for row in rows if row.of_shell and shell is not None), None)
+    if shell is None or not friction or not shell.yields.any():
+        return "", ""
+    kinds = np.column_stack([shell.unit_cells[shell.cell], shell.thickness])[shell.yields]
+    known, kind = np.unique(kinds, axis=0, return_inverse=True)
+    a, b, h = (float(size) for size in known[np.argmax(np.bincount(kind.ravel(), shell.area[shell.yields]))])
+    words = f"course height {1e3 * a:g} mm, stone length {1e3 * b:g} mm, thickness {1e3 * h:g} mm, friction {friction:g}"
+    return domain_svg(a, b, h, friction), words
+
+
+def _one(friction: object, shell: ShellModel) -> float | None:
+    if isinstance(friction, Mapping):
+        friction = friction.get(str(shell.material[shell.yields][0])) if shell.yields.any() else None
+    return float(friction) if isinstance(friction, int | float) else None

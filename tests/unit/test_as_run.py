@@ -1,0 +1,63 @@
+"""as-run.toml: the case as it was run runs again, from anywhere."""
+
+from pathlib import Path
+
+import pytest
+
+from churchpipe.config import read_case, read_variants
+from churchpipe.config.asrun import as_run
+
+TEXT = """name = "mill"
+[source]   # or: dxf = "other.dxf"
+dxf = 'walls/mill.dxf'
+[material."old brick"]
+unit_weight_kN_m3 = 18.0
+friction = 0.6
+[[load]]
+direction = [1, 0, 0]
+name = 'to the "west"'
+[rigid]
+flow = ["associative", "non-associative"]
+[sweep]
+"material.old brick.friction" = [0.5, 0.6]
+"rigid.start" = ["associative", "uniform"]
+"""
+
+
+@pytest.fixture
+def case(tmp_path: Path) -> Path:
+    path = tmp_path / "here" / "case.toml"
+    path.parent.mkdir()
+    path.write_text(TEXT)
+    return path
+
+
+def elsewhere(tmp_path: Path, text: str) -> Path:
+    (tmp_path / "runs").mkdir()
+    path = tmp_path / "runs" / "as-run.toml"
+    path.write_text(text)
+    return path
+
+
+def test_the_text_is_kept_and_the_drawing_found(case: Path, tmp_path: Path) -> None:
+    text = as_run(case, ())
+    drawing = (case.parent / "walls" / "mill.dxf").as_posix()
+    assert text == TEXT.replace("'walls/mill.dxf'", f'"{drawing}"')
+    assert read_case(elsewhere(tmp_path, text)).source.path == Path(drawing)
+
+
+def test_changes_are_part_of_it(case: Path, tmp_path: Path) -> None:
+    changes = ["rigid.start=uniform", "load.0.direction=[0, 1, 0]", "material.old brick.friction=0.55"]
+    text = as_run(case, changes)
+    assert text.startswith("# --set rigid.start=uniform\n")
+    again = read_variants(elsewhere(tmp_path, text))
+    wanted = read_variants(case, changes)
+    assert [v.table | {"source": None} for v in again] == [v.table | {"source": None} for v in wanted]
+    assert again[0].loads[0].name == 'to the "west"'
+    assert again[0].source.path == case.parent / "walls" / "mill.dxf"
+
+
+def test_a_case_without_a_name_keeps_its_own(tmp_path: Path) -> None:
+    path = tmp_path / "parish.toml"
+    path.write_text(TEXT.replace('name = "mill"\n', "", 1))
+    assert read_case(elsewhere(tmp_path, as_run(path, ["rigid.start=uniform"]))).name == "parish"

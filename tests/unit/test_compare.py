@@ -1,0 +1,79 @@
+"""Pairs of analyses that ask the same, and how far two mechanisms are alike."""
+
+import numpy as np
+import pytest
+
+from churchpipe.compare import bad_news, overlap, pairs
+from churchpipe.derive.blocks import derive_blocks
+from churchpipe.derive.shell import derive_shell
+from churchpipe.generators import box
+from churchpipe.model.materials import Material
+
+HOUSE = box(
+    length=2.0, width=1.5, thickness=0.25, brick=(0.5, 0.25, 0.25), courses=4, materials=(Material("default", 18e3, 0.6),)
+)
+
+
+def turning(points: np.ndarray) -> np.ndarray:
+    """Velocities of a turn about the x axis and a drift along z."""
+    return np.cross([1.0, 0, 0], points) + np.array([0, 0, 0.3])
+
+
+@pytest.fixture(scope="module")
+def models():
+    stones, shell = derive_blocks(HOUSE), derive_shell(HOUSE, 0.25)
+    velocities = np.zeros((stones.count, 6))
+    velocities[:, :3] = turning(stones.centroid)
+    return stones, velocities, shell
+
+
+def test_one_motion_in_both_models_overlaps_wholly(models) -> None:
+    stones, velocities, shell = models
+    motion = turning(shell.points)
+    # Linear fields are interpolated exactly on the facets; stones are cut at corners, off the mid-plane by some centimetres.
+    assert overlap(stones, velocities, shell, motion) == pytest.approx(1.0, abs=2e-3)
+    assert overlap(stones, 5 * velocities, shell, -motion) == pytest.approx(-1.0, abs=2e-3)
+
+
+def test_motions_at_right_angles_do_not_overlap(models) -> None:
+    stones, velocities, shell = models
+    assert overlap(stones, velocities, shell, np.tile([1.0, 0, 0], (len(shell.points), 1))) == pytest.approx(0, abs=1e-9)
+    assert np.isnan(overlap(stones, velocities, shell, np.zeros_like(shell.points)))
+
+
+def entry(name: str, variant: dict[str, object] | None = None, **more: str) -> dict[str, object]:
+    return {"name": name, "geometry": "base", "variant": variant or {}, **more}
+
+
+def record(name: str, factor: float | None, friction: float = 0.6, load: str = "+x") -> dict[str, object]:
+    return {"name": name, "load": load, "friction": friction, "cohesion_kPa": 0.0, "load_factor": factor, "status": "optimal"}
+
+
+def test_pairs_ask_the_same_question() -> None:
+    entries = [
+        entry("r5", {"material.default.friction": 0.5}),
+        entry("r6", {"material.default.friction": 0.6}),
+        entry("r6 uniform", {"material.default.friction": 0.6, "rigid.start": "uniform"}),
+        entry("s6 fine", {"material.default.friction": 0.6, "shell.element_size_mm": 30}, shell="fine"),
+        entry("s6 failed", {"material.default.friction": 0.6}, shell="fine"),
+        entry("s6 other load", {"material.default.friction": 0.6}, shell="fine"),
+    ]
+    records = [
+        record("r5", 0.18, 0.5),
+        record("r6", 0.2),
+        record("r6 uniform", 0.19),
+        record("s6 fine", 0.21),
+        record("s6 failed", None),
+        record("s6 other load", 0.3, load="+y"),
+    ]
+    found = pairs(entries, records)
+    assert [(pair["rigid-block"], pair["homogenised-shell"]) for pair in found] == [("r6", "s6 fine"), ("r6 uniform", "s6 fine")]
+    assert found[0]["ratio"] == pytest.approx(0.21 / 0.2)
+
+
+def test_news_of_gates_and_analyses() -> None:
+    good, bad = {"status": "optimal"}, {"status": "failed"}
+    assert bad_news({"analyses": [good, bad]}) == [bad]
+    assert bad_news({"analyses": [good], "match": {"passed": False}}) == [{"passed": False}]
+    meshes = {"coarse": {"match": {"passed": True}}, "fine": {"match": {"passed": False, "figures": []}}}
+    assert bad_news({"analyses": [good], "match": {"passed": True}, "shells": meshes}) == [{"passed": False, "figures": []}]
