@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from churchpipe.dxf.writer import write_dxf as write_dxf
     from churchpipe.errors import InputError as InputError
     from churchpipe.homogenised_shell.limit import shell_limit_analysis as shell_limit_analysis
+    from churchpipe.homogenised_shell.pushover import pushover as pushover
     from churchpipe.model.assemblage import Assemblage as Assemblage
     from churchpipe.model.building import Building as Building
     from churchpipe.model.contacts import Contacts as Contacts
@@ -39,6 +40,7 @@ _PLACES = {
     "find_contacts": "derive.contacts",
     "limit_analysis": "rigid_blocks.limit",
     "match_models": "derive.match",
+    "pushover": "homogenised_shell.pushover",
     "read_case": "config",
     "read_dxf": "dxf.reader",
     "shell_limit_analysis": "homogenised_shell.limit",
@@ -59,6 +61,7 @@ __all__ = [
     "find_contacts",
     "limit_analysis",
     "match_models",
+    "pushover",
     "read_case",
     "read_dxf",
     "shell_limit_analysis",

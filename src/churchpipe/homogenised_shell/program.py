@@ -41,12 +41,47 @@ class ShellProgram:
     cap: float = np.inf
 
 
+@dataclass(frozen=True, slots=True)
+class LoadVectors:
+    """equilibrium (m, 6 nq) stress = dead + load live, for the unknowns that are free; units as in `ShellProgram`."""
+
+    equilibrium: sp.csr_matrix[np.float64]
+    dead: FloatArray
+    live: FloatArray
+    unit: FloatArray
+    weight: float
+
+
 def shell_program(elements: ShellElements, load: LoadCase, materials: Sequence[Material], planes: PlaneSet) -> ShellProgram:
     """State the limit analysis of a shell.
 
     Raises
     ------
-    InputError: as `strength.strength` and `loads.live_pressure`; a material of the shell that is not given; no weight.
+    InputError: as `strength.strength` and `load_vectors`; a material of the shell that is not given.
+    """
+    loads = load_vectors(elements, load)
+    local = _local_strength(elements, materials, planes, loads.unit)
+    return ShellProgram(
+        equilibrium=loads.equilibrium,
+        dead=loads.dead,
+        live=loads.live,
+        stress_of=local.stress_of,
+        offset=local.offset,
+        still=local.still,
+        planes=local.planes,
+        limit=local.limit,
+        friction=local.friction,
+        unit=loads.unit,
+        weight=loads.weight,
+    )
+
+
+def load_vectors(elements: ShellElements, load: LoadCase) -> LoadVectors:
+    """Return equilibrium and loads of the unknowns that are free.
+
+    Raises
+    ------
+    InputError: as `loads.live_pressure`; no weight.
     """
     shell = elements.shell
     weight = float(shell.weight.sum())
@@ -58,17 +93,10 @@ def shell_program(elements: ShellElements, load: LoadCase, materials: Sequence[M
     unit = force * np.column_stack([np.ones((len(h), 3)), np.repeat(h[:, None], 3, axis=1)])
     free = ~elements.clamped
     power = sp.diags((np.repeat(elements.weight, 6) * unit.ravel()) / weight)
-    local = _local_strength(elements, materials, planes, unit)
-    return ShellProgram(
+    return LoadVectors(
         equilibrium=sp.csr_matrix(sp.csr_matrix(elements.strain.T)[free] @ power),
         dead=surface_load(elements, dead_pressure(shell))[free] / weight,
         live=surface_load(elements, live_pressure(shell, load))[free] / weight,
-        stress_of=local.stress_of,
-        offset=local.offset,
-        still=local.still,
-        planes=local.planes,
-        limit=local.limit,
-        friction=local.friction,
         unit=unit,
         weight=weight,
     )
@@ -86,7 +114,7 @@ class _Local:
 
 def _local_strength(elements: ShellElements, materials: Sequence[Material], planes: PlaneSet, unit: FloatArray) -> _Local:
     shell = elements.shell
-    friction, cohesion = _by_facet(shell.material, materials)
+    friction, cohesion = by_facet(shell.material, materials)
     yields = np.flatnonzero(shell.yields[elements.facet])
     facet = elements.facet[yields]
     a, b = shell.unit_cells[shell.cell[facet]].T
@@ -129,7 +157,7 @@ def _local_strength(elements: ShellElements, materials: Sequence[Material], plan
     )
 
 
-def _by_facet(names: npt.NDArray[np.str_], materials: Sequence[Material]) -> tuple[FloatArray, FloatArray]:
+def by_facet(names: npt.NDArray[np.str_], materials: Sequence[Material]) -> tuple[FloatArray, FloatArray]:
     """Return friction (nt,) and cohesion (nt,)."""
     known = {material.name: material for material in materials}
     used, which = np.unique(names, return_inverse=True)

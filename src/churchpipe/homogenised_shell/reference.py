@@ -1,11 +1,13 @@
-"""The limit analysis of a shell stated in cvxpy, as close to the formulas as it can be written."""
+"""The limit analysis of a shell and a step of its path, stated in cvxpy as close to the formulas as they can be written."""
 
 from typing import Any
 
 import cvxpy
 import numpy as np
+import scipy.sparse as sp
 
 from churchpipe.homogenised_shell.program import ShellProgram
+from churchpipe.model.arrays import FloatArray
 
 # Its functions are only partly typed.
 cp: Any = cvxpy
@@ -28,3 +30,33 @@ def reference_load_factor(program: ShellProgram, solver: str = "CLARABEL", **opt
     problem = cp.Problem(cp.Maximize(tau), constraints)
     problem.solve(solver=solver, **options)
     return float(tau.value) if problem.status == "optimal" else np.nan
+
+
+def reference_step(
+    program: ShellProgram,
+    flexibility: FloatArray,
+    before: FloatArray,
+    displacement: float,
+    solver: str = "CLARABEL",
+    **options: Any,
+) -> tuple[float, FloatArray]:
+    """Return load factor and stresses (nq, 6) after a step of a pushover; NaN unless solved to optimality.
+
+    flexibility_qab (nq, 6, 6): C^-1 times the area of each point; before (nq, 6): stresses, N/m and N; displacement: f_L . u
+    per total weight that the step adds, m.
+    """
+    factor, x = cp.Variable(), cp.Variable(program.stress_of.shape[1])
+    stress = program.offset + program.stress_of @ x
+    # Energies over the weight and the displacement.
+    unit = program.unit / np.sqrt(program.weight * displacement)
+    root = np.swapaxes(np.linalg.cholesky(unit[:, :, None] * flexibility * unit[:, None, :]), 1, 2)
+    nq = len(root)
+    block = sp.bsr_matrix((root, np.arange(nq), np.arange(nq + 1)), shape=(6 * nq, 6 * nq))
+    constraints: list[Any] = [program.equilibrium @ stress == program.dead + factor * program.live]
+    constraints += [program.planes @ x <= program.limit]
+    change = block @ (stress - (before / program.unit).ravel())
+    problem = cp.Problem(cp.Minimize(0.5 * cp.sum_squares(change) - factor), constraints)
+    problem.solve(solver=solver, **options)
+    if problem.status != "optimal":
+        return np.nan, np.full_like(before, np.nan)
+    return float(factor.value), np.asarray(stress.value).reshape(-1, 6) * program.unit

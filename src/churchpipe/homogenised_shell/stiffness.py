@@ -1,12 +1,15 @@
 """Elastic stiffness of a wall: stones and elastic joints in series (Malena et al. 2019, Table 1)."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import numpy.typing as npt
 
 from churchpipe.errors import InputError
 from churchpipe.homogenised_shell.unit_cell import positive
 from churchpipe.model.arrays import FloatArray
-from churchpipe.model.materials import Elastic
+from churchpipe.model.materials import Elastic, Material
+from churchpipe.model.shell import ShellModel
 
 
 def wall_stiffness(pattern: str, a: npt.ArrayLike, b: npt.ArrayLike, h: npt.ArrayLike, elastic: Elastic) -> FloatArray:
@@ -35,6 +38,32 @@ def wall_stiffness(pattern: str, a: npt.ArrayLike, b: npt.ArrayLike, h: npt.Arra
         )
     compliance = np.linalg.inv(stones) + np.linalg.inv(running_joint_stiffness(a, b, h, elastic))
     return np.asarray(np.linalg.inv(compliance), dtype=np.float64)
+
+
+def facet_stiffness(shell: ShellModel, materials: Sequence[Material]) -> FloatArray:
+    """Return the stiffness (nt, 6, 6) of each facet: running bond where it yields, one stone where it does not.
+
+    Raises
+    ------
+    InputError: as `wall_stiffness`; a material of the shell without elastic constants, or not given.
+    """
+    known = {material.name: material for material in materials}
+    a, b = shell.unit_cells[shell.cell].T
+    out = np.zeros((len(shell.triangles), 6, 6))
+    for name in np.unique(shell.material).tolist():
+        if name not in known:
+            raise InputError("materials", "a material of the shell is not given", found=name, expected=", ".join(known))
+        elastic = known[name].elastic
+        if elastic is None:
+            raise InputError(
+                f"material {name}",
+                "no elastic constants, which a capacity curve needs",
+                expected="elastic = { block_E_GPa, block_nu, joint_E_GPa, joint_nu, joint_thickness_mm }",
+            )
+        for pattern, yields in (("running", True), ("single", False)):
+            chosen = (shell.material == name) & (shell.yields == yields)
+            out[chosen] = wall_stiffness(pattern, a[chosen], b[chosen], shell.thickness[chosen], elastic)
+    return out
 
 
 def stone_stiffness(h: npt.ArrayLike, elastic: Elastic) -> FloatArray:

@@ -111,8 +111,10 @@ class CapacityCurve:
     """The result of a pushover of a shell: dead load first (step 0, load factor 0), then lateral load by displacement.
 
     load_factor (ns,); control (ns,) m, the displacement of node `control_point` along the load since the dead load;
-    displacement (nn, 3) m and edge_rotation (ne,) rad at the last step; plastic (nt, 6): plastic membrane strains and curvatures
-    (1/m) at the last step, the mean of each facet in its own axes; multipliers (nt, planes): of each plane, facet means.
+    displacement (nn, 3) m and edge_rotation (ne,) rad at the last step, since the dead load (of an unstable shell: the falling
+    mechanism); plastic (nt, 6): plastic membrane strains and curvatures (1/m) at the last step, those of the dead load
+    included, the mean of each facet in its own axes; multipliers (nt, planes): of each plane, facet means, or the openings (m)
+    of the twelve joint corners of the exact cell.
     status: "converged" when every step is proved and the last ones lie on a plateau.
     """
 

@@ -87,6 +87,13 @@ class Coupling:
         np.logical_or.at(out, self.blocks, (self.values != 0.0).any(axis=1))
         return out.ravel()
 
+    def matrix(self) -> sp.csr_matrix[np.float64]:
+        """Return B (m, dimension * count), for solvers that take matrices."""
+        touch, i, j = np.nonzero(self.values)
+        local = np.repeat(np.arange(self.count), np.diff(self.pointer))[touch]
+        place = (self.block * self.blocks[touch] + j, i * self.count + local)
+        return sp.csr_matrix((self.values[touch, i, j], place), shape=(self.rows, self.dimension * self.count))
+
     def couple(self, x: FloatArray) -> FloatArray:
         """Return B x."""
         out = np.zeros(self.rows)

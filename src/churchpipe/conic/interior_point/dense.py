@@ -10,6 +10,9 @@ from churchpipe.conic.interior_point.nonnegative import NonnegativeScaling
 from churchpipe.conic.interior_point.second_order import SecondOrderScaling
 from churchpipe.model.arrays import FloatArray
 
+# Local problems treated together, so that they stay in the cache.
+_CHUNK = 2048
+
 
 @dataclass(frozen=True, slots=True)
 class DenseCompliance:
@@ -37,10 +40,12 @@ class DenseProblems:
         right: FloatArray,
         cones: tuple[Cone, ...],
         inner: FloatArray,
+        proximal: FloatArray | None = None,
     ) -> None:
         self.quadratic_matrix, self._matrix, self._inner = quadratic, matrix, inner
         self.linear, self.right, self.cones = linear, right.ravel(), cones
         self.dimension, self.count = linear.shape
+        self._root = _root(quadratic if proximal is None else quadratic + np.eye(self.dimension)[:, :, None] * proximal)
 
     def quadratic(self, x: FloatArray) -> FloatArray:
         """Return Q x."""
@@ -56,18 +61,17 @@ class DenseProblems:
 
     def compliance(self, scalings: Sequence[Scaling]) -> DenseCompliance:
         """Return (Q + G^T W^-2 G)^-1, each small matrix brought to a unit diagonal first."""
-        # stiffness_kij
-        stiffness = np.moveaxis(self.quadratic_matrix, 2, 0).copy()
+        # Rows of a matrix whose square is the stiffness: its small eigenvalues, far below the largest, keep their digits.
+        parts = [self._root]
         start = 0
         for cone, scaling in zip(self.cones, scalings, strict=True):
-            block = self._matrix[start : start + cone.rows]
+            parts.append(_unscaled(self._matrix[start : start + cone.rows], scaling))
             start += cone.rows
-            rows = np.moveaxis(_unscaled(block, scaling), 2, 0)
-            stiffness += rows.transpose(0, 2, 1) @ rows
-        scale = 1.0 / np.sqrt(np.einsum("kii->ki", stiffness))
-        inverse = np.asarray(np.linalg.inv(stiffness * scale[:, :, None] * scale[:, None, :]), dtype=np.float64)
-        symmetric = 0.5 * (inverse + np.swapaxes(inverse, 1, 2)) * scale[:, :, None] * scale[:, None, :]
-        return DenseCompliance(np.ascontiguousarray(np.moveaxis(symmetric, 0, 2)))
+        out = np.empty((self.dimension, self.dimension, self.count))
+        for first in range(0, self.count, _CHUNK):
+            piece = np.concatenate([part[:, :, first : first + _CHUNK] for part in parts])
+            out[:, :, first : first + _CHUNK] = _inverse_square(piece)
+        return DenseCompliance(out)
 
     def balanced(self, _force: FloatArray, z: FloatArray) -> FloatArray:
         """Return z as it is: there are more rows than variables, and the next residual takes the rounding."""
@@ -88,3 +92,34 @@ def _unscaled(block: FloatArray, scaling: Scaling) -> FloatArray:
     eta = np.ascontiguousarray(np.broadcast_to(scaling.eta[:, None, :], v.shape[1:]))
     w = np.ascontiguousarray(np.broadcast_to(scaling.w[:, :, None, :], v.shape))
     return SecondOrderScaling(eta, w, w).solve(np.ascontiguousarray(v)).reshape(block.shape)
+
+
+def _root(quadratic: FloatArray) -> FloatArray:
+    """Return R_rik (rows, d, count) with R^T R = Q, without the rows that vanish in all problems."""
+    values, vectors = np.linalg.eigh(np.moveaxis(quadratic, 2, 0))
+    root = np.moveaxis(np.sqrt(np.maximum(values, 0.0))[:, :, None] * np.swapaxes(vectors, 1, 2), 0, 2)
+    return np.ascontiguousarray(root[np.abs(root).max(axis=(1, 2)) > 0])
+
+
+def _inverse_square(rows: FloatArray) -> FloatArray:
+    """Return (A^T A)^-1 (d, d, count) of A_rik (r, d, count), r >= d, by Householder's triangle; A is overwritten.
+
+    Large rows first, as rows of very different size call for.
+    """
+    order = np.argsort(-(rows**2).sum(axis=1), axis=0)
+    a = np.take_along_axis(rows, order[:, None, :], axis=0)
+    d = a.shape[1]
+    for j in range(d):
+        v = a[j:, j].copy()
+        length = -np.copysign(np.sqrt((v**2).sum(axis=0)), v[0])
+        v[0] -= length
+        rest = a[j:, j + 1 :]
+        rest -= v[:, None] * (2.0 / (v**2).sum(axis=0) * (v[:, None] * rest).sum(axis=0))
+        a[j, j] = length
+    # Inverse of the triangle, from the last row up.
+    inverse = np.zeros((d, d, a.shape[2]))
+    for i in range(d - 1, -1, -1):
+        inverse[i, i] = 1.0 / a[i, i]
+        if i + 1 < d:
+            inverse[i, i + 1 :] = -inverse[i, i] * (a[i, i + 1 : d, None] * inverse[i + 1 :, i + 1 :]).sum(axis=0)
+    return np.einsum("ijk,ljk->ilk", inverse, inverse)

@@ -1,0 +1,131 @@
+"""Speed and size of the homogenised shell on S22: limit load and capacity curve, beside the same stated in cvxpy.
+
+    python benchmarks/shell.py --runs limit:65000:CST step:10000:LST pushover:10000:LST
+
+Every run is a process of its own with one thread, capped at 600 s of wall time (ours at 3600 s, for machines that are shared).
+"limit" is the limit load, "step" dead load and one step of a tenth of the elastic displacement at load factor one (in cvxpy
+the step alone), "pushover" the whole curve. cvxpy solves the first two with Clarabel. Writes docs/benchmarks_shell.md.
+"""
+
+import argparse
+import json
+import os
+import resource
+import subprocess
+import sys
+from pathlib import Path
+from time import process_time
+from typing import Any
+
+import numpy as np
+
+ROOT = Path(__file__).parents[1]
+DOCUMENT = ROOT / "docs" / "benchmarks_shell.md"
+CAP, OWN_CAP = 600, 3600
+# Facets of S22 at an element size of 1 m, about: mesh area over the area of a facet.
+FACETS = 5.2
+RUNS = ("limit:2000:LST", "limit:10000:LST", "limit:65000:CST", "step:2000:LST", "step:10000:LST", "pushover:10000:LST")
+HEAD = ("run", "facets", "unknowns", "solver", "outcome", "iterations", "processor s", "memory MiB", "result")
+
+
+def run(what: str, facets: int, membrane: str, solver: str) -> dict[str, Any]:
+    """Make one model, solve it and return the figures."""
+    import churchpipe as cp
+    from churchpipe.homogenised_shell.element import shell_elements
+
+    case = cp.read_case(ROOT / "pipeline" / "cases" / "s22.toml")
+    shell = cp.derive_shell(case.building(), element_size=float(np.sqrt(FACETS / facets)))
+    load, materials = case.loads[0], case.materials
+    elements = shell_elements(shell, membrane)  # pyright: ignore[reportArgumentType]
+    out: dict[str, Any] = {"facets": len(shell.triangles), "unknowns": int((~elements.clamped).sum())}
+    prepared = before_step(elements, load, materials, membrane) if (what, solver) == ("step", "cvxpy") else None
+    begin = process_time()
+    if solver == "cvxpy":
+        out |= stated(elements, load, materials, prepared)
+    elif what == "limit":
+        state = cp.shell_limit_analysis(shell, load, materials, membrane=membrane, solver="interior-point")  # pyright: ignore[reportArgumentType]
+        out |= {"outcome": state.status, "iterations": state.iterations}
+        out["result"] = f"{state.lower_bound:.7f} .. {state.upper_bound:.7f}"
+    else:
+        curve = cp.pushover(shell, load, materials, membrane=membrane, steps=1 if what == "step" else 40)  # pyright: ignore[reportArgumentType]
+        proved = len(curve.steps) == 2 if what == "step" else curve.status == "converged"
+        out |= {"outcome": "proved" if proved else curve.message, "iterations": sum(step.iterations for step in curve.steps)}
+        out["result"] = f"{len(curve.steps) - 1} steps, {curve.plateau:.7f}"
+    out["processor s"] = round(process_time() - begin, 1)
+    out["memory MiB"] = round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**10)
+    return out
+
+
+def before_step(elements: Any, load: Any, materials: Any, membrane: Any) -> tuple[np.ndarray, float]:
+    """Return the stresses under dead load, and the displacement of the first step."""
+    import churchpipe as cp
+    from churchpipe.homogenised_shell.condensed import CondensedShell
+    from churchpipe.homogenised_shell.stiffness import facet_stiffness
+
+    step = cp.pushover(elements.shell, load, materials, membrane=membrane, steps=1).steps[1]
+    condensed = CondensedShell(elements, load, materials, "paper")
+    unit = condensed.loads.unit.T
+    flexibility = np.linalg.inv(facet_stiffness(elements.shell, materials))[elements.facet] * elements.weight[:, None, None]
+    size = condensed.loads.weight * 10 * step.displacement
+    compliance = np.moveaxis(flexibility, 0, 2) * unit[:, None] * unit[None, :] / size
+    standing = condensed.solve(condensed.loads.dead, None, compliance=compliance, cap=1.0)
+    return standing.stress.T * condensed.loads.unit, step.displacement
+
+
+def stated(elements: Any, load: Any, materials: Any, prepared: tuple[np.ndarray, float] | None) -> dict[str, Any]:
+    """Solve the statement in cvxpy: the limit load, or the first step after dead load (which is not timed)."""
+    from churchpipe.homogenised_shell.program import shell_program
+    from churchpipe.homogenised_shell.reference import reference_load_factor, reference_step
+    from churchpipe.homogenised_shell.stiffness import facet_stiffness
+
+    program = shell_program(elements, load, materials, "paper")
+    if prepared is None:
+        factor = reference_load_factor(program)
+    else:
+        flexibility = np.linalg.inv(facet_stiffness(elements.shell, materials))[elements.facet] * elements.weight[:, None, None]
+        factor, _ = reference_step(program, flexibility, *prepared)
+    return {"outcome": "solved" if np.isfinite(factor) else "not solved", "result": f"{factor:.7f}"}
+
+
+def in_child(name: str, solver: str) -> dict[str, Any]:
+    """Run one solve in a process with one thread, capped in wall time."""
+    threads = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+    command = [sys.executable, __file__, "--one", name, solver]
+    cap = CAP if solver == "cvxpy" else OWN_CAP
+    row: dict[str, Any] = {"run": name, "solver": solver}
+    try:
+        done = subprocess.run(command, env=os.environ | threads, capture_output=True, text=True, timeout=cap, check=True)
+    except subprocess.TimeoutExpired:
+        return row | {"outcome": f"not done in {cap} s"}
+    except subprocess.CalledProcessError as error:
+        return row | {"outcome": f"ended with {error.returncode}"}
+    return row | json.loads(done.stdout.splitlines()[-1])
+
+
+def main() -> None:
+    """Run the chosen models and write the document."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--runs", nargs="+", default=list(RUNS), help="limit|step|pushover:FACETS:LST|CST")
+    parser.add_argument("--solvers", nargs="+", default=["interior-point", "cvxpy"])
+    parser.add_argument("--one", nargs=2, metavar=("RUN", "SOLVER"), help="one run, as JSON")
+    chosen = parser.parse_args()
+    if chosen.one:
+        what, facets, membrane = chosen.one[0].split(":")
+        print(json.dumps(run(what, int(facets), membrane, chosen.one[1])))
+        return
+    command = f"python benchmarks/shell.py --runs {' '.join(chosen.runs)} --solvers {' '.join(chosen.solvers)}"
+    lines = ["# The homogenised shell: speed and size", "", f"    {command}", ""]
+    lines += ["S22, friction .7, no cohesion, planes f1-8. Limit loads: the two bounds that the result proves.", ""]
+    lines += ["| " + " | ".join(HEAD) + " |", "|" + "---|" * len(HEAD)]
+    for name in chosen.runs:
+        for solver in chosen.solvers:
+            if solver == "cvxpy" and name.startswith("pushover"):
+                continue
+            row = in_child(name, solver)
+            print(row, flush=True)
+            lines.append("| " + " | ".join(str(row.get(key, "")) for key in HEAD) + " |")
+            DOCUMENT.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,205 @@
+"""A shell as local problems in the stresses of its points, which meet in the equilibrium of its unknowns.
+
+The form that the interior-point core takes: eliminating the stresses leaves one positive definite matrix with the pattern of the
+stiffness matrix, K = sum B^T (Q + G^T D G)^-1 B, analysed once for dead load, limit load and every step of a path.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+
+from churchpipe.conic.cholesky import Cholesky
+from churchpipe.conic.interior_point.cones import cone_shape
+from churchpipe.conic.interior_point.coupling import Coupling
+from churchpipe.conic.interior_point.dense import DenseProblems
+from churchpipe.conic.interior_point.iterate import Iterate
+from churchpipe.conic.interior_point.loop import interior_start, solve_coupled
+from churchpipe.conic.interior_point.normal import NormalMatrix
+from churchpipe.conic.interior_point.problem import CoupledProblem
+from churchpipe.conic.interior_point.settings import Settings
+from churchpipe.conic.program import Outcome
+from churchpipe.homogenised_shell.direct import solve_directly
+from churchpipe.homogenised_shell.element import ShellElements
+from churchpipe.homogenised_shell.points import local_strength
+from churchpipe.homogenised_shell.program import load_vectors
+from churchpipe.homogenised_shell.strength import PlaneSet
+from churchpipe.model.arrays import FloatArray
+from churchpipe.model.loads import LoadCase
+from churchpipe.model.materials import Material
+
+TOLERANCE = 1e-6
+# Stiffness lent to the iterations where the strength bounds nothing (M12, lintels); it leaves no trace in the solution.
+_PROXIMAL = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class StressState:
+    """Stresses in equilibrium and the motion that goes with them, in the units of `CondensedShell`.
+
+    x (d, nq) local variables; stress (6, nq); load: of the part that grows; motion (n,): unknowns of the elements, work-conjugate
+    to loads over the weight; multipliers (rows, nq); rate (d, nq): strain of that motion, conjugate to x, and
+    strain (6, nq), conjugate to stress. residual of equilibrium over the weight; violation of the strength over the
+    unit of stress; gap: the loop's error, relative to the objective.
+    """
+
+    x: FloatArray
+    stress: FloatArray
+    load: float
+    motion: FloatArray
+    multipliers: FloatArray
+    rate: FloatArray
+    strain: FloatArray
+    residual: float
+    violation: float
+    gap: float
+    iterations: int
+    status: Outcome
+    message: str
+
+    @property
+    def holds(self) -> bool:
+        """True when solved and proved by its own arrays; almost is not enough."""
+        return self.status == "solved" and max(self.residual, self.violation, self.gap) <= TOLERANCE
+
+
+class CondensedShell:
+    """A shell, its loads and its strength for the interior-point core, with one symbolic analysis.
+
+    Units inside: forces over `weight`, N; stresses over `unit` (nq, 6), N/m and N; lengths m.
+    """
+
+    def __init__(self, elements: ShellElements, load: LoadCase, materials: Sequence[Material], planes: PlaneSet) -> None:
+        """Raise InputError as `program.load_vectors` and `strength.strength`."""
+        self.elements = elements
+        self.loads = load_vectors(elements, load)
+        self.strength = local_strength(elements, materials, planes, self.loads.unit)
+        self._strain = sp.csr_matrix(self.loads.equilibrium.T)
+        d = self.strength.inner.shape[0]
+        moments = _point_matrix(self.strength.still)
+        moments = sp.csr_matrix(moments[np.diff(moments.indptr) > 0])
+        matrix = sp.csc_matrix(sp.vstack([self.loads.equilibrium @ _point_matrix(self.strength.of), moments]))
+        matrix.eliminate_zeros()
+        self._coupling = Coupling(matrix, d, 1)
+        self._normal = NormalMatrix(self._coupling)
+        self._cholesky = Cholesky(self._normal.pattern, 1)
+
+    def solve(
+        self,
+        dead: FloatArray | None,
+        live: FloatArray | None,
+        *,
+        compliance: FloatArray | None = None,
+        origin: FloatArray | None = None,
+        reward: float = 1.0,
+        cap: float = np.inf,
+        settings: Settings | None = None,
+    ) -> StressState:
+        """Return the stresses x with the largest  reward load - 1/2 sum (x - origin) Q (x - origin),  Q = of^T compliance of.
+
+        Parameters
+        ----------
+        dead, live: loads (m,) over the weight, the second multiplied by the load (at most `cap`); None for nothing.
+        compliance_abq: (6, 6, nq), none for limit analysis. origin: local variables (d, nq), zero by default.
+        """
+        problem = self._problem(dead, live, compliance, origin, reward, cap)
+        settings = settings or Settings(error=1e-10, residual=1e-10, acceptable=TOLERANCE)
+        ending = solve_coupled(problem, self._normal, self._cholesky, interior_start(problem, settings), settings)
+        outcome = "failed" if ending.status == "running" else ending.status
+        # A certificate of infeasibility is a mechanism: as long as its largest entry allows.
+        theta = ending.at.theta if outcome != "infeasible" else float(np.abs(ending.at.y).max())
+        return self._state(problem, ending.at, theta, outcome, ending.info.error, ending.info.iteration, ending.message)
+
+    def solve_directly(self, dead: FloatArray | None, live: FloatArray | None, cap: float = np.inf) -> StressState:
+        """Return the stresses with the largest load by Clarabel."""
+        problem = self._problem(dead, live, None, None, 1.0, cap)
+        law = self.strength
+        _, d, nq = law.matrix.shape
+        rows = np.moveaxis(law.matrix, 2, 0)
+        i, j = np.arange(rows.shape[1]), np.arange(d)
+        place = np.arange(nq)
+        row = np.broadcast_to(place[:, None, None] + nq * i[:, None], rows.shape).ravel()
+        column = np.broadcast_to(place[:, None, None] + nq * j, rows.shape).ravel()
+        matrix = sp.csr_matrix((rows.ravel(), (row, column)), shape=(len(i) * nq, d * nq))
+        matrix.eliminate_zeros()
+        at, outcome, iterations, message = solve_directly(problem, matrix)
+        return self._state(problem, at, 1.0, outcome, np.nan, iterations, message)
+
+    def _problem(
+        self,
+        dead: FloatArray | None,
+        live: FloatArray | None,
+        compliance: FloatArray | None,
+        origin: FloatArray | None,
+        reward: float,
+        cap: float,
+    ) -> CoupledProblem:
+        law = self.strength
+        d, nq = law.inner.shape
+        quadratic = np.zeros((d, d, nq))
+        lent = np.full((d, nq), _PROXIMAL)
+        if compliance is not None:
+            quadratic = np.einsum("aiq,abq,bjq->ijq", law.of, compliance, law.of, optimize=True)
+            lent = law.loose * (np.einsum("iiq->iq", quadratic) == 0)
+        linear = np.zeros((d, nq)) if origin is None else -np.einsum("ijq,jq->iq", quadratic, origin)
+        rows = self._coupling.rows
+        nothing = np.zeros(self.loads.equilibrium.shape[0])
+        dead, live = (nothing if part is None else part for part in (dead, live))
+        shift = self.loads.equilibrium @ law.offset.T.ravel()
+        return CoupledProblem(
+            DenseProblems(quadratic, linear, law.matrix, law.right, law.cones, law.inner, lent),
+            self._coupling,
+            _padded(shift - dead, rows),
+            _padded(-live, rows),
+            reward=reward,
+            cap=cap,
+        )
+
+    def _state(
+        self,
+        problem: CoupledProblem,
+        at: Iterate,
+        theta: float,
+        outcome: Outcome,
+        gap: float,
+        iterations: int,
+        message: str,
+    ) -> StressState:
+        law = self.strength
+        x, load = (at.x / theta).reshape(law.inner.shape), at.load / theta
+        stress = law.offset + np.einsum("aiq,iq->aq", law.of, x)
+        balance = (problem.couple(at.x) + at.load * problem.growth) / theta + problem.constant
+        slack = law.right - np.einsum("riq,iq->rq", law.matrix, x)
+        free = ~self.elements.clamped
+        motion = np.zeros(self.elements.unknowns)
+        motion[free] = -at.y[: int(free.sum())] / theta
+        return StressState(
+            x=x,
+            stress=stress,
+            load=load,
+            motion=motion,
+            multipliers=(at.z[: slack.size] / theta).reshape(slack.shape),
+            rate=-problem.local_view(problem.spread(at.y)) / theta,
+            strain=np.asarray(self._strain @ motion[free]).reshape(-1, 6).T,
+            residual=float(np.abs(balance).max(initial=0.0)),
+            violation=max(0.0, -min(cone.margin(slack.reshape(cone_shape(cone))) for cone in law.cones)),
+            gap=gap,
+            iterations=iterations,
+            status=outcome,
+            message=message,
+        )
+
+
+def _point_matrix(values: FloatArray) -> sp.csr_matrix[np.float64]:
+    """Return values_aiq (a, d, nq) as a matrix: rows point first, columns component first."""
+    a, d, nq = values.shape
+    i, j, q = np.meshgrid(np.arange(a), np.arange(d), np.arange(nq), indexing="ij")
+    rows, columns = (a * q + i).ravel(), (j * nq + q).ravel()
+    matrix = sp.csr_matrix((values.ravel(), (rows, columns)), shape=(a * nq, d * nq))
+    matrix.eliminate_zeros()
+    return matrix
+
+
+def _padded(v: FloatArray, size: int) -> FloatArray:
+    return np.concatenate([v, np.zeros(size - len(v))])

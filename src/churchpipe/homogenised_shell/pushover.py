@@ -1,0 +1,226 @@
+"""Capacity curve of a shell: dead load, then lateral load in steps of displacement (Haar and von Karman, eq. 10).
+
+Each step is one convex program for the whole structure: of all stresses in equilibrium and within the strength, those nearest
+in elastic energy to the ones before, while the load earns the prescribed displacement d = f_L . u / W as its multiplier,
+
+    minimise  1/2 sum A (t - t_n) C^-1 (t - t_n) - lambda dd    s.t.  H t = f_D + lambda f_L,  f(t) <= 0.
+
+The multipliers of equilibrium are the displacements of the step, those of the strength its plastic strains. No step is too long
+for it, and no cohesion is needed.
+"""
+
+from collections.abc import Callable, Sequence
+from time import perf_counter
+
+import numpy as np
+import numpy.typing as npt
+import scipy.sparse as sp
+
+from churchpipe.conic.cholesky import Cholesky, NotDefiniteError
+from churchpipe.errors import InputError
+from churchpipe.homogenised_shell.condensed import CondensedShell, StressState
+from churchpipe.homogenised_shell.element import Membrane, ShellElements, Stations, shell_elements
+from churchpipe.homogenised_shell.limit import FALLS
+from churchpipe.homogenised_shell.stiffness import facet_stiffness
+from churchpipe.homogenised_shell.strength import PlaneSet
+from churchpipe.model.arrays import FloatArray
+from churchpipe.model.loads import LoadCase
+from churchpipe.model.materials import Material
+from churchpipe.model.results import CapacityCurve, CapacityStep, Status
+from churchpipe.model.shell import ShellModel
+
+# First step, in displacements that a load factor of one would cause if nothing yielded.
+_FIRST = 0.1
+# A step should raise the load factor by this share of itself; it grows by no more than the second number at a time.
+_RISE, _GROWTH = 0.2, 3.0
+# On a plateau: a step that lengthens the path by half or more raises the load factor by less than this share.
+_PLATEAU, _LONGER = 5e-4, 1.5
+_SHRINK, _SMALLEST = 0.25, 1e-4
+
+Progress = Callable[[CapacityStep], None]
+
+
+def pushover(
+    shell: ShellModel,
+    load: LoadCase,
+    materials: Sequence[Material],
+    *,
+    planes: PlaneSet = "paper",
+    membrane: Membrane = "LST",
+    stations: Stations = "inner",
+    control_point: int | npt.ArrayLike | None = None,
+    steps: int = 40,
+    progress: Progress | None = None,
+) -> CapacityCurve:
+    """Push a shell sideways until its load factor stays.
+
+    Parameters
+    ----------
+    planes, membrane, stations: as in `limit.shell_limit_analysis`.
+    control_point: number of a node, or a point (3,) m whose nearest node is taken; by default the node that moves furthest along
+        the load at the end. steps: at most this many, dead load not counted. progress: called after every step.
+
+    Returns
+    -------
+    CapacityCurve: status "converged" on a plateau: the last step made the path half as long again or more, and the load factor
+    rose by less than 5e-4 of itself. "not-converged": the steps were used up. "failed": a step was not solved even when
+    shortened. "unstable": under dead load alone; displacement is then the falling mechanism, f_D . u = 1 per total weight.
+
+    Raises
+    ------
+    InputError: values out of range, materials or panels unknown, no elastic constants, a mesh that is not held.
+    """
+    begin = perf_counter()
+    if steps < 1:
+        raise InputError("steps", "out of range", found=steps, expected=">= 1")
+    control = None if control_point is None else _node(shell, control_point)
+    stiffness = facet_stiffness(shell, materials)
+    elements = shell_elements(shell, membrane, stations)
+    condensed = CondensedShell(elements, load, materials, planes)
+    path = _Path(condensed, stiffness)
+    status, message = path.stand(progress)
+    if status == "converged":
+        status, message = path.push(steps, progress)
+    return path.curve(status, message, control, load, perf_counter() - begin)
+
+
+class _Path:
+    """Where a pushover stands: stresses, displacements and what was done to get there."""
+
+    def __init__(self, condensed: CondensedShell, stiffness: FloatArray) -> None:
+        elements, loads = condensed.elements, condensed.loads
+        self._condensed, self._stiffness = condensed, stiffness
+        self._softness = _elastic_displacement(elements, stiffness, condensed)
+        unit = loads.unit.T
+        size = elements.weight / (loads.weight * self._softness)
+        flexibility = np.moveaxis(np.linalg.inv(stiffness)[elements.facet], 0, 2)
+        self._compliance = flexibility * unit[:, None] * unit[None, :] * size
+        self._x = np.zeros_like(condensed.strength.inner)
+        self._stress = np.zeros((6, len(elements.facet)))
+        self._dead_motion = np.zeros(elements.unknowns)
+        self._motion = np.zeros(elements.unknowns)
+        self._multipliers = np.zeros_like(condensed.strength.right)
+        self._moved: list[FloatArray] = []
+        self._steps: list[CapacityStep] = []
+
+    def stand(self, progress: Progress | None) -> tuple[Status, str]:
+        """Apply the dead load."""
+        begin = perf_counter()
+        state = self._condensed.solve(self._condensed.loads.dead, None, compliance=self._compliance, cap=1.0)
+        if state.status == "infeasible":
+            fall = state.motion
+            self._motion = fall / float(self._condensed.loads.dead @ fall[~self._condensed.elements.clamped])
+            return "unstable", FALLS
+        if not state.holds:
+            return "failed", f"dead load not decided: {_reason(state)}"
+        self._accept(state, 0.0, 0.0, begin, progress)
+        self._dead_motion, self._motion = self._motion, np.zeros_like(self._motion)
+        self._moved = [np.zeros_like(self._moved[0])]
+        return "converged", ""
+
+    def push(self, most: int, progress: Progress | None) -> tuple[Status, str]:
+        """Push until the load factor stays."""
+        loads = self._condensed.loads
+        length, longest = _FIRST, np.inf
+        travelled = factor = 0.0
+        while len(self._steps) <= most:
+            begin = perf_counter()
+            state = self._condensed.solve(loads.dead, loads.live, compliance=self._compliance, origin=self._x, reward=length)
+            if not state.holds:
+                if length < _SMALLEST * _FIRST:
+                    return "failed", f"step {len(self._steps)}: {_reason(state)}"
+                length *= _SHRINK
+                longest = length
+                continue
+            rise, before = state.load - factor, travelled
+            travelled, factor = travelled + length, state.load
+            self._accept(state, travelled * self._softness, factor, begin, progress)
+            if before > 0 and travelled >= _LONGER * before and abs(rise) <= _PLATEAU * abs(factor):
+                return "converged", ""
+            wanted = _RISE * abs(factor) / max(abs(rise), 1e-300)
+            length = min(length * float(np.clip(wanted, 1.0, _GROWTH)), longest)
+        return "not-converged", f"no plateau after {most} steps"
+
+    def curve(self, status: Status, message: str, control: int | None, load: LoadCase, seconds: float) -> CapacityCurve:
+        """Return what was found."""
+        condensed, elements = self._condensed, self._condensed.elements
+        displacement = elements.translations(self._motion)
+        along = displacement @ load.direction
+        node = int(along.argmax()) if control is None else control
+        area = elements.weight
+        total = np.bincount(elements.facet, area)
+        multipliers = self._multipliers * condensed.loads.weight * self._softness / (condensed.strength.size * area)
+        rows = _normal_rows(multipliers)
+        mean = np.stack([np.bincount(elements.facet, area * row) / total for row in rows], axis=1)
+        stress = self._stress * condensed.loads.unit.T
+        facet_stress = np.stack([np.bincount(elements.facet, area * row) / total for row in stress], axis=1)
+        elastic = np.linalg.solve(self._stiffness, facet_stress[:, :, None])[:, :, 0]
+        plastic = elements.facet_strain(self._dead_motion + self._motion) - elastic
+        return CapacityCurve(
+            load_factor=np.array([step.load_factor for step in self._steps]),
+            control=np.array([moved[node] @ load.direction for moved in self._moved]),
+            control_point=node,
+            displacement=displacement,
+            edge_rotation=elements.edge_rotation(self._motion),
+            plastic=plastic * elements.shell.yields[:, None],
+            multipliers=mean * elements.shell.yields[:, None],
+            steps=tuple(self._steps),
+            status=status,
+            seconds=seconds,
+            message=message,
+        )
+
+    def _accept(self, state: StressState, displacement: float, factor: float, begin: float, progress: Progress | None) -> None:
+        self._x, self._stress = state.x, state.stress
+        self._motion = self._motion + self._softness * state.motion
+        self._multipliers = self._multipliers + state.multipliers
+        self._moved.append(self._condensed.elements.translations(self._motion))
+        step = CapacityStep(
+            displacement=displacement,
+            load_factor=factor,
+            residual=state.residual,
+            violation=state.violation,
+            gap=state.gap,
+            iterations=state.iterations,
+            seconds=perf_counter() - begin,
+        )
+        self._steps.append(step)
+        if progress:
+            progress(step)
+
+
+def _normal_rows(multipliers: FloatArray) -> FloatArray:
+    """Return the rows that stand for a plane or for the corner of a joint: of second-order cones the first components."""
+    return multipliers[:12] if len(multipliers) == 36 else multipliers
+
+
+def _reason(state: StressState) -> str:
+    return f"{state.message or state.status}, residual {state.residual:.1e}, gap {state.gap:.1e}"
+
+
+def _elastic_displacement(elements: ShellElements, stiffness: FloatArray, condensed: CondensedShell) -> float:
+    """Return f_L . u / W, m, at a load factor of one when nothing yields."""
+    free = ~elements.clamped
+    lower = sp.csc_matrix(sp.tril(elements.stiffness_matrix(stiffness)[free][:, free], format="csc"))
+    lower.sort_indices()
+    factor = Cholesky(lower, 1)
+    try:
+        factor.factor(lower.data)
+    except NotDefiniteError as error:
+        raise InputError(
+            "shell", "nothing holds it: it moves without strain", expected="supported nodes that fix every part"
+        ) from error
+    live = condensed.loads.live
+    return condensed.loads.weight * float(live @ factor.solve(live))
+
+
+def _node(shell: ShellModel, control_point: int | npt.ArrayLike) -> int:
+    count = len(shell.points)
+    given = np.asarray(control_point)
+    if given.ndim == 0 and given.dtype.kind in "iu":
+        if not 0 <= int(given) < count:
+            raise InputError("control_point", "no such node", found=int(given), expected=f"0 to {count - 1}")
+        return int(given)
+    if given.shape != (3,) or given.dtype.kind not in "iuf" or not np.isfinite(given).all():
+        raise InputError("control_point", "not a node or a point", found=control_point, expected="a number, or x, y, z in m")
+    return int(((shell.points - given) ** 2).sum(axis=1).argmin())
