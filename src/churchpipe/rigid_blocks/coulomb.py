@@ -135,29 +135,37 @@ def mechanism_interval(balance: Equilibrium, strength: Strength, state: CoulombS
     slip = np.hypot(rate[:, 1], rate[:, 2])
     opening = np.maximum(rate[:, 0], 0.0)
     cost = np.column_stack([opening + strength.friction * slip, rate[:, 1:]])
-    # The defect scales with the load factor: twice the certified accuracy leaves the given state strictly inside.
-    allowed = float((cost * state.x).sum()) + 1e-5 * abs(state.load_factor)
-    # The row in the size of the others: its right side as large as the largest load.
-    size = float(np.abs(balance.dead).max()) / abs(allowed)
-    row = sp.hstack([sp.csr_matrix(size * cost.reshape(1, -1)), sp.csr_matrix([[1.0, 0.0, 0.0]])])
-    matrix = sp.csc_matrix(sp.vstack([sp.hstack([balance.matrix, sp.csr_matrix((len(balance.dead), 3))]), row]))
-    zero = np.zeros(len(slip) + 1)
+    given = float((cost * state.x).sum())
     ends: list[float] = []
     for sign in (-1.0, 1.0):
-        program = ConeProgram(
-            balance=matrix,
-            constant=np.append(balance.dead, -size * allowed),
-            growth=np.append(sign * balance.live, 0.0),
-            limit=np.append(strength.cohesion, 0.0),
-            slope=np.append(strength.friction, 0.0),
-            linear=zero,
-            quadratic=zero,
-        )
-        # One dense row would fill the block matrix of our own solver.
-        answer = solve_clarabel(program, tolerance=INTERVAL_TOLERANCE)
+        # The defect scales with the load factor: twice the certified accuracy leaves the given state strictly inside. Where that
+        # is too thin a slice for double precision, a little more of it.
+        for share in (1e-5, 2e-5, 4e-5):
+            program = _end_program(balance, strength, cost, given + share * abs(state.load_factor), sign)
+            # One dense row would fill the block matrix of our own solver.
+            answer = solve_clarabel(program, tolerance=INTERVAL_TOLERANCE)
+            if answer.outcome == "solved":
+                break
         ends.append(sign * answer.tau if answer.outcome == "solved" else np.nan)
     # The given state is one of them, whatever the last digits of the two ends.
     return float(np.minimum(ends[0], state.load_factor)), float(np.maximum(ends[1], state.load_factor))
+
+
+def _end_program(balance: Equilibrium, strength: Strength, cost: FloatArray, allowed: float, sign: float) -> ConeProgram:
+    """State the search for the smallest (sign -1) or largest load factor of states with sum cost . x <= allowed."""
+    # The row in the size of the others: its right side as large as the largest load.
+    size = float(np.abs(balance.dead).max()) / abs(allowed)
+    row = sp.hstack([sp.csr_matrix(size * cost.reshape(1, -1)), sp.csr_matrix([[1.0, 0.0, 0.0]])])
+    zero = np.zeros(len(cost) + 1)
+    return ConeProgram(
+        balance=sp.csc_matrix(sp.vstack([sp.hstack([balance.matrix, sp.csr_matrix((len(balance.dead), 3))]), row])),
+        constant=np.append(balance.dead, -size * allowed),
+        growth=np.append(sign * balance.live, 0.0),
+        limit=np.append(strength.cohesion, 0.0),
+        slope=np.append(strength.friction, 0.0),
+        linear=zero,
+        quadratic=zero,
+    )
 
 
 def friction_violation(strength: Strength, x: FloatArray, allowance: float = 0.0) -> float:

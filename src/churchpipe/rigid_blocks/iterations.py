@@ -66,6 +66,8 @@ class SchemeSettings:
     momentum: float = 0.9
     stall: float = 0.8
     error: float = 1e-6
+    share: float = 0.1
+    roughest: float = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,7 +171,10 @@ def certified_iteration(
         for pair in range(settings.stage_b):
             if progress:
                 progress("non-associative", (round_number + pair / settings.stage_b) / settings.rounds)
-            state = _stage_b(balance, strength, ahead, count, settings)
+            # No better than a tenth of the gap that is left: it is computed from the arrays, whatever made them.
+            last = gaps[-1] if gaps else np.inf
+            error = min(max(settings.error, settings.share * last), settings.roughest)
+            state = _stage_b(balance, strength, ahead, count, settings.weight_b, error)
             if state is None and before is not None and ahead is not before:
                 # So far on, no velocities may fit: back to the forces that were found.
                 ahead = before
@@ -211,13 +216,13 @@ def _run(state: CoulombState, settled: bool, history: list[Iteration], count: So
 
 
 def _stage_b(
-    balance: Equilibrium, strength: Strength, n: FloatArray, solve: Solve, settings: SchemeSettings
+    balance: Equilibrium, strength: Strength, n: FloatArray, solve: Solve, nearness: float, error: float
 ) -> CoulombState | None:
     """Return the next state: velocities from P(n), then the forces that do the least work against them."""
-    y = sliding_velocities(balance, strength, n, solve, error=settings.error)
+    y = sliding_velocities(balance, strength, n, solve, error=error)
     if y is None:
         return None
-    found = nearest_forces(balance, strength, n, y, solve, nearness=settings.weight_b, error=settings.error)
+    found = nearest_forces(balance, strength, n, y, solve, nearness=nearness, error=error)
     if found is None:
         return None
     x, load_factor = found
@@ -233,7 +238,7 @@ def _stage_a(
     curvature = settings.weight_a / (len(n) * mean * (shear + 0.1 * mean)) * mu**2
     limit = shear + strength.cohesion + settings.cohesion * float(shear.max())
     program = ConeProgram(balance.matrix, balance.dead, balance.live, limit, np.zeros_like(n), -curvature * n, curvature)
-    answer = solve(program, error=settings.error)
+    answer = solve(program, error=settings.roughest)
     if answer.outcome != "solved":
         return None
     mixed = mixing * np.maximum(answer.x[:, 0], 0.0) + (1 - mixing) * n
