@@ -50,7 +50,8 @@ class SchemeSettings:
     some walls. weight_a, weight_b: proximal weights. cohesion: fictitious, in stage A, over the largest normal force.
     momentum: share of its last step that stage B goes on by. stall: stage B gives up when four steps have not brought the
     gap below this share. gap: g / alpha at which the search ends.
-    error: to which the convex programs are solved; the gap is computed from the arrays, whatever it is.
+    Convex programs are solved to `share` of the gap that is left, at least to `roughest` and at most to `error`: the gap is
+    computed from the arrays, whatever made them.
     """
 
     rounds: int = 3
