@@ -2,9 +2,12 @@
 
 Closed forms: a wall of thickness t and height H overturns out of plane at t / H, and slides in its plane at the friction
 coefficient; a pier B x H splits along a line as steep as the stones' stagger, mu_b = 2 a / b, and turns about its toe, which
-bounds the load factor by (B H/2 - B^2 mu_b/3) / (H^2/2 - B^2 mu_b^2/6) from above (friction <= mu_b). Series of meshes:
-independent calculation made for this project.
+bounds the load factor by (B H/2 - B^2 mu_b/3) / (H^2/2 - B^2 mu_b^2/6) from above (friction <= mu_b); a strip that spans
+along its courses and may dilate bends at M11 = (1 + p + q)/2 h k, k = c h / tan phi. Series of meshes: independent
+calculation made for this project.
 """
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,7 +17,7 @@ from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
 from churchpipe.model.results import ShellLimitState
 from churchpipe.model.shell import ShellModel
-from shell_meshes import grid, joined_walls, shell, wall_points
+from shell_meshes import grid, joined_walls, plate_points, shell, wall_points
 
 OUT, ALONG = LoadCase((0, 1, 0)), LoadCase((1, 0, 0))
 
@@ -86,6 +89,50 @@ def test_planes_bound_the_exact_cell() -> None:
     }
     assert by_planes["cell"] <= by_planes["paper+torsion"] * (1 + 1e-6)
     assert by_planes["paper+torsion"] <= by_planes["paper"] * (1 + 1e-6)
+
+
+WIDTH = ARM = 0.1
+PRESSURE = 1000.0
+
+
+def bent_strip(span: float) -> ShellModel:
+    """A flat strip, beds along x, on four rigid pendulums at its corners, bent evenly by loads on an arm beyond each end.
+
+    Pendulums, because the flow needs the strip to stretch both ways: a clamp or a fixed line would make it infinitely strong.
+    """
+    flat, strip = grid(round(span / ARM) + 2, 1, span + 2 * ARM, WIDTH)
+    points = plate_points(flat - [ARM, 0.0])
+    heads = [np.linalg.norm(points - [x, y, 0.0], axis=1).argmin() for x in (0.0, span) for y in (0.0, WIDTH)]
+    feet = np.repeat(points[heads], 2, axis=0) + np.tile([[0.0, 0.0, -1.0], [0.3, 0.0, -0.5]], (4, 1))
+    pendulums = np.column_stack([heads, len(points) + np.arange(8).reshape(4, 2)])
+    model = shell(np.vstack([points, feet]), np.vstack([strip, pendulums]), supported=lambda p: p[:, 2] < -0.9)
+    middle = model.points[model.triangles].mean(axis=1)[:, 0]
+    own = np.arange(len(model.triangles)) < len(strip)
+    return replace(model, surface_weight=np.where(own & ((middle < 0) | (middle > span)), PRESSURE, 0.0), yields=own)
+
+
+@pytest.mark.parametrize("planes", ["paper", "paper+torsion", "cell"])
+def test_strip_bends_along_its_courses_by_hand(planes: str) -> None:
+    h, tg, mu_b, b = 0.04, 0.7, 0.75, 0.08
+    p, q = tg * b / (4 * h * mu_b), tg / mu_b * np.hypot(1, b / (4 * h))
+    capacity = (1 + p + q) / 2
+    assert capacity == pytest.approx(1.2551, abs=5e-5)
+    k = PRESSURE * ARM**2 / h
+    masonry = [Material("default", 0.0, tg, k * tg / h)]
+    spans = np.array([1.0, 2.0, 4.0])
+    found: list[float] = []
+    for span in spans:
+        state = shell_limit_analysis(bent_strip(span), LoadCase((0, 0, -1)), masonry, planes=planes, membrane="CST")  # pyright: ignore[reportArgumentType]
+        assert state.status == "optimal"
+        # The arm's weight, a third of each facet on each corner, about the line of pendulums: p arm^2 / 2 a width.
+        found.append(PRESSURE * (1 + state.load_factor) * ARM**2 / 2 / (h * k))
+    # From below: even bending at capacity, less in the arms. From above: the flow of f7 everywhere, arms included, with
+    # e11 : e22 : chi11 : chi22 = 1 : p + q : 2/h : 2/h (q - p), its work that of the arms' lumped weights.
+    above = capacity * (spans + 2 * ARM) / (spans + 5 / 6 * ARM - (q - p) * WIDTH**2 / (6 * ARM))
+    assert (np.array(found) >= capacity).all()
+    assert (np.array(found) <= above).all()
+    # What the arms add is of first order in arm / span.
+    assert 2 * found[2] - found[1] == pytest.approx(capacity, rel=2e-3)
 
 
 def prototype_s5(dx: float, dz: float, cut: int) -> ShellModel:

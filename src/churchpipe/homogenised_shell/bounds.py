@@ -4,13 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from churchpipe.conic.interior_point.nonnegative import Nonnegative
 from churchpipe.conic.program import Outcome
 from churchpipe.homogenised_shell.condensed import CondensedShell, StressState
-from churchpipe.homogenised_shell.points import LocalStrength
 from churchpipe.model.arrays import FloatArray
-
-_SWEEPS = 100
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,9 +48,8 @@ def proved_bounds(condensed: CondensedShell, state: StressState, dead: FloatArra
     earned = float(live @ motion)
     scale = 1.0 / earned if earned > 0 else 1.0
     law = condensed.strength
-    multipliers, unexplained = plastic_flow(law, state.rate, state.multipliers)
-    doubt = float((np.abs(unexplained) * np.abs(state.x)).sum())
-    cost = float((law.right * multipliers).sum()) + float((law.offset * state.strain).sum())
+    doubt = float((np.abs(state.unexplained) * np.abs(state.x)).sum())
+    cost = float((law.right * state.multipliers).sum()) + float((law.offset * state.strain).sum())
     return Bounds(
         lower=state.load,
         upper=scale * (cost + doubt - float(dead @ motion)),
@@ -66,29 +61,3 @@ def proved_bounds(condensed: CondensedShell, state: StressState, dead: FloatArra
         outcome=state.status,
         message=state.message,
     )
-
-
-def plastic_flow(law: LocalStrength, rate: FloatArray, start: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return multipliers in the cones (rows, nq) with G^T z as near to a strain rate (d, nq) as can be, and what is left of it.
-
-    Planes: Hildreth's sweeps from `start`. Cones of the exact cell: one row a variable, so the nearest point of each cone.
-    """
-    if isinstance(law.cones[0], Nonnegative):
-        z = np.maximum(start, 0.0)
-        left = rate - np.einsum("riq,rq->iq", law.matrix, z)
-        square = (law.matrix**2).sum(axis=1)
-        square[square == 0] = 1.0
-        for _ in range(_SWEEPS):
-            for row, normal in enumerate(law.matrix):
-                moved = np.maximum(z[row] + (normal * left).sum(axis=0) / square[row], 0.0)
-                left -= normal * (moved - z[row])
-                z[row] = moved
-        return z, left
-    size = np.einsum("iiq->iq", law.matrix)
-    asked = np.where(size == 0, 0.0, rate / np.where(size == 0, 1.0, size)).reshape(3, 12, -1)
-    length = np.sqrt((asked[1:] ** 2).sum(axis=0))
-    top = np.clip(0.5 * (asked[0] + length), np.maximum(asked[0], 0.0), None)
-    top = np.where(asked[0] >= length, asked[0], np.where(asked[0] <= -length, 0.0, top))
-    inside = np.concatenate([top[None], asked[1:] * np.where(length > top, top / np.maximum(length, 1e-300), 1.0)])
-    z = inside.reshape(rate.shape)
-    return z, rate - size * z

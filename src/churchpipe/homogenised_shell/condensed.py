@@ -22,6 +22,7 @@ from churchpipe.conic.interior_point.settings import Settings
 from churchpipe.conic.program import Outcome
 from churchpipe.homogenised_shell.direct import solve_directly
 from churchpipe.homogenised_shell.element import ShellElements
+from churchpipe.homogenised_shell.flow import plastic_flow
 from churchpipe.homogenised_shell.points import local_strength
 from churchpipe.homogenised_shell.program import load_vectors
 from churchpipe.homogenised_shell.strength import PlaneSet
@@ -39,9 +40,9 @@ class StressState:
     """Stresses in equilibrium and the motion that goes with them, in the units of `CondensedShell`.
 
     x (d, nq) local variables; stress (6, nq); load: of the part that grows; motion (n,): unknowns of the elements, work-conjugate
-    to loads over the weight; multipliers (rows, nq); rate (d, nq): strain of that motion, conjugate to x, and
-    strain (6, nq), conjugate to stress. residual of equilibrium over the weight; violation of the strength over the
-    unit of stress; gap: the loop's error, relative to the objective.
+    to loads over the weight; multipliers (rows, nq) of the strength: their flow is the plastic strain of that motion except for
+    `unexplained` (d, nq), conjugate to x, which is rounding; strain (6, nq): conjugate to stress. residual of equilibrium over
+    the weight; violation of the strength over the unit of stress; gap: the loop's error, relative to the objective.
     """
 
     x: FloatArray
@@ -49,7 +50,7 @@ class StressState:
     load: float
     motion: FloatArray
     multipliers: FloatArray
-    rate: FloatArray
+    unexplained: FloatArray
     strain: FloatArray
     residual: float
     violation: float
@@ -173,14 +174,18 @@ class CondensedShell:
         slack = law.right - np.einsum("riq,iq->rq", law.matrix, x)
         free = ~self.elements.clamped
         motion = np.zeros(self.elements.unknowns)
+        # The loop's own multipliers carry the rounding of z over s, which grows without bound towards the solution.
+        elastic = problem.local.quadratic(problem.local_view(at.x)) + problem.local.linear * at.theta
+        plastic = -(problem.local_view(problem.spread(at.y)) + elastic) / theta
+        multipliers, unexplained = plastic_flow(law, plastic, (at.z[: slack.size] / theta).reshape(slack.shape))
         motion[free] = -at.y[: int(free.sum())] / theta
         return StressState(
             x=x,
             stress=stress,
             load=load,
             motion=motion,
-            multipliers=(at.z[: slack.size] / theta).reshape(slack.shape),
-            rate=-problem.local_view(problem.spread(at.y)) / theta,
+            multipliers=multipliers,
+            unexplained=unexplained,
             strain=np.asarray(self._strain @ motion[free]).reshape(-1, 6).T,
             residual=float(np.abs(balance).max(initial=0.0)),
             violation=max(0.0, -min(cone.margin(slack.reshape(cone_shape(cone))) for cone in law.cones)),
