@@ -10,14 +10,15 @@ from scipy.spatial import cKDTree
 
 from churchpipe.bond.planar import Polygons, Region
 from churchpipe.bond.polygons import corners
+from churchpipe.derive.fronts import sections
 from churchpipe.derive.rings import voussoir_rings
-from churchpipe.derive.wall_planes import WallPlane, wall_planes
+from churchpipe.derive.stone_walls import StoneWall, stone_walls, stretches
+from churchpipe.derive.wall_parts import junction_spans, wall_parts
 from churchpipe.errors import InputError
-from churchpipe.model.arrays import FloatArray, IntArray, NameArray, ragged_indices
+from churchpipe.model.arrays import FloatArray, NameArray
 from churchpipe.model.assemblage import Assemblage
-from churchpipe.model.building import BondRegion, Building, Opening, Panel, PlaneChart, Support, UnitCell
+from churchpipe.model.building import BondRegion, Building, Opening, Panel, Support, UnitCell
 from churchpipe.model.materials import Material
-from churchpipe.model.polyhedra import face_normals
 
 # A lone stone over an opening is a lintel if it is longer than this many stones of the wall.
 LINTEL = 1.25
@@ -28,7 +29,8 @@ GRID = 1e-6
 class FittedBuilding:
     """Panels fitted to stones, and the ids of the free stones that fit no panel: they are missing from the shell.
 
-    panel (nb,): the panel each stone went to, "" for none; what the gate compares the shell with.
+    panel (nb,): the panel each stone went to, or its part; what the gate compares the shell with. A name that no stone was
+    fitted by stays, so that the gate tells what is missing; other stones without a panel have "".
     """
 
     building: Building
@@ -39,12 +41,13 @@ class FittedBuilding:
 def fit_panels(
     stones: Assemblage, materials: tuple[Material, ...], *, gap: float = 1e-3, name: str = "drawing"
 ) -> FittedBuilding:
-    """Return the building whose mid-surfaces are those of the given stones; all walls plane and upright.
+    """Return the building whose mid-surfaces are those of the given stones; all walls upright, plane or on a circle in plan.
 
     Outline and openings are the union of the stones cut at the mid-plane, closed over joints, junctions with crossing walls
     included. Unit cell: the height and length that most stones (by volume) have. Lintels (long stones over an opening) are
     regions of one stone; voussoirs, known by their turning beds, are rings. Fixed stones are the supports. The courses of a
-    crossing decide which wall runs through. The places of the head joints are not fitted: the stones remain the drawing's.
+    crossing decide which wall runs through. Stones of several names in one plane that touch are one wall, the names its
+    parts. The places of the head joints are not fitted: the stones remain the drawing's.
 
     Parameters
     ----------
@@ -54,7 +57,7 @@ def fit_panels(
     ------
     InputError: no wall can be fitted.
     """
-    walls, unfit = wall_planes(stones)
+    walls, unfit = stone_walls(stones, gap)
     if not walls:
         raise InputError(
             "stones",
@@ -62,13 +65,13 @@ def fit_panels(
             expected="stones with two upright parallel faces",
             remedy="Tag the stones of each wall with PANEL, or run the rigid blocks alone.",
         )
-    base = float(stones.points[np.repeat(~stones.fixed, np.diff(stones.block_point_ptr))][:, 2].min())
-    panels = tuple(_panel(stones, wall, walls, base, gap) for wall in walls)
+    panels = tuple(_panel(stones, wall, walls, gap) for wall in walls)
     fixed = np.flatnonzero(stones.fixed)
     building = Building(name, panels, materials, ground=None, supports=tuple(_support(stones, int(block)) for block in fixed))
-    panel = np.full(stones.count, "", dtype=np.object_)
+    known = [name for wall in walls for name in np.unique(wall.tag)]
+    panel = np.where(stones.fixed | np.isin(stones.panel, known), "", stones.panel).astype(np.object_)
     for wall in walls:
-        panel[wall.stones] = wall.name
+        panel[wall.stones] = wall.tag
     return FittedBuilding(building, stones.block_id[unfit], panel.astype(str))
 
 
@@ -79,75 +82,51 @@ def _support(stones: Assemblage, block: int) -> Support:
     return Support(str(stones.block_id[block]), stones.points[start:stop].copy(), tuple(tuple(map(int, n)) for n in nodes))
 
 
-def _chart(stones: Assemblage, wall: WallPlane, base: float) -> PlaneChart:
-    along = np.cross([0.0, 0.0, 1.0], wall.normal)
-    own = ragged_indices(stones.block_point_ptr[wall.stones], np.diff(stones.block_point_ptr)[wall.stones])
-    start = float((stones.points[own] @ along).min())
-    return PlaneChart(wall.offset * wall.normal + start * along + np.array([0.0, 0.0, base]), along)
-
-
-def _panel(stones: Assemblage, wall: WallPlane, walls: Sequence[WallPlane], base: float, gap: float) -> Panel:
-    chart = _chart(stones, wall, base)
-    own = _fronts(stones, wall, chart)
-    others = _sections(stones, np.setdiff1d(np.flatnonzero(~stones.fixed), wall.stones), wall, chart)
-    beside = shapely.intersection(others, shapely.box(*shapely.total_bounds(own)))
-    region = _closed(np.concatenate([own, beside[shapely.area(beside) > 0]]), own, gap)
+def _panel(stones: Assemblage, wall: StoneWall, walls: Sequence[StoneWall], gap: float) -> Panel:
+    own = wall.fronts
+    filled = np.concatenate([own, _beside(stones, wall, walls, gap)])
+    region = _closed(filled, own, gap)
     whole, openings = _openings(region)
     rings, voussoirs = voussoir_rings(own, gap)
     laid = np.setdiff1d(np.arange(len(own)), voussoirs)
     cell = _cell(own[laid], stones.volume[wall.stones[laid]]) if len(laid) else rings[0].cell
-    marks = shapely.get_coordinates(own)
+    marks = shapely.get_coordinates(filled)
     outline = _outline(whole, marks)
     lintels = _lintels(own[laid], openings, cell)
     regions = (*((BondRegion("bond", outline, _pattern(own[laid], cell), cell),) if len(laid) else ()), *lintels, *rings)
     materials, count = np.unique(stones.material[wall.stones], return_counts=True)
     return Panel(
         wall.name,
-        chart,
+        wall.chart,
         outline,
         wall.thickness,
         regions,
         material=str(materials[np.argmax(count)]),
         openings=tuple(Opening(f"opening-{k}", _outline(hole, marks)) for k, hole in enumerate(openings, start=1)),
-        runs_through=_parity(own, wall, walls, chart, cell),
+        runs_through=_parity(wall, walls, cell),
+        parts=wall_parts(wall, walls, outline, 0.5 * cell.b),
     )
 
 
-def _flat(chart: PlaneChart, points: FloatArray) -> FloatArray:
-    return np.stack([(points - chart.origin) @ chart.s_axis, points[:, 2] - chart.origin[2]], axis=1)
+def _beside(stones: Assemblage, wall: StoneWall, walls: Sequence[StoneWall], gap: float) -> Polygons:
+    """Return the sections of all other stones with the plane stretches of a wall, as far as it reaches.
 
-
-def _fronts(stones: Assemblage, wall: WallPlane, chart: PlaneChart) -> Polygons:
-    """Return the front of each stone of the wall, in chart coordinates."""
-    _, normal, _ = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
-    fronts: list[shapely.Geometry] = []
-    for block in wall.stones:
-        faces = np.arange(*stones.block_face_ptr[block : block + 2])
-        faces = faces[normal[faces] @ wall.normal > 1 - 1e-6]
-        rings = [_flat(chart, stones.points[stones.face_nodes[stones.face_ptr[f] : stones.face_ptr[f + 1]]]) for f in faces]
-        fronts.append(shapely.union_all([shapely.Polygon(ring) for ring in rings]))
-    return np.array(fronts, dtype=np.object_)
-
-
-def _sections(stones: Assemblage, blocks: IntArray, wall: WallPlane, chart: PlaneChart) -> Polygons:
-    """Return the (convex hulls of the) sections of stones with the mid-plane of the wall, in chart coordinates."""
-    first = stones.block_face_ptr[:-1][blocks]
-    face = ragged_indices(first, np.diff(stones.block_face_ptr)[blocks])
-    count = np.diff(stones.face_ptr)[face]
-    block = np.repeat(np.repeat(blocks, np.diff(stones.block_face_ptr)[blocks]), count)
-    place = ragged_indices(stones.face_ptr[:-1][face], count)
-    last = np.cumsum(count) - 1
-    after = np.append(place[1:], 0)
-    after[last] = stones.face_ptr[:-1][face]
-    start, stop = stones.points[stones.face_nodes[place]], stones.points[stones.face_nodes[after]]
-    height, top = start @ wall.normal - wall.offset, stop @ wall.normal - wall.offset
-    cut = height * top < 0
-    share = (height[cut] / (height[cut] - top[cut]))[:, None]
-    points = _flat(chart, start[cut] + share * (stop[cut] - start[cut]))
-    _, owner = np.unique(block[cut], return_inverse=True)
-    order = np.argsort(owner, kind="stable")
-    hulls = np.asarray(shapely.convex_hull(shapely.multipoints(points[order], indices=owner.ravel()[order])), dtype=np.object_)
-    return hulls[shapely.area(hulls) > 0]
+    In a junction the wall is as high as its own stones in it or beside it: a crossing wall that is higher there rises alone.
+    """
+    others = np.setdiff1d(np.flatnonzero(~stones.fixed), wall.stones)
+    _, bottom, _, top = shapely.total_bounds(wall.fronts)
+    alone: list[shapely.Geometry] = []
+    for start, stop in junction_spans(wall, walls):
+        near = shapely.intersects(wall.fronts, shapely.box(start - gap, bottom, stop + gap, top))
+        if near.any():
+            _, low, _, high = shapely.total_bounds(wall.fronts[near])
+            alone += [shapely.box(start, bottom - 1.0, stop, low), shapely.box(start, high, stop, top + 1.0)]
+    found = [np.empty(0, dtype=np.object_)]
+    for stretch in stretches(wall):
+        window = shapely.difference(shapely.box(stretch.low, bottom, stretch.high, top), shapely.union_all(alone))
+        found.append(np.asarray(shapely.intersection(sections(stones, others, stretch.chart, gap), window), dtype=np.object_))
+    beside = np.concatenate(found)
+    return beside[shapely.area(beside) > 0]
 
 
 def _closed(polygons: Polygons, own: Polygons, gap: float) -> shapely.Polygon:
@@ -215,23 +194,15 @@ def _pattern(fronts: Polygons, cell: UnitCell) -> Literal["running", "stack"]:
     return "stack" if below_top.any() and np.mean(np.array(goes_on)[below_top]) > 0.7 else "running"
 
 
-def _parity(
-    fronts: Polygons, wall: WallPlane, walls: Sequence[WallPlane], chart: PlaneChart, cell: UnitCell
-) -> Literal[0, 1] | None:
+def _parity(wall: StoneWall, walls: Sequence[StoneWall], cell: UnitCell) -> Literal[0, 1] | None:
     """Return on which courses, even or odd, the wall's own stones fill its junctions; None: on both."""
-    low_s, low_t, high_s, high_t = shapely.total_bounds(fronts)
-    middle = shapely.bounds(fronts)[:, [1, 3]].mean(axis=1)
+    _, low, _, high = shapely.total_bounds(wall.fronts)
+    middle = shapely.bounds(wall.fronts)[:, [1, 3]].mean(axis=1)
     odd = np.floor(middle / cell.a).astype(np.int64) % 2 == 1
     filled = np.zeros(2)
-    for other in walls:
-        slope = float(other.normal @ chart.s_axis)
-        if other is wall or abs(slope) < 0.5:
-            continue
-        centre = float(other.offset - other.normal @ chart.origin) / slope
-        start, stop = centre - 0.5 * other.thickness, centre + 0.5 * other.thickness
-        if stop > low_s + GRID and start < high_s - GRID:
-            area = shapely.area(shapely.intersection(fronts, shapely.box(start, low_t, stop, high_t)))
-            filled += [area[~odd].sum(), area[odd].sum()]
+    for start, stop in junction_spans(wall, walls):
+        area = shapely.area(shapely.intersection(wall.fronts, shapely.box(start, low, stop, high)))
+        filled += [area[~odd].sum(), area[odd].sum()]
     if filled.min() > 0.8 * filled.max() > 0:
         return None
     return 1 if filled[1] > filled[0] else 0

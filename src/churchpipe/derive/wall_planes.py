@@ -1,4 +1,4 @@
-"""Which wall each stone belongs to, and the plane that wall stands in."""
+"""Which plane wall each stone belongs to, and the plane that wall stands in."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from churchpipe.derive.midplanes import clusters
-from churchpipe.model.arrays import FloatArray, IntArray
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.polyhedra import face_normals
 
@@ -14,6 +14,8 @@ from churchpipe.model.polyhedra import face_normals
 PLANE_TOLERANCE = 1e-4
 # Fewer stones than this make no wall.
 LEAST_STONES = 3
+# A name whose stones lie across no plane by more than this share of their volume is no plane wall.
+LEAST_SHARE = 0.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,8 +29,8 @@ class WallPlane:
     thickness: float
 
 
-def wall_planes(stones: Assemblage) -> tuple[list[WallPlane], IntArray]:
-    """Return the walls of an assemblage, and the free stones that fit none.
+def wall_planes(stones: Assemblage, free: BoolArray) -> list[WallPlane]:
+    """Return the plane walls among the stones marked in free (nb,).
 
     Stones of one panel name are one wall, in the plane that most of them (by volume) lie across; stones without a name go to
     the plane that gathers most, and so on. A stone lies across a plane that is midway between two of its upright faces.
@@ -36,11 +38,12 @@ def wall_planes(stones: Assemblage) -> tuple[list[WallPlane], IntArray]:
     stone, plane = _candidates(stones)
     label = clusters(plane, PLANE_TOLERANCE) if len(plane) else np.empty(0, dtype=np.int64)
     walls: list[WallPlane] = []
-    free = ~stones.fixed
     for name in sorted(set(stones.panel[free].tolist()) - {""}):
         chosen = free[stone] & (stones.panel[stone] == name)
-        if chosen.any():
-            walls.append(_heaviest(str(name), stones, stone, plane, label, chosen))
+        wall = _heaviest(str(name), stones, stone, plane, label, chosen) if chosen.any() else None
+        named = free & (stones.panel == name)
+        if wall and stones.volume[wall.stones].sum() > LEAST_SHARE * stones.volume[named].sum():
+            walls.append(wall)
     loose = free & (stones.panel == "")
     while loose[stone].any():
         wall = _heaviest(f"wall-{len(walls) + 1}", stones, stone, plane, label, loose[stone])
@@ -48,8 +51,7 @@ def wall_planes(stones: Assemblage) -> tuple[list[WallPlane], IntArray]:
         if len(wall.stones) < LEAST_STONES:
             break
         walls.append(wall)
-    fitted = np.concatenate([wall.stones for wall in walls]) if walls else np.empty(0, dtype=np.int64)
-    return walls, np.setdiff1d(np.flatnonzero(free), fitted)
+    return walls
 
 
 def _candidates(stones: Assemblage) -> tuple[IntArray, FloatArray]:
