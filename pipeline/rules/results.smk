@@ -8,8 +8,10 @@ rule compare:
         shells=expand("shell/{mesh}/{part}", mesh=SHELLS, part=["shell.npz", "match.json"]),
         fits=expand("geometry/{geometry}/fit.json", geometry=set(SHELLS.values()) if config["drawing"] else []),
         records=files_of(ANALYSES, "json"),
-        states=files_of(ANALYSES, "npz") if SHELLS else [],
-        sources=sources("compare.py", "io/tables.py", "derive/locate.py"),
+        states=files_of(ANALYSES, "npz"),
+        sources=sources(
+            "compare.py", "code_check.py", "mechanism.py", "config/plan.py", "rigid_blocks/equilibrium.py", "io/tables.py", "derive/locate.py"
+        ),
     output:
         summary="summary.json",
         table="table.csv",
@@ -30,7 +32,7 @@ for number, geometry in enumerate(GEOMETRIES):
             contacts=f"geometry/{geometry}/contacts.npz",
             shells=[f"shell/{mesh}/shell.npz" for mesh, place in SHELLS.items() if place == geometry],
             states=files_of([a for a in ANALYSES if a["geometry"] == geometry], "npz"),
-            sources=sources("report", "io/vtu.py", "io/shell_vtu.py"),
+            sources=sources("report", "mechanism.py", "io/vtu.py", "io/shell_vtu.py"),
         output:
             html=report_of(geometry),
             mechanisms=[f"rigid/{a['name']}/mechanism.vtu" for a in ANALYSES if a["geometry"] == geometry and a["kind"] == "rigid"],

@@ -6,10 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from churchpipe.model.arrays import FloatArray
+from churchpipe.code_check import CONFIDENCE_FACTOR, Site, activation, along, verdict_record, verify
+from churchpipe.errors import InputError
+from churchpipe.mechanism import moving_stones, parts, stone_speed
+from churchpipe.model.arrays import BoolArray, FloatArray, NameArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
+from churchpipe.model.loads import LoadCase
+from churchpipe.model.results import LimitState, ShellLimitState
 from churchpipe.model.shell import ShellModel
+from churchpipe.rigid_blocks.equilibrium import lateral_weight
 
 # What a load factor rests on; anything else is bad news that the command line reports with its exit code.
 GOOD = frozenset({"optimal", "converged", "unbounded"})
@@ -80,13 +86,48 @@ def _question(entry: Mapping[str, Any], record: Mapping[str, Any]) -> tuple[str,
     shared = {
         key: value
         for key, value in entry["variant"].items()
-        if not key.startswith(("rigid.", "shell.")) and ".elastic" not in key
+        if not key.startswith(("rigid.", "shell.", "check.")) and ".elastic" not in key
     }
     return entry["geometry"], str(record["load"]), str(record["friction"]), str(record["cohesion_kPa"]), str(shared)
 
 
 def _is_number(value: object) -> bool:
     return isinstance(value, int | float) and math.isfinite(value)
+
+
+def stone_parts(stones: Assemblage, state: LimitState, load: LoadCase) -> dict[str, Any]:
+    """Return {"parts": ...}, the macro-elements of a mechanism of the stones; nothing where there are no two of them."""
+    moving = moving_stones(stone_speed(stones, state.velocities))
+    return _parts(stones.panel, stones.weight, state.velocities[:, :3], moving, load)
+
+
+def shell_parts(shell: ShellModel, state: ShellLimitState, load: LoadCase) -> dict[str, Any]:
+    """Return the same of a shell, whose bodies are its facets."""
+    velocity = state.velocities[shell.triangles].mean(axis=1)
+    moving = moving_stones(np.linalg.norm(state.velocities, axis=1)[shell.triangles].max(axis=1))
+    return _parts(shell.panel, shell.surface_weight * shell.area, velocity, moving, load)
+
+
+def _parts(panel: NameArray, weight: FloatArray, velocity: FloatArray, moving: BoolArray, load: LoadCase) -> dict[str, Any]:
+    found = parts(panel, weight, velocity, moving, load.direction)
+    return {"parts": [part.as_dict() for part in found]} if len(found) > 1 else {}
+
+
+def safety(stones: Assemblage, state: LimitState, load: LoadCase, site: Site | None) -> dict[str, Any]:
+    """Return the safety check of a mechanism, on all stones that move; {"message": why} where the code has none for it.
+
+    site: None gives the acceleration that activates the mechanism, and nothing to compare it with.
+    """
+    moving = moving_stones(stone_speed(stones, state.velocities)) & ~stones.fixed
+    confidence = site.confidence_factor if site else CONFIDENCE_FACTOR
+    try:
+        displacement = along(load.direction, state.velocities)[moving]
+        pushed = lateral_weight(stones, load)[moving]
+        found = activation(state.load_factor, stones.weight[moving], pushed, displacement, confidence)
+    except InputError as error:
+        return {"message": str(error)}
+    record = found.as_dict() | {"moving_stones": int(moving.sum())}
+    return record | (verdict_record(site, verify(found.acceleration, site)) if site else {})
 
 
 def overlap(stones: Assemblage, velocities: FloatArray, shell: ShellModel, motion: FloatArray) -> float:

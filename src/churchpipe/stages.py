@@ -16,6 +16,7 @@ from churchpipe import compare as results
 from churchpipe.config.asrun import as_run
 from churchpipe.config.case import read_variants
 from churchpipe.config.plan import building_of, load_of, materials_of, plan, unit_weights
+from churchpipe.config.site import site_of
 from churchpipe.errors import InputError
 from churchpipe.io.atomic import canonical_json, write_if_changed, write_json
 from churchpipe.io.building_json import read_building, write_building
@@ -244,6 +245,7 @@ def compare(plan: Path, summary: Path, table: Path) -> None:
     sizes = {name: results.figures(*_stones(run, name)) for name in index["geometries"]}
     shells = {mesh["name"]: _shell_figures(run, mesh["name"], mesh["geometry"], index["drawing"]) for mesh in index["shells"]}
     records = [_analysis(run, entry, len(sizes) > 1, shells) for entry in index["analyses"]]
+    records = [record | _mechanism(run, entry, record) for entry, record in zip(index["analyses"], records, strict=True)]
     analyses = [record for record in records if record["status"] != "left-out"]
     pairs = results.pairs(index["analyses"], analyses)
     compared = [pair | _overlap(run, index, *(pair[model] for model in results.MODELS)) for pair in pairs]
@@ -328,6 +330,20 @@ def _overlap(run: Path, index: dict[str, Any], blocks: str, shell: str) -> dict[
     moved = read_npz(run / "rigid" / blocks / "rigid.npz", LimitState).velocities
     motion = state.velocities if isinstance(state, ShellLimitState) else state.displacement
     return {"overlap": results.overlap(stones, moved, mesh, motion)}
+
+
+def _mechanism(run: Path, entry: dict[str, Any], record: dict[str, Any]) -> dict[str, Any]:
+    """Return what a record says of its mechanism: the macro-elements that move and, of the rigid blocks, the safety check."""
+    if record["status"] not in ("optimal", "converged") or entry["kind"] == "pushover":
+        return {}
+    load = load_of(read_json(run / entry["kind"] / entry["name"] / "settings.json"))
+    if entry["kind"] == "limit":
+        mesh = read_npz(run / "shell" / entry["shell"] / "shell.npz", ShellModel)
+        return results.shell_parts(mesh, read_npz(run / "limit" / entry["name"] / "limit.npz", ShellLimitState), load)
+    stones = read_npz(run / "geometry" / entry["geometry"] / "assemblage.npz", Assemblage)
+    state = read_npz(run / "rigid" / entry["name"] / "rigid.npz", LimitState)
+    site = site_of(entry["check"]) if "check" in entry else None
+    return results.stone_parts(stones, state, load) | {"check": results.safety(stones, state, load, site)}
 
 
 def _write_shell_mechanism(path: Path, mesh: ShellModel, state: ShellLimitState | CapacityCurve) -> None:

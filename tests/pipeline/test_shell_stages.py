@@ -21,7 +21,7 @@ from churchpipe.io.tables import read_json
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
-from churchpipe.model.results import ShellLimitState
+from churchpipe.model.results import LimitState, ShellLimitState
 from churchpipe.model.shell import ShellModel
 
 # A wall of 1.2 x 1.0 x .25 m pushed out of its plane: it turns over at .25 / 1.0.
@@ -297,3 +297,34 @@ def test_what_the_shell_refuses_does_not_stop_the_stones(case: Path) -> None:
     assert "Use planes = &#34;cell&#34;" in page(case)
     again = make(case, "material.default.friction=1.2", "shell.planes=cell", "shell.element_size_mm=600")
     assert again["analyses"][1]["status"] == "optimal"
+
+
+def test_the_check_and_the_macro_elements_are_in_the_summary_and_the_report(tmp_path: Path) -> None:
+    path = tmp_path / "box.toml"
+    path.write_text(
+        'name = "box"\n[source]\ngenerator = "box"\nlength_m = 2.0\nwidth_m = 1.5\nthickness_m = 0.25\n'
+        "brick_mm = [500, 250, 250]\ncourses = 8\n[material.default]\nunit_weight_kN_m3 = 18\nfriction = 0.6\n"
+        "[[load]]\ndirection = [0, 1, 0]\n[shell]\nelement_size_mm = 250\n[check]\na_g_m_s2 = 1.5\nsoil_factor = 1.2\n"
+    )
+    blocks, shell = make(path)["analyses"]
+    check = blocks["check"]
+    # By hand, C8.7.1.2: M* = e* sum P / g, a0* = alpha0 g / (e* FC), a_g S / q = .9, zeta = a0* / .9.
+    assert check["alpha0"] == pytest.approx(blocks["load_factor"], rel=1e-9)
+    assert check["participating_mass_t"] == pytest.approx(check["mass_fraction"] * check["moving_weight_kN"] / 9.80665)
+    assert check["a0_m_s2"] == pytest.approx(check["alpha0"] * 9.80665 / (1.35 * check["mass_fraction"]))
+    assert check["zeta_e"] == pytest.approx(check["a0_m_s2"] / 0.9)
+    stones = read_npz(tmp_path / "run/geometry/base/assemblage.npz", Assemblage)
+    drift = read_npz(tmp_path / "run/rigid/+y_associative/rigid.npz", LimitState).velocities[:, 1]
+    mass = (stones.weight @ drift) ** 2 / (stones.weight @ drift**2) / 9806.65
+    assert check["participating_mass_t"] == pytest.approx(mass, rel=1e-4)
+    assert 0 < check["mass_fraction"] < 1
+    assert "check" not in shell
+    for record in (blocks, shell):
+        assert len(record["parts"]) == 4
+        assert sum(part["motion"] for part in record["parts"]) == pytest.approx(1)
+        assert max(part["displacement"] for part in record["parts"]) == 1
+    assert sum(part["weight_kN"] for part in shell["parts"]) == pytest.approx(sum(p["weight_kN"] for p in blocks["parts"]))
+    assert blocks["parts"][0]["name"] == shell["parts"][0]["name"]
+    text = page(path)
+    assert "What moves" in text
+    assert "a_g,SLV" in text

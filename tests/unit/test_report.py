@@ -15,23 +15,13 @@ from hypothesis import strategies as st
 from matplotlib.image import imread
 
 from churchpipe.derive.contacts import find_contacts
+from churchpipe.mechanism import moving_stones, reference_speed, stone_of_point, stone_speed
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.polyhedra import face_normals
 from churchpipe.model.results import Iteration, LimitState
 from churchpipe.report import write_report
 from churchpipe.report.figures import mechanism_picture
-from churchpipe.report.motion import (
-    camera_position,
-    displaced_points,
-    ground_plate,
-    moving_stones,
-    natural_amplitude,
-    push_direction,
-    reference_speed,
-    stone_of_point,
-    stone_speed,
-    viewpoint,
-)
+from churchpipe.report.motion import camera_position, displaced_points, ground_plate, natural_amplitude, push_direction, viewpoint
 from churchpipe.report.plots import convergence_svg
 from churchpipe.report.surface import edges, triangles
 from churchpipe.report.table import figure, small
@@ -451,3 +441,69 @@ def test_triangles_cover_the_faces_convex_or_not() -> None:
     # Outward everywhere: the divergence theorem gives the volume, 4 m2 x 0.5 m + 1 m3.
     assert np.einsum("ij,ij->", corner.mean(axis=1), cross) / 3 == pytest.approx(3.0)
     assert len(edges(stones, drawn)) == 18 + 12
+
+
+PARTS = [
+    {"name": "<belfry>", "weight_kN": 18.0, "moving": 1.0, "displacement": 1.0, "motion": 0.75},
+    {"name": "shaft", "weight_kN": 36.0, "moving": 0.5, "displacement": -0.25, "motion": 0.25},
+    {"name": "crypt", "weight_kN": 9.0, "moving": 0.0, "displacement": 0.0, "motion": 0.0},
+]
+CHECK = {
+    "alpha0": 0.25,
+    "moving_weight_kN": 36.0,
+    "participating_mass_t": 3.304,
+    "mass_fraction": 0.9,
+    "confidence_factor": 1.35,
+    "a0_m_s2": 2.0178,
+    "a0_lumped_m_s2": 1.816,
+    "moving_stones": 2,
+}
+SITED = {
+    "a_g_m_s2": 1.5,
+    "soil_factor": 1.2,
+    "q": 2.0,
+    "demand_m_s2": 0.9,
+    "a_g_slv_m_s2": 3.363,
+    "zeta_e": 2.242,
+    "satisfied": True,
+}
+
+
+def test_macro_elements_are_listed(tmp_path: Path) -> None:
+    state = state_of(tower())
+    page = Page(report(tmp_path, [(record_of(state, parts=PARTS), state)]))
+    assert ["<belfry>", "18.0", "100 %", "1.00", "75.0 %"] in page.rows
+    assert ["shaft", "36.0", "50 %", "\u22120.25", "25.0 %"] in page.rows
+    assert "At rest: crypt." in page.text
+    assert "crypt" not in {row[0] for row in page.rows if row}
+
+
+def test_the_check_without_a_site_compares_nothing(tmp_path: Path) -> None:
+    state = state_of(tower())
+    page = Page(report(tmp_path, [(record_of(state, check=CHECK), state)]))
+    [cells] = [row for row in page.rows if "3.3" in row]
+    assert cells[1:] == ["0.2500", "36", "2", "3.3", "0.900", "1.35", "2.018", "1.816"]
+    assert "The case does not say what the earthquake asks" in page.text
+    assert "Crushing of the masonry is not modelled; the circular then asks" in page.text
+
+
+@pytest.mark.parametrize(
+    ("changes", "word"),
+    [({}, "satisfied"), ({"satisfied": False}, "not satisfied"), ({"a0_lumped_m_s2": 0.8}, "not with e* = 1")],
+)
+def test_the_check_with_a_site_has_a_verdict(tmp_path: Path, changes: dict, word: str) -> None:
+    state = state_of(tower())
+    check = CHECK | SITED | changes
+    other = {"message": "check: the load is not horizontal."}
+    page = Page(report(tmp_path, [(record_of(state, check=check), state), (record_of(state, "up", check=other), state)]))
+    [cells] = [row for row in page.rows if "3.3" in row]
+    assert cells[9:] == ["1.500", "1.20", "2.0", "0.900", "3.363", "2.24", word]
+    assert "a_Z / q" not in page.text
+    assert "no check. check: the load is not horizontal." in page.text
+
+
+def test_without_check_and_parts_there_are_no_such_sections(tmp_path: Path) -> None:
+    state = state_of(tower())
+    page = Page(report(tmp_path, [(record_of(state), state)]))
+    assert "What moves" not in page.text
+    assert "Safety check" not in page.text

@@ -6,9 +6,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
+from churchpipe.code_check import Site
 from churchpipe.config import overrides as changes
 from churchpipe.config.schema import CaseTable, check
 from churchpipe.config.section import Section
+from churchpipe.config.site import read_site
 from churchpipe.config.sources import DrawingSource
 from churchpipe.config.units import in_si
 from churchpipe.errors import InputError
@@ -68,7 +70,7 @@ class ShellSettings:
 class Case:
     """One variant of a case file. `variant`: the swept values that tell it from the others, by dotted key.
 
-    shell: None for the rigid blocks alone.
+    shell: None for the rigid blocks alone. check: what the earthquake asks, None where the file does not say.
 
     `table` is the checked file, as it is written, without its sweep.
     """
@@ -80,6 +82,7 @@ class Case:
     loads: tuple[LoadCase, ...]
     rigid: RigidSettings
     shell: ShellSettings | None = None
+    check: Site | None = None
     variant: dict[str, Any] = field(default_factory=dict)
     table: dict[str, Any] = field(default_factory=dict)
 
@@ -159,6 +162,7 @@ def _case(path: Path, table: dict[str, Any], variant: dict[str, Any]) -> Case:
         loads=_loads(file, checked),
         rigid=RigidSettings(flow=tuple(rigid.flow), solver=rigid.solver, method=rigid.method, start=rigid.start),
         shell=_shell(file, checked),
+        check=read_site(file, checked.check) if checked.check else None,
         variant=variant,
         table=checked.model_dump(exclude_none=True) | {"source": source.model_dump(exclude_none=True)},
     )

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from churchpipe.config.case import Case, Drawing, Generated, elastic_from, generate
@@ -15,7 +15,7 @@ from churchpipe.model.materials import Material
 # touches all solves, and nothing else.
 _GEOMETRIC = re.compile(r"source\.|material\..+\.unit_weight_kN_m3$")
 _MESHED = re.compile(rf"{_GEOMETRIC.pattern}|shell\.element_size_mm$")
-_RIGID = re.compile(r"rigid\.")
+_RIGID = re.compile(r"rigid\.|check\.")
 _SHELL = re.compile(r"shell\.|material\..+\.elastic")
 
 
@@ -47,7 +47,7 @@ def plan(cases: Sequence[Case]) -> Plan:
     entries: dict[str, dict[str, Any]] = {}
     places: dict[str, str] = {}
 
-    def add(kind: str, words: list[str], variant: dict[str, Any], settings: dict[str, Any], **place: str) -> None:
+    def add(kind: str, words: list[str], variant: dict[str, Any], settings: dict[str, Any], **place: Any) -> None:
         name = _keep(analyses, [*words, *_words(variant)], settings)
         entries.setdefault(name, {"name": name, "kind": kind, **place, "variant": variant})
 
@@ -56,9 +56,11 @@ def plan(cases: Sequence[Case]) -> Plan:
         geometry = _keep(geometries, _words(shape) or ["base"], _geometry_settings(case))
         of_stones = {key: value for key, value in case.variant.items() if not _SHELL.match(key)}
         of_shell = {key: value for key, value in case.variant.items() if not _RIGID.match(key)}
+        check = {"check": asdict(case.check)} if case.check else {}
         for load in case.loads:
             for flow in case.rigid.flow:
-                add("rigid", [load.name, flow], of_stones, _rigid_settings(case, geometry, load, flow), geometry=geometry)
+                settings = _rigid_settings(case, geometry, load, flow)
+                add("rigid", [load.name, flow], of_stones, settings, geometry=geometry, **check)
         if case.shell is None:
             continue
         meshed = {key: value for key, value in case.variant.items() if _MESHED.match(key)}

@@ -62,6 +62,28 @@ class ShellTable(Section):
     steps: Count | None = None
 
 
+class FloorTable(Section):
+    """A mechanism that begins above the ground: Z and H, storeys, and S_e(T1), in m/s2 or in g."""
+
+    height_m: NotNegative
+    building_height_m: Positive
+    storeys: Count
+    spectral_acceleration_m_s2: Positive | None = None
+    spectral_acceleration_g: Positive | None = None
+    damping_percent: NotNegative = 5.0
+
+
+class CheckTable(Section):
+    """The safety check of the Italian code: a_g, in m/s2 or in g, and the soil factor S have no default."""
+
+    a_g_m_s2: Positive | None = None
+    ag_g: Positive | None = None
+    soil_factor: Positive
+    q: Annotated[float, Field(ge=1, allow_inf_nan=False)] = 2.0
+    confidence_factor: Annotated[float, Field(ge=1, allow_inf_nan=False)] = 1.35
+    floor: FloorTable | None = None
+
+
 class CaseTable(Section):
     """The whole file, one variant of it; [source] is checked apart, by its generator."""
 
@@ -71,6 +93,7 @@ class CaseTable(Section):
     load: list[LoadTable] = Field(default_factory=list)
     rigid: RigidTable = RigidTable()
     shell: ShellTable | None = None
+    check: CheckTable | None = None
 
 
 def check(table: Table, file: str) -> tuple[CaseTable, Section]:

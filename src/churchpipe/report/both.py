@@ -12,7 +12,7 @@ from churchpipe.report.shell_plots import capacity_svg, domain_svg, mesh_svg
 from churchpipe.report.table import MODELS, Row, figure, friction_text, last_part, minus, small, swept
 
 # Swept keys that one model alone knows.
-_OWN = ("rigid.", "shell.")
+_OWN = ("rigid.", "shell.", "check.")
 
 
 def question(row: Row) -> tuple[str, ...]:

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from churchpipe.mechanism import moving_stones, reference_speed, stone_of_point, stone_speed
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.report import colours
@@ -17,12 +18,8 @@ from churchpipe.report.motion import (
     camera_position,
     displaced_points,
     ground_plate,
-    moving_stones,
     natural_amplitude,
     push_arrow_start,
-    reference_speed,
-    stone_of_point,
-    stone_speed,
     viewpoint,
 )
 from churchpipe.report.surface import edges, triangles

@@ -11,15 +11,17 @@ import jinja2
 import numpy as np
 
 from churchpipe.io.atomic import write_text
+from churchpipe.mechanism import stone_of_point
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import KINDS, Contacts
 from churchpipe.model.results import LimitState
 from churchpipe.model.shell import ShellModel
 from churchpipe.report import both, viewer
 from churchpipe.report.figures import Job, mechanism_picture, mechanism_pictures
-from churchpipe.report.motion import joint_opening, opened_joints, push_direction, stone_of_point, viewpoint
+from churchpipe.report.motion import joint_opening, opened_joints, push_direction, viewpoint
 from churchpipe.report.notes import convergence_note, status_note
 from churchpipe.report.plots import convergence_svg, friction_svg
+from churchpipe.report.safety import check_table, part_tables
 from churchpipe.report.shell_picture import shell_picture
 from churchpipe.report.shell_view import ShellState, joint_outlines, motion_of, shell_data
 from churchpipe.report.table import Record, Row, columns_for, figure, friction_text, last_part, rows_of, swept
@@ -72,6 +74,8 @@ def write_report(
         cards=[_card(row, bool(of_shell)) for row in rows] if len(rows) <= CARDS else [],
         columns=columns,
         rows=[(row, [column.text(row) for column in columns]) for row in rows],
+        parts=part_tables(rows),
+        check=check_table(rows),
         match=both.gate(summary, list(meshes)),
         compared=both.compared(summary, rows),
         capacity=both.capacity_plots(rows),

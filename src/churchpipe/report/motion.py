@@ -5,36 +5,13 @@ from typing import Any
 
 import numpy as np
 
-from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
+from churchpipe.mechanism import reference_speed, stone_of_point
+from churchpipe.model.arrays import BoolArray, FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.shell import ShellModel
 
-STILL = 1e-3
 PUSH_LENGTH = 0.16
-
-
-def stone_of_point(stones: Assemblage) -> IntArray:
-    """Return the stone (nv,) that each point belongs to."""
-    return np.repeat(np.arange(stones.count, dtype=np.int64), np.diff(stones.block_point_ptr))
-
-
-def stone_speed(stones: Assemblage, velocities: FloatArray) -> FloatArray:
-    """Return the speed (nb,) of the fastest vertex of each stone; velocities (nb, 6): translation of the centroid, rotation."""
-    owner = stone_of_point(stones)
-    arm = stones.points - stones.centroid[owner]
-    velocity = velocities[owner, :3] + np.cross(velocities[owner, 3:], arm)
-    speed = np.zeros(stones.count)
-    np.maximum.at(speed, owner, np.linalg.norm(velocity, axis=1))
-    return speed
-
-
-def reference_speed(speed: FloatArray) -> float:
-    """Return the speed that stands for the mechanism: most moving stones are slower, and none is more than 4 times faster."""
-    fastest = float(speed.max(initial=0.0))
-    if fastest == 0.0:
-        return 0.0
-    return max(float(np.percentile(speed[speed > STILL * fastest], 98)), fastest / 4)
 
 
 def plastic_size(plastic: FloatArray, thickness: FloatArray) -> FloatArray:
@@ -72,11 +49,6 @@ def joint_opening(contacts: Contacts, stones: Assemblage, velocities: FloatArray
 def opened_joints(opening: FloatArray, share: float = 0.05) -> BoolArray:
     """Return True (ni,) for the interfaces that open by more than a share of the widest ones."""
     return opening > max(share * float(np.percentile(opening, 99.5)) if len(opening) else 0.0, np.finfo(float).tiny)
-
-
-def moving_stones(speed: FloatArray) -> BoolArray:
-    """Return True (nb,) for the stones that take part in the mechanism."""
-    return speed > STILL * max(reference_speed(speed), np.finfo(float).tiny)
 
 
 def natural_amplitude(stones: Assemblage, speed: FloatArray, share: float = 0.08) -> float:

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
+from churchpipe.mechanism import moving_stones, reference_speed, stone_speed
 from churchpipe.model.assemblage import Assemblage
-from churchpipe.report.motion import moving_stones, reference_speed, stone_speed
 from churchpipe.report.table import Row, figure, small
 
 SHOWN = 12

@@ -5,20 +5,14 @@ from typing import Any
 
 import numpy as np
 
+from churchpipe.mechanism import reference_speed
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.results import CapacityCurve, ShellLimitState
 from churchpipe.model.shell import ShellModel
 from churchpipe.report import colours
-from churchpipe.report.motion import (
-    joint_opening,
-    opened_joints,
-    plastic_size,
-    reference_speed,
-    reference_strain,
-    shell_amplitude,
-)
+from churchpipe.report.motion import joint_opening, opened_joints, plastic_size, reference_strain, shell_amplitude
 from churchpipe.report.packing import packed
 
 ShellState = ShellLimitState | CapacityCurve

@@ -10,22 +10,12 @@ from typing import Any
 
 import numpy as np
 
+from churchpipe.mechanism import moving_stones, reference_speed, stone_of_point, stone_speed
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.results import LimitState
 from churchpipe.report import colours
-from churchpipe.report.motion import (
-    PUSH_LENGTH,
-    ground_plate,
-    moving_stones,
-    natural_amplitude,
-    push_arrow_start,
-    push_direction,
-    reference_speed,
-    stone_of_point,
-    stone_speed,
-    viewpoint,
-)
+from churchpipe.report.motion import PUSH_LENGTH, ground_plate, natural_amplitude, push_arrow_start, push_direction, viewpoint
 from churchpipe.report.packing import base64_text, packed
 from churchpipe.report.surface import edges, triangles
 

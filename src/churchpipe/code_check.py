@@ -1,0 +1,213 @@
+"""From a load factor to the safety check of the Italian code: NTC 2018 with the Circolare of 21.1.2019 n. 7, C8.7.1.2."""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from churchpipe.errors import InputError
+from churchpipe.model.arrays import FloatArray
+
+GRAVITY = 9.80665
+# Of the lowest knowledge level, which the circular asks for where crushing of the masonry is not modelled, as here.
+CONFIDENCE_FACTOR = 1.35
+BEHAVIOUR_FACTOR = 2.0
+
+
+@dataclass(frozen=True, slots=True)
+class Floor:
+    """A mechanism that begins at a height Z in the building, shaken by its first mode alone.
+
+    height: Z of the mechanism above the foundation, m; building_height: H, m; storeys: n; spectral_acceleration: S_e(T1), m/s2,
+    of the elastic spectrum at the building's first period, soil included; damping_percent: xi of the part.
+
+    Raises
+    ------
+    InputError: a value out of its range.
+    """
+
+    height: float
+    building_height: float
+    storeys: int
+    spectral_acceleration: float
+    damping_percent: float = 5.0
+
+    def __post_init__(self) -> None:
+        _positive("building height H", self.building_height)
+        _positive("spectral acceleration S_e(T1)", self.spectral_acceleration)
+        _at_least("storeys", self.storeys, 1)
+        _at_least("damping", self.damping_percent, 0)
+        if not 0 <= self.height <= self.building_height:
+            expected = f"from 0 to the building's height of {self.building_height:g} m"
+            raise InputError("check: height Z of the mechanism", "out of range", found=self.height, expected=expected)
+
+    @property
+    def acceleration(self) -> float:
+        """a_Z, m/s2: S_e(T1) gamma psi sqrt(1 + .0004 xi^2) [C7.2.8], gamma = 3 n / (2 n + 1) [C7.2.10], psi = Z / H."""
+        gamma = 3 * self.storeys / (2 * self.storeys + 1)
+        shape = self.height / self.building_height
+        return self.spectral_acceleration * gamma * shape * math.sqrt(1 + 0.0004 * self.damping_percent**2)
+
+
+@dataclass(frozen=True, slots=True)
+class Site:
+    """What the earthquake asks, which no model knows.
+
+    ground_acceleration: a_g, m/s2, on rock for the ultimate limit state (SLV); soil_factor: S = S_S S_T; behaviour_factor: q;
+    confidence_factor: FC; floor: for a mechanism above the ground, besides.
+
+    Raises
+    ------
+    InputError: a value out of its range.
+    """
+
+    ground_acceleration: float
+    soil_factor: float
+    behaviour_factor: float = BEHAVIOUR_FACTOR
+    confidence_factor: float = CONFIDENCE_FACTOR
+    floor: Floor | None = None
+
+    def __post_init__(self) -> None:
+        _positive("ground acceleration a_g", self.ground_acceleration)
+        _positive("soil factor S", self.soil_factor)
+        _at_least("behaviour factor q", self.behaviour_factor, 1)
+        _at_least("confidence factor FC", self.confidence_factor, 1)
+
+
+@dataclass(frozen=True, slots=True)
+class Activation:
+    """The acceleration that sets a mechanism in motion.
+
+    load_factor: alpha0; weight: N, of what moves; mass: M*, kg; fraction: e*; confidence_factor: FC; acceleration: a0*, m/s2.
+    """
+
+    load_factor: float
+    weight: float
+    mass: float
+    fraction: float
+    confidence_factor: float
+    acceleration: float
+
+    @property
+    def lumped(self) -> float:
+        """alpha0 g / FC, m/s2: a0* if all that moves were one body (e* = 1), never above a0*."""
+        return self.load_factor * GRAVITY / self.confidence_factor
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the figures in the words of summary.json."""
+        return {
+            "alpha0": self.load_factor,
+            "moving_weight_kN": self.weight / 1e3,
+            "participating_mass_t": self.mass / 1e3,
+            "mass_fraction": self.fraction,
+            "confidence_factor": self.confidence_factor,
+            "a0_m_s2": self.acceleration,
+            "a0_lumped_m_s2": self.lumped,
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """The check of the ultimate limit state with a behaviour factor.
+
+    ground: a_g S / q, m/s2; floor: a_Z / q, m/s2, or None; capacity: a_g,SLV, m/s2, the ground acceleration that the mechanism
+    withstands; index: zeta_E, capacity over demand; satisfied: a0* is not below ground and floor.
+    """
+
+    ground: float
+    floor: float | None
+    capacity: float
+    index: float
+    satisfied: bool
+
+
+def activation(
+    load_factor: float,
+    weight: FloatArray,
+    pushed: FloatArray,
+    displacement: FloatArray,
+    confidence_factor: float = CONFIDENCE_FACTOR,
+) -> Activation:
+    """Return the spectral acceleration that activates a mechanism.
+
+    Parameters
+    ----------
+    load_factor: of the limit analysis.
+    weight: (n,) N of the bodies that move, P_k + Q_k. pushed: (n,) N of each that the load factor multiplies: the weight itself
+        where the load is proportional to weight and acts on all.
+    displacement: (n,) virtual horizontal displacements of the centroids along the load, d_x,k, in any unit.
+
+    e* = [sum P d_x]^2 / (sum P sum P d_x^2), M* = e* sum P / g [C8.7.1.5]; a0* = alpha0 g / (e* FC).
+    alpha0 is that of [C8.7.1.1]: the work done over sum P d_x of all that moves. For a load on some parts alone, or one that
+    grows with height, the work load_factor sum(pushed d_x) is so turned into a multiplier of all the weights that move.
+
+    Raises
+    ------
+    InputError: arrays of different length, nothing that moves along the load, a load factor that is no number, FC below 1.
+    """
+    _at_least("confidence factor FC", confidence_factor, 1)
+    if not (weight.shape == pushed.shape == displacement.shape):
+        shapes = f"{weight.shape}, {pushed.shape}, {displacement.shape}"
+        raise InputError("check", "weights and displacements of different bodies", found=shapes, expected="one of each a body")
+    if not math.isfinite(load_factor):
+        raise InputError("check", "no load factor", found=load_factor, expected="a number")
+    first, second = float(weight @ displacement), float(weight @ displacement**2)
+    if not first > 0:
+        raise InputError("check", "the mechanism does not move along the load", found=f"sum of P d_x = {first:g}", expected="> 0")
+    whole = float(weight.sum())
+    fraction = first**2 / (whole * second)
+    alpha = load_factor * float(pushed @ displacement) / first
+    return Activation(
+        alpha, whole, fraction * whole / GRAVITY, fraction, confidence_factor, alpha * GRAVITY / (fraction * confidence_factor)
+    )
+
+
+def verify(acceleration: float, site: Site) -> Verdict:
+    """Return the check of a0* (m/s2) against a_g S / q (C8.7.1.2.1.7), and against a_Z / q where the site has a floor.
+
+    a_g,SLV = q a0* / S and zeta_E = a_g,SLV / a_g. With a floor both are lessened by what it asks beyond the ground, the spectrum
+    being proportional to a_g.
+    """
+    ground = site.ground_acceleration * site.soil_factor / site.behaviour_factor
+    floor = site.floor.acceleration / site.behaviour_factor if site.floor else None
+    demand = max(ground, floor or 0.0)
+    index = acceleration / demand
+    return Verdict(ground, floor, index * site.ground_acceleration, index, acceleration >= demand)
+
+
+def verdict_record(site: Site, verdict: Verdict) -> dict[str, Any]:
+    """Return a check with what it rests on in the words of summary.json."""
+    floor = {} if verdict.floor is None else {"floor_demand_m_s2": verdict.floor}
+    return {
+        "a_g_m_s2": site.ground_acceleration,
+        "soil_factor": site.soil_factor,
+        "q": site.behaviour_factor,
+        "demand_m_s2": verdict.ground,
+        **floor,
+        "a_g_slv_m_s2": verdict.capacity,
+        "zeta_e": verdict.index,
+        "satisfied": verdict.satisfied,
+    }
+
+
+def along(direction: FloatArray, velocities: FloatArray) -> FloatArray:
+    """Return the horizontal displacements (nb,) along a load's direction (3,); velocities (nb, 6) or (nb, 3).
+
+    Raises
+    ------
+    InputError: the load is not horizontal, so that it stands for no earthquake.
+    """
+    if abs(direction[2]) > 1e-9:
+        raise InputError("check", "the load is not horizontal", found=np.round(direction, 6).tolist(), expected="no z component")
+    return velocities[:, :2] @ direction[:2]
+
+
+def _positive(name: str, value: float) -> None:
+    if not (math.isfinite(value) and value > 0):
+        raise InputError(f"check: {name}", "out of range", found=value, expected="> 0")
+
+
+def _at_least(name: str, value: float, least: float) -> None:
+    if not (math.isfinite(value) and value >= least):
+        raise InputError(f"check: {name}", "out of range", found=value, expected=f">= {least:g}")

@@ -1,0 +1,86 @@
+"""What moves in a collapse mechanism, and how much of each named part."""
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, NameArray
+from churchpipe.model.assemblage import Assemblage
+
+# A stone slower than this share of the mechanism's speed stands still: solvers leave such a dust of velocities.
+STILL = 1e-3
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A macro-element in a mechanism.
+
+    weight: N, all of it. moving: the share of it that moves. displacement: its mean displacement along the load, weighed by
+    weight, over the largest one among the parts. motion: its share of the whole motion, weight x speed.
+    """
+
+    name: str
+    weight: float
+    moving: float
+    displacement: float
+    motion: float
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the part in the words of summary.json."""
+        words = asdict(self)
+        return {"name": words.pop("name"), "weight_kN": words.pop("weight") / 1e3, **words}
+
+
+def parts(
+    panel: NameArray, weight: FloatArray, velocity: FloatArray, moving: BoolArray, direction: FloatArray
+) -> tuple[Part, ...]:
+    """Return the macro-elements of a mechanism, those with most of the motion first.
+
+    Parameters
+    ----------
+    panel: names (n,) of the parts that the bodies belong to. weight: (n,) N, 0 for ground, whose parts are left out.
+    velocity: (n, 3) of the bodies at their centroids. moving: (n,) whether each takes part. direction: (3,) of the load.
+    """
+    weighty = weight > 0
+    names, part = np.unique(panel[weighty], return_inverse=True)
+    weight, velocity, moving = weight[weighty], velocity[weighty], moving[weighty]
+
+    def total(values: FloatArray) -> FloatArray:
+        return np.bincount(part, weight * values, len(names)).astype(float)
+
+    own = total(np.ones(len(weight)))
+    mean = total(np.where(moving, velocity @ direction, 0.0)) / own
+    motion = total(np.where(moving, np.linalg.norm(velocity, axis=1), 0.0))
+    largest, whole = float(np.abs(mean).max(initial=0.0)), float(motion.sum())
+    columns = (own, total(moving.astype(float)) / own, mean / (largest or 1.0), motion / (whole or 1.0))
+    found = [Part(str(name), *map(float, values)) for name, *values in zip(names, *columns, strict=True)]
+    return tuple(sorted(found, key=lambda one: -one.motion))
+
+
+def stone_of_point(stones: Assemblage) -> IntArray:
+    """Return the stone (nv,) that each point belongs to."""
+    return np.repeat(np.arange(stones.count, dtype=np.int64), np.diff(stones.block_point_ptr))
+
+
+def stone_speed(stones: Assemblage, velocities: FloatArray) -> FloatArray:
+    """Return the speed (nb,) of the fastest vertex of each stone; velocities (nb, 6): translation of the centroid, rotation."""
+    owner = stone_of_point(stones)
+    arm = stones.points - stones.centroid[owner]
+    velocity = velocities[owner, :3] + np.cross(velocities[owner, 3:], arm)
+    speed = np.zeros(stones.count)
+    np.maximum.at(speed, owner, np.linalg.norm(velocity, axis=1))
+    return speed
+
+
+def reference_speed(speed: FloatArray) -> float:
+    """Return the speed that stands for the mechanism: most moving stones are slower, and none is more than 4 times faster."""
+    fastest = float(speed.max(initial=0.0))
+    if fastest == 0.0:
+        return 0.0
+    return max(float(np.percentile(speed[speed > STILL * fastest], 98)), fastest / 4)
+
+
+def moving_stones(speed: FloatArray) -> BoolArray:
+    """Return True (nb,) for the stones, or facets, that take part in the mechanism."""
+    return speed > STILL * max(reference_speed(speed), np.finfo(float).tiny)

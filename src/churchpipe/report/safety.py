@@ -1,0 +1,85 @@
+"""The safety check and the macro-elements of the mechanisms, as the rows of two tables."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from churchpipe.report.table import Row, figure, minus
+
+# Headings with what they mean; those from "a_g" on stand only where the case says what the earthquake asks.
+ACTIVATION = (
+    ("\u03b1\u2080", "load factor, as a multiplier of all weights that move", "alpha0", 4),
+    ("Moving, kN", "weight of the stones that move", "moving_weight_kN", 0),
+    ("Stones", "stones that move", "moving_stones", 0),
+    ("M*, t", "participating mass", "participating_mass_t", 1),
+    ("e*", "fraction of the moving mass that participates", "mass_fraction", 3),
+    ("FC", "confidence factor", "confidence_factor", 2),
+    ("a\u2080*, m/s\u00b2", "spectral acceleration that activates the mechanism", "a0_m_s2", 3),
+    ("e* = 1", "the same if all that moves were one body, m/s\u00b2", "a0_lumped_m_s2", 3),
+)
+SITE = (
+    ("a_g, m/s\u00b2", "ground acceleration on rock", "a_g_m_s2", 3),
+    ("S", "soil factor", "soil_factor", 2),
+    ("q", "behaviour factor", "q", 1),
+    ("a_g S / q", "demand at the ground, m/s\u00b2", "demand_m_s2", 3),
+    ("a_Z / q", "demand at the height of the mechanism, m/s\u00b2", "floor_demand_m_s2", 3),
+    ("a_g,SLV", "ground acceleration that the mechanism withstands, m/s\u00b2", "a_g_slv_m_s2", 3),
+    ("\u03b6_E", "a_g,SLV over a_g", "zeta_e", 2),
+)
+
+
+def check_table(rows: Sequence[Row]) -> dict[str, Any] | None:
+    """Return the table of safety checks, or None where no analysis has one: headings, rows (cells, verdict), sited, refused."""
+    found = [(row, check) for row in rows if isinstance(check := row.record.get("check"), Mapping)]
+    good = [(row, check) for row, check in found if "a0_m_s2" in check]
+    if not found:
+        return None
+    columns = [*ACTIVATION, *(column for column in SITE if any(column[2] in check for _, check in good))]
+    return {
+        "headings": [(title, meaning) for title, meaning, _, _ in columns],
+        "rows": [
+            ([row.label, *(_cell(check.get(key), digits) for *_, key, digits in columns)], _word(check)) for row, check in good
+        ],
+        "sited": any("zeta_e" in check for _, check in good),
+        "refused": [(row.label, check["message"]) for row, check in found if "message" in check],
+    }
+
+
+def _cell(value: object, digits: int) -> str:
+    if value is None:
+        return ""
+    return f"{value:,.0f}" if digits == 0 and isinstance(value, int | float) else figure(value, digits)
+
+
+def _word(check: Mapping[str, Any]) -> str:
+    if "satisfied" not in check:
+        return ""
+    # e* = 1 is the safe side: what holds only with the smaller e* is said apart.
+    if check["satisfied"] and check["zeta_e"] * check["a0_lumped_m_s2"] < check["a0_m_s2"]:
+        return "not with e* = 1"
+    return "satisfied" if check["satisfied"] else "not satisfied"
+
+
+def part_tables(rows: Sequence[Row]) -> list[dict[str, Any]]:
+    """Return for the first analysis of each load and kind: label, cells of the macro-elements that move, and those at rest."""
+    first: dict[tuple[str, bool, str], Row] = {}
+    for row in rows:
+        if row.record.get("parts"):
+            first.setdefault((row.load, row.of_shell, row.kind), row)
+    return [
+        {
+            "label": row.label,
+            "rows": [_part(part) for part in row.record["parts"] if part["moving"] > 0],
+            "still": [part["name"] for part in row.record["parts"] if not part["moving"] > 0],
+        }
+        for row in first.values()
+    ]
+
+
+def _part(part: Mapping[str, Any]) -> list[str]:
+    return [
+        str(part["name"]),
+        f"{part['weight_kN']:,.1f}",
+        f"{100 * part['moving']:.0f} %",
+        minus(f"{part['displacement']:.2f}"),
+        f"{100 * part['motion']:.1f} %",
+    ]
