@@ -12,7 +12,7 @@ class Info:
     """One iteration: errors are relative to the objective.
 
     error: the largest of the gap of the objectives, the complementarity, and the work of the residuals on their multipliers;
-    residual: largest entry of the coupling rows, relative to the largest load; step and correctors: what led here.
+    residual: the largest of the coupling rows, each in its own unit; step and correctors: what led here.
     """
 
     iteration: int

@@ -35,9 +35,9 @@ class Iterate:
             self.kappa + length * step.kappa,
         )
 
-    def longest_step(self, problem: CoupledProblem, step: "Iterate", more: "Iterate", weight: float) -> float:
+    def longest_step(self, problem: CoupledProblem, step: "Iterate", more: "Iterate | None" = None, weight: float = 0.0) -> float:
         """Return the largest length (at most 1e3) along step + weight more that keeps s, z, theta and kappa in their cones."""
-        cone = problem.cone
+        cone, more = problem.cone, more or step
         length = min(cone.longest_step(self.s, step.s, more.s, weight), cone.longest_step(self.z, step.z, more.z, weight), 1e3)
         theta, kappa = step.theta + weight * more.theta, step.kappa + weight * more.kappa
         if theta < 0:

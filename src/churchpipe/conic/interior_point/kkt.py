@@ -11,8 +11,8 @@ from churchpipe.conic.interior_point.normal import NormalMatrix
 from churchpipe.conic.interior_point.problem import CoupledProblem, largest
 from churchpipe.model.arrays import FloatArray
 
-# Imbalance that counts as rounding, in the unit of force.
-_BALANCED = 1e-15
+# Imbalance that no sweep can lower, in the unit of force.
+_ROUNDING = 1e-15
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,7 +134,7 @@ class KktSystem:
         problem = self._problem
         for _ in range(sweeps):
             rows = problem.couple(x) + problem.constant + load * problem.growth
-            if largest(rows) <= _BALANCED:
+            if largest(rows) <= _ROUNDING:
                 break
             y, step = self._bordered(rows[:, None], np.zeros(1))
             x, load = x - self._comply(problem.spread(y[:, 0])), load + float(step[0])

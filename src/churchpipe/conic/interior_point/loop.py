@@ -20,12 +20,14 @@ _WIN = 0.01
 # Centring beyond this only lengthens a solve whose correctors keep the products together.
 _MOST_CENTRING = 0.03
 _TARGET = 0.3
+# A corrector is added with the weight that reaches farthest (Colombo and Gondzio 2008).
 _WEIGHTS = (1.0, 0.7, 0.4)
-# Where a balance to rounding leads out of the cones, several mechanisms compete: the loop goes on to this share of the tolerance.
-_EXACT = 1e-3
+# A solution is balanced in so many sweeps, to this residual, and may leave its cones by this share of the largest slack.
 _SWEEPS = 8
-_LACK = 1e-9
+_BALANCED = 1e-9
 _OUTSIDE = 1e-13
+# Where that fails, several mechanisms compete for one load: the loop goes on to this share of the residual tolerance.
+_COMPETING = 1e-3
 _STALLED_STEP = 1e-3
 _PATIENCE = 12
 _VANISHED = 1e-8
@@ -51,7 +53,7 @@ def solve_coupled(
     settings: Settings,
     progress: Progress | None = None,
 ) -> Ending:
-    """Run the interior-point loop from an interior iterate; residual tolerances are absolute, in the problem's units."""
+    """Run the interior-point loop from an interior iterate; the residual tolerance is in the units of the rows."""
     kkt = KktSystem(problem, normal, cholesky)
     at = warm = start
     best: tuple[Iterate, Info] | None = None
@@ -69,7 +71,7 @@ def solve_coupled(
         status = _status(problem, at, found, info, settings)
         if status == "solved" and iteration:
             exact = _balanced(problem, kkt, at)
-            if exact is not None or info.residual <= _EXACT * settings.residual:
+            if exact is not None or info.residual <= _COMPETING * settings.residual:
                 return Ending(status, exact or at, info, "", warm)
         elif status != "running":
             return Ending(status, at, info, "", warm)
@@ -100,7 +102,7 @@ def _advance(
     """Return the next iterate, the step length and the number of centrality correctors that helped."""
     system = NewtonSystem(problem, kkt, at, found, settings)
     affine = system.predictor.move
-    reach = min(1.0, at.longest_step(problem, affine, affine, 0.0))
+    reach = min(1.0, at.longest_step(problem, affine))
     mean = at.mean_product(problem)
     centring = min((1.0 - reach) ** 3, _MOST_CENTRING)
     target = centring * mean
@@ -108,18 +110,18 @@ def _advance(
     product -= target * problem.cone.identity()
     pair = affine.theta * affine.kappa + at.theta * at.kappa - target
     step = system.direction(1.0 - centring, product, pair)
-    length = at.longest_step(problem, step.move, step.move, 0.0)
+    length = at.longest_step(problem, step.move)
     helped = 0
     while helped < settings.correctors and settings.fraction * length < 1.0:
         fix, fix_pair = centrality_target(problem, system, at, step.move, min(1.0, length + _REACH), max(target, _TARGET * mean))
-        corrector = system.direction(0.0, -fix, -fix_pair)
+        corrector = system.corrector(-fix, -fix_pair)
         longer, weight = max((at.longest_step(problem, step.move, corrector.move, weight), weight) for weight in _WEIGHTS)
         if longer < length + _WIN * _REACH:
             break
-        step, length = step.plus(corrector, weight), longer
+        step, length = step.corrected(corrector, weight), longer
         helped += 1
     move = system.refined(step)
-    length = min(1.0, settings.fraction * at.longest_step(problem, move, move, 0.0))
+    length = min(1.0, settings.fraction * at.longest_step(problem, move))
     return at.moved(move, length), length, helped
 
 
@@ -128,7 +130,7 @@ def _balanced(problem: CoupledProblem, kkt: KktSystem, at: Iterate) -> Iterate |
     x, load = kkt.balance(at.x / at.theta, at.load / at.theta, _SWEEPS)
     s = problem.right - problem.constrain(x, load)
     lack = problem.rounded_imbalance(problem.couple(x) + problem.constant + load * problem.growth, x)
-    if not lack <= _LACK or problem.cone.margin(s) < -_OUTSIDE * largest(s):
+    if not lack <= _BALANCED or problem.cone.margin(s) < -_OUTSIDE * largest(s):
         return None
     return replace(at, x=x * at.theta, load=load * at.theta, s=s * at.theta)
 

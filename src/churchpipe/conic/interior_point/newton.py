@@ -1,6 +1,6 @@
 """Newton directions of the homogeneous embedding at one iterate."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from churchpipe.conic.interior_point.settings import Settings
 from churchpipe.model.arrays import FloatArray
 
 # Coupling rows solved to this share of what is left in them need no refinement.
-_EXACT = 0.1
+_REFINED = 0.1
 _ROUNDING = 1e-12
 
 
@@ -26,21 +26,14 @@ class Step:
     direction: Direction
     move: Iterate
 
-    def plus(self, other: "Step", factor: float) -> "Step":
-        """Return self + factor other."""
-        right = Right(
-            self.right.x + factor * other.right.x,
-            self.right.load + factor * other.right.load,
-            self.right.y + factor * other.right.y,
-            self.right.z if other.right.z is None else other.right.z,
-            self.right.pull + factor * other.right.pull,
-        )
+    def corrected(self, corrector: "Step", weight: float) -> "Step":
+        """Return self + weight corrector; a corrector removes no residuals."""
         return Step(
-            self.share + factor * other.share,
-            right,
-            self.pair + factor * other.pair,
-            self.direction.plus(other.direction, factor),
-            self.move.moved(other.move, factor),
+            self.share,
+            replace(self.right, pull=self.right.pull + weight * corrector.right.pull),
+            self.pair + weight * corrector.pair,
+            self.direction.plus(corrector.direction, weight),
+            self.move.moved(corrector.move, weight),
         )
 
 
@@ -56,7 +49,7 @@ class NewtonSystem:
         # A vanishing scale announces a certificate: the matrix may be singular then, and its null space is wanted.
         singular = at.theta <= 1e-4 * at.kappa
         kkt.update(self.scaling, settings.regularisation * (1e4 if singular else 1.0))
-        self._allowed = _EXACT * problem.imbalance(found.y) + _ROUNDING
+        self._allowed = _REFINED * problem.imbalance(found.y) + _ROUNDING
         self.point = self.scaling.point()
         affine = self._right(1.0, at.z)
         slack = self._right(0.0, at.z)
@@ -67,9 +60,9 @@ class NewtonSystem:
         both = Right(affine.x, affine.load, affine.y, affine.z, 2.0 * at.z)
         rest = kkt.refine(both, first.plus(second), settings.refinements, self._allowed)
         self._stiffness = (found.theta - 2.0 * at.kappa + self._price(rest)) / at.theta
-        whole = Direction(at.x, at.load, at.y, at.z, rest.spread).plus(rest)
-        self._data = Iterate(whole.x, whole.load, whole.y, problem.right * at.theta, whole.z, at.theta, -at.kappa)
-        self._data.s[:] -= problem.constrain(whole.x, whole.load)
+        x, load = at.x + rest.x, at.load + rest.load
+        s = problem.right * at.theta - problem.constrain(x, load)
+        self._data = Iterate(x, load, at.y + rest.y, s, at.z + rest.z, at.theta, -at.kappa)
         self.predictor = self._step(1.0, affine, at.theta * at.kappa, first)
 
     def direction(self, share: float, product: FloatArray, pair: float) -> Step:
@@ -77,6 +70,10 @@ class NewtonSystem:
         right = self._right(share, self.scaling.solve(self.scaling.divide(product)))
         (found,) = self._kkt.solve([right])
         return self._step(share, right, pair, found)
+
+    def corrector(self, product: FloatArray, pair: float) -> Step:
+        """Return the step for these products alone."""
+        return self.direction(0.0, product, pair)
 
     def refined(self, step: Step) -> Iterate:
         """Return the move of a step, its coupling rows made exact."""

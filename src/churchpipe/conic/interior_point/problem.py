@@ -8,7 +8,8 @@ from churchpipe.conic.interior_point.local import LocalProblems
 from churchpipe.conic.interior_point.nonnegative import Nonnegative
 from churchpipe.model.arrays import FloatArray
 
-_ROUNDING = 1e-6
+# Forces that pass a row count as a load of this share of theirs: no smaller residual survives rounding.
+_PASSING = 1e-6
 
 
 class CoupledProblem:
@@ -51,7 +52,7 @@ class CoupledProblem:
 
     def rounded_imbalance(self, rows: FloatArray, x: FloatArray) -> float:
         """Return the same, in units of at least a millionth of the forces x that pass: a wafer under a tower has no other."""
-        return largest(rows / np.maximum(self._row_unit, _ROUNDING * self.coupling.passing(x)))
+        return largest(rows / np.maximum(self._row_unit, _PASSING * self.coupling.passing(x)))
 
     def couple(self, x: FloatArray) -> FloatArray:
         """Return coupling x."""

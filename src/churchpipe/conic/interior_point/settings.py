@@ -14,7 +14,8 @@ class Settings:
     certificate: residual of a certificate of infeasibility or of a ray, relative to what it proves; iterations: at most;
     correctors: centrality correctors tried at an iteration (Gondzio 1996); fraction: share of the way to the boundary;
     regularisation: of the normal matrix, relative to its diagonal; refinements: of each linear solve, at most;
-    force, rate: size of the starting forces (in the largest load on one row) and multipliers (in those that earn the reward).
+    force, rate: size of the starting forces (in the load of the lightest body that each touches) and of the multipliers (in those
+    that earn the reward).
     """
 
     error: float = 1e-7
