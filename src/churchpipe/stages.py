@@ -160,8 +160,7 @@ def limit(settings: Path, shell: Path, match: Path, state: Path, record: Path, p
     from churchpipe.homogenised_shell.limit import shell_limit_analysis
 
     table = read_json(settings)
-    options = {key: table[key] for key in ("planes", "membrane")}
-    options |= {"solver": table["solver"]} if table["solver"] != "auto" else {}
+    options = {key: table[key] for key in ("planes", "membrane", "solver")}
     _analyse_shell("limit", table, shell, match, state, record, partial(shell_limit_analysis, **options), progress)
 
 

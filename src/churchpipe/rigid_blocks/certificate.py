@@ -3,12 +3,15 @@
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.sparse as sp
 
 from churchpipe.model.arrays import FloatArray
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
 
 BOUND_TOLERANCE = 1e-6
 RESIDUAL_TOLERANCE = 1e-8
+# No residual below this share of the forces that pass a stone survives rounding.
+_PASSING = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,22 +24,30 @@ class Strength:
 
 @dataclass(frozen=True, slots=True)
 class Certificate:
-    """Static and kinematic bounds of a load factor, and the errors (relative to the total weight) that they rest on."""
+    """Static and kinematic bounds of a load factor, and the errors that they rest on.
+
+    equilibrium_residual, cone_violation: relative to the total weight; stone_residual: of each stone relative to its own load,
+    the largest. Measured by the total weight alone, the fall of one light stone would pass for rounding.
+    """
 
     lower_bound: float
     upper_bound: float
     equilibrium_residual: float
     cone_violation: float
+    stone_residual: float
 
     @property
     def holds(self) -> bool:
-        """True when the bounds agree to 1e-6 and the forces are in equilibrium and in their cones to 1e-8 of the weight."""
+        """True when the bounds agree to 1e-6, and the forces balance every stone to 1e-6 of its load, all of them to 1e-8 of the
+        weight, within their cones to as much.
+        """
         # Load factors of zero are bounded absolutely: the weight is the unit.
         size = max(abs(self.upper_bound), 1e-3)
         return (
             abs(self.upper_bound - self.lower_bound) <= BOUND_TOLERANCE * size
             and self.equilibrium_residual < RESIDUAL_TOLERANCE
             and self.cone_violation < RESIDUAL_TOLERANCE
+            and self.stone_residual < BOUND_TOLERANCE
         )
 
 
@@ -56,7 +67,17 @@ def certify(balance: Equilibrium, strength: Strength, x: FloatArray, tau: float,
         upper_bound=kinematic_bound(balance, strength, inside[:, 0], y),
         equilibrium_residual=float(np.abs(residual).max()),
         cone_violation=cone_violation(x, strength),
+        stone_residual=_stone_residual(balance, residual, inside),
     )
+
+
+def _stone_residual(balance: Equilibrium, residual: FloatArray, x: FloatArray) -> float:
+    """Return the largest residual (6 nf,) over the load of its stone and the lever of its row, or a share of the forces there."""
+    size = sp.csr_matrix(abs(balance.matrix))
+    load = np.maximum(np.abs(balance.dead), np.abs(balance.live)).reshape(-1, 6).max(axis=1)
+    lever = np.asarray(size.max(axis=1).todense()).ravel()
+    unit = np.maximum(np.repeat(load, 6) * lever, _PASSING * (size @ np.abs(x.ravel())))
+    return float((np.abs(residual) / np.maximum(unit, 1e-300)).max())
 
 
 def kinematic_bound(balance: Equilibrium, strength: Strength, n: FloatArray, y: FloatArray) -> float:
