@@ -27,7 +27,7 @@ else:
     rule blocks:
         input:
             building="geometry/{geometry}/building.json",
-            sources=sources("bond", "derive/blocks.py", "dxf", "io/building_json.py", "io/vtu.py"),
+            sources=sources("bond", "derive", "dxf", "io/building_json.py", "io/vtu.py"),
         output:
             assemblage="geometry/{geometry}/assemblage.npz",
             dxf="geometry/{geometry}/stones.dxf",
@@ -39,7 +39,7 @@ else:
 rule contacts:
     input:
         assemblage="geometry/{geometry}/assemblage.npz",
-        sources=sources("derive/contacts.py", "derive/soundness.py"),
+        sources=sources("derive"),
     output:
         contacts="geometry/{geometry}/contacts.npz",
     shell:

@@ -10,7 +10,7 @@ rule compare:
         records=files_of(ANALYSES, "json"),
         states=files_of(ANALYSES, "npz"),
         sources=sources(
-            "compare.py", "code_check.py", "mechanism.py", "config/plan.py", "rigid_blocks/equilibrium.py", "io/tables.py", "derive/locate.py"
+            "compare.py", "code_check.py", "mechanism.py", "config/plan.py", "rigid_blocks/equilibrium.py", "io/tables.py", "derive"
         ),
     output:
         summary="summary.json",
@@ -32,7 +32,9 @@ for number, geometry in enumerate(GEOMETRIES):
             contacts=f"geometry/{geometry}/contacts.npz",
             shells=[f"shell/{mesh}/shell.npz" for mesh, place in SHELLS.items() if place == geometry],
             states=files_of([a for a in ANALYSES if a["geometry"] == geometry], "npz"),
-            sources=sources("report", "mechanism.py", "io/vtu.py", "io/shell_vtu.py"),
+            sources=sources(
+                "report", "mechanism.py", "homogenised_shell", "conic", "derive", "io/vtu.py", "io/shell_vtu.py"
+            ),
         output:
             html=report_of(geometry),
             mechanisms=[f"rigid/{a['name']}/mechanism.vtu" for a in ANALYSES if a["geometry"] == geometry and a["kind"] == "rigid"],

@@ -1,16 +1,13 @@
 # The homogenised shell: panels of a drawing, mesh, gate, and one limit analysis or capacity curve for each load and combination
 # of swept values.
 
-PANEL_SOURCES = [f"derive/{name}.py" for name in ("panels", "rings", "wall_planes", "midplanes")]
-SHELL_SOURCES = [f"derive/{name}.py" for name in ("shell", "midplanes", "self_weight", "subdivision")]
-
 if config["drawing"]:
 
     rule panels:
         input:
             settings="geometry/{geometry}/settings.json",
             assemblage="geometry/{geometry}/assemblage.npz",
-            sources=sources(*PANEL_SOURCES, "bond", "io/building_json.py"),
+            sources=sources("derive", "bond", "io/building_json.py"),
         output:
             building="geometry/{geometry}/building.json",
             fitted="geometry/{geometry}/fitted.npz",
@@ -24,7 +21,7 @@ rule shell:
     input:
         settings="shell/{mesh}/settings.json",
         building=lambda wildcards: f"geometry/{SHELLS[wildcards.mesh]}/building.json",
-        sources=sources(*SHELL_SOURCES, "bond", "io/building_json.py", "io/shell_vtu.py"),
+        sources=sources("derive", "bond", "config/plan.py", "io/building_json.py", "io/shell_vtu.py"),
     output:
         shell="shell/{mesh}/shell.npz",
     shell:
@@ -36,7 +33,7 @@ rule match:
         shell="shell/{mesh}/shell.npz",
         stones=lambda wildcards: f"geometry/{SHELLS[wildcards.mesh]}/{FITTED}",
         contacts=lambda wildcards: f"geometry/{SHELLS[wildcards.mesh]}/contacts.npz",
-        sources=sources("derive/match.py", "derive/locate.py"),
+        sources=sources("derive", "bond"),
     output:
         match="shell/{mesh}/match.json",
     shell:

@@ -80,12 +80,13 @@ def test_several_interfaces_between_one_pair() -> None:
 
 
 def test_non_convex_overlap_becomes_its_hull_and_straight_corners_go() -> None:
-    # An L-shaped foot of one stone on the flat top of another: six corners, five on the hull.
+    # An L-shaped foot of one stone on the flat top of another: six corners, five on the hull, whose area is .82.
     ell = np.array([(0, 0), (1, 0), (1, 0.4), (0.4, 0.4), (0.4, 1), (0, 1)], dtype=float)
     points = np.vstack([np.column_stack([ell, np.full(6, z)]) for z in (1.0, 2.0)])
     faces = [list(range(5, -1, -1)), list(range(6, 12)), *[[i, (i + 1) % 6, (i + 1) % 6 + 6, i + 6] for i in range(6)]]
     contacts = find_contacts(on_ground(box((0, 2), (0, 2), (0, 1)), (points, faces)))
     assert contacts.points_per_interface[contacts.kind == "bed"].tolist() == [5]
+    assert contacts.area[contacts.kind == "bed"].tolist() == pytest.approx([0.64])
 
 
 def test_gap_tolerance_decides() -> None:

@@ -125,6 +125,8 @@ def test_lateral_load_profiles() -> None:
     assert linear[:, 0].max() / linear[:, 0].min() == pytest.approx(
         np.ptp(model.points[model.triangles, 2].mean(axis=1)) / model.points[model.triangles, 2].mean(axis=1).min() + 1
     )
+    lifted = replace(model, points=model.points + np.array([0.0, 0.0, 100.0]))
+    np.testing.assert_allclose(live_pressure(lifted, LoadCase((1, 0, 0), profile="linear")), linear, rtol=1e-9)
     one = live_pressure(model, LoadCase((1, 0, 0), panels=("left",)))
     np.testing.assert_array_equal(one[:, 0] > 0, model.panel == "left")
 

@@ -19,7 +19,7 @@ def find_contacts(stones: Assemblage, gap_tolerance: float = 1e-6) -> Contacts:
 
     Faces are bucketed by plane; in each bucket a tree of bounding boxes proposes pairs, whose polygons are intersected
     all at once. A pair of stones may share several interfaces. The contact points are the vertices of the overlap, those
-    on a straight edge left out; a non-convex overlap is replaced by its convex hull, which carries the same forces.
+    on a straight edge left out; the points of a non-convex overlap are those of its convex hull, which carries the same forces.
 
     Parameters
     ----------
@@ -43,9 +43,11 @@ def find_contacts(stones: Assemblage, gap_tolerance: float = 1e-6) -> Contacts:
     face_area = np.linalg.norm(area_vector, axis=1)
     smallest = AREA_TOLERANCE * np.minimum(face_area[first], face_area[second])[pair]
     keep = (shapely.get_type_id(part) == shapely.GeometryType.POLYGON) & (shapely.area(part) > smallest)
-    corner, corner_ptr = _hull_corners(part[keep], gap_tolerance)
+    part = part[keep]
+    corner, corner_ptr = _hull_corners(part, gap_tolerance)
     first, second = first[pair[keep]], second[pair[keep]]
-    return _lift(stones, corner, corner_ptr, axes[first], first, second, block, normal, mean, centre, gap_tolerance)
+    area = np.asarray(shapely.area(part), dtype=np.float64)
+    return _lift(stones, corner, corner_ptr, area, axes[first], first, second, block, normal, mean, centre, gap_tolerance)
 
 
 def _cluster(label: IntArray, value: FloatArray, tolerance: float) -> IntArray:
@@ -144,6 +146,7 @@ def _lift(
     stones: Assemblage,
     corner: FloatArray,
     corner_ptr: IntArray,
+    area: FloatArray,
     axes: FloatArray,
     first: IntArray,
     second: IntArray,
@@ -165,7 +168,6 @@ def _lift(
     keep = np.abs(height_second - height_first) <= gap_tolerance
     height = 0.5 * (height_first + height_second)
     point = centre + np.einsum("ia,iac->ic", corner, axes[owner][:, 1:]) + (height[:, None] * n)[owner]
-    area = _polygon_areas(corner, corner_ptr)
     blocks = np.stack([block[first], block[second]], axis=1)[keep]
     order = np.lexsort((blocks[:, 1], blocks[:, 0]))
     chosen = np.flatnonzero(keep)[order]
@@ -178,15 +180,6 @@ def _lift(
         point_ptr=np.concatenate(([0], np.cumsum(counts))),
         kind=_kinds(stones, blocks[order], n[chosen]),
     )
-
-
-def _polygon_areas(corner: FloatArray, corner_ptr: IntArray) -> FloatArray:
-    owner = np.repeat(np.arange(len(corner_ptr) - 1), np.diff(corner_ptr))
-    after = np.arange(len(corner)) + 1
-    after[corner_ptr[1:] - 1] = corner_ptr[:-1]
-    local = corner - corner[corner_ptr[:-1]][owner]
-    cross = local[:, 0] * local[after][:, 1] - local[:, 1] * local[after][:, 0]
-    return np.asarray(0.5 * np.bincount(owner, weights=cross, minlength=len(corner_ptr) - 1), dtype=np.float64)
 
 
 def _kinds(stones: Assemblage, blocks: IntArray, n: FloatArray) -> np.ndarray:

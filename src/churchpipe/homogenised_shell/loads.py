@@ -32,9 +32,9 @@ def live_pressure(shell: ShellModel, load: LoadCase) -> FloatArray:
     weight = np.where(pushed, shell.weight, 0.0)
     share = np.where(pushed, shell.surface_weight, 0.0)
     if load.profile == "linear":
-        height = shell.points[shell.triangles, 2].mean(axis=1)
+        height = shell.points[shell.triangles, 2].mean(axis=1) - shell.points[:, 2].min()
         moment = float(weight @ height)
         share = share * height * (weight.sum() / moment if moment > 0 else 0.0)
     if not share.any():
-        raise InputError(f"load {load.name}", "nothing to push", expected="panels with weight above z = 0")
+        raise InputError(f"load {load.name}", "nothing to push", expected="panels with weight")
     return share[:, None] * load.direction

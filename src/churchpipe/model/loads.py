@@ -15,9 +15,9 @@ class LoadCase:
     """A lateral load proportional to weight, multiplied by the load factor.
 
     direction (3,) is normalised; `name` defaults to the direction ("+x", "-y", "(0.5, 0.866, 0)"); `panels`: names of the
-    panels that are pushed, None = all; profile "uniform", or "linear": f_i = W_i z_i (sum W) / (sum W z), so that the
-    load factor stays base shear over weight of the loaded part. `dead` and `live` are extra wrenches (nb, 6) N and Nm
-    about the centroids: dead ones act always, live ones grow with the load factor.
+    panels that are pushed, None = all; profile "uniform", or "linear": f_i = W_i z_i (sum W) / (sum W z), z above the lowest
+    free point, so that the load factor stays base shear over weight of the loaded part. `dead` and `live` are extra wrenches
+    (nb, 6) N and Nm about the centroids: dead ones act always, live ones grow with the load factor.
     """
 
     direction: FloatArray

@@ -10,6 +10,8 @@ from churchpipe.rigid_blocks.equilibrium import Equilibrium
 
 BOUND_TOLERANCE = 1e-6
 RESIDUAL_TOLERANCE = 1e-8
+# A flow may leave its cone, or stones overlap, by this share of the fastest rate.
+FLOW_TOLERANCE = 1e-6
 # No residual below this share of the forces that pass a stone survives rounding.
 _PASSING = 1e-6
 
@@ -27,7 +29,8 @@ class Certificate:
     """Static and kinematic bounds of a load factor, and the errors that they rest on.
 
     equilibrium_residual, cone_violation: relative to the total weight; stone_residual: of each stone relative to its own load,
-    the largest. Measured by the total weight alone, the fall of one light stone would pass for rounding.
+    the largest. Measured by the total weight alone, the fall of one light stone would pass for rounding. flow_violation: how
+    far the flow leaves the dual cones, relative to the fastest rate; what presses on nothing would do so at no price.
     """
 
     lower_bound: float
@@ -35,11 +38,12 @@ class Certificate:
     equilibrium_residual: float
     cone_violation: float
     stone_residual: float
+    flow_violation: float
 
     @property
     def holds(self) -> bool:
-        """True when the bounds agree to 1e-6, and the forces balance every stone to 1e-6 of its load, all of them to 1e-8 of the
-        weight, within their cones to as much.
+        """True when the bounds agree to 1e-6, the forces balance every stone to 1e-6 of its load, all of them to 1e-8 of the
+        weight, within their cones to as much, and the flow is admissible to 1e-6.
         """
         # Load factors of zero are bounded absolutely: the weight is the unit.
         size = max(abs(self.upper_bound), 1e-3)
@@ -48,6 +52,7 @@ class Certificate:
             and self.equilibrium_residual < RESIDUAL_TOLERANCE
             and self.cone_violation < RESIDUAL_TOLERANCE
             and self.stone_residual < BOUND_TOLERANCE
+            and self.flow_violation < FLOW_TOLERANCE
         )
 
 
@@ -62,12 +67,14 @@ def certify(balance: Equilibrium, strength: Strength, x: FloatArray, tau: float,
     """
     inside = project_cone(x, strength)
     residual = balance.matrix @ inside.ravel() + balance.dead + tau * balance.live
+    upper_bound, flow_violation = kinematic_bound(balance, strength, inside[:, 0], y)
     return Certificate(
         lower_bound=tau,
-        upper_bound=kinematic_bound(balance, strength, inside[:, 0], y),
+        upper_bound=upper_bound,
         equilibrium_residual=float(np.abs(residual).max()),
         cone_violation=cone_violation(x, strength),
         stone_residual=_stone_residual(balance, residual, inside),
+        flow_violation=flow_violation,
     )
 
 
@@ -80,16 +87,20 @@ def _stone_residual(balance: Equilibrium, residual: FloatArray, x: FloatArray) -
     return float((np.abs(residual) / np.maximum(unit, 1e-300)).max())
 
 
-def kinematic_bound(balance: Equilibrium, strength: Strength, n: FloatArray, y: FloatArray) -> float:
-    """Return the load factor by virtual work of velocities y (6 nf,); flow that leaves the cone is charged to n (nc,)."""
+def kinematic_bound(balance: Equilibrium, strength: Strength, n: FloatArray, y: FloatArray) -> tuple[float, float]:
+    """Return the load factor by virtual work of velocities y (6 nf,), and how far their flow leaves the dual cones.
+
+    Flow that leaves them, max(0, mu |v_t| - v_n), is charged to n (nc,) and measured by the fastest rate: rounding leaves some.
+    """
     power = balance.live @ y
     if not power > 0:
-        return np.inf
+        return np.inf, np.inf
     u = y / power
     rate = (balance.matrix.T @ u).reshape(-1, 3)
     slip = np.hypot(rate[:, 1], rate[:, 2])
     excess = np.maximum(0.0, strength.friction * slip - rate[:, 0])
-    return float(-balance.dead @ u + n @ excess + strength.cohesion @ slip)
+    bound = float(-balance.dead @ u + n @ excess + strength.cohesion @ slip)
+    return bound, float(excess.max(initial=0.0) / max(float(np.abs(rate).max(initial=0.0)), 1e-300))
 
 
 def cone_violation(x: FloatArray, strength: Strength) -> float:

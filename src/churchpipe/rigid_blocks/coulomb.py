@@ -19,7 +19,7 @@ from churchpipe.conic.program import ConeProgram
 from churchpipe.conic.semidefinite import semidefinite_solver
 from churchpipe.conic.solve import Solve
 from churchpipe.model.arrays import FloatArray
-from churchpipe.rigid_blocks.certificate import Strength, cone_violation
+from churchpipe.rigid_blocks.certificate import FLOW_TOLERANCE, Strength, cone_violation
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
 
 # The ends of an interval are wanted to four digits.
@@ -176,6 +176,12 @@ def friction_violation(strength: Strength, x: FloatArray, allowance: float = 0.0
 
 
 def admissible(balance: Equilibrium, strength: Strength, state: CoulombState) -> bool:
-    """True when the forces are in equilibrium to 1e-8 W and in their cones to 1e-8 W."""
+    """True when the forces are in equilibrium and in their cones to 1e-8 W, and no stones overlap (to 1e-6 of the fastest rate).
+
+    The gap charges overlap to the normal force there: where none acts, it costs nothing.
+    """
+    rate = (balance.matrix.T @ state.y).reshape(-1, 3)
+    if -float(rate[:, 0].min(initial=0.0)) > FLOW_TOLERANCE * float(np.abs(rate).max(initial=0.0)):
+        return False
     residual = balance.matrix @ state.x.ravel() + balance.dead + state.load_factor * balance.live
     return float(np.abs(residual).max()) < 1e-8 and cone_violation(state.x, strength) < 1e-8

@@ -138,9 +138,11 @@ def associative_state(balance: Equilibrium, strength: Strength, solve: Solve, be
         ray = project_cone(answer.x, Strength(strength.friction, np.zeros_like(strength.cohesion)))
         residual = float(np.abs(balance.matrix @ ray.ravel() + balance.live).max())
         if residual < 1e-6:
-            return _state(balance, answer, "unbounded", np.inf, Certificate(np.inf, np.inf, residual, 0.0, residual), seconds)
+            return _state(
+                balance, answer, "unbounded", np.inf, Certificate(np.inf, np.inf, residual, 0.0, residual, 0.0), seconds
+            )
     if answer.outcome != "solved":
-        return _state(balance, answer, "failed", np.nan, Certificate(*[np.nan] * 5), seconds)
+        return _state(balance, answer, "failed", np.nan, Certificate(*[np.nan] * 6), seconds)
     certificate = certify(balance, strength, answer.x, answer.tau, answer.y)
     status = "optimal" if certificate.holds else "failed"
     return _state(balance, answer, status, answer.tau if certificate.holds else np.nan, certificate, seconds)
@@ -166,7 +168,7 @@ def _check_connected(stones: Assemblage, contacts: Contacts, balance: Equilibriu
 def _fallen(
     balance: Equilibrium, standing: Literal["unstable", "failed"], answer: ConeSolution, flow: Flow, seconds: float
 ) -> LimitState:
-    nothing = Certificate(*[np.nan] * 5)
+    nothing = Certificate(*[np.nan] * 6)
     message = "the dead load alone brings it down" if standing == "unstable" else f"dead load not decided: {answer.message}"
     return _state(balance, answer, standing, np.nan, nothing, seconds, flow=flow, message=message)
 
