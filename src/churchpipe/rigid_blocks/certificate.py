@@ -41,19 +41,21 @@ class Certificate:
     flow_violation: float
 
     @property
-    def holds(self) -> bool:
-        """True when the bounds agree to 1e-6, the forces balance every stone to 1e-6 of its load, all of them to 1e-8 of the
-        weight, within their cones to as much, and the flow is admissible to 1e-6.
-        """
-        # Load factors of zero are bounded absolutely: the weight is the unit.
-        size = max(abs(self.upper_bound), 1e-3)
+    def balanced(self) -> bool:
+        """True when the forces balance every stone to 1e-6 of its load, all to 1e-8 of the weight, and keep to their cones."""
         return (
-            abs(self.upper_bound - self.lower_bound) <= BOUND_TOLERANCE * size
-            and self.equilibrium_residual < RESIDUAL_TOLERANCE
+            self.equilibrium_residual < RESIDUAL_TOLERANCE
             and self.cone_violation < RESIDUAL_TOLERANCE
             and self.stone_residual < BOUND_TOLERANCE
-            and self.flow_violation < FLOW_TOLERANCE
         )
+
+    @property
+    def holds(self) -> bool:
+        """True when the bounds agree to 1e-6, the forces are balanced, and the flow is admissible to 1e-6."""
+        # Load factors of zero are bounded absolutely: the weight is the unit.
+        size = max(abs(self.upper_bound), 1e-3)
+        agree = abs(self.upper_bound - self.lower_bound) <= BOUND_TOLERANCE * size
+        return agree and self.balanced and self.flow_violation < FLOW_TOLERANCE
 
 
 def certify(balance: Equilibrium, strength: Strength, x: FloatArray, tau: float, y: FloatArray) -> Certificate:

@@ -18,12 +18,14 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.results import LimitState, Status
-from churchpipe.rigid_blocks.certificate import Certificate, Strength, certify, project_cone
+from churchpipe.rigid_blocks.certificate import FLOW_TOLERANCE, Certificate, Strength, certify, project_cone
 from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
 from churchpipe.rigid_blocks.sliding import GAP_TOLERANCE, sliding_analysis
 
 Progress = Callable[[str, float], None]
 Flow = Literal["associative", "non-associative"]
+# Dead load that is carried but for this share is carried.
+_CARRIED = 1e-6
 
 
 def limit_analysis(
@@ -71,6 +73,8 @@ def limit_analysis(
         progress("dead load", 0.0)
     solve = solver_for(balance.matrix, solver)
     standing, dead_answer = dead_load_analysis(balance, strength, solve)
+    if standing == "failed" and solver == "auto":
+        standing, dead_answer = dead_load_analysis(balance, strength, solver_for(balance.matrix, "clarabel"))
     if standing != "stable":
         return _fallen(balance, standing, dead_answer, flow, perf_counter() - begin)
     if progress:
@@ -112,7 +116,8 @@ def dead_load_analysis(
     """Say whether the structure carries its dead load, with the forces that do or the mechanism that falls.
 
     The largest share tau <= 1 of the dead load that the contacts can carry is sought: always feasible, so the answer never
-    hangs on a certificate of infeasibility. tau = 1: stable; tau < 1: unstable, and the multipliers are the mechanism.
+    hangs on a certificate of infeasibility. tau = 1: stable, when the forces prove it; tau < 1: unstable, when the multipliers
+    do, the mechanism that falls; "failed" when neither.
     """
     zero = np.zeros(len(strength.friction))
     program = ConeProgram(
@@ -121,9 +126,13 @@ def dead_load_analysis(
     answer = solve(program)
     if answer.outcome != "solved":
         return "failed", answer
-    if answer.tau > 1 - 1e-6:
+    x, tau = restore_balance(program, answer.x, answer.tau)
+    certificate = certify(replace(balance, dead=program.constant, live=program.growth), strength, x, tau, answer.y)
+    if tau > 1 - _CARRIED and certificate.balanced:
         return "stable", answer
-    return "unstable", answer
+    if certificate.upper_bound < 1 - _CARRIED and certificate.flow_violation < FLOW_TOLERANCE:
+        return "unstable", answer
+    return "failed", replace(answer, message=f"share {tau:.6g} found, at most {certificate.upper_bound:.6g}; {answer.message}")
 
 
 def associative_state(balance: Equilibrium, strength: Strength, solve: Solve, begin: float) -> LimitState:
