@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from churchpipe.config import read_case as read_case
     from churchpipe.derive.blocks import derive_blocks as derive_blocks
     from churchpipe.derive.contacts import find_contacts as find_contacts
+    from churchpipe.derive.joints import joint_strength as joint_strength
     from churchpipe.derive.match import match_models as match_models
     from churchpipe.derive.shell import derive_shell as derive_shell
     from churchpipe.dxf.reader import read_dxf as read_dxf
@@ -21,23 +22,30 @@ if TYPE_CHECKING:
     from churchpipe.model.building import Building as Building
     from churchpipe.model.contacts import Contacts as Contacts
     from churchpipe.model.loads import LoadCase as LoadCase
+    from churchpipe.model.materials import Elastic as Elastic
     from churchpipe.model.materials import Material as Material
+    from churchpipe.model.results import CapacityCurve as CapacityCurve
     from churchpipe.model.results import LimitState as LimitState
+    from churchpipe.model.results import ShellLimitState as ShellLimitState
     from churchpipe.model.shell import ShellModel as ShellModel
     from churchpipe.rigid_blocks.limit import limit_analysis as limit_analysis
 
 _PLACES = {
     "Assemblage": "model.assemblage",
     "Building": "model.building",
+    "CapacityCurve": "model.results",
     "Contacts": "model.contacts",
+    "Elastic": "model.materials",
     "InputError": "errors",
     "LimitState": "model.results",
     "LoadCase": "model.loads",
     "Material": "model.materials",
+    "ShellLimitState": "model.results",
     "ShellModel": "model.shell",
     "derive_blocks": "derive.blocks",
     "derive_shell": "derive.shell",
     "find_contacts": "derive.contacts",
+    "joint_strength": "derive.joints",
     "limit_analysis": "rigid_blocks.limit",
     "match_models": "derive.match",
     "pushover": "homogenised_shell.pushover",
@@ -50,15 +58,19 @@ _PLACES = {
 __all__ = [
     "Assemblage",
     "Building",
+    "CapacityCurve",
     "Contacts",
+    "Elastic",
     "InputError",
     "LimitState",
     "LoadCase",
     "Material",
+    "ShellLimitState",
     "ShellModel",
     "derive_blocks",
     "derive_shell",
     "find_contacts",
+    "joint_strength",
     "limit_analysis",
     "match_models",
     "pushover",

@@ -71,8 +71,15 @@ def _imports(module: str, purpose: str, package: str) -> Trial:
 
 TRIALS = (
     _imports("clarabel", "load factors", "clarabel"),
+    Trial(
+        "numba",
+        "compiled kernels of the solver",
+        "import numba; numba.njit(lambda x: x + 1)(1); print(numba.__version__)",
+        "numba",
+    ),
     _imports("cvxpy", "reference solutions and other solvers", "cvxpy-base"),
     _imports("cvxopt.cholmod", "sparse factorisation", "cvxopt"),
+    *([] if sys.platform == "win32" else [_imports("pymetis", "an order of the stones with little fill", "pymetis")]),
     _imports("shapely", "contacts", "shapely"),
     _imports("manifold3d", "overlapping stones", "manifold3d"),
     _imports("ezdxf", "CAD drawings", "ezdxf"),
