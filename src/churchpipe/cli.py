@@ -8,7 +8,6 @@ import importlib.metadata
 import os
 import signal
 import sys
-from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, NoReturn
 
@@ -54,15 +53,18 @@ def main() -> NoReturn:
     except InputError as error:
         err.print(str(error), style="red", markup=False, soft_wrap=True)
         raise SystemExit(USAGE if isinstance(error, UsageError) else FINDINGS) from None
-    except (FileNotFoundError, NotADirectoryError, FileExistsError, IsADirectoryError, PermissionError) as error:
-        err.print(
-            f"{error.filename}: {error.strerror}. Choose another place to write to.", style="red", markup=False, soft_wrap=True
-        )
-        raise SystemExit(USAGE) from None
     except BrokenPipeError:
         # The reader of a pipe (head, less) has left.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         raise SystemExit(0) from None
+    except OSError as error:
+        place = f"{error.filename}: " if error.filename else ""
+        problem = error.strerror or str(error)
+        err.print(f"{place}{problem}. Choose another place to write to.", style="red", markup=False, soft_wrap=True)
+        raise SystemExit(USAGE) from None
+    except MemoryError:
+        err.print("Out of memory: the structure is too large for this machine.", style="red", soft_wrap=True)
+        raise SystemExit(STRUCTURE) from None
     raise SystemExit(0)
 
 
@@ -98,16 +100,28 @@ def run(
     """Run a case: stones, contacts, load factors, report. What is up to date is not done again."""
     from churchpipe import engine, stages
     from churchpipe.compare import bad_news
-    from churchpipe.config import read_case
+    from churchpipe.config import Generated, read_case
+    from churchpipe.config.asrun import claim, other_case
     from churchpipe.io.tables import read_json
     from churchpipe.terminal import Display
 
     # A case with mistakes is refused before anything is written.
-    name = read_case(case, changes or ()).name
-    folder = out_dir or Path("runs") / name
+    read = read_case(case, changes or ())
+    if isinstance(read.source, Generated):
+        read.building()
+    folder = out_dir or Path("runs") / read.name
+    if other := other_case(folder, case):
+        if out_dir is None:
+            remedy = "Give one of them another name, or a folder of its own with --out."
+            raise UsageError(str(folder), "holds the run of another case of this name", found=other, remedy=remedy)
+        err.print(f"{folder} held the run of {other} until now.", markup=False, soft_wrap=True)
+
+    def prepare() -> None:
+        stages.configure(case, folder, changes or ())
+        claim(folder, case)
+
     try:
         with Display(err) as display:
-            prepare = partial(stages.configure, case, folder, changes or ())
             code = engine.run(folder, jobs or os.cpu_count() or 1, display.show, prepare)
     except KeyboardInterrupt:
         err.print("Stopped. What was finished stays; run it again to go on.")
@@ -196,6 +210,8 @@ def export_dxf(
     from churchpipe.derive.blocks import derive_blocks
     from churchpipe.dxf.writer import write_dxf
 
+    if drawing.suffix.lower() != ".dxf":
+        raise UsageError(f"--out {drawing}", "not the name of a drawing", expected="a name that ends in .dxf")
     read = read_case(case, changes or ())
     stones = derive_blocks(read.building())
     write_dxf(stones, drawing, materials=read.materials, loads=read.loads)

@@ -79,7 +79,7 @@ def run(folder: str | Path, jobs: int, watch: Callable[[Event], None], prepare: 
 def unfinished(folder: str | Path) -> str:
     """Return why the last run of a folder did not end well; "" when it did."""
     mark = Path(folder) / UNFINISHED
-    return mark.read_text(encoding="utf-8").strip() if mark.is_file() else ""
+    return mark.read_text(encoding="utf-8", errors="replace").strip() if mark.is_file() else ""
 
 
 def command(folder: Path, jobs: int) -> list[str]:

@@ -1,5 +1,6 @@
 """From a drawing to a case file."""
 
+import json
 import math
 import re
 import shutil
@@ -71,6 +72,8 @@ def import_drawing(
     InputError: the drawing has errors (nothing is written), the folder has a case already, a direction is none.
     """
     directions = _directions(loads)
+    if not path.name.isprintable():
+        raise UsageError(repr(path.name), "a case file cannot hold this name", expected="printable characters in UTF-8")
     _check_range("--unit-weight-kN-m3", None if unit_weight is None else unit_weight / 1e3, above_zero=True)
     _check_range("--friction", friction, above_zero=False)
     case = folder / "case.toml"
@@ -87,7 +90,7 @@ def import_drawing(
     pushes = [LoadCase(direction) for direction in directions] or list(drawing.loads)
     missing = [key for _, keys in tables for key in keys] + ([] if pushes else ["[[load]] with its direction"])
     options = {"units": units, "support": support if support != "drawn" else None}
-    source = [f'dxf = "{path.name}"', *(f'{key} = "{value}"' for key, value in options.items() if value)]
+    source = [f"dxf = {_text(path.name)}", *(f'{key} = "{value}"' for key, value in options.items() if value)]
     source += ["repair = true"] if repair else []
     shell = shell_table(drawing.stones, {name: stored[name].elastic is not None if name in stored else False for name in names})
     text = "\n\n".join(
@@ -195,7 +198,8 @@ def _number(value: float) -> str:
 
 
 def _text(value: str) -> str:
-    return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
+    # The strings of JSON are strings of TOML.
+    return json.dumps(value, ensure_ascii=False)
 
 
 def _key(name: str) -> str:

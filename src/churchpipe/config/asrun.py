@@ -8,9 +8,29 @@ from typing import Any
 
 from churchpipe.config.case import read_table
 from churchpipe.config.overrides import apply_overrides
+from churchpipe.io.atomic import write_if_changed
 
 _DRAWING = re.compile(r"""(?m)^([^#\n]*?\bdxf\s*=\s*)("[^"\n]*"|'[^'\n]*')""")
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
+
+
+# Lies in a run folder: the case file whose run it is.
+ORIGIN = "case-file.txt"
+
+
+def claim(folder: Path, case: Path) -> None:
+    """Note in a run folder the case file whose run it is."""
+    write_if_changed(folder / ORIGIN, f"{case.resolve()}\n")
+
+
+def other_case(folder: Path, case: Path) -> str:
+    """Return the case file whose run lies in a folder, if it is another one; "" if not.
+
+    A file that is there no more was moved or renamed: its folder is free.
+    """
+    origin = folder / ORIGIN
+    held = origin.read_text(encoding="utf-8", errors="replace").strip() if origin.is_file() else ""
+    return held if held and Path(held).is_file() and not case.samefile(held) else ""
 
 
 def as_run(case: Path, overrides: Sequence[str]) -> str:

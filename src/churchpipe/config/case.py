@@ -9,11 +9,12 @@ from typing import Any, Literal
 from churchpipe.code_check import Site
 from churchpipe.config import overrides as changes
 from churchpipe.config.schema import CaseTable, check
-from churchpipe.config.section import Section
+from churchpipe.config.section import Section, nearest
 from churchpipe.config.site import read_site
 from churchpipe.config.sources import DrawingSource
 from churchpipe.config.units import in_si
 from churchpipe.errors import InputError
+from churchpipe.model.arguments import path_of
 from churchpipe.model.building import Building
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Elastic, Material
@@ -91,7 +92,7 @@ class Case:
 
         Raises
         ------
-        InputError: a drawing has stones, not a building; parameters that contradict each other.
+        InputError: a drawing has stones, not a building; parameters that contradict each other; a load on panels that it has not.
         """
         if isinstance(self.source, Drawing):
             raise InputError(
@@ -100,7 +101,13 @@ class Case:
                 found=self.source.path.name,
                 remedy="Read the stones with churchpipe.read_dxf.",
             )
-        return generate(self.source, self.materials, self.name)
+        building = generate(self.source, self.materials, self.name)
+        known = [name for panel in building.panels for name in (panel.name, *(part.name for part in panel.parts))]
+        for number, load in enumerate(self.loads):
+            for name in {*(load.panels or ())} - {*known}:
+                where = f"{self.path}: load.{number}.panels"
+                raise InputError(where, "no such panel", found=name, expected=", ".join(known), remedy=nearest(name, known))
+        return building
 
 
 def generate(source: Generated, materials: Sequence[Material], name: str) -> Building:
@@ -126,7 +133,7 @@ def read_case(path: str | Path, overrides: Sequence[str] = ()) -> Case:
 
 def read_variants(path: str | Path, overrides: Sequence[str] = ()) -> tuple[Case, ...]:
     """Read a case file and multiply it by its sweep: one case for each combination of the swept values."""
-    path = Path(path)
+    path = path_of("read_case: path", path)
     table = changes.apply_overrides(read_table(path), overrides)
     table.setdefault("name", path.stem)
     return tuple(_case(path, changed, variant) for changed, variant in changes.variants(table))
@@ -140,11 +147,22 @@ def read_table(path: Path) -> dict[str, Any]:
     InputError: not a text file, not TOML.
     """
     try:
+        if path.exists() and not path.is_file():
+            # A pipe can be read once only.
+            raise InputError(str(path), "not a file", found="a folder, a pipe or a device", expected="a case file")
         return tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except OSError as error:
         raise InputError(str(path), "cannot be read", found=error.strerror or error, expected="a case file") from error
     except UnicodeDecodeError as error:
-        raise InputError(str(path), "not a text file", found=error.reason, expected="a case file in TOML, UTF-8") from error
+        raise InputError(
+            str(path),
+            "not a text in UTF-8",
+            found=f"{error.reason}, byte {error.start + 1}",
+            expected="a case file in TOML",
+            remedy="A text in another encoding (UTF-16, Latin-1) is to be saved as UTF-8.",
+        ) from error
+    except RecursionError as error:
+        raise InputError(str(path), "not a case file", found="lists or tables hundreds deep", expected="a case file") from error
     except tomllib.TOMLDecodeError as error:
         raise InputError(str(path), "not TOML", found=error, remedy="Text needs quotes; tables stand in [brackets].") from error
 

@@ -2,12 +2,17 @@
 
 import copy
 import itertools
+import math
 import tomllib
 from collections.abc import Iterator, Sequence
 from typing import Any
 
 from churchpipe.config.section import Table
 from churchpipe.errors import InputError, UsageError
+from churchpipe.model.arguments import listed
+
+# Each is analysed at least once, and a stage each.
+MOST_VARIANTS = 10_000
 
 
 def parse_override(text: str) -> tuple[str, Any]:
@@ -42,7 +47,7 @@ def set_key(table: Table, key: str, value: Any) -> None:
 def apply_overrides(table: Table, overrides: Sequence[str]) -> Table:
     """Return the table with overrides set; a key that is set is not swept any more."""
     table = copy.deepcopy(table)
-    for key, value in map(parse_override, overrides):
+    for key, value in map(parse_override, listed("overrides", overrides, str)):
         set_key(table, key, value)
         sweep = table.get("sweep")
         if isinstance(sweep, dict) and not key.startswith("sweep."):
@@ -63,6 +68,19 @@ def variants(table: Table) -> Iterator[tuple[Table, Table]]:
     for key, values in lists.items():
         if not isinstance(values, list) or not values:
             raise InputError(f"sweep.{key}", "nothing to sweep", found=values, expected="a list of at least one value")
+    if "name" in lists:
+        raise InputError(
+            "sweep.name", "not to be swept", found=lists["name"], remedy="The name is that of the run: leave it out."
+        )
+    count = math.prod(map(len, lists.values()))
+    if count > MOST_VARIANTS:
+        raise InputError(
+            "sweep",
+            "too many variants",
+            found=" x ".join(str(len(values)) for values in lists.values()) + f" = {count:,}",
+            expected=f"at most {MOST_VARIANTS:,}",
+            remedy="Sweep fewer values, or split the case.",
+        )
     for values in itertools.product(*lists.values()):
         variant = dict(zip(lists, values, strict=True))
         changed = copy.deepcopy(base)
@@ -84,5 +102,6 @@ def flatten(table: Table, prefix: str = "") -> Table:
 
 def _position(place: list[Any], part: str, key: str) -> int:
     if not part.isdecimal() or int(part) >= len(place):
-        raise InputError(key, "no such entry", found=part, expected=f"a number from 0 to {len(place) - 1}")
+        expected = f"a number from 0 to {len(place) - 1}" if place else "an entry, and the list is empty"
+        raise InputError(key, "no such entry", found=part, expected=expected)
     return int(part)

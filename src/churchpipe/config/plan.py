@@ -164,6 +164,8 @@ def _words(variant: dict[str, Any]) -> list[str]:
 def _keep(table: dict[str, dict[str, Any]], words: Sequence[str], settings: dict[str, Any]) -> str:
     """Store settings under a name of a folder made of words; equal settings share a name, others never do."""
     label = "_".join(re.sub(r"[^\w.,=+-]+", "-", re.sub(r"[()\[\]{}'\" ]", "", word)) for word in words)
+    # File systems take 255 bytes.
+    label = label.encode()[:200].decode(errors="ignore")
     while table.setdefault(label, settings) != settings:
         label += "~"
     return label

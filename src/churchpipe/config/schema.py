@@ -12,13 +12,16 @@ Flow = Literal["associative", "non-associative"]
 Method = Literal["limit", "pushover"]
 
 
+Poisson = Annotated[float, Field(ge=0, lt=0.5)]
+
+
 class ElasticTable(Section):
     """Elastic constants, which the rigid blocks do not need."""
 
     block_E_GPa: Positive
-    block_nu: NotNegative
+    block_nu: Poisson
     joint_E_GPa: Positive
-    joint_nu: NotNegative
+    joint_nu: Poisson
     joint_thickness_mm: Positive
 
 
@@ -35,7 +38,7 @@ class LoadTable(Section):
     """A lateral load."""
 
     direction: Vector
-    name: str = ""
+    name: Annotated[str, Field(max_length=100)] = ""
     panels: list[str] | None = None
     profile: Literal["uniform", "linear"] = "uniform"
 
@@ -87,7 +90,7 @@ class CheckTable(Section):
 class CaseTable(Section):
     """The whole file, one variant of it; [source] is checked apart, by its generator."""
 
-    name: Annotated[str, Field(pattern=r"^\w[\w .+-]*$")]
+    name: Annotated[str, Field(pattern=r"^\w[\w .+-]*$", max_length=100)]
     source: dict[str, Any]
     material: dict[str, MaterialTable] = Field(default_factory=dict)
     load: list[LoadTable] = Field(default_factory=list)

@@ -12,7 +12,7 @@ Table = dict[str, Any]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Number = Annotated[float, Field(allow_inf_nan=False)]
-Count = Annotated[int, Field(ge=1)]
+Count = Annotated[int, Field(ge=1, le=1_000_000)]
 Vector = Annotated[list[Number], Field(min_length=3, max_length=3)]
 
 
@@ -22,6 +22,18 @@ class Section(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True)
 
 
+_WANTED = {
+    "model_type": "a table",
+    "model_attributes_type": "a table",
+    "dict_type": "a table",
+    "list_type": "a list in [brackets]",
+    "string_type": "a text in quotes",
+    "float_type": "a number",
+    "int_type": "a whole number",
+    "bool_type": "true or false",
+    # The only pattern is that of names of files.
+    "string_pattern_mismatch": "letters, digits, blanks and . + - _, beginning with a letter or a digit",
+}
 Kind = TypeVar("Kind", bound=Section)
 
 
@@ -60,8 +72,21 @@ def _translated(item: Any, kind: type[Section], place: str, file: str) -> InputE
                 where, "missing key", expected=_described(_section_at(kind, path).model_fields[str(last)].annotation)
             )
         case _:
-            expected = str(item["msg"]).removeprefix("Input should be ").replace("List should have", "a list of")
-            return InputError(where, "wrong value", found=repr(item["input"]), expected=expected.replace(" after validation", ""))
+            return InputError(where, "wrong value", found=_short(item["input"]), expected=_wanted(item))
+
+
+def _wanted(item: Any) -> str:
+    """Return what pydantic wants in the words of a case file."""
+    kind, message = str(item["type"]), str(item["msg"])
+    if kind in _WANTED:
+        return _WANTED[kind]
+    message = message.removeprefix("Input should be ").replace("List should have", "a list of").replace(" after validation", "")
+    return message.replace("String should have", "a text of")
+
+
+def _short(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 120 else f"{text[:100]} ... ({len(text)} characters)"
 
 
 def _section_at(kind: type[Section], path: list[Any]) -> type[Section]:
@@ -84,5 +109,5 @@ def _described(annotation: Any) -> str:
     section = section_in(annotation)
     if section:
         return f"a table with {', '.join(section.model_fields)}"
-    words = {float: "a number", int: "a whole number", str: "a text"}
+    words: dict[Any, str] = {float: "a number", int: "a whole number", str: "a text", dict[str, Any]: "a table"}
     return words.get(annotation, "a list" if "list" in str(annotation) else "a value")

@@ -14,6 +14,10 @@ from churchpipe.errors import InputError
 Joints = Literal["grid", "bay"]
 
 
+# Lengths that are taken, mm: shorter ones are lost in the tolerances of the geometry.
+SHORTEST, LONGEST = 0.01, 1e7
+
+
 class OpeningTable(Section):
     """A door or window with a lintel of one course; `start_mm` is measured along its wall."""
 
@@ -117,7 +121,7 @@ def check_source(table: Table, file: str, problems: list[InputError]) -> Section
     if "dxf" in table:
         return validated(DrawingSource, table, "source", file, problems)
     name = table["generator"]
-    if name not in GENERATED:
+    if not isinstance(name, str) or name not in GENERATED:
         problems.append(
             InputError(
                 f"{file}: source.generator",
@@ -128,7 +132,24 @@ def check_source(table: Table, file: str, problems: list[InputError]) -> Section
             )
         )
         return None
-    return validated(GENERATED[name], _in_millimetres(table, GENERATED[name]), "source", file, problems)
+    source = validated(GENERATED[name], _in_millimetres(table, GENERATED[name]), "source", file, problems)
+    if source is not None:
+        problems += _out_of_scale(source.model_dump(exclude_none=True), f"{file}: source")
+    return source
+
+
+def _out_of_scale(value: Any, place: str) -> list[InputError]:
+    """Return what is wrong with lengths that no building has; 0 is no length."""
+    if isinstance(value, dict):
+        return [problem for key, item in value.items() for problem in _out_of_scale(item, f"{place}.{key}")]
+    if isinstance(value, list):
+        return [problem for number, item in enumerate(value) for problem in _out_of_scale(item, f"{place}.{number}")]
+    is_length = place.rstrip("0123456789.").endswith("_mm") and isinstance(value, int | float)
+    if not is_length or value == 0 or SHORTEST <= abs(value) <= LONGEST:
+        return []
+    expected = f"from {SHORTEST:g} to {LONGEST:g} mm"
+    remedy = "Keys in _mm take millimetres, keys in _m metres."
+    return [InputError(place, "no length of a building", found=f"{value:g} mm", expected=expected, remedy=remedy)]
 
 
 def _in_millimetres(table: Table, kind: type[Section]) -> Table:

@@ -4,6 +4,7 @@ import numpy as np
 import shapely
 
 from churchpipe.errors import InputError
+from churchpipe.model.arguments import check_kind, finite
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, ragged_indices
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
@@ -25,7 +26,8 @@ def find_contacts(stones: Assemblage, gap_tolerance: float = 1e-6) -> Contacts:
     ----------
     stones: the assemblage. gap_tolerance: largest distance between two faces in contact, m.
     """
-    if not gap_tolerance > 0:
+    check_kind("find_contacts: stones", stones, Assemblage)
+    if not finite("find_contacts: gap_tolerance", gap_tolerance) > 0:
         raise InputError("find_contacts: gap_tolerance", "out of range", found=gap_tolerance, expected="> 0 m")
     area_vector, normal, mean = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
     block = np.repeat(np.arange(stones.count), np.diff(stones.block_face_ptr))

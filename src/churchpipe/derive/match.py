@@ -7,6 +7,7 @@ import numpy as np
 
 from churchpipe.derive.locate import facet_at, inside_stones, seats
 from churchpipe.derive.midplanes import components
+from churchpipe.model.arguments import check_kind
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, NameArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
@@ -73,6 +74,8 @@ def match_models(stones: Assemblage, contacts: Contacts, shell: ShellModel) -> M
     ----------
     stones, contacts, shell: the two models, by the same panel names.
     """
+    for name, value, kind in (("stones", stones, Assemblage), ("contacts", contacts, Contacts), ("shell", shell, ShellModel)):
+        check_kind(f"match_models: {name}", value, kind)
     free = ~stones.fixed
     # Stones without a panel have no mid-surface to compare with; the figures of the whole count them.
     panels = np.setdiff1d(np.concatenate([stones.panel[free], shell.panel]), [""])

@@ -15,6 +15,7 @@ from churchpipe.derive.midplanes import NODE_TOLERANCE, MidSurface, clusters, co
 from churchpipe.derive.self_weight import weight_factors
 from churchpipe.derive.subdivision import Subdivision, subdivide
 from churchpipe.errors import InputError
+from churchpipe.model.arguments import check_kind, finite, told
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.building import BondRegion, Building, PlaneChart, Support
 from churchpipe.model.polyhedra import face_normals
@@ -22,6 +23,8 @@ from churchpipe.model.shell import ShellModel
 
 # The part of a mid-surface that its mesh may miss: rounding only.
 AREA_TOLERANCE = 1e-6
+# Far beyond what can be solved; a mesh of so many takes minutes and some gigabytes.
+MOST_ELEMENTS = 1_000_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +51,7 @@ def derive_shell(building: Building, element_size: float, sizes: Mapping[str, fl
     ------
     InputError: a wall that cannot be meshed, a size out of range or of an unknown panel, a wall that rests on nothing.
     """
+    check_kind("derive_shell: building", building, Building, "read_case(...).building() makes one.")
     if not building.panels:
         raise InputError(f"building {building.name}", "no walls", found=0, expected="at least one panel")
     lengths = _sizes(building, element_size, sizes or {})
@@ -86,15 +90,25 @@ def derive_shell(building: Building, element_size: float, sizes: Mapping[str, fl
 
 def _sizes(building: Building, element_size: float, sizes: Mapping[str, float]) -> list[float]:
     names = [panel.name for panel in building.panels]
+    if not isinstance(sizes, Mapping):
+        raise InputError("derive_shell: sizes", "wrong kind", found=told(sizes), expected="{panel: element size in m}")
     for name in sizes:
         if name not in names:
             raise InputError(f"element size of {name}", "no such panel", expected=", ".join(names))
-    out = [float(sizes.get(name, element_size)) for name in names]
-    for name, size, panel in zip(names, out, building.panels, strict=True):
+    out = [finite(f"element size of {name}", sizes.get(name, element_size)) for name in names]
+    for name, size in zip(names, out, strict=True):
         if not NODE_TOLERANCE * 10 < size < np.inf:
             raise InputError(f"element size of {name}", "out of range", found=size, expected="a length > 0 m")
-        if np.ptp(panel.outline, axis=0).prod() / size**2 > 2e6:
-            raise InputError(f"element size of {name}", "too small", found=size, expected="less than two million elements a wall")
+    # Two triangles to each square of that size.
+    count = sum(2 * float(np.ptp(p.outline, axis=0).prod()) / size**2 for p, size in zip(building.panels, out, strict=True))
+    if count > MOST_ELEMENTS:
+        raise InputError(
+            "element size",
+            "too small for this building",
+            found=f"about {count:,.0f} elements of {min(out):g} m",
+            expected=f"at most {MOST_ELEMENTS:,}",
+            remedy="Make it larger, or look whether a length is in another unit (mm for m).",
+        )
     return out
 
 

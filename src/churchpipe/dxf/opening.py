@@ -1,5 +1,6 @@
 """From a file on disk to an ezdxf document, without believing a file that lost something on the way."""
 
+import codecs
 import logging
 import re
 from collections import Counter
@@ -30,6 +31,9 @@ def open_document(path: Path, findings: list[Finding]) -> Any | None:
         return _fail(findings, "E02", "this is a DWG", "Save it as DXF (R2010 or newer) in the CAD program.", "a DXF file")
     if not data.strip(b"\0 \t\r\n"):
         return _fail(findings, "E01", "the file is empty", "Export the drawing again.", "a DXF file")
+    if data.startswith((codecs.BOM_UTF8, codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        found = "the file begins with a byte order mark, which a text editor put there"
+        return _fail(findings, "E03", found, "Export the drawing again, or save it without (UTF-8 without BOM).")
     text = not data.startswith(BINARY)
     if text and not _START.search(data):
         return _fail(findings, "E01", "this is not a DXF file", "Save the drawing as DXF (R2010 or newer).", "0 SECTION")

@@ -3,8 +3,7 @@
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, cast
 
 import numpy as np
 
@@ -16,6 +15,7 @@ from churchpipe.dxf.properties import decode_properties
 from churchpipe.dxf.stones import Stone, survey
 from churchpipe.dxf.units import find_unit
 from churchpipe.errors import InputError
+from churchpipe.model.arguments import finite, path_of
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.loads import LoadCase
@@ -79,9 +79,10 @@ def read_drawing(
     """
     if units is not None:
         schema.metres(units)
-    if support not in ("drawn", "base"):
+    weights_given = _given_weights(unit_weight)
+    if not isinstance(support, str) or support not in ("drawn", "base"):
         raise InputError("support", "unknown kind of support", found=repr(support), expected='"drawn" or "base"')
-    path = Path(path)
+    path = path_of("read_dxf: path", path)
     findings: list[Finding] = []
     document = open_document(path, findings)
     if document is None:
@@ -99,7 +100,7 @@ def read_drawing(
     stones = _supported(stones, support, findings) if stones else stones
     stones = _named(stones, findings)
     unit = find_unit(document, stones, units, findings)
-    weights, unweighted = _unit_weights(stones, materials, unit_weight, findings)
+    weights, unweighted = _unit_weights(stones, materials, weights_given, findings)
     findings = [_in_metres(finding, unit) for finding in findings]
     collected = Findings(path.name, tuple(findings))
     if collected.errors or unit is None:
@@ -150,6 +151,16 @@ def _named(stones: list[Stone], findings: list[Finding]) -> list[Stone]:
     return out
 
 
+def _given_weights(given: object) -> float | dict[str, float] | None:
+    """Return the argument `unit_weight`, its numbers checked."""
+    if given is None:
+        return None
+    if not isinstance(given, Mapping):
+        return finite("unit weight", given)
+    table = cast("Mapping[Any, object]", given)
+    return {str(name): finite(f"unit weight of {name!r}", value) for name, value in table.items()}
+
+
 def _unit_weights(
     stones: Sequence[Stone],
     materials: Sequence[Material],
@@ -162,7 +173,7 @@ def _unit_weights(
     if isinstance(given, Mapping):
         table |= given
     elif given is not None:
-        table |= dict.fromkeys(names, float(given))
+        table |= dict.fromkeys(names, given)
     for name in {stone.material for stone in stones if not stone.fixed} & table.keys():
         if not 0 < table[name] < np.inf:
             raise InputError(f"unit weight of {name!r}", "out of range", found=table[name], expected="> 0 N/m3")

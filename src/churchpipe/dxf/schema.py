@@ -69,7 +69,7 @@ def is_position_tag(text: str) -> bool:
 
 def metres(unit: str) -> float:
     """Return the length of a unit in m; an unknown name is an `InputError`."""
-    if unit not in UNITS:
+    if not isinstance(unit, str) or unit not in UNITS:
         raise InputError("units", "unknown unit", found=repr(unit), expected=", ".join(UNITS))
     return UNITS[unit][1]
 

@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from churchpipe.errors import InputError
+from churchpipe.model.arguments import told
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -21,6 +22,19 @@ def _frozen(array: npt.NDArray[Any], given: object) -> npt.NDArray[Any]:
     return out
 
 
+def array_of(name: str, value: object, kinds: str, expected: str) -> npt.NDArray[Any]:
+    """Return `value` as an array whose type is one of NumPy's kinds; an empty one is of every kind."""
+    try:
+        array = np.asarray(value)
+    except (ValueError, TypeError) as error:
+        raise InputError(name, "no array", found=f"{told(value)} ({error})", expected=expected) from error
+    if array.size and array.dtype.kind not in kinds:
+        if "U" in kinds and all(isinstance(item, str) for item in array.flat):
+            return array.astype(np.str_)
+        raise InputError(name, f"not {expected}", found=told(value) if array.ndim == 0 else array.dtype, expected=expected)
+    return array
+
+
 def _check_shape(name: str, array: npt.NDArray[Any], shape: Sequence[int | None]) -> None:
     if array.ndim != len(shape) or any(want is not None and want != have for want, have in zip(shape, array.shape, strict=True)):
         wanted = "(" + ", ".join("any" if n is None else str(n) for n in shape) + ")"
@@ -29,7 +43,7 @@ def _check_shape(name: str, array: npt.NDArray[Any], shape: Sequence[int | None]
 
 def floats(name: str, value: npt.ArrayLike, shape: Sequence[int | None], *, finite: bool = True) -> FloatArray:
     """Return `value` as a read-only float64 array of the given shape (None: any length); every entry finite."""
-    array = np.asarray(value, dtype=np.float64)
+    array = array_of(name, value, "iufb", "numbers").astype(np.float64, copy=False)
     _check_shape(name, array, shape)
     if finite and not np.isfinite(array).all():
         where = np.argwhere(~np.isfinite(array))[0].tolist()
@@ -39,10 +53,7 @@ def floats(name: str, value: npt.ArrayLike, shape: Sequence[int | None], *, fini
 
 def indices(name: str, value: npt.ArrayLike, shape: Sequence[int | None], *, below: int | None = None) -> IntArray:
     """Return `value` as a read-only int64 array of the given shape, entries in [0, below)."""
-    given = np.asarray(value)
-    if given.size and given.dtype.kind not in "iu":
-        raise InputError(name, "not whole numbers", found=given.dtype, expected="integers")
-    array = given.astype(np.int64, copy=False)
+    array = array_of(name, value, "iu", "whole numbers").astype(np.int64, copy=False)
     _check_shape(name, array, shape)
     if array.size and (array.min() < 0 or (below is not None and array.max() >= below)):
         bad = array[(array < 0) | (array >= (below if below is not None else np.iinfo(np.int64).max))].flat[0]
@@ -62,7 +73,7 @@ def pointers(name: str, value: npt.ArrayLike, rows: int, total: int) -> IntArray
 
 def flags(name: str, value: npt.ArrayLike, shape: Sequence[int | None]) -> BoolArray:
     """Return `value` as a read-only bool array of the given shape."""
-    array = np.asarray(value)
+    array = array_of(name, value, "biuf", "flags")
     if array.dtype != np.bool_ and not np.isin(array, (0, 1)).all():
         raise InputError(name, "not a flag", found=array.dtype, expected="true or false")
     array = array.astype(np.bool_, copy=False)
@@ -72,9 +83,16 @@ def flags(name: str, value: npt.ArrayLike, shape: Sequence[int | None]) -> BoolA
 
 def names(name: str, value: npt.ArrayLike, shape: Sequence[int | None]) -> NameArray:
     """Return `value` as a read-only array of strings of the given shape."""
-    array = np.asarray(value, dtype=np.str_)
+    array = array_of(name, value, "Uiu", "texts").astype(np.str_, copy=False)
     _check_shape(name, array, shape)
     return _frozen(array, value)
+
+
+def one_each(name: str, array: npt.NDArray[Any], count: int) -> npt.NDArray[Any]:
+    """Return a value for each of `count` items: the array's own, or its only one for all."""
+    if array.shape not in ((), (1,), (count,)):
+        raise InputError(name, "wrong shape", found=array.shape, expected=f"one for all, or ({count},)")
+    return np.broadcast_to(array, (count,)).copy()
 
 
 def store(instance: object, **fields: object) -> None:

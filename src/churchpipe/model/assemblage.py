@@ -1,21 +1,25 @@
 """The stones of a building as flat arrays."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any, cast
 
 import numpy as np
 import numpy.typing as npt
 
 from churchpipe.errors import InputError
+from churchpipe.model.arguments import told
 from churchpipe.model.arrays import (
     BoolArray,
     FloatArray,
     IntArray,
     NameArray,
+    array_of,
     flags,
     floats,
     indices,
     names,
+    one_each,
     pointers,
     store,
 )
@@ -118,13 +122,9 @@ class Assemblage:
         block_faces: list[int] = []
         block_points: list[int] = []
         offset = 0
-        for number, (vertices, faces) in enumerate(polyhedra):
-            array = floats(f"polyhedra[{number}] vertices", vertices, (None, 3))
+        for number, polyhedron in enumerate(_sequence("polyhedra", polyhedra, "pairs of vertices and faces")):
+            array, faces = _polyhedron(f"polyhedra[{number}]", polyhedron)
             for face in faces:
-                if len(face) < 3 or min(face) < 0 or max(face) >= len(array):
-                    raise InputError(
-                        f"polyhedra[{number}]", "bad face", found=list(face), expected=f"3 or more indices below {len(array)}"
-                    )
                 nodes.extend(i + offset for i in face)
                 face_sizes.append(len(face))
             points.append(array)
@@ -135,7 +135,7 @@ class Assemblage:
             raise InputError("polyhedra", "no stones", found=0, expected="at least one polyhedron")
         count = len(points)
         fixed_flags = np.zeros(count, dtype=bool)
-        chosen = np.asarray(list(fixed))
+        chosen = array_of("fixed", list(_sequence("fixed", fixed, "indices of stones, or flags")), "biu", "whole numbers")
         if chosen.dtype == np.bool_:
             chosen = np.flatnonzero(flags("fixed", chosen, (count,)))
         fixed_flags[indices("fixed", chosen, (None,), below=count)] = True
@@ -145,12 +145,12 @@ class Assemblage:
             face_ptr=_cumulative(face_sizes),
             block_face_ptr=_cumulative(block_faces),
             block_point_ptr=_cumulative(block_points),
-            unit_weight=np.broadcast_to(np.asarray(unit_weight, dtype=float), (count,)).copy(),
-            material=np.broadcast_to(np.asarray(material, dtype=np.str_), (count,)).copy(),
-            panel=np.broadcast_to(np.asarray(panel, dtype=np.str_), (count,)).copy(),
-            course=np.broadcast_to(np.asarray(course, dtype=np.int64), (count,)).copy(),
+            unit_weight=one_each("unit_weight", array_of("unit_weight", unit_weight, "iuf", "numbers").astype(np.float64), count),
+            material=one_each("material", array_of("material", material, "Uiu", "texts").astype(np.str_), count),
+            panel=one_each("panel", array_of("panel", panel, "Uiu", "texts").astype(np.str_), count),
+            course=one_each("course", array_of("course", course, "iu", "whole numbers").astype(np.int64), count),
             fixed=fixed_flags,
-            block_id=np.array([f"B{i}" for i in range(count)] if block_id is None else list(block_id), dtype=np.str_),
+            block_id=_ids(block_id, count),
         )
 
 
@@ -188,6 +188,32 @@ def assemble(
         fixed=fixed,
         block_id=block_id,
     )
+
+
+def _sequence(where: str, value: Any, of: str) -> Iterable[Any]:
+    if isinstance(value, str | bytes | Mapping) or not isinstance(value, Iterable):
+        raise InputError(where, "not a list", found=told(cast("object", value)), expected=f"a list of {of}")
+    return cast("Iterable[Any]", value)
+
+
+def _polyhedron(where: str, value: Any) -> tuple[FloatArray, list[list[int]]]:
+    """Return the vertices (n, 3) m and the faces of one solid, checked."""
+    pair = list(cast("Sequence[Any]", value)) if isinstance(value, Sequence) and not isinstance(value, str) else []
+    if len(pair) != 2:
+        raise InputError(where, "not a pair", found=told(cast("object", value)), expected="(vertices, faces)")
+    points = floats(f"{where} vertices", pair[0], (None, 3))
+    faces = [np.asarray(face) for face in _sequence(f"{where} faces", pair[1], "faces")]
+    for face in faces:
+        if face.ndim != 1 or len(face) < 3 or face.dtype.kind not in "iu" or face.min() < 0 or face.max() >= len(points):
+            raise InputError(where, "bad face", found=face.tolist(), expected=f"3 or more indices below {len(points)}")
+    if not faces:
+        raise InputError(where, "no faces", found=0, expected="4 or more faces that close a solid")
+    return points, [face.tolist() for face in faces]
+
+
+def _ids(block_id: Any, count: int) -> NameArray:
+    ids = [f"B{i}" for i in range(count)] if block_id is None else list(_sequence("block_id", block_id, "names"))
+    return names("block_id", ids, (count,))
 
 
 def _cumulative(counts: Sequence[int]) -> IntArray:

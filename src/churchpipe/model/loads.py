@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from churchpipe.errors import InputError
+from churchpipe.model.arguments import listed, text, told
 from churchpipe.model.arrays import FloatArray, floats, store
 
 
@@ -36,22 +37,27 @@ class LoadCase:
         dead: npt.ArrayLike | None = None,
         live: npt.ArrayLike | None = None,
     ) -> None:
+        if isinstance(direction, str):
+            raise InputError(
+                "LoadCase.direction", "a text", found=repr(direction), expected='a vector, such as [1, 0, 0] for "+x"'
+            )
         vector = floats("LoadCase.direction", direction, (3,))
         # Scaled first: squares of very large or small components would overflow or vanish.
         vector = vector / (np.abs(vector).max() or 1.0)
         length = float(np.linalg.norm(vector))
         if length == 0:
             raise InputError("LoadCase.direction", "no direction", found=vector.tolist(), expected="a vector of length > 0")
-        if panels is not None and not len(panels):
+        pushed = None if panels is None else tuple(listed("LoadCase.panels", panels, str))
+        if pushed is not None and not pushed:
             raise InputError("LoadCase.panels", "nothing is pushed", expected="names of panels, or None for all")
         if profile not in ("uniform", "linear"):
-            raise InputError("LoadCase.profile", "unknown profile", found=profile, expected='"uniform" or "linear"')
+            raise InputError("LoadCase.profile", "unknown profile", found=told(profile), expected='"uniform" or "linear"')
         unit = floats("LoadCase.direction", vector / length, (3,))
         store(
             self,
             direction=unit,
-            name=name or direction_name(unit),
-            panels=None if panels is None else tuple(panels),
+            name=text("LoadCase.name", name) if name else direction_name(unit),
+            panels=pushed,
             profile=profile,
             dead=None if dead is None else floats("LoadCase.dead", dead, (None, 6)),
             live=None if live is None else floats("LoadCase.live", live, (None, 6)),

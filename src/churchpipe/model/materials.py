@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from churchpipe.errors import InputError
+from churchpipe.model.arguments import check_kind, finite, text
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,12 +28,15 @@ class Material:
     elastic: Elastic | None = None
 
     def __post_init__(self) -> None:
+        text("material: name", self.name)
         for key, value, smallest in (
             ("unit_weight", self.unit_weight, 0.0),
             ("friction", self.friction, 0.0),
             ("cohesion", self.cohesion, 0.0),
         ):
-            if not value >= smallest or value == float("inf"):
+            if finite(f"material {self.name}: {key}", value) < smallest:
                 raise InputError(
                     f"material {self.name}: {key}", "out of range", found=value, expected=f"a finite number >= {smallest:g}"
                 )
+        if self.elastic is not None:
+            check_kind(f"material {self.name}: elastic", self.elastic, Elastic)

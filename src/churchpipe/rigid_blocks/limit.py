@@ -13,7 +13,8 @@ from churchpipe.conic.polish import restore_balance
 from churchpipe.conic.program import ConeProgram, ConeSolution
 from churchpipe.conic.solve import Solve, solver_for
 from churchpipe.errors import InputError
-from churchpipe.model.arrays import FloatArray
+from churchpipe.model.arguments import check_kind
+from churchpipe.model.arrays import FloatArray, array_of
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
@@ -61,6 +62,8 @@ def limit_analysis(
     ------
     InputError: arguments out of range, stones without a path to a support.
     """
+    for name, value, kind in (("stones", stones, Assemblage), ("contacts", contacts, Contacts), ("load", load, LoadCase)):
+        check_kind(f"limit_analysis: {name}", value, kind)
     begin = perf_counter()
     balance = equilibrium(stones, contacts, load)
     strength = point_strength(contacts, friction, cohesion, balance.force)
@@ -92,7 +95,7 @@ def point_strength(contacts: Contacts, friction: npt.ArrayLike, cohesion: npt.Ar
     """Return friction and cohesion of each contact point; cohesion (Pa) acts on an equal share of the interface's area."""
     values: list[FloatArray] = []
     for name, value in (("friction", friction), ("cohesion", cohesion)):
-        array = np.asarray(value, dtype=np.float64)
+        array = array_of(name, value, "iuf", "numbers").astype(np.float64)
         if array.ndim > 1 or (array.ndim == 1 and array.shape != contacts.area.shape):
             raise InputError(name, "wrong shape", found=array.shape, expected=f"a number or ({len(contacts.area)},)")
         if not np.isfinite(array).all() or (array < 0).any():

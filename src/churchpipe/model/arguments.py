@@ -1,0 +1,80 @@
+"""Arguments of the wrong kind: named at the door, not met in the depths."""
+
+import math
+import numbers
+import os
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any, cast
+
+from churchpipe.errors import InputError
+
+
+def check_kind(where: str, value: object, kind: type, remedy: str = "") -> None:
+    """Raise InputError unless a value is of a type of ours."""
+    if not isinstance(value, kind):
+        article = "an" if kind.__name__[0] in "AEIOU" else "a"
+        raise InputError(where, "wrong kind", found=told(value), expected=f"{article} {kind.__name__}", remedy=remedy)
+
+
+def listed(where: str, value: Any, kind: type) -> list[Any]:
+    """Return a sequence of values of one type as a list.
+
+    Raises
+    ------
+    InputError: no sequence, or one of other things.
+    """
+    if isinstance(value, (kind, str, bytes)) or not isinstance(value, Iterable):
+        raise InputError(where, "wrong kind", found=told(cast("object", value)), expected=f"a list of {kind.__name__}")
+    items = list(cast("Iterable[Any]", value))
+    for number, item in enumerate(items):
+        check_kind(f"{where}[{number}]", item, kind)
+    return items
+
+
+def finite(where: str, value: object) -> float:
+    """Return a value that is one finite number.
+
+    Raises
+    ------
+    InputError: none, such as a text, a list or NaN.
+    """
+    if isinstance(value, bool) or not isinstance(value, numbers.Real):
+        raise InputError(where, "not a number", found=told(value), expected="a number")
+    if not math.isfinite(value):
+        raise InputError(where, "out of range", found=value, expected="a finite number")
+    return float(value)
+
+
+def path_of(where: str, value: object) -> Path:
+    """Return a path.
+
+    Raises
+    ------
+    InputError: not the name of a file.
+    """
+    if not isinstance(value, str | os.PathLike):
+        raise InputError(where, "not a path", found=told(value), expected="the path of a file")
+    name = os.fsdecode(cast("str | os.PathLike[str]", value))
+    if not name or "\0" in name:
+        raise InputError(where, "not a path", found=repr(name)[:60], expected="the path of a file")
+    return Path(name)
+
+
+def text(where: str, value: object) -> str:
+    """Return a value that is a text with something in it.
+
+    Raises
+    ------
+    InputError: anything else.
+    """
+    if not isinstance(value, str) or not value:
+        raise InputError(where, "no name", found=told(value), expected="a text")
+    return value
+
+
+def told(value: object) -> str:
+    """Return a value as a message shows it: short, with its type where that is the point."""
+    if value is None or isinstance(value, bool | int | float | complex | str | bytes):
+        return repr(value)[:60]
+    return f"{type(value).__name__}"

@@ -1,0 +1,184 @@
+"""The Python interface: arguments of the wrong kind are named where they are given."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import churchpipe as cp
+from churchpipe.errors import InputError
+from solids import BOX_FACES, box, on_ground
+
+nan = float("nan")
+GIVEN = box((0, 1), (0, 1), (0, 1))
+CUBE = np.asarray(GIVEN[0])
+ABOVE = box((0, 1), (0, 1), (1, 2))
+STONES = on_ground(box((0, 1), (0, 1), (0, 1)), box((0, 1), (0, 1), (1, 2)), unit_weight=2e4, reach=3)
+CONTACTS = cp.find_contacts(STONES)
+PUSH = cp.LoadCase([1, 0, 0])
+STONE = cp.Material("default", 18e3, 0.6)
+
+POLYHEDRA: list[tuple[Any, str]] = [
+    (None, r"polyhedra: not a list; found None"),
+    (3, r"polyhedra: not a list; found 3"),
+    ("cube", r"polyhedra: not a list; found 'cube'"),
+    ({"a": GIVEN}, r"polyhedra: not a list; found dict"),
+    (GIVEN, r"polyhedra\[0\]: not a pair; found ndarray; expected \(vertices, faces\)"),
+    ([GIVEN, None], r"polyhedra\[1\]: not a pair; found None"),
+    ([CUBE], r"polyhedra\[0\]: not a pair"),
+    ([(CUBE, BOX_FACES, 1)], r"polyhedra\[0\]: not a pair"),
+    ([(CUBE, None)], r"polyhedra\[0\] faces: not a list; found None"),
+    ([(CUBE, [])], r"polyhedra\[0\]: no faces"),
+    ([(CUBE, [1, 2, 3])], r"polyhedra\[0\]: bad face; found 1"),
+    ([(CUBE, ["abc"])], r"polyhedra\[0\]: bad face; found abc"),
+    ([(CUBE, [[nan, 1, 2]])], r"polyhedra\[0\]: bad face"),
+    ([("abc", BOX_FACES)], r"polyhedra\[0\] vertices: not numbers; found 'abc'"),
+    ([([[0, 0], [1, 2, 3]], BOX_FACES)], r"polyhedra\[0\] vertices: no array"),
+    ([(CUBE * 1j, BOX_FACES)], r"polyhedra\[0\] vertices: not numbers; found complex128"),
+    ([(None, BOX_FACES)], r"polyhedra\[0\] vertices: not numbers; found None"),
+]
+
+
+@pytest.mark.parametrize(("polyhedra", "said"), POLYHEDRA)
+def test_polyhedra(polyhedra: Any, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        cp.Assemblage.from_polyhedra(polyhedra, 18e3)
+
+
+COLUMNS: list[tuple[dict[str, Any], str]] = [
+    ({"unit_weight": "18"}, r"unit_weight: not numbers; found '18'"),
+    ({"unit_weight": {"default": 18e3}}, r"unit_weight: not numbers; found dict"),
+    ({"unit_weight": [1, 2, 3]}, r"unit_weight: wrong shape; found \(3,\); expected one for all, or \(2,\)"),
+    ({"unit_weight": [[1, 2]]}, r"unit_weight: wrong shape"),
+    ({"fixed": None}, r"fixed: not a list; found None"),
+    ({"fixed": 0}, r"fixed: not a list; found 0"),
+    ({"fixed": "B0"}, r"fixed: not a list; found 'B0'"),
+    ({"fixed": ["B0"]}, r"fixed: not whole numbers"),
+    ({"fixed": [[0]]}, r"fixed: wrong shape"),
+    ({"material": None}, r"material: not texts; found None"),
+    ({"material": ["a", None]}, r"material: not texts"),
+    ({"material": ["a", "b", "c"]}, r"material: wrong shape"),
+    ({"panel": None}, r"panel: not texts"),
+    ({"course": "a"}, r"course: not whole numbers; found 'a'"),
+    ({"course": 1.5}, r"course: not whole numbers; found 1\.5"),
+    ({"course": [1, 2, 3]}, r"course: wrong shape"),
+    ({"block_id": "ab"}, r"block_id: not a list; found 'ab'"),
+    ({"block_id": 3}, r"block_id: not a list; found 3"),
+    ({"block_id": [None, None]}, r"block_id: not texts"),
+]
+
+
+@pytest.mark.parametrize(("changed", "said"), COLUMNS)
+def test_columns_of_an_assemblage(changed: dict[str, Any], said: str) -> None:
+    arguments = {"unit_weight": 18e3} | changed
+    with pytest.raises(InputError, match=said):
+        cp.Assemblage.from_polyhedra([GIVEN, ABOVE], **arguments)
+
+
+def test_a_value_for_all_and_one_each_are_taken() -> None:
+    pair = [GIVEN, ABOVE]
+    stones = cp.Assemblage.from_polyhedra(iter(pair), [18e3, 20e3], material="tuff", course=[0, 1], block_id=("a", "b"))
+    assert stones.unit_weight.tolist() == [18e3, 20e3]
+    assert stones.material.tolist() == ["tuff", "tuff"]
+    assert stones.course.tolist() == [0, 1]
+    assert stones.block_id.tolist() == ["a", "b"]
+
+
+CALLS: list[tuple[Callable[[], object], str]] = [
+    (lambda: cp.LoadCase("+x"), r"LoadCase\.direction: a text; found \'\+x\'; expected a vector, such as \[1, 0, 0\]"),
+    (lambda: cp.LoadCase(["1", "0", "0"]), r"LoadCase\.direction: not numbers"),
+    (lambda: cp.LoadCase({"x": 1}), r"LoadCase\.direction: not numbers; found dict"),
+    (lambda: cp.LoadCase(None), r"LoadCase\.direction: not numbers; found None"),
+    (lambda: cp.LoadCase([1, 0, 0], name=3), r"LoadCase\.name: not a text; found 3"),
+    (lambda: cp.LoadCase([1, 0, 0], panels="wall"), r"LoadCase\.panels: wrong kind; found 'wall'; expected a list of str"),
+    (lambda: cp.LoadCase([1, 0, 0], panels=3), r"LoadCase\.panels: wrong kind; found 3"),
+    (lambda: cp.LoadCase([1, 0, 0], panels=["a", None]), r"LoadCase\.panels\[1\]: wrong kind; found None"),
+    (lambda: cp.LoadCase([1, 0, 0], profile=[]), r"LoadCase\.profile: unknown profile; found list"),
+    (lambda: cp.LoadCase([1, 0, 0], dead="a"), r"LoadCase\.dead: not numbers"),
+    (lambda: cp.Material("a", "18", 0.6), r"material a: unit_weight: not a number; found '18'"),
+    (lambda: cp.Material("a", 18e3, None), r"material a: friction: not a number; found None"),
+    (lambda: cp.Material("a", 18e3, [0.6]), r"material a: friction: not a number; found list"),
+    (lambda: cp.Material("a", 18e3, nan), r"material a: friction: out of range; found nan"),
+    (lambda: cp.Material("a", 18e3, True), r"material a: friction: not a number; found True"),
+    (lambda: cp.Material(None, 18e3, 0.6), r"material: no name; found None"),
+    (lambda: cp.Material("a", 18e3, 0.6, 0.0, {}), r"material a: elastic: wrong kind; found dict; expected an Elastic"),
+    (lambda: cp.find_contacts(None), r"find_contacts: stones: wrong kind; found None; expected an Assemblage"),
+    (lambda: cp.find_contacts(STONES, "1 mm"), r"find_contacts: gap_tolerance: not a number"),
+    (lambda: cp.limit_analysis(CONTACTS, STONES, PUSH), r"stones: wrong kind; found Contacts; expected an Assemblage"),
+    (lambda: cp.limit_analysis(STONES, None, PUSH), r"limit_analysis: contacts: wrong kind; found None"),
+    (lambda: cp.limit_analysis(STONES, CONTACTS, "+x"), r"limit_analysis: load: wrong kind; found '\+x'; expected a LoadCase"),
+    (lambda: cp.limit_analysis(STONES, CONTACTS, [1, 0, 0]), r"limit_analysis: load: wrong kind; found list"),
+    (lambda: cp.limit_analysis(STONES, CONTACTS, PUSH, [STONE]), r"friction: not numbers"),
+    (lambda: cp.limit_analysis(STONES, CONTACTS, PUSH, "0.6"), r"friction: not numbers; found '0\.6'"),
+    (lambda: cp.derive_blocks("case.toml"), r"derive_blocks: building: wrong kind; found 'case\.toml'.*read_case"),
+    (lambda: cp.derive_shell(STONES, 0.1), r"derive_shell: building: wrong kind; found Assemblage; expected a Building"),
+    (lambda: cp.match_models(STONES, CONTACTS, STONES), r"match_models: shell: wrong kind; found Assemblage"),
+    (lambda: cp.write_dxf(None, "a.dxf"), r"write_dxf: assemblage: wrong kind; found None"),
+    (
+        lambda: cp.write_dxf(STONES, "a.dxf", materials=STONE),
+        r"write_dxf: materials: wrong kind; found Material; expected a list",
+    ),
+    (lambda: cp.write_dxf(STONES, "a.dxf", loads=["+x"]), r"write_dxf: loads\[0\]: wrong kind; found '\+x'"),
+    (lambda: cp.write_dxf(STONES, "."), r"\.: the drawing cannot be written; found a folder"),
+    (lambda: cp.write_dxf(STONES, "/dev/null"), r"/dev/null: the drawing cannot be written; found a folder or a device"),
+    (lambda: cp.write_dxf(STONES, "x" * 300 + ".dxf"), r"the drawing cannot be written; found File name too long"),
+    (lambda: cp.write_dxf(STONES, None), r"write_dxf: path: not a path; found None"),
+    (lambda: cp.read_dxf(None), r"read_dxf: path: not a path; found None"),
+    (lambda: cp.read_dxf("a\0b"), r"read_dxf: path: not a path"),
+    (lambda: cp.read_dxf("a.dxf", unit_weight="18"), r"unit weight: not a number; found '18'"),
+    (lambda: cp.read_dxf("a.dxf", unit_weight={"tuff": "18"}), r"unit weight of 'tuff': not a number"),
+    (lambda: cp.read_dxf("a.dxf", units=3), r"units: unknown unit; found 3"),
+    (lambda: cp.read_case(None), r"read_case: path: not a path"),
+    (lambda: cp.read_case("/dev/null"), r"/dev/null: not a file"),
+]
+
+
+@pytest.mark.parametrize(("call", "said"), CALLS)
+def test_arguments(call: Callable[[], object], said: str, tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(InputError, match=said):
+        call()
+    assert not list(tmp_path.iterdir())
+
+
+def test_changes_of_the_wrong_kind(tmp_path: Any) -> None:
+    path = tmp_path / "case.toml"
+    path.write_text("")
+    wrong: tuple[Any, ...] = (3, "rigid.solver=clarabel", [None])
+    for overrides in wrong:
+        with pytest.raises(InputError, match=r"overrides.*: wrong kind"):
+            cp.read_case(path, overrides)
+
+
+SIZES: list[tuple[tuple[Any, ...], str]] = [
+    ((None,), r"element size of wall: not a number; found None"),
+    (([0.1],), r"element size of wall: not a number; found list"),
+    ((0.3, 3), r"derive_shell: sizes: wrong kind; found 3"),
+    ((0.3, {"wall": "fine"}), r"element size of wall: not a number; found 'fine'"),
+    ((1e-3,), r"element size: too small for this building; found about 1,440,000 elements of 0\.001 m"),
+]
+
+
+@pytest.mark.parametrize(("sizes", "said"), SIZES)
+def test_sizes_of_elements(sizes: tuple[Any, ...], said: str) -> None:
+    from churchpipe.generators import wall
+
+    building = wall(length=1.2, brick=(0.4, 0.25, 0.2), courses=3)
+    with pytest.raises(InputError, match=said):
+        cp.derive_shell(building, *sizes)
+
+
+def test_too_many_stones_are_counted_not_laid() -> None:
+    from churchpipe.generators import wall
+
+    # 14 m taken for millimetres: 14 km of bricks.
+    building = wall(length=14000.0, brick=(0.25, 0.12, 0.06), courses=100)
+    with pytest.raises(InputError, match=r"building wall: too many stones; found about 5,600,000, of them 5,600,000 in wall"):
+        cp.derive_blocks(building)
+
+
+def test_names_given_as_objects_are_texts() -> None:
+    ids = np.array(["a", "b"], dtype=object)
+    stones = cp.Assemblage.from_polyhedra([GIVEN, ABOVE], 18e3, block_id=ids)
+    assert stones.block_id.dtype.kind == "U"

@@ -1,0 +1,213 @@
+"""Files and options as they come: what is refused is named, and nothing is left half done."""
+
+import os
+from pathlib import Path
+
+import pytest
+from test_cli import call
+
+from churchpipe import cli, engine
+from churchpipe.config import Drawing, read_case, read_variants
+from churchpipe.config.asrun import claim, other_case
+from churchpipe.config.plan import plan
+from churchpipe.dxf.findings import DrawingError
+from churchpipe.dxf.reader import read_dxf
+from churchpipe.dxf.writer import write_dxf
+from churchpipe.errors import InputError, UsageError
+from churchpipe.importing import import_drawing
+from churchpipe.model.loads import LoadCase
+from churchpipe.model.materials import Material
+from churchpipe.resources import sample_case
+from solids import box, on_ground
+
+ARCH = sample_case("arch")
+STONES = on_ground(box((0, 1), (0, 1), (0, 1)), box((0, 1), (0, 1), (1, 2)), unit_weight=2e4, reach=3)
+STONE = Material("default", 2e4, 0.6)
+
+
+def written(folder: Path, data: str | bytes, name: str = "case.toml") -> Path:
+    path = folder / name
+    path.write_bytes(data if isinstance(data, bytes) else data.encode())
+    return path
+
+
+@pytest.mark.parametrize(
+    "data",
+    [b"\xef\xbb\xbf" + ARCH.encode(), ARCH.replace("\n", "\r\n"), ARCH.replace(" = ", "\t=\t")],
+    ids=["byte order mark", "CRLF", "tabs"],
+)
+def test_what_editors_make_of_a_case_is_read(data: str | bytes, tmp_path: Path) -> None:
+    assert read_case(written(tmp_path, data)).source == read_case(written(tmp_path, ARCH, "plain.toml")).source
+
+
+@pytest.mark.parametrize(
+    ("data", "said"),
+    [
+        (ARCH.encode("utf-16"), r"not a text in UTF-8; found invalid start byte, byte 1.*UTF-16.*saved as UTF-8"),
+        (b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR", r"not a text in UTF-8"),
+        ("a = " + "[" * 5000 + "]" * 5000, r"not a case file; found lists or tables hundreds deep"),
+        ("", r"source: missing key; expected a table"),
+        (ARCH + "\0", r"not TOML"),
+    ],
+    ids=["UTF-16", "picture", "deep", "empty", "null byte"],
+)
+def test_files_of_another_kind(data: str | bytes, said: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=said):
+        read_case(written(tmp_path, data))
+
+
+def test_a_folder_and_a_pipe_are_no_cases(tmp_path: Path) -> None:
+    pipe = tmp_path / "pipe.toml"
+    os.mkfifo(pipe)
+    for path in (tmp_path, pipe):
+        with pytest.raises(InputError, match=r"not a file; found a folder, a pipe or a device"):
+            read_case(path)
+    with pytest.raises(InputError, match=r"cannot be read; found File name too long"):
+        read_case(tmp_path / f"{'x' * 300}.toml")
+
+
+CHANGES = [
+    ("source.generator=[]", r"source\.generator: unknown generator; found \[\]"),
+    ("source.generator={}", r"source\.generator: unknown generator; found \{\}"),
+    (
+        "source.mean_radius_m=1e30",
+        r"source\.mean_radius_mm: no length of a building; found 1e\+33 mm; expected from 0\.01 to 1e\+07",
+    ),
+    ("source.thickness_m=1e-300", r"source\.thickness_mm: no length of a building"),
+    ("source.voussoirs=1000000000000", r"source\.voussoirs: wrong value.*less than or equal to 1000000"),
+    ("rigid=1", r"rigid: wrong value; found 1; expected a table\."),
+    ("load=1", r"load: wrong value; found 1; expected a list in \[brackets\]"),
+    ("name=3", r"name: wrong value; found 3; expected a text in quotes"),
+    ("name=../up", r"name: wrong value; found '\.\./up'; expected letters, digits, blanks"),
+    (f"name={'n' * 300}", r"name: wrong value; found 'n{99} \.\.\. \(302 characters\); expected a text of at most 100"),
+    (f"load.0.name={'n' * 300}", r"load\.0\.name: wrong value"),
+    ("load=[]", r"missing keys; expected load"),
+    ("sweep.name=['a', 'b']", r"sweep\.name: not to be swept; found \['a', 'b'\]"),
+    (
+        "material.default.elastic={block_E_GPa=3, block_nu=0.5, joint_E_GPa=1, joint_nu=0.3, joint_thickness_mm=1}",
+        r"elastic\.block_nu: wrong value; found 0\.5; expected less than 0\.5",
+    ),
+]
+
+
+@pytest.mark.parametrize(("change", "said"), CHANGES, ids=[change[:40] for change, _ in CHANGES])
+def test_changes_that_are_refused(change: str, said: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=said):
+        read_case(written(tmp_path, ARCH), [change])
+
+
+def test_an_entry_of_an_empty_list_is_told_so(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"load\.0\.direction: no such entry; found 0; expected an entry, and the list is empty"):
+        read_case(written(tmp_path, ARCH), ["load=[]", "load.0.direction=[1, 0, 0]"])
+
+
+def test_lengths_in_nested_tables_have_a_scale_too(tmp_path: Path) -> None:
+    chapel = written(tmp_path, sample_case("chapel"))
+    with pytest.raises(InputError, match=r"source\.openings\.2\.centre_mm\.1: no length of a building; found 5\.6e\+09 mm"):
+        read_case(chapel, ["source.openings.2.centre_m=[2.4, 5.6e6]"])
+    with pytest.raises(InputError, match=r"source\.apse\.thickness_mm: no length of a building"):
+        read_case(chapel, ["source.apse.thickness_m=1e-9"])
+
+
+def test_too_many_variants_are_counted_not_made(tmp_path: Path) -> None:
+    frictions = ", ".join(str(k / 1000) for k in range(200))
+    sweep = f'\n[sweep]\n"material.default.friction" = [{frictions}]\n"source.voussoirs" = {list(range(5, 105))}\n'
+    with pytest.raises(InputError, match=r"sweep: too many variants; found 200 x 100 = 20,000; expected at most 10,000"):
+        read_variants(written(tmp_path, ARCH + sweep))
+
+
+def test_a_folder_has_a_name_that_file_systems_take(tmp_path: Path) -> None:
+    flows = [["associative"] * count for count in (30, 31)]
+    todo = plan(read_variants(written(tmp_path, f'{ARCH}\n[sweep]\n"rigid.flow" = {flows}\n')))
+    assert [len(name) for name in todo.analyses] == [200]
+    pushes = [f'[{{direction = [1, 0, 0], name = "{"ü" * 90}{end}"}}]' for end in ("a", "b")]
+    todo = plan(read_variants(written(tmp_path, f"sweep.load = [{', '.join(pushes)}]\n{ARCH}")))
+    assert len(todo.analyses) == 2 * 2
+    assert all(len(name.encode()) <= 202 for name in todo.analyses)
+
+
+@pytest.mark.parametrize("name", ['q"uote.dxf', "back\\slash.dxf", "ünï cödé →.dxf", "hash#.dxf"])
+def test_an_imported_case_can_be_read_whatever_its_drawing_is_called(name: str, tmp_path: Path) -> None:
+    write_dxf(STONES, tmp_path / name, materials=[STONE], loads=[LoadCase((1, 0, 0), name='to "the" \\ west')])
+    done = import_drawing(tmp_path / name, tmp_path / "out")
+    case = read_case(done.case)
+    assert isinstance(case.source, Drawing)
+    assert case.source.path.name == name
+    assert case.loads[0].name == 'to "the" \\ west'
+
+
+@pytest.mark.parametrize("name", ["new\nline.dxf", "latin-\udce9.dxf"])
+def test_a_name_that_no_case_can_hold(name: str, tmp_path: Path) -> None:
+    write_dxf(STONES, tmp_path / name, materials=[STONE])
+    with pytest.raises(UsageError, match="a case file cannot hold this name"):
+        import_drawing(tmp_path / name, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("mark", [b"\xef\xbb\xbf", b"\xff\xfe"])
+def test_a_byte_order_mark_in_a_drawing_is_named(mark: bytes, tmp_path: Path) -> None:
+    path = tmp_path / "a.dxf"
+    write_dxf(STONES, path)
+    path.write_bytes(mark + path.read_bytes())
+    with pytest.raises(DrawingError, match="byte order mark"):
+        read_dxf(path)
+
+
+def test_export_does_not_overwrite_a_case(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    case = written(tmp_path, ARCH)
+    code, _, err = call(capsys, "export-dxf", case, "--out", case)
+    assert code == cli.USAGE
+    assert "expected a name that ends in .dxf" in err
+    assert case.read_text() == ARCH
+
+
+@pytest.mark.parametrize("command", [("generate", "arch"), ("run",), ("export-dxf",)])
+def test_a_name_that_is_too_long(command: tuple[str, ...], capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    arguments = command if command[0] == "generate" else (*command, written(tmp_path, ARCH))
+    code, _, err = call(capsys, *arguments, "--out", tmp_path / f"{'x' * 300}.dxf")
+    assert code in (cli.USAGE, cli.FINDINGS)
+    assert "File name too long" in err
+
+
+def test_two_cases_of_one_name_do_not_share_a_folder(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for folder in ("first", "second"):
+        (tmp_path / folder).mkdir()
+    first, second = (written(tmp_path / folder, ARCH) for folder in ("first", "second"))
+    run = tmp_path / "runs" / "arch"
+    assert other_case(run, first) == ""
+    claim(run, first)
+    assert other_case(run, Path("first") / "case.toml") == ""
+    code, _, err = call(capsys, "run", second)
+    assert code == cli.USAGE
+    assert f"runs/arch: holds the run of another case of this name; found {first}" in err
+    assert sorted(path.name for path in run.iterdir()) == ["case-file.txt"]
+    # A file that was renamed takes its run along.
+    first.rename(tmp_path / "first" / "renamed.toml")
+    assert other_case(run, second) == ""
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ('load.0.panels=["arhc"]', 'load.0.panels: no such panel; found arhc; expected arch. Did you mean "arch"?'),
+        ("source.voussoirs=1", "arch.voussoirs: out of range; found 1; expected a whole number >= 2"),
+        ("source.half_angle_deg=170", "arch.half_angle: out of range"),
+    ],
+)
+def test_a_run_begins_with_a_building_that_can_be_made(
+    change: str, said: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    code, _, err = call(capsys, "run", written(tmp_path, ARCH), "--out", tmp_path / "out", "--set", change)
+    assert code == cli.FINDINGS
+    assert said in err
+    assert not (tmp_path / "out").exists()
+
+
+def test_why_a_run_did_not_end_is_read_whatever_it_says(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    (tmp_path / engine.UNFINISHED).write_bytes(b"\xff\xfe")
+    code, _, err = call(capsys, "show", tmp_path)
+    assert code == cli.FINDINGS
+    assert "the last run did not end well" in err
