@@ -10,12 +10,14 @@ from churchpipe.bond.planar import centroids
 from churchpipe.bond.polygons import TOLERANCE, snap
 from churchpipe.bond.prisms import Solids, stations_of, thicken
 from churchpipe.bond.tiles import TileSet
+from churchpipe.bond.voids import voids_of
 from churchpipe.bond.volume import masonry_volume
 from churchpipe.bond.walls import lay_wall, wall_region
+from churchpipe.derive.pierced import pierced_solids
 from churchpipe.errors import InputError
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage, assemble
-from churchpipe.model.building import Building, Panel
+from churchpipe.model.building import Building, CylinderChart, Panel
 
 # Relative difference allowed between the stones and the walls.
 VOLUME_TOLERANCE = 1e-9
@@ -37,7 +39,7 @@ def derive_blocks(building: Building) -> Assemblage:
     solids = [wall_region(panel) for panel in building.panels]
     junctions = wall_junctions(building.panels, solids)
     tiles = [lay_wall(*wall) for wall in zip(building.panels, solids, junctions, strict=True)]
-    walls = [thicken(p.chart, p.thickness, t) for p, t in zip(building.panels, tiles, strict=True)]
+    walls = [_solids(panel, own) for panel, own in zip(building.panels, tiles, strict=True)]
     stones = _assemble(building, tiles, [*_fixed_bodies(building, walls), *walls])
     stations = [stations_of(panel.chart, wall) for panel, wall in zip(building.panels, tiles, strict=True)]
     expected = masonry_volume(building.panels, solids, [wall.zones.ravel() for wall in junctions], stations)
@@ -51,6 +53,13 @@ def derive_blocks(building: Building) -> Assemblage:
             remedy="Look for rings, lintels or walls that overlap, or parts of a wall without a bond.",
         )
     return stones
+
+
+def _solids(panel: Panel, tiles: TileSet) -> Solids:
+    voids = voids_of(panel)
+    if voids and isinstance(panel.chart, CylinderChart):
+        return pierced_solids(panel, panel.chart, tiles, voids)
+    return thicken(panel.chart, panel.thickness, tiles)
 
 
 def _fixed_bodies(building: Building, walls: Sequence[Solids]) -> list[Solids]:
