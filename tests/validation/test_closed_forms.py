@@ -1,11 +1,15 @@
 """Closed forms: single blocks, stacks, corbels, leaves, walls out of plane (elementary statics)."""
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.optimize import linprog
 
+from churchpipe.derive.blocks import derive_blocks
 from churchpipe.derive.contacts import find_contacts
+from churchpipe.generators import wall
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.results import LimitState
@@ -113,6 +117,57 @@ def test_two_leaves_abutting_with_friction() -> None:
     state = collapse(leaves((0.0, 0.25), (0.25, 0.5)), 0.6, (0, 1, 0))
     assert state.status == "optimal"
     assert state.load_factor == pytest.approx(0.0834, abs=5e-5)
+
+
+def thick_wall(courses: int, headers: str, first: int) -> Assemblage:
+    """Return a wall 1.5 x 3.9 m of two leaves of .25 m; first: whether course 0 runs through (0, stretchers) or not (headers)."""
+    brick = (0.5, 0.25, 3.9 / courses)
+    building = wall(length=1.5, brick=brick, courses=courses, pattern="header-stretcher", headers=headers, joints="bay")
+    return derive_blocks(replace(building, panels=(replace(building.panels[0], runs_through=first),)))
+
+
+def test_two_leaves_laid_without_headers() -> None:
+    # Leaves of ten courses, as docs/validation.md has them for an independent layout: .0764.
+    state = collapse(thick_wall(10, "none", 0), 0.6, (0, 1, 0))
+    assert state.status == "optimal"
+    assert state.load_factor == pytest.approx(0.0764, abs=5e-5)
+
+
+@pytest.mark.parametrize("headers", ["english", "flemish"])
+def test_headers_at_the_foot_make_two_leaves_one(headers: str) -> None:
+    assert_optimal(collapse(thick_wall(13, headers, 1), 0.6, (0, 1, 0)), 0.5 / 3.9)
+
+
+def test_stretchers_at_the_foot_leave_the_inner_leaf_behind() -> None:
+    # The whole wall turns about its outer edge but for the inner stretchers of course 0, which it drags along.
+    expected = foot_of_two_leaves(thickness=0.5, height=3.9, course=0.3, friction=0.6)
+    assert expected == pytest.approx(0.123475, abs=1e-6)
+    assert_optimal(collapse(thick_wall(13, "english", 0), 0.6, (0, 1, 0)), expected)
+
+
+def foot_of_two_leaves(thickness: float, height: float, course: float, friction: float) -> float:
+    """Return the load factor of a section of two bodies, an inner stretcher at the foot and all the rest, by linear programming.
+
+    Unknown are the velocities (u, v, r) of both at their centroids; all joints between them and with the ground dilate.
+    """
+    stone = 0.5 * course / height
+    foot = np.array([0.25 * thickness, 0.5 * course])
+    rest = (np.array([0.5 * thickness, 0.5 * height]) - stone * foot) / (1 - stone)
+    half = thickness / 2
+
+    def velocity(body: int, point: tuple[float, float]) -> np.ndarray:
+        x, z = point - (rest, foot)[body]
+        rows = np.zeros((2, 6))
+        rows[:, 3 * body : 3 * body + 3] = [[1, 0, -z], [0, 1, x]]
+        return rows
+
+    joints = [(velocity(0, p), 1) for p in ((half, 0), (thickness, 0))] + [(velocity(1, p), 1) for p in ((0, 0), (half, 0))]
+    joints += [(velocity(0, p) - velocity(1, p), 0) for p in ((half, 0), (half, course))]
+    joints += [(velocity(0, p) - velocity(1, p), 1) for p in ((0, course), (half, course))]
+    closing = [side * friction * jump[1 - axis] - jump[axis] for jump, axis in joints for side in (-1, 1)]
+    work, load = np.array([0, 1 - stone, 0, 0, stone, 0]), np.array([1 - stone, 0, 0, stone, 0, 0])
+    found = linprog(work, np.array(closing), np.zeros(len(closing)), load[None], [1.0], bounds=(None, None))
+    return float(found.fun)
 
 
 def test_wedged_block_has_no_lateral_collapse() -> None:

@@ -7,21 +7,28 @@ import numpy as np
 from churchpipe.bond.field import Field
 from churchpipe.bond.planar import (
     Polygons,
+    Region,
     all_coordinates,
+    area,
     areas,
     bounds,
     boxes,
     clip,
+    common,
     covered,
+    distances,
+    distances_to,
     extent,
     has_hole,
+    inner_points,
     moved,
+    polygon,
     shared_edges,
     united,
     vertices,
 )
 from churchpipe.bond.polygons import TOLERANCE, snap, snap_onto, snap_polygons
-from churchpipe.bond.slivers import merge_slivers
+from churchpipe.bond.slivers import LEAST_HEIGHT, LEAST_WIDTH, merge_slivers
 from churchpipe.bond.tiles import TileSet, tiles_of
 from churchpipe.errors import InputError
 from churchpipe.model.arrays import FloatArray, IntArray
@@ -31,7 +38,8 @@ from churchpipe.model.building import UnitCell
 def lay_courses(field: Field, cell: UnitCell, joints: Callable[[int], FloatArray]) -> TileSet:
     """Return the stones of a field laid in courses of height `cell.a`, counted from t = 0.
 
-    Cells (course x joint interval) are cut by the field's outline; slivers are merged into a neighbour.
+    Cells (course x joint interval) are cut by the field's outline; slivers are merged into a neighbour. Stones beside the arched
+    openings of a curved wall are returned uncut, with the whole of their cells.
 
     Parameters
     ----------
@@ -46,16 +54,79 @@ def lay_courses(field: Field, cell: UnitCell, joints: Callable[[int], FloatArray
     rows: list[FloatArray] = []
     for course in range(first, last):
         bottom, top = lines[course - first : course - first + 2]
-        s = snap_onto(snap(np.unique(np.concatenate((field.span, joints(course))))), marks[:, 0])
+        own = clear_of_voids(field, cell, (bottom, top), joints(course)) if field.voids else joints(course)
+        s = snap_onto(snap(np.unique(np.concatenate((field.span, own)))), marks[:, 0])
         s = np.unique(s[(s >= field.span[0]) & (s <= field.span[1])])
         height = np.ones(len(s) - 1)
         rows.append(np.stack([s[:-1], bottom * height, s[1:], top * height, course * height], axis=1))
     cells = np.concatenate(rows)
-    polygons, course = cut(boxes(cells[:, :4]), cells[:, 4].astype(np.int64), field)
+    whole = boxes(cells[:, :4])
+    polygons, course = cut(whole, cells[:, 4].astype(np.int64), field)
+    pieces = polygons
     if field.closed:
         polygons, course = _joined_at_seam(polygons, course, field, joints)
     polygons, course = merge_slivers(polygons, course, cell, field.name)
+    if field.voids:
+        if field.closed:
+            # A stone over the seam lies before the start.
+            pieces, whole = (np.concatenate([p, _shifted(p, field.span[0] - field.span[1])]) for p in (pieces, whole))
+        polygons = _uncut(polygons, pieces, whole)
     return tiles_of(polygons, course, field.name)
+
+
+def clear_of_voids(field: Field, cell: UnitCell, course: tuple[float, float], joints: FloatArray) -> FloatArray:
+    """Return the joints of one course of a curved wall that leave room beside arched openings, s in m.
+
+    A radial joint that runs into the parallel sides of an opening, or ends nearer to them than a quarter of a stone, would leave
+    a wedge without thickness: it is left out, unless it lies wholly above or below and is of a fair height there. Where the
+    opening takes up the whole course, or nearly so, what lies to its left and to its right is divided in its middle plane.
+
+    Parameters
+    ----------
+    cell: course height and stone length. course: its bottom and top, t in m. joints: those of the bond.
+    """
+    bottom, top = course
+    most = (1 - LEAST_HEIGHT) * (top - bottom)
+    added: list[float] = []
+    for void in field.voids:
+        taken = common(polygon(void.taken), boxes(np.array([[-np.inf, bottom, np.inf, top]]).clip(-1e3, 1e3))[0])
+        if area(taken) == 0:
+            continue
+        x0, _, x1, _ = extent(taken)
+        span = np.array([void.x_at(s, field.radius) for s in joints]).reshape(-1, 2) + LEAST_WIDTH * cell.b * np.array(
+            [-1.0, 1.0]
+        )
+        beside = (span[:, 1] < x0) | (span[:, 0] > x1) | ~void.faces(joints, field.radius)
+        over = (span[:, 0] > x0) & (span[:, 1] < x1)
+        over &= [_height(taken, low, high) < most for low, high in span]
+        joints = joints[beside | over]
+        if _height(taken, -TOLERANCE, TOLERANCE) > most:
+            added.append(void.middle)
+    return np.concatenate((joints, added))
+
+
+def _height(region: Region, low: float, high: float) -> float:
+    """Return how high a region is between x = low and x = high, m."""
+    _, t0, _, t1 = extent(region)
+    part = common(region, boxes(np.array([[low, t0 - 1.0, high, t1 + 1.0]]))[0])
+    return 0.0 if area(part) == 0 else float(np.ptp(extent(part)[[1, 3]]))
+
+
+def _shifted(polygons: Polygons, by: float) -> Polygons:
+    return moved(polygons, all_coordinates(polygons) + np.array([by, 0.0]))
+
+
+def _uncut(polygons: Polygons, pieces: Polygons, cells: Polygons) -> Polygons:
+    """Return the tiles, those beside an opening with the whole of the cells that they are pieces of."""
+    inner = inner_points(pieces)
+    owner = np.array([np.flatnonzero(distances_to(cells, point) == 0)[0] for point in inner])
+    was_cut = areas(pieces) < (1 - TOLERANCE) * areas(cells[owner])
+    out = polygons.copy()
+    for number, tile in enumerate(polygons):
+        own = distances(tile, inner) == 0
+        if (own & was_cut).any():
+            out[number] = united(np.concatenate([pieces[own & ~was_cut], cells[owner[own & was_cut]]]))
+    return out
 
 
 def _joined_at_seam(
@@ -68,7 +139,7 @@ def _joined_at_seam(
     for last in np.flatnonzero(high > stop - TOLERANCE):
         if (np.abs(joints(int(course[last])) - start) < TOLERANCE).any():
             continue
-        beyond = moved(polygons[[last]], all_coordinates(polygons[[last]]) - [stop - start, 0.0])
+        beyond = _shifted(polygons[[last]], start - stop)
         firsts = np.flatnonzero((low < start + TOLERANCE) & (course == course[last]) & kept)
         shared = shared_edges(polygons[firsts], beyond[0])
         if len(firsts) and shared.max() > TOLERANCE:

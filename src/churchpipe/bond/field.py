@@ -8,6 +8,7 @@ import numpy as np
 
 from churchpipe.bond.planar import Region
 from churchpipe.bond.tiles import TileSet
+from churchpipe.bond.voids import Void
 from churchpipe.model.arrays import FloatArray, floats, store
 from churchpipe.model.building import UnitCell
 
@@ -19,7 +20,7 @@ class Field:
     name: for messages. solid: what is to be filled, m2. span: the ends of the wall, s in m. through: parity of the courses
     on which the wall runs through its junctions. zones (nz, 2) m: its junctions, disjoint and sorted along s. lost (nl, 4) m:
     rectangles s0, t0, s1, t1 of the zones that belong to other walls. closed: whether the wall's end is its start, as of a
-    round tower.
+    round tower. voids: arched openings of a curved wall, radius: of its mid-surface, m.
     """
 
     name: str
@@ -29,6 +30,8 @@ class Field:
     zones: FloatArray = dataclass_field(default_factory=lambda: np.empty((0, 2)))
     lost: FloatArray = dataclass_field(default_factory=lambda: np.empty((0, 4)))
     closed: bool = False
+    voids: tuple[Void, ...] = ()
+    radius: float = np.inf
 
     def __post_init__(self) -> None:
         store(

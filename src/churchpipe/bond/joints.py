@@ -1,5 +1,7 @@
 """Where the head joints of a course lie: the rules "grid" and "bay"."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from churchpipe.bond.field import Field
@@ -30,31 +32,57 @@ def bay_joints(field: Field, b: float, through: bool, height: float) -> FloatArr
     ----------
     field: the wall. b: target length of a stone, m. through: whether this course runs through. height: t in mid-course, m.
     """
-    low, high = field.span
-    owned = ~_lost(field, height)
-    edges = np.concatenate((np.array([low]), field.zones.ravel(), np.array([high])))
+
+    def inside(length: float) -> FloatArray:
+        count = stones_in(length, b)
+        return length / count * (np.arange(0.5, count) if through else np.arange(0.0, count + 1))
+
+    def across(zone: FloatArray, start: float, stop: float) -> FloatArray:
+        return np.linspace(start, stop, int(np.ceil((zone[1] - zone[0]) / b - TOLERANCE)) + 1)
+
+    return joints_by_bay(field, height, inside, across)
+
+
+def joints_by_bay(
+    field: Field, height: float, inside: Callable[[float], FloatArray], across: Callable[[FloatArray, float, float], FloatArray]
+) -> FloatArray:
+    """Return the joints of one course, s in m: those inside the clear bays and those across the junctions that the wall owns.
+
+    Parameters
+    ----------
+    field: the wall. height: t in mid-course, m. inside: length of a bay -> its joints, from its start. across: faces of a
+    junction, the last joint before it and the first behind it -> joints between these two; a wall that ends at the junction at
+    this height ends there.
+    """
     joints: list[FloatArray] = []
-    # Last joint before and first joint behind each zone: the ends of the stretch across it.
     before, behind = field.zones[:, 0].copy(), field.zones[:, 1].copy()
-    for bay, (start, stop) in enumerate(zip(edges[::2], edges[1::2], strict=True)):
+    for bay, (start, stop) in enumerate(bays(field)):
         if stop - start <= TOLERANCE:
             continue
-        count = _pieces(stop - start, b)
-        pitch = (stop - start) / count
-        place = np.arange(0.5, count) if through else np.arange(0.0, count + 1)
-        inside = start + pitch * place
-        joints.append(inside)
+        own = start + inside(stop - start)
+        joints.append(own)
         if bay > 0:
-            behind[bay - 1] = inside[0]
+            behind[bay - 1] = own[0]
         if bay < len(before):
-            before[bay] = inside[-1]
+            before[bay] = own[-1]
     # A wall that ends at the zone at this height (a tower above the roof) has no joint to reach to.
     before = np.where(_masonry(field, field.zones[:, 0] - END, height), before, field.zones[:, 0])
     behind = np.where(_masonry(field, field.zones[:, 1] + END, height), behind, field.zones[:, 1])
-    stones = np.ceil((field.zones[:, 1] - field.zones[:, 0]) / b - TOLERANCE).astype(np.int64)
-    for start, stop, count in zip(before[owned], behind[owned], stones[owned], strict=True):
-        joints.append(np.linspace(float(start), float(stop), int(count) + 1))
+    for zone in np.flatnonzero(~_lost(field, height)):
+        joints.append(across(field.zones[zone], float(before[zone]), float(behind[zone])))
     return np.concatenate(joints) if joints else np.empty(0)
+
+
+def bays(field: Field) -> FloatArray:
+    """Return the clear bays (nz + 1, 2) between the junctions of a wall, s in m; a bay may have no length."""
+    low, high = field.span
+    return np.concatenate((np.array([low]), field.zones.ravel(), np.array([high]))).reshape(-1, 2)
+
+
+def stones_in(length: float, b: float) -> int:
+    """Return how many stones of about b m a length takes, one at least."""
+    # Half a stone rounds up always, not to the even number.
+    return max(1, int(np.floor(length / b + 0.5 + TOLERANCE)))
 
 
 def _masonry(field: Field, s: FloatArray, height: float) -> BoolArray:
@@ -67,8 +95,3 @@ def _lost(field: Field, height: float) -> BoolArray:
     middle = field.zones.mean(axis=1)[:, None]
     s0, t0, s1, t1 = field.lost.T
     return ((s0 < middle) & (middle < s1) & (t0 < height) & (height < t1)).any(axis=1)
-
-
-def _pieces(length: float, b: float) -> int:
-    # Half a stone rounds up always, not to the even number.
-    return max(1, int(np.floor(length / b + 0.5 + TOLERANCE)))

@@ -1,6 +1,7 @@
 """The bond that a region asks for."""
 
 from churchpipe.bond.field import Bond
+from churchpipe.bond.header_stretcher import HeaderStretcherBond
 from churchpipe.bond.running import RunningBond
 from churchpipe.bond.single import SingleStone
 from churchpipe.bond.stack import StackBond
@@ -17,6 +18,9 @@ def bond_of(region: BondRegion) -> Bond:
             return RunningBond(region.cell, region.joints, region.through_offset, cut)
         case "stack":
             return StackBond(region.cell, region.joints, region.through_offset)
+        case "header-stretcher":
+            cut = region.through_offset if region.cut_offset is None else region.cut_offset
+            return HeaderStretcherBond(region.cell, region.joints, region.through_offset, cut, region.headers)
         case "single":
             return SingleStone(region.cell, region.outline)
         case "voussoir":

@@ -100,6 +100,16 @@ def distances(region: Region, points: FloatArray) -> FloatArray:
     return np.asarray(shapely.distance(region, shapely.points(points)), dtype=np.float64)
 
 
+def distances_to(polygons: Polygons, point: FloatArray) -> FloatArray:
+    """Return how far a point (2,) is from each polygon (n,), 0 inside."""
+    return np.asarray(shapely.distance(polygons, shapely.Point(point)), dtype=np.float64)
+
+
+def inner_points(polygons: Polygons) -> FloatArray:
+    """Return a point (n, 2) inside each polygon."""
+    return np.asarray(shapely.get_coordinates(shapely.point_on_surface(polygons)), dtype=np.float64)
+
+
 def covered(polygons: Polygons, region: Region) -> BoolArray:
     """Return which polygons (n,) lie wholly in the region."""
     shapely.prepare(region)

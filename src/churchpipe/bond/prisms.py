@@ -1,5 +1,6 @@
 """Tiles thickened into closed solids."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,15 +26,19 @@ class Solids:
 
 
 def thicken(chart: Chart, thickness: float, tiles: TileSet) -> Solids:
-    """Return one closed solid a tile, half the thickness (m) to either side of the mid-surface."""
+    """Return one closed solid a tile, as far through a wall of this thickness (m) as the tile reaches."""
     if isinstance(chart, PlaneChart):
         return _prisms(chart, thickness, tiles)
     return _bent_prisms(chart, thickness, tiles)
 
 
 def stations_of(chart: Chart, tiles: TileSet) -> FloatArray:
-    """Return the s of all joints of a curved wall, between which it is straight, m; of a circle, on both sides of the seam."""
-    stations = np.unique(tiles.corner[:, 0])
+    """Return the s of all joints of a curved wall, between which it is straight, m; of a circle, on both sides of the seam.
+
+    Joints between voussoirs do not count.
+    """
+    laid = np.repeat(tiles.course >= 0, np.diff(tiles.corner_ptr))
+    stations = np.unique(tiles.corner[laid, 0])
     if isinstance(chart, PlaneChart) or chart.sweep < 2 * np.pi:
         return stations
     turn = 2 * np.pi * chart.radius
@@ -41,7 +46,7 @@ def stations_of(chart: Chart, tiles: TileSet) -> FloatArray:
 
 
 def _prisms(chart: Chart, thickness: float, tiles: TileSet) -> Solids:
-    """Right prisms: per tile of n corners first the n points of the back face (-h/2), then those of the front face."""
+    """Right prisms: per tile of n corners first the n points of the back face, then those of the front face."""
     corner, pointer = tiles.corner, tiles.corner_ptr
     count = np.diff(pointer)
     start = np.repeat(pointer[:-1], count)
@@ -51,8 +56,7 @@ def _prisms(chart: Chart, thickness: float, tiles: TileSet) -> Solids:
     front = back + size
     after = np.where(local == size - 1, 1 - size, 1)
     points = np.empty((2 * len(corner), 3))
-    points[back] = lift(chart, corner, -0.5 * thickness)
-    points[front] = lift(chart, corner, 0.5 * thickness)
+    points[back], points[front] = (lift(chart, corner, np.repeat(side * thickness, count)) for side in tiles.reach.T)
     nodes = np.empty(6 * len(corner), dtype=np.int64)
     nodes[6 * start + size - 1 - local] = back
     nodes[6 * start + size + local] = front
@@ -69,22 +73,27 @@ def _prisms(chart: Chart, thickness: float, tiles: TileSet) -> Solids:
 def _bent_prisms(chart: Chart, thickness: float, tiles: TileSet) -> Solids:
     """Stones of a curved wall: straight between all joints of the wall, so that courses fit face to face."""
     stations = stations_of(chart, tiles)
-    points: list[FloatArray] = []
-    nodes: list[IntArray] = []
-    face_sizes: list[int] = []
-    faces: list[int] = []
-    sizes: list[int] = []
-    offset = 0
+    stones: list[tuple[FloatArray, list[IntArray]]] = []
     for number in range(tiles.count):
         outline = tiles.corner[tiles.corner_ptr[number] : tiles.corner_ptr[number + 1]]
-        flat, stone = _bend(outline, stations, int(tiles.course[number]))
-        points += [lift(chart, flat, -0.5 * thickness), lift(chart, flat, 0.5 * thickness)]
-        nodes += [np.array(face, dtype=np.int64) + offset for face in stone]
-        face_sizes += [len(face) for face in stone]
-        faces.append(len(stone))
-        sizes.append(2 * len(flat))
-        offset += 2 * len(flat)
-    return Solids(np.concatenate(points), np.concatenate(nodes), _cumulative(face_sizes), _cumulative(faces), _cumulative(sizes))
+        flat, faces = _bend(outline, stations, int(tiles.course[number]))
+        points = np.concatenate([lift(chart, flat, side * thickness) for side in tiles.reach[number]])
+        stones.append((points, [np.array(face, dtype=np.int64) for face in faces]))
+    return solids_of(stones)
+
+
+def solids_of(stones: Sequence[tuple[FloatArray, Sequence[IntArray]]]) -> Solids:
+    """Return polyhedra given one by one, as points (n, 3) m and the corners of each face, as flat arrays."""
+    points, faces = [stone[0] for stone in stones], [face for stone in stones for face in stone[1]]
+    offset = _cumulative([len(part) for part in points])
+    shift = np.repeat(offset[:-1], [len(stone[1]) for stone in stones])
+    return Solids(
+        np.concatenate(points),
+        np.concatenate([face + by for face, by in zip(faces, shift, strict=True)]),
+        _cumulative([len(face) for face in faces]),
+        _cumulative([len(stone[1]) for stone in stones]),
+        offset,
+    )
 
 
 def _bend(outline: FloatArray, stations: FloatArray, course: int) -> tuple[FloatArray, list[list[int]]]:

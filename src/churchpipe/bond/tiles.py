@@ -1,4 +1,4 @@
-"""The stones of a wall as flat polygons."""
+"""The stones of a wall as flat polygons that reach some way through it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,21 +7,23 @@ import numpy as np
 
 from churchpipe.bond.planar import Polygons, polygons_of
 from churchpipe.bond.polygons import corners, polygon_areas
-from churchpipe.model.arrays import FloatArray, IntArray, NameArray, floats, names, pointers, ragged_indices, store
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, NameArray, floats, names, pointers, ragged_indices, store
 
 
 @dataclass(frozen=True, slots=True)
 class TileSet:
-    """Stones in chart coordinates: simple polygons, counter-clockwise, that cover a region exactly once.
+    """Stones in chart coordinates: simple polygons, counter-clockwise, that fill a region of the wall exactly once.
 
     Fields: corner (nc, 2) m; corner_ptr (nt + 1,): tile i has the corners `corner_ptr[i]:corner_ptr[i + 1]`; course (nt,),
-    counted from 0 at t = 0, -1 for voussoirs; region (nt,) name of the bond region.
+    counted from 0 at t = 0, -1 for voussoirs; region (nt,) name of the bond region; reach (nt, 2): where each begins and ends
+    across the wall, in thicknesses from the mid-surface, -1/2 to 1/2 for one that goes through.
     """
 
     corner: FloatArray
     corner_ptr: IntArray
     course: IntArray
     region: NameArray
+    reach: FloatArray
 
     def __post_init__(self) -> None:
         count = len(self.course)
@@ -33,6 +35,7 @@ class TileSet:
             corner_ptr=pointers("TileSet.corner_ptr", self.corner_ptr, count, len(self.corner)),
             course=course,
             region=names("TileSet.region", self.region, (count,)),
+            reach=floats("TileSet.reach", self.reach, (count, 2)),
         )
 
     @property
@@ -52,9 +55,19 @@ class TileSet:
 
 
 def tiles_of(polygons: Polygons, course: IntArray, region: str) -> TileSet:
-    """Return the tile set of one region from its polygons."""
+    """Return the tile set of one region from its polygons, all as thick as the wall."""
     corner, corner_ptr = corners(polygons)
-    return TileSet(corner, corner_ptr, course, np.array([region] * len(polygons), dtype=np.str_))
+    through = np.tile([-0.5, 0.5], (len(polygons), 1))
+    return TileSet(corner, corner_ptr, course, np.array([region] * len(polygons), dtype=np.str_), through)
+
+
+def leaves_of(tiles: TileSet, split: BoolArray) -> TileSet:
+    """Return the tiles, those marked in split (nt,) as two that share the thickness of the wall."""
+    twice = np.repeat(np.arange(tiles.count), 1 + split)
+    second = np.append(False, twice[1:] == twice[:-1])
+    reach = tiles.reach[twice]
+    reach[split[twice] & ~second, 1] = reach[second, 0] = 0.0
+    return _picked(tiles, twice, reach)
 
 
 def join(sets: Sequence[TileSet]) -> TileSet:
@@ -65,18 +78,25 @@ def join(sets: Sequence[TileSet]) -> TileSet:
         np.concatenate([[0], *(tiles.corner_ptr[1:] + offset for tiles, offset in zip(sets, offsets[:-1], strict=True))]),
         np.concatenate([tiles.course for tiles in sets]),
         np.concatenate([tiles.region for tiles in sets]),
+        np.concatenate([tiles.reach for tiles in sets]),
     )
 
 
 def sorted_by_course(tiles: TileSet) -> TileSet:
-    """Return the tiles course by course and along s; those without a course come last, in the order they have."""
+    """Return the tiles course by course and along s, those in one place as they come; without a course: last, as they come."""
     loose = tiles.course < 0
     along = np.where(loose, np.arange(tiles.count), tiles.corner[tiles.corner_ptr[:-1], 0])
     order = np.lexsort((along, tiles.course, loose))
-    counts = np.diff(tiles.corner_ptr)[order]
+    return _picked(tiles, order, tiles.reach[order])
+
+
+def _picked(tiles: TileSet, chosen: IntArray, reach: FloatArray) -> TileSet:
+    """Return some of the tiles, in that order, with a reach of their own."""
+    counts = np.diff(tiles.corner_ptr)[chosen]
     return TileSet(
-        tiles.corner[ragged_indices(tiles.corner_ptr[:-1][order], counts)],
+        tiles.corner[ragged_indices(tiles.corner_ptr[:-1][chosen], counts)],
         np.concatenate(([0], np.cumsum(counts))),
-        tiles.course[order],
-        tiles.region[order],
+        tiles.course[chosen],
+        tiles.region[chosen],
+        reach,
     )

@@ -4,11 +4,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from churchpipe.bond.charts import base_level, footprint
-from churchpipe.bond.planar import Region, area, edges, level_section, united, vertices
+from churchpipe.bond.charts import base_level, footprint, lift, normals
+from churchpipe.bond.planar import Region, area, edges, less, level_section, polygon, united, vertices
 from churchpipe.bond.polygons import TOLERANCE
+from churchpipe.bond.voids import Void, unseen, voids_of
 from churchpipe.model.arrays import FloatArray
-from churchpipe.model.building import Panel
+from churchpipe.model.building import Chart, CylinderChart, Panel
 
 
 def masonry_volume(
@@ -24,12 +25,16 @@ def masonry_volume(
     panels: the walls, upright. solids: outline less openings of each, chart coordinates. faces: s of the junction faces
     of each, m. stations: s of the joints of each, m (curved walls are straight between joints).
     """
-    levels = np.unique(np.concatenate([_levels(p, s, f) for p, s, f in zip(panels, solids, faces, strict=True)]))
+    voids = [voids_of(panel) for panel in panels]
+    solids = [_filled(panel, solid, own) for panel, solid, own in zip(panels, solids, voids, strict=True)]
+    levels = [_levels(p, s, f) for p, s, f in zip(panels, solids, faces, strict=True)]
+    levels += [_void_levels(p, j, v) for p, j, own in zip(panels, stations, voids, strict=True) for v in own]
+    levels = np.unique(np.concatenate(levels))
     levels = levels[np.append(True, np.diff(levels) > TOLERANCE)]
     height = np.diff(levels)
     volume = 0.0
     for point in (0.5 - np.sqrt(1 / 12), 0.5 + np.sqrt(1 / 12)):
-        section = [_section_area(panels, solids, stations, z) for z in levels[:-1] + point * height]
+        section = [_section_area(panels, solids, stations, voids, z) for z in levels[:-1] + point * height]
         volume += float(0.5 * height @ np.array(section))
     return volume
 
@@ -43,9 +48,48 @@ def _levels(panel: Panel, solid: Region, faces: FloatArray) -> FloatArray:
     return np.concatenate(levels) + base_level(panel.chart)
 
 
-def _section_area(panels: Sequence[Panel], solids: Sequence[Region], stations: Sequence[FloatArray], z: float) -> float:
-    pieces: list[Region] = []
-    for panel, solid, joints in zip(panels, solids, stations, strict=True):
-        for start, stop in level_section(solid, z - base_level(panel.chart)):
-            pieces.append(footprint(panel.chart, panel.thickness, start, stop, joints))
-    return area(united(pieces))
+def _filled(panel: Panel, solid: Region, voids: Sequence[Void]) -> Region:
+    """Return a wall with its arched openings filled, where it is curved: they are prisms, not radial holes."""
+    chart = panel.chart
+    if not isinstance(chart, CylinderChart):
+        return solid
+    return united([solid, *(polygon(unseen(chart, void.middle, void.opening)) for void in voids)])
+
+
+def _void_levels(panel: Panel, stations: FloatArray, void: Void) -> FloatArray:
+    """Return z of the corners of an opening and of the points where its edges pass a bend of one of the wall's faces, m."""
+    chart = panel.chart
+    assert isinstance(chart, CylinderChart)
+    turn = (stations - void.middle) / chart.radius
+    bends = np.outer(void.radii, np.sin(turn[np.abs(turn) < np.pi / 2])).ravel()
+    (x0, t0), (x1, t1) = edges(polygon(void.opening)).transpose(1, 2, 0)[..., None]
+    passed = (x0 - bends) * (x1 - bends) < 0
+    share = (bends - x0) / np.where(passed, x1 - x0, 1.0)
+    return np.concatenate([void.opening[:, 1], (t0 + share * (t1 - t0))[passed]]) + base_level(chart)
+
+
+def _section_area(
+    panels: Sequence[Panel],
+    solids: Sequence[Region],
+    stations: Sequence[FloatArray],
+    voids: Sequence[Sequence[Void]],
+    z: float,
+) -> float:
+    parts: list[Region] = []
+    for panel, solid, joints, own in zip(panels, solids, stations, voids, strict=True):
+        level = z - base_level(panel.chart)
+        wall = [footprint(panel.chart, panel.thickness, start, stop, joints) for start, stop in level_section(solid, level)]
+        holes = [_strip(panel.chart, void, *span) for void in own for span in level_section(polygon(void.opening), level)]
+        parts += [less(united(wall), holes)] if holes else wall
+    return area(united(parts))
+
+
+def _strip(chart: Chart, void: Void, start: float, stop: float) -> Region:
+    """Return in plan what an opening takes at one level, from x = start to x = stop, m, and from the axis outwards."""
+    middle = np.array([[void.middle, 0.0]])
+    normal = normals(chart, middle)[0, :2]
+    across = np.array([-normal[1], normal[0]])
+    foot = lift(chart, middle)[0, :2] - 0.5 * (void.radii[0] + void.radii[1]) * normal
+    far = 2 * void.radii[1] * normal
+    near = [foot + start * across, foot + stop * across]
+    return polygon([near[0], near[1], near[1] + far, near[0] + far])

@@ -1,13 +1,17 @@
 """Laying a whole wall: its junctions, then each bond region in turn."""
 
+import numpy as np
+
 from churchpipe.bond.charts import check_upright, closes
 from churchpipe.bond.field import Field
+from churchpipe.bond.header_stretcher import check_leaves
 from churchpipe.bond.junction import WallJunctions
 from churchpipe.bond.patterns import bond_of
 from churchpipe.bond.planar import Region, area, boxes, common, less, polygon, why_invalid
 from churchpipe.bond.tiles import TileSet, join, sorted_by_course
+from churchpipe.bond.voids import voids_of
 from churchpipe.errors import InputError
-from churchpipe.model.building import Panel
+from churchpipe.model.building import CylinderChart, Panel
 
 
 def wall_region(panel: Panel) -> Region:
@@ -32,11 +36,12 @@ def lay_wall(panel: Panel, solid: Region, junctions: WallJunctions) -> TileSet:
     """
     own = less(solid, boxes(junctions.lost))
     span = (float(panel.outline[:, 0].min()), float(panel.outline[:, 0].max()))
+    voids = voids_of(panel)
     sets: list[TileSet] = []
     for number, region in enumerate(panel.regions):
         above = [polygon(later.outline) for later in panel.regions[number + 1 :]]
         part = less(common(polygon(region.outline), own), above)
-        if area(part) == 0 and region.pattern in ("running", "stack"):
+        if area(part) == 0 and region.pattern in ("running", "stack", "header-stretcher"):
             continue
         field = Field(
             name=region.name,
@@ -46,8 +51,12 @@ def lay_wall(panel: Panel, solid: Region, junctions: WallJunctions) -> TileSet:
             zones=junctions.zones,
             lost=junctions.lost,
             closed=closes(panel.chart, *span),
+            voids=voids,
+            radius=panel.chart.radius if isinstance(panel.chart, CylinderChart) else np.inf,
         )
         try:
+            if region.pattern == "header-stretcher":
+                check_leaves(panel, region)
             sets.append(bond_of(region).tiles(field))
         except InputError as error:
             raise InputError(

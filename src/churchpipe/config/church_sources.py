@@ -8,6 +8,8 @@ from churchpipe.config.section import Count, NotNegative, Number, Positive, Sect
 
 Joints = Literal["grid", "bay"]
 Across = Literal["x", "y"]
+Pattern = Literal["running", "stack", "header-stretcher"]
+Headers = Literal["english", "flemish", "none"]
 
 
 def _listed(value: Any) -> Any:
@@ -27,6 +29,15 @@ class ArchedOpeningTable(Section):
     sill_mm: NotNegative = 0.0
     shape: Literal["round", "segmental", "pointed", "circle"] = "round"
     rise_mm: Positive | None = None
+
+
+class WallBondTable(Section):
+    """The bond of one or several walls that are not laid in running bond."""
+
+    wall: Annotated[list[str], BeforeValidator(_listed)]
+    pattern: Pattern
+    headers: Headers | None = None
+    stone_length_mm: Positive | None = None
 
 
 class NaveTable(Section):
@@ -101,6 +112,7 @@ class ChurchSource(Section):
     chapel: ChurchChapelTable | None = None
     apses: list[ChurchApseTable] = Field(default_factory=list)
     openings: list[ArchedOpeningTable] = Field(default_factory=list)
+    bonds: list[WallBondTable] = Field(default_factory=list)
     joints: Joints = "bay"
     first_course: Across = "x"
 
@@ -118,6 +130,7 @@ class ChapelSource(Section):
     ridge_mm: Positive | None = None
     apse: ChurchApseTable | None = None
     openings: list[ArchedOpeningTable] = Field(default_factory=list)
+    bonds: list[WallBondTable] = Field(default_factory=list)
     joints: Joints = "bay"
     first_course: Across = "x"
 
@@ -134,6 +147,7 @@ class TowerSource(Section):
     depth_mm: Positive | None = None
     plan: Literal["rectangular", "round"] = "rectangular"
     openings: list[ArchedOpeningTable] = Field(default_factory=list)
+    bonds: list[WallBondTable] = Field(default_factory=list)
     joints: Joints = "bay"
     first_course: Across = "x"
 
@@ -151,6 +165,7 @@ class ApseSource(Section):
     wall_thickness_mm: Positive
     wall_height_mm: Positive
     openings: list[ArchedOpeningTable] = Field(default_factory=list)
+    bonds: list[WallBondTable] = Field(default_factory=list)
     joints: Joints = "bay"
     first_course: Across = "x"
 

@@ -7,11 +7,18 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from churchpipe.config.church_sources import ApseSource, ArchPiersSource, ChapelSource, ChurchSource, TowerSource
+from churchpipe.config.church_sources import (
+    ApseSource,
+    ArchPiersSource,
+    ChapelSource,
+    ChurchSource,
+    Headers,
+    Joints,
+    Pattern,
+    TowerSource,
+)
 from churchpipe.config.section import Count, NotNegative, Number, Positive, Section, Table, Vector, nearest, section_in, validated
 from churchpipe.errors import InputError
-
-Joints = Literal["grid", "bay"]
 
 
 # Lengths that are taken, mm: shorter ones are lost in the tolerances of the geometry.
@@ -37,7 +44,8 @@ class WallSource(Section):
     courses: Count | None = None
     height_mm: Positive | None = None
     thickness_mm: Positive | None = None
-    pattern: Literal["running", "stack"] = "running"
+    pattern: Pattern = "running"
+    headers: Headers | None = None
     joints: Joints = "grid"
     through_offset_mm: Number = 0.0
     cut_offset_mm: Number | None = None
@@ -81,6 +89,8 @@ class BoxSource(Section):
     courses: Count
     brick_mm: Vector
     thickness_mm: Positive | None = None
+    pattern: Pattern = "running"
+    headers: Headers | None = None
     joints: Joints = "grid"
     through_offset_mm: Number | None = None
     cut_offset_mm: Number | None = None

@@ -10,13 +10,15 @@ from churchpipe.bond.planar import centroids
 from churchpipe.bond.polygons import TOLERANCE, snap
 from churchpipe.bond.prisms import Solids, stations_of, thicken
 from churchpipe.bond.tiles import TileSet
+from churchpipe.bond.voids import voids_of
 from churchpipe.bond.volume import masonry_volume
 from churchpipe.bond.walls import lay_wall, wall_region
+from churchpipe.derive.pierced import pierced_solids
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import check_kind
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage, assemble
-from churchpipe.model.building import BondRegion, Building, Panel
+from churchpipe.model.building import BondRegion, Building, CylinderChart, Panel
 
 # Relative difference allowed between the stones and the walls.
 VOLUME_TOLERANCE = 1e-9
@@ -42,7 +44,7 @@ def derive_blocks(building: Building) -> Assemblage:
     solids = [wall_region(panel) for panel in building.panels]
     junctions = wall_junctions(building.panels, solids)
     tiles = [lay_wall(*wall) for wall in zip(building.panels, solids, junctions, strict=True)]
-    walls = [thicken(p.chart, p.thickness, t) for p, t in zip(building.panels, tiles, strict=True)]
+    walls = [_solids(panel, own) for panel, own in zip(building.panels, tiles, strict=True)]
     stones = _assemble(building, tiles, [*_fixed_bodies(building, walls), *walls])
     stations = [stations_of(panel.chart, wall) for panel, wall in zip(building.panels, tiles, strict=True)]
     expected = masonry_volume(building.panels, solids, [wall.zones.ravel() for wall in junctions], stations)
@@ -78,6 +80,13 @@ def _stones_about(region: BondRegion) -> float:
         return max(region.pieces, 1)
     length, height = np.ptp(region.outline, axis=0)
     return float(np.ceil(height / region.cell.a) * np.ceil(length / region.cell.b))
+
+
+def _solids(panel: Panel, tiles: TileSet) -> Solids:
+    voids = voids_of(panel)
+    if voids and isinstance(panel.chart, CylinderChart):
+        return pierced_solids(panel, panel.chart, tiles, voids)
+    return thicken(panel.chart, panel.thickness, tiles)
 
 
 def _fixed_bodies(building: Building, walls: Sequence[Solids]) -> list[Solids]:

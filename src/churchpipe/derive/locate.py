@@ -12,6 +12,8 @@ from churchpipe.model.shell import ShellModel
 
 # Points looked at in one go: bounds the memory.
 CHUNK = 20_000
+# Faces of a straight stone without a notch.
+PRISM = 6
 # Facets looked at for each point.
 NEIGHBOURS = 16
 
@@ -42,10 +44,15 @@ def inside_stones(stones: Assemblage, points: FloatArray) -> BoolArray:
 
 
 def seats(stones: Assemblage) -> FloatArray:
-    """Return a point (nb, 3) m inside each stone: its centroid, or beside it where a notch takes that away.
+    """Return a point (nb, 3) m inside each stone: its centroid, or beside it where a notch takes that away."""
+    out = _beside_notches(stones)
+    for stone in np.flatnonzero((np.diff(stones.block_face_ptr) > PRISM) & ~stones.fixed):
+        out[stone] = _inside(stones, int(stone), out[stone])
+    return out
 
-    A notch shows in the face with the most corners, the front of a stone cut to an arch.
-    """
+
+def _beside_notches(stones: Assemblage) -> FloatArray:
+    """Return the centroids (nb, 3) m; of stones whose front, the face with the most corners, is notched there, a place beside."""
     _, normal, _ = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
     corners = np.diff(stones.face_ptr)
     block = np.repeat(np.arange(stones.count), np.diff(stones.block_face_ptr))
@@ -66,6 +73,25 @@ def seats(stones: Assemblage) -> FloatArray:
     aside = shapely.get_coordinates(shapely.point_on_surface(front[outside]))
     out[notched[outside]] += aside[:, :1] * across[outside] + aside[:, 1:] * np.array([0.0, 0.0, 1.0])
     return out
+
+
+def _inside(stones: Assemblage, stone: int, place: FloatArray) -> FloatArray:
+    """Return a place (3,) m if it lies inside a stone, else one behind a large upright face of it: a bent front is notched."""
+    triangles, _ = _surface_triangles(stones, np.array([stone]))
+
+    def holds(point: FloatArray) -> bool:
+        return bool(_solid_angles(triangles - point).sum() > 2 * np.pi)
+
+    if holds(place):
+        return place
+    area_vector, normal, mean = face_normals(
+        triangles.reshape(-1, 3), np.arange(3 * len(triangles)), 3 * np.arange(len(triangles) + 1)
+    )
+    size = np.where(np.abs(normal[:, 2]) < 0.5, np.linalg.norm(area_vector, axis=1), 0.0)
+    for side in np.argsort(-size):
+        if holds(under := mean[side] - 0.1 * np.sqrt(size[side]) * normal[side]):
+            return under
+    return place
 
 
 def facet_at(shell: ShellModel, points: FloatArray, panel: str) -> tuple[IntArray, FloatArray]:

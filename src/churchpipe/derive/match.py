@@ -156,7 +156,10 @@ def _facets_of(stones: Assemblage, shell: ShellModel, free: IntArray) -> tuple[I
 
 
 def _thickness(stones: Assemblage, shell: ShellModel, facet: IntArray) -> Figure:
-    """Compare each stone's volume over the mean area of its front and back with the facet's thickness; means by volume."""
+    """Compare each stone's volume over the mean area of its front and back with the facet's thickness; means by volume.
+
+    A stone that lies off the mid-surface is one of two side by side: it reaches from there to the face of the wall.
+    """
     found = np.flatnonzero(facet >= 0)
     if not len(found):
         return Figure("thickness", 0.0, float(shell.thickness.mean()), "m", 1.0, THICKNESS)
@@ -168,14 +171,18 @@ def _thickness(stones: Assemblage, shell: ShellModel, facet: IntArray) -> Figure
     extent = stones.volume[found] / np.maximum(area, np.finfo(float).tiny)
     weight = stones.volume[found] / stones.volume[found].sum()
     thickness = shell.thickness[facet[found]]
+    corner = shell.points[shell.triangles[facet[found], 0]]
+    off = np.abs(np.einsum("sc,sc->s", stones.centroid[found] - corner, shell.axes[facet[found], 2]))
+    extent = np.where(off > thickness / 8, extent + 2 * off, extent)
     apart = float(weight @ np.minimum(np.abs(extent / thickness - 1), 1.0))
     return Figure("thickness", float(weight @ extent), float(weight @ thickness), "m", apart, THICKNESS)
 
 
 def _openings(stones: Assemblage, shell: ShellModel, facet: IntArray, outside: FloatArray) -> tuple[Figure, Figure]:
-    # Off the centroid, so that no point falls exactly on a joint.
+    # Off the centroid and off the mid-surface, so that no point falls exactly on a joint.
     corner = shell.points[shell.triangles]
-    bare = ~inside_stones(stones, np.einsum("tkc,k->tc", corner, [0.3331, 0.3342, 0.3327]))
+    place = np.einsum("tkc,k->tc", corner, [0.3331, 0.3342, 0.3327]) + 1e-3 * shell.thickness[:, None] * shell.axes[:, 2]
+    bare = ~inside_stones(stones, place)
     area = float(shell.area.sum())
     without = float(shell.area[bare].sum())
     free = ~stones.fixed

@@ -227,13 +227,15 @@ def _thickness_carried(surface: MidSurface, mesh: _Mesh, facets: FloatArray) -> 
         return carried
     # Stones of a curved wall are straight from joint to joint (the joints of two courses in running bond), so of each sector
     # of angle x they fill sin(x) / x; and a facet is shorter than the arc whose stones it carries.
-    angle = np.array([_sector(region) for region in surface.panel.regions])[mesh.bond] / chart.radius
+    angle = np.array([_sector(region, surface.panel.regions[0]) for region in surface.panel.regions])[mesh.bond] / chart.radius
     cross = np.cross(facets[:, 1] - facets[:, 0], facets[:, 2] - facets[:, 0])
     return carried * np.sinc(angle / np.pi) * _signed_areas(mesh.corners) / (0.5 * np.linalg.norm(cross, axis=1))
 
 
-def _sector(region: BondRegion) -> float:
-    return region.cell.b / 2 if region.pattern == "running" else region.cell.b
+def _sector(region: BondRegion, wall: BondRegion) -> float:
+    # Voussoirs are cut out of the wall around them.
+    of = wall if region.pattern == "voussoir" else region
+    return of.cell.b / 2 if of.pattern == "running" else of.cell.b
 
 
 def _supported(building: Building, points: FloatArray) -> BoolArray:

@@ -7,6 +7,7 @@ import numpy as np
 import scipy.sparse as sp
 import shapely
 
+from churchpipe.derive.manifolds import manifold
 from churchpipe.errors import InputError
 from churchpipe.model.arrays import IntArray
 from churchpipe.model.assemblage import Assemblage
@@ -139,21 +140,7 @@ def _face_separates(stones: Assemblage, i: int, j: int) -> bool:
 
 
 def _solid(stones: Assemblage, block: int) -> manifold3d.Manifold:
-    """Return a stone as a manifold, its faces triangulated as manifold3d does for polygons in their plane."""
     start = stones.block_point_ptr[block]
-    points = stones.points[start : stones.block_point_ptr[block + 1]]
-    triangles: list[list[int]] = []
-    for face in range(stones.block_face_ptr[block], stones.block_face_ptr[block + 1]):
-        nodes = stones.face_nodes[stones.face_ptr[face] : stones.face_ptr[face + 1]] - start
-        corner = points[nodes]
-        area = np.cross(corner, np.roll(corner, -1, axis=0)).sum(axis=0)
-        drop = int(np.argmax(np.abs(area)))
-        plane = np.delete(corner, drop, axis=1)
-        # Deleting the middle axis mirrors the plane; a negative component does so too.
-        turned = (area[drop] > 0) == (drop == 1)
-        order = np.arange(len(nodes))[::-1] if turned else np.arange(len(nodes))
-        triangulated = manifold3d.triangulate([plane[order]])
-        triangulated = order[np.asarray(triangulated)]
-        triangles += nodes[triangulated[:, ::-1] if turned else triangulated].tolist()
-    mesh = manifold3d.Mesh64(vert_properties=points.astype(np.float64), tri_verts=np.array(triangles, dtype=np.uint64))
-    return manifold3d.Manifold(mesh)
+    faces = range(*stones.block_face_ptr[block : block + 2])
+    nodes = [stones.face_nodes[stones.face_ptr[face] : stones.face_ptr[face + 1]] - start for face in faces]
+    return manifold(stones.points[start : stones.block_point_ptr[block + 1]], nodes)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from churchpipe.derive.midplanes import clusters
+from churchpipe.errors import InputError
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.polyhedra import face_normals
@@ -16,6 +17,8 @@ PLANE_TOLERANCE = 1e-4
 LEAST_STONES = 3
 # A name whose stones lie across no plane by more than this share of their volume is no plane wall.
 LEAST_SHARE = 0.5
+# Stones behind one another, of this share of their wall's volume, are a leaf of it.
+LEAST_LEAF = 0.2
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +37,10 @@ def wall_planes(stones: Assemblage, free: BoolArray) -> list[WallPlane]:
 
     Stones of one panel name are one wall, in the plane that most of them (by volume) lie across; stones without a name go to
     the plane that gathers most, and so on. A stone lies across a plane that is midway between two of its upright faces.
+
+    Raises
+    ------
+    InputError: stones of one name in two leaves.
     """
     stone, plane = _candidates(stones)
     label = clusters(plane, PLANE_TOLERANCE) if len(plane) else np.empty(0, dtype=np.int64)
@@ -41,6 +48,8 @@ def wall_planes(stones: Assemblage, free: BoolArray) -> list[WallPlane]:
     for name in sorted(set(stones.panel[free].tolist()) - {""}):
         chosen = free[stone] & (stones.panel[stone] == name)
         wall = _heaviest(str(name), stones, stone, plane, label, chosen) if chosen.any() else None
+        if wall:
+            _check_one_stone_thick(wall, stones, stone[chosen], plane[chosen])
         named = free & (stones.panel == name)
         if wall and stones.volume[wall.stones].sum() > LEAST_SHARE * stones.volume[named].sum():
             walls.append(wall)
@@ -52,6 +61,22 @@ def wall_planes(stones: Assemblage, free: BoolArray) -> list[WallPlane]:
             break
         walls.append(wall)
     return walls
+
+
+def _check_one_stone_thick(wall: WallPlane, stones: Assemblage, stone: IntArray, plane: FloatArray) -> None:
+    """Raise InputError for stones in planes that overlap with that of their wall: leaves, tied by headers or not."""
+    apart = np.abs(plane[:, 2] - wall.offset)
+    side = np.abs(plane[:, :2] - wall.normal[:2]).max(axis=1) < PLANE_TOLERANCE
+    near = side & (apart > PLANE_TOLERANCE) & (apart < 0.5 * (plane[:, 3] + wall.thickness) + PLANE_TOLERANCE)
+    leaf = np.setdiff1d(stone[near], wall.stones)
+    if stones.volume[leaf].sum() > LEAST_LEAF * stones.volume[wall.stones].sum():
+        raise InputError(
+            f"stones of {wall.name}",
+            "they lie behind one another, as in header-and-stretcher bond",
+            found=f"{len(leaf)} stones in planes beside that of {len(wall.stones)} others",
+            expected="walls one stone thick: the shell is that of running bond",
+            remedy="Run the rigid blocks alone, or give each leaf a name of its own.",
+        )
 
 
 def _candidates(stones: Assemblage) -> tuple[IntArray, FloatArray]:

@@ -9,10 +9,12 @@ import numpy as np
 
 from churchpipe.generators.arched import ArchedOpening, Given, opening_of
 from churchpipe.generators.checks import one_of, positive, whole_courses
-from churchpipe.generators.layout import Bonding, WallLayout, check_clear, wall_panels
+from churchpipe.generators.curved import curved_panel
+from churchpipe.generators.layout import WallLayout, check_clear, wall_panels
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
 from churchpipe.generators.openings import rectangle
-from churchpipe.model.building import BondRegion, Building, CylinderChart, Panel, UnitCell
+from churchpipe.generators.wall_bonds import Bonding, WallBond, check_walls, wall_bond
+from churchpipe.model.building import Building, CylinderChart, Panel, UnitCell
 from churchpipe.model.materials import Material
 
 
@@ -21,7 +23,9 @@ class ApseParameters:
     """An apse behind a wall along x with its middle at x = 0: inner radius, thickness and height of the apse, length, thickness
     and height of the wall, m.
 
-    course, stone_length: m. openings: in the wall `wall`. first_course: what runs through on course 0, the wall (x) or
+    course, stone_length: m. openings: in the walls `wall` and `apse`, there with the
+    centre measured along half the thickness from its middle, towards -x. bonds: of walls that are not laid in
+    running bond. first_course: what runs through on course 0, the wall (x) or
     the apse (y).
     """
 
@@ -34,6 +38,7 @@ class ApseParameters:
     wall_thickness: float
     wall_height: float
     openings: Sequence[ArchedOpening | Given] = ()
+    bonds: Sequence[WallBond | Given] = ()
     joints: Literal["grid", "bay"] = "bay"
     first_course: Literal["x", "y"] = "x"
 
@@ -51,7 +56,9 @@ def apse(*, name: str = "apse", materials: tuple[Material, ...] = (DEFAULT_MATER
     """Return an apse behind a wall; keywords as in `ApseParameters`, SI."""
     p = ApseParameters(**parameters)
     openings = tuple(opening_of(f"apse.openings.{k}", opening) for k, opening in enumerate(p.openings))
-    bonding = Bonding(UnitCell(a=p.course, b=p.stone_length), p.joints, materials[0].name, openings)
+    bonds = tuple(wall_bond(f"apse.bonds.{k}", bond) for k, bond in enumerate(p.bonds))
+    bonding = Bonding(UnitCell(a=p.course, b=p.stone_length), p.joints, materials[0].name, openings, bonds)
+    check_walls(bonding, ["wall", "apse"], "apse")
     across, along = (0, 1) if p.first_course == "x" else (1, 0)
     half = p.wall_length / 2
     wall = WallLayout(
@@ -63,7 +70,7 @@ def apse(*, name: str = "apse", materials: tuple[Material, ...] = (DEFAULT_MATER
     round_wall = apse_panel(
         "apse", bonding, (0.0, 0.0), p.inner_radius, p.thickness, p.height, legs=p.wall_thickness, runs_through=along
     )
-    return Building(name, (*wall_panels([wall], bonding, "apse", legs), round_wall), materials)
+    return Building(name, (*wall_panels([wall], bonding, legs), round_wall), materials)
 
 
 def apse_panel(
@@ -87,8 +94,16 @@ def apse_panel(
     radius = inner_radius + thickness / 2
     outline = rectangle(-legs, 0.0, math.pi * radius + legs, height)
     chart = CylinderChart(np.array([*centre, 0.0]), radius, sweep=math.pi)
-    bond = BondRegion("bond", outline, "running", bonding.cell, joints=bonding.joints)
-    return Panel(name, chart, outline, thickness, (bond,), material=bonding.material, runs_through=runs_through)
+    return curved_panel(
+        name,
+        chart,
+        outline,
+        thickness,
+        bonding,
+        bond=bonding.region(name, outline),
+        middle=math.pi * radius / 2,
+        runs_through=runs_through,
+    )
 
 
 def apse_legs(

@@ -8,9 +8,10 @@ import numpy as np
 from churchpipe.errors import InputError
 from churchpipe.generators.arched import ArchedOpening
 from churchpipe.generators.checks import one_of, positive, whole_courses
-from churchpipe.generators.layout import Bonding, WallLayout, wall_panels
+from churchpipe.generators.layout import WallLayout, wall_panels
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
 from churchpipe.generators.openings import rectangle
+from churchpipe.generators.wall_bonds import Bonding
 from churchpipe.model.building import BondRegion, Building, UnitCell
 from churchpipe.model.materials import Material
 
@@ -63,7 +64,7 @@ def arch_piers(*, name: str = "arch_piers", materials: tuple[Material, ...] = (D
     masonry = next((m.name for m in materials if m.name != p.backfill), materials[0].name)
     bonding = Bonding(UnitCell(a=p.course, b=p.stone_length), "bay", masonry, (opening,))
     wall = WallLayout("arch", "x", 0.0, p.thickness, ((-half, p.height), (half, p.height)), 0)
-    (panel,) = wall_panels([wall], bonding, "arch_piers")
+    (panel,) = wall_panels([wall], bonding)
     if p.backfill is None:
         return Building(name, (panel,), materials)
     bond, *rings = panel.regions

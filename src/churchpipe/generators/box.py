@@ -6,7 +6,16 @@ from typing import Any, Literal
 
 from churchpipe.errors import InputError
 from churchpipe.generators.checks import Brick, check_brick, one_of, positive, whole
-from churchpipe.generators.masonry import DEFAULT_MATERIAL, Masonry, bonded_offset, straight_wall
+from churchpipe.generators.masonry import (
+    DEFAULT_MATERIAL,
+    Headers,
+    Masonry,
+    Pattern,
+    bonded_offset,
+    check_bond,
+    straight_wall,
+    thickness_of,
+)
 from churchpipe.generators.openings import OpeningLike
 from churchpipe.model.building import Building, UnitCell
 from churchpipe.model.materials import Material
@@ -16,8 +25,9 @@ from churchpipe.model.materials import Material
 class BoxParameters:
     """A box with outer dimensions `length` (x) and `width` (y), m; walls toothed at the corners.
 
-    brick: length, thickness, height, m; thickness of the walls defaults to that of the brick. openings_x: in both walls
-    along x, openings_y: in both along y, `start` measured from the outer corner (openings or mappings of their fields). Joint
+    brick: length, thickness, height, m; thickness of the walls defaults to that of the brick, in header-stretcher bond to that of
+    two. pattern, headers as in `BondRegion`. openings_x: in both walls along x, openings_y: in both along y, `start` measured
+    from the outer corner (openings or mappings of their fields). Joint
     offsets as in the prototypes: half a brick on through courses where the brick is no longer than the walls are thick.
     """
 
@@ -26,6 +36,8 @@ class BoxParameters:
     courses: int
     brick: Brick
     thickness: float | None = None
+    pattern: Pattern = "running"
+    headers: Headers = "english"
     joints: Literal["grid", "bay"] = "grid"
     through_offset: float | None = None
     cut_offset: float | None = None
@@ -35,6 +47,7 @@ class BoxParameters:
     def __post_init__(self) -> None:
         check_brick("box.brick", self.brick)
         whole("box.courses", self.courses, least=1)
+        check_bond("box", self.pattern, self.headers)
         one_of("box.joints", self.joints, "grid", "bay")
         positive("box.thickness", self.wall_thickness)
         for key in ("length", "width"):
@@ -47,7 +60,7 @@ class BoxParameters:
     @property
     def wall_thickness(self) -> float:
         """Thickness of the walls, m."""
-        return self.brick[1] if self.thickness is None else self.thickness
+        return thickness_of("box", self.pattern, self.brick, self.thickness)
 
 
 def box(*, name: str = "box", materials: tuple[Material, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
@@ -59,6 +72,8 @@ def box(*, name: str = "box", materials: tuple[Material, ...] = (DEFAULT_MATERIA
         courses=p.courses,
         thickness=thickness,
         material=materials[0].name,
+        pattern=p.pattern,
+        headers=p.headers,
         joints=p.joints,
         through_offset=bonded_offset(p.brick, thickness) if p.through_offset is None else p.through_offset,
         cut_offset=p.cut_offset,

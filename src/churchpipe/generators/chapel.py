@@ -9,6 +9,7 @@ from churchpipe.generators.checks import positive
 from churchpipe.generators.church import church
 from churchpipe.generators.church_parts import Apse
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
+from churchpipe.generators.wall_bonds import WallBond
 from churchpipe.model.building import Building
 from churchpipe.model.materials import Material
 
@@ -19,7 +20,7 @@ class ChapelParameters:
     its walls, m.
 
     course, stone_length: m. apse: behind the end wall. openings: in the walls facade, nave_left, nave_right and east; x is 0
-    in the middle, y in the middle of the facade's thickness. joints, first_course as for a church.
+    in the middle, y in the middle of the facade's thickness. bonds, joints, first_course as for a church.
     """
 
     course: float
@@ -31,6 +32,7 @@ class ChapelParameters:
     ridge: float | None = None
     apse: Apse | Given | None = None
     openings: Sequence[ArchedOpening | Given] = ()
+    bonds: Sequence[WallBond | Given] = ()
     joints: Literal["grid", "bay"] = "bay"
     first_course: Literal["x", "y"] = "x"
 
@@ -59,6 +61,7 @@ def chapel(*, name: str = "chapel", materials: tuple[Material, ...] = (DEFAULT_M
         east=end,
         apses=() if p.apse is None else (p.apse,),
         openings=p.openings,
+        bonds=p.bonds,
         joints=p.joints,
         first_course=p.first_course,
     )

@@ -9,8 +9,9 @@ from churchpipe.generators.arched import ArchedOpening, Given, opening_of
 from churchpipe.generators.checks import one_of, positive, whole_courses
 from churchpipe.generators.church_parts import Apse, Chapel, Choir, CrossWall, Nave, Tower, Transept, part_of
 from churchpipe.generators.church_plan import Plan, church_walls, cross_walls
-from churchpipe.generators.layout import Bonding, WallLayout, check_clear, wall_panels
+from churchpipe.generators.layout import WallLayout, check_clear, wall_panels
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
+from churchpipe.generators.wall_bonds import Bonding, WallBond, check_walls, wall_bond
 from churchpipe.model.building import Building, Panel, UnitCell
 from churchpipe.model.materials import Material
 
@@ -22,7 +23,7 @@ class ChurchParameters:
     course, stone_length: height of the courses and target length of the stones, m. first_course: the walls that run through
     junctions on course 0, those along x or along y. joints as in `BondRegion`. Parts as in `church_parts`, or mappings of their
     fields; openings as in `ArchedOpening`, in the walls facade, nave_left, nave_right, triumphal_arch, transept_left,
-    transept_right, choir_arch, east and tower_inner, as far as these stand.
+    transept_right, choir_arch, east and tower_inner, as far as these stand; bonds: of those that are not laid in running bond.
     """
 
     course: float
@@ -38,6 +39,7 @@ class ChurchParameters:
     chapel: Chapel | Given | None = None
     apses: Sequence[Apse | Given] = ()
     openings: Sequence[ArchedOpening | Given] = ()
+    bonds: Sequence[WallBond | Given] = ()
     joints: Literal["grid", "bay"] = "bay"
     first_course: Literal["x", "y"] = "x"
 
@@ -81,10 +83,12 @@ def church(*, name: str = "church", materials: tuple[Material, ...] = (DEFAULT_M
     p = ChurchParameters(**parameters)
     plan = p.plan
     openings = tuple(opening_of(f"church.openings.{k}", opening) for k, opening in enumerate(p.openings))
-    bonding = Bonding(UnitCell(a=p.course, b=p.stone_length), p.joints, materials[0].name, openings)
+    bonds = tuple(wall_bond(f"church.bonds.{k}", bond) for k, bond in enumerate(p.bonds))
+    bonding = Bonding(UnitCell(a=p.course, b=p.stone_length), p.joints, materials[0].name, openings, bonds)
     walls = church_walls(plan)
+    check_walls(bonding, [*(wall.name for wall in walls), *plan.apse_names], "church")
     apses, legs = _apses(plan, bonding, walls, p.course)
-    return Building(name, (*wall_panels(walls, bonding, "church", legs), *apses), materials)
+    return Building(name, (*wall_panels(walls, bonding, legs), *apses), materials)
 
 
 def _apses(plan: Plan, bonding: Bonding, walls: Sequence[WallLayout], course: float) -> tuple[list[Panel], list[WallLayout]]:
@@ -95,8 +99,7 @@ def _apses(plan: Plan, bonding: Bonding, walls: Sequence[WallLayout], course: fl
         return panels, legs
     end = next(wall for wall in walls if wall.name == "east")
     face, thickness = cross_walls(plan)[-1][2] + plan.east.thickness / 2, plan.east.thickness
-    for number, apse in enumerate(plan.apses, start=1):
-        name = "apse" if len(plan.apses) == 1 else f"apse_{number}"
+    for name, apse in zip(plan.apse_names, plan.apses, strict=True):
         whole_courses(f"church.{name}.height", apse.height, course)
         own = apse_legs(name, (apse.centre, face), apse.inner_radius, apse.thickness, apse.height, thickness)
         for leg in own:

@@ -76,6 +76,11 @@ class Plan:
         """x of their outer faces, m."""
         return (self.nave.width + self.nave.thickness) / 2
 
+    @property
+    def apse_names(self) -> list[str]:
+        """The names of the apses: "apse", or "apse_1" and so on."""
+        return ["apse"] if len(self.apses) == 1 else [f"apse_{number}" for number, _ in enumerate(self.apses, start=1)]
+
     def arm(self, side: str) -> tuple[str, float]:
         """Return the macro-element that an arm of the transept is, and the height of its walls, m."""
         if self.tower and self.tower.side == side:

@@ -1,7 +1,7 @@
 """Straight walls from their place in plan and the line of their tops: what towers and churches are put together of."""
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import combinations, pairwise
 from typing import Literal
 
@@ -9,9 +9,10 @@ import numpy as np
 
 from churchpipe.bond.planar import Region, area, common, less, polygon, united
 from churchpipe.errors import InputError
-from churchpipe.generators.arched import ArchedOpening, Hole, holes
+from churchpipe.generators.arched import Hole, holes
 from churchpipe.generators.openings import rectangle
-from churchpipe.model.building import BondRegion, Panel, Part, PlaneChart, UnitCell
+from churchpipe.generators.wall_bonds import Bonding
+from churchpipe.model.building import Panel, Part, PlaneChart
 
 # Lengths closer than this are equal, m.
 CLOSE = 1e-9
@@ -42,33 +43,14 @@ class WallLayout:
         return max(z for _, z in self.top)
 
 
-@dataclass(frozen=True, slots=True)
-class Bonding:
-    """How all walls of a building are laid: unit cell, rule of the joints, material."""
-
-    cell: UnitCell
-    joints: Literal["grid", "bay"] = "bay"
-    material: str = "default"
-    openings: tuple[ArchedOpening, ...] = field(default=())
-
-
-def wall_panels(layouts: Sequence[WallLayout], bonding: Bonding, where: str, obstacles: Sequence[WallLayout] = ()) -> list[Panel]:
+def wall_panels(layouts: Sequence[WallLayout], bonding: Bonding, obstacles: Sequence[WallLayout] = ()) -> list[Panel]:
     """Return the walls as panels. obstacles: further walls that openings must keep clear of.
 
     Raises
     ------
-    InputError: an opening of an unknown wall, one that does not fit into its wall, openings that overlap.
+    InputError: an opening that does not fit into its wall, openings that overlap.
     """
-    check_walls(bonding.openings, [layout.name for layout in layouts], where)
     return [_panel(layout, bonding, [*layouts, *obstacles]) for layout in layouts]
-
-
-def check_walls(openings: Iterable[ArchedOpening], known: Sequence[str], where: str) -> None:
-    """Raise InputError for an opening in a wall that is not there."""
-    for opening in openings:
-        for name in opening.walls:
-            if name not in known:
-                raise InputError(f"{where}: opening {opening.name}", "no such wall", found=f'"{name}"', expected=", ".join(known))
 
 
 def _panel(layout: WallLayout, bonding: Bonding, layouts: Sequence[WallLayout]) -> Panel:
@@ -79,14 +61,13 @@ def _panel(layout: WallLayout, bonding: Bonding, layouts: Sequence[WallLayout]) 
         _check_fit(hole, layout, polygon(outline), layouts)
     for first, second in combinations(found, 2):
         _check_apart(first, second, layout.name)
-    bond = BondRegion("bond", outline, "running", bonding.cell, joints=bonding.joints)
     origin, axis = ((0.0, layout.at, 0.0), (1.0, 0.0, 0.0)) if layout.along == "x" else ((layout.at, 0.0, 0.0), (0.0, 1.0, 0.0))
     return Panel(
         layout.name,
         PlaneChart(np.array(origin), np.array(axis)),
         outline,
         layout.thickness,
-        (bond, *(ring for hole in found for ring in hole.rings)),
+        (bonding.region(layout.name, outline), *(ring for hole in found for ring in hole.rings)),
         material=bonding.material,
         openings=tuple(hole.opening for hole in found),
         runs_through=layout.runs_through,

@@ -2,14 +2,18 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
-from churchpipe.generators.checks import Brick
+from churchpipe.errors import InputError
+from churchpipe.generators.checks import Brick, one_of
 from churchpipe.generators.openings import OpeningLike, holes_and_lintels, rectangle
 from churchpipe.model.building import BondRegion, Panel, PlaneChart, UnitCell
 from churchpipe.model.materials import Material
+
+Pattern = Literal["running", "stack", "header-stretcher"]
+Headers = Literal["english", "flemish", "none"]
 
 # The masonry of the tilting tests S5 and S22 (Malena et al. 2019, section 4.1).
 DEFAULT_MATERIAL = Material("default", unit_weight=28.6e3, friction=0.7)
@@ -27,7 +31,8 @@ class Masonry:
     courses: int
     thickness: float
     material: str
-    pattern: Literal["running", "stack"] = "running"
+    pattern: Pattern = "running"
+    headers: Headers = "english"
     joints: Literal["grid", "bay"] = "grid"
     through_offset: float = 0.0
     cut_offset: float | None = None
@@ -62,6 +67,7 @@ def straight_wall(
         joints=masonry.joints,
         through_offset=masonry.through_offset,
         cut_offset=masonry.cut_offset,
+        headers=masonry.headers,
     )
     if along == "x":
         chart = PlaneChart(np.array([corner[0], corner[1] + half, 0.0]), np.array([1.0, 0.0, 0.0]))
@@ -85,3 +91,30 @@ def bonded_offset(brick: Brick, thickness: float) -> float:
     A header no longer than the wall is thick ends flush with the wall it crosses, and the corner above loses its bond.
     """
     return brick[0] / 2 if brick[0] <= thickness * (1 + 1e-9) else 0.0
+
+
+def check_bond(where: str, pattern: str, headers: str) -> None:
+    """Raise InputError for a bond or headers that are not known."""
+    one_of(f"{where}.pattern", pattern, *get_args(Pattern))
+    one_of(f"{where}.headers", headers, *get_args(Headers))
+    if headers != "english" and pattern != "header-stretcher":
+        raise InputError(f"{where}.headers", f"{pattern} bond has none", found=headers, expected='pattern = "header-stretcher"')
+
+
+def thickness_of(where: str, pattern: Pattern, brick: Brick, given: float | None) -> float:
+    """Return the thickness of a wall, m: as given, by default that of the brick, or of two side by side in header-stretcher bond.
+
+    Raises
+    ------
+    InputError: two bricks side by side are not as thick as the wall.
+    """
+    if pattern != "header-stretcher":
+        return brick[1] if given is None else given
+    if given is not None and abs(given - 2 * brick[1]) > 1e-9:
+        raise InputError(
+            f"{where}.thickness",
+            "header-stretcher bond is two stones thick",
+            found=f"{given:g} m for stones {brick[1]:g} m thick",
+            expected=f"{2 * brick[1]:g} m",
+        )
+    return 2 * brick[1]

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -10,10 +10,12 @@ import numpy as np
 from churchpipe.errors import InputError
 from churchpipe.generators.arched import ArchedOpening, Given, opening_of
 from churchpipe.generators.checks import one_of, positive, whole_courses
-from churchpipe.generators.layout import Bonding, WallLayout, wall_panels
+from churchpipe.generators.curved import curved_panel
+from churchpipe.generators.layout import WallLayout, wall_panels
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
 from churchpipe.generators.openings import rectangle
-from churchpipe.model.building import BondRegion, Building, CylinderChart, Panel, UnitCell
+from churchpipe.generators.wall_bonds import Bonding, WallBond, check_walls, wall_bond
+from churchpipe.model.building import Building, CylinderChart, Panel, UnitCell
 from churchpipe.model.materials import Material
 
 
@@ -22,8 +24,9 @@ class TowerParameters:
     """A tower about the origin: width over all along x, depth along y (None: the width), height, thickness of its walls, m.
 
     course, stone_length: m. plan: "rectangular", or "round" with the width as its diameter, of stones cut to a wedge. openings:
-    of a rectangular one, in the walls front and back (along x, y < 0 and y > 0), left and right (along y). joints as in
-    `BondRegion`. first_course: the walls that run through the corners on course 0, those along x or along y.
+    of a rectangular one, in the walls front and back (along x, y < 0 and y > 0), left and right (along y); of a round one in the
+    wall round, the centre measured along half its thickness from +x, counter-clockwise. bonds: of walls not in running bond.
+    joints as in `BondRegion`. first_course: the walls that run through the corners on course 0, those along x or along y.
     """
 
     course: float
@@ -34,6 +37,7 @@ class TowerParameters:
     depth: float | None = None
     plan: Literal["rectangular", "round"] = "rectangular"
     openings: Sequence[ArchedOpening | Given] = ()
+    bonds: Sequence[WallBond | Given] = ()
     joints: Literal["grid", "bay"] = "bay"
     first_course: Literal["x", "y"] = "x"
 
@@ -45,10 +49,8 @@ class TowerParameters:
         one_of("tower.joints", self.joints, "grid", "bay")
         one_of("tower.first_course", self.first_course, "x", "y")
         whole_courses("tower.height", self.height, self.course)
-        if self.plan == "round" and (self.openings or self.length != self.width):
-            raise InputError(
-                "tower.plan", "a round tower has no arched openings and no depth of its own", expected='plan = "rectangular"'
-            )
+        if self.plan == "round" and self.length != self.width:
+            raise InputError("tower.plan", "a round tower has no depth of its own", expected='plan = "rectangular"')
         for key, size in (("width", self.width), ("depth", self.length)):
             room = size - 2 * self.thickness
             if room < self.stone_length:
@@ -66,7 +68,9 @@ def tower(*, name: str = "tower", materials: tuple[Material, ...] = (DEFAULT_MAT
     """Return a tower; keywords as in `TowerParameters`, SI."""
     p = TowerParameters(**parameters)
     openings = tuple(opening_of(f"tower.openings.{k}", opening) for k, opening in enumerate(p.openings))
-    bonding = Bonding(UnitCell(a=p.course, b=p.stone_length), p.joints, materials[0].name, openings)
+    bonds = tuple(wall_bond(f"tower.bonds.{k}", bond) for k, bond in enumerate(p.bonds))
+    bonding = Bonding(UnitCell(a=p.course, b=p.stone_length), p.joints, materials[0].name, openings, bonds)
+    check_walls(bonding, ["round"] if p.plan == "round" else ["front", "back", "left", "right"], "tower")
     if p.plan == "round":
         return Building(name, (_round(p, bonding),), materials)
     across, along = (0, 1) if p.first_course == "x" else (1, 0)
@@ -79,11 +83,31 @@ def tower(*, name: str = "tower", materials: tuple[Material, ...] = (DEFAULT_MAT
         WallLayout(wall, "y", sign * (x - p.thickness / 2), p.thickness, ((-y, p.height), (y, p.height)), along)
         for wall, sign in (("left", -1), ("right", 1))
     ]
-    return Building(name, tuple(wall_panels(walls, bonding, "tower")), materials)
+    return Building(name, tuple(wall_panels(walls, bonding)), materials)
 
 
 def _round(p: TowerParameters, bonding: Bonding) -> Panel:
     radius = (p.width - p.thickness) / 2
-    outline = rectangle(0.0, 0.0, 2 * math.pi * radius, p.height)
-    bond = BondRegion("bond", outline, "running", bonding.cell, joints="bay")
-    return Panel("round", CylinderChart(np.zeros(3), radius), outline, p.thickness, (bond,), material=bonding.material)
+    girth = 2 * math.pi * radius
+    seam = _seam(bonding.openings, radius)
+    outline = rectangle(0.0, 0.0, girth, p.height)
+    return curved_panel(
+        "round",
+        CylinderChart(np.zeros(3), radius, start=seam / radius),
+        outline,
+        p.thickness,
+        bonding,
+        bond=replace(bonding.region("round", outline), joints="bay"),
+        middle=-seam,
+    )
+
+
+def _seam(openings: Sequence[ArchedOpening], radius: float) -> float:
+    """Return where a ring wall may begin: in the middle of the widest gap between the middles of openings, m along it from +x."""
+    if not openings:
+        return 0.0
+    girth = 2 * math.pi * radius
+    middle = np.unique(np.mod([centre for opening in openings for centre in opening.centres], girth))
+    gap = np.diff(middle, append=middle[0] + girth)
+    widest = int(np.argmax(gap))
+    return float(middle[widest] + gap[widest] / 2) - girth

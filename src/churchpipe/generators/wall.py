@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 from churchpipe.errors import InputError
 from churchpipe.generators.checks import Brick, check_brick, one_of, positive, whole
-from churchpipe.generators.masonry import DEFAULT_MATERIAL, Masonry, straight_wall
+from churchpipe.generators.masonry import DEFAULT_MATERIAL, Headers, Masonry, Pattern, check_bond, straight_wall, thickness_of
 from churchpipe.generators.openings import OpeningLike
 from churchpipe.model.building import Building, UnitCell
 from churchpipe.model.materials import Material
@@ -17,8 +17,8 @@ class WallParameters:
     """A wall along x from 0 to `length`, y from 0 to `thickness`, m.
 
     brick: length, thickness, height, m. Height is given by `courses` or by `height` (a whole number of courses), m.
-    thickness defaults to that of the brick. Joint offsets are for even (through) and odd (cut) courses, m. openings: doors and
-    windows, or mappings of their fields.
+    thickness defaults to that of the brick, in header-stretcher bond to that of two. pattern, headers as in `BondRegion`. Joint
+    offsets are for even (through) and odd (cut) courses, m. openings: doors and windows, or mappings of their fields.
     """
 
     length: float
@@ -26,7 +26,8 @@ class WallParameters:
     courses: int | None = None
     height: float | None = None
     thickness: float | None = None
-    pattern: Literal["running", "stack"] = "running"
+    pattern: Pattern = "running"
+    headers: Headers = "english"
     joints: Literal["grid", "bay"] = "grid"
     through_offset: float = 0.0
     cut_offset: float | None = None
@@ -35,11 +36,15 @@ class WallParameters:
     def __post_init__(self) -> None:
         positive("wall.length", self.length)
         check_brick("wall.brick", self.brick)
-        one_of("wall.pattern", self.pattern, "running", "stack")
+        check_bond("wall", self.pattern, self.headers)
         one_of("wall.joints", self.joints, "grid", "bay")
-        if self.thickness is not None:
-            positive("wall.thickness", self.thickness)
+        positive("wall.thickness", self.wall_thickness)
         whole("wall.courses", self.course_count, least=1)
+
+    @property
+    def wall_thickness(self) -> float:
+        """Thickness of the wall, m."""
+        return thickness_of("wall", self.pattern, self.brick, self.thickness)
 
     @property
     def course_count(self) -> int:
@@ -68,9 +73,10 @@ def wall(*, name: str = "wall", materials: tuple[Material, ...] = (DEFAULT_MATER
     masonry = Masonry(
         cell=UnitCell(a=p.brick[2], b=p.brick[0]),
         courses=p.course_count,
-        thickness=p.brick[1] if p.thickness is None else p.thickness,
+        thickness=p.wall_thickness,
         material=materials[0].name,
         pattern=p.pattern,
+        headers=p.headers,
         joints=p.joints,
         through_offset=p.through_offset,
         cut_offset=p.cut_offset,

@@ -67,16 +67,17 @@ class UnitCell:
 class BondRegion:
     """Part of a panel that is laid in one bond.
 
-    outline (n, 2) m in chart coordinates, counter-clockwise. pattern: "running", "stack", "voussoir" (a ring about
-    `centre`, radial joints) or "single" (one stone: a lintel). Joints of through courses lie at
-    through_offset + k b, of cut courses at cut_offset + k b (rule "grid", measured along s), or each clear bay is
-    divided evenly (rule "bay"). `pieces`: number of voussoirs of a ring. yields: False for parts the shell keeps elastic.
-    material: of this region; empty for that of its panel.
+    outline (n, 2) m in chart coordinates, counter-clockwise. pattern: "running", "stack", "header-stretcher", "voussoir" (a ring
+    about `centre`, radial joints) or "single" (one stone: a lintel). Joints of through courses lie at through_offset + k b, of
+    cut courses at cut_offset + k b (rule "grid", measured along s), or each clear bay is divided evenly (rule "bay").
+    `headers` tie the two leaves of header-stretcher bond: whole courses of them in turn with courses of stretchers ("english"),
+    header and stretcher in turn in each course ("flemish"), or "none". `pieces`: number of voussoirs of a ring. yields: False
+    for parts the shell keeps elastic. material: of this region; empty for that of its panel.
     """
 
     name: str
     outline: FloatArray
-    pattern: Literal["running", "stack", "voussoir", "single"]
+    pattern: Literal["running", "stack", "header-stretcher", "voussoir", "single"]
     cell: UnitCell
     joints: Literal["grid", "bay"] = "grid"
     through_offset: float = 0.0
@@ -85,11 +86,14 @@ class BondRegion:
     pieces: int = 0
     yields: bool = True
     material: str = ""
+    headers: Literal["english", "flemish", "none"] = "english"
 
     def __post_init__(self) -> None:
         store(self, outline=floats(f"BondRegion {self.name}.outline", self.outline, (None, 2)))
         if self.cut_offset is None:
-            store(self, cut_offset=self.through_offset + self.cell.b / 2)
+            # A header lies over the middle of a stretcher.
+            lap = 1 / 4 if self.pattern == "header-stretcher" and self.headers != "none" else 1 / 2
+            store(self, cut_offset=self.through_offset + lap * self.cell.b)
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,105 @@
+"""Arched openings in curved walls: prisms that go straight through, along the wall's normal in their middle."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from churchpipe.bond.planar import distances, polygon, united
+from churchpipe.bond.polygons import TOLERANCE, corners
+from churchpipe.errors import InputError
+from churchpipe.model.arrays import BoolArray, FloatArray, floats, store
+from churchpipe.model.building import CylinderChart, Panel
+
+# Widest view of an opening with its voussoirs, as a share of the inner radius to either side: 60 degrees.
+WIDEST = np.sqrt(0.75)
+
+
+@dataclass(frozen=True, slots=True)
+class Void:
+    """An arched opening of a curved wall, seen along its middle normal: x is the distance from its middle plane, t height, m.
+
+    middle: s of the middle, m. opening (n, 2), taken (m, 2): outlines, counter-clockwise, of the opening and of that with its
+    voussoirs. radii: of the inner and of the outer face, m.
+    """
+
+    middle: float
+    opening: FloatArray
+    taken: FloatArray
+    radii: tuple[float, float]
+
+    def __post_init__(self) -> None:
+        store(
+            self,
+            opening=floats("Void.opening", self.opening, (None, 2)),
+            taken=floats("Void.taken", self.taken, (None, 2)),
+        )
+
+    def faces(self, s: FloatArray, radius: float) -> BoolArray:
+        """Return which places s (n,) m of a wall lie on the side of its axis that the opening is on."""
+        return np.cos((s - self.middle) / radius) > 0
+
+    def x_at(self, s: float, radius: float) -> tuple[float, float]:
+        """Return the least and the greatest x that the upright joint at s passes, m."""
+        across = [float(r * np.sin((s - self.middle) / radius)) for r in self.radii]
+        return min(across), max(across)
+
+    def reach(self, radius: float, x: tuple[float, float]) -> tuple[float, float]:
+        """Return the least and the greatest s, m, where a prism from x to x lies in the wall."""
+        angle = [np.arcsin(value / r) for value in x for r in self.radii]
+        return self.middle + radius * float(min(angle)), self.middle + radius * float(max(angle))
+
+
+def seen(chart: CylinderChart, middle: float, points: FloatArray) -> FloatArray:
+    """Return points (n, 2) of the mid-surface as they are seen along the normal at s = middle: x, t in m."""
+    return np.stack([chart.radius * np.sin((points[:, 0] - middle) / chart.radius), points[:, 1]], axis=1)
+
+
+def unseen(chart: CylinderChart, middle: float, points: FloatArray) -> FloatArray:
+    """Return the chart coordinates (n, 2) of points x, t (n, 2) that are seen along the normal at s = middle, m."""
+    return np.stack([middle + chart.radius * np.arcsin(points[:, 0] / chart.radius), points[:, 1]], axis=1)
+
+
+def voids_of(panel: Panel) -> tuple[Void, ...]:
+    """Return the arched openings of a curved wall: those with edges that are neither upright nor level.
+
+    Their corners lie on the mid-surface, their edges are straight in the view; so are those of the rings beside them.
+
+    Raises
+    ------
+    InputError: one that takes more than 60 degrees of the inner circle to either side.
+    """
+    chart = panel.chart
+    if not isinstance(chart, CylinderChart):
+        return ()
+    inner = chart.radius - panel.thickness / 2
+    found: list[Void] = []
+    for opening in panel.openings:
+        side = np.abs(np.roll(opening.outline, -1, axis=0) - opening.outline)
+        if side.min(axis=1).max() < TOLERANCE:
+            continue
+        low, high = opening.outline[:, 0].min(), opening.outline[:, 0].max()
+        middle = 0.5 * float(low + high)
+        outline = seen(chart, middle, opening.outline)
+        rings = [
+            seen(chart, middle, region.outline)
+            for region in panel.regions
+            if region.pattern == "voussoir" and distances(polygon(opening.outline), region.outline).min() < TOLERANCE
+        ]
+        whole = united([polygon(outline), *(polygon(ring) for ring in rings)])
+        taken = corners(np.array([whole], dtype=np.object_))[0]
+        half = float(np.abs(taken[:, 0]).max())
+        check_width(f"Panel {panel.name}: opening {opening.name}", half, inner)
+        found.append(Void(middle, outline, taken, (inner, inner + panel.thickness)))
+    return tuple(found)
+
+
+def check_width(where: str, half: float, inner: float) -> None:
+    """Raise InputError for an opening, `half` m to either side with its voussoirs, that is too wide for an inner radius, m."""
+    if half > WIDEST * inner:
+        raise InputError(
+            where,
+            "too wide for the curve of its wall",
+            found=f"{2 * half:.4g} m with its voussoirs",
+            expected=f"at most {2 * WIDEST * inner:.4g} m, 120 degrees of the inner circle (radius {inner:g} m)",
+            remedy="Make it narrower.",
+        )

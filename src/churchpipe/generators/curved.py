@@ -1,0 +1,113 @@
+"""Walls on a circle with arched openings, which are laid as they are seen from their middle."""
+
+import math
+from itertools import combinations
+from typing import Literal
+
+import numpy as np
+
+from churchpipe.bond.charts import closes
+from churchpipe.bond.voids import check_width, unseen, voids_of
+from churchpipe.errors import InputError
+from churchpipe.generators.arched import Hole, holes
+from churchpipe.generators.layout import CLOSE
+from churchpipe.generators.wall_bonds import Bonding
+from churchpipe.model.arrays import FloatArray
+from churchpipe.model.building import BondRegion, CylinderChart, Opening, Panel
+
+
+def curved_panel(
+    name: str,
+    chart: CylinderChart,
+    outline: FloatArray,
+    thickness: float,
+    bonding: Bonding,
+    *,
+    bond: BondRegion,
+    middle: float,
+    runs_through: Literal[0, 1] = 0,
+) -> Panel:
+    """Return a curved wall with its openings, whose `centre` is the way along the mid-surface from s = middle, m.
+
+    Raises
+    ------
+    InputError: an opening too wide for the curve, beyond the arc or the top, over the seam of a full circle; two that overlap.
+    """
+    found = [_bent(hole, name, chart, thickness, middle) for hole in holes(bonding.openings, name)]
+    panel = Panel(
+        name,
+        chart,
+        outline,
+        thickness,
+        (bond, *(ring for hole in found for ring in hole.rings)),
+        material=bonding.material,
+        openings=tuple(hole.opening for hole in found),
+        runs_through=runs_through,
+    )
+    _check_places(panel, found, bond.cell.b / 4)
+    return panel
+
+
+def _bent(hole: Hole, wall: str, chart: CylinderChart, thickness: float, middle: float) -> Hole:
+    """Return an opening of a straight wall bent onto a curved one: its middle stays, its width is that of the view."""
+    s0, t0, s1, t1 = hole.outer
+    centre = 0.5 * (s0 + s1)
+    check_width(f"wall {wall}: opening {hole.opening.name}", 0.5 * (s1 - s0), chart.radius - thickness / 2)
+
+    def bend(outline: FloatArray) -> FloatArray:
+        return unseen(chart, middle + centre, outline - [centre, 0.0])
+
+    rings = tuple(
+        BondRegion(
+            ring.name,
+            bend(ring.outline),
+            ring.pattern,
+            ring.cell,
+            centre=(middle + ring.centre[0], ring.centre[1]) if ring.centre else None,
+            pieces=ring.pieces,
+        )
+        for ring in hole.rings
+    )
+    reach = bend(np.array([[s0, t0], [s1, t1]]))
+    return Hole(Opening(hole.opening.name, bend(hole.opening.outline)), rings, (*reach[0].tolist(), *reach[1].tolist()))
+
+
+def _check_places(panel: Panel, found: list[Hole], margin: float) -> None:
+    chart = panel.chart
+    assert isinstance(chart, CylinderChart)
+    closed = closes(chart, float(panel.outline[:, 0].min()), float(panel.outline[:, 0].max()))
+    arc, top = chart.radius * chart.sweep, float(panel.outline[:, 1].max())
+    voids = voids_of(panel)
+    reach = [void.reach(chart.radius, (float(void.taken[:, 0].min()), float(void.taken[:, 0].max()))) for void in voids]
+    for hole, (start, stop) in zip(found, reach, strict=True):
+        where = f"wall {panel.name}: opening {hole.opening.name}"
+        if hole.outer[1] < -CLOSE or hole.outer[3] > top + CLOSE:
+            raise InputError(
+                where,
+                "reaches beyond the top or the foot of its wall",
+                found=f"z = {hole.outer[1]:.4g} to {hole.outer[3]:.4g} m with its voussoirs",
+                expected=f"within 0 to {top:.4g} m",
+            )
+        if start < margin - CLOSE or stop > arc - margin + CLOSE:
+            raise InputError(
+                where,
+                "reaches over the start of the circle" if closed else "reaches beyond the arc of its wall",
+                found=f"{_degrees(chart, start, stop)} with its voussoirs",
+                expected=_degrees(chart, margin, arc - margin),
+                remedy="Move or narrow it.",
+            )
+    for (i, first), (j, second) in combinations(enumerate(found), 2):
+        apart = reach[i][1] + margin <= reach[j][0] + CLOSE or reach[j][1] + margin <= reach[i][0] + CLOSE
+        above = first.outer[3] <= second.outer[1] + CLOSE or second.outer[3] <= first.outer[1] + CLOSE
+        if not (apart or above):
+            raise InputError(
+                f"wall {panel.name}: openings {first.opening.name} and {second.opening.name}",
+                "too near to each other with their voussoirs",
+                found=f"{1e3 * (max(reach[i][0], reach[j][0]) - min(reach[i][1], reach[j][1])):.4g} mm apart on the inner face",
+                expected=f"at least {1e3 * margin:.4g} mm, a quarter of a stone",
+                remedy="Move one of them, or make it smaller.",
+            )
+
+
+def _degrees(chart: CylinderChart, start: float, stop: float) -> str:
+    return f"{math.degrees(start / chart.radius):.4g} to {math.degrees(stop / chart.radius):.4g} degrees"

@@ -1,0 +1,80 @@
+"""The bonds of a building's walls: one for all, others for walls that are listed."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, fields, replace
+from typing import Literal
+
+from churchpipe.errors import InputError
+from churchpipe.generators.arched import ArchedOpening, Given
+from churchpipe.generators.checks import positive
+from churchpipe.generators.masonry import Headers, Pattern, check_bond
+from churchpipe.model.arrays import FloatArray
+from churchpipe.model.building import BondRegion, UnitCell
+
+
+@dataclass(frozen=True, slots=True)
+class WallBond:
+    """A bond of its own for one or more walls: pattern and headers as in `BondRegion`, stone_length m (None: as elsewhere)."""
+
+    wall: str | Sequence[str]
+    pattern: Pattern
+    headers: Headers = "english"
+    stone_length: float | None = None
+
+    def __post_init__(self) -> None:
+        where = f"bond of {', '.join(self.walls)}"
+        check_bond(where, self.pattern, self.headers)
+        if self.stone_length is not None:
+            positive(f"{where}: stone_length", self.stone_length)
+
+    @property
+    def walls(self) -> tuple[str, ...]:
+        """The walls laid in it."""
+        return (self.wall,) if isinstance(self.wall, str) else tuple(self.wall)
+
+
+@dataclass(frozen=True, slots=True)
+class Bonding:
+    """How the walls of a building are laid: unit cell, rule of the joints, material, openings; running bond but for `bonds`."""
+
+    cell: UnitCell
+    joints: Literal["grid", "bay"] = "bay"
+    material: str = "default"
+    openings: tuple[ArchedOpening, ...] = field(default=())
+    bonds: tuple[WallBond, ...] = field(default=())
+
+    def region(self, wall: str, outline: FloatArray) -> BondRegion:
+        """Return the bond of a wall, over its outline (n, 2) m."""
+        own = next((bond for bond in self.bonds if wall in bond.walls), WallBond(wall, "running"))
+        cell = self.cell if own.stone_length is None else replace(self.cell, b=own.stone_length)
+        return BondRegion("bond", outline, own.pattern, cell, joints=self.joints, headers=own.headers)
+
+
+def wall_bond(where: str, value: WallBond | Given) -> WallBond:
+    """Return the bond of some walls that is given as such or as a mapping of its fields."""
+    if isinstance(value, WallBond):
+        return value
+    known = [f.name for f in fields(WallBond)]
+    for key in value:
+        if key not in known:
+            raise InputError(f"{where}.{key}", "unknown key", expected=", ".join(known))
+    for key in known[:2]:
+        if key not in value:
+            raise InputError(f"{where}.{key}", "missing")
+    return WallBond(**value)
+
+
+def check_walls(bonding: Bonding, known: Sequence[str], where: str) -> None:
+    """Raise InputError for an opening in a wall that is not there, and for a wall without a bond or with two."""
+    for name, walls in [(f"opening {o.name}", o.walls) for o in bonding.openings] + [("bonds", b.walls) for b in bonding.bonds]:
+        for wall in walls:
+            if wall not in known:
+                raise InputError(f"{where}: {name}", "no such wall", found=f'"{wall}"', expected=", ".join(known))
+    listed = [wall for bond in bonding.bonds for wall in bond.walls]
+    for wall in _twice(listed):
+        raise InputError(f"{where}: bonds", "two bonds of one wall", found=wall, expected="each wall once")
+
+
+def _twice(names: Iterable[str]) -> list[str]:
+    seen: set[str] = set()
+    return [name for name in names if name in seen or seen.add(name)]
