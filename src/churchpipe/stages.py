@@ -231,7 +231,7 @@ def rigid(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
     stones, joints = read_npz(assemblage, Assemblage), read_npz(contacts, Contacts)
     load, materials = load_of(table), materials_of(table)
     friction, cohesion = joint_strength(stones, joints, materials)
-    options = {key: table[key] for key in ("flow", "solver", "method", "start") if key in table}
+    options = {key: table[key] for key in ("flow", "solver", "method", "start", "gap_tolerance") if key in table}
     used = set(stones.material[~stones.fixed].tolist())
     found = limit_analysis(stones, joints, load, friction, cohesion, **options, progress=progress)
     write_npz(state, found)
@@ -285,6 +285,7 @@ def report(plan: Path, summary: Path, assemblage: Path, contacts: Path, html: Pa
         results=[(records[name], state) for name, state in states.items()],
         shells=meshes,
         shell_results=found,
+        published=index["published"],
         case_text=(run / "as-run.toml").read_text(encoding="utf-8"),
         versions=versions(),
         figures_dir=html.parent / "figures",

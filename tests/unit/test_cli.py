@@ -246,6 +246,17 @@ def test_an_imported_wall_gets_a_shell(capsys: pytest.CaptureFixture[str], tmp_p
     assert "no stiffness is known of voussoir bond" in (tmp_path / "arch" / "case.toml").read_text()
 
 
+def test_a_large_drawing_is_not_asked_for_both_flow_rules(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, two_cubes: Assemblage, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write_dxf(two_cubes, tmp_path / "a.dxf")
+    given = ("--unit-weight-kN-m3", 18, "--friction", 0.65, "--load", "-y")
+    for folder, many, flow in (("few", 3000, ("associative", "non-associative")), ("many", 1, ("associative",))):
+        monkeypatch.setattr("churchpipe.importing.MANY_STONES", many)
+        assert call(capsys, "import-dxf", tmp_path / "a.dxf", "-o", tmp_path / folder, *given)[0] == 0
+        assert read_case(tmp_path / folder / "case.toml").rigid.flow == flow
+
+
 def test_stones_that_make_no_wall_get_no_shell(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     spike = prism([(0, 0), (1, 0), (0.5, 0.8)], 1.0)
     write_dxf(on_ground(spike, unit_weight=2e4, reach=3), tmp_path / "a.dxf", materials=[Material("default", 2e4, 0.6)])

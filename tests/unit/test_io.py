@@ -24,7 +24,7 @@ from churchpipe.io.vtu import write_vtu
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.materials import Elastic, Material
-from churchpipe.model.results import CapacityCurve, CapacityStep, Iteration, LimitState, ShellLimitState
+from churchpipe.model.results import CapacityCurve, CapacityStep, Iteration, LimitState, ShellLimitState, StartRun
 from churchpipe.model.shell import ShellModel
 from solids import box, moved, on_ground, prism
 
@@ -56,6 +56,10 @@ def state(count: int, points: int) -> LimitState:
         history=(Iteration(0.3, 0.1), Iteration(0.25, 0.01, 1e-9)),
         interval=(0.2, PI),
         fixed_points=(0.25, 0.26),
+        starts=(
+            StartRun("dead-load", 0.25, True, 1e-9, (0.2, PI), (Iteration(0.3, 0.1), Iteration(0.25, 0.01, 1e-9))),
+            StartRun("associative", 0.26, False, np.nan, (np.nan, np.nan), ()),
+        ),
         message="späte Konvergenz",
     )
 

@@ -91,3 +91,44 @@ def test_gap_tolerance_out_of_range(tolerance: float) -> None:
     stones = wall(1)
     with pytest.raises(InputError, match="gap_tolerance"):
         limit_analysis(stones, find_contacts(stones), LOAD, flow="non-associative", gap_tolerance=tolerance)
+
+
+def test_each_start_says_what_became_of_it() -> None:
+    stones = wall(1)
+    contacts = find_contacts(stones)
+    starts = ("uniform", "associative")
+    state = limit_analysis(stones, contacts, LOAD, friction=0.65, flow="non-associative", start=starts)
+    assert tuple(run.start for run in state.starts) == starts
+    assert state.fixed_points == tuple(run.load_factor for run in state.starts)
+    assert (state.load_factor, state.gap, state.history) == (
+        state.starts[0].load_factor,
+        state.starts[0].gap,
+        state.starts[0].history,
+    )
+    for run in state.starts:
+        assert run.settled
+        assert run.gap <= 1e-5 * run.load_factor
+        assert run.interval[0] <= run.load_factor <= run.interval[1] < 0.642859 + 1e-5
+        assert run.history[-1].load_factor == pytest.approx(run.load_factor)
+    (alone,) = limit_analysis(stones, contacts, LOAD, friction=0.65, flow="non-associative", start="associative").starts
+    assert alone.load_factor == pytest.approx(state.starts[1].load_factor, rel=1e-9)
+
+
+def test_the_printed_iteration_keeps_one_run_a_start() -> None:
+    stones = wall(1)
+    contacts = find_contacts(stones)
+    starts = ("associative", "uniform")
+    state = limit_analysis(stones, contacts, LOAD, friction=0.65, flow="non-associative", method="paper", start=starts)
+    assert tuple(run.start for run in state.starts) == starts
+    # Each start is tried with two forces before it, of which one at least settles.
+    assert 2 <= len(state.fixed_points) <= 4
+    assert min(run.load_factor for run in state.starts) == min(state.fixed_points)
+    # Published to five digits (Gilbert et al. 2006, Ferris and Tin-Loi 2001).
+    assert all(run.load_factor == pytest.approx(0.63982, rel=5e-3) for run in state.starts)
+
+
+@pytest.mark.parametrize(("words", "said"), [({"start": "cold"}, "unknown start"), ({"method": "newton"}, "unknown method")])
+def test_unknown_words_of_the_iteration(words: dict[str, str], said: str) -> None:
+    stones = wall(1)
+    with pytest.raises(InputError, match=said):
+        limit_analysis(stones, find_contacts(stones), LOAD, friction=0.65, flow="non-associative", **words)

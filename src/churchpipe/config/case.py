@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 from churchpipe.code_check import Site
 from churchpipe.config import overrides as changes
+from churchpipe.config.published import Published, read_published
 from churchpipe.config.schema import CaseTable, check
 from churchpipe.config.section import Section, nearest
 from churchpipe.config.site import read_site
@@ -21,6 +22,7 @@ from churchpipe.model.materials import Elastic, Material
 
 Flow = Literal["associative", "non-associative"]
 Method = Literal["limit", "pushover"]
+Start = Literal["dead-load", "uniform", "associative"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +50,8 @@ class RigidSettings:
     flow: tuple[Flow, ...] = ("associative",)
     solver: str = "auto"
     method: Literal["default", "paper"] = "default"
-    start: Literal["associative", "uniform"] = "associative"
+    start: tuple[Start, ...] | None = None
+    gap_tolerance: float = 1e-5
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +74,8 @@ class ShellSettings:
 class Case:
     """One variant of a case file. `variant`: the swept values that tell it from the others, by dotted key.
 
-    shell: None for the rigid blocks alone. check: what the earthquake asks, None where the file does not say.
+    shell: None for the rigid blocks alone. check: what the earthquake asks, None where the file does not say. published: load
+    factors of others, for the report.
 
     `table` is the checked file, as it is written, without its sweep.
     """
@@ -84,6 +88,7 @@ class Case:
     rigid: RigidSettings
     shell: ShellSettings | None = None
     check: Site | None = None
+    published: tuple[Published, ...] = ()
     variant: dict[str, Any] = field(default_factory=dict)
     table: dict[str, Any] = field(default_factory=dict)
 
@@ -172,15 +177,23 @@ def _case(path: Path, table: dict[str, Any], variant: dict[str, Any]) -> Case:
     checked, source = check(table, file)
     _check_complete(checked, file)
     rigid = checked.rigid
+    loads = _loads(file, checked)
     return Case(
         name=checked.name,
         path=path,
         source=_source(path, source),
         materials=tuple(_material(name, section.model_dump()) for name, section in checked.material.items()),
-        loads=_loads(file, checked),
-        rigid=RigidSettings(flow=tuple(rigid.flow), solver=rigid.solver, method=rigid.method, start=rigid.start),
+        loads=loads,
+        rigid=RigidSettings(
+            flow=tuple(rigid.flow),
+            solver=rigid.solver,
+            method=rigid.method,
+            start=tuple(rigid.start) if rigid.start else None,
+            gap_tolerance=rigid.gap_tolerance,
+        ),
         shell=_shell(file, checked),
         check=read_site(file, checked.check) if checked.check else None,
+        published=read_published(file, checked.published, [load.name for load in loads]),
         variant=variant,
         table=checked.model_dump(exclude_none=True) | {"source": source.model_dump(exclude_none=True)},
     )

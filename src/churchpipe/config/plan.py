@@ -78,6 +78,7 @@ def plan(cases: Sequence[Case]) -> Plan:
         "geometries": list(geometries),
         "shells": [{"name": mesh, "geometry": place} for mesh, place in places.items()],
         "analyses": list(entries.values()),
+        "published": [asdict(value) for value in cases[0].published],
     }
     return Plan(index, geometries, shells, analyses)
 
@@ -123,8 +124,11 @@ def _rigid_settings(case: Case, geometry: str, load: LoadCase, flow: str) -> dic
         "flow": flow,
         "solver": case.rigid.solver,
     }
-    # The associative analysis has no method and no start: changing them must not touch it.
-    return settings | ({"method": case.rigid.method, "start": case.rigid.start} if flow == "non-associative" else {})
+    if flow == "associative":
+        # It has no method and no start: changing them must not touch it.
+        return settings
+    start = {"start": list(case.rigid.start)} if case.rigid.start else {}
+    return settings | start | {"method": case.rigid.method, "gap_tolerance": case.rigid.gap_tolerance}
 
 
 def _shell_settings(case: Case, mesh: str, load: LoadCase, method: str) -> dict[str, Any]:

@@ -2,7 +2,7 @@
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from churchpipe.config.section import Count, NotNegative, Positive, Section, Table, Vector, gathered, validated
 from churchpipe.config.sources import check_source
@@ -10,6 +10,12 @@ from churchpipe.errors import InputError
 
 Flow = Literal["associative", "non-associative"]
 Method = Literal["limit", "pushover"]
+Start = Literal["dead-load", "uniform", "associative"]
+
+
+def _listed(value: Any) -> Any:
+    """Return one text as a list of it."""
+    return [value] if isinstance(value, str) else value
 
 
 Poisson = Annotated[float, Field(ge=0, lt=0.5)]
@@ -49,7 +55,8 @@ class RigidTable(Section):
     flow: list[Flow] = Field(default_factory=lambda: ["associative"], min_length=1)
     solver: str = "auto"
     method: Literal["default", "paper"] = "default"
-    start: Literal["associative", "uniform"] = "associative"
+    start: Annotated[list[Start], Field(min_length=1), BeforeValidator(_listed)] | None = None
+    gap_tolerance: Annotated[float, Field(gt=0, lt=1)] = 1e-5
 
 
 class ShellTable(Section):
@@ -87,6 +94,17 @@ class CheckTable(Section):
     floor: FloorTable | None = None
 
 
+class PublishedTable(Section):
+    """A load factor that somebody published: the report sets ours beside it."""
+
+    load: Annotated[str, Field(min_length=1)]
+    model: Literal["rigid", "shell", "experiment"]
+    load_factor: Positive
+    source: Annotated[str, Field(min_length=1)]
+    flow: Flow | None = None
+    friction: NotNegative | None = None
+
+
 class CaseTable(Section):
     """The whole file, one variant of it; [source] is checked apart, by its generator."""
 
@@ -97,6 +115,7 @@ class CaseTable(Section):
     rigid: RigidTable = RigidTable()
     shell: ShellTable | None = None
     check: CheckTable | None = None
+    published: list[PublishedTable] = Field(default_factory=list)
 
 
 def check(table: Table, file: str) -> tuple[CaseTable, Section]:

@@ -1,6 +1,7 @@
 """Frozen dataclasses of arrays as .npz files: no pickle, the schema inside."""
 
 import json
+from collections.abc import Callable
 from dataclasses import astuple, dataclass, fields
 from pathlib import Path
 from typing import Any, TypeVar
@@ -12,7 +13,7 @@ from churchpipe.errors import InputError
 from churchpipe.io.atomic import replacing
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
-from churchpipe.model.results import CapacityCurve, CapacityStep, Iteration, LimitState, ShellLimitState
+from churchpipe.model.results import CapacityCurve, CapacityStep, Iteration, LimitState, ShellLimitState, StartRun
 from churchpipe.model.shell import ShellModel
 
 
@@ -27,14 +28,21 @@ class Absent:
 SCHEMAS: dict[type, str] = {
     Assemblage: "churchpipe assemblage 1",
     Contacts: "churchpipe contacts 1",
-    LimitState: "churchpipe limit-state 1",
+    LimitState: "churchpipe limit-state 2",
     ShellModel: "churchpipe shell 1",
     ShellLimitState: "churchpipe shell-limit-state 1",
     CapacityCurve: "churchpipe capacity-curve 1",
     Absent: "churchpipe absent 1",
 }
-# Tuples of small records, by the name of their field.
-_RECORDS: dict[str, type[Iteration] | type[CapacityStep]] = {"history": Iteration, "steps": CapacityStep}
+
+
+def _start_run(start: str, load_factor: float, settled: bool, gap: float, interval: list[float], history: list[Any]) -> StartRun:
+    low, high = interval
+    return StartRun(start, load_factor, settled, gap, (low, high), tuple(Iteration(*step) for step in history))
+
+
+# Tuples of small records, by the name of their field, and how each is made of what lies in the file.
+_RECORDS: dict[str, Callable[..., Any]] = {"history": Iteration, "steps": CapacityStep, "starts": _start_run}
 
 Artifact = TypeVar("Artifact", Assemblage, Contacts, LimitState, ShellModel, ShellLimitState, CapacityCurve)
 

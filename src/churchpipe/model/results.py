@@ -20,6 +20,21 @@ class Iteration:
 
 
 @dataclass(frozen=True, slots=True)
+class StartRun:
+    """What the non-associative iteration made of one start: all that `LimitState` says of the one it reports, for each of them.
+
+    settled: the iteration came to its end; whether it is a collapse state is what the gap says.
+    """
+
+    start: str
+    load_factor: float
+    settled: bool
+    gap: float
+    interval: tuple[float, float]
+    history: tuple[Iteration, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class LimitState:
     """The result of a rigid-block limit analysis.
 
@@ -29,7 +44,7 @@ class LimitState:
     falling mechanism, f_D . u = 1 per total weight). equilibrium_residual and cone_violation are relative to the total weight.
     gap: de Saxce gap g of a non-associative state (NaN when associative); interval: load factors compatible with its
     mechanism; friction_violation: sum of |t| beyond the cone over sum of mu n. fixed_points: every distinct load factor
-    that the starts of the iteration led to.
+    that the starts of the iteration led to; starts: how each start got there.
 
     Load factor and velocities of moving parts are meaningful; single point forces are not unique.
     """
@@ -51,6 +66,7 @@ class LimitState:
     interval: tuple[float, float] = (np.nan, np.nan)
     friction_violation: float = np.nan
     fixed_points: tuple[float, ...] = field(default=())
+    starts: tuple[StartRun, ...] = field(default=())
     message: str = ""
 
     def __post_init__(self) -> None:

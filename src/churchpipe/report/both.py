@@ -9,7 +9,7 @@ import numpy as np
 from churchpipe.model.results import CapacityCurve
 from churchpipe.model.shell import ShellModel
 from churchpipe.report.shell_plots import capacity_svg, domain_svg, mesh_svg
-from churchpipe.report.table import MODELS, Row, figure, friction_text, last_part, minus, small, swept
+from churchpipe.report.table import MODELS, Row, figure, friction_text, minus, setting, small, swept
 
 # Swept keys that one model alone knows.
 _OWN = ("rigid.", "shell.", "check.")
@@ -44,7 +44,7 @@ def compared(summary: Mapping[str, Any], rows: Sequence[Row]) -> list[list[str]]
 
 
 def _words(row: Row) -> str:
-    more = [f"{last_part(key)} {value}" for key, value in swept(row).items() if key != "shell.element_size_mm"]
+    more = [setting(key, value) for key, value in swept(row).items() if key != "shell.element_size_mm"]
     size = row.record.get("element_size_mm")
     return ", ".join([row.kind, *([f"{size:g} mm"] if row.of_shell and size else []), f"friction {friction_text(row)}", *more])
 

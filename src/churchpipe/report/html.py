@@ -1,7 +1,6 @@
 """report.html: one file that opens anywhere, offline, and says what was found and how far to trust it."""
 
 import base64
-import math
 import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -20,11 +19,13 @@ from churchpipe.report import both, viewer
 from churchpipe.report.figures import Job, mechanism_picture, mechanism_pictures
 from churchpipe.report.motion import joint_opening, opened_joints, push_direction, viewpoint
 from churchpipe.report.notes import convergence_note, status_note
-from churchpipe.report.plots import convergence_svg, friction_svg
-from churchpipe.report.safety import check_table, part_tables
+from churchpipe.report.plots import convergence_svg
+from churchpipe.report.published import published_rows
+from churchpipe.report.safety import CUT_OFF, check_table, part_overview, part_tables, what_moves
+from churchpipe.report.sensitivity import sensitivity_plots
 from churchpipe.report.shell_picture import shell_picture
 from churchpipe.report.shell_view import ShellState, joint_outlines, motion_of, shell_data
-from churchpipe.report.table import Record, Row, columns_for, figure, friction_text, last_part, rows_of, swept
+from churchpipe.report.table import Record, Row, columns_for, figure, friction_text, rows_of, swept
 
 CARDS = 8
 
@@ -41,6 +42,7 @@ def write_report(
     figures_dir: Path | None = None,
     shells: Mapping[str, ShellModel] | None = None,
     shell_results: Sequence[tuple[Record, str, ShellState]] = (),
+    published: Sequence[Mapping[str, Any]] = (),
 ) -> None:
     """Write a self-contained report.
 
@@ -50,6 +52,7 @@ def write_report(
         state; a record may hold "direction" (3,), drawn as an arrow.
     figures_dir: where the pictures of the mechanisms are kept as PNG too (None: nowhere).
     shells: the meshes of the shell, by name. shell_results: for each analysis of the shell its record, its mesh, its state.
+    published: load factors of others, see `published_rows`.
 
     A picture that cannot be drawn (no graphics library) is replaced by a sentence; the report is written all the same.
     """
@@ -75,7 +78,9 @@ def write_report(
         columns=columns,
         rows=[(row, [column.text(row) for column in columns]) for row in rows],
         parts=part_tables(rows),
+        part_overview=part_overview(rows),
         check=check_table(rows),
+        cut_off=CUT_OFF,
         match=both.gate(summary, list(meshes)),
         compared=both.compared(summary, rows),
         capacity=both.capacity_plots(rows),
@@ -83,7 +88,8 @@ def write_report(
         domain=domain,
         domain_words=domain_words,
         notes=[(row.label, note) for row in rows if (note := status_note(stones, row))],
-        friction_plot=_friction_plot(rows),
+        published=published_rows(published, rows),
+        sensitivity=sensitivity_plots(rows),
         convergence=_convergence(rows),
         non_associative=any(row.record.get("flow") == "non-associative" for row in rows),
         pictures=pictures,
@@ -112,7 +118,8 @@ def _facts(summary: Mapping[str, Any], stones: Assemblage) -> list[tuple[str, st
     size = " \u00d7 ".join(f"{length:.2f}" for length in np.ptp(free, axis=0))
     facts = [(title, f"{summary[key]:,}") for key, title in _COUNTS.items() if isinstance(summary.get(key), int)]
     if isinstance(summary.get("weight_kN"), int | float):
-        facts.append(("weight", f"{summary['weight_kN']:.4g} kN"))
+        weight = summary["weight_kN"]
+        facts.append(("weight", f"{weight:,.0f} kN" if weight >= 1e3 else f"{weight:.4g} kN"))
     facts.append(("length \u00d7 width \u00d7 height", f"{size} m"))
     shell = summary.get("shell") or {}
     return facts + [(f"shell {key}", f"{value:,}") for key, value in shell.items() if isinstance(value, int)]
@@ -128,19 +135,12 @@ def _interface_kinds(contacts: Contacts) -> str:
 
 def _card(row: Row, both_models: bool) -> dict[str, str]:
     model = "rigid blocks, " if both_models and not row.of_shell else ""
-    return {"label": model + row.label, "value": figure(row.value("load_factor"), 4), "status": row.status}
-
-
-def _friction_plot(rows: Sequence[Row]) -> str:
-    """Return load factor against friction when some analysis was made for several frictions."""
-    curves: dict[str, list[tuple[float, float]]] = {}
-    for row in rows:
-        friction, factor = row.record.get("friction"), row.value("load_factor")
-        if isinstance(friction, int | float) and factor is not None and math.isfinite(factor):
-            others = [f"{last_part(key)} {value}" for key, value in swept(row).items()]
-            curves.setdefault(", ".join([row.kind, row.load, *others]), []).append((friction, factor))
-    drawn = [(label, *np.array(points).T) for label, points in curves.items() if len({f for f, _ in points}) > 1]
-    return friction_svg(drawn) if drawn else ""
+    return {
+        "label": model + row.label,
+        "value": figure(row.value("load_factor"), 4),
+        "status": row.status,
+        "moves": what_moves(row),
+    }
 
 
 def _convergence(rows: Sequence[Row]) -> list[tuple[str, str, str]]:

@@ -6,6 +6,7 @@ import numpy as np
 
 from churchpipe.mechanism import moving_stones, reference_speed, stone_speed
 from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.results import StartRun
 from churchpipe.report.table import Row, figure, small
 
 SHOWN = 12
@@ -46,7 +47,10 @@ def convergence_note(row: Row) -> str:
     if np.isfinite(state.interval).all():
         low, high = state.interval
         parts.append(f"Load factors compatible with this mechanism: {figure(low, 4)} to {figure(high, 4)}.")
-    if len(state.fixed_points) == 1:
+    if len(state.starts) > 1:
+        parts += [_start_note(run) for run in state.starts]
+        parts += ["The lowest of them is the safe one."] if len(state.fixed_points) > 1 else []
+    elif len(state.fixed_points) == 1:
         parts.append(f"Every start led to {figure(state.fixed_points[0], 4)}.")
     elif state.fixed_points:
         values = ", ".join(figure(v, 4) for v in sorted(state.fixed_points))
@@ -54,6 +58,15 @@ def convergence_note(row: Row) -> str:
     if math.isfinite(state.friction_violation):
         parts.append(f"Friction violation left: {small(state.friction_violation)}.")
     return " ".join(parts)
+
+
+def _start_note(run: StartRun) -> str:
+    """Return where one of several starts led."""
+    words = f"The {run.start} start {'led to' if run.settled else 'did not settle; it last was at'} {figure(run.load_factor, 4)}"
+    facts = [f"gap {small(run.gap / abs(run.load_factor))}"] if math.isfinite(run.gap) and run.load_factor else []
+    low, high = run.interval
+    facts += [f"interval {figure(low, 4)} to {figure(high, 4)}"] if math.isfinite(low) and math.isfinite(high) else []
+    return f"{words} ({', '.join(facts)})." if facts else f"{words}."
 
 
 def _shell_note(row: Row) -> str:

@@ -7,32 +7,47 @@ from typing import Any
 import numpy as np
 
 from churchpipe.model.arrays import FloatArray
-from churchpipe.model.results import LimitState
+from churchpipe.model.results import LimitState, StartRun
 from churchpipe.report import colours
+
+# One a start of the non-associative iteration.
+_RUN_COLOURS = ("#a8581a", colours.PUSH, "#4f7d4a")
+_CERTIFIED = 1e-5
 
 
 def convergence_svg(state: LimitState, associative: float | None = None) -> str:
-    """Return an SVG of the non-associative iteration: load factor above, friction violation and gap below."""
-    steps = np.arange(1, len(state.history) + 1)
-    factor = np.array([step.load_factor for step in state.history])
-    errors = {
-        "friction violation": (np.array([step.violation for step in state.history]), colours.ALARM, "o"),
-        "gap g / load factor": (np.array([step.gap for step in state.history]), colours.PUSH, "s"),
-    }
+    """Return an SVG of the non-associative iteration: load factor above, friction violation and gap below.
+
+    One curve a start, beside it the interval of load factors that its mechanism allows.
+    """
+    runs = state.starts or (
+        StartRun("", state.load_factor, state.status == "converged", state.gap, state.interval, state.history),
+    )
     figure, (upper, lower) = new_plot(2, (7.2, 4.6))
-    if np.isfinite(state.interval).all():
-        upper.axhspan(*state.interval, color=colours.PUSH, alpha=0.12, lw=0, label="interval of the mechanism")
     if associative is not None and np.isfinite(associative):
         upper.axhline(associative, color=colours.INK, lw=1, ls="--", label=f"associative, {associative:.4f}")
-    for number, value in enumerate(state.fixed_points):
-        label = "fixed points of the starts" if number == 0 else None
-        upper.axhline(value, color=colours.PUSH, lw=0.9, ls=":", label=label)
-    upper.plot(steps, factor, "-o", ms=3.2, lw=1.4, color="#a8581a", label="load factor")
+    end = max(len(run.history) for run in runs)
+    for number, (run, colour) in enumerate(zip(runs, _RUN_COLOURS, strict=False)):
+        start = f", {run.start} start" if run.start else ""
+        steps = np.arange(1, len(run.history) + 1)
+        factor = np.array([step.load_factor for step in run.history])
+        upper.plot(steps, factor, "-o", ms=3.2, lw=1.4, color=colour, label=f"load factor{start}")
+        if np.isfinite(run.interval).all():
+            low, high = run.interval
+            place = end + (1 + number) * max(0.03 * end, 0.3)
+            label = f"interval of the mechanism, {low:.4f} to {high:.4f}"
+            bars = np.array([[max(run.load_factor - low, 0.0)], [max(high - run.load_factor, 0.0)]])
+            upper.errorbar([place], [run.load_factor], yerr=bars, fmt="_", capsize=4, lw=2, color=colour, label=label)
+        errors = (("friction violation", "violation", "o", ":"), ("gap g / load factor", "gap", "s", "-"))
+        for words, name, marker, line in errors:
+            values = np.array([getattr(step, name) for step in run.history])
+            seen = np.isfinite(values) & (values > 0)
+            if seen.any():
+                label = words + start
+                lower.semilogy(steps[seen], values[seen], ls=line, marker=marker, ms=3.2, lw=1.2, color=colour, label=label)
+    if any(np.isfinite(step.gap) for run in runs for step in run.history):
+        lower.axhline(_CERTIFIED, color=colours.INK, lw=0.8, ls="--", label="gap of a certified state")
     upper.set_ylabel("load factor")
-    for label, (values, colour, marker) in errors.items():
-        seen = np.isfinite(values) & (values > 0)
-        if seen.any():
-            lower.semilogy(steps[seen], values[seen], "-", marker=marker, ms=3.2, lw=1.2, color=colour, label=label)
     lower.set_ylabel("error")
     lower.set_xlabel("iteration")
     for axes in (upper, lower):
@@ -41,13 +56,13 @@ def convergence_svg(state: LimitState, associative: float | None = None) -> str:
     return svg_of(figure)
 
 
-def friction_svg(curves: Sequence[tuple[str, FloatArray, FloatArray]]) -> str:
-    """Return an SVG of load factor against friction; each curve: label, frictions (n,), load factors (n,)."""
+def sensitivity_svg(curves: Sequence[tuple[str, FloatArray, FloatArray]], words: str) -> str:
+    """Return an SVG of load factor against a quantity; each curve: label, its values (n,), load factors (n,)."""
     figure, (axes,) = new_plot(1, (7.2, 3.2))
-    for (label, friction, factor), marker in zip(curves, "os^vD<>ph*" * (len(curves) // 10 + 1), strict=False):
-        order = np.argsort(friction)
-        axes.plot(friction[order], factor[order], "-", marker=marker, ms=4.5, lw=1.4, label=label)
-    axes.set_xlabel("friction coefficient")
+    for (label, value, factor), marker in zip(curves, "os^vD<>ph*" * (len(curves) // 10 + 1), strict=False):
+        order = np.argsort(value)
+        axes.plot(value[order], factor[order], "-", marker=marker, ms=4.5, lw=1.4, label=label)
+    axes.set_xlabel(words)
     axes.set_ylabel("load factor")
     axes.set_ylim(bottom=0)
     legend_beside(axes)

@@ -3,13 +3,17 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from churchpipe.mechanism import STILL
 from churchpipe.report.table import Row, figure, minus
+
+# Share of the mechanism's speed from which on a stone is said to move.
+CUT_OFF = f"1/{1 / STILL:.0f}"
 
 # Headings with what they mean; those from "a_g" on stand only where the case says what the earthquake asks.
 ACTIVATION = (
     ("\u03b1\u2080", "load factor, as a multiplier of all weights that move", "alpha0", 4),
     ("Moving, kN", "weight of the stones that move", "moving_weight_kN", 0),
-    ("Stones", "stones that move", "moving_stones", 0),
+    ("Stones", f"stones that move: faster than {CUT_OFF} of the mechanism", "moving_stones", 0),
     ("M*, t", "participating mass", "participating_mass_t", 1),
     ("e*", "fraction of the moving mass that participates", "mass_fraction", 3),
     ("FC", "confidence factor", "confidence_factor", 2),
@@ -59,19 +63,56 @@ def _word(check: Mapping[str, Any]) -> str:
     return "satisfied" if check["satisfied"] else "not satisfied"
 
 
-def part_tables(rows: Sequence[Row]) -> list[dict[str, Any]]:
-    """Return for the first analysis of each load and kind: label, cells of the macro-elements that move, and those at rest."""
+def part_overview(rows: Sequence[Row]) -> dict[str, Any] | None:
+    """Return the share of the motion of each macro-element under each load, or None where there is one analysis to tell of.
+
+    headings (model and kind), loads; rows of cells of all that move under some load, "" where at rest; still: the others.
+    """
+    seen = _first_of_each(rows)
+    if len(seen) < 2:
+        return None
+    motion = [{str(part["name"]): part["motion"] for part in row.record["parts"] if part["moving"] > 0} for row in seen]
+    largest = {name: max(shares.get(name, 0.0) for shares in motion) for shares in motion for name in shares}
+    names = dict.fromkeys(str(part["name"]) for row in seen for part in row.record["parts"])
+    return {
+        "headings": [("shell, " if row.of_shell else "") + row.kind for row in seen],
+        "loads": [row.load for row in seen],
+        "rows": [
+            [name, *("" if name not in shares else _percent(shares[name]) for shares in motion)]
+            for name in sorted(largest, key=lambda name: -largest[name])
+        ],
+        "still": [name for name in names if name not in largest],
+    }
+
+
+def what_moves(row: Row, share: float = 0.05) -> str:
+    """Return the macro-elements that carry at least a share of the motion, with the most first; "" where none is known."""
+    told = [part for part in row.record.get("parts", ()) if part["motion"] >= share]
+    return ", ".join(f"{part['name']} {_percent(part['motion'])}" for part in told)
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.0f} %" if share >= 5e-3 else "< 1 %"
+
+
+def _first_of_each(rows: Sequence[Row]) -> list[Row]:
+    """Return the first analysis of each load, model and kind whose macro-elements are known."""
     first: dict[tuple[str, bool, str], Row] = {}
     for row in rows:
         if row.record.get("parts"):
             first.setdefault((row.load, row.of_shell, row.kind), row)
+    return list(first.values())
+
+
+def part_tables(rows: Sequence[Row]) -> list[dict[str, Any]]:
+    """Return for the first analysis of each load and kind: label, cells of the macro-elements that move, and those at rest."""
     return [
         {
             "label": row.label,
             "rows": [_part(part) for part in row.record["parts"] if part["moving"] > 0],
             "still": [part["name"] for part in row.record["parts"] if not part["moving"] > 0],
         }
-        for row in first.values()
+        for row in _first_of_each(rows)
     ]
 
 

@@ -1,6 +1,7 @@
 """The table of load factors: one row an analysis, values as words and figures."""
 
 import math
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -47,7 +48,7 @@ class Row:
         words += [self.kind or str(self.record.get("model", "analysis"))]
         words += [f"load {self.load}"] if self.load else []
         words += [f"friction {friction_text(self)}"] if "friction" in self.record else []
-        return ", ".join(words + [f"{last_part(key)} {value}" for key, value in swept(self).items()])
+        return ", ".join(words + [setting(key, value) for key, value in swept(self).items()])
 
     def value(self, key: str) -> float | None:
         """Return a number of the record, else of the state (JSON has no infinity); None when neither has one."""
@@ -96,7 +97,7 @@ def identity(record: Record) -> tuple[str, ...]:
 def columns_for(rows: Sequence[Row]) -> list[Column]:
     """Return the columns that at least one row has something to say in; the model only where there are two."""
     keys = list(dict.fromkeys(key for row in rows for key in swept(row)))
-    variants = [Column(last_part(key), key, lambda row, key=key: swept(row).get(key, "")) for key in keys]
+    variants = [Column(heading(key), key, lambda row, key=key: swept(row).get(key, "")) for key in keys]
     told = [column for column in COLUMNS if any(column.text(row) not in ("", "none") for row in rows)]
     if len({_model(row) for row in rows}) < 2:
         told = [column for column in told if column.text is not _model]
@@ -136,9 +137,24 @@ def swept(row: Row) -> dict[str, str]:
     return {key: str(value) for key, value in items if not (alone and key.endswith(".friction"))}
 
 
-def last_part(key: str) -> str:
-    """Return the last part of a dotted key of the case file, as words."""
-    return key.rsplit(".", 1)[-1].replace("_", " ")
+def heading(key: str) -> str:
+    """Return the last part of a dotted key of the case file as words, and its unit: "stone length, m"."""
+    words, unit = _words_and_unit(key)
+    return f"{words}, {unit}" if unit else words
+
+
+def setting(key: str, value: object) -> str:
+    """Return a swept setting as words: "stone length 0.57 m"."""
+    words, unit = _words_and_unit(key)
+    return " ".join([words, str(value), *([unit] if unit else [])])
+
+
+def _words_and_unit(key: str) -> tuple[str, str]:
+    name, _, unit = _UNIT.sub(r"|\1", key.rsplit(".", 1)[-1]).partition("|")
+    return name.replace("_", " "), unit.replace("_", "/").replace("3", "\u00b3").replace("s2", "s\u00b2")
+
+
+_UNIT = re.compile(r"_(mm|m|kPa|GPa|kN_m3|m_s2|percent|deg)$")
 
 
 def friction_text(row: Row) -> str:

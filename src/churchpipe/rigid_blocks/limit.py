@@ -1,6 +1,6 @@
 """Limit analysis of rigid blocks: eqs. (1)-(2), dead load first, every result certified."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from time import perf_counter
 from typing import Literal
@@ -21,7 +21,7 @@ from churchpipe.model.loads import LoadCase
 from churchpipe.model.results import LimitState, Status
 from churchpipe.rigid_blocks.certificate import FLOW_TOLERANCE, Certificate, Strength, certify, project_cone
 from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
-from churchpipe.rigid_blocks.sliding import GAP_TOLERANCE, sliding_analysis
+from churchpipe.rigid_blocks.sliding import GAP_TOLERANCE, STARTS, Start, sliding_analysis
 
 Progress = Callable[[str, float], None]
 Flow = Literal["associative", "non-associative"]
@@ -38,7 +38,7 @@ def limit_analysis(
     *,
     flow: Flow = "associative",
     method: Literal["default", "paper"] = "default",
-    start: Literal["associative", "uniform"] = "associative",
+    start: Start | Sequence[Start] | None = None,
     solver: str = "auto",
     gap_tolerance: float = GAP_TOLERANCE,
     progress: Progress | None = None,
@@ -49,7 +49,8 @@ def limit_analysis(
     ----------
     friction: coefficient, scalar or one an interface (ni,). cohesion: Pa, scalar or (ni,).
     flow: "associative" (sliding dilates, eq. (1)) or "non-associative" (no dilatancy, by iteration, eq. (3)).
-    method, start, gap_tolerance: of the non-associative iteration; see `sliding.sliding_analysis`.
+    method, start, gap_tolerance: of the non-associative iteration; see `sliding.sliding_analysis`. start: one or several; None:
+        the dead-load forces and the associative ones, with method="paper" the latter alone.
     solver: "auto" (our own interior point, Clarabel where that fails), "interior-point", "clarabel", "cvxpy", "cvxpy:MOSEK" ...
     progress: called with a text and the share done.
 
@@ -87,7 +88,8 @@ def limit_analysis(
         state = associative_state(balance, strength, solver_for(balance.matrix, "clarabel"), begin)
     if flow == "associative" or state.status != "optimal":
         return replace(state, flow=flow)
-    sliding = sliding_analysis(balance, strength, state, method, start, solve, progress, gap_tolerance)
+    starts: Sequence[Start] = [start] if isinstance(start, str) else STARTS.get(method, ()) if start is None else start
+    sliding = sliding_analysis(balance, strength, state, method, starts, solve, progress, gap_tolerance)
     return replace(sliding, seconds=perf_counter() - begin)
 
 

@@ -1,6 +1,6 @@
 """Non-associative limit analysis: several starts, one headline, and the certificate of each."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Literal
 
 import numpy as np
@@ -8,7 +8,7 @@ import numpy as np
 from churchpipe.conic.solve import Solve
 from churchpipe.errors import InputError
 from churchpipe.model.arrays import FloatArray
-from churchpipe.model.results import LimitState
+from churchpipe.model.results import LimitState, StartRun
 from churchpipe.rigid_blocks.certificate import Strength, cone_violation
 from churchpipe.rigid_blocks.coulomb import (
     CoulombState,
@@ -23,6 +23,8 @@ from churchpipe.rigid_blocks.equilibrium import Equilibrium
 from churchpipe.rigid_blocks.iterations import SchemeSettings, SlidingRun, certified_iteration, paper_iteration
 
 GAP_TOLERANCE = 1e-5
+Start = Literal["dead-load", "uniform", "associative"]
+STARTS: dict[str, tuple[Start, ...]] = {"default": ("dead-load", "associative"), "paper": ("associative",)}
 Progress = Callable[[str, float], None]
 
 
@@ -31,7 +33,7 @@ def sliding_analysis(
     strength: Strength,
     associative: LimitState,
     method: Literal["default", "paper"],
-    start: Literal["associative", "uniform"],
+    starts: Sequence[Start],
     solve: Solve,
     progress: Progress | None = None,
     gap_tolerance: float = GAP_TOLERANCE,
@@ -39,62 +41,82 @@ def sliding_analysis(
     """Return a load factor of sliding without dilatancy, with its gap.
 
     No such load factor is unique: self-stress at sliding contacts is statically free, so it depends on the start. Every
-    distinct value found is in `fixed_points`.
+    distinct value found is in `fixed_points`, and what became of each start in `starts`.
 
-    method: "default", the certified scheme from the canonical dead-load start (headline) and from the associative one;
-    "paper", the iteration of eq. (3) from `start` (the associative forces, or the mean of the least-squares dead-load
-    forces at every point) with n = 0 and n = n_0 before it, headline the lowest that settled.
+    starts: the normal forces to begin with: "dead-load", the least-squares forces of the dead load (canonical); "uniform", their
+    mean at every point; "associative", those of the associative solution.
+    method: "default", the certified scheme, headline the first start that was certified; "paper", the iteration of eq. (3)
+    with n = 0 and n = n_0 before each start, headline the lowest that settled.
     gap_tolerance: g / alpha at which the certified scheme stops looking. More than 1e-5 saves time on large models, but only
     1e-5 is called "converged".
     """
-    normal = associative.forces[:, 0] / balance.force
-    if method == "default":
-        settings = SchemeSettings(gap=gap_tolerance)
-        starts = (dead_load_start(balance), np.maximum(normal, 0.0))
-        runs = [certified_iteration(balance, strength, n, solve, settings, progress) for n in starts]
-        found = [run for run in runs if run is not None]
-        if not found:
-            return _nothing(associative)
-        # The canonical start is the headline unless only the other one was certified.
-        chosen = next((run for run in found if run.settled), found[0])
-        state = CoulombState(chosen.x, chosen.load_factor, chosen.y, chosen.gap)
-        return _state(balance, strength, associative, chosen, found, state)
-    if method != "paper":
+    if method not in STARTS:
         raise InputError("limit_analysis: method", "unknown method", found=method, expected='"default" or "paper"')
-    n0 = _paper_start(start, normal, balance)
-    runs = [paper_iteration(balance, strength, n0, before, solve, progress=progress) for before in (np.zeros_like(n0), n0)]
-    found = [run for run in runs if run is not None]
+    normal = associative.forces[:, 0] / balance.force
+    settings = SchemeSettings(gap=gap_tolerance)
+    found: list[SlidingRun] = []
+    ends: list[tuple[StartRun, SlidingRun, CoulombState | None]] = []
+    for start in starts:
+        n = _first_forces(start, normal, balance)
+        if method == "default":
+            run = certified_iteration(balance, strength, n, solve, settings, progress)
+            runs = [] if run is None else [run]
+        else:
+            both = (paper_iteration(balance, strength, n, before, solve, progress=progress) for before in (np.zeros_like(n), n))
+            runs = [run for run in both if run is not None]
+        if runs:
+            run = min(runs, key=lambda run: (not run.settled, run.load_factor))
+            state = _certificate(balance, strength, run, method, solve)
+            found += runs
+            ends.append((_start_run(start, run, balance, strength, state), run, state))
     if not found:
         return _nothing(associative)
-    chosen = min(found, key=lambda run: (not run.settled, run.load_factor))
-    y = sliding_velocities(balance, strength, np.maximum(chosen.x[:, 0], 0.0), solve)
-    state = None
-    if y is not None:
-        # The iteration overdraws friction: its certificate is that of the nearest forces that do not.
-        nearness = SchemeSettings().weight_b
-        state = coulomb_step(balance, strength, np.maximum(chosen.x[:, 0], 0.0), y, solve, nearness=nearness)
-    return _state(balance, strength, associative, chosen, found, state)
+    if method == "default":
+        # The first start is the headline unless only another one was certified.
+        chosen = next((end for end in ends if end[0].settled), ends[0])
+    else:
+        chosen = min(ends, key=lambda end: (not end[0].settled, end[0].load_factor))
+    return _state(balance, strength, associative, chosen, [end[0] for end in ends], found)
 
 
-def _paper_start(start: str, normal: FloatArray, balance: Equilibrium) -> FloatArray:
+def _first_forces(start: str, normal: FloatArray, balance: Equilibrium) -> FloatArray:
     if start == "associative":
         return np.maximum(normal, 0.0)
+    dead = dead_load_start(balance)
+    if start == "dead-load":
+        return dead
     if start == "uniform":
-        return np.full_like(normal, float(dead_load_start(balance).mean()))
-    raise InputError("limit_analysis: start", "unknown start", found=start, expected='"associative" or "uniform"')
+        return np.full_like(normal, float(dead.mean()))
+    raise InputError(
+        "limit_analysis: start", "unknown start", found=start, expected='"dead-load", "uniform" or "associative", or several'
+    )
+
+
+def _certificate(balance: Equilibrium, strength: Strength, run: SlidingRun, method: str, solve: Solve) -> CoulombState | None:
+    """Return the Coulomb state of a run, or the one nearest to it: eq. (3) overdraws friction."""
+    if method == "default":
+        return CoulombState(run.x, run.load_factor, run.y, run.gap)
+    n = np.maximum(run.x[:, 0], 0.0)
+    y = sliding_velocities(balance, strength, n, solve)
+    return None if y is None else coulomb_step(balance, strength, n, y, solve, nearness=SchemeSettings().weight_b)
+
+
+def _start_run(start: str, run: SlidingRun, balance: Equilibrium, strength: Strength, certified: CoulombState | None) -> StartRun:
+    if certified is None:
+        return StartRun(start, run.load_factor, run.settled, np.nan, (np.nan, np.nan), run.history)
+    interval = mechanism_interval(balance, strength, certified)
+    return StartRun(start, run.load_factor, run.settled, certified.gap, interval, run.history)
 
 
 def _state(
     balance: Equilibrium,
     strength: Strength,
     associative: LimitState,
-    chosen: SlidingRun,
+    end: tuple[StartRun, SlidingRun, CoulombState | None],
+    starts: list[StartRun],
     found: list[SlidingRun],
-    certified: CoulombState | None,
 ) -> LimitState:
-    gap, interval = (np.nan, (np.nan, np.nan))
-    if certified is not None:
-        gap, interval = certified.gap, mechanism_interval(balance, strength, certified)
+    reported, chosen, certified = end
     slack = 1e-3 * max(abs(associative.load_factor), 1e-3)
     proven = (
         chosen.settled
@@ -125,10 +147,11 @@ def _state(
         solver=associative.solver,
         flow="non-associative",
         history=chosen.history,
-        gap=gap,
-        interval=interval,
+        gap=reported.gap,
+        interval=reported.interval,
         friction_violation=overdrawn,
         fixed_points=tuple(run.load_factor for run in found if run.settled),
+        starts=tuple(starts),
         message=_cost(found, associative.iterations) if proven else _why(chosen, certified, overdrawn),
     )
 

@@ -1,0 +1,53 @@
+"""Published load factors beside ours, as the rows of a table."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from churchpipe.report.table import MODELS, Row, figure, friction_text, minus, setting, swept
+
+_MODELS = {"rigid": "rigid-block", "shell": "homogenised-shell"}
+
+
+def published_rows(published: Sequence[Mapping[str, Any]], rows: Sequence[Row]) -> list[list[str]]:
+    """Return a row of cells for each published load factor and each analysis that answers the same question.
+
+    published: the fields of `config.Published`. Cells: load, what is published, its load factor, our analysis, its load factor,
+    how far ours is off, the source; one row with "not analysed" where this run has nothing to compare.
+    """
+    table: list[list[str]] = []
+    for value in published:
+        start = [minus(value["load"]), _published(value), figure(value["load_factor"], 3)]
+        ours = [_ours(row, value["load_factor"]) for row in rows if _same_question(row, value)]
+        table += [[*start, *cells, value["source"]] for cells in ours or [["not analysed", "", ""]]]
+    return table
+
+
+def _same_question(row: Row, value: Mapping[str, Any]) -> bool:
+    record = row.record
+    if record.get("load") != value["load"] or value["friction"] not in (None, record.get("friction")):
+        return False
+    # What was measured on the real thing stands beside every analysis.
+    model = _MODELS.get(value["model"])
+    return model is None or (record.get("model") == model and value["flow"] in (None, record.get("flow")))
+
+
+def _published(value: Mapping[str, Any]) -> str:
+    model = _MODELS.get(value["model"])
+    words = [MODELS[model] if model else value["model"], value["flow"] or ""]
+    return ", ".join([word for word in words if word] + _friction(value["friction"]))
+
+
+def _ours(row: Row, published: float) -> list[str]:
+    factor = row.value("load_factor")
+    size = row.record.get("element_size_mm")
+    words = [MODELS.get(str(row.record.get("model")), ""), row.kind, f"{size:g} mm" if row.of_shell and size else ""]
+    words += [setting(key, value) for key, value in swept(row).items() if key != "shell.element_size_mm"]
+    words += [f"friction {friction_text(row)}"] if row.record.get("variant") else []
+    words += [row.status] if row.status not in ("optimal", "converged") else []
+    apart = "" if factor is None or math.isinf(factor) else minus(f"{100 * (factor / published - 1):+.1f} %")
+    return [", ".join(word for word in words if word), figure(factor, 4), apart]
+
+
+def _friction(value: float | None) -> list[str]:
+    return [] if value is None else [f"friction {value:g}"]
