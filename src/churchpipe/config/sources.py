@@ -20,7 +20,6 @@ from churchpipe.config.church_sources import (
 from churchpipe.config.section import Count, NotNegative, Number, Positive, Section, Table, Vector, nearest, section_in, validated
 from churchpipe.errors import InputError
 
-
 # Lengths that are taken, mm: shorter ones are lost in the tolerances of the geometry.
 SHORTEST, LONGEST = 0.01, 1e7
 
