@@ -1,6 +1,7 @@
-"""Speed and size of the homogenised shell on S22: limit load and capacity curve, beside the same stated in cvxpy.
+"""Speed and size of the homogenised shell: limit load and capacity curve, beside the same stated in cvxpy. S22 by default.
 
     python benchmarks/shell.py --runs limit:65000:CST step:10000:LST pushover:10000:LST
+    python benchmarks/shell.py --one limit:0.5m:LST:church:-y interior-point
 
 Every run is a process of its own with one thread, capped at 600 s of wall time (ours at 3600 s, for machines that are shared).
 "limit" is the limit load, "step" dead load and one step of a tenth of the elastic displacement at load factor one (in cvxpy
@@ -28,14 +29,16 @@ RUNS = ("limit:2000:LST", "limit:10000:LST", "limit:65000:CST", "step:2000:LST",
 HEAD = ("run", "facets", "unknowns", "solver", "outcome", "iterations", "processor s", "memory MiB", "result")
 
 
-def run(what: str, facets: int, membrane: str, solver: str) -> dict[str, Any]:
-    """Make one model, solve it and return the figures."""
+def run(what: str, mesh: str, membrane: str, solver: str, name: str = "s22", direction: str = "") -> dict[str, Any]:
+    """Make one model, solve it and return the figures; mesh: facets of S22, or the size of elements as in 0.2m."""
     import churchpipe as cp
     from churchpipe.homogenised_shell.element import shell_elements
 
-    case = cp.read_case(ROOT / "pipeline" / "cases" / "s22.toml")
-    shell = cp.derive_shell(case.building(), element_size=float(np.sqrt(FACETS / facets)))
-    load, materials = case.loads[0], case.materials
+    case = cp.read_case(ROOT / "pipeline" / "cases" / f"{name}.toml")
+    size = float(mesh[:-1]) if mesh.endswith("m") else float(np.sqrt(FACETS / int(mesh)))
+    shell = cp.derive_shell(case.building(), element_size=size)
+    load = next(load for load in case.loads if direction in ("", load.name))
+    materials = case.materials
     elements = shell_elements(shell, membrane)  # pyright: ignore[reportArgumentType]
     out: dict[str, Any] = {"facets": len(shell.triangles), "unknowns": int((~elements.clamped).sum())}
     prepared = before_step(elements, load, materials, membrane) if (what, solver) == ("step", "cvxpy") else None
@@ -105,13 +108,13 @@ def in_child(name: str, solver: str) -> dict[str, Any]:
 def main() -> None:
     """Run the chosen models and write the document."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--runs", nargs="+", default=list(RUNS), help="limit|step|pushover:FACETS:LST|CST")
+    parser.add_argument("--runs", nargs="+", default=list(RUNS), help="limit|step|pushover:FACETS or SIZEm:LST|CST[:CASE[:LOAD]]")
     parser.add_argument("--solvers", nargs="+", default=["interior-point", "cvxpy"])
     parser.add_argument("--one", nargs=2, metavar=("RUN", "SOLVER"), help="one run, as JSON")
     chosen = parser.parse_args()
     if chosen.one:
-        what, facets, membrane = chosen.one[0].split(":")
-        print(json.dumps(run(what, int(facets), membrane, chosen.one[1])))
+        what, mesh, membrane, *where = chosen.one[0].split(":")
+        print(json.dumps(run(what, mesh, membrane, chosen.one[1], *where)))
         return
     command = f"python benchmarks/shell.py --runs {' '.join(chosen.runs)} --solvers {' '.join(chosen.solvers)}"
     lines = ["# The homogenised shell: speed and size", "", f"    {command}", ""]

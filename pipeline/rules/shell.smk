@@ -56,13 +56,12 @@ rule limit:
 rule pushover:
     input:
         settings="pushover/{analysis}/settings.json",
-        building=lambda wildcards: f"geometry/{GEOMETRY_OF[wildcards.analysis]}/building.json",
         shell=lambda wildcards: f"shell/{MESH_OF[wildcards.analysis]}/shell.npz",
         match=lambda wildcards: f"shell/{MESH_OF[wildcards.analysis]}/match.json",
-        sources=sources("homogenised_shell", "conic", "config/plan.py", "config/units.py", "io/records.py", "io/building_json.py"),
+        sources=sources("homogenised_shell", "conic", "config/plan.py", "config/units.py", "io/records.py"),
     output:
         state="pushover/{analysis}/pushover.npz",
         record="pushover/{analysis}/pushover.json",
     shell:
-        STAGE + " pushover {wildcards.analysis:q} {input.settings:q} {input.building:q} {input.shell:q} {input.match:q}"
-        " {output.state:q} {output.record:q}"
+        STAGE + " pushover {wildcards.analysis:q} {input.settings:q} {input.shell:q} {input.match:q} {output.state:q}"
+        " {output.record:q}"

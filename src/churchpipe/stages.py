@@ -164,15 +164,9 @@ def limit(settings: Path, shell: Path, match: Path, state: Path, record: Path, p
     _analyse_shell("limit", table, shell, match, state, record, partial(shell_limit_analysis, **options), progress)
 
 
-def pushover(
-    settings: Path, building: Path, shell: Path, match: Path, state: Path, record: Path, progress: Progress | None = None
-) -> None:
-    """One capacity curve of the shell -> the curve with the last step's state, and its record; none where the gate failed.
-
-    Refused for bonds whose stiffness is not known, which the building tells.
-    """
+def pushover(settings: Path, shell: Path, match: Path, state: Path, record: Path, progress: Progress | None = None) -> None:
+    """One capacity curve of the shell -> the curve with the last step's state, and its record; none where the gate failed."""
     from churchpipe.homogenised_shell.pushover import pushover
-    from churchpipe.homogenised_shell.stiffness import wall_stiffness
 
     table = read_json(settings)
     options = {key: table[key] for key in ("planes", "membrane", "control_point", "steps") if key in table}
@@ -182,11 +176,6 @@ def pushover(
             progress(f"load factor {step.load_factor:.4f}, {step.displacement * 1e3:.3g} mm", 0.0)
 
     def work(mesh: ShellModel, load: LoadCase, materials: list[Material]) -> CapacityCurve:
-        elastic = {material.name: material.elastic for material in materials}
-        for panel in read_building(building).panels:
-            for region in panel.regions:
-                if constants := elastic[panel.material]:
-                    wall_stiffness(region.pattern, region.cell.a, region.cell.b, panel.thickness, constants)
         return pushover(mesh, load, materials, **options, progress=tell)
 
     _analyse_shell("pushover", table, shell, match, state, record, work, progress)

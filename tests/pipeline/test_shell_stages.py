@@ -84,7 +84,6 @@ def make(case: Path, *overrides: str, spoil: Callable[[Path], None] | None = Non
         folder = out / entry["kind"] / entry["name"]
         mesh = out / "shell" / entry.get("shell", "")
         inputs = (stones, contacts) if entry["kind"] == "rigid" else (mesh / "shell.npz", mesh / "match.json")
-        inputs = (building, *inputs) if entry["kind"] == "pushover" else inputs
         results = (folder / f"{entry['kind']}.npz", folder / f"{entry['kind']}.json")
         stages.STAGES[entry["kind"]](folder / "settings.json", *inputs, *results)
     stages.compare(plan, out / "summary.json", out / "table.csv")
@@ -211,14 +210,12 @@ def test_the_capacity_curve_ends_on_the_limit_load(case: Path) -> None:
     assert f"shell, limit analysis, {limit['load_factor']:.4f}" in text
 
 
-def test_a_bond_without_stiffness_has_a_limit_load_alone(case: Path) -> None:
+def test_a_stack_bond_is_left_to_the_rigid_blocks(case: Path) -> None:
     summary = make(case, 'shell.analyses=["limit","pushover"]', "source.pattern=stack")
-    _, limit, pushed = summary["analyses"]
-    assert limit["status"] == "optimal"
-    assert (pushed["status"], pushed["load_factor"]) == ("failed", None)
-    assert "not derived for this bond" in pushed["message"]
-    assert bad_news(summary) == [pushed]
-    assert "not derived for this bond" in page(case)
+    assert [analysis["model"] for analysis in summary["analyses"]] == ["rigid-block"]
+    assert "the strength of a shell in stack bond is not derived" in summary["match"]["message"]
+    assert bad_news(summary) == [summary["match"]]
+    assert "lay the region in running bond" in page(case)
 
 
 def thicker(path: Path) -> None:

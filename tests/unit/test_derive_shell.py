@@ -57,6 +57,15 @@ def cross(height=2.2):
     return Building("cross", walls, (MATERIAL,))
 
 
+def test_stack_bond_is_refused_by_its_region():
+    bond = BondRegion("plinth", rectangle(2, 1), "stack", CELL)
+    panel = Panel("facade", PlaneChart(np.zeros(3), np.array([1.0, 0, 0])), rectangle(2, 1), 0.9, (bond,))
+    with pytest.raises(InputError, match="Panel facade, region plinth: the strength of a shell in stack bond is not derived"):
+        derive_shell(Building("stacked", (panel,), (MATERIAL,)), 0.5)
+    elastic = replace(panel, regions=(replace(bond, yields=False),))
+    assert not derive_shell(Building("elastic", (elastic,), (MATERIAL,)), 0.5).yields.any()
+
+
 def edge_counts(shell):
     edges = np.sort(np.concatenate([shell.triangles[:, pair] for pair in ([0, 1], [1, 2], [2, 0])]), axis=1)
     return np.unique(edges, axis=0, return_counts=True)

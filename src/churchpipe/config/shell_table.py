@@ -27,8 +27,8 @@ class ShellTable:
 def shell_table(stones: Assemblage, elastic: Mapping[str, bool]) -> ShellTable:
     """Return the [shell] table for the stones of a drawing.
 
-    elastic: whether each material has elastic constants, by its name. Without them, or with bonds whose stiffness is not known,
-    the table asks for the limit load alone.
+    elastic: whether each material has elastic constants, by its name. Without them the table asks for the limit load alone.
+    Stack bond has no shell.
     """
     try:
         fitted = fit_panels(stones, tuple(Material(name, 1.0, 0.0) for name in elastic))
@@ -36,18 +36,17 @@ def shell_table(stones: Assemblage, elastic: Mapping[str, bool]) -> ShellTable:
         return ShellTable("", f"No shell: {error.problem}; the rigid blocks stand alone. {error.remedy}")
     building = fitted.building
     size = element_size(building)
-    patterns = {region.pattern for panel in building.panels for region in panel.regions} - {"running", "single"}
+    stacked = [panel.name for panel in building.panels for region in panel.regions if region.pattern == "stack"]
+    if stacked:
+        return ShellTable(
+            "", f"No shell: the strength of stack bond ({stacked[0]}) is not derived; the rigid blocks stand alone."
+        )
     used = {panel.material for panel in building.panels}
     lines = ["[shell]", f"element_size_mm = {1e3 * size:g}"]
-    if all(elastic[name] for name in used) and not patterns:
+    if all(elastic[name] for name in used):
         lines.append('analyses = ["limit", "pushover"]')
     else:
-        why = (
-            f"no stiffness is known of {', '.join(sorted(patterns))} bond"
-            if patterns
-            else "give each material its elastic constants"
-        )
-        lines.append(f'analyses = ["limit"]    # "pushover" besides: {why}')
+        lines.append('analyses = ["limit"]    # "pushover" besides: give each material its elastic constants')
     note = f"{len(building.panels)} walls fitted for the shell: {', '.join(panel.name for panel in building.panels)}."
     if len(fitted.unfit):
         few = ", ".join(fitted.unfit[:8])

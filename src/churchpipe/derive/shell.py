@@ -49,11 +49,13 @@ def derive_shell(building: Building, element_size: float, sizes: Mapping[str, fl
 
     Raises
     ------
-    InputError: a wall that cannot be meshed, a size out of range or of an unknown panel, a wall that rests on nothing.
+    InputError: a wall that cannot be meshed, a size out of range or of an unknown panel, a wall that rests on nothing, a region
+    in stack bond that yields.
     """
     check_kind("derive_shell: building", building, Building, "read_case(...).building() makes one.")
     if not building.panels:
         raise InputError(f"building {building.name}", "no walls", found=0, expected="at least one panel")
+    _check_bonds(building)
     lengths = _sizes(building, element_size, sizes or {})
     surfaces = mid_surfaces(building.panels)
     meshes = _meshes(surfaces, subdivide(surfaces, lengths))
@@ -251,6 +253,19 @@ def _touching(support: Support, points: FloatArray) -> BoolArray:
     nodes = np.array([node for face in support.faces for node in face], dtype=np.int64)
     _, normal, mean = face_normals(support.points, nodes, np.cumsum([0] + [len(face) for face in support.faces]))
     return (points @ normal.T - np.einsum("fc,fc->f", normal, mean) < NODE_TOLERANCE).all(axis=1)
+
+
+def _check_bonds(building: Building) -> None:
+    for panel in building.panels:
+        for region in panel.regions:
+            if region.pattern == "stack" and region.yields:
+                raise InputError(
+                    f"Panel {panel.name}, region {region.name}",
+                    "the strength of a shell in stack bond is not derived",
+                    found=region.pattern,
+                    expected='"running", "voussoir" or "single"',
+                    remedy="Rigid blocks take it as it is; for a shell lay the region in running bond.",
+                )
 
 
 def _check_resting(shell: ShellModel) -> None:

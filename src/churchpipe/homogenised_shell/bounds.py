@@ -49,6 +49,9 @@ def proved_bounds(condensed: CondensedShell, state: StressState, dead: FloatArra
     scale = 1.0 / earned if earned > 0 else 1.0
     law = condensed.strength
     doubt = float((np.abs(state.unexplained) * np.abs(state.x)).sum())
+    # The cell bounds stress in parts that do not yield, too (`points.local_strength`): they must not strain.
+    kept = ~condensed.elements.shell.yields[condensed.elements.facet]
+    doubt += float(np.abs(law.offset * state.strain)[:, kept].sum())
     cost = float((law.right * state.multipliers).sum()) + float((law.offset * state.strain).sum())
     return Bounds(
         lower=state.load,

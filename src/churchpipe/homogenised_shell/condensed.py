@@ -12,10 +12,13 @@ import scipy.sparse as sp
 
 from churchpipe.conic.cholesky import Cholesky
 from churchpipe.conic.interior_point.cones import cone_shape
+from churchpipe.conic.interior_point.coulomb import CoulombPoints
 from churchpipe.conic.interior_point.coupling import Coupling
 from churchpipe.conic.interior_point.dense import DenseProblems
 from churchpipe.conic.interior_point.iterate import Iterate
+from churchpipe.conic.interior_point.local import LocalProblems
 from churchpipe.conic.interior_point.loop import interior_start, solve_coupled
+from churchpipe.conic.interior_point.nonnegative import Nonnegative
 from churchpipe.conic.interior_point.normal import NormalMatrix
 from churchpipe.conic.interior_point.problem import CoupledProblem
 from churchpipe.conic.interior_point.settings import Settings
@@ -23,6 +26,7 @@ from churchpipe.conic.program import Outcome
 from churchpipe.homogenised_shell.direct import solve_directly
 from churchpipe.homogenised_shell.element import ShellElements
 from churchpipe.homogenised_shell.flow import plastic_flow
+from churchpipe.homogenised_shell.planes import PlanePoints
 from churchpipe.homogenised_shell.points import local_strength
 from churchpipe.homogenised_shell.program import load_vectors
 from churchpipe.homogenised_shell.strength import PlaneSet
@@ -65,6 +69,15 @@ class StressState:
         return self.status == "solved" and max(self.residual, self.violation, self.gap) <= TOLERANCE
 
 
+@dataclass(frozen=True, slots=True)
+class _System:
+    """Equilibrium of all points, its normal matrix and the symbolic analysis of that."""
+
+    coupling: Coupling
+    normal: NormalMatrix
+    cholesky: Cholesky
+
+
 class CondensedShell:
     """A shell, its loads and its strength for the interior-point core, with one symbolic analysis.
 
@@ -77,14 +90,7 @@ class CondensedShell:
         self.loads = load_vectors(elements, load)
         self.strength = local_strength(elements, materials, planes, self.loads.unit)
         self._strain = sp.csr_matrix(self.loads.equilibrium.T)
-        d = self.strength.inner.shape[0]
-        moments = _point_matrix(self.strength.still)
-        moments = sp.csr_matrix(moments[np.diff(moments.indptr) > 0])
-        matrix = sp.csc_matrix(sp.vstack([self.loads.equilibrium @ _point_matrix(self.strength.of), moments]))
-        matrix.eliminate_zeros()
-        self._coupling = Coupling(matrix, d, 1)
-        self._normal = NormalMatrix(self._coupling)
-        self._cholesky = Cholesky(self._normal.pattern, 1)
+        self._systems: dict[int, _System] = {}
 
     def solve(
         self,
@@ -106,7 +112,8 @@ class CondensedShell:
         """
         problem = self._problem(dead, live, compliance, origin, reward, cap)
         settings = settings or Settings(error=1e-10, residual=1e-10, acceptable=TOLERANCE)
-        ending = solve_coupled(problem, self._normal, self._cholesky, interior_start(problem, settings), settings)
+        system = self._system(problem.local.dimension)
+        ending = solve_coupled(problem, system.normal, system.cholesky, interior_start(problem, settings), settings)
         outcome = "failed" if ending.status == "running" else ending.status
         # A certificate of infeasibility is a mechanism: as long as its largest entry allows.
         theta = ending.at.theta if outcome != "infeasible" else float(np.abs(ending.at.y).max())
@@ -138,24 +145,45 @@ class CondensedShell:
     ) -> CoupledProblem:
         law = self.strength
         d, nq = law.inner.shape
-        quadratic = np.zeros((d, d, nq))
+        quadratic = np.zeros((d, d, nq) if compliance is not None or d == 6 else (0, 0, 0))
         lent = np.full((d, nq), _PROXIMAL)
         if compliance is not None:
             quadratic = np.einsum("aiq,abq,bjq->ijq", law.of, compliance, law.of, optimize=True)
             lent = law.loose * (np.einsum("iiq->iq", quadratic) == 0)
         linear = np.zeros((d, nq)) if origin is None else -np.einsum("ijq,jq->iq", quadratic, origin)
-        rows = self._coupling.rows
+        if isinstance(law.cones[0], Nonnegative):
+            local: LocalProblems = PlanePoints(quadratic, linear, law.matrix, law.right, law.inner, lent)
+        elif compliance is None:
+            # Nothing but equilibrium joins the corners of a cell: each is a point of its own.
+            nothing = np.zeros(12 * nq)
+            local = CoulombPoints(nothing, -np.einsum("rrq->rq", law.matrix)[:12].ravel(), nothing, nothing)
+        else:
+            local = DenseProblems(quadratic, linear, law.matrix, law.right, law.cones, law.inner, lent)
+        coupling = self._system(local.dimension).coupling
+        rows = coupling.rows
         nothing = np.zeros(self.loads.equilibrium.shape[0])
         dead, live = (nothing if part is None else part for part in (dead, live))
         shift = self.loads.equilibrium @ law.offset.T.ravel()
         return CoupledProblem(
-            DenseProblems(quadratic, linear, law.matrix, law.right, law.cones, law.inner, lent),
-            self._coupling,
+            local,
+            coupling,
             _padded(shift - dead, rows),
             _padded(-live, rows),
             reward=reward,
             cap=cap,
         )
+
+    def _system(self, dimension: int) -> "_System":
+        """Return the structure for local problems of so many variables."""
+        if dimension not in self._systems:
+            moments = _point_matrix(self.strength.still)
+            moments = sp.csr_matrix(moments[np.diff(moments.indptr) > 0])
+            matrix = sp.csc_matrix(sp.vstack([self.loads.equilibrium @ _point_matrix(self.strength.of), moments]))
+            matrix.eliminate_zeros()
+            coupling = Coupling(matrix, dimension, 1)
+            normal = NormalMatrix(coupling)
+            self._systems[dimension] = _System(coupling, normal, Cholesky(normal.pattern, 1))
+        return self._systems[dimension]
 
     def _state(
         self,
@@ -176,7 +204,7 @@ class CondensedShell:
         motion = np.zeros(self.elements.unknowns)
         # The loop's own multipliers carry the rounding of z over s, which grows without bound towards the solution.
         elastic = problem.local.quadratic(problem.local_view(at.x)) + problem.local.linear * at.theta
-        plastic = -(problem.local_view(problem.spread(at.y)) + elastic) / theta
+        plastic = -(problem.local_view(problem.spread(at.y)) + elastic).reshape(law.inner.shape) / theta
         multipliers, unexplained = plastic_flow(law, plastic, (at.z[: slack.size] / theta).reshape(slack.shape))
         motion[free] = -at.y[: int(free.sum())] / theta
         return StressState(

@@ -14,6 +14,9 @@ from churchpipe.homogenised_shell.strength import Planes, PlaneSet, strength
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.materials import Material
 
+# Tension that parts which do not yield carry with the exact cell, in units of stress: far more than any lintel gets.
+_STRONG = 100.0
+
 
 @dataclass(frozen=True, slots=True)
 class LocalStrength:
@@ -37,7 +40,10 @@ class LocalStrength:
 
 
 def local_strength(elements: ShellElements, materials: Sequence[Material], planes: PlaneSet, unit: FloatArray) -> LocalStrength:
-    """Return the strength of all points; unit (nq, 6). Facets that do not yield get rows that never bind."""
+    """Return the strength of all points; unit (nq, 6).
+
+    Facets that do not yield get rows that never bind, with the exact cell so much cohesion that none does.
+    """
     shell = elements.shell
     friction, cohesion = by_facet(shell.material, materials)
     facet = elements.facet
@@ -68,23 +74,19 @@ def local_strength(elements: ShellElements, materials: Sequence[Material], plane
     # Variables component first, as the cones take them: 12 normal forces, then the shears.
     closing = np.swapaxes(law.closing, 1, 2).reshape(nq, 36, 9)
     size = np.abs(closing[..., :3] / unit[:, None, :3]).max(axis=(1, 2))[:, None, None]
-    of = np.where(free, 0.0, np.moveaxis(closing[..., :6] / unit[:, None] / size, 0, 2).swapaxes(0, 1))
-    of[:, :6][:, :, free] = np.eye(6)[:, :, None]
     turn = closing[..., 6:] / np.abs(closing[..., 6:]).max(axis=1, keepdims=True)
     slope = np.repeat([1.0, 0.0], [12, 24])[:, None] * (law.friction - 1.0) + 1.0
-    matrix = -np.eye(36)[:, :, None] * np.where(free, 0.0, slope)
-    right = np.zeros((36, nq))
-    right[:12, free] = 1.0
+    offset = np.where(free, np.repeat([_STRONG, 0.0], [2, 4])[:, None], (law.apex / unit).T)
     inner = np.zeros((36, nq))
     inner[:12] = 1.0
     return LocalStrength(
-        of=of,
-        offset=np.where(free, 0.0, (law.apex / unit).T),
-        still=np.where(free, 0.0, np.moveaxis(turn, 0, 2).swapaxes(0, 1)),
-        matrix=matrix,
-        right=right,
+        of=np.ascontiguousarray(np.moveaxis(closing[..., :6] / unit[:, None] / size, 0, 2).swapaxes(0, 1)),
+        offset=offset,
+        still=np.ascontiguousarray(np.moveaxis(turn, 0, 2).swapaxes(0, 1)),
+        matrix=-np.eye(36)[:, :, None] * slope,
+        right=np.zeros((36, nq)),
         cones=(SecondOrder(3, 12, nq),),
         inner=inner,
-        loose=np.broadcast_to(free, (36, nq)).astype(np.float64),
+        loose=np.zeros((36, nq)),
         size=np.broadcast_to(1.0 / (size[:, 0, 0] * law.friction * a * b), (36, nq)),
     )

@@ -15,10 +15,10 @@ from churchpipe.model.shell import ShellModel
 def wall_stiffness(pattern: str, a: npt.ArrayLike, b: npt.ArrayLike, h: npt.ArrayLike, elastic: Elastic) -> FloatArray:
     """Return the stiffness C (..., 6, 6) of a wall, stress (N11 .. M12) = C strain (E11, E22, 2 E12, chi11, chi22, 2 chi12).
 
-    pattern: "running", or "single" for one stone without joints (a lintel). a, b, h: course height, stone length, wall
-    thickness, m, which broadcast. Membrane stiffness N/m, bending stiffness N m. The compliances of stones (an isotropic
-    plate) and of joints between rigid stones are added; against a finite-element cell this holds within 5 %, but M12 is 23 %
-    too stiff.
+    pattern: "running"; "voussoir", a ring, taken as running bond about its centre; "single", one stone without joints (a
+    lintel). a, b, h: course height, stone length, wall thickness, m, which broadcast. Membrane stiffness N/m, bending stiffness
+    N m. The compliances of stones (an isotropic plate) and of joints between rigid stones are added; against a finite-element
+    cell this holds within 5 %, but M12 is 23 % too stiff.
 
     Raises
     ------
@@ -28,12 +28,12 @@ def wall_stiffness(pattern: str, a: npt.ArrayLike, b: npt.ArrayLike, h: npt.Arra
     stones = stone_stiffness(h, elastic)
     if pattern == "single":
         return stones
-    if pattern != "running":
+    if pattern not in ("running", "voussoir"):
         raise InputError(
             "stiffness",
             "not derived for this bond",
             found=pattern,
-            expected='"running" or "single"',
+            expected='"running", "voussoir" or "single"',
             remedy="A limit analysis needs no stiffness; for a capacity curve describe the region in running bond.",
         )
     compliance = np.linalg.inv(stones) + np.linalg.inv(running_joint_stiffness(a, b, h, elastic))

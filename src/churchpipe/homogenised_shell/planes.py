@@ -1,0 +1,239 @@
+"""Points of a shell whose strength is bounded by planes, as local problems of the interior-point loop, to the last digits."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numba
+import numpy as np
+
+from churchpipe.conic.interior_point.cones import Cone, Scaling
+from churchpipe.conic.interior_point.nonnegative import Nonnegative, NonnegativeScaling
+from churchpipe.model.arrays import FloatArray, IntArray
+
+
+@dataclass(frozen=True, slots=True)
+class PlaneCompliance:
+    """Compliances S = (A^T A)^-1, A_ri the rows (root of Q; W^-1 G) of a point, by A P = O R with columns in the order P.
+
+    triangle_kij: R (count, d, d); column (count, d): the order P; rows_kri: W^-1 times the part of O that belongs to the planes
+    (count, planes, d). As a matrix, S carries rounding errors of its largest entries, which are along flowing planes, into the
+    directions across them, where it is 1e20 times smaller; with R they stay along the planes.
+    """
+
+    triangle: FloatArray
+    column: IntArray
+    rows: FloatArray
+
+    @property
+    def matrix(self) -> FloatArray:
+        """S_ijk, (d, d, count)."""
+        count, d = self.column.shape
+        out = np.empty((d, d, count))
+        _square(self.triangle, self.column, out)
+        return out
+
+    def apply(self, force: FloatArray) -> FloatArray:
+        """Return S force."""
+        out = np.empty_like(force)
+        _comply(self.triangle, self.column, force, out)
+        return out
+
+
+class PlanePoints:
+    """minimise 1/2 x Q x + linear x,  G x + s = right,  s >= 0  at each point.
+
+    quadratic_ijk: Q (d, d, count), positive semidefinite; linear (d, count); matrix_rik: G (planes, d, count); right (planes,
+    count); inner (d, count): inside; proximal (d, count): added to the diagonal of Q in the steps alone. Q + proximal + G^T D G
+    must be positive definite for every positive diagonal D.
+    """
+
+    def __init__(
+        self,
+        quadratic: FloatArray,
+        linear: FloatArray,
+        matrix: FloatArray,
+        right: FloatArray,
+        inner: FloatArray,
+        proximal: FloatArray,
+    ) -> None:
+        self.linear, self.right = linear, right.ravel()
+        self.dimension, self.count = linear.shape
+        self.cones: tuple[Cone, ...] = (Nonnegative(len(right), self.count),)
+        self._matrix, self._inner = matrix, inner
+        self._quadratic = quadratic if quadratic.any() else None
+        self._root = _root(quadratic, proximal)
+        self._last: PlaneCompliance | None = None
+
+    def quadratic(self, x: FloatArray) -> FloatArray:
+        """Return Q x."""
+        return np.zeros_like(x) if self._quadratic is None else np.einsum("ijk,jk->ik", self._quadratic, x)
+
+    def apply(self, x: FloatArray) -> FloatArray:
+        """Return G x."""
+        return np.einsum("rik,ik->rk", self._matrix, x).ravel()
+
+    def transpose(self, z: FloatArray) -> FloatArray:
+        """Return G^T z."""
+        return np.einsum("rik,rk->ik", self._matrix, z.reshape(-1, self.count))
+
+    def compliance(self, scalings: Sequence[Scaling]) -> PlaneCompliance:
+        """Return (Q + proximal + G^T W^-2 G)^-1."""
+        (scaling,) = scalings
+        assert isinstance(scaling, NonnegativeScaling)
+        d, count = self.dimension, self.count
+        out = PlaneCompliance(
+            np.zeros((count, d, d)), np.empty((count, d), dtype=np.int64), np.empty((count, len(self._matrix), d))
+        )
+        _factor(self._root, self._matrix, scaling.factor, out.triangle, out.column, out.rows)
+        self._last = out
+        return out
+
+    def balanced(self, force: FloatArray, z: FloatArray) -> FloatArray:
+        """Return z with what it lacks of G^T z = force added in the metric of the last scaling."""
+        if self._last is None:
+            return z
+        lack = force - self.transpose(z)
+        more = np.empty((len(self._matrix), self.count))
+        _push(self._last.triangle, self._last.column, self._last.rows, lack, more)
+        return z + more.ravel()
+
+    def interior(self, _size: FloatArray) -> FloatArray:
+        """Return the given interior point, whatever the size."""
+        return self._inner
+
+
+def _root(quadratic: FloatArray, proximal: FloatArray) -> FloatArray:
+    """Return U_ijk with U^T U = quadratic + proximal, without the rows that vanish everywhere."""
+    values, vectors = np.linalg.eigh(np.moveaxis(quadratic + np.eye(len(quadratic))[:, :, None] * proximal, 2, 0))
+    root = np.moveaxis(np.sqrt(np.maximum(values, 0.0))[:, :, None] * np.swapaxes(vectors, 1, 2), 0, 2)
+    return np.ascontiguousarray(root[np.abs(root).max(axis=(1, 2)) > 0])
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _factor(
+    root: FloatArray, matrix: FloatArray, factor: FloatArray, triangle: FloatArray, column: IntArray, rows: FloatArray
+) -> None:
+    """Householder's triangle, the largest rows first and the largest column next: rows of any size keep their digits."""
+    lent, planes, d = root.shape[0], matrix.shape[0], matrix.shape[1]
+    total = lent + planes
+    a, size, order = np.empty((total, d)), np.empty(total), np.empty(total, dtype=np.int64)
+    scale = np.empty(d)
+    wide = np.empty((total, d))
+    for k in range(matrix.shape[2]):
+        for r in range(total):
+            square = 0.0
+            for i in range(d):
+                value = root[r, i, k] if r < lent else matrix[r - lent, i, k] / factor[r - lent, k]
+                wide[r, i] = value
+                square = max(square, abs(value))
+            place = r
+            while place > 0 and size[place - 1] < square:
+                size[place], order[place] = size[place - 1], order[place - 1]
+                place -= 1
+            size[place], order[place] = square, r
+        for r in range(total):
+            for i in range(d):
+                a[r, i] = wide[order[r], i]
+        for i in range(d):
+            column[k, i] = i
+        for j in range(d):
+            best, longest = j, -1.0
+            for i in range(j, d):
+                square = 0.0
+                for r in range(j, total):
+                    square += a[r, i] * a[r, i]
+                if square > longest:
+                    best, longest = i, square
+            if best != j:
+                column[k, j], column[k, best] = column[k, best], column[k, j]
+                for r in range(total):
+                    a[r, j], a[r, best] = a[r, best], a[r, j]
+            length = -np.sqrt(longest) if a[j, j] > 0 else np.sqrt(longest)
+            a[j, j] -= length
+            square = 0.0
+            for r in range(j, total):
+                square += a[r, j] * a[r, j]
+            scale[j] = 2.0 / square if square > 0 else 0.0
+            for i in range(j + 1, d):
+                along = 0.0
+                for r in range(j, total):
+                    along += a[r, j] * a[r, i]
+                along *= scale[j]
+                for r in range(j, total):
+                    a[r, i] -= along * a[r, j]
+            triangle[k, j, j] = length
+            for i in range(j):
+                triangle[k, i, j] = a[i, j]
+        # The orthonormal columns: reflections of the unit vectors, the last first.
+        for j in range(d):
+            for r in range(total):
+                wide[r, j] = 1.0 if r == j else 0.0
+            for i in range(j, -1, -1):
+                along = 0.0
+                for r in range(i, total):
+                    along += a[r, i] * wide[r, j]
+                along *= scale[i]
+                for r in range(i, total):
+                    wide[r, j] -= along * a[r, i]
+        for r in range(total):
+            row = order[r] - lent
+            if row >= 0:
+                for j in range(d):
+                    rows[k, row, j] = wide[r, j] / factor[row, k]
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _square(triangle: FloatArray, column: IntArray, out: FloatArray) -> None:
+    d = column.shape[1]
+    inverse = np.zeros((d, d))
+    for k in range(len(column)):
+        for i in range(d - 1, -1, -1):
+            inverse[i, i] = 1.0 / triangle[k, i, i]
+            for j in range(i + 1, d):
+                value = 0.0
+                for m in range(i + 1, j + 1):
+                    value += triangle[k, i, m] * inverse[m, j]
+                inverse[i, j] = -value * inverse[i, i]
+        for i in range(d):
+            for j in range(i + 1):
+                value = 0.0
+                for m in range(i, d):
+                    value += inverse[i, m] * inverse[j, m]
+                out[column[k, i], column[k, j], k] = value
+                out[column[k, j], column[k, i], k] = value
+
+
+@numba.njit(cache=True, error_model="numpy", inline="always")
+def _forward(triangle: FloatArray, column: IntArray, force: FloatArray, k: int, u: FloatArray) -> None:
+    """Solve R^T u = P^T force."""
+    for i in range(len(u)):
+        value = force[column[k, i], k]
+        for m in range(i):
+            value -= triangle[k, m, i] * u[m]
+        u[i] = value / triangle[k, i, i]
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _comply(triangle: FloatArray, column: IntArray, force: FloatArray, out: FloatArray) -> None:
+    d = column.shape[1]
+    u = np.empty(d)
+    for k in range(len(column)):
+        _forward(triangle, column, force, k, u)
+        for i in range(d - 1, -1, -1):
+            value = u[i]
+            for m in range(i + 1, d):
+                value -= triangle[k, i, m] * u[m]
+            u[i] = value / triangle[k, i, i]
+            out[column[k, i], k] = u[i]
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _push(triangle: FloatArray, column: IntArray, rows: FloatArray, force: FloatArray, out: FloatArray) -> None:
+    u = np.empty(column.shape[1])
+    for k in range(len(column)):
+        _forward(triangle, column, force, k, u)
+        for r in range(rows.shape[1]):
+            value = 0.0
+            for i in range(len(u)):
+                value += rows[k, r, i] * u[i]
+            out[r, k] = value
