@@ -27,7 +27,16 @@ else:
     rule blocks:
         input:
             building="geometry/{geometry}/building.json",
-            sources=sources("bond", "derive", "dxf", "io/building_json.py", "io/vtu.py"),
+            sources=sources(
+                "derive/blocks.py",
+                "derive/manifolds.py",
+                "derive/midplanes.py",
+                "derive/pierced.py",
+                "bond",
+                "dxf",
+                "io/building_json.py",
+                "io/vtu.py",
+            ),
         output:
             assemblage="geometry/{geometry}/assemblage.npz",
             dxf="geometry/{geometry}/stones.dxf",
@@ -39,7 +48,7 @@ else:
 rule contacts:
     input:
         assemblage="geometry/{geometry}/assemblage.npz",
-        sources=sources("derive"),
+        sources=sources("derive/contacts.py", "derive/manifolds.py", "derive/midplanes.py", "derive/soundness.py", "bond"),
     output:
         contacts="geometry/{geometry}/contacts.npz",
     shell:

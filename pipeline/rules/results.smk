@@ -10,7 +10,14 @@ rule compare:
         records=files_of(ANALYSES, "json"),
         states=files_of(ANALYSES, "npz"),
         sources=sources(
-            "compare.py", "code_check.py", "mechanism.py", "config/plan.py", "rigid_blocks/equilibrium.py", "io/tables.py", "derive"
+            "compare.py",
+            "code_check.py",
+            "mechanism.py",
+            "config/plan.py",
+            "config/site.py",
+            "rigid_blocks/equilibrium.py",
+            "derive/locate.py",
+            "bond",
         ),
     output:
         summary="summary.json",
@@ -33,7 +40,7 @@ for number, geometry in enumerate(GEOMETRIES):
             shells=[f"shell/{mesh}/shell.npz" for mesh, place in SHELLS.items() if place == geometry],
             states=files_of([a for a in ANALYSES if a["geometry"] == geometry], "npz"),
             sources=sources(
-                "report", "mechanism.py", "homogenised_shell", "conic", "derive", "io/vtu.py", "io/shell_vtu.py"
+                "report", "mechanism.py", "config/plan.py", "homogenised_shell", "conic", "io/vtu.py", "io/shell_vtu.py"
             ),
         output:
             html=report_of(geometry),

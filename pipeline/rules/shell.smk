@@ -7,7 +7,7 @@ if config["drawing"]:
         input:
             settings="geometry/{geometry}/settings.json",
             assemblage="geometry/{geometry}/assemblage.npz",
-            sources=sources("derive", "bond", "io/building_json.py"),
+            sources=sources("derive", "bond", "config/plan.py", "io/building_json.py"),
         output:
             building="geometry/{geometry}/building.json",
             fitted="geometry/{geometry}/fitted.npz",
@@ -21,7 +21,15 @@ rule shell:
     input:
         settings="shell/{mesh}/settings.json",
         building=lambda wildcards: f"geometry/{SHELLS[wildcards.mesh]}/building.json",
-        sources=sources("derive", "bond", "config/plan.py", "io/building_json.py", "io/shell_vtu.py"),
+        sources=sources(
+            "derive/shell.py",
+            "derive/midplanes.py",
+            "derive/self_weight.py",
+            "derive/subdivision.py",
+            "bond",
+            "io/building_json.py",
+            "io/shell_vtu.py",
+        ),
     output:
         shell="shell/{mesh}/shell.npz",
     shell:
@@ -33,7 +41,7 @@ rule match:
         shell="shell/{mesh}/shell.npz",
         stones=lambda wildcards: f"geometry/{SHELLS[wildcards.mesh]}/{FITTED}",
         contacts=lambda wildcards: f"geometry/{SHELLS[wildcards.mesh]}/contacts.npz",
-        sources=sources("derive", "bond"),
+        sources=sources("derive/match.py", "derive/locate.py", "derive/midplanes.py", "bond"),
     output:
         match="shell/{mesh}/match.json",
     shell:

@@ -13,6 +13,8 @@ RULES = Path(__file__).parents[2] / "pipeline"
 # Sources of every rule, and modules that decide nothing: what the errors look like, and the package's own front page.
 ALWAYS = set(re.findall(r'"([^"]+)"', re.findall(r"places = .*?\((.*?)\*parts", (RULES / "Snakefile").read_text())[0]))
 IDLE = {"__init__.py"}
+# These turn a stage's settings into arguments; what they import besides has read the case before.
+SETTINGS = "config/"
 
 
 def listed() -> dict[str, set[str]]:
@@ -47,6 +49,8 @@ def reached(first: set[str]) -> set[str]:
         place = todo.pop()
         if place not in out:
             out.add(place)
+            if place.startswith(SETTINGS):
+                continue
             todo += imported(ast.parse((PACKAGE / place).read_text(encoding="utf-8")))
     return out
 
@@ -56,11 +60,28 @@ def stage_bodies() -> dict[str, ast.FunctionDef]:
     return {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
 
 
+def imports_of(stage: str) -> set[str]:
+    """Modules that a stage imports, or whose names it takes from the head of the file; those of its helpers, too."""
+    tree = ast.parse((PACKAGE / "stages.py").read_text(encoding="utf-8"))
+    head = {alias.asname or alias.name: node for node in tree.body if isinstance(node, ast.ImportFrom) for alias in node.names}
+    bodies = stage_bodies()
+    todo, done, out = [stage], set[str](), set[str]()
+    while todo:
+        name = todo.pop()
+        if name not in done:
+            done.add(name)
+            used = {node.id for node in ast.walk(bodies[name]) if isinstance(node, ast.Name)}
+            todo += [other for other in used & set(bodies) if other.startswith("_")]
+            out |= imported(bodies[name])
+            for word in used & set(head):
+                names = [alias for alias in head[word].names if (alias.asname or alias.name) == word]
+                out |= imported(ast.Module([ast.ImportFrom(head[word].module, names, 0)], []))
+    return out
+
+
 @pytest.mark.parametrize("stage", sorted(listed()))
 def test_rule_lists_what_its_stage_imports(stage: str) -> None:
-    bodies = stage_bodies()
-    called = {node.id for node in ast.walk(bodies[stage]) if isinstance(node, ast.Name) and node.id.startswith("_")}
-    first = imported(bodies[stage]).union(*(imported(bodies[name]) for name in called & set(bodies)))
+    first = imports_of(stage)
     sources = listed()[stage] | ALWAYS
     forgotten = {
         place

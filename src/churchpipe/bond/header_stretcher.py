@@ -28,7 +28,7 @@ class HeaderStretcherBond:
     "none", two leaves in running bond. Vertical joints of one course stay b/4 clear of those of the next, b/2 without headers.
     Where courses run through junctions they do so in stretchers; next to other walls and at free ends lie headers 3/4 b wide,
     so that no closer of b/4 is needed. Offsets, m, are for rule "grid": a stretcher begins there on through courses, a header on
-    cut ones (without headers: a stretcher).
+    cut ones (without headers: a stretcher); the far end of the wall takes what is left, with a header there or without.
     """
 
     cell: UnitCell

@@ -47,6 +47,7 @@ def proved_bounds(condensed: CondensedShell, state: StressState, dead: FloatArra
     motion = state.motion[~condensed.elements.clamped]
     earned = float(live @ motion)
     scale = 1.0 / earned if earned > 0 else 1.0
+    # Loads that earn nothing bound nothing: where the load reaches its cap no motion is needed.
     law = condensed.strength
     doubt = float((np.abs(state.unexplained) * np.abs(state.x)).sum())
     # The cell bounds stress in parts that do not yield, too (`points.local_strength`): they must not strain.
@@ -55,7 +56,7 @@ def proved_bounds(condensed: CondensedShell, state: StressState, dead: FloatArra
     cost = float((law.right * state.multipliers).sum()) + float((law.offset * state.strain).sum())
     return Bounds(
         lower=state.load,
-        upper=scale * (cost + doubt - float(dead @ motion)),
+        upper=scale * (cost + doubt - float(dead @ motion)) if earned > 0 else np.inf,
         stress=state.stress.T * condensed.loads.unit,
         motion=scale * motion,
         residual=state.residual,

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
@@ -20,7 +19,8 @@ from churchpipe.rigid_blocks.coulomb import (
 )
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
 
-Start = Literal["associative", "uniform"]
+# The gap g / alpha at which a state is certified.
+GAP_TOLERANCE = 1e-5
 Progress = Callable[[str, float], None]
 
 
@@ -59,7 +59,7 @@ class SchemeSettings:
     stage_b: int = 25
     violation: float = 1e-4
     settled: float = 5e-3
-    gap: float = 1e-5
+    gap: float = GAP_TOLERANCE
     mixing: float = 0.6
     weight_a: float = 0.3
     weight_b: float = 0.003
@@ -75,11 +75,13 @@ class SchemeSettings:
 class SlidingRun:
     """One run of an iteration from one start: its last forces x (nc, 3), load factor, velocities y (6 nf,), history.
 
+    carried: the load factor that the forces balance, `load_factor` unless that is a mean. settled: certified, or come to rest.
     solves: convex programs solved; iterations: interior-point iterations in all of them.
     """
 
     x: FloatArray
     load_factor: float
+    carried: float
     y: FloatArray
     settled: bool
     history: tuple[Iteration, ...]
@@ -134,7 +136,7 @@ def paper_iteration(
         return None
     settled = calm >= 2
     value = latest.tau if settled else float(np.mean([step.load_factor for step in history[-10:]]))
-    return SlidingRun(latest.x, value, latest.y, settled, tuple(history), solves=len(history), iterations=spent)
+    return SlidingRun(latest.x, value, latest.tau, latest.y, settled, tuple(history), solves=len(history), iterations=spent)
 
 
 def certified_iteration(
@@ -194,7 +196,7 @@ def certified_iteration(
             gaps.append(state.relative_gap)
             if len(gaps) > 4 and min(gaps[-4:]) > settings.stall * min(gaps[:-4]):
                 break
-    return None if best is None else _run(best, False, history, count)
+    return None if best is None else _run(best, best.relative_gap <= GAP_TOLERANCE, history, count)
 
 
 class SolveCount:
@@ -213,7 +215,9 @@ class SolveCount:
 
 
 def _run(state: CoulombState, settled: bool, history: list[Iteration], count: SolveCount) -> SlidingRun:
-    return SlidingRun(state.x, state.load_factor, state.y, settled, tuple(history), state.gap, count.solves, count.iterations)
+    return SlidingRun(
+        state.x, state.load_factor, state.load_factor, state.y, settled, tuple(history), state.gap, count.solves, count.iterations
+    )
 
 
 def _stage_b(

@@ -21,7 +21,8 @@ from churchpipe.model.loads import LoadCase
 from churchpipe.model.results import LimitState, Status
 from churchpipe.rigid_blocks.certificate import FLOW_TOLERANCE, Certificate, Strength, certify, project_cone
 from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
-from churchpipe.rigid_blocks.sliding import GAP_TOLERANCE, STARTS, Start, sliding_analysis
+from churchpipe.rigid_blocks.iterations import GAP_TOLERANCE
+from churchpipe.rigid_blocks.sliding import Method, SlidingOptions, Start, sliding_analysis
 
 Progress = Callable[[str, float], None]
 Flow = Literal["associative", "non-associative"]
@@ -37,7 +38,7 @@ def limit_analysis(
     cohesion: npt.ArrayLike = 0.0,
     *,
     flow: Flow = "associative",
-    method: Literal["default", "paper"] = "default",
+    method: Method = "default",
     start: Start | Sequence[Start] | None = None,
     solver: str = "auto",
     gap_tolerance: float = GAP_TOLERANCE,
@@ -49,8 +50,7 @@ def limit_analysis(
     ----------
     friction: coefficient, scalar or one an interface (ni,). cohesion: Pa, scalar or (ni,).
     flow: "associative" (sliding dilates, eq. (1)) or "non-associative" (no dilatancy, by iteration, eq. (3)).
-    method, start, gap_tolerance: of the non-associative iteration; see `sliding.sliding_analysis`. start: one or several; None:
-        the dead-load forces and the associative ones, with method="paper" the latter alone.
+    method, start (one or several), gap_tolerance: of the non-associative iteration, see `sliding.SlidingOptions`.
     solver: "auto" (our own interior point, Clarabel where that fails), "interior-point", "clarabel", "cvxpy", "cvxpy:MOSEK" ...
     progress: called with a text and the share done.
 
@@ -65,14 +65,13 @@ def limit_analysis(
     """
     for name, value, kind in (("stones", stones, Assemblage), ("contacts", contacts, Contacts), ("load", load, LoadCase)):
         check_kind(f"limit_analysis: {name}", value, kind)
+    if flow not in ("associative", "non-associative"):
+        raise InputError("limit_analysis: flow", "unknown flow rule", found=flow, expected='"associative" or "non-associative"')
+    options = SlidingOptions(method, (start,) if isinstance(start, str) else tuple(start or ()), gap_tolerance)
     begin = perf_counter()
     balance = equilibrium(stones, contacts, load)
     strength = point_strength(contacts, friction, cohesion, balance.force)
     _check_connected(stones, contacts, balance)
-    if flow not in ("associative", "non-associative"):
-        raise InputError("limit_analysis: flow", "unknown flow rule", found=flow, expected='"associative" or "non-associative"')
-    if not 0 < gap_tolerance < 1:
-        raise InputError("limit_analysis: gap_tolerance", "out of range", found=gap_tolerance, expected="between 0 and 1")
     if progress:
         progress("dead load", 0.0)
     solve = solver_for(balance.matrix, solver)
@@ -88,8 +87,7 @@ def limit_analysis(
         state = associative_state(balance, strength, solver_for(balance.matrix, "clarabel"), begin)
     if flow == "associative" or state.status != "optimal":
         return replace(state, flow=flow)
-    starts: Sequence[Start] = [start] if isinstance(start, str) else STARTS.get(method, ()) if start is None else start
-    sliding = sliding_analysis(balance, strength, state, method, starts, solve, progress, gap_tolerance)
+    sliding = sliding_analysis(balance, strength, state, options, solve, progress)
     return replace(sliding, seconds=perf_counter() - begin)
 
 

@@ -1,7 +1,8 @@
 """Non-associative limit analysis: several starts, one headline, and the certificate of each."""
 
-from collections.abc import Callable, Sequence
-from typing import Literal
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal, get_args
 
 import numpy as np
 
@@ -20,45 +21,70 @@ from churchpipe.rigid_blocks.coulomb import (
     sliding_velocities,
 )
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
-from churchpipe.rigid_blocks.iterations import SchemeSettings, SlidingRun, certified_iteration, paper_iteration
+from churchpipe.rigid_blocks.iterations import GAP_TOLERANCE, SchemeSettings, SlidingRun, certified_iteration, paper_iteration
 
-GAP_TOLERANCE = 1e-5
+Method = Literal["default", "paper"]
 Start = Literal["dead-load", "uniform", "associative"]
-STARTS: dict[str, tuple[Start, ...]] = {"default": ("dead-load", "associative"), "paper": ("associative",)}
 Progress = Callable[[str, float], None]
+_STARTS: dict[Method, tuple[Start, ...]] = {"default": ("dead-load", "associative"), "paper": ("associative",)}
+
+
+@dataclass(frozen=True, slots=True)
+class SlidingOptions:
+    """How sliding without dilatancy is analysed.
+
+    method: "default", the certified scheme, headline the first start that was certified; "paper", the iteration of eq. (3)
+    with n = 0 and n = n_0 before each start, headline the lowest that settled.
+    starts: the normal forces to begin with, "dead-load" (the least-squares forces of the dead load, canonical), "uniform" (their
+    mean at every point), "associative" (those of the associative solution); none given, the first and the last, with
+    method "paper" the last.
+    gap_tolerance: g / alpha at which the certified scheme stops looking. More than 1e-5 saves time on large models, but only
+    1e-5 is called "converged".
+    """
+
+    method: Method = "default"
+    starts: tuple[Start, ...] = ()
+    gap_tolerance: float = GAP_TOLERANCE
+
+    def __post_init__(self) -> None:
+        if self.method not in _STARTS:
+            raise InputError("limit_analysis: method", "unknown method", found=repr(self.method), expected='"default" or "paper"')
+        for start in self.starts:
+            if start not in get_args(Start):
+                raise InputError(
+                    "limit_analysis: start",
+                    "unknown start",
+                    found=repr(start),
+                    expected='"dead-load", "uniform" or "associative", or several',
+                )
+        if not 0 < self.gap_tolerance < 1:
+            raise InputError(
+                "limit_analysis: gap_tolerance", "out of range", found=self.gap_tolerance, expected="between 0 and 1"
+            )
+        if not self.starts:
+            object.__setattr__(self, "starts", _STARTS[self.method])
 
 
 def sliding_analysis(
     balance: Equilibrium,
     strength: Strength,
     associative: LimitState,
-    method: Literal["default", "paper"],
-    starts: Sequence[Start],
+    options: SlidingOptions,
     solve: Solve,
     progress: Progress | None = None,
-    gap_tolerance: float = GAP_TOLERANCE,
 ) -> LimitState:
     """Return a load factor of sliding without dilatancy, with its gap.
 
     No such load factor is unique: self-stress at sliding contacts is statically free, so it depends on the start. Every
     distinct value found is in `fixed_points`, and what became of each start in `starts`.
-
-    starts: the normal forces to begin with: "dead-load", the least-squares forces of the dead load (canonical); "uniform", their
-    mean at every point; "associative", those of the associative solution.
-    method: "default", the certified scheme, headline the first start that was certified; "paper", the iteration of eq. (3)
-    with n = 0 and n = n_0 before each start, headline the lowest that settled.
-    gap_tolerance: g / alpha at which the certified scheme stops looking. More than 1e-5 saves time on large models, but only
-    1e-5 is called "converged".
     """
-    if method not in STARTS:
-        raise InputError("limit_analysis: method", "unknown method", found=method, expected='"default" or "paper"')
     normal = associative.forces[:, 0] / balance.force
-    settings = SchemeSettings(gap=gap_tolerance)
+    settings = SchemeSettings(gap=options.gap_tolerance)
     found: list[SlidingRun] = []
     ends: list[tuple[StartRun, SlidingRun, CoulombState | None]] = []
-    for start in starts:
+    for start in options.starts:
         n = _first_forces(start, normal, balance)
-        if method == "default":
+        if options.method == "default":
             run = certified_iteration(balance, strength, n, solve, settings, progress)
             runs = [] if run is None else [run]
         else:
@@ -66,12 +92,12 @@ def sliding_analysis(
             runs = [run for run in both if run is not None]
         if runs:
             run = min(runs, key=lambda run: (not run.settled, run.load_factor))
-            state = _certificate(balance, strength, run, method, solve)
+            state = _certificate(balance, strength, run, options.method, solve)
             found += runs
             ends.append((_start_run(start, run, balance, strength, state), run, state))
     if not found:
         return _nothing(associative)
-    if method == "default":
+    if options.method == "default":
         # The first start is the headline unless only another one was certified.
         chosen = next((end for end in ends if end[0].settled), ends[0])
     else:
@@ -79,20 +105,14 @@ def sliding_analysis(
     return _state(balance, strength, associative, chosen, [end[0] for end in ends], found)
 
 
-def _first_forces(start: str, normal: FloatArray, balance: Equilibrium) -> FloatArray:
+def _first_forces(start: Start, normal: FloatArray, balance: Equilibrium) -> FloatArray:
     if start == "associative":
         return np.maximum(normal, 0.0)
     dead = dead_load_start(balance)
-    if start == "dead-load":
-        return dead
-    if start == "uniform":
-        return np.full_like(normal, float(dead.mean()))
-    raise InputError(
-        "limit_analysis: start", "unknown start", found=start, expected='"dead-load", "uniform" or "associative", or several'
-    )
+    return dead if start == "dead-load" else np.full_like(normal, float(dead.mean()))
 
 
-def _certificate(balance: Equilibrium, strength: Strength, run: SlidingRun, method: str, solve: Solve) -> CoulombState | None:
+def _certificate(balance: Equilibrium, strength: Strength, run: SlidingRun, method: Method, solve: Solve) -> CoulombState | None:
     """Return the Coulomb state of a run, or the one nearest to it: eq. (3) overdraws friction."""
     if method == "default":
         return CoulombState(run.x, run.load_factor, run.y, run.gap)
@@ -101,7 +121,9 @@ def _certificate(balance: Equilibrium, strength: Strength, run: SlidingRun, meth
     return None if y is None else coulomb_step(balance, strength, n, y, solve, nearness=SchemeSettings().weight_b)
 
 
-def _start_run(start: str, run: SlidingRun, balance: Equilibrium, strength: Strength, certified: CoulombState | None) -> StartRun:
+def _start_run(
+    start: Start, run: SlidingRun, balance: Equilibrium, strength: Strength, certified: CoulombState | None
+) -> StartRun:
     if certified is None:
         return StartRun(start, run.load_factor, run.settled, np.nan, (np.nan, np.nan), run.history)
     interval = mechanism_interval(balance, strength, certified)
@@ -127,8 +149,7 @@ def _state(
         and chosen.load_factor <= associative.load_factor + slack
     )
     # What is called converged is the certified state itself, not the iterate beside it that still overdraws friction.
-    x, y, load_factor = chosen.x, chosen.y, chosen.load_factor
-    last = chosen.history[-1].load_factor
+    x, y, load_factor, last = chosen.x, chosen.y, chosen.load_factor, chosen.carried
     if proven and certified is not None:
         x, y, load_factor = certified.x, certified.y, certified.load_factor
         last = load_factor
