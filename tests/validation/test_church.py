@@ -25,21 +25,22 @@ def laid(name: str) -> tuple[cp.Assemblage, cp.Contacts]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("name", "load", "expected"),
+    ("name", "load", "expected", "ours"),
     [
-        ("church", cp.LoadCase((1, 0, 0)), 0.2234),
-        ("church", cp.LoadCase((0, -1, 0)), 0.2340),
-        ("church", cp.LoadCase((1, 0, 0), panels=TOWER), 0.4101),
-        ("church_r", cp.LoadCase((1, 0, 0)), 0.2222),
-        ("church_r", cp.LoadCase((-1, 0, 0)), 0.2237),
-        ("church_r", cp.LoadCase((0, -1, 0)), 0.2363),
-        ("church_r", cp.LoadCase((0, 1, 0)), 0.3106),
-        ("church_r", cp.LoadCase((1, 0, 0), panels=TOWER), 0.3672),
+        ("church", cp.LoadCase((1, 0, 0)), 0.2234, 0.2207),
+        ("church", cp.LoadCase((0, -1, 0)), 0.2340, 0.2340),
+        ("church", cp.LoadCase((1, 0, 0), panels=TOWER), 0.4101, 0.4029),
+        ("church_r", cp.LoadCase((1, 0, 0)), 0.2222, 0.2195),
+        ("church_r", cp.LoadCase((-1, 0, 0)), 0.2237, 0.2211),
+        ("church_r", cp.LoadCase((0, -1, 0)), 0.2363, 0.2363),
+        ("church_r", cp.LoadCase((0, 1, 0)), 0.3106, 0.3098),
+        ("church_r", cp.LoadCase((1, 0, 0), panels=TOWER), 0.3672, 0.3661),
     ],
 )
-def test_load_factors(name: str, load: cp.LoadCase, expected: float) -> None:
+def test_load_factors(name: str, load: cp.LoadCase, expected: float, ours: float) -> None:
     state = cp.limit_analysis(*laid(name), load, friction=0.6)
     assert state.status == "optimal"
     assert state.upper_bound - state.lower_bound < 1e-6
-    # Bond details alone move these by 2 to 3 %.
-    assert state.load_factor == pytest.approx(expected, rel=0.04)
+    # Bond details alone move these by 2 to 3 %: the first is the agreement, the second our bond (docs/church.md).
+    assert state.load_factor == pytest.approx(expected, rel=0.02)
+    assert state.load_factor == pytest.approx(ours, abs=1e-4)

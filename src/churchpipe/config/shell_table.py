@@ -28,7 +28,7 @@ def shell_table(stones: Assemblage, elastic: Mapping[str, bool]) -> ShellTable:
     """Return the [shell] table for the stones of a drawing.
 
     elastic: whether each material has elastic constants, by its name. Without them the table asks for the limit load alone.
-    Stack bond has no shell.
+    Bonds whose strength is not derived have no shell.
     """
     try:
         fitted = fit_panels(stones, tuple(Material(name, 1.0, 0.0) for name in elastic))
@@ -36,11 +36,11 @@ def shell_table(stones: Assemblage, elastic: Mapping[str, bool]) -> ShellTable:
         return ShellTable("", f"No shell: {error.problem}; the rigid blocks stand alone. {error.remedy}")
     building = fitted.building
     size = element_size(building)
-    stacked = [panel.name for panel in building.panels for region in panel.regions if region.pattern == "stack"]
-    if stacked:
-        return ShellTable(
-            "", f"No shell: the strength of stack bond ({stacked[0]}) is not derived; the rigid blocks stand alone."
-        )
+    for panel in building.panels:
+        for region in panel.regions:
+            if region.pattern in ("stack", "header-stretcher"):
+                bond = f"{region.pattern} bond ({panel.name})"
+                return ShellTable("", f"No shell: the strength of {bond} is not derived; the rigid blocks stand alone.")
     used = {panel.material for panel in building.panels}
     lines = ["[shell]", f"element_size_mm = {1e3 * size:g}"]
     if all(elastic[name] for name in used):

@@ -258,10 +258,10 @@ def _touching(support: Support, points: FloatArray) -> BoolArray:
 def _check_bonds(building: Building) -> None:
     for panel in building.panels:
         for region in panel.regions:
-            if region.pattern == "stack" and region.yields:
+            if region.yields and region.pattern not in ("running", "voussoir", "single"):
                 raise InputError(
                     f"Panel {panel.name}, region {region.name}",
-                    "the strength of a shell in stack bond is not derived",
+                    f"the strength of a shell in {region.pattern} bond is not derived",
                     found=region.pattern,
                     expected='"running", "voussoir" or "single"',
                     remedy="Rigid blocks take it as it is; for a shell lay the region in running bond.",
