@@ -340,7 +340,10 @@ def test_a_kill_in_the_middle_loses_nothing_finished(pristine: Copy, tmp_path: P
 
 def test_an_interrupt_stops_everything(pristine: Copy, tmp_path: Path) -> None:
     out = tmp_path / "run"
+    # A shell's background jobs ignore the interrupt, and their children inherit that.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
     process = pristine.start("churchpipe", "run", pristine.case, "--out", out, "--jobs", 1)
+    signal.signal(signal.SIGINT, before)
     wait_for(lambda: (out / "geometry" / "base" / "contacts.npz").exists())
     process.send_signal(signal.SIGINT)
     _, err = process.communicate(timeout=30)
