@@ -140,6 +140,8 @@ MISTAKES = [
     ("load.0.directoin=[1,0,0]", r'load\.0\.directoin: unknown key.*Did you mean "direction"\?'),
     ("shell.element_size_mm=0", r"shell\.element_size_mm: wrong value; found 0; expected greater than 0"),
     ("shell.element_sise_mm=30", r'element_sise_mm: unknown key.*Did you mean "element_size_mm"\?'),
+    ("rigid.solver=clarabell", r"rigid\.solver: wrong value; found 'clarabell'; expected \"auto\", \"interior-point\", "),
+    ('shell={element_size_mm=30, solver="cvxpy"}', r"shell\.solver: wrong value; found 'cvxpy'"),
     ('shell={element_size_mm=30, planes="nine"}', r"shell\.planes: wrong value; found 'nine'"),
     ('shell={element_size_mm=30, analyses=["collapse"]}', r"shell\.analyses\.0: wrong value; found 'collapse'"),
     ("shell={element_size_mm=30, control_point=7, control_point_mm=[0, 0, 600]}", r"shell: two control points"),

@@ -1,8 +1,9 @@
 """What a case file may say. Keys, types and ranges; units are in the key names."""
 
+import re
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field
+from pydantic import AfterValidator, BeforeValidator, Field
 
 from churchpipe.config.section import Count, NotNegative, Positive, Section, Table, Vector, gathered, validated
 from churchpipe.config.sources import check_source
@@ -16,6 +17,13 @@ Start = Literal["dead-load", "uniform", "associative"]
 def _listed(value: Any) -> Any:
     """Return one text as a list of it."""
     return [value] if isinstance(value, str) else value
+
+
+def _known_solver(value: str) -> str:
+    """Return the name of a solver of cone programs, if it is one."""
+    if value not in ("auto", "interior-point", "clarabel") and not re.fullmatch(r"cvxpy(:\w+)?", value):
+        raise ValueError('"auto", "interior-point", "clarabel", "cvxpy" or "cvxpy:NAME"')
+    return value
 
 
 Poisson = Annotated[float, Field(ge=0, lt=0.5)]
@@ -53,7 +61,7 @@ class RigidTable(Section):
     """The rigid-block analyses."""
 
     flow: list[Flow] = Field(default_factory=lambda: ["associative"], min_length=1)
-    solver: str = "auto"
+    solver: Annotated[str, AfterValidator(_known_solver)] = "auto"
     method: Literal["default", "paper"] = "default"
     start: Annotated[list[Start], Field(min_length=1), BeforeValidator(_listed)] | None = None
     gap_tolerance: Annotated[float, Field(gt=0, lt=1)] = 1e-5
@@ -66,7 +74,7 @@ class ShellTable(Section):
     planes: Literal["paper", "paper+torsion", "cell"] = "paper"
     membrane: Literal["LST", "CST"] = "LST"
     analyses: list[Method] = Field(default_factory=lambda: ["limit"], min_length=1)
-    solver: str = "auto"
+    solver: Literal["auto", "interior-point", "clarabel"] = "auto"
     control_point: Annotated[int, Field(ge=0)] | None = None
     control_point_mm: Vector | None = None
     steps: Count | None = None

@@ -80,7 +80,8 @@ def _wanted(item: Any) -> str:
     kind, message = str(item["type"]), str(item["msg"])
     if kind in _WANTED:
         return _WANTED[kind]
-    message = message.removeprefix("Input should be ").replace("List should have", "a list of").replace(" after validation", "")
+    message = message.removeprefix("Value error, ").removeprefix("Input should be ")
+    message = message.replace("List should have", "a list of").replace(" after validation", "")
     return message.replace("String should have", "a text of")
 
 
