@@ -9,7 +9,7 @@ import shapely
 from churchpipe.derive.panels import fit_panels
 from churchpipe.errors import InputError
 from churchpipe.model.assemblage import Assemblage
-from churchpipe.model.building import Building
+from churchpipe.model.building import SHELL_PATTERNS, Building
 from churchpipe.model.materials import Material
 
 # Elements of a first mesh: enough to see the mechanism, solved in well under a minute.
@@ -38,7 +38,7 @@ def shell_table(stones: Assemblage, elastic: Mapping[str, bool]) -> ShellTable:
     size = element_size(building)
     for panel in building.panels:
         for region in panel.regions:
-            if region.pattern in ("stack", "header-stretcher"):
+            if region.pattern not in SHELL_PATTERNS:
                 bond = f"{region.pattern} bond ({panel.name})"
                 return ShellTable("", f"No shell: the strength of {bond} is not derived; the rigid blocks stand alone.")
     used = {panel.material for panel in building.panels}

@@ -17,7 +17,7 @@ from churchpipe.derive.subdivision import Subdivision, subdivide
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import check_kind, finite, told
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
-from churchpipe.model.building import BondRegion, Building, PlaneChart, Support
+from churchpipe.model.building import SHELL_PATTERNS, BondRegion, Building, PlaneChart, Support
 from churchpipe.model.polyhedra import face_normals
 from churchpipe.model.shell import ShellModel
 
@@ -258,7 +258,7 @@ def _touching(support: Support, points: FloatArray) -> BoolArray:
 def _check_bonds(building: Building) -> None:
     for panel in building.panels:
         for region in panel.regions:
-            if region.yields and region.pattern not in ("running", "voussoir", "single"):
+            if region.yields and region.pattern not in SHELL_PATTERNS:
                 raise InputError(
                     f"Panel {panel.name}, region {region.name}",
                     f"the strength of a shell in {region.pattern} bond is not derived",

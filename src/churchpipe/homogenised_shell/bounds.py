@@ -46,8 +46,8 @@ def proved_bounds(condensed: CondensedShell, state: StressState, dead: FloatArra
     """
     motion = state.motion[~condensed.elements.clamped]
     earned = float(live @ motion)
-    scale = 1.0 / earned if earned > 0 else 1.0
     # Loads that earn nothing bound nothing: where the load reaches its cap no motion is needed.
+    scale = 1.0 / earned if earned > 0 else 1.0
     law = condensed.strength
     doubt = float((np.abs(state.unexplained) * np.abs(state.x)).sum())
     # The cell bounds stress in parts that do not yield, too (`points.local_strength`): they must not strain.

@@ -85,7 +85,7 @@ def _analysed(condensed: CondensedShell, method: str) -> ShellLimitState:
 
 def _verdict(elements: ShellElements, standing: Bounds) -> ShellLimitState | None:
     """Return the state of a shell that does not stand, or None when the dead load is carried."""
-    # Where the load reaches its cap nothing need move, and the upper bound is one rounding error over another.
+    # Where the load reaches its cap nothing need move, and there may be no upper bound but a rounding error over another.
     stands = standing.lower >= 1 - _STANDS
     if standing.admissible and stands:
         return None

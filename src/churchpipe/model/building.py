@@ -9,6 +9,9 @@ from churchpipe.errors import InputError
 from churchpipe.model.arrays import FloatArray, floats, store
 from churchpipe.model.materials import Material
 
+# Patterns whose strength is derived for the homogenised shell.
+SHELL_PATTERNS = ("running", "voussoir", "single")
+
 
 @dataclass(frozen=True, slots=True)
 class PlaneChart:
