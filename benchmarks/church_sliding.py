@@ -17,8 +17,9 @@ import churchpipe as cp
 from churchpipe.conic.polish import restore_balance
 from churchpipe.conic.program import ConeProgram, ConeSolution
 from churchpipe.conic.solve import Solve, solver_for
-from churchpipe.rigid_blocks.coulomb import CoulombState, dead_load_start, mechanism_interval
+from churchpipe.rigid_blocks.coulomb import CoulombState, dead_load_start
 from churchpipe.rigid_blocks.equilibrium import equilibrium
+from churchpipe.rigid_blocks.interval import mechanism_interval
 from churchpipe.rigid_blocks.iterations import SchemeSettings, certified_iteration
 from churchpipe.rigid_blocks.limit import associative_program, point_strength
 
@@ -45,7 +46,7 @@ def main() -> None:
     parser.add_argument("--start", nargs="+", choices=("dead-load", "associative"), default=["dead-load"])
     parser.add_argument("--gap", type=float, default=1e-5)
     parser.add_argument("--seconds", type=float, default=600.0)
-    parser.add_argument("--intervals", action="store_true", help="of the mechanisms too: affordable for smaller models than R14")
+    parser.add_argument("--intervals", action="store_true", help="of the mechanisms too: up to 20 programs more each")
     parser.add_argument("--keep", type=Path)
     arguments = parser.parse_args()
     stones = cp.derive_blocks(cp.read_case("pipeline/cases/church.toml").building())
@@ -67,14 +68,15 @@ def main() -> None:
             if run is None:
                 print(f"| {load} | {upper:.4f} | {start} | no feasible step |", flush=True)
                 continue
-            interval = ""
-            if arguments.intervals:
-                low, high = mechanism_interval(balance, strength, CoulombState(run.x, run.load_factor, run.y, run.gap))
-                interval = f"{low:.4f} to {high:.4f}"
             if arguments.keep:
                 history = np.array([(step.load_factor, step.violation, step.gap) for step in run.history])
                 name = f"{load}_{start}.npz".replace(" ", "-")
                 np.savez(arguments.keep / name, x=run.x, y=run.y, load_factor=run.load_factor, gap=run.gap, history=history)
+            interval = ""
+            if arguments.intervals:
+                begin = process_time()
+                low, high = mechanism_interval(balance, strength, CoulombState(run.x, run.load_factor, run.y, run.gap), solve)
+                interval = f"{low:.4f} to {high:.4f} ({process_time() - begin:.0f} s)"
             found = f"{run.load_factor:.4f} | {run.gap / run.load_factor:.1e} | {interval}"
             print(f"| {load} | {upper:.4f} | {start} | {found} | {run.solves} | {run.iterations} | {seconds:.0f} |", flush=True)
 

@@ -1,4 +1,4 @@
-"""The sample churches R14 and R (case study of Malena, Portioli et al. 2019, sections 5 and 6), associative.
+"""The sample churches R14 and R (case study of Malena, Portioli et al. 2019, sections 5 and 6).
 
 The paper gives no plan. The layout was inferred from its counts, weight and load factors, so that R14 and R are calibration, not
 validation; the figures below were computed for this project with another program that lays its stones by the same rules.
@@ -11,6 +11,12 @@ from pathlib import Path
 import pytest
 
 import churchpipe as cp
+from churchpipe.conic.solve import solver_for
+from churchpipe.rigid_blocks.coulomb import CoulombState, admissible, bipotential_gap, dead_load_start
+from churchpipe.rigid_blocks.equilibrium import equilibrium
+from churchpipe.rigid_blocks.interval import mechanism_interval
+from churchpipe.rigid_blocks.iterations import certified_iteration
+from churchpipe.rigid_blocks.limit import point_strength
 
 CASES = Path(__file__).parents[2] / "pipeline" / "cases"
 TOWER = ("tower_front", "tower_back", "tower_outer", "tower_inner")
@@ -44,3 +50,30 @@ def test_load_factors(name: str, load: cp.LoadCase, expected: float, ours: float
     # Bond details alone move these by 2 to 3 %: the first is the agreement, the second our bond (docs/church.md).
     assert state.load_factor == pytest.approx(expected, rel=0.02)
     assert state.load_factor == pytest.approx(ours, abs=1e-4)
+
+
+# Load factor from the canonical start, as docs/church.md gives it.
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("load", "load_factor"),
+    [
+        (cp.LoadCase((0, -1, 0)), 0.2079),
+        (cp.LoadCase((1, 0, 0), panels=TOWER), 0.3308),
+    ],
+)
+def test_sliding_without_dilatancy(load: cp.LoadCase, load_factor: float) -> None:
+    stones, contacts = laid("church")
+    balance = equilibrium(stones, contacts, load)
+    strength = point_strength(contacts, 0.6, 0.0, balance.force)
+    solve = solver_for(balance.matrix)
+    run = certified_iteration(balance, strength, dead_load_start(balance), solve)
+    assert run is not None
+    assert run.settled
+    state = CoulombState(run.x, run.load_factor, run.y, run.gap)
+    # The certificate, from the arrays alone.
+    assert bipotential_gap(balance, strength, state.x, state.y) <= 1e-5 * state.load_factor
+    assert admissible(balance, strength, state)
+    # Such a state is one of many: the search need not end in the same one with another release of a library.
+    assert run.load_factor == pytest.approx(load_factor, rel=1e-2)
+    low, high = mechanism_interval(balance, strength, state, solve)
+    assert low <= run.load_factor <= high

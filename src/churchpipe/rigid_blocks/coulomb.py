@@ -1,4 +1,4 @@
-"""Coulomb friction without dilatancy: the gap that certifies a load factor, and the interval of a mechanism.
+"""Coulomb friction without dilatancy: the gap that certifies a load factor, and the programs that lower it.
 
 The certificate is de Saxce's bipotential. For forces x in equilibrium and in the Coulomb cones, and velocities u with
 f_L . u = 1 that open or slide without dilating,
@@ -8,12 +8,11 @@ f_L . u = 1 that open or slide without dilating,
 and g = 0 exactly when (x, u) is a collapse state with zero dilatancy. One convex program P(n) gives the smallest g for given x.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.sparse as sp
 
-from churchpipe.conic.clarabel import solve_clarabel
 from churchpipe.conic.polish import restore_balance
 from churchpipe.conic.program import ConeProgram
 from churchpipe.conic.semidefinite import semidefinite_solver
@@ -21,9 +20,6 @@ from churchpipe.conic.solve import Solve
 from churchpipe.model.arrays import FloatArray
 from churchpipe.rigid_blocks.certificate import FLOW_TOLERANCE, Strength, cone_violation
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
-
-# The ends of an interval are wanted to four digits.
-INTERVAL_TOLERANCE = 1e-7
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,10 +44,28 @@ def sliding_program(balance: Equilibrium, limit: FloatArray) -> ConeProgram:
 
 
 def sliding_velocities(
-    balance: Equilibrium, strength: Strength, n: FloatArray, solve: Solve, *, error: float | None = None
+    balance: Equilibrium,
+    strength: Strength,
+    n: FloatArray,
+    solve: Solve,
+    *,
+    error: float | None = None,
+    stressed: tuple[FloatArray, FloatArray] | None = None,
 ) -> FloatArray | None:
-    """Return the velocities (6 nf,) of P(n), or None when it is not solved."""
-    answer = solve(sliding_program(balance, strength.friction * n + strength.cohesion), error=error)
+    """Return the velocities (6 nf,) of P(n), or None when it is not solved.
+
+    stressed: excess (nc,) >= 0 and forces x (nc, 3): what x adds to the gap at each point counts `excess` times more. It is
+    linear in the openings and the slip, so that the program is P with a larger limit and another dead load.
+    """
+    program = sliding_program(balance, strength.friction * n + strength.cohesion)
+    if stressed is not None:
+        excess, x = stressed
+        program = replace(
+            program,
+            constant=program.constant - balance.matrix @ (excess[:, None] * x).ravel(),
+            limit=program.limit + excess * (strength.friction * np.maximum(x[:, 0], 0.0) + strength.cohesion),
+        )
+    answer = solve(program, error=error)
     return answer.y if answer.outcome == "solved" else None
 
 
@@ -67,14 +81,19 @@ def coulomb_state(
 
 
 def bipotential_gap(balance: Equilibrium, strength: Strength, x: FloatArray, y: FloatArray) -> float:
-    """Return g = sum n |w| + sum ((mu n + c) |v| + t . v) >= 0 of forces x (nc, 3) and velocities y (6 nf,), f_L . u = 1.
+    """Return g = sum n |w| + sum ((mu n + c) |v| + t . v) >= 0 of forces x (nc, 3) and velocities y (6 nf,), f_L . u = 1."""
+    return float(gap_shares(balance, strength, x, y).sum())
+
+
+def gap_shares(balance: Equilibrium, strength: Strength, x: FloatArray, y: FloatArray) -> FloatArray:
+    """Return what each point adds to the gap (nc,).
 
     Each term is zero or more by itself, so that nothing cancels; penetration is charged like an opening.
     """
     rate = (balance.matrix.T @ (y / (balance.live @ y))).reshape(-1, 3)
     slip = np.hypot(rate[:, 1], rate[:, 2])
     sliding = (strength.friction * x[:, 0] + strength.cohesion) * slip + (x[:, 1:] * rate[:, 1:]).sum(axis=1)
-    return float((x[:, 0] * np.abs(rate[:, 0])).sum() + np.maximum(sliding, 0.0).sum())
+    return x[:, 0] * np.abs(rate[:, 0]) + np.maximum(sliding, 0.0)
 
 
 def coulomb_step(
@@ -94,22 +113,26 @@ def nearest_forces(
     *,
     nearness: float,
     error: float | None = None,
+    excess: FloatArray | None = None,
 ) -> tuple[FloatArray, float] | None:
     """Return forces (nc, 3) in the true cones, near the normal forces n, that do the least work against sliding y.
 
     maximise  alpha - sum mu n |v(y)| - 1/2 sum R (mu n - mu n_given)^2,   R = nearness / (c mean(mu n)^2)
+
+    excess (nc,) >= 0: the work of n against the openings of y counts so many times more.
     """
     shear = strength.friction * n
     rate = (balance.matrix.T @ y).reshape(-1, 3)
     slip = np.hypot(rate[:, 1], rate[:, 2])
     curvature = nearness / (len(n) * max(float(shear.mean()), 1e-12) ** 2) * strength.friction**2
+    opened = 0.0 if excess is None else excess * np.maximum(rate[:, 0], 0.0)
     program = ConeProgram(
         balance=balance.matrix,
         constant=balance.dead,
         growth=balance.live,
         limit=strength.cohesion,
         slope=strength.friction,
-        linear=strength.friction * slip - curvature * n,
+        linear=strength.friction * slip + opened - curvature * n,
         quadratic=curvature,
     )
     answer = solve(program, error=error)
@@ -123,49 +146,6 @@ def dead_load_start(balance: Equilibrium) -> FloatArray:
     solve = semidefinite_solver(sp.csc_matrix(balance.matrix @ balance.matrix.T))
     forces = -(balance.matrix.T @ solve(balance.dead))
     return np.maximum(forces[::3], 0.0)
-
-
-def mechanism_interval(balance: Equilibrium, strength: Strength, state: CoulombState) -> tuple[float, float]:
-    """Return the smallest and largest load factor of the Coulomb states that fit the mechanism as well as the given one.
-
-    For fixed velocities the compatible states are convex: sum n (w + mu |v|) + t . v <= defect is one linear row, with
-    the defect of the given state. The self-stress of sliding contacts is statically free, so the interval has a length.
-    """
-    rate = (balance.matrix.T @ state.y).reshape(-1, 3)
-    slip = np.hypot(rate[:, 1], rate[:, 2])
-    opening = np.maximum(rate[:, 0], 0.0)
-    cost = np.column_stack([opening + strength.friction * slip, rate[:, 1:]])
-    given = float((cost * state.x).sum())
-    ends: list[float] = []
-    for sign in (-1.0, 1.0):
-        # The defect scales with the load factor: twice the certified accuracy leaves the given state strictly inside. Where that
-        # is too thin a slice for double precision, a little more of it.
-        for share in (1e-5, 2e-5, 4e-5):
-            program = _end_program(balance, strength, cost, given + share * abs(state.load_factor), sign)
-            # One dense row would fill the block matrix of our own solver.
-            answer = solve_clarabel(program, tolerance=INTERVAL_TOLERANCE)
-            if answer.outcome == "solved":
-                break
-        ends.append(sign * answer.tau if answer.outcome == "solved" else np.nan)
-    # The given state is one of them, whatever the last digits of the two ends.
-    return float(np.minimum(ends[0], state.load_factor)), float(np.maximum(ends[1], state.load_factor))
-
-
-def _end_program(balance: Equilibrium, strength: Strength, cost: FloatArray, allowed: float, sign: float) -> ConeProgram:
-    """State the search for the smallest (sign -1) or largest load factor of states with sum cost . x <= allowed."""
-    # The row in the size of the others: its right side as large as the largest load.
-    size = float(np.abs(balance.dead).max()) / abs(allowed)
-    row = sp.hstack([sp.csr_matrix(size * cost.reshape(1, -1)), sp.csr_matrix([[1.0, 0.0, 0.0]])])
-    zero = np.zeros(len(cost) + 1)
-    return ConeProgram(
-        balance=sp.csc_matrix(sp.vstack([sp.hstack([balance.matrix, sp.csr_matrix((len(balance.dead), 3))]), row])),
-        constant=np.append(balance.dead, -size * allowed),
-        growth=np.append(sign * balance.live, 0.0),
-        limit=np.append(strength.cohesion, 0.0),
-        slope=np.append(strength.friction, 0.0),
-        linear=zero,
-        quadratic=zero,
-    )
 
 
 def friction_violation(strength: Strength, x: FloatArray, allowance: float = 0.0) -> float:

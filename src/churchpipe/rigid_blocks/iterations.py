@@ -14,6 +14,7 @@ from churchpipe.rigid_blocks.coulomb import (
     CoulombState,
     bipotential_gap,
     friction_violation,
+    gap_shares,
     nearest_forces,
     sliding_velocities,
 )
@@ -21,6 +22,8 @@ from churchpipe.rigid_blocks.equilibrium import Equilibrium
 
 # The gap g / alpha at which a state is certified.
 GAP_TOLERANCE = 1e-5
+# A point in the gap counts at most so many times more: the programs must keep their digits.
+_MOST_STRESS = 1e4
 Progress = Callable[[str, float], None]
 
 
@@ -43,31 +46,31 @@ class PaperSettings:
 class SchemeSettings:
     """Constants of the certified scheme.
 
-    rounds: of stages A and B, at most; stage_a, stage_b: steps of each in a round, at most.
-    violation, settled: stage A ends when no more than this share of the friction is overdrawn, or (in the first round) when
-    the load factor changes by no more than this share. mixing: share of the new normal forces that stage A takes from the
-    second round on; the first takes all, which leads closest to where it started from but swings to and fro for ever on
-    some walls. weight_a, weight_b: proximal weights. cohesion: fictitious, in stage A, over the largest normal force.
-    momentum: share of its last step that stage B goes on by. stall: stage B gives up when four steps have not brought the
-    gap below this share. gap: g / alpha at which the search ends.
+    stage_a, stage_b: steps of each, at most. violation, settled: stage A ends when no more than this share of the friction is
+    overdrawn, or when the load factor changes by no more than this share. weight_a, weight_b: proximal weights; that of stage
+    B is at most `nearness` times the gap. cohesion: fictitious, in stage A, over the largest normal force.
+    momentum: share of its last step that stage B goes on by.
+    slow: a gap above this share of the last one is slow; the points that add more than `blamed` of it then count `stress` times
+    more. gap: g / alpha at which the search ends.
     Convex programs are solved to `share` of the gap that is left, at least to `roughest` and at most to `error`: the gap is
     computed from the arrays, whatever made them.
     """
 
-    rounds: int = 3
     stage_a: int = 15
-    stage_b: int = 25
+    stage_b: int = 60
     violation: float = 1e-4
     settled: float = 5e-3
     gap: float = GAP_TOLERANCE
-    mixing: float = 0.6
     weight_a: float = 0.3
     weight_b: float = 0.003
+    nearness: float = 10.0
     cohesion: float = 1e-5
     momentum: float = 0.9
-    stall: float = 0.8
+    slow: float = 0.9
+    blamed: float = 0.03
+    stress: float = 10.0
     error: float = 1e-6
-    share: float = 0.1
+    share: float = 0.03
     roughest: float = 1e-3
 
 
@@ -153,49 +156,51 @@ def certified_iteration(
     by mu n_hat. Stage B closes the gap: velocities from P(n), then forces in the true cones that do the least work
     against their sliding. By itself it creeps along a valley of the gap, so each step goes on by a share of the one before
     (heavy ball, Polyak 1964), and starts afresh when the gap grows.
+
+    The gap is concave in the forces alone, so that stage B also comes to rest where a few joints hold what is left of it: a
+    hinge, say, whose force cannot reach its edge. What those add to the gap counts more from then on, until they give way
+    (breakout, Morris 1993). A gap of zero is zero with any such weights.
     """
     settings = settings or SchemeSettings()
     count = SolveCount(solve)
     history: list[Iteration] = []
+    for _ in range(settings.stage_a):
+        step = _stage_a(balance, strength, n, count, settings)
+        if step is None:
+            break
+        n, iteration = step
+        change = abs(iteration.load_factor / history[-1].load_factor - 1) if history else np.inf
+        history.append(iteration)
+        if iteration.violation < settings.violation or change <= settings.settled:
+            break
     best: CoulombState | None = None
-    for round_number in range(settings.rounds):
-        mixing = settings.mixing if round_number else 1.0
-        for _ in range(settings.stage_a):
-            step = _stage_a(balance, strength, n, count, settings, mixing)
-            if step is None:
-                break
-            n, iteration = step
-            change = abs(iteration.load_factor / history[-1].load_factor - 1) if history else np.inf
-            history.append(iteration)
-            if iteration.violation < settings.violation or (not round_number and change <= settings.settled):
-                break
-        gaps: list[float] = []
-        ahead, before = n, None
-        for pair in range(settings.stage_b):
-            if progress:
-                progress("non-associative", (round_number + pair / settings.stage_b) / settings.rounds)
-            # No better than a tenth of the gap that is left: it is computed from the arrays, whatever made them.
-            last = gaps[-1] if gaps else np.inf
-            error = min(max(settings.error, settings.share * last), settings.roughest)
-            state = _stage_b(balance, strength, ahead, count, settings.weight_b, error)
-            if state is None and before is not None and ahead is not before:
-                # So far on, no velocities may fit: back to the forces that were found.
-                ahead = before
-                continue
-            if state is None:
-                break
-            history.append(Iteration(state.load_factor, 0.0, state.relative_gap))
-            if best is None or state.gap < best.gap:
-                best = state
-            if state.relative_gap <= settings.gap:
-                return _run(state, True, history, count)
-            n = np.maximum(state.x[:, 0], 0.0)
-            grown = bool(gaps) and state.relative_gap > gaps[-1]
-            ahead = n if before is None or grown else np.maximum(n + settings.momentum * (n - before), 0.0)
-            before = n
-            gaps.append(state.relative_gap)
-            if len(gaps) > 4 and min(gaps[-4:]) > settings.stall * min(gaps[:-4]):
-                break
+    last: CoulombState | None = None
+    ahead, excess, alike = n, np.zeros_like(n), 0
+    for pair in range(settings.stage_b):
+        if progress:
+            progress("non-associative", pair / settings.stage_b)
+        state = _stage_b(balance, strength, ahead, last, excess, count, settings)
+        if state is None and last is not None and ahead is not n:
+            # So far on, no velocities may fit: back to the forces that were found.
+            ahead = n
+            continue
+        if state is None:
+            break
+        history.append(Iteration(state.load_factor, 0.0, state.relative_gap))
+        if best is None or state.gap < best.gap:
+            best = state
+        if state.relative_gap <= settings.gap:
+            break
+        before, n = n, np.maximum(state.x[:, 0], 0.0)
+        left = np.inf if last is None else last.relative_gap
+        ahead = n if last is None or state.relative_gap > left else np.maximum(n + settings.momentum * (n - before), 0.0)
+        alike += 1
+        if alike > 1 and state.relative_gap > settings.slow * left:
+            shares = gap_shares(balance, strength, state.x, state.y)
+            blamed = shares > settings.blamed * shares.sum()
+            excess[blamed] = np.minimum(settings.stress * (1.0 + excess[blamed]), _MOST_STRESS) - 1.0
+            ahead, alike = n, 0
+        last = state
     return None if best is None else _run(best, best.relative_gap <= GAP_TOLERANCE, history, count)
 
 
@@ -221,13 +226,23 @@ def _run(state: CoulombState, settled: bool, history: list[Iteration], count: So
 
 
 def _stage_b(
-    balance: Equilibrium, strength: Strength, n: FloatArray, solve: Solve, nearness: float, error: float
+    balance: Equilibrium,
+    strength: Strength,
+    n: FloatArray,
+    last: CoulombState | None,
+    excess: FloatArray,
+    solve: Solve,
+    settings: SchemeSettings,
 ) -> CoulombState | None:
     """Return the next state: velocities from P(n), then the forces that do the least work against them."""
-    y = sliding_velocities(balance, strength, n, solve, error=error)
+    gap = np.inf if last is None else last.relative_gap
+    error = min(max(settings.error, settings.share * gap), settings.roughest)
+    stressed = None if last is None or not excess.any() else (excess, last.x)
+    y = sliding_velocities(balance, strength, n, solve, error=error, stressed=stressed)
     if y is None:
         return None
-    found = nearest_forces(balance, strength, n, y, solve, nearness=nearness, error=error)
+    nearness = min(settings.weight_b, settings.nearness * gap)
+    found = nearest_forces(balance, strength, n, y, solve, nearness=nearness, error=error, excess=excess)
     if found is None:
         return None
     x, load_factor = found
@@ -235,7 +250,7 @@ def _stage_b(
 
 
 def _stage_a(
-    balance: Equilibrium, strength: Strength, n: FloatArray, solve: Solve, settings: SchemeSettings, mixing: float
+    balance: Equilibrium, strength: Strength, n: FloatArray, solve: Solve, settings: SchemeSettings
 ) -> tuple[FloatArray, Iteration] | None:
     mu = strength.friction
     shear = mu * n
@@ -246,5 +261,4 @@ def _stage_a(
     answer = solve(program, error=settings.roughest)
     if answer.outcome != "solved":
         return None
-    mixed = mixing * np.maximum(answer.x[:, 0], 0.0) + (1 - mixing) * n
-    return mixed, Iteration(answer.tau, friction_violation(strength, answer.x))
+    return np.maximum(answer.x[:, 0], 0.0), Iteration(answer.tau, friction_violation(strength, answer.x))

@@ -17,10 +17,10 @@ from churchpipe.rigid_blocks.coulomb import (
     coulomb_step,
     dead_load_start,
     friction_violation,
-    mechanism_interval,
     sliding_velocities,
 )
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
+from churchpipe.rigid_blocks.interval import mechanism_interval
 from churchpipe.rigid_blocks.iterations import GAP_TOLERANCE, SchemeSettings, SlidingRun, certified_iteration, paper_iteration
 
 Method = Literal["default", "paper"]
@@ -94,7 +94,7 @@ def sliding_analysis(
             run = min(runs, key=lambda run: (not run.settled, run.load_factor))
             state = _certificate(balance, strength, run, options.method, solve)
             found += runs
-            ends.append((_start_run(start, run, balance, strength, state), run, state))
+            ends.append((_start_run(start, run, balance, strength, state, solve), run, state))
     if not found:
         return _nothing(associative)
     if options.method == "default":
@@ -122,11 +122,16 @@ def _certificate(balance: Equilibrium, strength: Strength, run: SlidingRun, meth
 
 
 def _start_run(
-    start: Start, run: SlidingRun, balance: Equilibrium, strength: Strength, certified: CoulombState | None
+    start: Start,
+    run: SlidingRun,
+    balance: Equilibrium,
+    strength: Strength,
+    certified: CoulombState | None,
+    solve: Solve,
 ) -> StartRun:
     if certified is None:
         return StartRun(start, run.load_factor, run.settled, np.nan, (np.nan, np.nan), run.history)
-    interval = mechanism_interval(balance, strength, certified)
+    interval = mechanism_interval(balance, strength, certified, solve)
     return StartRun(start, run.load_factor, run.settled, certified.gap, interval, run.history)
 
 

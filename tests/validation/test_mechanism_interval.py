@@ -1,0 +1,137 @@
+"""The interval of a mechanism and the weights of stage B, against programs stated otherwise."""
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+from test_ferris_tin_loi import LOAD, wall
+from test_prototypes import LOADS, model
+
+from churchpipe.conic.clarabel import solve_clarabel
+from churchpipe.conic.polish import restore_balance
+from churchpipe.conic.program import ConeProgram
+from churchpipe.conic.solve import solver_for
+from churchpipe.derive.contacts import find_contacts
+from churchpipe.model.arrays import FloatArray
+from churchpipe.rigid_blocks.certificate import Strength
+from churchpipe.rigid_blocks.coulomb import (
+    CoulombState,
+    bipotential_gap,
+    dead_load_start,
+    gap_shares,
+    nearest_forces,
+    sliding_velocities,
+)
+from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
+from churchpipe.rigid_blocks.interval import mechanism_interval
+from churchpipe.rigid_blocks.iterations import certified_iteration
+from churchpipe.rigid_blocks.limit import associative_program, point_strength
+
+
+def problem(name: str) -> tuple[Equilibrium, Strength]:
+    """Balance and strength of a wall of Ferris and Tin-Loi, or of S5."""
+    if name == "S5":
+        stones, contacts = model("S5")
+        balance = equilibrium(stones, contacts, LOADS["S5"])
+        return balance, point_strength(contacts, 0.7, 0.0, balance.force)
+    stones = wall(int(name))
+    contacts = find_contacts(stones)
+    balance = equilibrium(stones, contacts, LOAD)
+    return balance, point_strength(contacts, 0.65, 0.0, balance.force)
+
+
+def certified(balance: Equilibrium, strength: Strength) -> CoulombState:
+    """The state of the canonical start."""
+    run = certified_iteration(balance, strength, dead_load_start(balance), solver_for(balance.matrix))
+    assert run is not None
+    return CoulombState(run.x, run.load_factor, run.y, run.gap)
+
+
+def farthest(balance: Equilibrium, strength: Strength, state: CoulombState, sign: float, more: float) -> float:
+    """The end of the interval as one program with a dense row: sum n (w + mu |v|) + t . v <= gap + more."""
+    rate = (balance.matrix.T @ (state.y / (balance.live @ state.y))).reshape(-1, 3)
+    slip = np.hypot(rate[:, 1], rate[:, 2])
+    cost = np.column_stack([np.abs(rate[:, 0]) + strength.friction * slip, rate[:, 1:]])
+    allowed = state.gap + more
+    # The row in the size of the others: its right side as large as the largest load. The slack is a point of its own.
+    size = float(np.abs(balance.dead).max()) / allowed
+    row = sp.hstack([sp.csr_matrix(size * cost.reshape(1, -1)), sp.csr_matrix([[1.0, 0.0, 0.0]])])
+    rows = [sp.hstack([balance.matrix, sp.csr_matrix((len(balance.dead), 3))]), row]
+    zero = np.zeros(len(cost) + 1)
+    program = ConeProgram(
+        balance=sp.csc_matrix(sp.vstack(rows)),
+        constant=np.append(balance.dead, -size * allowed),
+        growth=np.append(sign * balance.live, 0.0),
+        limit=zero,
+        slope=np.append(strength.friction, 0.0),
+        linear=zero,
+        quadratic=zero,
+    )
+    answer = solve_clarabel(program, tolerance=1e-7)
+    assert answer.outcome == "solved"
+    return sign * answer.tau
+
+
+@pytest.mark.parametrize("name", ["1", "2", "3", "4", "5", "6", "S5"])
+def test_ends_are_those_of_one_program_with_a_dense_row(name: str) -> None:
+    balance, strength = problem(name)
+    state = certified(balance, strength)
+    low, high = mechanism_interval(balance, strength, state, solver_for(balance.matrix))
+    ends = [farthest(balance, strength, state, sign, 1e-5 * state.load_factor) for sign in (-1.0, 1.0)]
+    # They are attained, so they lie inside; by 1e-4 of the load factor at most.
+    close = 1e-4 * state.load_factor
+    assert ends[0] - 1e-6 <= low <= ends[0] + close
+    assert ends[1] - close <= high <= ends[1] + 1e-6
+    assert low <= state.load_factor <= high
+
+
+def weighted(shares: FloatArray, excess: FloatArray) -> float:
+    return float(((1.0 + excess) * shares).sum())
+
+
+def test_stressed_velocities_are_the_best_for_the_weighted_gap() -> None:
+    balance, strength = problem("6")
+    solve = solver_for(balance.matrix)
+    # The associative forces: far from any state without dilatancy.
+    program = associative_program(balance, strength)
+    answer = solve(program)
+    x, _ = restore_balance(program, answer.x, answer.tau)
+    random = np.random.default_rng(7)
+    n = np.maximum(x[:, 0], 0.0)
+    excess = np.where(random.random(len(n)) < 0.1, 20.0, 0.0)
+    first = sliding_velocities(balance, strength, n, solve)
+    second = sliding_velocities(balance, strength, n, solve, stressed=(excess, x))
+    assert first is not None
+    assert second is not None
+    before, after = (gap_shares(balance, strength, x, y) for y in (first, second))
+    assert (before >= 0).all()
+    assert before.sum() == pytest.approx(bipotential_gap(balance, strength, x, first), rel=1e-12)
+    assert before.sum() > 1e-2
+    assert before.sum() <= after.sum() * (1 + 1e-6)
+    assert weighted(after, excess) < 0.95 * weighted(before, excess)
+
+
+def test_weights_keep_a_state_without_gap() -> None:
+    balance, strength = problem("4")
+    state = certified(balance, strength)
+    solve = solver_for(balance.matrix)
+    n = np.maximum(state.x[:, 0], 0.0)
+    excess = np.random.default_rng(3).uniform(0.0, 50.0, len(n))
+    y = sliding_velocities(balance, strength, n, solve, stressed=(excess, state.x))
+    assert y is not None
+    bound = weighted(gap_shares(balance, strength, state.x, state.y), excess)
+    assert weighted(gap_shares(balance, strength, state.x, y), excess) <= bound + 1e-6
+    assert bipotential_gap(balance, strength, state.x, y) <= bound + 1e-6
+
+
+def test_excess_takes_forces_from_opening_joints() -> None:
+    balance, strength = problem("6")
+    state = certified(balance, strength)
+    solve = solver_for(balance.matrix)
+    n = np.full(len(state.x), float(state.x[:, 0].mean()))
+    rate = (balance.matrix.T @ state.y).reshape(-1, 3)
+    opening = np.maximum(rate[:, 0], 0.0)
+    plain = nearest_forces(balance, strength, n, state.y, solve, nearness=0.1)
+    stressed = nearest_forces(balance, strength, n, state.y, solve, nearness=0.1, excess=np.full(len(n), 10.0))
+    assert plain is not None
+    assert stressed is not None
+    assert stressed[0][:, 0] @ opening < 0.5 * (plain[0][:, 0] @ opening)
