@@ -187,8 +187,11 @@ def test_the_gate_sees_through_both_leaves(headers):
 
 
 @pytest.mark.parametrize("headers", ["english", "flemish", "none"])
-def test_no_panel_is_fitted_to_leaves(headers):
+@pytest.mark.parametrize("named", [True, False])
+def test_no_panel_is_fitted_to_leaves(headers, named):
     stones = derive_blocks(wall(**(WALL | {"headers": headers})))
+    if not named:
+        stones = replace(stones, panel=np.full_like(stones.panel, ""))
     with pytest.raises(InputError, match="they lie behind one another, as in header-and-stretcher bond"):
         fit_panels(stones, (STONE,))
 

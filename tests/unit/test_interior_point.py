@@ -203,26 +203,6 @@ def test_one_solver_serves_programs_with_one_balance() -> None:
         solver.solve(stated(wall(6, 5)))
 
 
-def test_warm_start_saves_iterations_and_changes_nothing() -> None:
-    stones = wall(12, 10)
-    associative = solve_interior_point(stated(stones, slope=0.6))
-    base = stated(stones, slope=0.0, limit=1e-4)
-    numbers = np.random.default_rng(3)
-
-    def sliding(noise: float) -> ConeProgram:
-        limit = base.limit + 0.6 * associative.x[:, 0] * (1 + noise * numbers.uniform(-1, 1, base.points))
-        return ConeProgram(base.balance, base.constant, base.growth, limit, base.slope, base.linear, base.quadratic)
-
-    solver = InteriorPointSolver(base.balance)
-    solver.solve(sliding(0.0))
-    near, far = sliding(0.02), sliding(0.9)
-    warm, cold = solver.solve(near, warm=True), solve_interior_point(near)
-    assert warm.outcome == "solved"
-    assert warm.tau == pytest.approx(cold.tau, rel=1e-6)
-    assert warm.iterations < 0.7 * cold.iterations
-    assert solver.solve(far, warm=True).tau == pytest.approx(solve_interior_point(far).tau, rel=1e-6)
-
-
 def test_program_survives_its_file(tmp_path: Path) -> None:
     program = stated(three_stones(), limit=0.01, quadratic=0.1, cap=0.2)
     save_program(tmp_path / "program.npz", program)

@@ -42,7 +42,7 @@ def test_scaling_maps_both_points_to_one() -> None:
 def test_longest_step_ends_on_the_boundary() -> None:
     product = ProductCone([SecondOrder(3, 1, 200), Nonnegative(1, 200)])
     s, step = interior(product), rng.normal(size=product.size)
-    length = product.longest_step(s, step, step, 0.0)
+    length = float(product.longest_steps(s, step, step, np.zeros(1))[0])
     assert product.margin(s + 0.999 * length * step) > 0 > product.margin(s + 1.001 * length * step)
 
 

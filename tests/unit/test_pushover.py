@@ -154,6 +154,12 @@ def test_what_cannot_be_pushed_is_named() -> None:
         pushover(model, OUT, MASONRY, control_point=(0.0, 1.0))
     with pytest.raises(InputError, match="steps: out of range"):
         pushover(model, OUT, MASONRY, steps=0)
+    with pytest.raises(InputError, match="steps: not a whole number; found 'a'; expected >= 1"):
+        pushover(model, OUT, MASONRY, steps="a")
+    with pytest.raises(InputError, match="shell: wrong kind; found None; expected a ShellModel"):
+        pushover(None, OUT, MASONRY)
+    with pytest.raises(InputError, match=r"materials\[0\]: wrong kind"):
+        pushover(model, OUT, ["default"])
     with pytest.raises(InputError, match="nothing holds it"):
         pushover(replace(model, supported=np.zeros(13, dtype=bool)), OUT, MASONRY)
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from churchpipe.errors import InputError
+from churchpipe.homogenised_shell import point_strength
 from churchpipe.homogenised_shell.element import shell_elements, surface_load
 from churchpipe.homogenised_shell.limit import shell_limit_analysis
 from churchpipe.homogenised_shell.loads import dead_pressure, live_pressure
@@ -84,6 +85,24 @@ def test_facets_that_do_not_yield_never_limit() -> None:
     assert state.load_factor == np.inf
 
 
+@pytest.mark.parametrize("planes", ["paper", "cell"])
+def test_lintels_limit_only_when_weak_and_are_told_then(planes: PlaneSet, monkeypatch: pytest.MonkeyPatch) -> None:
+    model, along = portal(False), LoadCase((1, 0, 0))
+    factors: dict[float, float] = {}
+    for tension in (1.0, 100.0, 1000.0):
+        monkeypatch.setattr(point_strength, "LINTEL_TENSION", tension)
+        state = shell_limit_analysis(model, along, MASONRY, planes=planes, membrane="CST", solver="interior-point")
+        assert state.status == "optimal"
+        assert ("lintels reach their tension" in state.message) == (tension == 1.0)
+        factors[tension] = state.load_factor
+    # Without a limit to the strength of lintels.
+    program = shell_program(shell_elements(model, "CST"), along, MASONRY, planes)
+    assert factors[100.0] == pytest.approx(reference_load_factor(program), rel=1e-5)
+    # By cvxpy and Clarabel, lintels of the same tension: .44588845 with planes, .44588843 with the cell.
+    assert factors[1.0] == pytest.approx(0.44588845, rel=1e-6)
+    assert factors[100.0] == pytest.approx(factors[1000.0], rel=1e-6)
+
+
 def test_load_factor_knows_no_units() -> None:
     # The same wall ten times as large and three times as heavy.
     model = wall()
@@ -138,6 +157,12 @@ def test_what_cannot_be_analysed_is_named() -> None:
         live_pressure(wall(), LoadCase((1, 0, 0), live=np.zeros((3, 6))))
     with pytest.raises(InputError, match="a material of the shell is not given; found default; expected stone"):
         shell_limit_analysis(wall(), ASKEW, [Material("stone", 1.0, 0.5)])
+    with pytest.raises(InputError, match="shell: wrong kind; found None; expected a ShellModel"):
+        shell_limit_analysis(None, ASKEW, MASONRY)
+    with pytest.raises(InputError, match="load: wrong kind"):
+        shell_limit_analysis(wall(), (1, 1, 0), MASONRY)
+    with pytest.raises(InputError, match="materials: wrong kind; found Material; expected a list of Material"):
+        shell_limit_analysis(wall(), ASKEW, MASONRY[0])
     with pytest.raises(InputError, match="no weight"):
         shell_limit_analysis(wall(surface_weight=np.zeros(36)), ASKEW, MASONRY)
     with pytest.raises(InputError, match="valid for"):

@@ -93,7 +93,7 @@ def test_multipliers_take_what_the_planes_can() -> None:
     true = rng.uniform(0.5, 1.0, size=(8, count))
     force = local.transpose(true.ravel())
     noisy = true * (1 + 1e-3 * rng.normal(size=true.shape))
-    left = force - local.transpose(local.balanced(force, noisy.ravel()))
+    left = force - local.transpose(local.balanced(force, noisy.ravel))
     before = force - local.transpose(noisy.ravel())
     assert np.abs(before).max() > 1e-4
     # The proximal stiffness keeps a share of 1e-9 over 1e-2.
@@ -102,5 +102,5 @@ def test_multipliers_take_what_the_planes_can() -> None:
 
 def test_without_a_scaling_multipliers_stay() -> None:
     z = rng.normal(size=8)
-    np.testing.assert_array_equal(points(1, 1e-9).balanced(np.ones((6, 1)), z), z)
+    np.testing.assert_array_equal(points(1, 1e-9).balanced(np.ones((6, 1)), lambda: z), z)
     assert points(1, 1e-9).quadratic(np.ones((6, 1))) == pytest.approx(np.zeros((6, 1)))

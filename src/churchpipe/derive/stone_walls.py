@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, permutations
 
 import numpy as np
 import shapely
@@ -12,7 +12,7 @@ from churchpipe.bond.planar import Polygons
 from churchpipe.derive.curved_walls import curved_walls
 from churchpipe.derive.fronts import fronts
 from churchpipe.derive.midplanes import components
-from churchpipe.derive.wall_planes import PLANE_TOLERANCE, WallPlane, wall_planes
+from churchpipe.derive.wall_planes import LEAST_LEAF, PLANE_TOLERANCE, WallPlane, behind_one_another, wall_planes
 from churchpipe.model.arrays import IntArray, NameArray, ragged_indices
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import Chart, PlaneChart
@@ -43,13 +43,19 @@ class Stretch:
 
 
 def stone_walls(stones: Assemblage, gap: float) -> tuple[list[StoneWall], IntArray]:
-    """Return the walls of an assemblage, and the free stones that fit none. gap: widest joint, m."""
+    """Return the walls of an assemblage, and the free stones that fit none. gap: widest joint, m.
+
+    Raises
+    ------
+    InputError: stones of one name, or without one, in two leaves.
+    """
     base = float(stones.points[np.repeat(~stones.fixed, np.diff(stones.block_point_ptr))][:, 2].min())
     curved = curved_walls(stones, base)
     free = ~stones.fixed
     for wall in curved:
         free[wall.stones] = False
     planes = wall_planes(stones, free)
+    _check_leaves(stones, [plane for plane in planes if not stones.panel[plane.stones[0]]], base, gap)
     walls = [_plane_wall(stones, group, base) for group in _joined(stones, planes, base, gap)]
     for number, wall in enumerate(curved, start=1):
         name = wall.name or f"curved-wall-{number}"
@@ -74,6 +80,18 @@ def stretches(wall: StoneWall) -> list[Stretch]:
             tangent = np.cross([0.0, 0.0, 1.0], normals(chart, place)[0])
             found.append(Stretch(PlaneChart(lift(chart, place)[0] - s * tangent, tangent), first, last))
     return found
+
+
+def _check_leaves(stones: Assemblage, planes: Sequence[WallPlane], base: float, gap: float) -> None:
+    """Raise InputError for two walls of stones without a name that lie against one another: leaves of one wall."""
+    for one, other in permutations(planes, 2):
+        apart = abs(one.offset - other.offset) - 0.5 * (one.thickness + other.thickness)
+        if np.abs(one.normal - other.normal).max() > PLANE_TOLERANCE or abs(apart) > gap:
+            continue
+        chart = _chart(stones, one, base)
+        first, second = (shapely.union_all(fronts(stones, wall.stones, chart, wall.thickness)) for wall in (one, other))
+        if shapely.area(shapely.intersection(first, second)) > LEAST_LEAF * shapely.area(first):
+            raise behind_one_another("stones without a panel name", len(one.stones), len(other.stones))
 
 
 def _joined(stones: Assemblage, planes: Sequence[WallPlane], base: float, gap: float) -> list[list[WallPlane]]:

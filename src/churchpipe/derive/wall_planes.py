@@ -70,13 +70,18 @@ def _check_one_stone_thick(wall: WallPlane, stones: Assemblage, stone: IntArray,
     near = side & (apart > PLANE_TOLERANCE) & (apart < 0.5 * (plane[:, 3] + wall.thickness) + PLANE_TOLERANCE)
     leaf = np.setdiff1d(stone[near], wall.stones)
     if stones.volume[leaf].sum() > LEAST_LEAF * stones.volume[wall.stones].sum():
-        raise InputError(
-            f"stones of {wall.name}",
-            "they lie behind one another, as in header-and-stretcher bond",
-            found=f"{len(leaf)} stones in planes beside that of {len(wall.stones)} others",
-            expected="walls one stone thick: the shell is that of running bond",
-            remedy="Run the rigid blocks alone, or give each leaf a name of its own.",
-        )
+        raise behind_one_another(f"stones of {wall.name}", len(leaf), len(wall.stones))
+
+
+def behind_one_another(where: str, leaf: int, others: int) -> InputError:
+    """Return what to say of so many stones that lie behind others."""
+    return InputError(
+        where,
+        "they lie behind one another, as in header-and-stretcher bond",
+        found=f"{leaf} stones in planes beside that of {others} others",
+        expected="walls one stone thick: the shell is that of running bond",
+        remedy="Run the rigid blocks alone, or give each leaf a panel name of its own.",
+    )
 
 
 def _candidates(stones: Assemblage) -> tuple[IntArray, FloatArray]:

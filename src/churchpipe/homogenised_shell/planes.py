@@ -1,6 +1,6 @@
 """Points of a shell whose strength is bounded by planes, as local problems of the interior-point loop, to the last digits."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numba
@@ -60,13 +60,14 @@ class PlanePoints:
         self.dimension, self.count = linear.shape
         self.cones: tuple[Cone, ...] = (Nonnegative(len(right), self.count),)
         self._matrix, self._inner = matrix, inner
-        self._quadratic = quadratic if quadratic.any() else None
+        self.curved = bool(quadratic.any())
+        self._quadratic = quadratic
         self._root = _root(quadratic, proximal)
         self._last: PlaneCompliance | None = None
 
     def quadratic(self, x: FloatArray) -> FloatArray:
         """Return Q x."""
-        return np.zeros_like(x) if self._quadratic is None else np.einsum("ijk,jk->ik", self._quadratic, x)
+        return np.einsum("ijk,jk->ik", self._quadratic, x) if self.curved else np.zeros_like(x)
 
     def apply(self, x: FloatArray) -> FloatArray:
         """Return G x."""
@@ -88,8 +89,9 @@ class PlanePoints:
         self._last = out
         return out
 
-    def balanced(self, force: FloatArray, z: FloatArray) -> FloatArray:
-        """Return z with what it lacks of G^T z = force added in the metric of the last scaling."""
+    def balanced(self, force: FloatArray, rough: Callable[[], FloatArray]) -> FloatArray:
+        """Return `rough` with what it lacks of G^T z = force added in the metric of the last scaling."""
+        z = rough()
         if self._last is None:
             return z
         lack = force - self.transpose(z)

@@ -4,12 +4,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 import scipy.sparse as sp
 
 from churchpipe.errors import InputError
 from churchpipe.homogenised_shell.element import ShellElements, surface_load
 from churchpipe.homogenised_shell.loads import dead_pressure, live_pressure
+from churchpipe.homogenised_shell.point_strength import by_facet
 from churchpipe.homogenised_shell.strength import Planes, PlaneSet, strength
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.loads import LoadCase
@@ -22,7 +22,8 @@ class ShellProgram:
 
     Variables x (nx,): the stresses themselves, or with the exact cell the corner forces of the points that yield.
     equilibrium (m, 6 nq) stress = dead + tau live,  stress = offset + stress_of x,  still x = 0 (no moment on the stones),
-    planes x <= limit,  |(x_k+1, x_k+2)| <= friction x_k for the first 3 nc variables, k = 0, 3 ...
+    planes x <= limit,  |(x_k+1, x_k+2)| <= friction x_k for the first 3 nc variables, k = 0, 3 ...  Nothing bounds the stress
+    where the shell does not yield.
 
     Units: forces over the shell's weight `weight`, N; lengths in m; stresses over `unit` (nq, 6), N/m and N.
     """
@@ -155,18 +156,6 @@ def _local_strength(elements: ShellElements, materials: Sequence[Material], plan
         limit=empty,
         friction=np.repeat(law.friction, 12),
     )
-
-
-def by_facet(names: npt.NDArray[np.str_], materials: Sequence[Material]) -> tuple[FloatArray, FloatArray]:
-    """Return friction (nt,) and cohesion (nt,)."""
-    known = {material.name: material for material in materials}
-    used, which = np.unique(names, return_inverse=True)
-    missing = [str(name) for name in used if str(name) not in known]
-    if missing:
-        raise InputError("materials", "a material of the shell is not given", found=missing[0], expected=", ".join(known))
-    friction = np.array([known[str(name)].friction for name in used])
-    cohesion = np.array([known[str(name)].cohesion for name in used])
-    return friction[which], cohesion[which]
 
 
 def _blocks(values: FloatArray, columns: IntArray, count: int) -> sp.csr_matrix[np.float64]:

@@ -10,6 +10,7 @@ for it, and no cohesion is needed.
 """
 
 from collections.abc import Callable, Sequence
+from numbers import Integral
 from time import perf_counter
 
 import numpy as np
@@ -23,6 +24,7 @@ from churchpipe.homogenised_shell.element import Membrane, ShellElements, Statio
 from churchpipe.homogenised_shell.limit import FALLS
 from churchpipe.homogenised_shell.stiffness import facet_stiffness
 from churchpipe.homogenised_shell.strength import PlaneSet
+from churchpipe.model.arguments import check_kind, listed, told
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
@@ -68,9 +70,15 @@ def pushover(
 
     Raises
     ------
-    InputError: values out of range, materials or panels unknown, no elastic constants, a mesh that is not held.
+    InputError: arguments of the wrong kind, values out of range, materials or panels unknown, no elastic constants, a mesh that
+    is not held.
     """
     begin = perf_counter()
+    check_kind("pushover: shell", shell, ShellModel)
+    check_kind("pushover: load", load, LoadCase)
+    materials = listed("pushover: materials", materials, Material)
+    if isinstance(steps, bool) or not isinstance(steps, Integral):
+        raise InputError("steps", "not a whole number", found=told(steps), expected=">= 1")
     if steps < 1:
         raise InputError("steps", "out of range", found=steps, expected=">= 1")
     control = None if control_point is None else _node(shell, control_point)

@@ -28,8 +28,7 @@ def reference_load_factor(program: ShellProgram, solver: str = "CLARABEL", **opt
     if np.isfinite(program.cap):
         constraints.append(tau <= program.cap)
     problem = cp.Problem(cp.Maximize(tau), constraints)
-    problem.solve(solver=solver, **options)
-    return float(tau.value) if problem.status == "optimal" else np.nan
+    return float(tau.value) if _solved(problem, solver, options) else np.nan
 
 
 def reference_step(
@@ -56,7 +55,14 @@ def reference_step(
     constraints += [program.planes @ x <= program.limit]
     change = block @ (stress - (before / program.unit).ravel())
     problem = cp.Problem(cp.Minimize(0.5 * cp.sum_squares(change) - factor), constraints)
-    problem.solve(solver=solver, **options)
-    if problem.status != "optimal":
+    if not _solved(problem, solver, options):
         return np.nan, np.full_like(before, np.nan)
     return float(factor.value), np.asarray(stress.value).reshape(-1, 6) * program.unit
+
+
+def _solved(problem: Any, solver: str, options: dict[str, Any]) -> bool:
+    try:
+        problem.solve(solver=solver, **options)
+    except cp.SolverError:
+        return False
+    return problem.status == "optimal"

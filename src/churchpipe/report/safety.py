@@ -121,6 +121,6 @@ def _part(part: Mapping[str, Any]) -> list[str]:
         str(part["name"]),
         f"{part['weight_kN']:,.1f}",
         f"{100 * part['moving']:.0f} %",
-        minus(f"{part['displacement']:.2f}"),
+        minus(f"{part['displacement']:z.2f}"),
         f"{100 * part['motion']:.1f} %",
     ]

@@ -88,10 +88,11 @@ class ProductCone:
         """Return the smallest eigenvalue."""
         return min((cone.margin(part) for cone, part in zip(self.cones, self.split(s), strict=True)), default=np.inf)
 
-    def longest_step(self, s: FloatArray, step: FloatArray, more: FloatArray, weight: float) -> float:
-        """Return the largest t with s + t (step + weight more) in all cones."""
+    def longest_steps(self, s: FloatArray, step: FloatArray, more: FloatArray, weights: FloatArray) -> FloatArray:
+        """Return the largest t with s + t (step + weight more) in all cones, for every weight."""
         parts = zip(self.cones, self.split(s), self.split(step), self.split(more), strict=True)
-        return min((cone.longest_step(a, b, c, weight) for cone, a, b, c in parts), default=np.inf)
+        lengths = [cone.longest_steps(a, b, c, weights) for cone, a, b, c in parts]
+        return np.min(lengths, axis=0) if lengths else np.full(len(weights), np.inf)
 
     def scaling(self, s: FloatArray, z: FloatArray) -> ProductScaling:
         """Return the Nesterov-Todd scaling of interior s and z."""

@@ -1,6 +1,6 @@
 """Points with a Coulomb-type cone, |t| <= limit + slope n and n >= 0: closed forms for all of them at once."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numba
@@ -67,6 +67,7 @@ class CoulombPoints:
         self._all_sheared, self._is_guarded = bool(sheared.all()), guarded
         self._limit, self._slope = limit, slope
         self._curvature = np.where(self.active[0], curvature, 0.0)
+        self.curved = bool(self._curvature.any())
         self.linear = np.zeros((3, self.count))
         self.linear[0] = np.where(self.active[0], linear, 0.0)
         cones: list[Cone] = []
@@ -125,14 +126,15 @@ class CoulombPoints:
             out = CoulombCompliance(*parts)
         return out
 
-    def balanced(self, force: FloatArray, z: FloatArray) -> FloatArray:
+    def balanced(self, force: FloatArray, rough: Callable[[], FloatArray]) -> FloatArray:
         """Return z with its shear rows, and the guard n >= 0 or else the axis of the cone, taken from the force."""
-        cone = z[: self._split].reshape(3, -1)
         pull = self._take(force)
         slope = self._take(self._slope)
+        if not len(self._guarded):
+            return -np.concatenate([pull[0] / slope, pull[1], pull[2]])
         axis = -pull[0] / np.where(slope > 0, slope, 1.0)
         kept = self._is_guarded[self._sheared]
-        axis[kept] = cone[0, kept]
+        axis[kept] = rough()[: self._split].reshape(3, -1)[0, kept]
         push = np.zeros(self.count)
         push[slice(None) if self._all_sheared else self._sheared] = slope * axis
         return np.concatenate([axis, -pull[1], -pull[2], -force[0, self._guarded] - push[self._guarded]])

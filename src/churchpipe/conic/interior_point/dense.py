@@ -1,6 +1,6 @@
 """Local problems given by dense matrices: the general case, as in a homogenised shell condensed to its stresses."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -45,6 +45,7 @@ class DenseProblems:
         self.quadratic_matrix, self._matrix, self._inner = quadratic, matrix, inner
         self.linear, self.right, self.cones = linear, right.ravel(), cones
         self.dimension, self.count = linear.shape
+        self.curved = bool(quadratic.any())
         self._root = _root(quadratic if proximal is None else quadratic + np.eye(self.dimension)[:, :, None] * proximal)
 
     def quadratic(self, x: FloatArray) -> FloatArray:
@@ -73,9 +74,9 @@ class DenseProblems:
             out[:, :, first : first + _CHUNK] = _inverse_square(piece)
         return DenseCompliance(out)
 
-    def balanced(self, _force: FloatArray, z: FloatArray) -> FloatArray:
+    def balanced(self, _force: FloatArray, rough: Callable[[], FloatArray]) -> FloatArray:
         """Return z as it is: there are more rows than variables, and the next residual takes the rounding."""
-        return z
+        return rough()
 
     def interior(self, _size: FloatArray) -> FloatArray:
         """Return the given interior point, whatever the size."""

@@ -35,16 +35,17 @@ class Iterate:
             self.kappa + length * step.kappa,
         )
 
-    def longest_step(self, problem: CoupledProblem, step: "Iterate", more: "Iterate | None" = None, weight: float = 0.0) -> float:
-        """Return the largest length (at most 1e3) along step + weight more that keeps s, z, theta and kappa in their cones."""
-        cone, more = problem.cone, more or step
-        length = min(cone.longest_step(self.s, step.s, more.s, weight), cone.longest_step(self.z, step.z, more.z, weight), 1e3)
-        theta, kappa = step.theta + weight * more.theta, step.kappa + weight * more.kappa
-        if theta < 0:
-            length = min(length, -self.theta / theta)
-        if kappa < 0:
-            length = min(length, -self.kappa / kappa)
-        return length
+    def longest_step(self, problem: CoupledProblem, step: "Iterate") -> float:
+        """Return the largest length (at most 1e3) along step that keeps s, z, theta and kappa in their cones."""
+        return float(self.longest_steps(problem, step, step, np.zeros(1))[0])
+
+    def longest_steps(self, problem: CoupledProblem, step: "Iterate", more: "Iterate", weights: FloatArray) -> FloatArray:
+        """Return the same along step + weight more, for every weight."""
+        cone = problem.cone
+        slacks = cone.longest_steps(self.s, step.s, more.s, weights)
+        multipliers = cone.longest_steps(self.z, step.z, more.z, weights)
+        rates = (-(step.theta + weights * more.theta) / self.theta, -(step.kappa + weights * more.kappa) / self.kappa)
+        return np.minimum.reduce([slacks, multipliers, *(1.0 / np.maximum(rate, 1e-3) for rate in rates)])
 
     def mean_product(self, problem: CoupledProblem) -> float:
         """Return mu, the mean complementarity product."""

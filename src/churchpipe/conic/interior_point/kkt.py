@@ -17,36 +17,31 @@ _ROUNDING = 1e-15
 
 @dataclass(frozen=True, slots=True)
 class Right:
-    """A right side: x (nx,), load, y (m,), z (rows,) or None for zero, and `pull` = W^-2 of what else stands in the rows of z.
+    """A right side: x (nx,), load, y (m,), z (rows,), None for zero, and `pull` = W^-2 of what else stands in the rows of z.
 
     Complementarity enters as pull: W^-1 applied once to scaled products. W^-2 applied to their images would lose every digit.
     """
 
-    x: FloatArray
+    x: FloatArray | None
     load: float
-    y: FloatArray
+    y: FloatArray | None
     z: FloatArray | None
     pull: FloatArray
 
 
 @dataclass(frozen=True, slots=True)
 class Direction:
-    """A solution: x (nx,), load, y (m,), z (rows,), and B^T y (nx,)."""
+    """A solution: x (nx,), load, y (m,), z (rows,)."""
 
     x: FloatArray
     load: float
     y: FloatArray
     z: FloatArray
-    spread: FloatArray
 
     def plus(self, other: "Direction", factor: float = 1.0) -> "Direction":
         """Return self + factor other."""
         return Direction(
-            self.x + factor * other.x,
-            self.load + factor * other.load,
-            self.y + factor * other.y,
-            self.z + factor * other.z,
-            self.spread + factor * other.spread,
+            self.x + factor * other.x, self.load + factor * other.load, self.y + factor * other.y, self.z + factor * other.z
         )
 
 
@@ -94,15 +89,19 @@ class KktSystem:
         """Return the solutions for several right sides, their coupling rows as exact as the factor is."""
         problem = self._problem
         pulls = [self._pull(right) for right in rights]
-        forces = [right.x + problem.transpose(pull) for right, pull in zip(rights, pulls, strict=True)]
+        forces = [problem.transpose(pull) for pull in pulls]
+        for force, right in zip(forces, rights, strict=True):
+            if right.x is not None:
+                force += right.x
         targets = np.array([self._target(right, pull) for right, pull in zip(rights, pulls, strict=True)])
-        rows = [problem.couple(self._comply(force)) - right.y for force, right in zip(forces, rights, strict=True)]
+        rows = [_less(problem.couple(self._comply(force)), right.y) for force, right in zip(forces, rights, strict=True)]
         y, load = self._bordered(np.stack(rows, axis=1), targets)
         out: list[Direction] = []
         for k, right in enumerate(rights):
             column = np.ascontiguousarray(y[:, k])
             spread = problem.spread(column)
-            x = self._comply(forces[k] - spread)
+            forces[k] -= spread
+            x = self._comply(forces[k])
             out.append(self._complete(right, pulls[k], x, spread, column, float(load[k])))
         return out
 
@@ -113,17 +112,17 @@ class KktSystem:
         largest compliance. The rows of x hold by construction of z.
         """
         problem = self._problem
-        x, load, y, spread = found.x, found.load, found.y, found.spread
+        x, load, y = found.x, found.load, found.y
         pull = self._pull(right)
         for _ in range(refinements):
-            row = problem.couple(x) + load * problem.growth - right.y
+            row = _less(problem.couple(x) + load * problem.growth, right.y)
             if problem.imbalance(row) <= allowed:
                 break
             lack = self._target(right, pull) - inner(problem.growth, y) - self._softness * load
             more, more_load = self._bordered(row[:, None], np.array([lack]))
-            extra = problem.spread(more[:, 0])
-            x, load, y, spread = x - self._comply(extra), load + float(more_load[0]), y + more[:, 0], spread + extra
-        return found if x is found.x else self._complete(right, pull, x, spread, y, load)
+            x = x - self._comply(problem.spread(more[:, 0]))
+            load, y = load + float(more_load[0]), y + more[:, 0]
+        return found if x is found.x else self._complete(right, pull, x, problem.spread(y), y, load)
 
     def balance(self, x: FloatArray, load: float, sweeps: int) -> tuple[FloatArray, float]:
         """Return x and load with coupling x + constant + load growth = 0 to rounding.
@@ -157,13 +156,16 @@ class KktSystem:
         self, right: Right, pull: FloatArray, x: FloatArray, spread: FloatArray, y: FloatArray, load: float
     ) -> Direction:
         problem = self._problem
-        z = self._softened(problem.constrain(x, load)) - pull
-        force = right.x - problem.quadratic(x) - spread
         rows = len(problem.local.right)
-        exact = problem.local.balanced(problem.local_view(force), z[:rows])
+        force = np.negative(spread, out=spread)
+        if right.x is not None:
+            force += right.x
+        if problem.local.curved:
+            force -= problem.quadratic(x)
+        z = problem.local.balanced(problem.local_view(force), lambda: (self._softened(problem.constrain(x, load)) - pull)[:rows])
         if problem.capped:
-            exact = np.append(exact, right.load - inner(problem.growth, y))
-        return Direction(x, load, y, exact, spread)
+            z = np.append(z, right.load - inner(problem.growth, y))
+        return Direction(x, load, y, z)
 
     def _pull(self, right: Right) -> FloatArray:
         return right.pull if right.z is None else right.pull + self._softened(right.z)
@@ -178,3 +180,7 @@ class KktSystem:
     def _softened(self, z: FloatArray) -> FloatArray:
         """Return W^-2 z."""
         return self._scaling.soften(z)
+
+
+def _less(rows: FloatArray, right: FloatArray | None) -> FloatArray:
+    return rows if right is None else rows - right

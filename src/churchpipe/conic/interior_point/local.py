@@ -1,6 +1,6 @@
 """What the loop asks of the small problems that meet only in the coupling rows."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Protocol
 
 from churchpipe.conic.interior_point.cones import Cone, Scaling
@@ -51,6 +51,11 @@ class LocalProblems(Protocol):
         """Right side of the constraints, flat."""
         ...
 
+    @property
+    def curved(self) -> bool:
+        """False where every Q is zero."""
+        ...
+
     def quadratic(self, x: FloatArray) -> FloatArray:
         """Return Q x."""
         ...
@@ -67,8 +72,8 @@ class LocalProblems(Protocol):
         """Return the compliances at a scaling."""
         ...
 
-    def balanced(self, force: FloatArray, z: FloatArray, /) -> FloatArray:
-        """Return multipliers near z with G^T z = force to rounding, as far as the constraints allow it."""
+    def balanced(self, force: FloatArray, rough: Callable[[], FloatArray], /) -> FloatArray:
+        """Return multipliers near `rough`, called where needed, with G^T z = force to rounding, as far as G allows it."""
         ...
 
     def interior(self, size: FloatArray, /) -> FloatArray:

@@ -21,7 +21,7 @@ _WIN = 0.01
 _MOST_CENTRING = 0.03
 _TARGET = 0.3
 # A corrector is added with the weight that reaches farthest (Colombo and Gondzio 2008).
-_WEIGHTS = (1.0, 0.7, 0.4)
+_WEIGHTS = np.array([1.0, 0.7, 0.4])
 # A solution is balanced in so many sweeps, to this residual, and may leave its cones by this share of the largest slack.
 _SWEEPS = 8
 _BALANCED = 1e-9
@@ -36,13 +36,12 @@ _ROUGH = 1e-4
 
 @dataclass(frozen=True, slots=True)
 class Ending:
-    """How a loop ended: the best iterate, its status and errors, the iterations done, and an iterate to start others from."""
+    """How a loop ended: the best iterate, its status and errors, and why it went no further."""
 
     status: Status
     at: Iterate
     info: Info
     message: str
-    warm: Iterate
 
 
 def solve_coupled(
@@ -55,7 +54,7 @@ def solve_coupled(
 ) -> Ending:
     """Run the interior-point loop from an interior iterate; the residual tolerance is in the units of the rows."""
     kkt = KktSystem(problem, normal, cholesky)
-    at = warm = start
+    at = start
     best: tuple[Iterate, Info] | None = None
     step_length, correctors, stalled = 0.0, 0, 0
     message = "iteration limit"
@@ -66,15 +65,13 @@ def solve_coupled(
             progress(info)
         if best is None or _distance(info, settings) < _distance(best[1], settings):
             best = at, info
-        if info.error > 1e-2:
-            warm = at
         status = _status(problem, at, found, info, settings)
         if status == "solved" and iteration:
             exact = _balanced(problem, kkt, at)
             if exact is not None or info.residual <= _COMPETING * settings.residual:
-                return Ending(status, exact or at, info, "", warm)
+                return Ending(status, exact or at, info, "")
         elif status != "running":
-            return Ending(status, at, info, "", warm)
+            return Ending(status, at, info, "")
         stalled = stalled + 1 if iteration and step_length < _STALLED_STEP else 0
         if stalled >= 3 or iteration - best[1].iteration > _PATIENCE:
             message = "no further progress"
@@ -93,7 +90,7 @@ def solve_coupled(
     accepted = info.error <= max(settings.error, settings.acceptable) and info.residual <= max(
         settings.residual, settings.acceptable
     )
-    return Ending("solved" if accepted else "failed", at, info, f"{message}; error {info.error:.1e}", warm)
+    return Ending("solved" if accepted else "failed", at, info, f"{message}; error {info.error:.1e}")
 
 
 def _advance(
@@ -115,7 +112,9 @@ def _advance(
     while helped < settings.correctors and settings.fraction * length < 1.0:
         fix, fix_pair = centrality_target(problem, system, at, step.move, min(1.0, length + _REACH), max(target, _TARGET * mean))
         corrector = system.corrector(-fix, -fix_pair)
-        longer, weight = max((at.longest_step(problem, step.move, corrector.move, weight), weight) for weight in _WEIGHTS)
+        lengths = at.longest_steps(problem, step.move, corrector.move, _WEIGHTS)
+        best = int(lengths.argmax())
+        longer, weight = float(lengths[best]), float(_WEIGHTS[best])
         if longer < length + _WIN * _REACH:
             break
         step, length = step.corrected(corrector, weight), longer

@@ -86,8 +86,9 @@ class NewtonSystem:
 
     def _right(self, share: float, pull: FloatArray) -> Right:
         found = self._found
-        z = None if share == 0.0 or found.z is None else -share * found.z
-        return Right(-share * found.x, -share * found.load, -share * found.y, z, pull)
+        if share == 0.0:
+            return Right(None, 0.0, None, None, pull)
+        return Right(-share * found.x, -share * found.load, -share * found.y, None if found.z is None else -share * found.z, pull)
 
     def _price(self, step: Direction) -> float:
         problem = self._problem

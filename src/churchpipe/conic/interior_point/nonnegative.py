@@ -59,9 +59,10 @@ class Nonnegative:
         """Return the smallest eigenvalue."""
         return float(s.min(initial=np.inf))
 
-    def longest_step(self, s: FloatArray, step: FloatArray, more: FloatArray, weight: float) -> float:
-        """Return the largest t with s + t (step + weight more) in the cone."""
-        return 1.0 / max(float(((step + weight * more) / -s).max(initial=0.0)), 1e-300)
+    def longest_steps(self, s: FloatArray, step: FloatArray, more: FloatArray, weights: FloatArray) -> FloatArray:
+        """Return the largest t with s + t (step + weight more) in the cone, for every weight."""
+        steepest = [((step + weight * more) / -s).max(initial=0.0) for weight in weights.tolist()]
+        return 1.0 / np.maximum(steepest, 1e-300)
 
     def scaling(self, s: FloatArray, z: FloatArray) -> NonnegativeScaling:
         """Return the Nesterov-Todd scaling of interior s and z."""

@@ -85,9 +85,9 @@ class SecondOrder:
         """Return the smallest eigenvalue."""
         return float((s[0] - _length(s)).min(initial=np.inf))
 
-    def longest_step(self, s: FloatArray, step: FloatArray, more: FloatArray, weight: float) -> float:
+    def longest_steps(self, s: FloatArray, step: FloatArray, more: FloatArray, weights: FloatArray) -> FloatArray:
         """Return the largest t with s + t (step + weight more) in the cone, from the roots of its determinant in t."""
-        return 1.0 / max(_steepest(_flat(s), _flat(step), _flat(more), weight), 1e-300)
+        return 1.0 / np.maximum(_steepest(_flat(s), _flat(step), _flat(more), weights), 1e-300)
 
     def scaling(self, s: FloatArray, z: FloatArray) -> SecondOrderScaling:
         """Return the Nesterov-Todd scaling of interior s and z."""
@@ -173,21 +173,22 @@ def _multiply(u: FloatArray, v: FloatArray, out: FloatArray) -> None:
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _steepest(s: FloatArray, step: FloatArray, more: FloatArray, weight: float) -> float:
-    """Return the largest rate at which a cone is left: in the frame that takes s to e, where the step becomes (rho_0, rho_1)."""
-    steepest = 0.0
+def _steepest(s: FloatArray, step: FloatArray, more: FloatArray, weights: FloatArray) -> FloatArray:
+    """Return the largest rates at which a cone is left: in the frame that takes s to e, where the step becomes (rho_0, rho_1)."""
+    steepest = np.zeros(len(weights))
     for k in range(s.shape[1]):
         root = np.sqrt(_determinant(s, k))
-        first = step[0, k] + weight * more[0, k]
-        rho0 = s[0, k] * first
-        for i in range(1, s.shape[0]):
-            rho0 -= s[i, k] * (step[i, k] + weight * more[i, k])
-        rho0 /= root
-        share = (first + rho0) / (root + s[0, k])
-        square = 0.0
-        for i in range(1, s.shape[0]):
-            square += (step[i, k] + weight * more[i, k] - share * s[i, k]) ** 2
-        steepest = max(steepest, (np.sqrt(square) - rho0) / root)
+        for j in range(len(weights)):
+            first = step[0, k] + weights[j] * more[0, k]
+            rho0 = s[0, k] * first
+            for i in range(1, s.shape[0]):
+                rho0 -= s[i, k] * (step[i, k] + weights[j] * more[i, k])
+            rho0 /= root
+            share = (first + rho0) / (root + s[0, k])
+            square = 0.0
+            for i in range(1, s.shape[0]):
+                square += (step[i, k] + weights[j] * more[i, k] - share * s[i, k]) ** 2
+            steepest[j] = max(steepest[j], (np.sqrt(square) - rho0) / root)
     return steepest
 
 

@@ -1,6 +1,6 @@
 """Cone programs on the interior-point loop: scaling of units, one symbolic analysis for all programs of a balance."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from time import perf_counter, process_time
 
 import numpy as np
@@ -37,24 +37,6 @@ def solve_interior_point(
     return replace(answer, seconds=perf_counter() - begin)
 
 
-@dataclass(frozen=True, slots=True)
-class _Previous:
-    """A problem solved before, and an iterate on the way to its solution that others can start from."""
-
-    problem: CoupledProblem
-    warm: Iterate
-
-    def at(self, problem: CoupledProblem) -> Iterate | None:
-        """Return the iterate in the units of another problem, or None when its cones are others."""
-        if problem.cone.cones != self.problem.cone.cones:
-            return None
-        warm = self.warm
-        rate = problem.reward / (self.problem.reward * warm.theta)
-        force = 1.0 / warm.theta
-        pair = warm.kappa * rate * force * warm.theta
-        return Iterate(warm.x * force, warm.load * force, warm.y * rate, warm.s * force, warm.z * rate, 1.0, pair)
-
-
 class InteriorPointSolver:
     """Solves programs with one balance (m, 3c): structure, ordering and symbolic analysis are done once."""
 
@@ -64,19 +46,14 @@ class InteriorPointSolver:
         self._lever = self._coupling.largest_entries()
         self._normal = NormalMatrix(self._coupling)
         self._cholesky = Cholesky(self._normal.pattern, BLOCK)
-        self._previous: _Previous | None = None
 
     def solve(
         self,
         program: ConeProgram,
         settings: Settings | None = None,
         progress: Progress | None = None,
-        *,
-        warm: bool = False,
     ) -> ConeSolution:
         """Solve a program with the balance of this solver.
-
-        warm: start from an early, central iterate of the previous solve, when its points had the same kinds of cone.
 
         Returns
         -------
@@ -115,14 +92,7 @@ class InteriorPointSolver:
                 "interior-point",
                 "a body without contact",
             )
-        ending = None
-        start = self._previous.at(problem) if warm and self._previous is not None else None
-        if start is not None:
-            ending = solve_coupled(problem, self._normal, self._cholesky, start, settings, progress)
-        if ending is None or ending.status == "failed":
-            start = interior_start(problem, settings)
-            ending = solve_coupled(problem, self._normal, self._cholesky, start, settings, progress)
-        self._previous = _Previous(problem, ending.warm)
+        ending = solve_coupled(problem, self._normal, self._cholesky, interior_start(problem, settings), settings, progress)
         answer = self._solution(program, ending, local, force, reward)
         return replace(answer, seconds=perf_counter() - begin)
 
