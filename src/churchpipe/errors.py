@@ -15,7 +15,7 @@ class InputError(ValueError):
     def __init__(self, where: str, problem: str, *, found: object = "", expected: str = "", remedy: str = "") -> None:
         self.where, self.problem, self.found, self.expected, self.remedy = where, problem, found, expected, remedy
         parts = [f"{where}: {problem}"]
-        if found != "":
+        if not isinstance(found, str) or found:
             parts.append(f"found {found}")
         if expected:
             parts.append(f"expected {expected}")

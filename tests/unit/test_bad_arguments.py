@@ -1,6 +1,7 @@
 """The Python interface: arguments of the wrong kind are named where they are given."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 
 import churchpipe as cp
 from churchpipe.errors import InputError
+from churchpipe.generators import wall
 from solids import BOX_FACES, box, on_ground
 
 nan = float("nan")
@@ -182,3 +184,37 @@ def test_names_given_as_objects_are_texts() -> None:
     ids = np.array(["a", "b"], dtype=object)
     stones = cp.Assemblage.from_polyhedra([GIVEN, ABOVE], 18e3, block_id=ids)
     assert stones.block_id.dtype.kind == "U"
+
+
+ELASTIC = (3.18e9, 0.23, 0.303e9, 0.3, 1e-3)
+TWICE = [STONE, cp.Material("default", 18e3, 0.1)]
+
+OTHERS: list[tuple[Callable[[], Any], str]] = [
+    (lambda: cp.Material("m", 18e3, 1e-300), r"material m: friction: out of range; found 1e-300; expected 0, or 1e-06 to 1000"),
+    (lambda: cp.Material("m", 1e24, 0.6), r"material m: unit_weight: out of range"),
+    (lambda: cp.Material("m", 10**400, 0.6), r"material m: unit_weight: out of range; .* expected a finite number"),
+    (lambda: cp.Elastic(*ELASTIC[:4], True), r"elastic.joint_thickness: not a number; found True"),
+    (lambda: cp.Elastic(*ELASTIC[:4], 1e-300), r"elastic.joint_thickness: out of range"),
+    (lambda: cp.Elastic(1e308, *ELASTIC[1:]), r"elastic.block_modulus: out of range"),
+    (lambda: cp.Elastic(3.18e9, 0.5, *ELASTIC[2:]), r"elastic.block_poisson: out of range; found 0.5"),
+    (lambda: cp.joint_strength(STONES, CONTACTS, TWICE), r"material default: given twice"),
+    (lambda: cp.joint_strength(None, CONTACTS, [STONE]), r"joint_strength: stones: wrong kind; found None"),  # pyright: ignore
+    (lambda: cp.limit_analysis(STONES, CONTACTS, PUSH, gap_tolerance=None), r"gap_tolerance: not a number"),  # pyright: ignore
+    (lambda: cp.limit_analysis(STONES, CONTACTS, PUSH, solver=None), r"solver: no name; found None"),  # pyright: ignore
+    (lambda: cp.limit_analysis(STONES, CONTACTS, PUSH, start=False), r"start: wrong kind; found False"),  # pyright: ignore
+    (lambda: cp.limit_analysis(STONES, CONTACTS, PUSH, method=[]), r"method: unknown method"),  # pyright: ignore
+]
+
+
+@pytest.mark.parametrize(("call", "said"), OTHERS)
+def test_other_arguments(call: Callable[[], Any], said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        call()
+
+
+def test_a_shell_starts_on_its_ground_and_has_elements_no_longer_than_its_walls() -> None:
+    building = wall(length=1.2, brick=(0.4, 0.25, 0.2), courses=3)
+    with pytest.raises(InputError, match=r"element size of wall: out of range; found 1e\+308; expected > 0 and at most .* 1.2 m"):
+        cp.derive_shell(building, 1e308)
+    with pytest.raises(InputError, match=r"building: masonry below the ground; found z = 0 m; expected z >= 0.1 m"):
+        cp.derive_shell(replace(building, ground=0.1), 0.4)

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
+from churchpipe.config.case import read_case
 from churchpipe.derive.blocks import derive_blocks
 from churchpipe.derive.contacts import find_contacts
 from churchpipe.derive.match import match_models
@@ -17,6 +18,7 @@ from churchpipe.dxf.writer import write_dxf
 from churchpipe.errors import InputError
 from churchpipe.generators import apse, chapel, tower
 from churchpipe.model.materials import Material
+from churchpipe.resources import pipeline_folder
 
 PHASES = (Phase.explicit, Phase.generate)
 STONE = Material("default", 18e3, 0.6)
@@ -174,3 +176,8 @@ MISTAKES = [
 def test_what_does_not_fit_is_told_with_the_numbers(changes, said):
     with pytest.raises(InputError, match=said):
         apse(**APSE, openings=[WINDOW | changes])
+
+
+@pytest.mark.parametrize("change", ["inner_radius_m=1.5", "inner_radius_m=2.0", "thickness_m=1.2"])
+def test_joints_of_two_courses_that_differ_in_the_last_digit_are_one(change):
+    laid(read_case(pipeline_folder() / "cases" / "apse_window.toml", [f"source.{change}"]).building())

@@ -7,7 +7,7 @@ import numpy as np
 
 from churchpipe.bond.charts import lift
 from churchpipe.bond.planar import boxes, clip, polygon
-from churchpipe.bond.polygons import TOLERANCE, corners, snap_onto
+from churchpipe.bond.polygons import TOLERANCE, corners, snap, snap_onto
 from churchpipe.bond.tiles import TileSet
 from churchpipe.errors import InputError
 from churchpipe.model.arrays import FloatArray, IntArray
@@ -38,7 +38,7 @@ def stations_of(chart: Chart, tiles: TileSet) -> FloatArray:
     Joints between voussoirs do not count.
     """
     laid = np.repeat(tiles.course >= 0, np.diff(tiles.corner_ptr))
-    stations = np.unique(tiles.corner[laid, 0])
+    stations = np.unique(snap(tiles.corner[laid, 0]))
     if isinstance(chart, PlaneChart) or chart.sweep < 2 * np.pi:
         return stations
     turn = 2 * np.pi * chart.radius
@@ -75,7 +75,9 @@ def _bent_prisms(chart: Chart, thickness: float, tiles: TileSet) -> Solids:
     stations = stations_of(chart, tiles)
     stones: list[tuple[FloatArray, list[IntArray]]] = []
     for number in range(tiles.count):
-        outline = tiles.corner[tiles.corner_ptr[number] : tiles.corner_ptr[number + 1]]
+        outline = tiles.corner[tiles.corner_ptr[number] : tiles.corner_ptr[number + 1]].copy()
+        # Tiles of different courses may differ in the last digit of one joint.
+        outline[:, 0] = snap_onto(outline[:, 0], stations)
         flat, faces = _bend(outline, stations, int(tiles.course[number]))
         points = np.concatenate([lift(chart, flat, side * thickness) for side in tiles.reach[number]])
         stones.append((points, [np.array(face, dtype=np.int64) for face in faces]))

@@ -10,6 +10,7 @@ import scipy.sparse as sp
 
 from churchpipe.conic.program import ConeProgram, ConeSolution
 from churchpipe.errors import InputError
+from churchpipe.model.arguments import text
 
 
 class Solve(Protocol):
@@ -33,7 +34,7 @@ def solver_for(balance: sp.csc_matrix[np.float64], name: str = "auto") -> Solve:
     ------
     InputError: a name that is not one of these.
     """
-    family, _, backend = name.partition(":")
+    family, _, backend = text("solver", name).partition(":")
     if family == "cvxpy":
         from churchpipe.conic.cvxpy import solve_cvxpy
 

@@ -19,6 +19,7 @@ from churchpipe.model.arguments import check_kind
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage, assemble
 from churchpipe.model.building import BondRegion, Building, CylinderChart, Panel
+from churchpipe.model.materials import by_name
 
 # Relative difference allowed between the stones and the walls.
 VOLUME_TOLERANCE = 1e-9
@@ -131,7 +132,7 @@ def _assemble(building: Building, tiles: Sequence[TileSet], bodies: Sequence[Sol
     face_offset = np.cumsum([0] + [len(body.face_ptr) - 1 for body in bodies])
     points = np.concatenate([body.points for body in bodies])
     fixed_names = [GROUND] * (building.ground is not None) + [support.name for support in building.supports]
-    weights = {material.name: material.unit_weight for material in building.materials}
+    weights = {name: material.unit_weight for name, material in by_name(building.materials).items()}
     material = np.array(
         [building.materials[0].name] * len(fixed_names)
         + [name for p, t in zip(building.panels, tiles, strict=True) for name in _materials(p, t)]

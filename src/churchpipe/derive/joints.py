@@ -5,10 +5,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from churchpipe.errors import InputError
+from churchpipe.model.arguments import check_kind, listed
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
-from churchpipe.model.materials import Material
+from churchpipe.model.materials import Material, by_name
 
 
 def joint_strength(stones: Assemblage, contacts: Contacts, materials: Sequence[Material]) -> tuple[FloatArray, FloatArray]:
@@ -18,10 +19,12 @@ def joint_strength(stones: Assemblage, contacts: Contacts, materials: Sequence[M
 
     Raises
     ------
-    InputError: a stone of a material that is not among `materials`.
+    InputError: arguments of the wrong kind; a stone of a material that is not among `materials`, or one that is there twice.
     """
+    check_kind("joint_strength: stones", stones, Assemblage)
+    check_kind("joint_strength: contacts", contacts, Contacts)
     used = np.unique(stones.material[~stones.fixed])
-    known = {material.name: material for material in materials}
+    known = by_name(listed("joint_strength: materials", materials, Material))
     unknown = [str(name) for name in used if name not in known]
     if unknown:
         raise InputError(

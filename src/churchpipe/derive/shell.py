@@ -18,6 +18,7 @@ from churchpipe.errors import InputError
 from churchpipe.model.arguments import check_kind, finite, told
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.building import SHELL_PATTERNS, BondRegion, Building, PlaneChart, Support
+from churchpipe.model.materials import by_name
 from churchpipe.model.polyhedra import face_normals
 from churchpipe.model.shell import ShellModel
 
@@ -70,7 +71,7 @@ def derive_shell(building: Building, element_size: float, sizes: Mapping[str, fl
     unit_cells, cell = np.unique(np.array([bond[:2] for bond in bonds]), axis=0, return_inverse=True)
     start = np.cumsum([0] + [len(panel.regions) for panel in building.panels])
     bond = np.concatenate([mesh.bond + offset for mesh, offset in zip(meshes, start[:-1], strict=True)])
-    weights = {material.name: material.unit_weight for material in building.materials}
+    weights = {name: material.unit_weight for name, material in by_name(building.materials).items()}
     material = np.array([region.material or panel.material for panel in building.panels for region in panel.regions])[bond]
     shell = ShellModel(
         points=points,
@@ -98,9 +99,12 @@ def _sizes(building: Building, element_size: float, sizes: Mapping[str, float]) 
         if name not in names:
             raise InputError(f"element size of {name}", "no such panel", expected=", ".join(names))
     out = [finite(f"element size of {name}", sizes.get(name, element_size)) for name in names]
+    longest = max(float(np.ptp(panel.outline, axis=0).max()) for panel in building.panels)
     for name, size in zip(names, out, strict=True):
-        if not NODE_TOLERANCE * 10 < size < np.inf:
-            raise InputError(f"element size of {name}", "out of range", found=size, expected="a length > 0 m")
+        if not NODE_TOLERANCE * 10 < size <= longest:
+            raise InputError(
+                f"element size of {name}", "out of range", found=size, expected=f"> 0 and at most the longest wall, {longest:g} m"
+            )
     # Two triangles to each square of that size.
     count = sum(2 * float(np.ptp(p.outline, axis=0).prod()) / size**2 for p, size in zip(building.panels, out, strict=True))
     if count > MOST_ELEMENTS:
@@ -243,6 +247,11 @@ def _sector(region: BondRegion, wall: BondRegion) -> float:
 def _supported(building: Building, points: FloatArray) -> BoolArray:
     on = np.zeros(len(points), dtype=np.bool_)
     if building.ground is not None:
+        lowest = float(points[:, 2].min())
+        if lowest < building.ground - NODE_TOLERANCE:
+            raise InputError(
+                "building", "masonry below the ground", found=f"z = {lowest:g} m", expected=f"z >= {building.ground:g} m"
+            )
         on |= points[:, 2] < building.ground + NODE_TOLERANCE
     for support in building.supports:
         on |= _touching(support, points)

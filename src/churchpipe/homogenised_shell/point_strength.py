@@ -10,7 +10,7 @@ from churchpipe.errors import InputError
 from churchpipe.homogenised_shell.element import ShellElements
 from churchpipe.homogenised_shell.strength import Cones, Planes, PlaneSet, strength
 from churchpipe.model.arrays import FloatArray
-from churchpipe.model.materials import Material
+from churchpipe.model.materials import Material, by_name
 
 # Tension that parts which do not yield carry, in units of stress. With no limit at all a wall of fine facets jams at the corner
 # of a lintel: the load factor creeps up with stresses on two facets that no stone has.
@@ -43,7 +43,7 @@ def point_strength(elements: ShellElements, materials: Sequence[Material], plane
 
 def by_facet(names: npt.NDArray[np.str_], materials: Sequence[Material]) -> tuple[FloatArray, FloatArray]:
     """Return friction (nt,) and cohesion (nt,)."""
-    known = {material.name: material for material in materials}
+    known = by_name(materials)
     used, which = np.unique(names, return_inverse=True)
     missing = [str(name) for name in used if str(name) not in known]
     if missing:

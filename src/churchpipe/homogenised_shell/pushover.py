@@ -224,7 +224,10 @@ def _elastic_displacement(elements: ShellElements, stiffness: FloatArray, conden
 
 def _node(shell: ShellModel, control_point: int | npt.ArrayLike) -> int:
     count = len(shell.points)
-    given = np.asarray(control_point)
+    try:
+        given = np.asarray(control_point)
+    except ValueError:
+        given = np.empty(0)
     if given.ndim == 0 and given.dtype.kind in "iu":
         if not 0 <= int(given) < count:
             raise InputError("control_point", "no such node", found=int(given), expected=f"0 to {count - 1}")

@@ -41,9 +41,13 @@ def finite(where: str, value: object) -> float:
     """
     if isinstance(value, bool) or not isinstance(value, numbers.Real):
         raise InputError(where, "not a number", found=told(value), expected="a number")
-    if not math.isfinite(value):
-        raise InputError(where, "out of range", found=value, expected="a finite number")
-    return float(value)
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
+    if not math.isfinite(number):
+        raise InputError(where, "out of range", found=told(value), expected="a finite number")
+    return number
 
 
 def path_of(where: str, value: object) -> Path:

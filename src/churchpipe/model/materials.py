@@ -1,14 +1,24 @@
 """What the stones and joints are made of."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import check_kind, finite, text
 
+# Beyond these a number is in another unit, or lost to rounding. Smallest but zero, and largest: N/m3, -, Pa; Pa, m.
+_RANGES = {"unit_weight": (1e-6, 1e9), "friction": (1e-6, 1e3), "cohesion": (1e-6, 1e12)}
+_MODULUS, _THICKNESS = (1e-3, 1e21), (1e-9, 1e2)
+
 
 @dataclass(frozen=True, slots=True)
 class Elastic:
-    """Elastic constants of the running-bond cell (Malena et al. 2019, Table 1): moduli in Pa, joint thickness in m."""
+    """Elastic constants of the running-bond cell (Malena et al. 2019, Table 1): moduli in Pa, joint thickness in m.
+
+    Raises
+    ------
+    InputError: no number, moduli outside 1e-3 Pa to 1e21 Pa, thickness outside 1e-9 m to 100 m, Poisson's ratio outside (-1, .5).
+    """
 
     block_modulus: float
     block_poisson: float
@@ -16,10 +26,23 @@ class Elastic:
     joint_poisson: float
     joint_thickness: float
 
+    def __post_init__(self) -> None:
+        for key, (low, high) in (("block_modulus", _MODULUS), ("joint_modulus", _MODULUS), ("joint_thickness", _THICKNESS)):
+            _check_range(f"elastic.{key}", getattr(self, key), low, high)
+        for key in ("block_poisson", "joint_poisson"):
+            value = finite(f"elastic.{key}", getattr(self, key))
+            if not -1 < value < 0.5:
+                raise InputError(f"elastic.{key}", "out of range", found=value, expected="-1 < value < 0.5")
+
 
 @dataclass(frozen=True, slots=True)
 class Material:
-    """One masonry: unit weight N/m3, friction coefficient, cohesion Pa; `elastic` is only needed by the shell."""
+    """One masonry: unit weight N/m3, friction coefficient, cohesion Pa; `elastic` is only needed by the shell.
+
+    Raises
+    ------
+    InputError: no number; not zero and outside 1e-6 to 1e9 N/m3, 1e-6 to 1000, 1e-6 to 1e12 Pa.
+    """
 
     name: str
     unit_weight: float
@@ -29,14 +52,28 @@ class Material:
 
     def __post_init__(self) -> None:
         text("material: name", self.name)
-        for key, value, smallest in (
-            ("unit_weight", self.unit_weight, 0.0),
-            ("friction", self.friction, 0.0),
-            ("cohesion", self.cohesion, 0.0),
-        ):
-            if finite(f"material {self.name}: {key}", value) < smallest:
-                raise InputError(
-                    f"material {self.name}: {key}", "out of range", found=value, expected=f"a finite number >= {smallest:g}"
-                )
+        for key, (low, high) in _RANGES.items():
+            if getattr(self, key) != 0:
+                _check_range(f"material {self.name}: {key}", getattr(self, key), low, high, "0, or ")
         if self.elastic is not None:
             check_kind(f"material {self.name}: elastic", self.elastic, Elastic)
+
+
+def by_name(materials: Iterable[Material]) -> dict[str, Material]:
+    """Return materials by their names.
+
+    Raises
+    ------
+    InputError: two of one name.
+    """
+    known: dict[str, Material] = {}
+    for material in materials:
+        if material.name in known:
+            raise InputError(f"material {material.name}", "given twice", expected="each name once")
+        known[material.name] = material
+    return known
+
+
+def _check_range(where: str, value: object, low: float, high: float, other: str = "") -> None:
+    if not low <= finite(where, value) <= high:
+        raise InputError(where, "out of range", found=value, expected=f"{other}{low:g} to {high:g}")

@@ -13,7 +13,7 @@ from churchpipe.conic.polish import restore_balance
 from churchpipe.conic.program import ConeProgram, ConeSolution
 from churchpipe.conic.solve import Solve, solver_for
 from churchpipe.errors import InputError
-from churchpipe.model.arguments import check_kind
+from churchpipe.model.arguments import check_kind, listed
 from churchpipe.model.arrays import FloatArray, array_of
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
@@ -67,7 +67,10 @@ def limit_analysis(
         check_kind(f"limit_analysis: {name}", value, kind)
     if flow not in ("associative", "non-associative"):
         raise InputError("limit_analysis: flow", "unknown flow rule", found=flow, expected='"associative" or "non-associative"')
-    options = SlidingOptions(method, (start,) if isinstance(start, str) else tuple(start or ()), gap_tolerance)
+    starts: list[Start] = [start] if isinstance(start, str) else []
+    if not starts and start is not None:
+        starts = listed("limit_analysis: start", start, str)
+    options = SlidingOptions(method, tuple(starts), gap_tolerance)
     begin = perf_counter()
     balance = equilibrium(stones, contacts, load)
     strength = point_strength(contacts, friction, cohesion, balance.force)

@@ -8,6 +8,7 @@ import numpy as np
 
 from churchpipe.conic.solve import Solve
 from churchpipe.errors import InputError
+from churchpipe.model.arguments import finite, listed
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.results import LimitState, StartRun
 from churchpipe.rigid_blocks.certificate import Strength, cone_violation
@@ -47,9 +48,9 @@ class SlidingOptions:
     gap_tolerance: float = GAP_TOLERANCE
 
     def __post_init__(self) -> None:
-        if self.method not in _STARTS:
+        if not isinstance(self.method, str) or self.method not in _STARTS:
             raise InputError("limit_analysis: method", "unknown method", found=repr(self.method), expected='"default" or "paper"')
-        for start in self.starts:
+        for start in listed("limit_analysis: start", self.starts, str):
             if start not in get_args(Start):
                 raise InputError(
                     "limit_analysis: start",
@@ -57,7 +58,7 @@ class SlidingOptions:
                     found=repr(start),
                     expected='"dead-load", "uniform" or "associative", or several',
                 )
-        if not 0 < self.gap_tolerance < 1:
+        if not 0 < finite("limit_analysis: gap_tolerance", self.gap_tolerance) < 1:
             raise InputError(
                 "limit_analysis: gap_tolerance", "out of range", found=self.gap_tolerance, expected="between 0 and 1"
             )
