@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import Phase, given, settings
+from hypothesis import Phase, example, given, settings
 from hypothesis import strategies as st
 
 from churchpipe.config import read_case
@@ -362,6 +362,8 @@ def test_any_tower_is_sound(tmp_path_factory, width, depth, thick, courses, ston
     shape=st.sampled_from(["round", "segmental", "pointed"]),
     backfill=st.sampled_from([None, "fill"]),
 )
+# The lowest wedges of the backfill, two courses high, are half as large as the box around them.
+@example(span=3.9915048473123855, depth=0.5132076197358473, half_voussoirs=7, beside=0.77, shape="round", backfill="fill")
 def test_any_arch_is_sound(tmp_path_factory, span, depth, half_voussoirs, beside, shape, backfill):
     rise = {"round": None, "segmental": 0.3 * span, "pointed": 0.8 * span}[shape]
     crown = 2.0 + (span / 2 if rise is None else rise) + depth * 1.5

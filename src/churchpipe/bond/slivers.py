@@ -74,7 +74,7 @@ def _flaws(polygons: Polygons, cell: UnitCell) -> _Flaws:
         narrow=width < LEAST_WIDTH * cell.b - TOLERANCE,
         low=height < LEAST_HEIGHT * cell.a - TOLERANCE,
         small=area < (LEAST_AREA - TOLERANCE) * cell.a * cell.b,
-        whole=area > (1 - 1e-6) * width * cell.a,
+        whole=area > (1 - 1e-6) * width * np.maximum(height, cell.a),
     )
 
 
