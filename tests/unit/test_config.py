@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import tomli_w
 
+from case_texts import case_file
 from churchpipe.config import Drawing, Generated, ShellSettings, church_sources, read_case, read_variants
 from churchpipe.config.overrides import parse_override, set_key
 from churchpipe.config.plan import Plan, building_of, load_of, materials_of, plan, unit_weights
@@ -36,12 +37,6 @@ direction = [0, 3, 0]
 [rigid]
 flow = ["associative", "non-associative"]
 """
-
-
-def case_file(folder: Path, text: str, name: str = "case.toml") -> Path:
-    path = folder / name
-    path.write_text(text, encoding="utf-8")
-    return path
 
 
 def test_a_case_is_in_si(tmp_path: Path) -> None:

@@ -4,30 +4,12 @@ from pathlib import Path
 
 import pytest
 
+from case_texts import WALL, case_file
 from churchpipe.code_check import Floor, Site
 from churchpipe.config import read_case, read_variants
 from churchpipe.config.plan import plan
 from churchpipe.config.site import site_of
 from churchpipe.errors import InputError
-
-WALL = """
-[source]
-generator = "wall"
-length_m = 1.2
-brick_mm = [400, 250, 200]
-courses = 3
-[material.default]
-unit_weight_kN_m3 = 18
-friction = 0.6
-[[load]]
-direction = [0, 1, 0]
-"""
-
-
-def case_file(folder: Path, text: str) -> Path:
-    path = folder / "case.toml"
-    path.write_text(text, encoding="utf-8")
-    return path
 
 
 def test_the_check_is_read_in_either_unit(tmp_path: Path) -> None:

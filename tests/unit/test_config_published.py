@@ -4,45 +4,32 @@ from pathlib import Path
 
 import pytest
 
+from case_texts import WALL, case_file
 from churchpipe.config import read_case, read_variants
 from churchpipe.config.plan import plan
 from churchpipe.config.published import Published
 from churchpipe.errors import InputError
 from churchpipe.resources import pipeline_folder
 
-WALL = """
-[source]
-generator = "wall"
-length_m = 1.2
-brick_mm = [400, 250, 200]
-courses = 3
-[material.default]
-unit_weight_kN_m3 = 18
-friction = 0.6
-[[load]]
-direction = [0, 1, 0]
-[[load]]
+TWO_LOADS = (
+    WALL
+    + """[[load]]
 direction = [1, 0, 0]
 name = "along"
 [rigid]
 flow = ["associative", "non-associative"]
 """
+)
 CITED = '[[published]]\nload = "+y"\nmodel = "rigid"\nflow = "associative"\nload_factor = 0.5\nsource = "Book, p. 3"\n'
-
-
-def case_file(folder: Path, text: str) -> Path:
-    path = folder / "case.toml"
-    path.write_text(text, encoding="utf-8")
-    return path
 
 
 def test_published_values_are_read(tmp_path: Path) -> None:
     measured = '[[published]]\nload = "along"\nmodel = "experiment"\nload_factor = 1.25\nsource = "Test 7"\nfriction = 0.6\n'
-    assert read_case(case_file(tmp_path, WALL + CITED + measured)).published == (
+    assert read_case(case_file(tmp_path, TWO_LOADS + CITED + measured)).published == (
         Published("+y", "rigid", "associative", 0.5, "Book, p. 3"),
         Published("along", "experiment", None, 1.25, "Test 7", 0.6),
     )
-    assert read_case(case_file(tmp_path, WALL)).published == ()
+    assert read_case(case_file(tmp_path, TWO_LOADS)).published == ()
 
 
 @pytest.mark.parametrize(
@@ -64,13 +51,13 @@ def test_published_values_are_read(tmp_path: Path) -> None:
 def test_a_published_value_that_fits_nothing(old: str, new: str, said: str, tmp_path: Path) -> None:
     assert old in CITED
     with pytest.raises(InputError) as error:
-        read_case(case_file(tmp_path, WALL + CITED.replace(old, new)))
+        read_case(case_file(tmp_path, TWO_LOADS + CITED.replace(old, new)))
     assert said in str(error.value)
 
 
 def test_published_values_are_no_settings_of_a_solve(tmp_path: Path) -> None:
-    without = plan(read_variants(case_file(tmp_path, WALL)))
-    cited = plan(read_variants(case_file(tmp_path, WALL + CITED)))
+    without = plan(read_variants(case_file(tmp_path, TWO_LOADS)))
+    cited = plan(read_variants(case_file(tmp_path, TWO_LOADS + CITED)))
     assert (cited.analyses, cited.geometries) == (without.analyses, without.geometries)
     assert without.index["published"] == []
     assert cited.index["published"] == [
@@ -102,7 +89,7 @@ def test_the_church_cites_table_2() -> None:
 
 
 def test_starts_of_the_iteration(tmp_path: Path) -> None:
-    path = case_file(tmp_path, WALL)
+    path = case_file(tmp_path, TWO_LOADS)
     assert read_case(path).rigid.start is None
     assert read_case(path, ["rigid.start=uniform"]).rigid.start == ("uniform",)
     both = ['rigid.start=["associative", "uniform"]', "rigid.gap_tolerance=1e-4"]

@@ -8,17 +8,16 @@ from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 from churchpipe.config.case import read_case
-from churchpipe.derive.blocks import derive_blocks
 from churchpipe.derive.contacts import find_contacts
 from churchpipe.derive.match import match_models
 from churchpipe.derive.shell import derive_shell
-from churchpipe.derive.soundness import check_soundness, unsupported_stones
 from churchpipe.dxf.reader import read_dxf
 from churchpipe.dxf.writer import write_dxf
 from churchpipe.errors import InputError
 from churchpipe.generators import apse, chapel, tower
 from churchpipe.model.materials import Material
 from churchpipe.resources import pipeline_folder
+from sound import laid
 
 PHASES = (Phase.explicit, Phase.generate)
 STONE = Material("default", 18e3, 0.6)
@@ -44,15 +43,6 @@ WINDOW = {
 }
 TOWER = {"course": 0.25, "stone_length": 0.5, "width": 4.0, "height": 3.0, "thickness": 0.6, "plan": "round"}
 DOOR = {"name": "door", "wall": "round", "centre": 0.0, "width": 1.0, "springing": 1.5, "voussoirs": 9, "depth": 0.3}
-
-
-def laid(building):
-    """The stones and contacts of a building; the volume identity, to 1e-9, is checked while laying."""
-    stones = derive_blocks(building)
-    contacts = find_contacts(stones)
-    check_soundness(stones, contacts)
-    assert not len(unsupported_stones(stones, contacts))
-    return stones, contacts
 
 
 def test_a_window_takes_out_what_a_prism_takes_out():

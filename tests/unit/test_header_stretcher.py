@@ -13,28 +13,19 @@ from churchpipe.derive.contacts import find_contacts
 from churchpipe.derive.match import match_models
 from churchpipe.derive.panels import fit_panels
 from churchpipe.derive.shell import derive_shell
-from churchpipe.derive.soundness import check_soundness, unsupported_stones
 from churchpipe.dxf.reader import read_dxf
 from churchpipe.dxf.writer import write_dxf
 from churchpipe.errors import InputError
 from churchpipe.generators import apse, box, chapel, tower, wall
 from churchpipe.homogenised_shell.stiffness import wall_stiffness
 from churchpipe.model.materials import Elastic, Material
+from sound import laid
 
 PHASES = (Phase.explicit, Phase.generate)
 STONE = Material("default", 18e3, 0.6)
 # A wall of six stretchers; brickwork's proportions: two leaves as deep as half a stretcher.
 WALL = {"length": 3.0, "brick": (0.5, 0.25, 0.2), "courses": 6, "pattern": "header-stretcher", "joints": "bay"}
 TOWER = {"course": 0.25, "stone_length": 0.5, "width": 3.0, "depth": 3.2, "height": 4.0, "thickness": 0.6}
-
-
-def laid(building):
-    """The stones and contacts of a building; the volume identity, to 1e-9, is checked while laying."""
-    stones = derive_blocks(building)
-    contacts = find_contacts(stones)
-    check_soundness(stones, contacts)
-    assert not len(unsupported_stones(stones, contacts))
-    return stones, contacts
 
 
 def unyielding(building):

@@ -1,10 +1,12 @@
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
+from churchpipe.conic.interior_point.loop import Ending, solve_coupled
 from churchpipe.errors import InputError
-from churchpipe.homogenised_shell import point_strength
+from churchpipe.homogenised_shell import condensed, point_strength
 from churchpipe.homogenised_shell.element import shell_elements, surface_load
 from churchpipe.homogenised_shell.limit import shell_limit_analysis
 from churchpipe.homogenised_shell.loads import dead_pressure, live_pressure
@@ -167,3 +169,21 @@ def test_what_cannot_be_analysed_is_named() -> None:
         shell_limit_analysis(wall(surface_weight=np.zeros(36)), ASKEW, MASONRY)
     with pytest.raises(InputError, match="valid for"):
         shell_limit_analysis(wall(), ASKEW, [Material("default", 1.0, 1.2)])
+
+
+def test_where_one_compliance_lent_fails_the_next_is_tried(monkeypatch: pytest.MonkeyPatch) -> None:
+    expected = shell_limit_analysis(portal(False), ASKEW, MASONRY, membrane="CST", solver="interior-point")
+    tried: list[int] = []
+
+    def failing(*arguments: Any) -> Ending:
+        ending = solve_coupled(*arguments)
+        tried.append(ending.info.iteration)
+        return replace(ending, status="failed") if len(tried) in (1, 3) else ending
+
+    monkeypatch.setattr(condensed, "solve_coupled", failing)
+    state = shell_limit_analysis(portal(False), ASKEW, MASONRY, membrane="CST", solver="interior-point")
+    assert state.status == "optimal"
+    assert state.load_factor == pytest.approx(expected.load_factor, rel=1e-6)
+    # Dead load and limit load twice each; what the first attempt took counts.
+    assert len(tried) == 4
+    assert state.iterations == tried[2] + tried[3]

@@ -2,14 +2,14 @@
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 
 from churchpipe.bond.voussoir import ring_outline
 from churchpipe.errors import InputError
-from churchpipe.generators.checks import one_of, positive, whole
+from churchpipe.generators.checks import one_of, positive, taken, whole
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, Opening, UnitCell
 
@@ -86,16 +86,7 @@ class Hole:
 
 def opening_of(where: str, value: ArchedOpening | Given) -> ArchedOpening:
     """Return an opening that is given as such or as a mapping of its fields."""
-    if isinstance(value, ArchedOpening):
-        return value
-    known = {f.name: f for f in fields(ArchedOpening)}
-    for key in value:
-        if key not in known:
-            raise InputError(f"{where}.{key}", "unknown key", expected=", ".join(known))
-    for key in list(known)[:7]:
-        if key not in value:
-            raise InputError(f"{where}.{key}", "missing")
-    return ArchedOpening(**value)
+    return taken(ArchedOpening, where, value)
 
 
 def holes(openings: Iterable[ArchedOpening], wall: str) -> list[Hole]:

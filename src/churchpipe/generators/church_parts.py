@@ -1,11 +1,9 @@
 """The parts of a church as an engineer lists them."""
 
-from collections.abc import Mapping
-from dataclasses import MISSING, dataclass, fields
+from dataclasses import dataclass, fields
 from typing import Any, Literal
 
-from churchpipe.errors import InputError
-from churchpipe.generators.checks import one_of, positive
+from churchpipe.generators.checks import one_of, positive, taken
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,15 +82,7 @@ def part_of(kind: type[Any], where: str, value: Any) -> Any:
     """Return a part that is given as such or as a mapping of its fields, its lengths checked; None for None."""
     if value is None:
         return None
-    if isinstance(value, Mapping):
-        known = {f.name: f for f in fields(kind)}
-        for key in value:
-            if key not in known:
-                raise InputError(f"{where}.{key}", "unknown key", expected=", ".join(known))
-        for key, item in known.items():
-            if item.default is MISSING and key not in value:
-                raise InputError(f"{where}.{key}", "missing")
-        value = kind(**value)
+    value = taken(kind, where, value)
     for item in fields(value):
         length = getattr(value, item.name)
         if isinstance(length, float | int) and item.name != "centre":

@@ -1,13 +1,13 @@
 """Rectangular doors and windows with lintels."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from churchpipe.errors import InputError
-from churchpipe.generators.checks import positive, whole
+from churchpipe.generators.checks import positive, taken, whole
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, Opening, UnitCell
 
@@ -36,16 +36,7 @@ OpeningLike = RectangularOpening | Mapping[str, Any]
 
 def opening_from(where: str, value: OpeningLike) -> RectangularOpening:
     """Return an opening that is given as such or as a mapping of its fields."""
-    if isinstance(value, RectangularOpening):
-        return value
-    known = [f.name for f in fields(RectangularOpening)]
-    for key in value:
-        if key not in known:
-            raise InputError(f"{where}.{key}", "unknown key", expected=", ".join(known))
-    for key in known[:3]:
-        if key not in value:
-            raise InputError(f"{where}.{key}", "missing")
-    return RectangularOpening(**value)
+    return taken(RectangularOpening, where, value)
 
 
 def rectangle(s0: float, t0: float, s1: float, t1: float) -> FloatArray:

@@ -1,12 +1,12 @@
 """The bonds of a building's walls: one for all, others for walls that are listed."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from churchpipe.errors import InputError
 from churchpipe.generators.arched import ArchedOpening, Given
-from churchpipe.generators.checks import positive
+from churchpipe.generators.checks import positive, taken
 from churchpipe.generators.masonry import Headers, Pattern, check_bond
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, UnitCell
@@ -52,16 +52,7 @@ class Bonding:
 
 def wall_bond(where: str, value: WallBond | Given) -> WallBond:
     """Return the bond of some walls that is given as such or as a mapping of its fields."""
-    if isinstance(value, WallBond):
-        return value
-    known = [f.name for f in fields(WallBond)]
-    for key in value:
-        if key not in known:
-            raise InputError(f"{where}.{key}", "unknown key", expected=", ".join(known))
-    for key in known[:2]:
-        if key not in value:
-            raise InputError(f"{where}.{key}", "missing")
-    return WallBond(**value)
+    return taken(WallBond, where, value)
 
 
 def check_walls(bonding: Bonding, known: Sequence[str], where: str) -> None:

@@ -17,7 +17,7 @@ from churchpipe.conic.interior_point.coupling import Coupling
 from churchpipe.conic.interior_point.dense import DenseProblems
 from churchpipe.conic.interior_point.iterate import Iterate
 from churchpipe.conic.interior_point.local import LocalProblems
-from churchpipe.conic.interior_point.loop import Ending, interior_start, solve_coupled
+from churchpipe.conic.interior_point.loop import interior_start, solve_coupled
 from churchpipe.conic.interior_point.nonnegative import Nonnegative
 from churchpipe.conic.interior_point.normal import NormalMatrix
 from churchpipe.conic.interior_point.problem import CoupledProblem
@@ -35,9 +35,9 @@ from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
 
 TOLERANCE = 1e-6
-# Compliance lent to the steps of a limit analysis, shared out by area: the same per volume in every mesh. Without, nothing holds
-# M12, nor stresses far from all planes; it leaves no trace in the solution. Where that is too little, each point gets the second.
-_PROXIMAL, _MORE = 2e-6, 1e-9
+# Compliance lent to the steps of a limit analysis with planes, the same per volume in every mesh. Without, nothing holds M12, nor
+# stresses far from all planes; it leaves no trace in the solution. On fine meshes some walls need more: as much at each point.
+_BY_AREA, _BY_POINT = 2e-6, 1e-9
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,14 +112,18 @@ class CondensedShell:
         compliance_abq: (6, 6, nq), none for limit analysis. origin: local variables (d, nq), zero by default.
         """
         settings = settings or Settings(error=1e-10, residual=1e-10, acceptable=TOLERANCE)
-        share = self.elements.weight / self.elements.weight.sum()
-        problem, ending = self._ending(dead, live, compliance, origin, reward, cap, _PROXIMAL * share, settings)
-        if ending.status in ("running", "failed") and compliance is None and problem.local.dimension == 6:
-            problem, ending = self._ending(dead, live, None, origin, reward, cap, np.full_like(share, _MORE), settings)
+        iterations = 0
+        for lent in self._lent(compliance):
+            problem = self._problem(dead, live, compliance, origin, reward, cap, lent)
+            system = self._system(problem.local.dimension)
+            ending = solve_coupled(problem, system.normal, system.cholesky, interior_start(problem, settings), settings)
+            iterations += ending.info.iteration
+            if ending.status not in ("running", "failed"):
+                break
         outcome = "failed" if ending.status == "running" else ending.status
         # A certificate of infeasibility is a mechanism: as long as its largest entry allows.
         theta = ending.at.theta if outcome != "infeasible" else float(np.abs(ending.at.y).max())
-        return self._state(problem, ending.at, theta, outcome, ending.info.error, ending.info.iteration, ending.message)
+        return self._state(problem, ending.at, theta, outcome, ending.info.error, iterations, ending.message)
 
     def solve_directly(self, dead: FloatArray | None, live: FloatArray | None, cap: float = np.inf) -> StressState:
         """Return the stresses with the largest load by Clarabel."""
@@ -136,20 +140,12 @@ class CondensedShell:
         at, outcome, iterations, message = solve_directly(problem, matrix)
         return self._state(problem, at, 1.0, outcome, np.nan, iterations, message)
 
-    def _ending(
-        self,
-        dead: FloatArray | None,
-        live: FloatArray | None,
-        compliance: FloatArray | None,
-        origin: FloatArray | None,
-        reward: float,
-        cap: float,
-        lent: FloatArray,
-        settings: Settings,
-    ) -> tuple[CoupledProblem, Ending]:
-        problem = self._problem(dead, live, compliance, origin, reward, cap, lent)
-        system = self._system(problem.local.dimension)
-        return problem, solve_coupled(problem, system.normal, system.cholesky, interior_start(problem, settings), settings)
+    def _lent(self, compliance: FloatArray | None) -> list[FloatArray]:
+        """Return the compliances (nq,) to lend to the steps, each to be tried where the one before fails."""
+        count = len(self.elements.facet)
+        if compliance is not None or not isinstance(self.strength.cones[0], Nonnegative):
+            return [np.zeros(count)]
+        return [_BY_AREA * self.elements.weight / self.elements.weight.sum(), np.full(count, _BY_POINT)]
 
     def _problem(
         self,
@@ -159,15 +155,13 @@ class CondensedShell:
         origin: FloatArray | None,
         reward: float,
         cap: float,
-        proximal: FloatArray,
+        lent: FloatArray,
     ) -> CoupledProblem:
         law = self.strength
         d, nq = law.inner.shape
         quadratic = np.zeros((d, d, nq) if compliance is not None or d == 6 else (0, 0, 0))
-        lent = np.broadcast_to(proximal, (d, nq))
         if compliance is not None:
             quadratic = np.einsum("aiq,abq,bjq->ijq", law.of, compliance, law.of, optimize=True)
-            lent = np.zeros((d, nq))
         linear = np.zeros((d, nq)) if origin is None else -np.einsum("ijq,jq->iq", quadratic, origin)
         if isinstance(law.cones[0], Nonnegative):
             local: LocalProblems = PlanePoints(quadratic, linear, law.matrix, law.right, law.inner, lent)
@@ -176,7 +170,7 @@ class CondensedShell:
             nothing = np.zeros(12 * nq)
             local = CoulombPoints(nothing, -np.einsum("rrq->rq", law.matrix)[:12].ravel(), nothing, nothing)
         else:
-            local = DenseProblems(quadratic, linear, law.matrix, law.right, law.cones, law.inner, lent)
+            local = DenseProblems(quadratic, linear, law.matrix, law.right, law.cones, law.inner)
         coupling = self._system(local.dimension).coupling
         rows = coupling.rows
         nothing = np.zeros(self.loads.equilibrium.shape[0])

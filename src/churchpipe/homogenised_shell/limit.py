@@ -110,7 +110,9 @@ def _decided(elements: ShellElements, found: Bounds) -> ShellLimitState:
         message = f"{message}; bounds {found.lower:.8g} and {found.upper:.8g}"
     elif found.lintels > _TOLERANCE * found.upper:
         share = found.lintels / found.upper
-        message = f"lintels reach their tension of {LINTEL_TENSION:g} weights per longest side, {share:.1e} of the dissipation"
+        message = (
+            f"lintels reach their tension, {LINTEL_TENSION:g} x weight / longest side; {share:.1e} of the dissipation is theirs"
+        )
     return _state(elements, found, "optimal" if agree and found.outcome == "solved" else "failed", message)
 
 

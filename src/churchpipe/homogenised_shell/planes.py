@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numba
 import numpy as np
 
-from churchpipe.conic.interior_point.cones import Cone, Scaling
+from churchpipe.conic.interior_point.cones import Scaling
+from churchpipe.conic.interior_point.dense import DenseProblems
 from churchpipe.conic.interior_point.nonnegative import Nonnegative, NonnegativeScaling
 from churchpipe.model.arrays import FloatArray, IntArray
 
@@ -39,13 +40,8 @@ class PlaneCompliance:
         return out
 
 
-class PlanePoints:
-    """minimise 1/2 x Q x + linear x,  G x + s = right,  s >= 0  at each point.
-
-    quadratic_ijk: Q (d, d, count), positive semidefinite; linear (d, count); matrix_rik: G (planes, d, count); right (planes,
-    count); inner (d, count): inside; proximal (d, count): added to the diagonal of Q in the steps alone. Q + proximal + G^T D G
-    must be positive definite for every positive diagonal D.
-    """
+class PlanePoints(DenseProblems):
+    """Local problems whose rows are all planes; quadratic, linear, matrix, right, inner, proximal: as in `DenseProblems`."""
 
     def __init__(
         self,
@@ -56,26 +52,8 @@ class PlanePoints:
         inner: FloatArray,
         proximal: FloatArray,
     ) -> None:
-        self.linear, self.right = linear, right.ravel()
-        self.dimension, self.count = linear.shape
-        self.cones: tuple[Cone, ...] = (Nonnegative(len(right), self.count),)
-        self._matrix, self._inner = matrix, inner
-        self.curved = bool(quadratic.any())
-        self._quadratic = quadratic
-        self._root = _root(quadratic, proximal)
+        super().__init__(quadratic, linear, matrix, right, (Nonnegative(len(right), linear.shape[1]),), inner, proximal)
         self._last: PlaneCompliance | None = None
-
-    def quadratic(self, x: FloatArray) -> FloatArray:
-        """Return Q x."""
-        return np.einsum("ijk,jk->ik", self._quadratic, x) if self.curved else np.zeros_like(x)
-
-    def apply(self, x: FloatArray) -> FloatArray:
-        """Return G x."""
-        return np.einsum("rik,ik->rk", self._matrix, x).ravel()
-
-    def transpose(self, z: FloatArray) -> FloatArray:
-        """Return G^T z."""
-        return np.einsum("rik,rk->ik", self._matrix, z.reshape(-1, self.count))
 
     def compliance(self, scalings: Sequence[Scaling]) -> PlaneCompliance:
         """Return (Q + proximal + G^T W^-2 G)^-1."""
@@ -98,17 +76,6 @@ class PlanePoints:
         more = np.empty((len(self._matrix), self.count))
         _push(self._last.triangle, self._last.column, self._last.rows, lack, more)
         return z + more.ravel()
-
-    def interior(self, _size: FloatArray) -> FloatArray:
-        """Return the given interior point, whatever the size."""
-        return self._inner
-
-
-def _root(quadratic: FloatArray, proximal: FloatArray) -> FloatArray:
-    """Return U_ijk with U^T U = quadratic + proximal, without the rows that vanish everywhere."""
-    values, vectors = np.linalg.eigh(np.moveaxis(quadratic + np.eye(len(quadratic))[:, :, None] * proximal, 2, 0))
-    root = np.moveaxis(np.sqrt(np.maximum(values, 0.0))[:, :, None] * np.swapaxes(vectors, 1, 2), 0, 2)
-    return np.ascontiguousarray(root[np.abs(root).max(axis=(1, 2)) > 0])
 
 
 @numba.njit(cache=True, error_model="numpy")

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from churchpipe.conic.interior_point.cones import Cone, Scaling
+from churchpipe.conic.interior_point.local import Compliance
 from churchpipe.conic.interior_point.nonnegative import NonnegativeScaling
 from churchpipe.conic.interior_point.second_order import SecondOrderScaling
 from churchpipe.model.arrays import FloatArray
@@ -29,7 +30,8 @@ class DenseProblems:
     """quadratic_ijk (d, d, count) positive semidefinite; linear (d, count); matrix_rik (rows, d, count); right (rows, count).
 
     The cones take the rows in order (second-order cones: component first); inner (d, count) is an interior point.
-    Q + G^T D G must be positive definite for every positive diagonal D.
+    proximal (count,) or (d, count), if given, is added to the diagonal of Q in the steps alone. With it Q + G^T D G must be
+    positive definite for every positive diagonal D.
     """
 
     def __init__(
@@ -50,7 +52,7 @@ class DenseProblems:
 
     def quadratic(self, x: FloatArray) -> FloatArray:
         """Return Q x."""
-        return np.einsum("ijk,jk->ik", self.quadratic_matrix, x)
+        return np.einsum("ijk,jk->ik", self.quadratic_matrix, x) if self.curved else np.zeros_like(x)
 
     def apply(self, x: FloatArray) -> FloatArray:
         """Return G x."""
@@ -60,7 +62,7 @@ class DenseProblems:
         """Return G^T z."""
         return np.einsum("rik,rk->ik", self._matrix, z.reshape(-1, self.count))
 
-    def compliance(self, scalings: Sequence[Scaling]) -> DenseCompliance:
+    def compliance(self, scalings: Sequence[Scaling]) -> Compliance:
         """Return (Q + G^T W^-2 G)^-1, each small matrix brought to a unit diagonal first."""
         # Rows of a matrix whose square is the stiffness: its small eigenvalues, far below the largest, keep their digits.
         parts = [self._root]
