@@ -88,7 +88,7 @@ def dual_value(program: ConeProgram, x: np.ndarray, y: np.ndarray) -> float:
 )
 def test_every_kind_of_point_agrees_with_clarabel(options: dict[str, float]) -> None:
     program = stated(three_stones(), **options)
-    ours, reference = solve_interior_point(program), solve_clarabel(program)
+    ours, reference = solve_interior_point(program, Settings(error=1e-7)), solve_clarabel(program)
     assert ours.outcome == reference.outcome == "solved"
 
     def value(answer: ConeSolution) -> float:

@@ -12,12 +12,18 @@ from churchpipe.conic.interior_point.cones import Cone, ProductCone
 from churchpipe.conic.interior_point.coulomb import CoulombPoints
 from churchpipe.conic.interior_point.coupling import Coupling
 from churchpipe.conic.interior_point.dense import DenseProblems
+from churchpipe.conic.interior_point.iterate import Iterate
 from churchpipe.conic.interior_point.loop import interior_start, solve_coupled
 from churchpipe.conic.interior_point.nonnegative import Nonnegative
 from churchpipe.conic.interior_point.normal import NormalMatrix
 from churchpipe.conic.interior_point.problem import CoupledProblem
 from churchpipe.conic.interior_point.second_order import SecondOrder
 from churchpipe.conic.interior_point.settings import Settings
+from churchpipe.conic.interior_point.wrenches import WrenchCoupling, as_wrenches
+from churchpipe.generators import arch_piers
+from churchpipe.model.loads import LoadCase
+from churchpipe.rigid_blocks.equilibrium import equilibrium
+from sound import laid
 
 cp: Any = cvxpy
 rng = np.random.default_rng(1)
@@ -42,8 +48,68 @@ def test_scaling_maps_both_points_to_one() -> None:
 def test_longest_step_ends_on_the_boundary() -> None:
     product = ProductCone([SecondOrder(3, 1, 200), Nonnegative(1, 200)])
     s, step = interior(product), rng.normal(size=product.size)
-    length = float(product.longest_steps(s, step, step, np.zeros(1))[0])
+    length = 1.0 / float(product.rates(s, step, step, np.zeros(1)).max())
     assert product.margin(s + 0.999 * length * step) > 0 > product.margin(s + 1.001 * length * step)
+
+
+def test_multipliers_that_block_first_stop_short_alone() -> None:
+    count = 400
+    local = CoulombPoints(np.zeros(count), np.full(count, 0.6), np.zeros(count), np.zeros(count))
+    plain = sp.csc_matrix(sp.random(6, 3 * count, density=0.5, random_state=1))
+    problem = CoupledProblem(local, Coupling(plain, 3, 6), np.zeros(6), np.ones(6))
+    cone = problem.cone
+    s, z = interior(cone), interior(cone)
+    step = Iterate(np.ones(3 * count), 1.0, np.ones(6), 0.1 * s, -0.5 * z, 0.0, 0.0)
+    at = Iterate(np.ones(3 * count), 1.0, np.ones(6), s, z, 1.0, 1.0)
+    # Two cones would leave at .25 and .4 of the step, the others at 2.
+    step.z.reshape(3, -1)[:, 7] *= 8.0
+    step.z.reshape(3, -1)[:, 9] *= 5.0
+    assert at.longest_step(problem, step) == pytest.approx(0.25)
+    assert at.longest_step(problem, step, 1) == pytest.approx(0.4)
+    assert at.longest_step(problem, step, 2) == pytest.approx(2.0)
+    new, length = at.stepped(problem, step, 0.99, 2)
+    assert length == 1.0
+    np.testing.assert_array_equal(new.s, s + step.s)
+    went = ((new.z - z) / step.z).reshape(3, -1)
+    assert went[:, 7] == pytest.approx(0.8 * 0.25)
+    assert went[:, 9] == pytest.approx(0.8 * 0.4)
+    assert np.delete(went, [7, 9], axis=1) == pytest.approx(1.0)
+    assert cone.margin(new.z) > 0
+    # Slacks are never spared.
+    step.s.reshape(3, -1)[:, 5] = -4.0 * s.reshape(3, -1)[:, 5]
+    assert at.stepped(problem, step, 0.99, 2)[1] == pytest.approx(0.99 * 0.25)
+
+
+def test_rates_of_a_product_are_those_of_its_parts() -> None:
+    product = ProductCone([SecondOrder(3, 2, 30), Nonnegative(4, 30)])
+    s, step = interior(product), rng.normal(size=product.size)
+    rates = product.rates(s, step, step, np.array([0.0, 0.5]))
+    assert rates.shape == (2, product.degree)
+    for place in range(product.degree):
+        if rates[0, place] > 1e-6:
+            alone = product.entries((np.arange(product.degree) == place).astype(float))
+            length = 1.0 / rates[0, place]
+            assert product.margin(s + 0.999 * length * alone * step) > -1e-12
+            assert product.margin(s + 1.001 * length * alone * step) < 0
+    np.testing.assert_allclose(rates[1], 1.5 * rates[0], rtol=1e-9)
+
+
+def test_wrenches_multiply_like_their_matrix() -> None:
+    piers = {"course": 0.25, "stone_length": 0.5, "springing": 1.0, "pier_width": 0.9, "thickness": 0.6, "height": 2.5}
+    arch = arch_piers(**piers, span=1.5, voussoirs=9, depth=0.4)
+    balance = equilibrium(*laid(arch), LoadCase((1, 0, 0))).matrix
+    plain = Coupling(balance, 3, 6, by_point=True)
+    wrenches = as_wrenches(plain)
+    assert isinstance(wrenches, WrenchCoupling)
+    assert len(wrenches.frames) < plain.count
+    x, y = rng.normal(size=3 * plain.count), rng.normal(size=plain.rows)
+    np.testing.assert_allclose(wrenches.couple(x), plain.couple(x), rtol=0, atol=1e-13)
+    np.testing.assert_allclose(wrenches.spread(y), plain.spread(y), rtol=0, atol=1e-13)
+    active = rng.random((3, plain.count)) < 0.7
+    np.testing.assert_array_equal(wrenches.masked(active).spread(y), plain.masked(active).spread(y))
+    skewed = sp.csc_matrix(balance)
+    skewed.data[4] += 1e-6
+    assert type(as_wrenches(Coupling(skewed, 3, 6, by_point=True))) is Coupling
 
 
 @pytest.mark.parametrize("kind", ["coulomb", "cohesive", "capped", "smooth", "mixed"])

@@ -17,7 +17,11 @@ class Solve(Protocol):
     """Solves programs of one balance."""
 
     def __call__(self, program: ConeProgram, /, *, error: float | None = None) -> ConeSolution:
-        """Solve a program; `error`: relative error of the objective that will do, for solvers that can stop early."""
+        """Solve a program.
+
+        error: relative error of the objective that will do, for solvers that can stop early. Where it is given, the forces and
+        velocities matter too: of all optimal ones the most central are wanted.
+        """
         ...
 
 
@@ -68,12 +72,12 @@ def _with_fallback(first: Solve, second: Solve) -> Solve:
 def _checked_own(balance: sp.csc_matrix[np.float64]) -> Solve:
     """Return our own solver, which stops as early as it may."""
     from churchpipe.conic.interior_point import InteriorPointSolver
-    from churchpipe.conic.interior_point.settings import Settings
+    from churchpipe.conic.interior_point.settings import CENTRAL
 
     own = InteriorPointSolver(balance)
 
     def solve(program: ConeProgram, error: float | None) -> ConeSolution:
-        return own.solve(program, None if error is None else Settings(error=error))
+        return own.solve(program, None if error is None else replace(CENTRAL, error=error))
 
     return _checked(solve)
 

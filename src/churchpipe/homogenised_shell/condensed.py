@@ -5,7 +5,7 @@ stiffness matrix, K = sum B^T (Q + G^T D G)^-1 B, analysed once for dead load, l
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.sparse as sp
@@ -21,7 +21,7 @@ from churchpipe.conic.interior_point.loop import interior_start, solve_coupled
 from churchpipe.conic.interior_point.nonnegative import Nonnegative
 from churchpipe.conic.interior_point.normal import NormalMatrix
 from churchpipe.conic.interior_point.problem import CoupledProblem
-from churchpipe.conic.interior_point.settings import Settings
+from churchpipe.conic.interior_point.settings import CENTRAL, Settings
 from churchpipe.conic.program import Outcome
 from churchpipe.homogenised_shell.direct import solve_directly
 from churchpipe.homogenised_shell.element import ShellElements
@@ -111,7 +111,7 @@ class CondensedShell:
         dead, live: loads (m,) over the weight, the second multiplied by the load (at most `cap`); None for nothing.
         compliance_abq: (6, 6, nq), none for limit analysis. origin: local variables (d, nq), zero by default.
         """
-        settings = settings or Settings(error=1e-10, residual=1e-10, acceptable=TOLERANCE)
+        settings = settings or replace(CENTRAL, error=1e-10, residual=1e-10, acceptable=TOLERANCE)
         iterations = 0
         for lent in self._lent(compliance):
             problem = self._problem(dead, live, compliance, origin, reward, cap, lent)

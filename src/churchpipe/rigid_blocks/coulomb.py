@@ -21,6 +21,9 @@ from churchpipe.model.arrays import FloatArray
 from churchpipe.rigid_blocks.certificate import FLOW_TOLERANCE, Strength, cone_violation
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
 
+# Error of programs whose forces or velocities are wanted as good as they come.
+EXACT = 1e-7
+
 
 @dataclass(frozen=True, slots=True)
 class CoulombState:
@@ -49,7 +52,7 @@ def sliding_velocities(
     n: FloatArray,
     solve: Solve,
     *,
-    error: float | None = None,
+    error: float = EXACT,
     stressed: tuple[FloatArray, FloatArray] | None = None,
 ) -> FloatArray | None:
     """Return the velocities (6 nf,) of P(n), or None when it is not solved.
@@ -74,7 +77,7 @@ def coulomb_state(
 ) -> CoulombState | None:
     """Return the Coulomb state of forces x (nc, 3) with the velocities that fit them best, or None when P(n) is not solved."""
     limit = strength.friction * np.maximum(x[:, 0], 0.0) + strength.cohesion
-    answer = solve(sliding_program(balance, limit))
+    answer = solve(sliding_program(balance, limit), error=EXACT)
     if answer.outcome != "solved":
         return None
     return CoulombState(x=x, load_factor=load_factor, y=answer.y, gap=bipotential_gap(balance, strength, x, answer.y))
@@ -112,7 +115,7 @@ def nearest_forces(
     solve: Solve,
     *,
     nearness: float,
-    error: float | None = None,
+    error: float = EXACT,
     excess: FloatArray | None = None,
 ) -> tuple[FloatArray, float] | None:
     """Return forces (nc, 3) in the true cones, near the normal forces n, that do the least work against sliding y.

@@ -45,13 +45,15 @@ def _end(balance: Equilibrium, strength: Strength, state: CoulombState, sign: fl
     reach, bound, price = within[1], np.inf, _PRICE
     for _ in range(_PROGRAMS):
         program = _priced_program(balance, strength, state, sign, price)
-        answer = solve(program, error=min(max(1e-5 / price, 1e-7), 1e-6))
+        error = min(max(1e-5 / price, 1e-7), 1e-6)
+        answer = solve(program, error=error)
         if answer.outcome != "solved":
             break
         x, multiplier = restore_balance(program, answer.x, answer.tau)
         load_factor = multiplier if sign + price > 0 else -multiplier
         found = bipotential_gap(balance, strength, x, state.y), sign * load_factor
-        bound = min(bound, found[1] + price * (allowed - found[0]))
+        # The program's own error counts as much more as its objective is larger.
+        bound = min(bound, found[1] + price * (allowed - found[0]) + error * abs(sign + price) * size)
         if found[0] > allowed:
             beyond = found
         elif found[1] > within[1]:

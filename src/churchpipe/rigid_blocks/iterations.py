@@ -11,6 +11,7 @@ from churchpipe.model.arrays import FloatArray
 from churchpipe.model.results import Iteration
 from churchpipe.rigid_blocks.certificate import Strength
 from churchpipe.rigid_blocks.coulomb import (
+    EXACT,
     CoulombState,
     bipotential_gap,
     friction_violation,
@@ -122,7 +123,7 @@ def paper_iteration(
         mixed = settings.beta * n + (1 - settings.beta) * n_before
         limit = mixed * (1 + settings.slope) * mu + strength.cohesion + floor
         program = ConeProgram(balance.matrix, balance.dead, balance.live, limit, -settings.slope * mu, zero, zero)
-        answer = solve(program)
+        answer = solve(program, error=EXACT)
         if answer.outcome != "solved":
             break
         latest = answer

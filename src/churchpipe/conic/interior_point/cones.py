@@ -88,11 +88,18 @@ class ProductCone:
         """Return the smallest eigenvalue."""
         return min((cone.margin(part) for cone, part in zip(self.cones, self.split(s), strict=True)), default=np.inf)
 
-    def longest_steps(self, s: FloatArray, step: FloatArray, more: FloatArray, weights: FloatArray) -> FloatArray:
-        """Return the largest t with s + t (step + weight more) in all cones, for every weight."""
+    def rates(self, s: FloatArray, step: FloatArray, more: FloatArray, weights: FloatArray) -> FloatArray:
+        """Return 1 / t for the largest t with s + t (step + weight more) in each cone, (weights, cones)."""
         parts = zip(self.cones, self.split(s), self.split(step), self.split(more), strict=True)
-        lengths = [cone.longest_steps(a, b, c, weights) for cone, a, b, c in parts]
-        return np.min(lengths, axis=0) if lengths else np.full(len(weights), np.inf)
+        rates = [cone.rates(a, b, c, weights) for cone, a, b, c in parts]
+        if len(rates) == 1:
+            return rates[0]
+        return np.concatenate(rates, axis=1) if rates else np.zeros((len(weights), 0))
+
+    def entries(self, values: FloatArray) -> FloatArray:
+        """Return a value of each cone (cones,) at each entry of the flat vector."""
+        ends = np.cumsum([cone.degree for cone in self.cones])[:-1]
+        return self.join([cone.entries(part) for cone, part in zip(self.cones, np.split(values, ends), strict=True)])
 
     def scaling(self, s: FloatArray, z: FloatArray) -> ProductScaling:
         """Return the Nesterov-Todd scaling of interior s and z."""

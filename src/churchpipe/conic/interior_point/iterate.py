@@ -2,10 +2,14 @@
 
 from dataclasses import dataclass
 
+import numba
 import numpy as np
 
 from churchpipe.conic.interior_point.problem import CoupledProblem
 from churchpipe.model.arrays import FloatArray
+
+# A multiplier that would leave its cone before the others goes this share of its own way.
+_SHORT = 0.8
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,29 +27,52 @@ class Iterate:
     theta: float
     kappa: float
 
-    def moved(self, step: "Iterate", length: float) -> "Iterate":
-        """Return self + length step."""
+    def moved(self, step: "Iterate", length: float, z_length: FloatArray | None = None) -> "Iterate":
+        """Return self + length step, the multipliers by lengths (rows,) of their own if any are given."""
         return Iterate(
-            self.x + length * step.x,
+            plus(self.x, step.x, length),
             self.load + length * step.load,
-            self.y + length * step.y,
-            self.s + length * step.s,
-            self.z + length * step.z,
+            plus(self.y, step.y, length),
+            plus(self.s, step.s, length),
+            plus(self.z, step.z, length) if z_length is None else self.z + z_length * step.z,
             self.theta + length * step.theta,
             self.kappa + length * step.kappa,
         )
 
-    def longest_step(self, problem: CoupledProblem, step: "Iterate") -> float:
-        """Return the largest length (at most 1e3) along step that keeps s, z, theta and kappa in their cones."""
-        return float(self.longest_steps(problem, step, step, np.zeros(1))[0])
+    def longest_step(self, problem: CoupledProblem, step: "Iterate", spare: int = 0) -> float:
+        """Return the largest length (at most 1e3) along step that keeps s, z, theta and kappa in their cones.
 
-    def longest_steps(self, problem: CoupledProblem, step: "Iterate", more: "Iterate", weights: FloatArray) -> FloatArray:
+        spare: so many of the slacks, and of the multipliers, may leave theirs.
+        """
+        return float(self.longest_steps(problem, step, step, np.zeros(1), spare)[0])
+
+    def longest_steps(
+        self, problem: CoupledProblem, step: "Iterate", more: "Iterate", weights: FloatArray, spare: int = 0
+    ) -> FloatArray:
         """Return the same along step + weight more, for every weight."""
         cone = problem.cone
-        slacks = cone.longest_steps(self.s, step.s, more.s, weights)
-        multipliers = cone.longest_steps(self.z, step.z, more.z, weights)
-        rates = (-(step.theta + weights * more.theta) / self.theta, -(step.kappa + weights * more.kappa) / self.kappa)
-        return np.minimum.reduce([slacks, multipliers, *(1.0 / np.maximum(rate, 1e-3) for rate in rates)])
+        slacks = _steepest(cone.rates(self.s, step.s, more.s, weights), spare)
+        multipliers = _steepest(cone.rates(self.z, step.z, more.z, weights), spare)
+        theta = -(step.theta + weights * more.theta) / self.theta
+        kappa = -(step.kappa + weights * more.kappa) / self.kappa
+        return 1.0 / np.maximum.reduce([slacks, multipliers, theta, kappa, np.full(len(weights), 1e-3)])
+
+    def stepped(self, problem: CoupledProblem, step: "Iterate", fraction: float, spare: int) -> tuple["Iterate", float]:
+        """Return the iterate a `fraction` of the way to where step leaves the cones, at most the whole step, and the length.
+
+        Each of the `spare` multipliers that would leave first stops short of its own boundary: only its local rows, which tell
+        what moves at one point, are left with a residual. Forces that stop short would lose the balance of whole bodies.
+        """
+        cone, once = problem.cone, np.zeros(1)
+        slacks = cone.rates(self.s, step.s, step.s, once)
+        multipliers = cone.rates(self.z, step.z, step.z, once)
+        steepest = max(float(slacks.max(initial=0.0)), -step.theta / self.theta, -step.kappa / self.kappa)
+        length = min(1.0, fraction / max(steepest, float(_steepest(multipliers, spare)[0]), 1e-300))
+        early = multipliers[0] * length > fraction
+        if not early.any():
+            return self.moved(step, length), length
+        own = np.where(early, _SHORT / np.maximum(multipliers[0], 1e-300), length)
+        return self.moved(step, length, cone.entries(own)), length
 
     def mean_product(self, problem: CoupledProblem) -> float:
         """Return mu, the mean complementarity product."""
@@ -59,6 +86,23 @@ class Iterate:
         )
 
 
+def _steepest(rates: FloatArray, spare: int) -> FloatArray:
+    """Return for each row of rates the largest but `spare`."""
+    if not rates.shape[1]:
+        return np.zeros(len(rates))
+    place = rates.shape[1] - 1 - spare
+    return rates.max(axis=1) if not spare else np.partition(rates, place, axis=1)[:, place]
+
+
 def inner(a: FloatArray, b: FloatArray) -> float:
     """Return a . b without BLAS, whose threads cost more than they save on vectors of this length."""
     return float(np.einsum("i,i->", a, b))
+
+
+@numba.njit(cache=True)
+def plus(a: FloatArray, b: FloatArray, factor: float) -> FloatArray:
+    """Return a + factor b in one pass over vectors too long for the cache."""
+    out = np.empty_like(a)
+    for k in range(len(a)):
+        out[k] = a[k] + factor * b[k]
+    return out

@@ -6,7 +6,7 @@ import numpy as np
 
 from churchpipe.conic.cholesky import Cholesky, NotDefiniteError
 from churchpipe.conic.interior_point.cones import ProductScaling
-from churchpipe.conic.interior_point.iterate import inner
+from churchpipe.conic.interior_point.iterate import inner, plus
 from churchpipe.conic.interior_point.normal import NormalMatrix
 from churchpipe.conic.interior_point.problem import CoupledProblem, largest
 from churchpipe.model.arrays import FloatArray
@@ -41,7 +41,10 @@ class Direction:
     def plus(self, other: "Direction", factor: float = 1.0) -> "Direction":
         """Return self + factor other."""
         return Direction(
-            self.x + factor * other.x, self.load + factor * other.load, self.y + factor * other.y, self.z + factor * other.z
+            plus(self.x, other.x, factor),
+            self.load + factor * other.load,
+            plus(self.y, other.y, factor),
+            plus(self.z, other.z, factor),
         )
 
 
@@ -75,10 +78,9 @@ class KktSystem:
         body = np.where(body > 0, body, float(body.max(initial=0.0)) or 1.0)
         shift = regularisation * (diagonal + 1e-8 * np.repeat(body, problem.coupling.block))
         for attempt in range(4):
-            shifted = values.copy()
-            shifted[self._normal.diagonal] += 100.0**attempt * shift
+            values[self._normal.diagonal] = diagonal + 100.0**attempt * shift
             try:
-                self._cholesky.factor(shifted)
+                self._cholesky.factor(values)
                 break
             except NotDefiniteError:
                 if attempt == 3:

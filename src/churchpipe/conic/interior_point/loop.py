@@ -22,6 +22,9 @@ _MOST_CENTRING = 0.03
 _TARGET = 0.3
 # A corrector is added with the weight that reaches farthest (Colombo and Gondzio 2008).
 _WEIGHTS = np.array([1.0, 0.7, 0.4])
+# A few cones of many block a step long before the others. They do not count when directions are judged, until they have held a
+# step below this length.
+_HELD = 0.1
 # A solution is balanced in so many sweeps, to this residual, and may leave its cones by this share of the largest slack.
 _SWEEPS = 8
 _BALANCED = 1e-9
@@ -79,7 +82,7 @@ def solve_coupled(
         try:
             # Overflow ends the loop below; it is no reason to warn.
             with np.errstate(all="ignore"):
-                at, step_length, correctors = _advance(problem, kkt, at, found, settings)
+                at, step_length, correctors = _advance(problem, kkt, at, found, settings, step_length if iteration else 1.0)
         except NotDefiniteError:
             message = "normal matrix lost its definiteness"
             break
@@ -94,12 +97,13 @@ def solve_coupled(
 
 
 def _advance(
-    problem: CoupledProblem, kkt: KktSystem, at: Iterate, found: Residuals, settings: Settings
+    problem: CoupledProblem, kkt: KktSystem, at: Iterate, found: Residuals, settings: Settings, last: float
 ) -> tuple[Iterate, float, int]:
     """Return the next iterate, the step length and the number of centrality correctors that helped."""
     system = NewtonSystem(problem, kkt, at, found, settings)
     affine = system.predictor.move
-    reach = min(1.0, at.longest_step(problem, affine))
+    spare = int(settings.spare * problem.cone.degree) if last > _HELD else 0
+    reach = min(1.0, at.longest_step(problem, affine, spare))
     mean = at.mean_product(problem)
     centring = min((1.0 - reach) ** 3, _MOST_CENTRING)
     target = centring * mean
@@ -107,12 +111,12 @@ def _advance(
     product -= target * problem.cone.identity()
     pair = affine.theta * affine.kappa + at.theta * at.kappa - target
     step = system.direction(1.0 - centring, product, pair)
-    length = at.longest_step(problem, step.move)
+    length = at.longest_step(problem, step.move, spare)
     helped = 0
     while helped < settings.correctors and settings.fraction * length < 1.0:
         fix, fix_pair = centrality_target(problem, system, at, step.move, min(1.0, length + _REACH), max(target, _TARGET * mean))
         corrector = system.corrector(-fix, -fix_pair)
-        lengths = at.longest_steps(problem, step.move, corrector.move, _WEIGHTS)
+        lengths = at.longest_steps(problem, step.move, corrector.move, _WEIGHTS, spare)
         best = int(lengths.argmax())
         longer, weight = float(lengths[best]), float(_WEIGHTS[best])
         if longer < length + _WIN * _REACH:
@@ -120,8 +124,8 @@ def _advance(
         step, length = step.corrected(corrector, weight), longer
         helped += 1
     move = system.refined(step)
-    length = min(1.0, settings.fraction * at.longest_step(problem, move))
-    return at.moved(move, length), length, helped
+    at, length = at.stepped(problem, move, settings.fraction, spare)
+    return at, length, helped
 
 
 def _balanced(problem: CoupledProblem, kkt: KktSystem, at: Iterate) -> Iterate | None:

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from churchpipe.conic.interior_point.iterate import Iterate, inner
+from churchpipe.conic.interior_point.iterate import Iterate, inner, plus
 from churchpipe.conic.interior_point.kkt import Direction, KktSystem, Right
 from churchpipe.conic.interior_point.problem import CoupledProblem
 from churchpipe.conic.interior_point.residuals import Residuals
@@ -30,7 +30,7 @@ class Step:
         """Return self + weight corrector; a corrector removes no residuals."""
         return Step(
             self.share,
-            replace(self.right, pull=self.right.pull + weight * corrector.right.pull),
+            replace(self.right, pull=plus(self.right.pull, corrector.right.pull, weight)),
             self.pair + weight * corrector.pair,
             self.direction.plus(corrector.direction, weight),
             self.move.moved(corrector.move, weight),
@@ -111,8 +111,8 @@ def centrality_target(
 ) -> tuple[FloatArray, float]:
     """Return corrections that bring the complementarity products at `length` into [0.1, 10] target (Gondzio 1996)."""
     low, high = 0.1 * target, 10.0 * target
-    s = system.point + length * system.scaling.solve(step.s)
-    z = system.point + length * system.scaling.apply(step.z)
+    s = plus(system.point, system.scaling.solve(step.s), length)
+    z = plus(system.point, system.scaling.apply(step.z), length)
     fix = problem.cone.recentre(problem.cone.product(s, z), low, high)
     pair = (at.theta + length * step.theta) * (at.kappa + length * step.kappa)
     return fix, float(max(np.clip(pair, low, high) - pair, -high))

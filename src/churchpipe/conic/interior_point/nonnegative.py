@@ -59,10 +59,14 @@ class Nonnegative:
         """Return the smallest eigenvalue."""
         return float(s.min(initial=np.inf))
 
-    def longest_steps(self, s: FloatArray, step: FloatArray, more: FloatArray, weights: FloatArray) -> FloatArray:
-        """Return the largest t with s + t (step + weight more) in the cone, for every weight."""
-        steepest = [((step + weight * more) / -s).max(initial=0.0) for weight in weights.tolist()]
-        return 1.0 / np.maximum(steepest, 1e-300)
+    def rates(self, s: FloatArray, step: FloatArray, more: FloatArray, weights: FloatArray) -> FloatArray:
+        """Return 1 / t for the largest t with s + t (step + weight more) >= 0, (weights, cones): at most 0 without one."""
+        first, second = (step / -s).ravel(), (more / -s).ravel()
+        return first + weights[:, None] * second
+
+    def entries(self, values: FloatArray) -> FloatArray:
+        """Return a value of each cone (cones,) at each of its entries, flat."""
+        return values
 
     def scaling(self, s: FloatArray, z: FloatArray) -> NonnegativeScaling:
         """Return the Nesterov-Todd scaling of interior s and z."""

@@ -15,6 +15,7 @@ from churchpipe.conic.interior_point.loop import Ending, interior_start, solve_c
 from churchpipe.conic.interior_point.normal import NormalMatrix
 from churchpipe.conic.interior_point.problem import CoupledProblem
 from churchpipe.conic.interior_point.settings import Settings
+from churchpipe.conic.interior_point.wrenches import as_wrenches
 from churchpipe.conic.polish import restore_balance
 from churchpipe.conic.program import ConeProgram, ConeSolution
 from churchpipe.errors import InputError
@@ -42,7 +43,7 @@ class InteriorPointSolver:
 
     def __init__(self, balance: sp.csc_matrix[np.float64]) -> None:
         self._balance, self._rows = balance, balance.shape[0]
-        self._coupling = Coupling(balance, 3, BLOCK, by_point=True)
+        self._coupling = as_wrenches(Coupling(balance, 3, BLOCK, by_point=True))
         self._lever = self._coupling.largest_entries()
         self._normal = NormalMatrix(self._coupling)
         self._cholesky = Cholesky(self._normal.pattern, BLOCK)
