@@ -1,6 +1,6 @@
 """Sliding without dilatancy of the sample church R14: value and gap, as a table for docs/church.md.
 
-    python benchmarks/church_sliding.py "+x" "-y" "tower +x" --start dead-load associative --seconds 600 --keep FOLDER
+    python benchmarks/church_sliding.py --start dead-load associative --seconds 600 --keep FOLDER -- "+x" "-y" "tower +x"
 
 The certified scheme from each start; after so many seconds of processor time it reports the best state that it has, with its gap.
 With --keep the states lie in FOLDER as NumPy archives (x, y: forces and velocities in the units of `Equilibrium`; history).

@@ -1,7 +1,7 @@
 """Sequences of convex programs that approach sliding without dilatancy: eq. (3) as printed, and a scheme with a certificate."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -50,9 +50,10 @@ class SchemeSettings:
     stage_a, stage_b: steps of each, at most. violation, settled: stage A ends when no more than this share of the friction is
     overdrawn, or when the load factor changes by no more than this share. weight_a, weight_b: proximal weights; that of stage
     B is at most `nearness` times the gap. cohesion: fictitious, in stage A, over the largest normal force.
-    momentum: share of its last step that stage B goes on by.
-    slow: a gap above this share of the last one is slow; the points that add more than `blamed` of it then count `stress` times
-    more. gap: g / alpha at which the search ends.
+    momentum: share of its last step that stage B goes on by, at most.
+    slow: a weighted gap above this share of the last one is slow; lost: one above so many times the least is not gone on from.
+    blamed: the points that add more than this share to a gap that is stuck count `stress` times more from then on.
+    gap: g / alpha at which the search ends.
     Convex programs are solved to `share` of the gap that is left, at least to `roughest` and at most to `error`: the gap is
     computed from the arrays, whatever made them.
     """
@@ -66,8 +67,9 @@ class SchemeSettings:
     weight_b: float = 0.003
     nearness: float = 10.0
     cohesion: float = 1e-5
-    momentum: float = 0.9
+    momentum: float = 0.7
     slow: float = 0.9
+    lost: float = 1.5
     blamed: float = 0.03
     stress: float = 10.0
     error: float = 1e-6
@@ -156,11 +158,13 @@ def certified_iteration(
     Stage A walks to forces that hardly overdraw friction: maximise alpha - 1/2 sum R_k (mu n - mu n_hat)^2 with shear limited
     by mu n_hat. Stage B closes the gap: velocities from P(n), then forces in the true cones that do the least work
     against their sliding. By itself it creeps along a valley of the gap, so each step goes on by a share of the one before
-    (heavy ball, Polyak 1964), and starts afresh when the gap grows.
+    (heavy ball, Polyak 1964). After a slow step the next is plain; the share is halved when the gap grows, and doubled, up
+    to the first one, when it falls.
 
     The gap is concave in the forces alone, so that stage B also comes to rest where a few joints hold what is left of it: a
-    hinge, say, whose force cannot reach its edge. What those add to the gap counts more from then on, until they give way
-    (breakout, Morris 1993). A gap of zero is zero with any such weights.
+    hinge, say, whose force cannot reach its edge. When a plain step is slow, what those add to the gap counts more from then
+    on, until they give way (breakout, Morris 1993). It is the weighted gap that the programs lower, so that steps are
+    judged by it: one that frees a joint may raise the gap itself. A gap of zero is zero with any such weights.
     """
     settings = settings or SchemeSettings()
     count = SolveCount(solve)
@@ -176,32 +180,41 @@ def certified_iteration(
             break
     best: CoulombState | None = None
     last: CoulombState | None = None
-    ahead, excess, alike = n, np.zeros_like(n), 0
+    # The state with the least weighted gap: where the search goes back to.
+    base: CoulombState | None = None
+    ahead, excess, momentum = n, np.zeros_like(n), settings.momentum
     for pair in range(settings.stage_b):
         if progress:
             progress("non-associative", pair / settings.stage_b)
+        plain = ahead is n
         state = _stage_b(balance, strength, ahead, last, excess, count, settings)
-        if state is None and last is not None and ahead is not n:
-            # So far on, no velocities may fit: back to the forces that were found.
-            ahead = n
-            continue
-        if state is None:
+        if state is None and plain:
             break
+        if state is None:
+            # So far on, no velocities may fit: back to the forces that were found.
+            ahead, momentum = n, 0.5 * momentum
+            continue
         history.append(Iteration(state.load_factor, 0.0, state.relative_gap))
         if best is None or state.gap < best.gap:
             best = state
         if state.relative_gap <= settings.gap:
             break
-        before, n = n, np.maximum(state.x[:, 0], 0.0)
-        left = np.inf if last is None else last.relative_gap
-        ahead = n if last is None or state.relative_gap > left else np.maximum(n + settings.momentum * (n - before), 0.0)
-        alike += 1
-        if alike > 1 and state.relative_gap > settings.slow * left:
-            shares = gap_shares(balance, strength, state.x, state.y)
+        reached, left, least = (_weighted_gap(balance, strength, each, excess) for each in (state, last, base))
+        if base is None or reached < least:
+            base = state
+        first, lost, slow = last is None, reached > settings.lost * least, reached > settings.slow * left
+        stuck = plain and (lost or slow)
+        if stuck:
+            shares = gap_shares(balance, strength, base.x, base.y)
             blamed = shares > settings.blamed * shares.sum()
             excess[blamed] = np.minimum(settings.stress * (1.0 + excess[blamed]), _MOST_STRESS) - 1.0
-            ahead, alike = n, 0
-        last = state
+        if reached > left:
+            momentum *= 0.5
+        elif not plain:
+            momentum = min(2.0 * momentum, settings.momentum)
+        last = base if stuck or lost else state
+        before, n = n, np.maximum(last.x[:, 0], 0.0)
+        ahead = n if first or slow or lost else np.maximum(n + momentum * (n - before), 0.0)
     return None if best is None else _run(best, best.relative_gap <= GAP_TOLERANCE, history, count)
 
 
@@ -248,6 +261,14 @@ def _stage_b(
         return None
     x, load_factor = found
     return CoulombState(x, load_factor, y, bipotential_gap(balance, strength, x, y))
+
+
+def _weighted_gap(balance: Equilibrium, strength: Strength, state: CoulombState | None, excess: FloatArray) -> float:
+    """Return what stage B lowers: g / alpha, where what each point adds to g counts `excess` (nc,) times more."""
+    if state is None:
+        return np.inf
+    shares = gap_shares(balance, strength, state.x, state.y)
+    return replace(state, gap=float((1.0 + excess) @ shares)).relative_gap
 
 
 def _stage_a(
