@@ -15,7 +15,7 @@ from churchpipe.derive.contacts import find_contacts
 from churchpipe.errors import InputError
 from churchpipe.generators.box import box
 from churchpipe.rigid_blocks.certificate import cone_violation
-from churchpipe.rigid_blocks.coulomb import bipotential_gap, dead_load_start
+from churchpipe.rigid_blocks.coulomb import EXACT, bipotential_gap, dead_load_start
 from churchpipe.rigid_blocks.equilibrium import equilibrium
 from churchpipe.rigid_blocks.iterations import certified_iteration
 from churchpipe.rigid_blocks.limit import associative_program, limit_analysis, point_strength
@@ -30,14 +30,18 @@ def test_canonical_start(test: str, first_course: str, reference: float, program
     balance = equilibrium(stones, contacts, LOADS[test])
     strength = point_strength(contacts, 0.7, 0.0, balance.force)
     solve = solver_for(balance.matrix)
-    associative = solve(associative_program(balance, strength))
-    run = certified_iteration(balance, strength, dead_load_start(balance), solve)
-    assert run is not None
-    assert run.settled
+    associative = solve(associative_program(balance, strength), error=EXACT)
+    n = dead_load_start(balance)
+    # The last digit of the start decides on a third of the programs: the middle of three.
+    noise = [np.zeros_like(n), *np.random.default_rng(1).normal(scale=1e-7, size=(2, len(n)))]
+    runs = [certified_iteration(balance, strength, n * (1.0 + part), solve) for part in noise]
+    found = [run for run in runs if run is not None and run.settled]
+    assert len(found) == 3
+    assert all(run.load_factor < associative.tau for run in found)
+    assert np.median([run.solves for run in found]) <= programs
+    assert np.median([run.iterations for run in found]) <= equivalent * associative.iterations
+    run = found[0]
     assert run.load_factor == pytest.approx(reference, rel=5e-3)
-    assert run.load_factor < associative.tau
-    assert run.solves <= programs
-    assert run.iterations <= equivalent * associative.iterations
     # The certificate again, from the arrays alone.
     gap = bipotential_gap(balance, strength, run.x, run.y)
     residual = balance.matrix @ run.x.ravel() + balance.dead + run.load_factor * balance.live

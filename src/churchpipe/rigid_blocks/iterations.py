@@ -65,7 +65,7 @@ class SchemeSettings:
     gap: float = GAP_TOLERANCE
     weight_a: float = 0.3
     weight_b: float = 0.003
-    nearness: float = 10.0
+    nearness: float = 5.0
     cohesion: float = 1e-5
     momentum: float = 0.7
     slow: float = 0.9
