@@ -7,7 +7,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from churchpipe.conic.interior_point.settings import Settings
+from churchpipe.conic.interior_point.settings import CENTRAL
 from churchpipe.errors import InputError
 from churchpipe.homogenised_shell.bounds import Bounds, proved_bounds
 from churchpipe.homogenised_shell.condensed import CondensedShell
@@ -33,7 +33,7 @@ _SMALLEST = 1e-3
 _ALL = 0.5
 # Share of the dead load that decides whether a shell stands.
 _STANDS = 1e-4
-_SETTINGS = Settings(error=1e-7, acceptable=_TOLERANCE, residual=1e-9)
+_SETTINGS = replace(CENTRAL, error=1e-7, acceptable=_TOLERANCE, residual=1e-9)
 # Facets from which Clarabel takes too long to fall back to.
 _CLARABEL_TO = 10_000
 
