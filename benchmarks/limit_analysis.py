@@ -169,6 +169,7 @@ def main() -> None:
                 rows.append(in_child(name, solver, chosen.mkl))
                 print(rows[-1], flush=True)
     command = f"python benchmarks/limit_analysis.py --models {' '.join(chosen.models)} --solvers {' '.join(chosen.solvers)}"
+    command += " --mkl DIR" if chosen.mkl else ""
     DOCUMENT.write_text(table(rows, command), encoding="utf-8")
 
 
