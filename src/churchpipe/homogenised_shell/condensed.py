@@ -36,8 +36,11 @@ from churchpipe.model.materials import Material
 
 TOLERANCE = 1e-6
 # Compliance lent to the steps of a limit analysis with planes, the same per volume in every mesh. Without, nothing holds M12, nor
-# stresses far from all planes; it leaves no trace in the solution. On fine meshes some walls need more: as much at each point.
-_BY_AREA, _BY_POINT = 2e-6, 1e-9
+# stresses far from all planes; it leaves no trace in the solution. On fine meshes some walls need more, as much at each point: so
+# much that the last digits come slowly, then less from there on.
+_BY_AREA, _BY_POINT, _LESS = 2e-6, 1e-8, 1e-9
+# A solve that fails with no more than this error is near enough to go on from.
+_NEAR = 1e-4
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,14 +115,16 @@ class CondensedShell:
         compliance_abq: (6, 6, nq), none for limit analysis. origin: local variables (d, nq), zero by default.
         """
         settings = settings or replace(CENTRAL, error=1e-10, residual=1e-10, acceptable=TOLERANCE)
-        iterations = 0
+        iterations, start = 0, None
         for lent in self._lent(compliance):
             problem = self._problem(dead, live, compliance, origin, reward, cap, lent)
             system = self._system(problem.local.dimension)
-            ending = solve_coupled(problem, system.normal, system.cholesky, interior_start(problem, settings), settings)
+            ending = solve_coupled(problem, system.normal, system.cholesky, start or interior_start(problem, settings), settings)
             iterations += ending.info.iteration
             if ending.status not in ("running", "failed"):
                 break
+            # What is lent to the next may be too little to come so far.
+            start = ending.at if ending.info.error <= _NEAR else None
         outcome = "failed" if ending.status == "running" else ending.status
         # A certificate of infeasibility is a mechanism: as long as its largest entry allows.
         theta = ending.at.theta if outcome != "infeasible" else float(np.abs(ending.at.y).max())
@@ -145,7 +150,8 @@ class CondensedShell:
         count = len(self.elements.facet)
         if compliance is not None or not isinstance(self.strength.cones[0], Nonnegative):
             return [np.zeros(count)]
-        return [_BY_AREA * self.elements.weight / self.elements.weight.sum(), np.full(count, _BY_POINT)]
+        by_area = _BY_AREA * self.elements.weight / self.elements.weight.sum()
+        return [by_area, np.full(count, _BY_POINT), np.full(count, _LESS)]
 
     def _problem(
         self,
