@@ -67,7 +67,7 @@ class SchemeSettings:
     weight_b: float = 0.003
     nearness: float = 5.0
     cohesion: float = 1e-5
-    momentum: float = 0.7
+    momentum: float = 0.6
     slow: float = 0.9
     lost: float = 1.5
     blamed: float = 0.03
