@@ -1,5 +1,7 @@
 """Coupling of forces on rigid bodies: products from axes and arms, a fifth of the numbers of the matrix itself."""
 
+from typing import NamedTuple
+
 import numba
 import numpy as np
 
@@ -10,28 +12,36 @@ from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 _ROUNDING = 1e-13
 
 
-class WrenchCoupling(Coupling):
-    """A coupling whose blocks are wrenches: forces along three axes of each point, and their moments about each body.
+class Wrenches(NamedTuple):
+    """Forces along three axes of each point, and their moments about each body that it touches.
 
-    At a touch s of point k, values[s, i] = sign_s (axis_i, arm_s x axis_i); frames_fij: axis i of frame f, frame[k] that of
-    point k, side by side where neighbours share one.
+    Point k touches blocks[pointer[k] : pointer[k + 1]]; at touch s, values[s, i] = sign_s (axis_i, arm_s x axis_i).
+    frames_fij: axis i of frame f, frame[k] that of point k, one where neighbours share it.
     """
 
+    pointer: IntArray
+    blocks: IntArray
     frames: FloatArray
     frame: IntArray
     arms: FloatArray
     signs: FloatArray
 
+
+class WrenchCoupling(Coupling):
+    """A coupling whose blocks are wrenches."""
+
+    wrenches: Wrenches
+
     def couple(self, x: FloatArray) -> FloatArray:
         """Return B x."""
         out = np.zeros(self.rows)
-        _couple(self.pointer, self.blocks, self.frames, self.frame, self.arms, self.signs, x, out)
+        _couple(self.wrenches, x, out)
         return out
 
     def spread(self, y: FloatArray) -> FloatArray:
         """Return B^T y."""
         out = np.empty(self.dimension * self.count)
-        _spread(self.pointer, self.blocks, self.frames, self.frame, self.arms, self.signs, y, out)
+        _spread(self.wrenches, y, out)
         return out
 
     def masked(self, active: BoolArray) -> Coupling:
@@ -54,7 +64,7 @@ def as_wrenches(coupling: Coupling) -> Coupling:
         return coupling
     out = object.__new__(WrenchCoupling)
     out.__dict__.update(coupling.__dict__)
-    out.frames, out.frame, out.arms, out.signs = frames[:count].copy(), frame, arms, signs
+    out.wrenches = Wrenches(out.pointer, out.blocks, frames[:count].copy(), frame, arms, signs)
     return out
 
 
@@ -100,16 +110,8 @@ def _fit(
 
 
 @numba.njit(cache=True, fastmath={"reassoc", "contract"})
-def _couple(
-    pointer: IntArray,
-    blocks: IntArray,
-    frames: FloatArray,
-    frame: IntArray,
-    arms: FloatArray,
-    signs: FloatArray,
-    x: FloatArray,
-    out: FloatArray,
-) -> None:
+def _couple(wrenches: Wrenches, x: FloatArray, out: FloatArray) -> None:
+    pointer, blocks, frames, frame, arms, signs = wrenches
     count = len(pointer) - 1
     for k in range(count):
         axes = frames[frame[k]]
@@ -129,16 +131,8 @@ def _couple(
 
 
 @numba.njit(cache=True, fastmath={"reassoc", "contract"})
-def _spread(
-    pointer: IntArray,
-    blocks: IntArray,
-    frames: FloatArray,
-    frame: IntArray,
-    arms: FloatArray,
-    signs: FloatArray,
-    y: FloatArray,
-    out: FloatArray,
-) -> None:
+def _spread(wrenches: Wrenches, y: FloatArray, out: FloatArray) -> None:
+    pointer, blocks, frames, frame, arms, signs = wrenches
     count = len(pointer) - 1
     for k in range(count):
         v0 = v1 = v2 = 0.0
