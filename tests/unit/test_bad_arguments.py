@@ -1,7 +1,7 @@
 """The Python interface: arguments of the wrong kind are named where they are given."""
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
@@ -9,7 +9,8 @@ import pytest
 
 import churchpipe as cp
 from churchpipe.errors import InputError
-from churchpipe.generators import wall
+from churchpipe.generators import arch, wall
+from churchpipe.model.building import CylinderChart, Opening, Part
 from solids import BOX_FACES, box, on_ground
 
 nan = float("nan")
@@ -96,7 +97,7 @@ CALLS: list[tuple[Callable[[], object], str]] = [
     (lambda: cp.LoadCase([1, 0, 0], panels="wall"), r"LoadCase\.panels: wrong kind; found 'wall'; expected a list of str"),
     (lambda: cp.LoadCase([1, 0, 0], panels=3), r"LoadCase\.panels: wrong kind; found 3"),
     (lambda: cp.LoadCase([1, 0, 0], panels=["a", None]), r"LoadCase\.panels\[1\]: wrong kind; found None"),
-    (lambda: cp.LoadCase([1, 0, 0], profile=[]), r"LoadCase\.profile: unknown profile; found list"),
+    (lambda: cp.LoadCase([1, 0, 0], profile=[]), r"LoadCase\.profile: unknown value; found list"),
     (lambda: cp.LoadCase([1, 0, 0], dead="a"), r"LoadCase\.dead: not numbers"),
     (lambda: cp.Material("a", "18", 0.6), r"material a: unit_weight: not a number; found '18'"),
     (lambda: cp.Material("a", 18e3, None), r"material a: friction: not a number; found None"),
@@ -218,3 +219,58 @@ def test_a_shell_starts_on_its_ground_and_has_elements_no_longer_than_its_walls(
         cp.derive_shell(building, 1e308)
     with pytest.raises(InputError, match=r"building: masonry below the ground; found z = 0 m; expected z >= 0.1 m"):
         cp.derive_shell(replace(building, ground=0.1), 0.4)
+
+
+BUILDING = wall(length=1.2, brick=(0.4, 0.25, 0.2), courses=3)
+ARCH = arch(mean_radius=1.0, thickness=0.3, width=0.5, voussoirs=7)
+REGION = BUILDING.panels[0].regions[0]
+INSTANCES = {
+    "material": STONE,
+    "elastic": cp.Elastic(*ELASTIC),
+    "load": PUSH,
+    "cell": REGION.cell,
+    "region": REGION,
+    "panel": BUILDING.panels[0],
+    "plane": BUILDING.panels[0].chart,
+    "cylinder": CylinderChart(np.zeros(3), 2.0),
+    "opening": Opening("door", REGION.outline),
+    "part": Part("left", REGION.outline),
+    "support": ARCH.supports[0],
+    "building": ARCH,
+    "assemblage": STONES,
+    "contacts": CONTACTS,
+    "shell": cp.derive_shell(BUILDING, 0.4),
+}
+JUNK: list[Any] = [
+    None,
+    True,
+    -1,
+    1.5,
+    nan,
+    1e400,
+    10**400,
+    "",
+    "x",
+    b"x",
+    [],
+    [None],
+    ["x"],
+    {},
+    object(),
+    np.empty((0, 3)),
+    lambda: 0,
+]
+
+
+@pytest.mark.parametrize("kind", INSTANCES)
+def test_fields_take_what_they_hold_or_name_what_they_got(kind: str) -> None:
+    instance: Any = INSTANCES[kind]
+    for field in fields(instance):
+        refused: list[str] = []
+        for junk in JUNK:
+            try:
+                replace(instance, **{field.name: junk})
+            except InputError as error:
+                refused.append(str(error))
+        assert len(refused) >= 5, field.name
+        assert all(": " in said for said in refused)

@@ -60,7 +60,7 @@ def test_refusals() -> None:
         load_factor(LoadCase((1, 0, 0), panels=("tower",)))
     with pytest.raises(InputError, match="no direction"):
         LoadCase((0, 0, 0))
-    with pytest.raises(InputError, match="unknown profile"):
+    with pytest.raises(InputError, match="profile: unknown value"):
         LoadCase((1, 0, 0), profile="parabolic")  # pyright: ignore[reportArgumentType]
     with pytest.raises(InputError, match="friction"):
         load_factor(LoadCase((1, 0, 0)), -0.1)

@@ -15,6 +15,7 @@ from churchpipe.derive.rings import voussoir_rings
 from churchpipe.derive.stone_walls import StoneWall, stone_walls, stretches
 from churchpipe.derive.wall_parts import junction_spans, wall_parts
 from churchpipe.errors import InputError
+from churchpipe.model.arguments import check_kind, positive
 from churchpipe.model.arrays import FloatArray, NameArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import BondRegion, Building, Opening, Panel, Support, UnitCell
@@ -57,6 +58,8 @@ def fit_panels(
     ------
     InputError: no wall can be fitted.
     """
+    check_kind("fit_panels: stones", stones, Assemblage)
+    positive("fit_panels: gap", gap)
     walls, unfit = stone_walls(stones, gap)
     if not walls:
         raise InputError(

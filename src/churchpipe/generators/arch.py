@@ -11,8 +11,8 @@ from churchpipe.bond.prisms import thicken
 from churchpipe.bond.tiles import tiles_of
 from churchpipe.bond.voussoir import ring_outline
 from churchpipe.errors import InputError
-from churchpipe.generators.checks import positive, whole
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
+from churchpipe.model.arguments import positive, whole
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, Building, Panel, PlaneChart, Support, UnitCell
 from churchpipe.model.materials import Material

@@ -7,11 +7,12 @@ import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.generators.arched import ArchedOpening
-from churchpipe.generators.checks import one_of, positive, whole_courses
+from churchpipe.generators.checks import whole_courses
 from churchpipe.generators.layout import WallLayout, wall_panels
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
 from churchpipe.generators.openings import rectangle
 from churchpipe.generators.wall_bonds import Bonding
+from churchpipe.model.arguments import one_of, positive
 from churchpipe.model.building import BondRegion, Building, UnitCell
 from churchpipe.model.materials import Material
 

@@ -9,7 +9,8 @@ import numpy as np
 
 from churchpipe.bond.voussoir import ring_outline
 from churchpipe.errors import InputError
-from churchpipe.generators.checks import one_of, positive, taken, whole
+from churchpipe.generators.checks import taken
+from churchpipe.model.arguments import one_of, positive, whole
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, Opening, UnitCell
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from churchpipe.errors import InputError
-from churchpipe.generators.checks import Brick, check_brick, one_of, positive, whole
+from churchpipe.generators.checks import Brick, check_brick
 from churchpipe.generators.masonry import (
     DEFAULT_MATERIAL,
     Headers,
@@ -17,6 +17,7 @@ from churchpipe.generators.masonry import (
     thickness_of,
 )
 from churchpipe.generators.openings import OpeningLike
+from churchpipe.model.arguments import one_of, positive, whole
 from churchpipe.model.building import Building, UnitCell
 from churchpipe.model.materials import Material
 

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from churchpipe.generators.arched import ArchedOpening, Given
-from churchpipe.generators.checks import positive
 from churchpipe.generators.church import church
 from churchpipe.generators.church_parts import Apse
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
 from churchpipe.generators.wall_bonds import WallBond
+from churchpipe.model.arguments import positive
 from churchpipe.model.building import Building
 from churchpipe.model.materials import Material
 

@@ -6,12 +6,13 @@ from typing import Any, Literal
 
 from churchpipe.generators.apse import apse_legs, apse_panel
 from churchpipe.generators.arched import ArchedOpening, Given, opening_of
-from churchpipe.generators.checks import one_of, positive, whole_courses
+from churchpipe.generators.checks import whole_courses
 from churchpipe.generators.church_parts import Apse, Chapel, Choir, CrossWall, Nave, Tower, Transept, part_of
 from churchpipe.generators.church_plan import Plan, church_walls, cross_walls
 from churchpipe.generators.layout import WallLayout, check_clear, wall_panels
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
 from churchpipe.generators.wall_bonds import Bonding, WallBond, check_walls, wall_bond
+from churchpipe.model.arguments import one_of, positive
 from churchpipe.model.building import Building, Panel, UnitCell
 from churchpipe.model.materials import Material
 

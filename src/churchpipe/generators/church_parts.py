@@ -3,7 +3,8 @@
 from dataclasses import dataclass, fields
 from typing import Any, Literal
 
-from churchpipe.generators.checks import one_of, positive, taken
+from churchpipe.generators.checks import taken
+from churchpipe.model.arguments import one_of, positive
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,8 +7,9 @@ from typing import Literal, get_args
 import numpy as np
 
 from churchpipe.errors import InputError
-from churchpipe.generators.checks import Brick, one_of
+from churchpipe.generators.checks import Brick
 from churchpipe.generators.openings import OpeningLike, holes_and_lintels, rectangle
+from churchpipe.model.arguments import one_of
 from churchpipe.model.building import BondRegion, Panel, PlaneChart, UnitCell
 from churchpipe.model.materials import Material
 

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from churchpipe.errors import InputError
-from churchpipe.generators.checks import positive, taken, whole
+from churchpipe.generators.checks import taken
+from churchpipe.model.arguments import positive, whole
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, Opening, UnitCell
 

@@ -6,9 +6,10 @@ from itertools import pairwise
 from typing import Any, Literal
 
 from churchpipe.errors import InputError
-from churchpipe.generators.checks import Brick, check_brick, one_of, positive, whole
+from churchpipe.generators.checks import Brick, check_brick
 from churchpipe.generators.masonry import DEFAULT_MATERIAL, Masonry, bonded_offset, straight_wall
 from churchpipe.generators.openings import OpeningLike
+from churchpipe.model.arguments import one_of, positive, whole
 from churchpipe.model.building import Building, UnitCell
 from churchpipe.model.materials import Material
 

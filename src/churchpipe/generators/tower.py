@@ -9,12 +9,13 @@ import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.generators.arched import ArchedOpening, Given, opening_of
-from churchpipe.generators.checks import one_of, positive, whole_courses
+from churchpipe.generators.checks import whole_courses
 from churchpipe.generators.curved import curved_panel
 from churchpipe.generators.layout import WallLayout, wall_panels
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
 from churchpipe.generators.openings import rectangle
 from churchpipe.generators.wall_bonds import Bonding, WallBond, check_walls, wall_bond
+from churchpipe.model.arguments import one_of, positive
 from churchpipe.model.building import Building, CylinderChart, Panel, UnitCell
 from churchpipe.model.materials import Material
 

@@ -6,8 +6,9 @@ from typing import Literal
 
 from churchpipe.errors import InputError
 from churchpipe.generators.arched import ArchedOpening, Given
-from churchpipe.generators.checks import positive, taken
+from churchpipe.generators.checks import taken
 from churchpipe.generators.masonry import Headers, Pattern, check_bond
+from churchpipe.model.arguments import positive
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, UnitCell
 

@@ -16,7 +16,7 @@ import scipy.sparse as sp
 from churchpipe.conic.clarabel import solve_clarabel
 from churchpipe.conic.program import ConeProgram, ConeSolution, Outcome
 from churchpipe.errors import InputError
-from churchpipe.model.arrays import FloatArray, floats
+from churchpipe.model.arrays import FloatArray, array_of, floats
 
 # One head joint, then the two half bed joints, four corners each: lattice vector from block to neighbour in units (b, a),
 # corner from the midpoint of that vector in units (b, a), and depth in units of h.
@@ -145,7 +145,7 @@ def cohesion_shift(h: npt.ArrayLike, friction: npt.ArrayLike, cohesion: npt.Arra
     InputError: friction not positive (the domain has no apex then), cohesion negative.
     """
     h, friction = positive("h", h), positive("friction", friction)
-    cohesion = np.asarray(cohesion, dtype=np.float64)
+    cohesion = array_of("cohesion", cohesion, "iuf", "numbers").astype(np.float64)
     if not ((cohesion >= 0) & np.isfinite(cohesion)).all():
         raise InputError("cohesion", "out of range", found=float(cohesion.min()), expected="finite numbers >= 0 Pa")
     apex = h * cohesion / friction
@@ -155,7 +155,7 @@ def cohesion_shift(h: npt.ArrayLike, friction: npt.ArrayLike, cohesion: npt.Arra
 
 def positive(name: str, value: npt.ArrayLike) -> FloatArray:
     """Return `value` as an array of positive finite numbers, or raise InputError naming it."""
-    array = np.asarray(value, dtype=np.float64)
+    array = array_of(name, value, "iuf", "numbers").astype(np.float64)
     if not ((array > 0) & np.isfinite(array)).all():
         raise InputError(name, "out of range", found=float(array.min()), expected="finite numbers > 0")
     return array

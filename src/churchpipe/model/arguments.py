@@ -77,6 +77,27 @@ def text(where: str, value: object) -> str:
     return value
 
 
+def one_of(where: str, value: object, *choices: str) -> None:
+    """Raise InputError unless the value is one of the choices."""
+    if not isinstance(value, str) or value not in choices:
+        found = value if isinstance(value, str) else told(value)
+        raise InputError(where, "unknown value", found=found, expected=" or ".join(f'"{c}"' for c in choices))
+
+
+def positive(where: str, value: object, *, allow_zero: bool = False) -> None:
+    """Raise InputError unless the value is a finite number > 0 (or >= 0)."""
+    number = finite(where, value)
+    if number < 0 or (number == 0 and not allow_zero):
+        raise InputError(where, "out of range", found=value, expected=f"a finite number {'>=' if allow_zero else '>'} 0")
+
+
+def whole(where: str, value: object, *, least: int) -> None:
+    """Raise InputError unless the value is a whole number not below `least`."""
+    number = finite(where, value)
+    if number != int(number) or number < least:
+        raise InputError(where, "out of range", found=value, expected=f"a whole number >= {least}")
+
+
 def told(value: object) -> str:
     """Return a value as a message shows it: short, with its type where that is the point."""
     if value is None or isinstance(value, bool | int | float | complex | str | bytes):

@@ -41,6 +41,14 @@ def _check_shape(name: str, array: npt.NDArray[Any], shape: Sequence[int | None]
         raise InputError(name, "wrong shape", found=array.shape, expected=wanted)
 
 
+def rows_of(name: str, value: Any) -> int:
+    """Return the length of what should be an array."""
+    try:
+        return len(value)
+    except TypeError:
+        raise InputError(name, "not an array", found=told(value), expected="an array") from None
+
+
 def floats(name: str, value: npt.ArrayLike, shape: Sequence[int | None], *, finite: bool = True) -> FloatArray:
     """Return `value` as a read-only float64 array of the given shape (None: any length); every entry finite."""
     array = array_of(name, value, "iufb", "numbers").astype(np.float64, copy=False)
@@ -64,9 +72,9 @@ def indices(name: str, value: npt.ArrayLike, shape: Sequence[int | None], *, bel
 def pointers(name: str, value: npt.ArrayLike, rows: int, total: int) -> IntArray:
     """Return a CSR-style pointer array: `rows + 1` non-decreasing entries from 0 to `total`."""
     array = indices(name, value, (rows + 1,))
-    if array[0] != 0 or array[-1] != total or (np.diff(array) < 0).any():
+    if not len(array) or array[0] != 0 or array[-1] != total or (np.diff(array) < 0).any():
         raise InputError(
-            name, "not a pointer array", found=f"{array[:3]} .. {array[-1]}", expected=f"0 .. {total}, non-decreasing"
+            name, "not a pointer array", found=f"{array[:3]} .. {array[-1:]}", expected=f"0 .. {total}, non-decreasing"
         )
     return array
 

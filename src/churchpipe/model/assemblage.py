@@ -21,6 +21,7 @@ from churchpipe.model.arrays import (
     names,
     one_each,
     pointers,
+    rows_of,
     store,
 )
 from churchpipe.model.polyhedra import face_normals, solid_properties
@@ -55,12 +56,13 @@ class Assemblage:
     block_id: NameArray
 
     def __post_init__(self) -> None:
-        nv, nb, nf = len(self.points), len(self.volume), len(self.face_ptr) - 1
+        nv, nb = rows_of("Assemblage.points", self.points), rows_of("Assemblage.volume", self.volume)
+        nf = rows_of("Assemblage.face_ptr", self.face_ptr) - 1
         store(
             self,
             points=floats("Assemblage.points", self.points, (None, 3)),
             face_nodes=indices("Assemblage.face_nodes", self.face_nodes, (None,), below=nv),
-            face_ptr=pointers("Assemblage.face_ptr", self.face_ptr, nf, len(self.face_nodes)),
+            face_ptr=pointers("Assemblage.face_ptr", self.face_ptr, nf, rows_of("Assemblage.face_nodes", self.face_nodes)),
             block_face_ptr=pointers("Assemblage.block_face_ptr", self.block_face_ptr, nb, nf),
             block_point_ptr=pointers("Assemblage.block_point_ptr", self.block_point_ptr, nb, nv),
             centroid=floats("Assemblage.centroid", self.centroid, (nb, 3)),
@@ -229,7 +231,7 @@ def _turn_faces(face_nodes: IntArray, face_ptr: IntArray, turn: BoolArray) -> In
 
 
 def _courses(value: npt.ArrayLike, count: int) -> IntArray:
-    shifted = indices("Assemblage.course", np.asarray(value) + 1, (count,))
+    shifted = indices("Assemblage.course", array_of("Assemblage.course", value, "iu", "whole numbers") + 1, (count,))
     return indices("Assemblage.course", shifted, (count,)) if count == 0 else _read_only(shifted - 1)
 
 

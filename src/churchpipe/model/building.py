@@ -1,14 +1,17 @@
 """The one source description from which both models are derived."""
 
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Any, Literal, cast, get_args
 
 import numpy as np
 
 from churchpipe.errors import InputError
-from churchpipe.model.arrays import FloatArray, floats, store
+from churchpipe.model.arguments import check_kind, finite, listed, one_of, positive, text, told, whole
+from churchpipe.model.arrays import FloatArray, flags, floats, indices, store
 from churchpipe.model.materials import Material
 
+Pattern = Literal["running", "stack", "header-stretcher", "voussoir", "single"]
+Headers = Literal["english", "flemish", "none"]
 # Patterns whose strength is derived for the homogenised shell.
 SHELL_PATTERNS = ("running", "voussoir", "single")
 
@@ -43,9 +46,9 @@ class CylinderChart:
     sweep: float = 2 * np.pi
 
     def __post_init__(self) -> None:
-        if not self.radius > 0:
-            raise InputError("CylinderChart.radius", "out of range", found=self.radius, expected="> 0 m")
-        if not 0 < self.sweep <= 2 * np.pi:
+        positive("CylinderChart.radius", self.radius)
+        finite("CylinderChart.start", self.start)
+        if not 0 < finite("CylinderChart.sweep", self.sweep) <= 2 * np.pi:
             raise InputError("CylinderChart.sweep", "out of range", found=self.sweep, expected="0 < sweep <= 2 pi rad")
         store(self, centre=floats("CylinderChart.centre", self.centre, (3,)))
 
@@ -61,9 +64,8 @@ class UnitCell:
     b: float
 
     def __post_init__(self) -> None:
-        for key, value in (("a", self.a), ("b", self.b)):
-            if not (value > 0 and np.isfinite(value)):
-                raise InputError(f"UnitCell.{key}", "out of range", found=value, expected="> 0 m")
+        positive("UnitCell.a", self.a)
+        positive("UnitCell.b", self.b)
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +82,7 @@ class BondRegion:
 
     name: str
     outline: FloatArray
-    pattern: Literal["running", "stack", "header-stretcher", "voussoir", "single"]
+    pattern: Pattern
     cell: UnitCell
     joints: Literal["grid", "bay"] = "grid"
     through_offset: float = 0.0
@@ -89,14 +91,29 @@ class BondRegion:
     pieces: int = 0
     yields: bool = True
     material: str = ""
-    headers: Literal["english", "flemish", "none"] = "english"
+    headers: Headers = "english"
 
     def __post_init__(self) -> None:
-        store(self, outline=floats(f"BondRegion {self.name}.outline", self.outline, (None, 2)))
+        where = f"BondRegion {text('BondRegion.name', self.name)}"
+        one_of(f"{where}.pattern", self.pattern, *get_args(Pattern))
+        check_kind(f"{where}.cell", self.cell, UnitCell)
+        one_of(f"{where}.joints", self.joints, "grid", "bay")
+        one_of(f"{where}.headers", self.headers, *get_args(Headers))
+        finite(f"{where}.through_offset", self.through_offset)
+        whole(f"{where}.pieces", self.pieces, least=0)
+        check_kind(f"{where}.material", self.material, str)
+        if self.centre is not None:
+            floats(f"{where}.centre", self.centre, (2,))
+        store(
+            self,
+            outline=floats(f"{where}.outline", self.outline, (None, 2)),
+            yields=bool(flags(f"{where}.yields", self.yields, ())),
+        )
         if self.cut_offset is None:
             # A header lies over the middle of a stretcher.
             lap = 1 / 4 if self.pattern == "header-stretcher" and self.headers != "none" else 1 / 2
             store(self, cut_offset=self.through_offset + lap * self.cell.b)
+        finite(f"{where}.cut_offset", self.cut_offset)
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +124,8 @@ class Opening:
     outline: FloatArray
 
     def __post_init__(self) -> None:
-        store(self, outline=floats(f"Opening {self.name}.outline", self.outline, (None, 2)))
+        where = f"Opening {text('Opening.name', self.name)}"
+        store(self, outline=floats(f"{where}.outline", self.outline, (None, 2)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,7 +136,8 @@ class Part:
     outline: FloatArray
 
     def __post_init__(self) -> None:
-        store(self, outline=floats(f"Part {self.name}.outline", self.outline, (None, 2)))
+        where = f"Part {text('Part.name', self.name)}"
+        store(self, outline=floats(f"{where}.outline", self.outline, (None, 2)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,11 +162,21 @@ class Panel:
     parts: tuple[Part, ...] = ()
 
     def __post_init__(self) -> None:
-        store(self, outline=floats(f"Panel {self.name}.outline", self.outline, (None, 2)))
-        if not self.thickness > 0:
-            raise InputError(f"Panel {self.name}.thickness", "out of range", found=self.thickness, expected="> 0 m")
+        where = f"Panel {text('Panel.name', self.name)}"
+        _check_chart(f"{where}.chart", self.chart)
+        positive(f"{where}.thickness", self.thickness)
+        text(f"{where}.material", self.material)
+        if self.runs_through is not None and finite(f"{where}.runs_through", self.runs_through) not in (0, 1):
+            raise InputError(f"{where}.runs_through", "unknown value", found=self.runs_through, expected="0, 1 or None")
+        store(
+            self,
+            outline=floats(f"{where}.outline", self.outline, (None, 2)),
+            regions=tuple(listed(f"{where}.regions", self.regions, BondRegion)),
+            openings=tuple(listed(f"{where}.openings", self.openings, Opening)),
+            parts=tuple(listed(f"{where}.parts", self.parts, Part)),
+        )
         if not self.regions:
-            raise InputError(f"Panel {self.name}.regions", "no bond", expected="at least one bond region")
+            raise InputError(f"{where}.regions", "no bond", expected="at least one bond region")
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,7 +188,9 @@ class Support:
     faces: tuple[tuple[int, ...], ...]
 
     def __post_init__(self) -> None:
-        store(self, points=floats(f"Support {self.name}.points", self.points, (None, 3)))
+        where = f"Support {text('Support.name', self.name)}"
+        store(self, points=floats(f"{where}.points", self.points, (None, 3)))
+        _check_faces(f"{where}.faces", self.faces, len(self.points))
 
 
 @dataclass(frozen=True, slots=True)
@@ -173,12 +204,35 @@ class Building:
     supports: tuple[Support, ...] = ()
 
     def __post_init__(self) -> None:
+        where = f"Building {text('Building.name', self.name)}"
+        store(
+            self,
+            panels=tuple(listed(f"{where}.panels", self.panels, Panel)),
+            materials=tuple(listed(f"{where}.materials", self.materials, Material)),
+            supports=tuple(listed(f"{where}.supports", self.supports, Support)),
+        )
+        if not self.panels:
+            raise InputError(f"{where}.panels", "no walls", expected="at least one Panel")
+        if self.ground is not None:
+            finite(f"{where}.ground", self.ground)
         seen = [p.name for p in self.panels]
         if len(set(seen)) != len(seen):
-            raise InputError(f"Building {self.name}", "panel names are not unique", found=seen)
+            raise InputError(where, "panel names are not unique", found=seen)
         known = {m.name for m in self.materials}
         for panel in self.panels:
             for name in {panel.material, *(region.material for region in panel.regions)} - known - {""}:
                 raise InputError(
                     f"Panel {panel.name}.material", "unknown material", found=name, expected=", ".join(sorted(known))
                 )
+
+
+def _check_chart(where: str, chart: object) -> None:
+    if not isinstance(chart, Chart):
+        raise InputError(where, "wrong kind", found=told(chart), expected="a PlaneChart or a CylinderChart")
+
+
+def _check_faces(where: str, faces: object, below: int) -> None:
+    if not isinstance(faces, tuple) or not faces:
+        raise InputError(where, "wrong kind", found=told(cast("object", faces)), expected="a tuple of faces")
+    for number, face in enumerate(cast("tuple[Any, ...]", faces)):
+        indices(f"{where}[{number}]", face, (None,), below=below)

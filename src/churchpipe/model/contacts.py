@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from churchpipe.errors import InputError
-from churchpipe.model.arrays import FloatArray, IntArray, NameArray, floats, indices, names, pointers, store
+from churchpipe.model.arrays import FloatArray, IntArray, NameArray, floats, indices, names, pointers, rows_of, store
 
 KINDS = ("bed", "head", "radial", "junction", "base")
 
@@ -29,14 +29,14 @@ class Contacts:
     kind: NameArray
 
     def __post_init__(self) -> None:
-        ni = len(self.blocks)
+        ni, nc = rows_of("Contacts.blocks", self.blocks), rows_of("Contacts.point", self.point)
         store(
             self,
             blocks=indices("Contacts.blocks", self.blocks, (ni, 2)),
             frame=floats("Contacts.frame", self.frame, (ni, 3, 3)),
             area=floats("Contacts.area", self.area, (ni,)),
-            point=floats("Contacts.point", self.point, (None, 3)),
-            point_ptr=pointers("Contacts.point_ptr", self.point_ptr, ni, len(self.point)),
+            point=floats("Contacts.point", self.point, (nc, 3)),
+            point_ptr=pointers("Contacts.point_ptr", self.point_ptr, ni, nc),
             kind=names("Contacts.kind", self.kind, (ni,)),
         )
         gram = np.einsum("iac,ibc->iab", self.frame, self.frame)

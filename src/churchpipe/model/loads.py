@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from churchpipe.errors import InputError
-from churchpipe.model.arguments import listed, text, told
+from churchpipe.model.arguments import listed, one_of, text
 from churchpipe.model.arrays import FloatArray, floats, store
 
 
@@ -50,18 +50,21 @@ class LoadCase:
         pushed = None if panels is None else tuple(listed("LoadCase.panels", panels, str))
         if pushed is not None and not pushed:
             raise InputError("LoadCase.panels", "nothing is pushed", expected="names of panels, or None for all")
-        if profile not in ("uniform", "linear"):
-            raise InputError("LoadCase.profile", "unknown profile", found=told(profile), expected='"uniform" or "linear"')
+        one_of("LoadCase.profile", profile, "uniform", "linear")
         unit = floats("LoadCase.direction", vector / length, (3,))
         store(
             self,
             direction=unit,
-            name=text("LoadCase.name", name) if name else direction_name(unit),
+            name=_named(name, unit),
             panels=pushed,
             profile=profile,
             dead=None if dead is None else floats("LoadCase.dead", dead, (None, 6)),
             live=None if live is None else floats("LoadCase.live", live, (None, 6)),
         )
+
+
+def _named(name: object, direction: FloatArray) -> str:
+    return direction_name(direction) if isinstance(name, str) and not name else text("LoadCase.name", name)
 
 
 def direction_name(direction: FloatArray) -> str:

@@ -53,7 +53,7 @@ class Material:
     def __post_init__(self) -> None:
         text("material: name", self.name)
         for key, (low, high) in _RANGES.items():
-            if getattr(self, key) != 0:
+            if finite(f"material {self.name}: {key}", getattr(self, key)) != 0:
                 _check_range(f"material {self.name}: {key}", getattr(self, key), low, high, "0, or ")
         if self.elastic is not None:
             check_kind(f"material {self.name}: elastic", self.elastic, Elastic)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from churchpipe.errors import InputError
-from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, NameArray, flags, floats, indices, names, store
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, NameArray, flags, floats, indices, names, rows_of, store
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +32,8 @@ class ShellModel:
     supported: BoolArray
 
     def __post_init__(self) -> None:
-        nn, nt = len(self.points), len(self.triangles)
+        nn, nt = rows_of("ShellModel.points", self.points), rows_of("ShellModel.triangles", self.triangles)
+        nu = rows_of("ShellModel.unit_cells", self.unit_cells)
         store(
             self,
             points=floats("ShellModel.points", self.points, (nn, 3)),
@@ -40,8 +41,8 @@ class ShellModel:
             axes=floats("ShellModel.axes", self.axes, (nt, 3, 3)),
             thickness=floats("ShellModel.thickness", self.thickness, (nt,)),
             surface_weight=floats("ShellModel.surface_weight", self.surface_weight, (nt,)),
-            cell=indices("ShellModel.cell", self.cell, (nt,), below=len(self.unit_cells)),
-            unit_cells=floats("ShellModel.unit_cells", self.unit_cells, (None, 2)),
+            cell=indices("ShellModel.cell", self.cell, (nt,), below=nu),
+            unit_cells=floats("ShellModel.unit_cells", self.unit_cells, (nu, 2)),
             material=names("ShellModel.material", self.material, (nt,)),
             panel=names("ShellModel.panel", self.panel, (nt,)),
             yields=flags("ShellModel.yields", self.yields, (nt,)),
