@@ -125,6 +125,13 @@ def test_the_sample_cases_are_all_offered() -> None:
     assert set(sample_names()) >= set(GENERATORS)
 
 
+def test_the_cases_of_the_church_lay_the_same_church() -> None:
+    folder = pipeline_folder() / "cases"
+    church = read_case(folder / "church.toml").source
+    for name in ("church_friction", "church_sliding"):
+        assert all(case.source == church for case in read_variants(folder / f"{name}.toml"))
+
+
 # One mistake each: the override that makes it, and what must be said.
 MISTAKES = [
     ("source.lenght_m=3", r'source\.lenght_m: unknown key.*Did you mean "length_mm"\?'),
