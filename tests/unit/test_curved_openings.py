@@ -45,6 +45,13 @@ TOWER = {"course": 0.25, "stone_length": 0.5, "width": 4.0, "height": 3.0, "thic
 DOOR = {"name": "door", "wall": "round", "centre": 0.0, "width": 1.0, "springing": 1.5, "voussoirs": 9, "depth": 0.3}
 
 
+@pytest.mark.parametrize("thickness", [0.175, 0.18])
+def test_a_point_of_a_piece_may_miss_its_cell_by_rounding(thickness):
+    thin = {"course": 0.2, "stone_length": 0.4, "width": 2.0, "height": 1.2, "plan": "round", "thickness": thickness}
+    low = {"width": 0.4, "springing": 0.6, "sill": 0.2, "voussoirs": 7, "depth": 0.2, "centre": (0.0, 2.0)}
+    laid(tower(**thin, openings=[DOOR | low]))
+
+
 def test_a_window_takes_out_what_a_prism_takes_out():
     whole, _ = laid(apse(**APSE))
     pierced, _ = laid(apse(**APSE, openings=[WINDOW]))

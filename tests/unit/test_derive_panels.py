@@ -191,9 +191,7 @@ def test_a_wall_on_an_oval_is_missing_by_its_name():
     fitted = fit_panels(stones, (TUFF,))
     assert set(fitted.unfit) == set(stones.block_id[stones.panel == "apse"])
     assert [panel.name for panel in fitted.building.panels] == ["wall"]
-    match = match_models(
-        replace(stones, panel=fitted.panel), find_contacts(derive_blocks(BUILDINGS["apse"]())), derive_shell(fitted.building, 0.4)
-    )
+    match = match_models(replace(stones, panel=fitted.panel), find_contacts(stones), derive_shell(fitted.building, 0.4))
     missing = next(figure for figure in match.figures if figure.name == "weight of apse")
     assert (missing.shell, missing.passed) == (0.0, False)
 

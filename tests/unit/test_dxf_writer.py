@@ -59,6 +59,7 @@ def test_recurrent_stones_share_a_definition(tmp_path: Path) -> None:
         ({"materials": [Material("stone", 20e3, 0.6)]}, "contradicts the stones made of it"),
         ({"materials": [STONE, STONE]}, "names are not unique"),
         ({"loads": [LoadCase((1, 0, 0), dead=np.zeros((2, 6)))]}, "cannot hold extra wrenches"),
+        ({"loads": [LoadCase((1, 0, 0), name="L"), LoadCase((0, 1, 0), name="L")]}, "loads: names are not unique; found .*L"),
         ({"loads": [LoadCase((1, 0, 0), name="two\nlines")]}, "cannot hold this name"),
         ({"loads": [LoadCase((1, 0, 0), panels=["a wall with a long name"] * 100)]}, "too long for a document property"),
     ],

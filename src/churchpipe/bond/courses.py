@@ -59,6 +59,8 @@ def lay_courses(field: Field, cell: UnitCell, joints: Callable[[int], FloatArray
         s = np.unique(s[(s >= field.span[0]) & (s <= field.span[1])])
         height = np.ones(len(s) - 1)
         rows.append(np.stack([s[:-1], bottom * height, s[1:], top * height, course * height], axis=1))
+    if not rows:
+        raise InputError(field.name, "lower than rounding", found=f"{high - low:g} m", expected=f"courses of {cell.a:g} m")
     cells = np.concatenate(rows)
     whole = boxes(cells[:, :4])
     polygons, course = cut(whole, cells[:, 4].astype(np.int64), field)
@@ -119,7 +121,7 @@ def _shifted(polygons: Polygons, by: float) -> Polygons:
 def _uncut(polygons: Polygons, pieces: Polygons, cells: Polygons) -> Polygons:
     """Return the tiles, those beside an opening with the whole of the cells that they are pieces of."""
     inner = inner_points(pieces)
-    owner = np.array([np.flatnonzero(distances_to(cells, point) == 0)[0] for point in inner])
+    owner = np.array([distances_to(cells, point).argmin() for point in inner])
     was_cut = areas(pieces) < (1 - TOLERANCE) * areas(cells[owner])
     out = polygons.copy()
     for number, tile in enumerate(polygons):

@@ -8,7 +8,7 @@ from churchpipe.errors import InputError
 from churchpipe.model.arguments import check_kind, listed
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
-from churchpipe.model.contacts import Contacts
+from churchpipe.model.contacts import Contacts, check_contacts_of
 from churchpipe.model.materials import Material, by_name
 
 
@@ -23,6 +23,7 @@ def joint_strength(stones: Assemblage, contacts: Contacts, materials: Sequence[M
     """
     check_kind("joint_strength: stones", stones, Assemblage)
     check_kind("joint_strength: contacts", contacts, Contacts)
+    check_contacts_of(stones, contacts)
     used = np.unique(stones.material[~stones.fixed])
     known = by_name(listed("joint_strength: materials", materials, Material))
     unknown = [str(name) for name in used if name not in known]

@@ -10,7 +10,7 @@ from churchpipe.derive.midplanes import components
 from churchpipe.model.arguments import check_kind
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, NameArray
 from churchpipe.model.assemblage import Assemblage
-from churchpipe.model.contacts import Contacts
+from churchpipe.model.contacts import Contacts, check_contacts_of
 from churchpipe.model.polyhedra import face_normals
 from churchpipe.model.shell import ShellModel
 
@@ -76,6 +76,7 @@ def match_models(stones: Assemblage, contacts: Contacts, shell: ShellModel) -> M
     """
     for name, value, kind in (("stones", stones, Assemblage), ("contacts", contacts, Contacts), ("shell", shell, ShellModel)):
         check_kind(f"match_models: {name}", value, kind)
+    check_contacts_of(stones, contacts)
     free = ~stones.fixed
     # Stones without a panel have no mid-surface to compare with; the figures of the whole count them.
     panels = np.setdiff1d(np.concatenate([stones.panel[free], shell.panel]), [""])

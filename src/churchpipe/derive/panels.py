@@ -59,7 +59,7 @@ def fit_panels(
     InputError: no wall can be fitted.
     """
     check_kind("fit_panels: stones", stones, Assemblage)
-    positive("fit_panels: gap", gap)
+    positive("fit_panels: gap", gap, allow_zero=True)
     walls, unfit = stone_walls(stones, gap)
     if not walls:
         raise InputError(

@@ -46,6 +46,9 @@ def write_dxf(
     if units not in ("m", "mm"):
         raise InputError("units", "not a unit drawings are written in", found=repr(units), expected='"m" or "mm"')
     _check_weights(assemblage, materials)
+    names = [load.name for load in loads]
+    if len(set(names)) != len(names):
+        raise InputError("loads", "names are not unique", found=names)
     properties = [*encode_materials(materials), *encode_loads(loads)]
     document = _new_document(units, properties)
     recurrence = find_recurrence(assemblage)

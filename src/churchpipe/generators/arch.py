@@ -11,6 +11,7 @@ from churchpipe.bond.prisms import thicken
 from churchpipe.bond.tiles import tiles_of
 from churchpipe.bond.voussoir import ring_outline
 from churchpipe.errors import InputError
+from churchpipe.generators.fields import materials_of, settle, taken
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
 from churchpipe.model.arguments import positive, whole
 from churchpipe.model.arrays import FloatArray
@@ -33,6 +34,7 @@ class ArchParameters:
     half_angle: float = math.pi / 2
 
     def __post_init__(self) -> None:
+        settle(self, "arch.")
         for key in ("mean_radius", "thickness", "width"):
             positive(f"arch.{key}", getattr(self, key))
         whole("arch.voussoirs", self.voussoirs, least=2)
@@ -46,7 +48,8 @@ class ArchParameters:
 
 def arch(*, name: str = "arch", materials: tuple[Material, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
     """Return an arch on two fixed skewbacks; keywords as in `ArchParameters`, SI."""
-    p = ArchParameters(**parameters)
+    p = taken(ArchParameters, "arch", parameters)
+    materials = materials_of("arch", materials)
     start, stop = math.pi / 2 - p.half_angle, math.pi / 2 + p.half_angle
     inner, outer = p.mean_radius - p.thickness / 2, p.mean_radius + p.thickness / 2
     outline = ring_outline((0.0, 0.0), inner, outer, start, stop, p.voussoirs)

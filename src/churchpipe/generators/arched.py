@@ -9,8 +9,8 @@ import numpy as np
 
 from churchpipe.bond.voussoir import ring_outline
 from churchpipe.errors import InputError
-from churchpipe.generators.checks import taken
-from churchpipe.model.arguments import one_of, positive, whole
+from churchpipe.generators.fields import settle, taken
+from churchpipe.model.arguments import one_of, positive, text, whole
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, Opening, UnitCell
 
@@ -41,7 +41,11 @@ class ArchedOpening:
     rise: float | None = None
 
     def __post_init__(self) -> None:
-        where = f"opening {self.name}"
+        where = f"opening {text('opening: name', self.name)}"
+        settle(self, f"{where}: ")
+        for key, places in (("wall", self.walls), ("centre", self.centres)):
+            if not places:
+                raise InputError(f"{where}: {key}", "the opening is nowhere", expected="at least one")
         one_of(f"{where}: shape", self.shape, "round", "segmental", "pointed", "circle")
         for key in ("width", "depth", "springing"):
             positive(f"{where}: {key}", getattr(self, key))

@@ -7,6 +7,7 @@ from typing import Any, Literal
 from churchpipe.generators.arched import ArchedOpening, Given
 from churchpipe.generators.church import church
 from churchpipe.generators.church_parts import Apse
+from churchpipe.generators.fields import settle, taken
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
 from churchpipe.generators.wall_bonds import WallBond
 from churchpipe.model.arguments import positive
@@ -37,6 +38,7 @@ class ChapelParameters:
     first_course: Literal["x", "y"] = "x"
 
     def __post_init__(self) -> None:
+        settle(self, "chapel.")
         for key in ("width", "length", "height", "thickness"):
             positive(f"chapel.{key}", getattr(self, key))
         positive("chapel.length, less its walls", self.length - 2 * self.thickness)
@@ -44,7 +46,7 @@ class ChapelParameters:
 
 def chapel(*, name: str = "chapel", materials: tuple[Material, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
     """Return a chapel; keywords as in `ChapelParameters`, SI."""
-    p = ChapelParameters(**parameters)
+    p = taken(ChapelParameters, "chapel", parameters)
     end = {"thickness": p.thickness, "ridge": p.ridge}
     return church(
         name=name,

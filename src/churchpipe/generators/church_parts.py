@@ -3,7 +3,7 @@
 from dataclasses import dataclass, fields
 from typing import Any, Literal
 
-from churchpipe.generators.checks import taken
+from churchpipe.generators.fields import settle, taken
 from churchpipe.model.arguments import one_of, positive
 
 
@@ -84,6 +84,7 @@ def part_of(kind: type[Any], where: str, value: Any) -> Any:
     if value is None:
         return None
     value = taken(kind, where, value)
+    settle(value, f"{where}.")
     for item in fields(value):
         length = getattr(value, item.name)
         if isinstance(length, float | int) and item.name != "centre":

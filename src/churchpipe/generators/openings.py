@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from churchpipe.errors import InputError
-from churchpipe.generators.checks import taken
+from churchpipe.generators.fields import settle, taken
 from churchpipe.model.arguments import positive, whole
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, Opening, UnitCell
@@ -25,6 +25,7 @@ class RectangularOpening:
     sill_courses: int = 0
 
     def __post_init__(self) -> None:
+        settle(self, "opening.")
         positive("opening.start", self.start, allow_zero=True)
         positive("opening.width", self.width)
         whole("opening.height_courses", self.height_courses, least=1)
@@ -56,6 +57,7 @@ def holes_and_lintels(
     """
     holes: list[Opening] = []
     lintels: list[BondRegion] = []
+    placed: list[RectangularOpening] = []
     for number, given in enumerate(openings, start=1):
         opening = opening_from(where, given)
         start, stop, bearing = opening.start, opening.start + opening.width, opening.lintel_bearing
@@ -74,8 +76,24 @@ def holes_and_lintels(
                 found=f"{head + (bearing > 0)} courses",
                 expected=f"at most {courses}",
             )
+        other = next((o for o in placed if _overlap(o, opening)), None)
+        if other is not None:
+            raise InputError(
+                where,
+                "openings overlap",
+                found=f"one from {other.start:g} to {other.start + other.width:g} m, one from {start:g} to {stop:g} m",
+                expected="openings clear of each other",
+            )
+        placed.append(opening)
         holes.append(Opening(f"opening-{number}", rectangle(start, sill * cell.a, stop, head * cell.a)))
         if bearing > 0:
             outline = rectangle(start - bearing, head * cell.a, stop + bearing, (head + 1) * cell.a)
             lintels.append(BondRegion(f"lintel-{number}", outline, "single", cell, yields=False))
     return tuple(holes), tuple(lintels)
+
+
+def _overlap(one: RectangularOpening, other: RectangularOpening) -> bool:
+    """Whether two openings, each with its lintel above, share any area."""
+    left, right = (o.start - o.lintel_bearing for o in (one, other)), (o.start + o.width + o.lintel_bearing for o in (one, other))
+    lows, highs = (o.sill_courses for o in (one, other)), (o.sill_courses + o.height_courses for o in (one, other))
+    return max(left) < min(right) - 1e-9 and max(lows) < min(highs)

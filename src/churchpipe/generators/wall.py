@@ -6,6 +6,7 @@ from typing import Any, Literal
 
 from churchpipe.errors import InputError
 from churchpipe.generators.checks import Brick, check_brick
+from churchpipe.generators.fields import materials_of, settle, taken
 from churchpipe.generators.masonry import DEFAULT_MATERIAL, Headers, Masonry, Pattern, check_bond, straight_wall, thickness_of
 from churchpipe.generators.openings import OpeningLike
 from churchpipe.model.arguments import one_of, positive, whole
@@ -35,6 +36,7 @@ class WallParameters:
     openings: Sequence[OpeningLike] = ()
 
     def __post_init__(self) -> None:
+        settle(self, "wall.")
         positive("wall.length", self.length)
         check_brick("wall.brick", self.brick)
         check_bond("wall", self.pattern, self.headers)
@@ -70,7 +72,8 @@ class WallParameters:
 
 def wall(*, name: str = "wall", materials: tuple[Material, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
     """Return a free-standing wall; keywords as in `WallParameters`, SI."""
-    p = WallParameters(**parameters)
+    p = taken(WallParameters, "wall", parameters)
+    materials = materials_of("wall", materials)
     masonry = Masonry(
         cell=UnitCell(a=p.brick[2], b=p.brick[0]),
         courses=p.course_count,

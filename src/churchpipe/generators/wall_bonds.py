@@ -6,7 +6,7 @@ from typing import Literal
 
 from churchpipe.errors import InputError
 from churchpipe.generators.arched import ArchedOpening, Given
-from churchpipe.generators.checks import taken
+from churchpipe.generators.fields import settle, taken
 from churchpipe.generators.masonry import Headers, Pattern, check_bond
 from churchpipe.model.arguments import positive
 from churchpipe.model.arrays import FloatArray
@@ -23,6 +23,7 @@ class WallBond:
     stone_length: float | None = None
 
     def __post_init__(self) -> None:
+        settle(self, "bond: ")
         where = f"bond of {', '.join(self.walls)}"
         check_bond(where, self.pattern, self.headers)
         if self.stone_length is not None:

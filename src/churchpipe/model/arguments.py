@@ -9,6 +9,8 @@ from typing import Any, cast
 
 from churchpipe.errors import InputError
 
+_LEAST = 1e-6
+
 
 def check_kind(where: str, value: object, kind: type, remedy: str = "") -> None:
     """Raise InputError unless a value is of a type of ours."""
@@ -85,10 +87,12 @@ def one_of(where: str, value: object, *choices: str) -> None:
 
 
 def positive(where: str, value: object, *, allow_zero: bool = False) -> None:
-    """Raise InputError unless the value is a finite number > 0 (or >= 0)."""
+    """Raise InputError unless the value is a finite number > 0 (or >= 0), and not so small that rounding loses it."""
     number = finite(where, value)
     if number < 0 or (number == 0 and not allow_zero):
         raise InputError(where, "out of range", found=value, expected=f"a finite number {'>=' if allow_zero else '>'} 0")
+    if 0 < number < _LEAST:
+        raise InputError(where, "lost to rounding", found=value, expected=f">= {_LEAST:g}")
 
 
 def whole(where: str, value: object, *, least: int) -> None:

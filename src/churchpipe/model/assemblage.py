@@ -204,13 +204,20 @@ def _polyhedron(where: str, value: Any) -> tuple[FloatArray, list[list[int]]]:
     if len(pair) != 2:
         raise InputError(where, "not a pair", found=told(cast("object", value)), expected="(vertices, faces)")
     points = floats(f"{where} vertices", pair[0], (None, 3))
-    faces = [np.asarray(face) for face in _sequence(f"{where} faces", pair[1], "faces")]
+    faces = [_face(face) for face in _sequence(f"{where} faces", pair[1], "faces")]
     for face in faces:
         if face.ndim != 1 or len(face) < 3 or face.dtype.kind not in "iu" or face.min() < 0 or face.max() >= len(points):
             raise InputError(where, "bad face", found=face.tolist(), expected=f"3 or more indices below {len(points)}")
     if not faces:
         raise InputError(where, "no faces", found=0, expected="4 or more faces that close a solid")
     return points, [face.tolist() for face in faces]
+
+
+def _face(face: Any) -> npt.NDArray[Any]:
+    try:
+        return np.asarray(face)
+    except ValueError:
+        return np.asarray(face, dtype=np.object_)
 
 
 def _ids(block_id: Any, count: int) -> NameArray:
@@ -242,6 +249,8 @@ def _read_only(array: IntArray) -> IntArray:
 
 def _check_solids(stones: Assemblage) -> None:
     nb = stones.count
+    if not nb:
+        raise InputError("Assemblage", "no stones", found=0, expected="at least one")
     if len(np.unique(stones.block_id)) != nb:
         ids, counts = np.unique(stones.block_id, return_counts=True)
         raise InputError("Assemblage.block_id", "names are not unique", found=str(ids[counts > 1][0]))

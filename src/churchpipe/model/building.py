@@ -106,7 +106,7 @@ class BondRegion:
             floats(f"{where}.centre", self.centre, (2,))
         store(
             self,
-            outline=floats(f"{where}.outline", self.outline, (None, 2)),
+            outline=_outline(where, self.outline),
             yields=bool(flags(f"{where}.yields", self.yields, ())),
         )
         if self.cut_offset is None:
@@ -124,8 +124,7 @@ class Opening:
     outline: FloatArray
 
     def __post_init__(self) -> None:
-        where = f"Opening {text('Opening.name', self.name)}"
-        store(self, outline=floats(f"{where}.outline", self.outline, (None, 2)))
+        store(self, outline=_outline(f"Opening {text('Opening.name', self.name)}", self.outline))
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,8 +135,7 @@ class Part:
     outline: FloatArray
 
     def __post_init__(self) -> None:
-        where = f"Part {text('Part.name', self.name)}"
-        store(self, outline=floats(f"{where}.outline", self.outline, (None, 2)))
+        store(self, outline=_outline(f"Part {text('Part.name', self.name)}", self.outline))
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,13 +168,32 @@ class Panel:
             raise InputError(f"{where}.runs_through", "unknown value", found=self.runs_through, expected="0, 1 or None")
         store(
             self,
-            outline=floats(f"{where}.outline", self.outline, (None, 2)),
+            outline=_outline(where, self.outline),
             regions=tuple(listed(f"{where}.regions", self.regions, BondRegion)),
             openings=tuple(listed(f"{where}.openings", self.openings, Opening)),
             parts=tuple(listed(f"{where}.parts", self.parts, Part)),
         )
         if not self.regions:
             raise InputError(f"{where}.regions", "no bond", expected="at least one bond region")
+        names = [region.name for region in self.regions]
+        if len(set(names)) != len(names):
+            raise InputError(f"{where}.regions", "names are not unique", found=", ".join(names))
+        for item in (*self.openings, *self.parts):
+            low, high = item.outline.min(axis=0), item.outline.max(axis=0)
+            if (low >= self.outline.max(axis=0)).any() or (high <= self.outline.min(axis=0)).any():
+                raise InputError(
+                    f"{where}: {type(item).__name__.lower()} {item.name}",
+                    "lies beside the wall",
+                    found=f"{low.tolist()} to {high.tolist()} m",
+                    expected=f"within {self.outline.min(axis=0).tolist()} to {self.outline.max(axis=0).tolist()} m",
+                )
+        if isinstance(self.chart, CylinderChart) and self.chart.radius <= self.thickness / 2:
+            raise InputError(
+                f"{where}.chart",
+                "no room inside",
+                found=f"radius {self.chart.radius:g} m",
+                expected=f"> {self.thickness / 2:g} m",
+            )
 
 
 @dataclass(frozen=True, slots=True)
@@ -211,8 +228,6 @@ class Building:
             materials=tuple(listed(f"{where}.materials", self.materials, Material)),
             supports=tuple(listed(f"{where}.supports", self.supports, Support)),
         )
-        if not self.panels:
-            raise InputError(f"{where}.panels", "no walls", expected="at least one Panel")
         if self.ground is not None:
             finite(f"{where}.ground", self.ground)
         seen = [p.name for p in self.panels]
@@ -224,6 +239,13 @@ class Building:
                 raise InputError(
                     f"Panel {panel.name}.material", "unknown material", found=name, expected=", ".join(sorted(known))
                 )
+
+
+def _outline(where: str, outline: FloatArray) -> FloatArray:
+    corners = floats(f"{where}.outline", outline, (None, 2))
+    if len(corners) < 3:
+        raise InputError(f"{where}.outline", "no polygon", found=f"{len(corners)} corners", expected="3 or more")
+    return corners
 
 
 def _check_chart(where: str, chart: object) -> None:

@@ -6,7 +6,10 @@ import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.model.arrays import FloatArray, IntArray, NameArray, floats, indices, names, pointers, rows_of, store
+from churchpipe.model.assemblage import Assemblage
 
+# A contact point lies in the box of both its stones, or beyond it by this share of their diagonals at most.
+_SLACK = 0.05
 KINDS = ("bed", "head", "radial", "junction", "base")
 
 
@@ -57,3 +60,26 @@ class Contacts:
     def points_per_interface(self) -> IntArray:
         """Number of contact points of each interface (ni,)."""
         return np.diff(self.point_ptr)
+
+
+def check_contacts_of(stones: Assemblage, contacts: Contacts) -> None:
+    """Raise InputError for contacts made for another assemblage: of stones that are not there, or at points beside them."""
+    if not len(contacts.blocks):
+        return
+    if contacts.blocks.max() >= stones.count:
+        raise InputError(
+            "contacts", "made for another assemblage", found=int(contacts.blocks.max()), expected=f"< {stones.count}"
+        )
+    low, high = (edge.reduceat(stones.points, stones.block_point_ptr[:-1], axis=0) for edge in (np.minimum, np.maximum))
+    slack = _SLACK * np.linalg.norm(high - low, axis=1)[:, None]
+    pair = contacts.blocks[contacts.interface_of_point]
+    beside = [(contacts.point < (low - slack)[stone]) | (contacts.point > (high + slack)[stone]) for stone in pair.T]
+    bad = np.flatnonzero(np.any(beside, axis=(0, 2)))
+    if len(bad):
+        first, second = stones.block_id[pair[bad[0]]]
+        raise InputError(
+            "contacts",
+            "made for another assemblage",
+            found=f"a contact of {first} and {second} at {contacts.point[bad[0]].round(4).tolist()} m, beside one of them",
+            remedy="Find the contacts of these stones.",
+        )

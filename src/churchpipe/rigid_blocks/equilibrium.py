@@ -8,7 +8,7 @@ import scipy.sparse as sp
 from churchpipe.errors import InputError
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
-from churchpipe.model.contacts import Contacts
+from churchpipe.model.contacts import Contacts, check_contacts_of
 from churchpipe.model.loads import LoadCase
 
 
@@ -47,10 +47,7 @@ def equilibrium(stones: Assemblage, contacts: Contacts, load: LoadCase) -> Equil
     free = np.flatnonzero(~stones.fixed)
     if not len(free):
         raise InputError("stones", "every stone is fixed", expected="at least one free stone")
-    if len(contacts.blocks) and contacts.blocks.max() >= stones.count:
-        raise InputError(
-            "contacts", "made for another assemblage", found=int(contacts.blocks.max()), expected=f"< {stones.count}"
-        )
+    check_contacts_of(stones, contacts)
     force = float(stones.weight.sum())
     length = float(np.cbrt(stones.volume[free].mean()))
     dead = np.zeros((stones.count, 6))

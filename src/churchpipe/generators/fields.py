@@ -1,0 +1,113 @@
+"""Fields of parameter classes against their annotations, so that a mistake is named where it is given."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import MISSING, fields, is_dataclass
+from functools import lru_cache
+from numbers import Real
+from types import NoneType, UnionType
+from typing import TYPE_CHECKING, Any, Literal, TypeVar, Union, cast, get_args, get_origin, get_type_hints
+
+from churchpipe.errors import InputError
+from churchpipe.model.arguments import check_kind, finite, listed, one_of, told
+from churchpipe.model.arrays import store
+from churchpipe.model.materials import Material
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+_Kind = TypeVar("_Kind", bound="DataclassInstance")
+
+# A length beyond it, m, is in another unit.
+_MOST = 1e5
+
+
+def taken(kind: type[_Kind], where: str, value: _Kind | Mapping[str, Any]) -> _Kind:
+    """Return a dataclass that is given as such or as a mapping of its fields.
+
+    Raises
+    ------
+    InputError: neither; a key that it does not have, or one without a default that is missing.
+    """
+    if isinstance(value, kind):
+        return value
+    if not isinstance(value, Mapping):
+        raise InputError(where, "wrong kind", found=told(value), expected=f"{kind.__name__}, or a mapping of its fields")
+    known = {item.name: item for item in fields(kind)}
+    for key in value:
+        if key not in known:
+            raise InputError(f"{where}.{key}", "unknown key", expected=", ".join(known))
+    for key, item in known.items():
+        if item.default is MISSING and item.default_factory is MISSING and key not in value:
+            raise InputError(f"{where}.{key}", "missing")
+    return kind(**value)
+
+
+def settle(instance: "DataclassInstance", prefix: str) -> None:
+    """Check the fields of a frozen dataclass from inside its `__post_init__`: numbers become float or int, lists tuples.
+
+    Raises
+    ------
+    InputError: a field that is not what its annotation says, named with the prefix before it.
+    """
+    hints = _hints(type(instance))
+    values = {item.name: _fitted(prefix + item.name, getattr(instance, item.name), hints[item.name]) for item in fields(instance)}
+    store(instance, **values)
+
+
+def materials_of(where: str, value: Any) -> tuple[Material, ...]:
+    """Return the materials of a building, one at least."""
+    materials = tuple(listed(f"{where}.materials", value, Material))
+    if not materials:
+        raise InputError(f"{where}.materials", "no material", expected="at least one Material")
+    return materials
+
+
+@lru_cache
+def _hints(kind: type[Any]) -> dict[str, Any]:
+    return get_type_hints(kind)
+
+
+def _fitted(where: str, value: Any, hint: Any) -> Any:
+    origin, options = get_origin(hint), get_args(hint)
+    if origin in (Union, UnionType):
+        return _one_of_kinds(where, value, options)
+    if origin is Literal:
+        one_of(where, value, *options)
+        return value
+    if origin is tuple or origin is Sequence:
+        return tuple(_fitted(f"{where}[{number}]", item, options[0]) for number, item in enumerate(_items(where, value)))
+    if hint is float:
+        number = finite(where, value)
+        if abs(number) > _MOST:
+            raise InputError(where, "out of range", found=value, expected=f"at most {_MOST:g} m")
+        return number
+    if hint is int:
+        number = finite(where, value)
+        if number != int(number):
+            raise InputError(where, "out of range", found=value, expected="a whole number")
+        return int(number)
+    check_kind(where, value, hint if origin is None else origin)
+    return value
+
+
+def _one_of_kinds(where: str, value: Any, options: Sequence[Any]) -> Any:
+    """Return a value of one of several kinds: nothing, a thing, a mapping of its fields, or a list of such."""
+    if value is None and NoneType in options:
+        return None
+    kinds = [option for option in options if option is not NoneType]
+    if len(kinds) == 1:
+        return _fitted(where, value, kinds[0])
+    table: Any = next((kind for kind in kinds if is_dataclass(kind)), None)
+    if table is not None:
+        if not isinstance(value, (table, Mapping)):
+            raise InputError(where, "wrong kind", found=told(value), expected=f"{table.__name__}, or a mapping of its fields")
+        return cast("Any", value)
+    single = next(kind for kind in kinds if get_origin(kind) is None)
+    alone = isinstance(value, Real if single is float else single)
+    return _fitted(where, value, single if alone else next(kind for kind in kinds if kind is not single))
+
+
+def _items(where: str, value: Any) -> list[Any]:
+    if isinstance(value, str | bytes | Mapping | set | frozenset) or not isinstance(value, Iterable):
+        raise InputError(where, "not a list", found=told(cast("object", value)), expected="a list")
+    return list(cast("Iterable[Any]", value))
