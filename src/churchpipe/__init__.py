@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from churchpipe.derive.joints import joint_strength as joint_strength
     from churchpipe.derive.match import match_models as match_models
     from churchpipe.derive.shell import derive_shell as derive_shell
+    from churchpipe.derive.soundness import check_soundness as check_soundness
     from churchpipe.dxf.reader import read_dxf as read_dxf
     from churchpipe.dxf.writer import write_dxf as write_dxf
     from churchpipe.errors import InputError as InputError
@@ -42,6 +43,7 @@ _PLACES = {
     "Material": "model.materials",
     "ShellLimitState": "model.results",
     "ShellModel": "model.shell",
+    "check_soundness": "derive.soundness",
     "derive_blocks": "derive.blocks",
     "derive_shell": "derive.shell",
     "find_contacts": "derive.contacts",
@@ -67,6 +69,7 @@ __all__ = [
     "Material",
     "ShellLimitState",
     "ShellModel",
+    "check_soundness",
     "derive_blocks",
     "derive_shell",
     "find_contacts",

@@ -132,6 +132,7 @@ CALLS: list[tuple[Callable[[], object], str]] = [
     (lambda: cp.read_dxf("a.dxf", unit_weight="18"), r"unit weight: not a number; found '18'"),
     (lambda: cp.read_dxf("a.dxf", unit_weight={"tuff": "18"}), r"unit weight of 'tuff': not a number"),
     (lambda: cp.read_dxf("a.dxf", units=3), r"units: unknown unit; found 3"),
+    (lambda: cp.read_dxf("a.dxf", repair="no"), r"repair: wrong kind; found 'no'; expected a bool"),
     (lambda: cp.read_case(None), r"read_case: path: not a path"),
     (lambda: cp.read_case("/dev/null"), r"/dev/null: not a file"),
 ]

@@ -118,6 +118,8 @@ def test_contacts_of_other_stones_are_refused() -> None:
         cp.limit_analysis(other, contacts, push, friction=0.6)
     with pytest.raises(InputError, match="contacts: made for another assemblage"):
         cp.joint_strength(stones, others, [TUFF])
+    with pytest.raises(InputError, match="contacts: made for another assemblage"):
+        cp.check_soundness(stones, others)
     shell = cp.derive_shell(generators.wall(**WALL), 0.4)
     with pytest.raises(InputError, match="contacts: made for another assemblage"):
         cp.match_models(stones, others, shell)

@@ -21,6 +21,7 @@ def find_contacts(stones: Assemblage, gap_tolerance: float = 1e-6) -> Contacts:
     Faces are bucketed by plane; in each bucket a tree of bounding boxes proposes pairs, whose polygons are intersected
     all at once. A pair of stones may share several interfaces. The contact points are the vertices of the overlap, those
     on a straight edge left out; the points of a non-convex overlap are those of its convex hull, which carries the same forces.
+    Stones that overlap or float are not looked for: `check_soundness` does.
 
     Parameters
     ----------

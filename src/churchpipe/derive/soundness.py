@@ -9,9 +9,10 @@ import shapely
 
 from churchpipe.derive.manifolds import manifold
 from churchpipe.errors import InputError
+from churchpipe.model.arguments import check_kind
 from churchpipe.model.arrays import IntArray
 from churchpipe.model.assemblage import Assemblage
-from churchpipe.model.contacts import Contacts
+from churchpipe.model.contacts import Contacts, check_contacts_of
 
 # Solids overlap when they share more than this part of the smaller one's volume.
 OVERLAP_TOLERANCE = 1e-6
@@ -69,6 +70,9 @@ def overlapping_stones(stones: Assemblage, progress: Callable[[str, float], None
 
 def check_soundness(stones: Assemblage, contacts: Contacts, progress: Callable[[str, float], None] | None = None) -> None:
     """Raise `InputError` naming every stone that floats, lies twice in one place, or overlaps another."""
+    check_kind("check_soundness: stones", stones, Assemblage)
+    check_kind("check_soundness: contacts", contacts, Contacts)
+    check_contacts_of(stones, contacts)
     problems: list[str] = []
     remedies: list[str] = []
     double = duplicate_stones(stones)

@@ -15,7 +15,7 @@ from churchpipe.dxf.properties import decode_properties
 from churchpipe.dxf.stones import Stone, survey
 from churchpipe.dxf.units import find_unit
 from churchpipe.errors import InputError
-from churchpipe.model.arguments import finite, path_of
+from churchpipe.model.arguments import check_kind, finite, path_of
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.loads import LoadCase
@@ -82,6 +82,7 @@ def read_drawing(
     weights_given = _given_weights(unit_weight)
     if not isinstance(support, str) or support not in ("drawn", "base"):
         raise InputError("support", "unknown kind of support", found=repr(support), expected='"drawn" or "base"')
+    check_kind("repair", repair, bool)
     path = path_of("read_dxf: path", path)
     findings: list[Finding] = []
     document = open_document(path, findings)
