@@ -1,6 +1,8 @@
 """From buildings to mid-surfaces: areas by hand, shared edges, weights of the stones, bed directions, exports."""
 
 import math
+import subprocess
+import sys
 from dataclasses import replace
 
 import meshio
@@ -333,3 +335,17 @@ def test_a_field_of_another_length_is_an_error(tmp_path):
     with pytest.raises(InputError, match="field wrong: wrong number of rows; found 3"):
         write_shell_vtu(tmp_path / "shell.vtu", shell, {"wrong": np.zeros(3)})
     assert not list(tmp_path.iterdir())
+
+
+def test_a_closed_pipe_is_no_end_of_the_process_after_meshing() -> None:
+    # gmsh sets the signal of a closed pipe back to its default, which is death.
+    lines = [
+        "import os, churchpipe, churchpipe.generators as g",
+        "churchpipe.derive_shell(g.wall(length=1.2, brick=(0.4, 0.25, 0.2), courses=3), 0.4)",
+        "read, write = os.pipe()",
+        "os.close(read)",
+        "try: os.write(write, b'x')",
+        "except BrokenPipeError: print('alive')",
+    ]
+    done = subprocess.run([sys.executable, "-c", "\n".join(lines)], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout.strip()) == (0, "alive")

@@ -1,5 +1,7 @@
 """From the description of a building to its mid-surfaces as one conforming mesh of triangles."""
 
+import signal
+import threading
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -141,12 +143,22 @@ def _gmsh() -> Iterator[Any]:
     mine = not gmsh.isInitialized()
     if mine:
         gmsh.initialize(readConfigFiles=False, interruptible=False)
+        _keep_broken_pipes()
     gmsh.option.setNumber("General.Terminal", 0)
     try:
         yield gmsh
     finally:
         if mine:
             gmsh.finalize()
+
+
+def _keep_broken_pipes() -> None:
+    """Let writing to a closed pipe be an exception again: gmsh has it end the process. Only the main thread can."""
+    if not hasattr(signal, "SIGPIPE") or threading.current_thread() is not threading.main_thread():
+        return
+    handler = signal.getsignal(signal.SIGPIPE)
+    if handler is not None:
+        signal.signal(signal.SIGPIPE, handler)
 
 
 def _mesh(gmsh: Any, cut: Subdivision, name: str) -> _Mesh:
