@@ -32,6 +32,8 @@ _OUTSIDE = 1e-13
 # Where that fails, several mechanisms compete for one load: the loop goes on to this share of the residual tolerance.
 _COMPETING = 1e-3
 _STALLED_STEP = 1e-3
+# So many of the first steps may be that short: a sliver of a mesh starts far from all other facets.
+_FIRST_STEPS = 8
 _PATIENCE = 12
 _VANISHED = 1e-8
 _ROUGH = 1e-4
@@ -75,7 +77,7 @@ def solve_coupled(
                 return Ending(status, exact or at, info, "")
         elif status != "running":
             return Ending(status, at, info, "")
-        stalled = stalled + 1 if iteration and step_length < _STALLED_STEP else 0
+        stalled = stalled + 1 if iteration > _FIRST_STEPS and step_length < _STALLED_STEP else 0
         if stalled >= 3 or iteration - best[1].iteration > _PATIENCE:
             message = "no further progress"
             break
