@@ -10,8 +10,8 @@ from pathlib import Path
 
 import churchpipe as cp
 from churchpipe.compare import safety, stone_parts
-from churchpipe.derive.joints import joint_strength
 from churchpipe.report.figures import mechanism_picture
+from churchpipe.stones.joints import joint_strength
 
 FOLDER = Path("docs/pictures/gallery")
 SIZE = (760, 560)

@@ -37,12 +37,12 @@ DOCUMENT = Path(__file__).parents[1] / "docs" / "benchmarks_limit_analysis.md"
 
 def model(name: str) -> tuple[Any, Any]:
     """Return balance and strength of a box building; friction .6, pushed along x."""
-    from churchpipe.derive.blocks import derive_blocks
-    from churchpipe.derive.contacts import find_contacts
     from churchpipe.generators.box import box
     from churchpipe.model.loads import LoadCase
     from churchpipe.rigid_blocks.equilibrium import equilibrium
     from churchpipe.rigid_blocks.limit import point_strength
+    from churchpipe.stones.blocks import derive_blocks
+    from churchpipe.stones.contacts import find_contacts
 
     length, width, courses = MODELS[name]
     stones = derive_blocks(box(length=length, width=width, courses=courses, brick=(1.0, 0.5, 0.4)))

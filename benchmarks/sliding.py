@@ -8,11 +8,11 @@ from time import process_time
 from typing import Any
 
 from churchpipe.conic.solve import solver_for
-from churchpipe.derive.contacts import find_contacts
 from churchpipe.rigid_blocks.coulomb import EXACT, dead_load_start
 from churchpipe.rigid_blocks.equilibrium import equilibrium
 from churchpipe.rigid_blocks.iterations import SchemeSettings, certified_iteration
 from churchpipe.rigid_blocks.limit import associative_program, point_strength
+from churchpipe.stones.contacts import find_contacts
 
 
 def problem(name: str) -> tuple[Any, Any]:

@@ -8,12 +8,12 @@ from typing import Any
 
 import ezdxf
 
-from churchpipe.derive.blocks import derive_blocks
 from churchpipe.dxf.writer import write_dxf
 from churchpipe.generators import arch, prototype
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Elastic, Material
+from churchpipe.stones.blocks import derive_blocks
 
 HERE = Path(__file__).parent
 BOX_FACES = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))

@@ -1,11 +1,11 @@
 """Stones of a building, laid and checked."""
 
-from churchpipe.derive.blocks import derive_blocks
-from churchpipe.derive.contacts import find_contacts
-from churchpipe.derive.soundness import check_soundness, unsupported_stones
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import Building
 from churchpipe.model.contacts import Contacts
+from churchpipe.stones.blocks import derive_blocks
+from churchpipe.stones.contacts import find_contacts
+from churchpipe.stones.soundness import check_soundness, unsupported_stones
 
 
 def laid(building: Building) -> tuple[Assemblage, Contacts]:

@@ -28,10 +28,10 @@ else:
         input:
             building="geometry/{geometry}/building.json",
             sources=sources(
-                "derive/blocks.py",
-                "derive/manifolds.py",
-                "derive/midplanes.py",
-                "derive/pierced.py",
+                "stones/blocks.py",
+                "geometry/manifolds.py",
+                "shell_mesh/midplanes.py",
+                "stones/pierced.py",
                 "bond",
                 "dxf",
                 "io/building_json.py",
@@ -48,7 +48,7 @@ else:
 rule contacts:
     input:
         assemblage="geometry/{geometry}/assemblage.npz",
-        sources=sources("derive/contacts.py", "derive/manifolds.py", "derive/midplanes.py", "derive/soundness.py", "bond"),
+        sources=sources("stones/contacts.py", "geometry/manifolds.py", "shell_mesh/midplanes.py", "stones/soundness.py", "bond"),
     output:
         contacts="geometry/{geometry}/contacts.npz",
     shell:

@@ -16,7 +16,7 @@ rule compare:
             "config/plan.py",
             "config/site.py",
             "rigid_blocks/equilibrium.py",
-            "derive/locate.py",
+            "geometry/locate.py",
             "bond",
         ),
     output:

@@ -6,7 +6,7 @@ rule rigid:
         settings="rigid/{analysis}/settings.json",
         assemblage=lambda wildcards: f"geometry/{GEOMETRY_OF[wildcards.analysis]}/assemblage.npz",
         contacts=lambda wildcards: f"geometry/{GEOMETRY_OF[wildcards.analysis]}/contacts.npz",
-        sources=sources("rigid_blocks", "conic", "derive/joints.py", "config/plan.py", "config/units.py", "io/records.py"),
+        sources=sources("rigid_blocks", "conic", "stones/joints.py", "config/plan.py", "config/units.py", "io/records.py"),
     output:
         state="rigid/{analysis}/rigid.npz",
         record="rigid/{analysis}/rigid.json",

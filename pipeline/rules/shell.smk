@@ -22,10 +22,10 @@ rule shell:
         settings="shell/{mesh}/settings.json",
         building=lambda wildcards: f"geometry/{SHELLS[wildcards.mesh]}/building.json",
         sources=sources(
-            "derive/shell.py",
-            "derive/midplanes.py",
-            "derive/self_weight.py",
-            "derive/subdivision.py",
+            "shell_mesh/shell.py",
+            "shell_mesh/midplanes.py",
+            "shell_mesh/self_weight.py",
+            "shell_mesh/subdivision.py",
             "bond",
             "io/building_json.py",
             "io/shell_vtu.py",
@@ -41,7 +41,7 @@ rule match:
         shell="shell/{mesh}/shell.npz",
         stones=lambda wildcards: f"geometry/{SHELLS[wildcards.mesh]}/{FITTED}",
         contacts=lambda wildcards: f"geometry/{SHELLS[wildcards.mesh]}/contacts.npz",
-        sources=sources("derive/match.py", "derive/locate.py", "derive/midplanes.py", "bond"),
+        sources=sources("match.py", "geometry/locate.py", "shell_mesh/midplanes.py", "bond"),
     output:
         match="shell/{mesh}/match.json",
     shell:

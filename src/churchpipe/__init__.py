@@ -8,17 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from churchpipe.config import read_case as read_case
-    from churchpipe.derive.blocks import derive_blocks as derive_blocks
-    from churchpipe.derive.contacts import find_contacts as find_contacts
-    from churchpipe.derive.joints import joint_strength as joint_strength
-    from churchpipe.derive.match import match_models as match_models
-    from churchpipe.derive.shell import derive_shell as derive_shell
-    from churchpipe.derive.soundness import check_soundness as check_soundness
     from churchpipe.dxf.reader import read_dxf as read_dxf
     from churchpipe.dxf.writer import write_dxf as write_dxf
     from churchpipe.errors import InputError as InputError
     from churchpipe.homogenised_shell.limit import shell_limit_analysis as shell_limit_analysis
     from churchpipe.homogenised_shell.pushover import pushover as pushover
+    from churchpipe.match import match_models as match_models
     from churchpipe.model.assemblage import Assemblage as Assemblage
     from churchpipe.model.building import Building as Building
     from churchpipe.model.contacts import Contacts as Contacts
@@ -30,6 +25,11 @@ if TYPE_CHECKING:
     from churchpipe.model.results import ShellLimitState as ShellLimitState
     from churchpipe.model.shell import ShellModel as ShellModel
     from churchpipe.rigid_blocks.limit import limit_analysis as limit_analysis
+    from churchpipe.shell_mesh.shell import derive_shell as derive_shell
+    from churchpipe.stones.blocks import derive_blocks as derive_blocks
+    from churchpipe.stones.contacts import find_contacts as find_contacts
+    from churchpipe.stones.joints import joint_strength as joint_strength
+    from churchpipe.stones.soundness import check_soundness as check_soundness
 
 _PLACES = {
     "Assemblage": "model.assemblage",
@@ -43,13 +43,13 @@ _PLACES = {
     "Material": "model.materials",
     "ShellLimitState": "model.results",
     "ShellModel": "model.shell",
-    "check_soundness": "derive.soundness",
-    "derive_blocks": "derive.blocks",
-    "derive_shell": "derive.shell",
-    "find_contacts": "derive.contacts",
-    "joint_strength": "derive.joints",
+    "check_soundness": "stones.soundness",
+    "derive_blocks": "stones.blocks",
+    "derive_shell": "shell_mesh.shell",
+    "find_contacts": "stones.contacts",
+    "joint_strength": "stones.joints",
     "limit_analysis": "rigid_blocks.limit",
-    "match_models": "derive.match",
+    "match_models": "match",
     "pushover": "homogenised_shell.pushover",
     "read_case": "config",
     "read_dxf": "dxf.reader",

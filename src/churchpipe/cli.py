@@ -207,8 +207,8 @@ def export_dxf(
 ) -> None:
     """Write the stones of a case as a DXF drawing, its materials and loads inside."""
     from churchpipe.config import read_case
-    from churchpipe.derive.blocks import derive_blocks
     from churchpipe.dxf.writer import write_dxf
+    from churchpipe.stones.blocks import derive_blocks
 
     if drawing.suffix.lower() != ".dxf":
         raise UsageError(f"--out {drawing}", "not the name of a drawing", expected="a name that ends in .dxf")

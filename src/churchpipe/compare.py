@@ -137,7 +137,7 @@ def overlap(stones: Assemblage, velocities: FloatArray, shell: ShellModel, motio
     each weighed by the stone's weight. Stones whose panel the shell does not have are left out.
     """
     # Every stage imports this module, and one of them needs a tree of facets.
-    from churchpipe.derive.locate import facet_at
+    from churchpipe.geometry.locate import facet_at
 
     moved = np.full((stones.count, 3), np.nan)
     for name in np.intersect1d(stones.panel[~stones.fixed], shell.panel):

@@ -12,14 +12,14 @@ from typing import Literal
 import numpy as np
 
 from churchpipe.config.shell_table import shell_table
-from churchpipe.derive.contacts import find_contacts
-from churchpipe.derive.soundness import check_soundness
 from churchpipe.dxf import reader
 from churchpipe.dxf.findings import Findings
 from churchpipe.errors import UsageError
 from churchpipe.io.atomic import write_text
 from churchpipe.model.loads import LoadCase, direction_name
 from churchpipe.model.materials import Elastic, Material
+from churchpipe.stones.contacts import find_contacts
+from churchpipe.stones.soundness import check_soundness
 
 Support = Literal["drawn", "base"]
 # Above this many the non-associative analysis is left to who asks for it.

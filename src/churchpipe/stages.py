@@ -64,8 +64,8 @@ def source(settings: Path, building: Path) -> None:
 
 def blocks(building: Path, assemblage: Path, dxf: Path, vtu: Path) -> None:
     """Building -> its stones, for the next stages, for CAD and for ParaView."""
-    from churchpipe.derive.blocks import derive_blocks
     from churchpipe.dxf.writer import write_dxf
+    from churchpipe.stones.blocks import derive_blocks
 
     stones = derive_blocks(read_building(building))
     write_dxf(stones, dxf)
@@ -96,8 +96,8 @@ def drawing(settings: Path, dxf: Path, assemblage: Path, vtu: Path) -> None:
 
 def contacts(assemblage: Path, contacts: Path, progress: Progress | None = None) -> None:
     """Stones -> their interfaces; stones that float, lie twice in one place or overlap are named before any solve."""
-    from churchpipe.derive.contacts import find_contacts
-    from churchpipe.derive.soundness import check_soundness
+    from churchpipe.stones.contacts import find_contacts
+    from churchpipe.stones.soundness import check_soundness
 
     stones = read_npz(assemblage, Assemblage)
     found = find_contacts(stones)
@@ -110,7 +110,7 @@ def panels(settings: Path, assemblage: Path, building: Path, fitted: Path, fit: 
 
     fit.json: the stones that fit none, and why there are no panels at all ("message"), if so.
     """
-    from churchpipe.derive.panels import fit_panels
+    from churchpipe.recognition.panels import fit_panels
 
     table, stones = read_json(settings), read_npz(assemblage, Assemblage)
     materials = tuple(Material(name, weight, 0.0) for name, weight in unit_weights(table).items())
@@ -128,7 +128,7 @@ def panels(settings: Path, assemblage: Path, building: Path, fitted: Path, fit: 
 
 def shell(settings: Path, building: Path, shell: Path) -> None:
     """Building -> its mid-surfaces as a mesh, for the next stages; beside it shell.msh for Gmsh and shell.vtu for ParaView."""
-    from churchpipe.derive.shell import derive_shell
+    from churchpipe.shell_mesh.shell import derive_shell
 
     exports = shell.with_suffix(".msh"), shell.with_suffix(".vtu")
     try:
@@ -145,7 +145,7 @@ def shell(settings: Path, building: Path, shell: Path) -> None:
 
 def match(shell: Path, assemblage: Path, contacts: Path, record: Path) -> None:
     """Both models -> whether they are one building, and all figures of it."""
-    from churchpipe.derive.match import match_models
+    from churchpipe.match import match_models
 
     mesh = read_if_made(shell, ShellModel)
     if isinstance(mesh, Absent):
@@ -213,8 +213,8 @@ def _analyse_shell(
 
 def rigid(settings: Path, assemblage: Path, contacts: Path, state: Path, record: Path, progress: Progress | None = None) -> None:
     """One rigid-block analysis -> its state and its record for the summary."""
-    from churchpipe.derive.joints import joint_strength
     from churchpipe.rigid_blocks.limit import limit_analysis
+    from churchpipe.stones.joints import joint_strength
 
     table = read_json(settings)
     stones, joints = read_npz(assemblage, Assemblage), read_npz(contacts, Contacts)

@@ -207,7 +207,7 @@ def test_a_sweep_makes_the_stones_once(pristine: Copy) -> None:
     ("name", "jobs"),
     [
         ("src/churchpipe/rigid_blocks/limit.py", {"rigid": 2, **RESULTS}),
-        ("src/churchpipe/derive/contacts.py", {"contacts": 1, "rigid": 2, **RESULTS}),
+        ("src/churchpipe/stones/contacts.py", {"contacts": 1, "rigid": 2, **RESULTS}),
         ("src/churchpipe/report/html.py", {"report": 1, "all": 1}),
         ("src/churchpipe/cli.py", {}),
     ],
@@ -242,7 +242,7 @@ def test_a_sweep_of_meshes_reruns_the_shell_alone(with_shell: Copy) -> None:
     ("name", "jobs"),
     [
         ("src/churchpipe/homogenised_shell/limit.py", {"limit": 1, **RESULTS}),
-        ("src/churchpipe/derive/match.py", {"match": 1, "limit": 1, **RESULTS}),
+        ("src/churchpipe/match.py", {"match": 1, "limit": 1, **RESULTS}),
         ("src/churchpipe/rigid_blocks/limit.py", {"rigid": 1, **RESULTS}),
     ],
 )

@@ -13,7 +13,6 @@ import pytest
 
 from churchpipe import stages
 from churchpipe.compare import bad_news
-from churchpipe.derive.blocks import derive_blocks
 from churchpipe.dxf.writer import write_dxf
 from churchpipe.generators import wall
 from churchpipe.io.npz import Absent, read_if_made, read_npz, write_npz
@@ -23,6 +22,7 @@ from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
 from churchpipe.model.results import LimitState, ShellLimitState
 from churchpipe.model.shell import ShellModel
+from churchpipe.stones.blocks import derive_blocks
 
 # A wall of 1.2 x 1.0 x .25 m pushed out of its plane: it turns over at .25 / 1.0.
 CASE = """

@@ -8,11 +8,11 @@ import pytest
 
 from churchpipe.code_check import GRAVITY, Floor, Site, activation, along, verify
 from churchpipe.compare import safety
-from churchpipe.derive.contacts import find_contacts
 from churchpipe.errors import InputError
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.loads import LoadCase
 from churchpipe.rigid_blocks.limit import limit_analysis
+from churchpipe.stones.contacts import find_contacts
 from solids import box, on_ground
 
 PUSH = LoadCase((1, 0, 0))

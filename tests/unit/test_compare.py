@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from churchpipe.compare import bad_news, overlap, pairs
-from churchpipe.derive.blocks import derive_blocks
-from churchpipe.derive.shell import derive_shell
 from churchpipe.generators import box
 from churchpipe.model.materials import Material
+from churchpipe.shell_mesh.shell import derive_shell
+from churchpipe.stones.blocks import derive_blocks
 
 HOUSE = box(
     length=2.0, width=1.5, thickness=0.25, brick=(0.5, 0.25, 0.25), courses=4, materials=(Material("default", 18e3, 0.6),)

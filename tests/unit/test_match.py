@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from churchpipe.bond.voussoir import ring_outline
-from churchpipe.derive.blocks import derive_blocks
-from churchpipe.derive.contacts import find_contacts
-from churchpipe.derive.locate import facet_at, inside_stones
-from churchpipe.derive.match import match_models
-from churchpipe.derive.shell import derive_shell
 from churchpipe.generators import arch, box, prototype, wall
+from churchpipe.geometry.locate import facet_at, inside_stones
+from churchpipe.match import match_models
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import BondRegion, Opening, UnitCell
+from churchpipe.shell_mesh.shell import derive_shell
+from churchpipe.stones.blocks import derive_blocks
+from churchpipe.stones.contacts import find_contacts
 
 S5 = {"brick": (0.08, 0.04, 0.03), "main_wall_length": 0.64, "partitions_x": [0.0, 0.6], "partition_length": 0.32, "courses": 21}
 DOOR = {"start": 0.12, "width": 0.16, "height_courses": 15, "lintel_bearing": 0.04}

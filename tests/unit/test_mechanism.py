@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from churchpipe.compare import stone_parts
-from churchpipe.derive.contacts import find_contacts
 from churchpipe.mechanism import parts
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.loads import LoadCase
 from churchpipe.rigid_blocks.limit import limit_analysis
+from churchpipe.stones.contacts import find_contacts
 from solids import box
 
 X = np.array([1.0, 0, 0])

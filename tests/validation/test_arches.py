@@ -8,12 +8,12 @@ Load factors of 27 voussoirs: independent calculations made for this project.
 import numpy as np
 import pytest
 
-from churchpipe.derive.blocks import derive_blocks
-from churchpipe.derive.contacts import find_contacts
 from churchpipe.generators import arch
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.results import LimitState
 from churchpipe.rigid_blocks.limit import limit_analysis
+from churchpipe.stones.blocks import derive_blocks
+from churchpipe.stones.contacts import find_contacts
 
 
 def push(thickness: float, friction: float, voussoirs: int = 27) -> LimitState:

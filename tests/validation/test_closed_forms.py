@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from churchpipe.derive.blocks import derive_blocks
-from churchpipe.derive.contacts import find_contacts
 from churchpipe.generators import wall
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.results import LimitState
 from churchpipe.rigid_blocks.limit import limit_analysis
+from churchpipe.stones.blocks import derive_blocks
+from churchpipe.stones.contacts import find_contacts
 from solids import box, moved, on_ground
 
 

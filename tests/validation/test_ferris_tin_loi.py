@@ -7,10 +7,10 @@ Ferris and Tin-Loi).
 
 import pytest
 
-from churchpipe.derive.contacts import find_contacts
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.loads import LoadCase
 from churchpipe.rigid_blocks.limit import limit_analysis
+from churchpipe.stones.contacts import find_contacts
 from solids import box, on_ground
 
 PATTERNS = {

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from churchpipe.derive.contacts import find_contacts
 from churchpipe.errors import InputError
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.loads import LoadCase
 from churchpipe.rigid_blocks.equilibrium import lateral_weight
 from churchpipe.rigid_blocks.limit import limit_analysis
+from churchpipe.stones.contacts import find_contacts
 from solids import box
 
 PLATE = box((-5, 5), (-5, 5), (-1, 0))

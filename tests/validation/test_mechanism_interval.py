@@ -10,7 +10,6 @@ from churchpipe.conic.clarabel import solve_clarabel
 from churchpipe.conic.polish import restore_balance
 from churchpipe.conic.program import ConeProgram
 from churchpipe.conic.solve import solver_for
-from churchpipe.derive.contacts import find_contacts
 from churchpipe.model.arrays import FloatArray
 from churchpipe.rigid_blocks.certificate import Strength
 from churchpipe.rigid_blocks.coulomb import (
@@ -25,6 +24,7 @@ from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
 from churchpipe.rigid_blocks.interval import mechanism_interval
 from churchpipe.rigid_blocks.iterations import certified_iteration
 from churchpipe.rigid_blocks.limit import associative_program, point_strength
+from churchpipe.stones.contacts import find_contacts
 
 
 def problem(name: str) -> tuple[Equilibrium, Strength]:

@@ -7,14 +7,14 @@ from typing import Any
 
 import pytest
 
-from churchpipe.derive.blocks import derive_blocks
-from churchpipe.derive.contacts import find_contacts
 from churchpipe.generators import prototype
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
 from churchpipe.rigid_blocks.limit import limit_analysis
+from churchpipe.stones.blocks import derive_blocks
+from churchpipe.stones.contacts import find_contacts
 
 DRY_STONE = (Material("default", 28.6e3, 0.7),)
 DOOR = {"start": 0.12, "width": 0.16, "height_courses": 15, "lintel_bearing": 0.04}

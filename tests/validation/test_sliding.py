@@ -10,8 +10,6 @@ from test_ferris_tin_loi import LOAD, wall
 from test_prototypes import LOADS, model
 
 from churchpipe.conic.solve import solver_for
-from churchpipe.derive.blocks import derive_blocks
-from churchpipe.derive.contacts import find_contacts
 from churchpipe.errors import InputError
 from churchpipe.generators.box import box
 from churchpipe.rigid_blocks.certificate import cone_violation
@@ -19,6 +17,8 @@ from churchpipe.rigid_blocks.coulomb import EXACT, bipotential_gap, dead_load_st
 from churchpipe.rigid_blocks.equilibrium import equilibrium
 from churchpipe.rigid_blocks.iterations import certified_iteration
 from churchpipe.rigid_blocks.limit import associative_program, limit_analysis, point_strength
+from churchpipe.stones.blocks import derive_blocks
+from churchpipe.stones.contacts import find_contacts
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,10 @@ from collections.abc import Callable
 import numpy as np
 
 from churchpipe.bond.field import Field
-from churchpipe.bond.planar import (
+from churchpipe.bond.slivers import LEAST_HEIGHT, LEAST_WIDTH, merge_slivers
+from churchpipe.bond.tiles import TileSet, tiles_of
+from churchpipe.errors import InputError
+from churchpipe.geometry.planar import (
     Polygons,
     Region,
     all_coordinates,
@@ -27,10 +30,7 @@ from churchpipe.bond.planar import (
     united,
     vertices,
 )
-from churchpipe.bond.polygons import TOLERANCE, snap, snap_onto, snap_polygons
-from churchpipe.bond.slivers import LEAST_HEIGHT, LEAST_WIDTH, merge_slivers
-from churchpipe.bond.tiles import TileSet, tiles_of
-from churchpipe.errors import InputError
+from churchpipe.geometry.polygons import TOLERANCE, snap, snap_onto, snap_polygons
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.building import UnitCell
 

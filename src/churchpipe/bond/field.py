@@ -6,9 +6,9 @@ from typing import Literal, Protocol
 
 import numpy as np
 
-from churchpipe.bond.planar import Region
 from churchpipe.bond.tiles import TileSet
 from churchpipe.bond.voids import Void
+from churchpipe.geometry.planar import Region
 from churchpipe.model.arrays import FloatArray, floats, store
 from churchpipe.model.building import UnitCell
 

@@ -8,10 +8,10 @@ import numpy as np
 from churchpipe.bond.courses import lay_courses
 from churchpipe.bond.field import Field
 from churchpipe.bond.joints import bays, grid_joints, joints_by_bay, stones_in
-from churchpipe.bond.planar import centroids
-from churchpipe.bond.polygons import TOLERANCE
 from churchpipe.bond.tiles import TileSet, leaves_of
 from churchpipe.errors import InputError
+from churchpipe.geometry.planar import centroids
+from churchpipe.geometry.polygons import TOLERANCE
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, Panel, PlaneChart, UnitCell
 

@@ -5,8 +5,8 @@ from collections.abc import Callable
 import numpy as np
 
 from churchpipe.bond.field import Field
-from churchpipe.bond.planar import distances
-from churchpipe.bond.polygons import TOLERANCE
+from churchpipe.geometry.planar import distances
+from churchpipe.geometry.polygons import TOLERANCE
 from churchpipe.model.arrays import BoolArray, FloatArray
 
 # A wall reaches beyond a junction if there is masonry this far from its face, m.

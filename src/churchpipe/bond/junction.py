@@ -6,10 +6,10 @@ from itertools import combinations
 
 import numpy as np
 
-from churchpipe.bond.charts import along, base_level, footprint
-from churchpipe.bond.planar import Region, area, areas, boxes, common, common_areas, pieces, vertices
-from churchpipe.bond.polygons import TOLERANCE, snap_onto
 from churchpipe.errors import InputError
+from churchpipe.geometry.charts import along, base_level, footprint
+from churchpipe.geometry.planar import Region, area, areas, boxes, common, common_areas, pieces, vertices
+from churchpipe.geometry.polygons import TOLERANCE, snap_onto
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.building import Panel
 

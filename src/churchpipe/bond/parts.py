@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from churchpipe.bond.planar import distances, polygon
-from churchpipe.bond.polygons import TOLERANCE
+from churchpipe.geometry.planar import distances, polygon
+from churchpipe.geometry.polygons import TOLERANCE
 from churchpipe.model.arrays import FloatArray, NameArray
 from churchpipe.model.building import Panel
 

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from churchpipe.bond.planar import Polygons, areas, bounds, has_hole, polygons_of, shared_edges, united
-from churchpipe.bond.polygons import TOLERANCE, corners
 from churchpipe.errors import InputError
+from churchpipe.geometry.planar import Polygons, areas, bounds, has_hole, polygons_of, shared_edges, united
+from churchpipe.geometry.polygons import TOLERANCE, corners
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.building import UnitCell
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from churchpipe.bond.planar import Polygons, polygons_of
-from churchpipe.bond.polygons import corners, polygon_areas
+from churchpipe.geometry.planar import Polygons, polygons_of
+from churchpipe.geometry.polygons import corners, polygon_areas
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, NameArray, floats, names, pointers, ragged_indices, store
 
 

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from churchpipe.bond.planar import distances, polygon, united
-from churchpipe.bond.polygons import TOLERANCE, corners
 from churchpipe.errors import InputError
+from churchpipe.geometry.planar import distances, polygon, united
+from churchpipe.geometry.polygons import TOLERANCE, corners
 from churchpipe.model.arrays import BoolArray, FloatArray, floats, store
 from churchpipe.model.building import CylinderChart, Panel
 

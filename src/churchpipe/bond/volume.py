@@ -4,10 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from churchpipe.bond.charts import base_level, footprint, lift, normals
-from churchpipe.bond.planar import Region, area, edges, less, level_section, polygon, united, vertices
-from churchpipe.bond.polygons import TOLERANCE
 from churchpipe.bond.voids import Void, unseen, voids_of
+from churchpipe.geometry.charts import base_level, footprint, lift, normals
+from churchpipe.geometry.planar import Region, area, edges, less, level_section, polygon, united, vertices
+from churchpipe.geometry.polygons import TOLERANCE
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import Chart, CylinderChart, Panel
 

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from churchpipe.bond.field import Field
-from churchpipe.bond.planar import areas, common_areas, polygons_of
-from churchpipe.bond.polygons import TOLERANCE
 from churchpipe.bond.tiles import TileSet, tiles_of
 from churchpipe.errors import InputError
+from churchpipe.geometry.planar import areas, common_areas, polygons_of
+from churchpipe.geometry.polygons import TOLERANCE
 from churchpipe.model.arrays import FloatArray, floats, store
 from churchpipe.model.building import UnitCell
 

@@ -2,15 +2,15 @@
 
 import numpy as np
 
-from churchpipe.bond.charts import check_upright, closes
 from churchpipe.bond.field import Field
 from churchpipe.bond.header_stretcher import check_leaves
 from churchpipe.bond.junction import WallJunctions
 from churchpipe.bond.patterns import bond_of
-from churchpipe.bond.planar import Region, area, boxes, common, less, polygon, why_invalid
 from churchpipe.bond.tiles import TileSet, join, sorted_by_course
 from churchpipe.bond.voids import voids_of
 from churchpipe.errors import InputError
+from churchpipe.geometry.charts import check_upright, closes
+from churchpipe.geometry.planar import Region, area, boxes, common, less, polygon, why_invalid
 from churchpipe.model.building import CylinderChart, Panel
 
 

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import shapely
 
-from churchpipe.derive.panels import fit_panels
 from churchpipe.errors import InputError
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import SHELL_PATTERNS, Building
 from churchpipe.model.materials import Material
+from churchpipe.recognition.panels import fit_panels
 
 # Elements of a first mesh: enough to see the mechanism, solved in well under a minute.
 ELEMENTS = 3000

@@ -6,17 +6,17 @@ from typing import Any
 
 import numpy as np
 
-from churchpipe.bond.planar import polygon
-from churchpipe.bond.prisms import thicken
 from churchpipe.bond.tiles import tiles_of
 from churchpipe.bond.voussoir import ring_outline
 from churchpipe.errors import InputError
 from churchpipe.generators.fields import materials_of, settle, taken
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
+from churchpipe.geometry.planar import polygon
 from churchpipe.model.arguments import positive, whole
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, Building, Panel, PlaneChart, Support, UnitCell
 from churchpipe.model.materials import Material
+from churchpipe.stones.prisms import thicken
 
 
 @dataclass(frozen=True, slots=True)

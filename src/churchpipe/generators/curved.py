@@ -6,12 +6,12 @@ from typing import Literal
 
 import numpy as np
 
-from churchpipe.bond.charts import closes
 from churchpipe.bond.voids import check_width, unseen, voids_of
 from churchpipe.errors import InputError
 from churchpipe.generators.arched import Hole, holes
 from churchpipe.generators.layout import CLOSE
 from churchpipe.generators.wall_bonds import Bonding
+from churchpipe.geometry.charts import closes
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, CylinderChart, Opening, Panel
 

@@ -7,11 +7,11 @@ from typing import Literal
 
 import numpy as np
 
-from churchpipe.bond.planar import Region, area, common, less, polygon, united
 from churchpipe.errors import InputError
 from churchpipe.generators.arched import Hole, holes
 from churchpipe.generators.openings import rectangle
 from churchpipe.generators.wall_bonds import Bonding
+from churchpipe.geometry.planar import Region, area, common, less, polygon, united
 from churchpipe.model.building import Panel, Part, PlaneChart
 
 # Lengths closer than this are equal, m.

@@ -1,1 +1,0 @@
-"""From a building, or from stones, to the models that are analysed."""

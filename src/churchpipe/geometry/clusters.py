@@ -1,0 +1,23 @@
+"""Points that lie together, and nodes that are linked."""
+
+import numpy as np
+import scipy.sparse
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from churchpipe.model.arrays import FloatArray, IntArray
+
+# Points closer than this are one node, m: walls reach the same place by different sums.
+NODE_TOLERANCE = 4e-6
+
+
+def clusters(points: FloatArray, tolerance: float = NODE_TOLERANCE) -> IntArray:
+    """Return for each of the points (n, d) the number of its cluster: neighbours closer than the tolerance, m, are one."""
+    return components(len(points), cKDTree(points).query_pairs(tolerance, output_type="ndarray"))
+
+
+def components(count: int, pairs: IntArray) -> IntArray:
+    """Return for each of `count` nodes the number of the connected part it is in; pairs (n, 2) are the links."""
+    links = (np.ones(len(pairs), dtype=np.int8), (pairs[:, 0], pairs[:, 1]))
+    graph = scipy.sparse.coo_matrix(links, shape=(count, count))
+    return connected_components(graph, directed=False)[1].astype(np.int64)

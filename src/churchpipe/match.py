@@ -1,0 +1,267 @@
+"""The gate: proof that stones and shell are one building."""
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from churchpipe.geometry.clusters import components
+from churchpipe.geometry.locate import facet_at, inside_stones, seats
+from churchpipe.model.arguments import check_kind
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, NameArray
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.contacts import Contacts, check_contacts_of
+from churchpipe.model.polyhedra import face_normals
+from churchpipe.model.shell import ShellModel
+
+WEIGHT = 0.005
+CENTROID = 0.01
+THICKNESS = 0.02
+UNCOVERED = 0.001
+SUPPORTED = 0.02
+MEAN_ANGLE = 3.0
+# A stone whose bed differs by more than this (degrees) is turned; part of the stones' volume that may be.
+TURNED, TURNED_SHARE = 20.0, 0.001
+# Tells a normal from its opposite: no wall of a drawing lies along it.
+SLANT = np.array([0.8367, 0.5476, 0.0123])
+
+
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """One quantity of both models: what it is, its values, how far they differ, how far they may."""
+
+    name: str
+    stones: float
+    shell: float
+    unit: str
+    difference: float
+    tolerance: float
+
+    @property
+    def passed(self) -> bool:
+        """Whether the difference is within the tolerance."""
+        return self.difference <= self.tolerance
+
+
+@dataclass(frozen=True, slots=True)
+class Match:
+    """The figures of the gate. junction_overlap: what mid-surface area x thickness exceeds the stones by, because mid-planes
+    overlap where walls meet; the facets there weigh that much less."""
+
+    figures: tuple[Figure, ...]
+    junction_overlap: float
+
+    @property
+    def passed(self) -> bool:
+        """Whether every figure is within its tolerance."""
+        return all(figure.passed for figure in self.figures)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return what match.json holds."""
+        figures = [asdict(figure) | {"passed": figure.passed} for figure in self.figures]
+        return {"passed": self.passed, "junction_overlap": self.junction_overlap, "figures": figures}
+
+
+def match_models(stones: Assemblage, contacts: Contacts, shell: ShellModel) -> Match:
+    """Compare the two models of a building.
+
+    Weight, in all and wall by wall (panels side by side in one plane, toothed into one another, are one); centroid; volume
+    (area x thickness less the overlaps at junctions) and thickness; openings, as mid-surface with no stone behind it and stones
+    with no mid-surface; supported length x thickness; the angle between the bed of each stone and the bed direction of the
+    shell there. Weights, lengths and volumes differ by their share of the larger one.
+
+    Parameters
+    ----------
+    stones, contacts, shell: the two models, by the same panel names.
+    """
+    for name, value, kind in (("stones", stones, Assemblage), ("contacts", contacts, Contacts), ("shell", shell, ShellModel)):
+        check_kind(f"match_models: {name}", value, kind)
+    check_contacts_of(stones, contacts)
+    free = ~stones.fixed
+    # Stones without a panel have no mid-surface to compare with; the figures of the whole count them.
+    panels = np.setdiff1d(np.concatenate([stones.panel[free], shell.panel]), [""])
+    weights = [
+        _relative(
+            f"weight of {' + '.join(wall)}",
+            stones.weight[np.isin(stones.panel, wall)].sum(),
+            shell.weight[np.isin(shell.panel, wall)].sum(),
+            "N",
+            WEIGHT,
+        )
+        for wall in _walls(panels, shell)
+    ]
+    unit_weight = _unit_weights(stones, shell)
+    carried = shell.surface_weight / np.where(unit_weight > 0, unit_weight, np.inf)
+    volume = float(stones.volume[free].sum())
+    facet, outside = _facets_of(stones, shell, np.flatnonzero(free))
+    return Match(
+        (
+            _relative("weight", stones.weight.sum(), shell.weight.sum(), "N", WEIGHT),
+            *weights,
+            _centroid(stones, shell),
+            _relative("volume", volume, float(shell.area @ carried), "m3", WEIGHT),
+            _thickness(stones, shell, facet),
+            *_openings(stones, shell, facet, outside),
+            _supported_area(stones, contacts, shell, carried),
+            *_beds(stones, contacts, shell, facet),
+        ),
+        float(shell.area @ shell.thickness) / volume - 1,
+    )
+
+
+def _relative(name: str, stones: float, shell: float, unit: str, tolerance: float) -> Figure:
+    largest = max(abs(stones), abs(shell))
+    return Figure(name, float(stones), float(shell), unit, float(abs(shell - stones) / largest) if largest else 0.0, tolerance)
+
+
+def _walls(panels: NameArray, shell: ShellModel) -> list[list[str]]:
+    """Return the panels, those side by side in one plane as one wall: a stone across their border belongs to either."""
+    normal = shell.axes[:, 2] * np.where(shell.axes[:, 2] @ SLANT < 0, -1.0, 1.0)[:, None]
+    offset = np.einsum("tc,tc->t", normal, shell.points[shell.triangles[:, 0]])
+    plane = np.round(np.hstack([normal, offset[:, None]]), 4)
+    # Nodes and planes both in common: links of panels.
+    place = np.hstack([np.repeat(plane, 3, axis=0), shell.triangles.reshape(-1, 1)])
+    number = np.searchsorted(panels, shell.panel)
+    pairs = np.unique(np.hstack([place, np.repeat(number, 3)[:, None]]), axis=0)
+    beside = (pairs[1:, :-1] == pairs[:-1, :-1]).all(axis=1)
+    links = np.stack([pairs[:-1, -1], pairs[1:, -1]], axis=1)[beside].astype(np.int64)
+    label = components(len(panels), links)
+    return [[str(name) for name in panels[label == wall]] for wall in range(label.max() + 1)]
+
+
+def _unit_weights(stones: Assemblage, shell: ShellModel) -> FloatArray:
+    """Return the unit weight (nt,) N/m3 of the stones of each facet's material, 0 where there are none."""
+    out = np.zeros(len(shell.material))
+    for name in np.unique(shell.material):
+        of_it = (stones.material == name) & ~stones.fixed
+        if of_it.any():
+            out[shell.material == name] = stones.weight[of_it].sum() / stones.volume[of_it].sum()
+    return out
+
+
+def _centroid(stones: Assemblage, shell: ShellModel) -> Figure:
+    of_stones = stones.weight @ stones.centroid / stones.weight.sum()
+    of_shell = shell.weight @ shell.points[shell.triangles].mean(axis=1) / max(shell.weight.sum(), np.finfo(float).tiny)
+    apart = float(np.linalg.norm(of_shell - of_stones)) / stones.size
+    return Figure("height of the centroid", float(of_stones[2]), float(of_shell[2]), "m", apart, CENTROID)
+
+
+def _facets_of(stones: Assemblage, shell: ShellModel, free: IntArray) -> tuple[IntArray, FloatArray]:
+    """Return for each stone the facet of its own panel at its middle (nb,), -1 for none, and how far outside it lies, m."""
+    middle = seats(stones)
+    facet, outside = np.full(stones.count, -1, dtype=np.int64), np.full(stones.count, np.inf)
+    for name in np.intersect1d(stones.panel[free], shell.panel):
+        own = free[stones.panel[free] == name]
+        facet[own], outside[own] = facet_at(shell, middle[own], str(name))
+    return facet, outside
+
+
+def _thickness(stones: Assemblage, shell: ShellModel, facet: IntArray) -> Figure:
+    """Compare each stone's volume over the mean area of its front and back with the facet's thickness; means by volume.
+
+    A stone that lies off the mid-surface is one of two side by side: it reaches from there to the face of the wall.
+    """
+    found = np.flatnonzero(facet >= 0)
+    if not len(found):
+        return Figure("thickness", 0.0, float(shell.thickness.mean()), "m", 1.0, THICKNESS)
+    area_vector, normal, _ = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
+    block = np.repeat(np.arange(stones.count), np.diff(stones.block_face_ptr))
+    # Front and back look along the wall's normal, chords of a curved wall nearly so.
+    across = np.abs(np.einsum("fc,fc->f", normal, shell.axes[facet[block], 2])) > 0.7
+    area = 0.5 * np.bincount(block[across], np.linalg.norm(area_vector[across], axis=1), minlength=stones.count)[found]
+    extent = stones.volume[found] / np.maximum(area, np.finfo(float).tiny)
+    weight = stones.volume[found] / stones.volume[found].sum()
+    thickness = shell.thickness[facet[found]]
+    corner = shell.points[shell.triangles[facet[found], 0]]
+    off = np.abs(np.einsum("sc,sc->s", stones.centroid[found] - corner, shell.axes[facet[found], 2]))
+    extent = np.where(off > thickness / 8, extent + 2 * off, extent)
+    apart = float(weight @ np.minimum(np.abs(extent / thickness - 1), 1.0))
+    return Figure("thickness", float(weight @ extent), float(weight @ thickness), "m", apart, THICKNESS)
+
+
+def _openings(stones: Assemblage, shell: ShellModel, facet: IntArray, outside: FloatArray) -> tuple[Figure, Figure]:
+    # Off the centroid and off the mid-surface, so that no point falls exactly on a joint.
+    corner = shell.points[shell.triangles]
+    place = np.einsum("tkc,k->tc", corner, [0.3331, 0.3342, 0.3327]) + 1e-3 * shell.thickness[:, None] * shell.axes[:, 2]
+    bare = ~inside_stones(stones, place)
+    area = float(shell.area.sum())
+    without = float(shell.area[bare].sum())
+    free = ~stones.fixed
+    # A stone that runs through a corner may have its centroid beyond the mid-plane, by half a wall at most.
+    stray = free & ((facet < 0) | (outside > 0.5 * float(shell.thickness.max()) + 1e-6))
+    volume, lost = float(stones.volume[free].sum()), float(stones.volume[stray].sum())
+    return (
+        Figure("mid-surface backed by stones", area - without, area, "m2", without / area, UNCOVERED),
+        Figure("stones on a mid-surface", volume, volume - lost, "m3", lost / volume, UNCOVERED),
+    )
+
+
+def _supported_area(stones: Assemblage, contacts: Contacts, shell: ShellModel, carried: FloatArray) -> Figure:
+    """Compare base joints with supported edges times thickness, less the overlaps at junctions."""
+    fixed = stones.fixed[contacts.blocks]
+    on_stones = float(contacts.area[fixed[:, 0] != fixed[:, 1]].sum())
+    ends, facet = boundary_edges(shell)
+    on_base = shell.supported[ends].all(axis=1)
+    length = np.linalg.norm(shell.points[ends[:, 1]] - shell.points[ends[:, 0]], axis=1)
+    return _relative("supported length x thickness", on_stones, float((length * carried[facet])[on_base].sum()), "m2", SUPPORTED)
+
+
+def boundary_edges(shell: ShellModel) -> tuple[IntArray, IntArray]:
+    """Return the edges (n, 2) that only one facet has, as node numbers, and that facet (n,)."""
+    edges = np.sort(np.concatenate([shell.triangles[:, pair] for pair in ([0, 1], [1, 2], [2, 0])]), axis=1)
+    _, first, count = np.unique(edges, axis=0, return_index=True, return_counts=True)
+    alone = first[count == 1]
+    return edges[alone], alone % len(shell.triangles)
+
+
+def _beds(stones: Assemblage, contacts: Contacts, shell: ShellModel, facet: IntArray) -> tuple[Figure, Figure]:
+    """Compare the bed of each stone with the bed direction of the facet at its centroid; means weighed by volume."""
+    found = facet >= 0
+    normal = shell.axes[facet, 2]
+    # In courses beds are level. Elsewhere (voussoirs) they are the joints with the largest area.
+    bed = np.cross([0.0, 0.0, 1.0], normal)
+    loose = found & (stones.course < 0)
+    bed[loose] = np.cross(normal, _joint_normal(stones, contacts, normal))[loose]
+    length = np.linalg.norm(bed, axis=1)
+    known = found & (length > 0.5)
+    if not known.any():
+        return _bed_figures(np.array([90.0]), np.ones(1))
+    cosine = np.abs(np.einsum("ij,ij->i", bed, shell.axes[facet, 0]))[known] / length[known]
+    return _bed_figures(np.degrees(np.arccos(np.minimum(cosine, 1.0))), stones.volume[known])
+
+
+def _bed_figures(angle: FloatArray, volume: FloatArray) -> tuple[Figure, Figure]:
+    mean, turned = float(volume @ angle / volume.sum()), float(volume[angle > TURNED].sum() / volume.sum())
+    return (
+        Figure("angle between beds, mean", 0.0, mean, "degrees", mean, MEAN_ANGLE),
+        Figure(f"stones turned by more than {TURNED:g} degrees", 0.0, turned, "", turned, TURNED_SHARE),
+    )
+
+
+def _joint_normal(stones: Assemblage, contacts: Contacts, normal: FloatArray) -> FloatArray:
+    """Return the axis (nb, 3) that the joints of each stone are most at right angles to, within the plane of its wall.
+
+    Of a stone without a course the joints with others without one lead, where it has such, its neighbours in the ring; what lies
+    more across than along them, the extrados, does not count.
+    """
+    loose = (stones.course < 0) & ~stones.fixed
+    in_ring = np.asarray(loose[contacts.blocks].all(axis=1))
+    ringed = np.isin(np.arange(stones.count), contacts.blocks[in_ring])
+    everywhere = _mean_axis(stones.count, contacts, normal, np.ones(contacts.blocks.shape, dtype=np.bool_))
+    first = np.where(
+        ringed[:, None], _mean_axis(stones.count, contacts, normal, np.stack([in_ring, in_ring], axis=1)), everywhere
+    )
+    along = np.abs(np.einsum("nc,nsc->ns", contacts.frame[:, 0], first[contacts.blocks])) > np.sqrt(0.5)
+    return np.where(ringed[:, None], _mean_axis(stones.count, contacts, normal, along), everywhere)
+
+
+def _mean_axis(count: int, contacts: Contacts, normal: FloatArray, counts: BoolArray) -> FloatArray:
+    """Return the mean axis (nb, 3) of the joints of each stone by area; counts (ni, 2): those that count for either stone."""
+    tensor = np.zeros((count, 3, 3))
+    n = contacts.frame[:, 0]
+    weighed = contacts.area[:, None, None] * n[:, :, None] * n[:, None, :]
+    for side in (0, 1):
+        chosen = counts[:, side]
+        np.add.at(tensor, contacts.blocks[chosen, side], weighed[chosen])
+    flat = np.eye(3) - normal[:, :, None] * normal[:, None, :]
+    return np.linalg.eigh(flat @ tensor @ flat)[1][:, :, 2]

@@ -1,0 +1,148 @@
+"""Walls on an upright cylinder, known by wedge stones: the joints of each turn about one axis."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from churchpipe.geometry.charts import along, normals
+from churchpipe.geometry.clusters import clusters
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, ragged_indices
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.building import CylinderChart
+from churchpipe.model.polyhedra import face_normals
+
+# Faces and corners that differ by less than this are on one plane or cylinder, m, and normals in one direction, rad.
+TOLERANCE = 1e-4
+# Axes of single stones that differ by less than this are one, m: short joints fix them badly.
+AXIS_TOLERANCE = 1e-3
+# Fewer stones than this make no wall.
+LEAST_STONES = 3
+# A name of which no more than this share of its volume stands on the cylinder is no curved wall.
+LEAST_SHARE = 0.5
+# A gap between joints this many times as wide as most is an opening of the ring, not a stone.
+OPEN = 3.0
+
+
+@dataclass(frozen=True, slots=True)
+class CurvedWall:
+    """A wall on a cylinder: its name, "" for stones without one, its stones (n,), chart and thickness m."""
+
+    name: str
+    stones: IntArray
+    chart: CylinderChart
+    thickness: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Joints:
+    """Upright faces without a parallel one in their stone: stone (n,), unit normal (n, 2), offset (n,) m."""
+
+    stone: IntArray
+    normal: FloatArray
+    offset: FloatArray
+
+
+def curved_walls(stones: Assemblage, base: float) -> list[CurvedWall]:
+    """Return the walls on cylinders among the free stones: by panel name, stones without one by their axis.
+
+    A wall reaches round the arc on whose two circles the corners of its wedge stones lie, and straight on along the tangents as
+    far as stones of its thickness do. base: height of t = 0, m.
+    """
+    joints = _turning_joints(stones)
+    found: list[CurvedWall] = []
+    taken = stones.fixed.copy()
+    for wedges in _wedge_groups(stones, joints):
+        chart, thickness = _cylinder(stones, joints, wedges, base)
+        if chart is None:
+            continue
+        name = str(stones.panel[wedges[0]])
+        free = np.flatnonzero((stones.panel == name) & ~taken)
+        own = free[_lies_on(stones, free, chart, thickness)]
+        share = stones.volume[own].sum() / stones.volume[free].sum() if len(free) else 0.0
+        if len(own) >= LEAST_STONES and (not name or share > LEAST_SHARE):
+            taken[own] = True
+            found.append(CurvedWall(name, own, chart, thickness))
+    return found
+
+
+def curved_coordinates(chart: CylinderChart, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the chart coordinates (n, 2) of points (n, 3) and their distance (n,) outwards from the mid-surface, m.
+
+    s of a full circle lies between 0 and its girth.
+    """
+    flat = np.stack([along(chart, points[:, :2]), points[:, 2] - chart.centre[2]], axis=1)
+    return flat, np.einsum("nc,nc->n", points - chart.centre, normals(chart, flat)) - chart.radius
+
+
+def _turning_joints(stones: Assemblage) -> _Joints:
+    _, normal, mean = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
+    owner: list[int] = []
+    kept: list[IntArray] = []
+    for block in np.flatnonzero(~stones.fixed):
+        faces = np.arange(*stones.block_face_ptr[block : block + 2])
+        faces = faces[np.abs(normal[faces, 2]) < TOLERANCE]
+        alone = faces[(normal[faces] @ normal[faces].T > TOLERANCE**2 / 2 - 1).all(axis=1)]
+        owner += [int(block)] * len(alone)
+        kept.append(alone)
+    face = np.concatenate(kept) if kept else np.empty(0, dtype=np.int64)
+    offset = np.einsum("fc,fc->f", normal[face, :2], mean[face, :2])
+    return _Joints(np.array(owner, dtype=np.int64), normal[face, :2], offset)
+
+
+def _wedge_groups(stones: Assemblage, joints: _Joints) -> Iterator[IntArray]:
+    """Yield the wedge stones of one panel name and one axis, where there are enough of them."""
+    wedges, axes = [], []
+    for block in np.unique(joints.stone):
+        rows = joints.stone == block
+        normal = joints.normal[rows]
+        if np.linalg.matrix_rank(normal, tol=TOLERANCE) == 2:
+            wedges.append(int(block))
+            axes.append(np.linalg.lstsq(normal, joints.offset[rows], rcond=None)[0])
+    if not wedges:
+        return
+    wedge = np.array(wedges)
+    names = np.unique(stones.panel[wedge], return_inverse=True)[1].astype(np.float64)
+    label = clusters(np.column_stack([np.array(axes), names.ravel()]), AXIS_TOLERANCE)
+    for number in np.unique(label):
+        if (label == number).sum() >= LEAST_STONES:
+            yield wedge[label == number]
+
+
+def _cylinder(stones: Assemblage, joints: _Joints, wedges: IntArray, base: float) -> tuple[CylinderChart | None, float]:
+    """Return the chart of the wall that wedge stones stand in, without one where their corners lie on more than two circles."""
+    rows = np.isin(joints.stone, wedges)
+    centre = np.linalg.lstsq(joints.normal[rows], joints.offset[rows], rcond=None)[0]
+    corner = _corners(stones, wedges)[0][:, :2] - centre
+    radius = np.linalg.norm(corner, axis=1)
+    outside = radius > 0.5 * (radius.min() + radius.max())
+    near, far = float(np.median(radius[~outside])), float(np.median(radius[outside]))
+    if np.abs(radius - np.where(outside, far, near)).max() > TOLERANCE:
+        return None, 0.0
+    # A stone that runs on into a leg has one joint through the axis, too.
+    radial = joints.stone[np.abs(joints.normal @ centre - joints.offset) < TOLERANCE]
+    ringed = np.unique(radial[stones.panel[radial] == stones.panel[wedges[0]]])
+    spoke = _corners(stones, ringed)[0][:, :2] - centre
+    reach = np.linalg.norm(spoke, axis=1)
+    spoke = spoke[(np.abs(reach - near) < TOLERANCE) | (np.abs(reach - far) < TOLERANCE)]
+    angle = np.sort(np.arctan2(spoke[:, 1], spoke[:, 0]))
+    gap = np.diff(angle, append=angle[0] + 2 * np.pi)
+    steps = gap[gap > TOLERANCE]
+    widest = int(np.argmax(gap))
+    start = float(angle[(widest + 1) % len(angle)])
+    sweep = 2 * np.pi - float(gap[widest]) if gap[widest] > OPEN * np.median(steps) else 2 * np.pi
+    return CylinderChart(np.array([*centre, base]), 0.5 * (near + far), start, sweep), round(far - near, 9)
+
+
+def _corners(stones: Assemblage, blocks: IntArray) -> tuple[FloatArray, IntArray]:
+    """Return the corners (n, 3) m of some stones, and the place of each one's stone among them (n,)."""
+    count = np.diff(stones.block_point_ptr)[blocks]
+    return stones.points[ragged_indices(stones.block_point_ptr[blocks], count)], np.repeat(np.arange(len(blocks)), count)
+
+
+def _lies_on(stones: Assemblage, blocks: IntArray, chart: CylinderChart, thickness: float) -> BoolArray:
+    """Return which stones have all their corners on the two faces of a wall."""
+    points, owner = _corners(stones, blocks)
+    distance = curved_coordinates(chart, points)[1]
+    off = np.abs(np.abs(distance) - 0.5 * thickness) > TOLERANCE
+    return np.bincount(owner, off, minlength=len(blocks)) == 0

@@ -1,0 +1,78 @@
+"""Stones seen from the front of their wall, and cut by the mid-plane of another."""
+
+import numpy as np
+import shapely
+
+from churchpipe.geometry.planar import Polygons
+from churchpipe.model.arrays import FloatArray, IntArray, ragged_indices
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.building import Chart, CylinderChart, PlaneChart
+from churchpipe.model.polyhedra import face_normals
+from churchpipe.recognition.curved_walls import curved_coordinates
+
+# Corners of a curved wall are rounded to this, m, so that the faces of a bent stone meet.
+ROUND = 12
+ON_FACE = 1e-4
+
+
+def fronts(stones: Assemblage, blocks: IntArray, chart: Chart, thickness: float) -> Polygons:
+    """Return the front of each of some stones (n,) of a wall, in chart coordinates."""
+    _, normal, mean = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
+    found: list[shapely.Geometry] = []
+    for block in blocks:
+        faces = np.arange(*stones.block_face_ptr[block : block + 2])
+        if isinstance(chart, PlaneChart):
+            faces = faces[normal[faces] @ np.cross(chart.s_axis, chart.t_axis) > 1 - 1e-6]
+            rings = [flat(chart, _corners(stones, int(face))) for face in faces]
+        else:
+            faces = faces[np.abs(normal[faces, 2]) < ON_FACE]
+            rings = [ring for face in faces for ring in _bent_front(chart, _corners(stones, int(face)), mean[face], thickness)]
+        found.append(shapely.union_all([shapely.Polygon(ring) for ring in rings]))
+    return np.array(found, dtype=np.object_)
+
+
+def flat(chart: PlaneChart, points: FloatArray) -> FloatArray:
+    """Return the chart coordinates (n, 2) of points (n, 3)."""
+    return np.stack([(points - chart.origin) @ chart.s_axis, points[:, 2] - chart.origin[2]], axis=1)
+
+
+def _bent_front(chart: CylinderChart, points: FloatArray, middle: FloatArray, thickness: float) -> list[FloatArray]:
+    """Return the ring of a face on the outside of a curved wall; none for any other face."""
+    ring, distance = curved_coordinates(chart, points)
+    if (np.abs(distance - 0.5 * thickness) > ON_FACE).any():
+        return []
+    # Of a full circle: the seam's own corners go with the face they are of.
+    girth = 2 * np.pi * chart.radius
+    centre = curved_coordinates(chart, middle[None])[0][0, 0]
+    ring[:, 0] -= girth * np.round((ring[:, 0] - centre) / girth) if chart.sweep > 2 * np.pi - ON_FACE else 0.0
+    return [np.round(ring, ROUND)]
+
+
+def _corners(stones: Assemblage, face: int) -> FloatArray:
+    return stones.points[stones.face_nodes[stones.face_ptr[face] : stones.face_ptr[face + 1]]]
+
+
+def sections(stones: Assemblage, blocks: IntArray, chart: PlaneChart, gap: float) -> Polygons:
+    """Return the (convex hulls of the) sections of some stones with the plane of a chart, in its coordinates.
+
+    Of stones that end at the plane, within `gap` m: the faces that lie on it.
+    """
+    normal = np.cross(chart.s_axis, chart.t_axis)
+    first = stones.block_face_ptr[:-1][blocks]
+    face = ragged_indices(first, np.diff(stones.block_face_ptr)[blocks])
+    count = np.diff(stones.face_ptr)[face]
+    block = np.repeat(np.repeat(blocks, np.diff(stones.block_face_ptr)[blocks]), count)
+    place = ragged_indices(stones.face_ptr[:-1][face], count)
+    last = np.cumsum(count) - 1
+    after = np.append(place[1:], 0)
+    after[last] = stones.face_ptr[:-1][face]
+    start, stop = stones.points[stones.face_nodes[place]], stones.points[stones.face_nodes[after]]
+    height, top = (start - chart.origin) @ normal, (stop - chart.origin) @ normal
+    cut = height * top < 0
+    share = (height[cut] / (height[cut] - top[cut]))[:, None]
+    on = np.abs(height) < gap
+    points = flat(chart, np.concatenate([start[cut] + share * (stop[cut] - start[cut]), start[on]]))
+    _, owner = np.unique(np.concatenate([block[cut], block[on]]), return_inverse=True)
+    order = np.argsort(owner, kind="stable")
+    hulls = np.asarray(shapely.convex_hull(shapely.multipoints(points[order], indices=owner.ravel()[order])), dtype=np.object_)
+    return hulls[shapely.area(hulls) > 0]

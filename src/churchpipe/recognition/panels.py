@@ -1,0 +1,211 @@
+"""From the stones of a drawing to the panels that the shell is made of."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import shapely
+from scipy.spatial import cKDTree
+
+from churchpipe.errors import InputError
+from churchpipe.geometry.planar import Polygons, Region
+from churchpipe.geometry.polygons import corners
+from churchpipe.model.arguments import check_kind, positive
+from churchpipe.model.arrays import FloatArray, NameArray
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.building import BondRegion, Building, Opening, Panel, Support, UnitCell
+from churchpipe.model.materials import Material
+from churchpipe.recognition.fronts import sections
+from churchpipe.recognition.rings import voussoir_rings
+from churchpipe.recognition.stone_walls import StoneWall, stone_walls, stretches
+from churchpipe.recognition.wall_parts import junction_spans, wall_parts
+
+# A lone stone over an opening is a lintel if it is longer than this many stones of the wall.
+LINTEL = 1.25
+GRID = 1e-6
+
+
+@dataclass(frozen=True, slots=True)
+class FittedBuilding:
+    """Panels fitted to stones, and the ids of the free stones that fit no panel: they are missing from the shell.
+
+    panel (nb,): the panel each stone went to, or its part; what the gate compares the shell with. A name that no stone was
+    fitted by stays, so that the gate tells what is missing; other stones without a panel have "".
+    """
+
+    building: Building
+    unfit: NameArray
+    panel: NameArray
+
+
+def fit_panels(
+    stones: Assemblage, materials: tuple[Material, ...], *, gap: float = 1e-3, name: str = "drawing"
+) -> FittedBuilding:
+    """Return the building whose mid-surfaces are those of the given stones; all walls upright, plane or on a circle in plan.
+
+    Outline and openings are the union of the stones cut at the mid-plane, closed over joints, junctions with crossing walls
+    included. Unit cell: the height and length that most stones (by volume) have. Lintels (long stones over an opening) are
+    regions of one stone; voussoirs, known by their turning beds, are rings. Fixed stones are the supports. The courses of a
+    crossing decide which wall runs through. Stones of several names in one plane that touch are one wall, the names its
+    parts. The places of the head joints are not fitted: the stones remain the drawing's.
+
+    Parameters
+    ----------
+    stones: as drawn. materials: theirs. gap: widest joint that is closed, m.
+
+    Raises
+    ------
+    InputError: no wall can be fitted.
+    """
+    check_kind("fit_panels: stones", stones, Assemblage)
+    positive("fit_panels: gap", gap, allow_zero=True)
+    walls, unfit = stone_walls(stones, gap)
+    if not walls:
+        raise InputError(
+            "stones",
+            "no wall can be fitted to them",
+            expected="stones with two upright parallel faces",
+            remedy="Tag the stones of each wall with PANEL, or run the rigid blocks alone.",
+        )
+    panels = tuple(_panel(stones, wall, walls, gap) for wall in walls)
+    fixed = np.flatnonzero(stones.fixed)
+    building = Building(name, panels, materials, ground=None, supports=tuple(_support(stones, int(block)) for block in fixed))
+    known = [name for wall in walls for name in np.unique(wall.tag)]
+    panel = np.where(stones.fixed | np.isin(stones.panel, known), "", stones.panel).astype(np.object_)
+    for wall in walls:
+        panel[wall.stones] = wall.tag
+    return FittedBuilding(building, stones.block_id[unfit], panel.astype(str))
+
+
+def _support(stones: Assemblage, block: int) -> Support:
+    start, stop = stones.block_point_ptr[block : block + 2]
+    faces = np.arange(*stones.block_face_ptr[block : block + 2])
+    nodes = [stones.face_nodes[stones.face_ptr[f] : stones.face_ptr[f + 1]] - start for f in faces]
+    return Support(str(stones.block_id[block]), stones.points[start:stop].copy(), tuple(tuple(map(int, n)) for n in nodes))
+
+
+def _panel(stones: Assemblage, wall: StoneWall, walls: Sequence[StoneWall], gap: float) -> Panel:
+    own = wall.fronts
+    filled = np.concatenate([own, _beside(stones, wall, walls, gap)])
+    region = _closed(filled, own, gap)
+    whole, openings = _openings(region)
+    rings, voussoirs = voussoir_rings(own, gap)
+    laid = np.setdiff1d(np.arange(len(own)), voussoirs)
+    cell = _cell(own[laid], stones.volume[wall.stones[laid]]) if len(laid) else rings[0].cell
+    marks = shapely.get_coordinates(filled)
+    outline = _outline(whole, marks)
+    lintels = _lintels(own[laid], openings, cell)
+    regions = (*((BondRegion("bond", outline, _pattern(own[laid], cell), cell),) if len(laid) else ()), *lintels, *rings)
+    materials, count = np.unique(stones.material[wall.stones], return_counts=True)
+    return Panel(
+        wall.name,
+        wall.chart,
+        outline,
+        wall.thickness,
+        regions,
+        material=str(materials[np.argmax(count)]),
+        openings=tuple(Opening(f"opening-{k}", _outline(hole, marks)) for k, hole in enumerate(openings, start=1)),
+        runs_through=_parity(wall, walls, cell),
+        parts=wall_parts(wall, walls, outline, 0.5 * cell.b),
+    )
+
+
+def _beside(stones: Assemblage, wall: StoneWall, walls: Sequence[StoneWall], gap: float) -> Polygons:
+    """Return the sections of all other stones with the plane stretches of a wall, as far as it reaches.
+
+    In a junction the wall is as high as its own stones in it or beside it: a crossing wall that is higher there rises alone.
+    """
+    others = np.setdiff1d(np.flatnonzero(~stones.fixed), wall.stones)
+    _, bottom, _, top = shapely.total_bounds(wall.fronts)
+    alone: list[shapely.Geometry] = []
+    for start, stop in junction_spans(wall, walls):
+        near = shapely.intersects(wall.fronts, shapely.box(start - gap, bottom, stop + gap, top))
+        if near.any():
+            _, low, _, high = shapely.total_bounds(wall.fronts[near])
+            alone += [shapely.box(start, bottom - 1.0, stop, low), shapely.box(start, high, stop, top + 1.0)]
+    found = [np.empty(0, dtype=np.object_)]
+    for stretch in stretches(wall):
+        window = shapely.difference(shapely.box(stretch.low, bottom, stretch.high, top), shapely.union_all(alone))
+        found.append(np.asarray(shapely.intersection(sections(stones, others, stretch.chart, gap), window), dtype=np.object_))
+    beside = np.concatenate(found)
+    return beside[shapely.area(beside) > 0]
+
+
+def _closed(polygons: Polygons, own: Polygons, gap: float) -> shapely.Polygon:
+    """Return the union closed over joints: the part of it that holds most of the wall's own stones."""
+    grown = shapely.buffer(shapely.union_all(polygons, grid_size=GRID), gap, join_style="mitre", mitre_limit=10.0)
+    closed = shapely.set_precision(shapely.buffer(grown, -gap, join_style="mitre", mitre_limit=10.0), GRID)
+    parts = [part for part in shapely.get_parts(shapely.simplify(closed, 2 * GRID)) if isinstance(part, shapely.Polygon)]
+    return max(parts, key=lambda part: float(shapely.area(shapely.intersection(own, part)).sum()))
+
+
+def _openings(region: shapely.Polygon) -> tuple[shapely.Polygon, list[shapely.Polygon]]:
+    """Return the wall without openings, and the openings: holes, and doors, which are notches in the base only."""
+    whole = shapely.Polygon(region.exterior)
+    hull = shapely.convex_hull(whole)
+    base = float(shapely.bounds(whole)[1])
+    doors: list[shapely.Polygon] = []
+    for part in shapely.get_parts(shapely.difference(hull, whole)):
+        on_hull = shapely.intersection(shapely.boundary(hull), shapely.boundary(part))
+        if isinstance(part, shapely.Polygon) and on_hull.length > GRID and float(shapely.bounds(on_hull)[3]) < base + GRID:
+            doors.append(part)
+    filled = shapely.union_all([whole, *doors], grid_size=GRID)
+    holes = [shapely.Polygon(ring) for ring in region.interiors]
+    return (filled if isinstance(filled, shapely.Polygon) else whole), [*doors, *holes]
+
+
+def _outline(region: shapely.Polygon, marks: FloatArray) -> FloatArray:
+    """Return the corners of a region, counter-clockwise, those that the grid has moved put back onto the stones' corners."""
+    outline = corners(np.array([region], dtype=np.object_))[0]
+    apart, nearest = cKDTree(marks).query(outline)
+    return np.where(np.asarray(apart)[:, None] < 2 * GRID, marks[nearest], outline)
+
+
+def _common(values: FloatArray, weights: FloatArray) -> float:
+    """Return the value that has most weight, to the micrometre; values that differ by less than two per cent are taken as one."""
+    order = np.argsort(values)
+    group = np.concatenate([[0], np.cumsum(np.diff(values[order]) > 0.02 * values[order][:-1])])
+    best = group == np.argmax(np.bincount(group, weights[order]))
+    return round(float(np.average(values[order][best], weights=weights[order][best])), 6)
+
+
+def _cell(fronts: Polygons, volume: FloatArray) -> UnitCell:
+    low_s, low_t, high_s, high_t = shapely.bounds(fronts).T
+    return UnitCell(a=_common(high_t - low_t, volume), b=_common(high_s - low_s, volume))
+
+
+def _lintels(fronts: Polygons, openings: Sequence[Region], cell: UnitCell) -> list[BondRegion]:
+    bounds = np.asarray(shapely.bounds(fronts))
+    found: list[BondRegion] = []
+    for hole in openings:
+        left, _, right, top = shapely.bounds(hole)
+        over = (np.abs(bounds[:, 1] - top) < 0.1 * cell.a) & (bounds[:, 0] < left + GRID) & (bounds[:, 2] > right - GRID)
+        for front in fronts[over & (bounds[:, 2] - bounds[:, 0] > LINTEL * cell.b)]:
+            found.append(BondRegion(f"lintel-{len(found) + 1}", corners(np.array([front]))[0], "single", cell, yields=False))
+    return found
+
+
+def _pattern(fronts: Polygons, cell: UnitCell) -> Literal["running", "stack"]:
+    """Return "stack" where most head joints go on in the next course, else "running"."""
+    bounds = np.asarray(shapely.bounds(fronts))
+    course = np.round(bounds[:, 1] / cell.a).astype(np.int64)
+    inner = bounds[:, 0] > bounds[:, 0].min() + 0.1 * cell.b
+    joint, course = bounds[inner, 0], course[inner]
+    goes_on = [bool((np.abs(joint[course == k + 1] - s) < 0.05 * cell.b).any()) for s, k in zip(joint, course, strict=True)]
+    below_top = course < course.max(initial=0)
+    return "stack" if below_top.any() and np.mean(np.array(goes_on)[below_top]) > 0.7 else "running"
+
+
+def _parity(wall: StoneWall, walls: Sequence[StoneWall], cell: UnitCell) -> Literal[0, 1] | None:
+    """Return on which courses, even or odd, the wall's own stones fill its junctions; None: on both."""
+    _, low, _, high = shapely.total_bounds(wall.fronts)
+    middle = shapely.bounds(wall.fronts)[:, [1, 3]].mean(axis=1)
+    odd = np.floor(middle / cell.a).astype(np.int64) % 2 == 1
+    filled = np.zeros(2)
+    for start, stop in junction_spans(wall, walls):
+        area = shapely.area(shapely.intersection(wall.fronts, shapely.box(start, low, stop, high)))
+        filled += [area[~odd].sum(), area[odd].sum()]
+    if filled.min() > 0.8 * filled.max() > 0:
+        return None
+    return 1 if filled[1] > filled[0] else 0

@@ -1,0 +1,107 @@
+"""Rings of voussoirs found among the stones of a wall by their turning beds."""
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from churchpipe.geometry.clusters import components
+from churchpipe.geometry.planar import Polygons
+from churchpipe.geometry.polygons import corners
+from churchpipe.model.arrays import FloatArray, IntArray
+from churchpipe.model.building import BondRegion, UnitCell
+
+# An edge is level or upright within this angle (rad); joints of a ring pass its centre within this share of the ring's radius.
+ALIGNED = 1e-3
+CENTRED = 0.02
+LEAST_PIECES = 3
+
+
+def voussoir_rings(polygons: Polygons, gap: float) -> tuple[list[BondRegion], IntArray]:
+    """Return the rings among the stones (n,) of a wall, and the stones that are voussoirs.
+
+    A voussoir has four corners and at most one edge that is level or upright; so has a stone between two of them. Neighbours
+    share radial joints, whose lines meet in the centre. A full circle becomes two half rings.
+
+    Parameters
+    ----------
+    polygons: the stones in chart coordinates. gap: widest joint, m.
+    """
+    corner, pointer = corners(polygons)
+    four = np.diff(pointer) == 4
+    quads = np.flatnonzero(four)
+    shape = corner[np.concatenate([np.arange(pointer[i], pointer[i + 1]) for i in quads])] if len(quads) else corner[:0]
+    shape = shape.reshape(-1, 4, 2)
+    side = np.roll(shape, -1, axis=1) - shape
+    aligned = (np.abs(side).min(axis=2) < ALIGNED * np.abs(side).max(axis=2)).sum(axis=1)
+    first, second, joint = _joints(shape, gap)
+    turning = aligned <= 1
+    beside = np.bincount(np.concatenate([first[turning[second]], second[turning[first]]]), minlength=len(quads))
+    member = turning | ((aligned == 2) & (beside >= 2))
+    linked = member[first] & member[second]
+    part = components(len(quads), np.stack([first[linked], second[linked]], axis=1))
+    rings: list[BondRegion] = []
+    used: list[IntArray] = []
+    for number in np.unique(part[member]):
+        pieces = np.flatnonzero((part == number) & member)
+        inside = linked & (part[first] == number)
+        if len(pieces) < LEAST_PIECES or inside.sum() < 2:
+            continue
+        found = _ring(shape[pieces], joint[inside], f"ring-{len(rings) + 1}")
+        if found:
+            rings += found
+            used.append(quads[pieces])
+    return rings, np.concatenate(used) if used else np.empty(0, dtype=np.int64)
+
+
+def _joints(shape: FloatArray, gap: float) -> tuple[IntArray, IntArray, FloatArray]:
+    """Return pairs of quadrilaterals with a whole edge in common, and that edge (n, 2, 2)."""
+    after = np.roll(shape, -1, axis=1)
+    middle = (0.5 * (shape + after)).reshape(-1, 2)
+    if not len(middle):
+        return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64), np.empty((0, 2, 2))
+    pairs = cKDTree(middle).query_pairs(gap, output_type="ndarray")
+    one, other = pairs[:, 0], pairs[:, 1]
+    length = np.linalg.norm(after - shape, axis=2).ravel()
+    keep = (one // 4 != other // 4) & (np.abs(length[one] - length[other]) < gap)
+    edge = np.stack([shape, after], axis=2).reshape(-1, 2, 2)
+    return one[keep] // 4, other[keep] // 4, edge[one[keep]]
+
+
+def _ring(pieces: FloatArray, joint: FloatArray, name: str) -> list[BondRegion]:
+    """Return one or two bond regions, or none when the joints do not meet in a point."""
+    along = joint[:, 1] - joint[:, 0]
+    normal = np.stack([-along[:, 1], along[:, 0]], axis=1) / np.linalg.norm(along, axis=1, keepdims=True)
+    reach = np.einsum("nc,nc->n", normal, joint[:, 0])
+    centre = np.linalg.lstsq(normal, reach, rcond=None)[0]
+    spoke = pieces - centre
+    radius = np.linalg.norm(spoke, axis=2)
+    if np.abs(normal @ centre - reach).max() > CENTRED * radius.mean():
+        return []
+    middle = pieces.mean(axis=1) - centre
+    turn = np.arctan2(middle[:, 1], middle[:, 0])
+    # Start behind the widest gap, so that a ring is not broken where angles begin anew.
+    order = np.argsort(turn)
+    gaps = np.diff(turn[order], append=turn[order[0]] + 2 * np.pi)
+    order = np.roll(order, -(int(np.argmax(gaps)) + 1))
+    full = gaps.max() < 1.5 * np.median(gaps)
+    halves = np.array_split(order, 2) if full else [order]
+    return [_region(pieces[half], centre, name if len(halves) == 1 else f"{name}-{k}") for k, half in enumerate(halves, start=1)]
+
+
+def _region(pieces: FloatArray, centre: FloatArray, name: str) -> BondRegion:
+    """Return the region of voussoirs (n, 4, 2) sorted counter-clockwise about the centre."""
+    spoke = pieces - centre
+    middle = spoke.mean(axis=1)
+    turn = np.arctan2(
+        middle[:, None, 0] * spoke[:, :, 1] - middle[:, None, 1] * spoke[:, :, 0], np.einsum("nc,nkc->nk", middle, spoke)
+    )
+    # Corners: by angle the two of the first joint, then the two of the last; of each pair the farther is on the extrados.
+    by_angle = np.take_along_axis(spoke, np.argsort(turn, axis=1)[:, :, None], axis=1).reshape(-1, 2, 2, 2)
+    far = np.argsort(np.linalg.norm(by_angle, axis=3), axis=2)[..., None]
+    pairs = np.take_along_axis(by_angle, far, axis=2)
+    inner = np.concatenate([pairs[:, 0, 0], pairs[-1:, 1, 0]])
+    outer = np.concatenate([pairs[:, 0, 1], pairs[-1:, 1, 1]])
+    depth = float(np.linalg.norm(outer - inner, axis=1).mean())
+    width = np.linalg.norm(np.diff(0.5 * (inner + outer), axis=0), axis=1).mean()
+    outline = np.concatenate([outer, inner[::-1]]) + centre
+    cell = UnitCell(a=float(width), b=depth)
+    return BondRegion(name, outline, "voussoir", cell, centre=(float(centre[0]), float(centre[1])), pieces=len(pieces))

@@ -1,0 +1,127 @@
+"""The walls that stones stand in, plane and curved, with their charts; stones of several names in one plane are one wall."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations, permutations
+
+import numpy as np
+import shapely
+
+from churchpipe.geometry.charts import lift, normals
+from churchpipe.geometry.clusters import components
+from churchpipe.geometry.planar import Polygons
+from churchpipe.model.arrays import IntArray, NameArray, ragged_indices
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.building import Chart, PlaneChart
+from churchpipe.recognition.curved_walls import curved_walls
+from churchpipe.recognition.fronts import fronts
+from churchpipe.recognition.wall_planes import LEAST_LEAF, PLANE_TOLERANCE, WallPlane, behind_one_another, wall_planes
+
+
+@dataclass(frozen=True, slots=True)
+class StoneWall:
+    """A wall: its name, its stones (n,), their names (n,), their fronts (n,) in its chart, its chart, its thickness m.
+
+    Stones that bear another name than the wall are parts of it.
+    """
+
+    name: str
+    stones: IntArray
+    tag: NameArray
+    fronts: Polygons
+    chart: Chart
+    thickness: float
+
+
+@dataclass(frozen=True, slots=True)
+class Stretch:
+    """A plane stretch of a wall: a chart in which s is that of the wall, and the reach low to high of the stretch, m."""
+
+    chart: PlaneChart
+    low: float
+    high: float
+
+
+def stone_walls(stones: Assemblage, gap: float) -> tuple[list[StoneWall], IntArray]:
+    """Return the walls of an assemblage, and the free stones that fit none. gap: widest joint, m.
+
+    Raises
+    ------
+    InputError: stones of one name, or without one, in two leaves.
+    """
+    base = float(stones.points[np.repeat(~stones.fixed, np.diff(stones.block_point_ptr))][:, 2].min())
+    curved = curved_walls(stones, base)
+    free = ~stones.fixed
+    for wall in curved:
+        free[wall.stones] = False
+    planes = wall_planes(stones, free)
+    _check_leaves(stones, [plane for plane in planes if not stones.panel[plane.stones[0]]], base, gap)
+    walls = [_plane_wall(stones, group, base) for group in _joined(stones, planes, base, gap)]
+    for number, wall in enumerate(curved, start=1):
+        name = wall.name or f"curved-wall-{number}"
+        shown = fronts(stones, wall.stones, wall.chart, wall.thickness)
+        walls.append(StoneWall(name, wall.stones, np.full(len(wall.stones), name), shown, wall.chart, wall.thickness))
+    walls.sort(key=lambda wall: wall.name)
+    fitted = np.concatenate([wall.stones for wall in walls]) if walls else np.empty(0, dtype=np.int64)
+    return walls, np.setdiff1d(np.flatnonzero(~stones.fixed), fitted)
+
+
+def stretches(wall: StoneWall) -> list[Stretch]:
+    """Return the plane stretches of a wall: the whole of a plane one, the legs of a curved one."""
+    low, _, high, _ = map(float, shapely.total_bounds(wall.fronts))
+    chart = wall.chart
+    if isinstance(chart, PlaneChart):
+        return [Stretch(chart, low, high)]
+    end = chart.radius * chart.sweep
+    found: list[Stretch] = []
+    for s, first, last in ((0.0, low, 0.0), (end, end, high)):
+        if last - first > PLANE_TOLERANCE:
+            place = np.array([[s, 0.0]])
+            tangent = np.cross([0.0, 0.0, 1.0], normals(chart, place)[0])
+            found.append(Stretch(PlaneChart(lift(chart, place)[0] - s * tangent, tangent), first, last))
+    return found
+
+
+def _check_leaves(stones: Assemblage, planes: Sequence[WallPlane], base: float, gap: float) -> None:
+    """Raise InputError for two walls of stones without a name that lie against one another: leaves of one wall."""
+    for one, other in permutations(planes, 2):
+        apart = abs(one.offset - other.offset) - 0.5 * (one.thickness + other.thickness)
+        if np.abs(one.normal - other.normal).max() > PLANE_TOLERANCE or abs(apart) > gap:
+            continue
+        chart = _chart(stones, one, base)
+        first, second = (shapely.union_all(fronts(stones, wall.stones, chart, wall.thickness)) for wall in (one, other))
+        if shapely.area(shapely.intersection(first, second)) > LEAST_LEAF * shapely.area(first):
+            raise behind_one_another("stones without a panel name", len(one.stones), len(other.stones))
+
+
+def _joined(stones: Assemblage, planes: Sequence[WallPlane], base: float, gap: float) -> list[list[WallPlane]]:
+    """Return plane walls that lie in one plane, are as thick and touch as one, that first which most others touch."""
+    links = np.zeros((len(planes), len(planes)), dtype=np.bool_)
+    place = np.array([[*p.normal[:2], p.offset, p.thickness] for p in planes]).reshape(-1, 4)
+    for i, j in combinations(range(len(planes)), 2):
+        if np.abs(place[i] - place[j]).max() < PLANE_TOLERANCE:
+            chart = _chart(stones, planes[i], base)
+            first, second = (shapely.union_all(fronts(stones, planes[k].stones, chart, planes[i].thickness)) for k in (i, j))
+            links[i, j] = links[j, i] = bool(shapely.dwithin(first, second, gap))
+    label = components(len(planes), np.argwhere(links))
+    volume = [float(stones.volume[p.stones].sum()) for p in planes]
+    rank = np.lexsort((-np.array(volume), -links.sum(axis=1)))
+    return [[planes[int(k)] for k in rank if label[k] == number] for number in np.unique(label)]
+
+
+def _plane_wall(stones: Assemblage, group: Sequence[WallPlane], base: float) -> StoneWall:
+    main = group[0]
+    own = np.concatenate([part.stones for part in group])
+    tag = np.repeat([part.name for part in group], [len(part.stones) for part in group])
+    order = np.argsort(own)
+    own, tag = own[order], tag[order]
+    whole = WallPlane(main.name, own, main.normal, main.offset, main.thickness)
+    chart = _chart(stones, whole, base)
+    return StoneWall(main.name, own, tag, fronts(stones, own, chart, main.thickness), chart, main.thickness)
+
+
+def _chart(stones: Assemblage, wall: WallPlane, base: float) -> PlaneChart:
+    along = np.cross([0.0, 0.0, 1.0], wall.normal)
+    own = ragged_indices(stones.block_point_ptr[wall.stones], np.diff(stones.block_point_ptr)[wall.stones])
+    start = float((stones.points[own] @ along).min())
+    return PlaneChart(wall.offset * wall.normal + start * along + np.array([0.0, 0.0, base]), along)

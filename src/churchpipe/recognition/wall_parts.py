@@ -1,0 +1,93 @@
+"""Where walls cross one another, and where one macro-element of a wall ends and the next begins."""
+
+from collections.abc import Sequence
+from itertools import combinations
+
+import numpy as np
+import shapely
+from scipy.optimize import brentq
+
+from churchpipe.geometry.planar import Polygons
+from churchpipe.model.arrays import FloatArray
+from churchpipe.model.building import Part
+from churchpipe.recognition.stone_walls import StoneWall, stretches
+
+TOUCH = 1e-6
+
+
+def junction_spans(wall: StoneWall, walls: Sequence[StoneWall]) -> list[tuple[float, float]]:
+    """Return s of the two faces of each wall that crosses, or ends at, a wall, m."""
+    found: list[tuple[float, float]] = []
+    for own in stretches(wall):
+        for other in walls:
+            for cross in stretches(other) if other is not wall else ():
+                normal = np.cross(cross.chart.s_axis, cross.chart.t_axis)
+                slope = float(normal @ own.chart.s_axis)
+                if abs(slope) < 0.5:
+                    continue
+                centre = float(normal @ (cross.chart.origin - own.chart.origin)) / slope
+                start, stop = centre - 0.5 * other.thickness, centre + 0.5 * other.thickness
+                reach = float((own.chart.origin + centre * own.chart.s_axis - cross.chart.origin) @ cross.chart.s_axis)
+                meets = cross.low - wall.thickness < reach < cross.high + wall.thickness
+                if meets and stop > own.low + TOUCH and start < own.high - TOUCH:
+                    found.append((start, stop))
+    return found
+
+
+def wall_parts(wall: StoneWall, walls: Sequence[StoneWall], outline: FloatArray, near: float) -> tuple[Part, ...]:
+    """Return the parts of a wall: the boxes about the stones of each other name, from border to border.
+
+    A border is the upright (or, of parts one above the other, level) line beside which either part has as much as the other: the
+    mean of a toothed one. It is moved to a step of the outline or the face of a crossing wall that lies within `near` m.
+    """
+    names = [name for name in dict.fromkeys(wall.tag.tolist()) if name != wall.name]
+    if not names:
+        return ()
+    marks = [
+        np.concatenate([outline[:, 0], np.array(junction_spans(wall, walls)).reshape(-1)]),
+        outline[:, 1],
+    ]
+    fronts = {name: wall.fronts[wall.tag == name] for name in [wall.name, *names]}
+    boxes = {name: shapely.total_bounds(polygons) for name, polygons in fronts.items()}
+    unions = {name: shapely.union_all(polygons) for name, polygons in fronts.items()}
+    for first, second in combinations(fronts, 2):
+        if not shapely.dwithin(unions[first], unions[second], near):
+            continue
+        apart = _middle(fronts[second]) - _middle(fronts[first])
+        axis = int(np.argmax(np.abs(apart)))
+        low, high = (first, second) if apart[axis] > 0 else (second, first)
+        line = _border(fronts[low], fronts[high], axis)
+        mark = marks[axis][np.argmin(np.abs(marks[axis] - line))]
+        line = mark if abs(mark - line) < near else line
+        boxes[low][2 + axis] = boxes[high][axis] = line
+    return tuple(Part(name, _box(boxes[name])) for name in names)
+
+
+def _middle(polygons: Polygons) -> FloatArray:
+    return np.asarray(shapely.get_coordinates(shapely.centroid(shapely.multipolygons(_simple(polygons))))[0])
+
+
+def _simple(polygons: Polygons) -> Polygons:
+    return np.asarray(shapely.get_parts(polygons), dtype=np.object_)
+
+
+def _border(low: Polygons, high: Polygons, axis: int) -> float:
+    """Return the line at which as much of the lower part lies above it as of the higher part below."""
+    bounds = shapely.total_bounds(np.concatenate([low, high]))
+    stop, start = float(shapely.total_bounds(low)[2 + axis]), float(shapely.total_bounds(high)[axis])
+    if stop <= start + TOUCH:
+        return 0.5 * (start + stop)
+
+    def excess(line: float) -> float:
+        over, under = bounds.copy(), bounds.copy()
+        over[axis] = under[2 + axis] = line
+        return float(
+            shapely.area(shapely.clip_by_rect(low, *over)).sum() - shapely.area(shapely.clip_by_rect(high, *under)).sum()
+        )
+
+    return float(brentq(excess, start, stop, xtol=TOUCH))
+
+
+def _box(bounds: FloatArray) -> FloatArray:
+    s0, t0, s1, t1 = bounds
+    return np.array([[s0, t0], [s1, t0], [s1, t1], [s0, t1]])

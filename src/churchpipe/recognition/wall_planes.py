@@ -1,0 +1,117 @@
+"""Which plane wall each stone belongs to, and the plane that wall stands in."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from churchpipe.errors import InputError
+from churchpipe.geometry.clusters import clusters
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.polyhedra import face_normals
+
+# Faces whose normals or places differ by less than this are of one plane (rad, m).
+PLANE_TOLERANCE = 1e-4
+# Fewer stones than this make no wall.
+LEAST_STONES = 3
+# A name whose stones lie across no plane by more than this share of their volume is no plane wall.
+LEAST_SHARE = 0.5
+# Stones behind one another, of this share of their wall's volume, are a leaf of it.
+LEAST_LEAF = 0.2
+
+
+@dataclass(frozen=True, slots=True)
+class WallPlane:
+    """A wall: its name, its stones (n,), the unit normal (3,) and offset m of its mid-plane, its thickness m."""
+
+    name: str
+    stones: IntArray
+    normal: FloatArray
+    offset: float
+    thickness: float
+
+
+def wall_planes(stones: Assemblage, free: BoolArray) -> list[WallPlane]:
+    """Return the plane walls among the stones marked in free (nb,).
+
+    Stones of one panel name are one wall, in the plane that most of them (by volume) lie across; stones without a name go to
+    the plane that gathers most, and so on. A stone lies across a plane that is midway between two of its upright faces.
+
+    Raises
+    ------
+    InputError: stones of one name in two leaves.
+    """
+    stone, plane = _candidates(stones)
+    label = clusters(plane, PLANE_TOLERANCE) if len(plane) else np.empty(0, dtype=np.int64)
+    walls: list[WallPlane] = []
+    for name in sorted(set(stones.panel[free].tolist()) - {""}):
+        chosen = free[stone] & (stones.panel[stone] == name)
+        wall = _heaviest(str(name), stones, stone, plane, label, chosen) if chosen.any() else None
+        if wall:
+            _check_one_stone_thick(wall, stones, stone[chosen], plane[chosen])
+        named = free & (stones.panel == name)
+        if wall and stones.volume[wall.stones].sum() > LEAST_SHARE * stones.volume[named].sum():
+            walls.append(wall)
+    loose = free & (stones.panel == "")
+    while loose[stone].any():
+        wall = _heaviest(f"wall-{len(walls) + 1}", stones, stone, plane, label, loose[stone])
+        loose[wall.stones] = False
+        if len(wall.stones) < LEAST_STONES:
+            break
+        walls.append(wall)
+    return walls
+
+
+def _check_one_stone_thick(wall: WallPlane, stones: Assemblage, stone: IntArray, plane: FloatArray) -> None:
+    """Raise InputError for stones in planes that overlap with that of their wall: leaves, tied by headers or not."""
+    apart = np.abs(plane[:, 2] - wall.offset)
+    side = np.abs(plane[:, :2] - wall.normal[:2]).max(axis=1) < PLANE_TOLERANCE
+    near = side & (apart > PLANE_TOLERANCE) & (apart < 0.5 * (plane[:, 3] + wall.thickness) + PLANE_TOLERANCE)
+    leaf = np.setdiff1d(stone[near], wall.stones)
+    if stones.volume[leaf].sum() > LEAST_LEAF * stones.volume[wall.stones].sum():
+        raise behind_one_another(f"stones of {wall.name}", len(leaf), len(wall.stones))
+
+
+def behind_one_another(where: str, leaf: int, others: int) -> InputError:
+    """Return what to say of so many stones that lie behind others."""
+    return InputError(
+        where,
+        "they lie behind one another, as in header-and-stretcher bond",
+        found=f"{leaf} stones in planes beside that of {others} others",
+        expected="walls one stone thick: the shell is that of running bond",
+        remedy="Run the rigid blocks alone, or give each leaf a panel name of its own.",
+    )
+
+
+def _candidates(stones: Assemblage) -> tuple[IntArray, FloatArray]:
+    """Return the stone (n,) and plane (n, 4) of all pairs of opposite upright faces: normal x, y, offset, thickness."""
+    _, normal, mean = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
+    owner: list[int] = []
+    planes: list[FloatArray] = []
+    for block in np.flatnonzero(~stones.fixed):
+        faces = np.arange(*stones.block_face_ptr[block : block + 2])
+        faces = faces[np.abs(normal[faces, 2]) < PLANE_TOLERANCE]
+        opposite = np.argwhere(np.triu(normal[faces] @ normal[faces].T < PLANE_TOLERANCE**2 / 2 - 1))
+        for first, second in faces[opposite]:
+            # The normal that points to +x, or to -y in walls along x: s then runs along +x or +y.
+            n = normal[first] if _outward(normal[first]) else normal[second]
+            near, far = sorted((float(mean[first] @ n), float(mean[second] @ n)))
+            planes.append(np.array([n[0], n[1], 0.5 * (near + far), far - near]))
+            owner.append(int(block))
+    return np.array(owner, dtype=np.int64), np.array(planes).reshape(-1, 4)
+
+
+def _outward(normal: FloatArray) -> bool:
+    return bool(normal[1] < -PLANE_TOLERANCE or (abs(normal[1]) <= PLANE_TOLERANCE and normal[0] > 0))
+
+
+def _heaviest(
+    name: str, stones: Assemblage, stone: IntArray, plane: FloatArray, label: IntArray, chosen: Sequence[bool] | np.ndarray
+) -> WallPlane:
+    rows = np.flatnonzero(chosen)
+    best = int(np.argmax(np.bincount(label[rows], stones.volume[stone[rows]])))
+    rows = rows[label[rows] == best]
+    n1, n2, offset, thickness = np.median(plane[rows], axis=0)
+    normal = np.array([n1, n2, 0.0]) / np.hypot(n1, n2)
+    return WallPlane(name, np.unique(stone[rows]), normal, round(float(offset), 9), round(float(thickness), 9))

@@ -1,0 +1,1 @@
+"""From a building to the mesh of its mid-surfaces."""

@@ -1,0 +1,66 @@
+"""What each part of a mid-surface weighs, so that the shell weighs what the stones weigh.
+
+Walls that meet overlap on their mid-planes, or leave a corner uncovered; and the stones of a junction belong to one wall on
+some courses and to the other on the rest. The convention: between the faces of a crossing wall, a mid-surface carries the
+stones that the wall owns there, spread evenly over its area in the junction. A wall that owns no course of a junction
+weighs nothing inside it; at a tooth of alternate courses each of two walls that cross carries half; at a corner, where each
+mid-surface covers only half of the zone, each carries all of its half. Total and weight per wall are exact in plane walls.
+"""
+
+from itertools import pairwise
+
+import numpy as np
+import shapely
+
+from churchpipe.geometry.planar import area, boxes, common, less, polygon
+from churchpipe.geometry.polygons import TOLERANCE
+from churchpipe.model.arrays import FloatArray
+from churchpipe.shell_mesh.midplanes import MidSurface, corner_levels
+
+
+def weight_factors(surface: MidSurface, corners: FloatArray) -> FloatArray:
+    """Return for each facet the share (nt,) of thickness x unit weight that it carries.
+
+    Parameters
+    ----------
+    surface: the mid-surface. corners: corners (nt, 3, 2) m of its facets, chart coordinates.
+    """
+    facets = np.asarray(shapely.polygons(corners), dtype=np.object_)
+    whole = np.asarray(shapely.area(facets))
+    factor = np.ones(len(facets))
+    for rectangle, share in _junction_shares(surface):
+        near = (corners[:, :, 0].max(axis=1) > rectangle[0]) & (corners[:, :, 0].min(axis=1) < rectangle[2])
+        inside = shapely.area(shapely.intersection(facets[near], polygon(_outline(rectangle))))
+        factor[near] += (share - 1.0) * inside / whole[near]
+    return np.where(np.abs(factor) < 1e-9, 0.0, factor)
+
+
+def _junction_shares(surface: MidSurface) -> list[tuple[FloatArray, float]]:
+    """Return rectangles s0, t0, s1, t1 and in each the stones' area over that of the mid-surface."""
+    owned = less(surface.solid, boxes(surface.lost))
+    shares: list[tuple[FloatArray, float]] = []
+    for span in _merged(surface.zones):
+        levels = corner_levels(surface, span)
+        for low, high in pairwise(levels):
+            rectangle = np.array([span[0], low, span[1], high])
+            band = polygon(_outline(rectangle))
+            covered = area(common(surface.region, band))
+            if covered > TOLERANCE:
+                shares.append((rectangle, area(common(owned, band)) / covered))
+    return shares
+
+
+def _outline(rectangle: FloatArray) -> FloatArray:
+    s0, t0, s1, t1 = rectangle
+    return np.array([[s0, t0], [s1, t0], [s1, t1], [s0, t1]])
+
+
+def _merged(zones: FloatArray) -> FloatArray:
+    """Return the zones (n, 2), those that overlap as one, sorted."""
+    joined: list[FloatArray] = []
+    for span in zones[np.lexsort((zones[:, 1], zones[:, 0]))]:
+        if joined and span[0] < joined[-1][1] - TOLERANCE:
+            joined[-1] = np.array([joined[-1][0], max(joined[-1][1], span[1])])
+        else:
+            joined.append(span)
+    return np.array(joined).reshape(-1, 2)

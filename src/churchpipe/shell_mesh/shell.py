@@ -1,0 +1,305 @@
+"""From the description of a building to its mid-surfaces as one conforming mesh of triangles."""
+
+import signal
+import threading
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from churchpipe.bond.parts import part_names
+from churchpipe.bond.patterns import bond_of
+from churchpipe.errors import InputError
+from churchpipe.geometry.charts import lift
+from churchpipe.geometry.clusters import NODE_TOLERANCE, clusters, components
+from churchpipe.geometry.planar import area
+from churchpipe.model.arguments import check_kind, finite, told
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
+from churchpipe.model.building import SHELL_PATTERNS, BondRegion, Building, PlaneChart, Support
+from churchpipe.model.materials import by_name
+from churchpipe.model.polyhedra import face_normals
+from churchpipe.model.shell import ShellModel
+from churchpipe.shell_mesh.midplanes import MidSurface, mid_surfaces
+from churchpipe.shell_mesh.self_weight import weight_factors
+from churchpipe.shell_mesh.subdivision import Subdivision, subdivide
+
+# The part of a mid-surface that its mesh may miss: rounding only.
+AREA_TOLERANCE = 1e-6
+# Far beyond what can be solved; a mesh of so many takes minutes and some gigabytes.
+MOST_ELEMENTS = 1_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class _Mesh:
+    """Facets of one mid-surface: corners (nt, 3, 2) m in chart coordinates, counter-clockwise; bond (nt,) its region of each."""
+
+    corners: FloatArray
+    bond: IntArray
+
+
+def derive_shell(building: Building, element_size: float, sizes: Mapping[str, float] | None = None) -> ShellModel:
+    """Return the mid-surfaces of a building as one mesh.
+
+    Walls end at the mid-planes of the walls they meet and share nodes there; openings and the borders of bond regions are mesh
+    edges. Each facet takes the bed direction, unit cell and yielding of its bond region; single stones (lintels) do not
+    yield. Weights are the stones' (see `self_weight`). Supported are the nodes on the ground and on fixed bodies, which are
+    taken as convex.
+
+    Parameters
+    ----------
+    building: panels upright. element_size: largest edge of an element, m, about. sizes: the same for single panels, by name.
+
+    Raises
+    ------
+    InputError: a wall that cannot be meshed, a size out of range or of an unknown panel, a wall that rests on nothing, a region
+    in stack bond that yields.
+    """
+    check_kind("derive_shell: building", building, Building, "read_case(...).building() makes one.")
+    if not building.panels:
+        raise InputError(f"building {building.name}", "no walls", found=0, expected="at least one panel")
+    _check_bonds(building)
+    lengths = _sizes(building, element_size, sizes or {})
+    surfaces = mid_surfaces(building.panels)
+    meshes = _meshes(surfaces, subdivide(surfaces, lengths))
+    counts = [len(mesh.bond) for mesh in meshes]
+    points, triangles = _merged(surfaces, meshes)
+    facets = [points[part] for part in np.split(triangles, np.cumsum(counts)[:-1])]
+    bonds = [
+        (region.cell.a, region.cell.b, region.yields and region.pattern != "single")
+        for panel in building.panels
+        for region in panel.regions
+    ]
+    unit_cells, cell = np.unique(np.array([bond[:2] for bond in bonds]), axis=0, return_inverse=True)
+    start = np.cumsum([0] + [len(panel.regions) for panel in building.panels])
+    bond = np.concatenate([mesh.bond + offset for mesh, offset in zip(meshes, start[:-1], strict=True)])
+    weights = {name: material.unit_weight for name, material in by_name(building.materials).items()}
+    material = np.array([region.material or panel.material for panel in building.panels for region in panel.regions])[bond]
+    shell = ShellModel(
+        points=points,
+        triangles=triangles,
+        axes=np.concatenate([_axes(*part) for part in zip(surfaces, meshes, facets, strict=True)]),
+        thickness=np.repeat([panel.thickness for panel in building.panels], counts),
+        surface_weight=np.array([weights[name] for name in material.tolist()])
+        * np.concatenate([_thickness_carried(*part) for part in zip(surfaces, meshes, facets, strict=True)]),
+        cell=cell.ravel()[bond],
+        unit_cells=unit_cells,
+        material=material,
+        panel=np.concatenate([part_names(p, m.corners.mean(axis=1)) for p, m in zip(building.panels, meshes, strict=True)]),
+        yields=np.array([bond[2] for bond in bonds])[bond],
+        supported=_supported(building, points),
+    )
+    _check_resting(shell)
+    return shell
+
+
+def _sizes(building: Building, element_size: float, sizes: Mapping[str, float]) -> list[float]:
+    names = [panel.name for panel in building.panels]
+    if not isinstance(sizes, Mapping):
+        raise InputError("derive_shell: sizes", "wrong kind", found=told(sizes), expected="{panel: element size in m}")
+    for name in sizes:
+        if name not in names:
+            raise InputError(f"element size of {name}", "no such panel", expected=", ".join(names))
+    out = [finite(f"element size of {name}", sizes.get(name, element_size)) for name in names]
+    longest = max(float(np.ptp(panel.outline, axis=0).max()) for panel in building.panels)
+    for name, size in zip(names, out, strict=True):
+        if not NODE_TOLERANCE * 10 < size <= longest:
+            raise InputError(
+                f"element size of {name}", "out of range", found=size, expected=f"> 0 and at most the longest wall, {longest:g} m"
+            )
+    # Two triangles to each square of that size.
+    count = sum(2 * float(np.ptp(p.outline, axis=0).prod()) / size**2 for p, size in zip(building.panels, out, strict=True))
+    if count > MOST_ELEMENTS:
+        raise InputError(
+            "element size",
+            "too small for this building",
+            found=f"about {count:,.0f} elements of {min(out):g} m",
+            expected=f"at most {MOST_ELEMENTS:,}",
+            remedy="Make it larger, or look whether a length is in another unit (mm for m).",
+        )
+    return out
+
+
+def _meshes(surfaces: Sequence[MidSurface], cuts: Sequence[Subdivision]) -> list[_Mesh]:
+    with _gmsh() as gmsh:
+        meshes = [_mesh(gmsh, cut, surface.panel.name) for cut, surface in zip(cuts, surfaces, strict=True)]
+    for mesh, surface in zip(meshes, surfaces, strict=True):
+        found, expected = float(_signed_areas(mesh.corners).sum()), area(surface.region)
+        if abs(found - expected) > AREA_TOLERANCE * expected:
+            raise InputError(
+                f"Panel {surface.panel.name}",
+                "its mesh does not cover its mid-surface",
+                found=f"{found:.9g} m2",
+                expected=f"{expected:.9g} m2",
+                remedy="Look for openings or bond regions that touch in a point, or are smaller than a micrometre.",
+            )
+    return meshes
+
+
+@contextmanager
+def _gmsh() -> Iterator[Any]:
+    import gmsh
+
+    mine = not gmsh.isInitialized()
+    if mine:
+        gmsh.initialize(readConfigFiles=False, interruptible=False)
+        _keep_broken_pipes()
+    gmsh.option.setNumber("General.Terminal", 0)
+    try:
+        yield gmsh
+    finally:
+        if mine:
+            gmsh.finalize()
+
+
+def _keep_broken_pipes() -> None:
+    """Let writing to a closed pipe be an exception again: gmsh has it end the process. Only the main thread can."""
+    if not hasattr(signal, "SIGPIPE") or threading.current_thread() is not threading.main_thread():
+        return
+    handler = signal.getsignal(signal.SIGPIPE)
+    if handler is not None:
+        signal.signal(signal.SIGPIPE, handler)
+
+
+def _mesh(gmsh: Any, cut: Subdivision, name: str) -> _Mesh:
+    """Mesh the faces of one mid-surface, in its chart: walls share nodes because they divide shared edges alike."""
+    gmsh.model.add(name)
+    try:
+        geo = gmsh.model.geo
+        ends = cut.corners[cut.edges]
+        length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+        pieces = np.maximum(np.ceil(length / cut.size - 1e-6), 1).astype(int)
+        size = np.full(len(cut.corners), np.inf)
+        np.minimum.at(size, cut.edges, np.broadcast_to((length / pieces)[:, None], cut.edges.shape))
+        for number, (s, t) in enumerate(cut.corners):
+            geo.addPoint(s, t, 0.0, size[number], number + 1)
+        for number, (start, stop) in enumerate(cut.edges):
+            geo.addLine(start + 1, stop + 1, number + 1)
+            geo.mesh.setTransfiniteCurve(number + 1, int(pieces[number]) + 1)
+        lines = {(int(start), int(stop)): number + 1 for number, (start, stop) in enumerate(cut.edges)}
+        for face, loops in enumerate(cut.loops):
+            rings = [
+                geo.addCurveLoop([_signed(lines, *pair) for pair in zip(ring, np.roll(ring, -1), strict=True)]) for ring in loops
+            ]
+            geo.addPlaneSurface(rings, face + 1)
+        geo.synchronize()
+        gmsh.model.mesh.generate(2)
+        tags, coordinates, _ = gmsh.model.mesh.getNodes()
+        place = np.zeros(int(tags.max()) + 1, dtype=np.int64)
+        place[tags.astype(np.int64)] = np.arange(len(tags))
+        nodes = np.asarray(coordinates).reshape(-1, 3)[:, :2]
+        facets = [gmsh.model.mesh.getElementsByType(2, face + 1)[1].astype(np.int64) for face in range(len(cut.loops))]
+    except InputError:
+        raise
+    except Exception as error:
+        raise InputError(f"Panel {name}", "its mid-surface cannot be meshed", found=error) from error
+    finally:
+        gmsh.model.remove()
+    corners = nodes[place[np.concatenate(facets)]].reshape(-1, 3, 2)
+    turned = _signed_areas(corners) < 0
+    corners[turned] = corners[turned][:, ::-1]
+    return _Mesh(corners, np.repeat(cut.bond, [len(facet) // 3 for facet in facets]))
+
+
+def _signed(lines: Mapping[tuple[int, int], int], start: int, stop: int) -> int:
+    return lines[start, stop] if start < stop else -lines[stop, start]
+
+
+def _signed_areas(corners: FloatArray) -> FloatArray:
+    first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    return 0.5 * (first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])
+
+
+def _merged(surfaces: Sequence[MidSurface], meshes: Sequence[_Mesh]) -> tuple[FloatArray, IntArray]:
+    """Return the nodes of all mid-surfaces in space, those of the same place as one, and the triangles."""
+    flat = [np.unique(mesh.corners.reshape(-1, 2), axis=0, return_inverse=True) for mesh in meshes]
+    places = np.concatenate([lift(s.panel.chart, nodes) for s, (nodes, _) in zip(surfaces, flat, strict=True)])
+    offsets = np.cumsum([0] + [len(nodes) for nodes, _ in flat])
+    corner = np.concatenate([number.ravel() + offset for (_, number), offset in zip(flat, offsets[:-1], strict=True)])
+    label = clusters(places)
+    first = np.unique(label, return_index=True)[1]
+    return places[first], label[corner].reshape(-1, 3)
+
+
+def _axes(surface: MidSurface, mesh: _Mesh, facets: FloatArray) -> FloatArray:
+    """Return the local axes (nt, 3, 3) of facets (nt, 3, 3) m: along the bed, up the courses, normal."""
+    middle = mesh.corners.mean(axis=1)
+    direction = np.empty_like(middle)
+    for number, region in enumerate(surface.panel.regions):
+        inside = mesh.bond == number
+        direction[inside] = bond_of(region).bed_direction(middle[inside])
+    normal = np.cross(facets[:, 1] - facets[:, 0], facets[:, 2] - facets[:, 0])
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    # Level and rising directions of the facet itself: a facet of a curved wall leans a little against its chart.
+    level = np.cross([0.0, 0.0, 1.0], normal)
+    level /= np.linalg.norm(level, axis=1, keepdims=True)
+    bed = direction[:, :1] * level + direction[:, 1:] * np.cross(normal, level)
+    return np.stack([bed, np.cross(normal, bed), normal], axis=1)
+
+
+def _thickness_carried(surface: MidSurface, mesh: _Mesh, facets: FloatArray) -> FloatArray:
+    """Return for each facet the volume of stones it carries over its own area (nt,) m."""
+    carried = surface.panel.thickness * weight_factors(surface, mesh.corners)
+    chart = surface.panel.chart
+    if isinstance(chart, PlaneChart):
+        return carried
+    # Stones of a curved wall are straight from joint to joint (the joints of two courses in running bond), so of each sector
+    # of angle x they fill sin(x) / x; and a facet is shorter than the arc whose stones it carries.
+    angle = np.array([_sector(region, surface.panel.regions[0]) for region in surface.panel.regions])[mesh.bond] / chart.radius
+    cross = np.cross(facets[:, 1] - facets[:, 0], facets[:, 2] - facets[:, 0])
+    return carried * np.sinc(angle / np.pi) * _signed_areas(mesh.corners) / (0.5 * np.linalg.norm(cross, axis=1))
+
+
+def _sector(region: BondRegion, wall: BondRegion) -> float:
+    # Voussoirs are cut out of the wall around them.
+    of = wall if region.pattern == "voussoir" else region
+    return of.cell.b / 2 if of.pattern == "running" else of.cell.b
+
+
+def _supported(building: Building, points: FloatArray) -> BoolArray:
+    on = np.zeros(len(points), dtype=np.bool_)
+    if building.ground is not None:
+        lowest = float(points[:, 2].min())
+        if lowest < building.ground - NODE_TOLERANCE:
+            raise InputError(
+                "building", "masonry below the ground", found=f"z = {lowest:g} m", expected=f"z >= {building.ground:g} m"
+            )
+        on |= points[:, 2] < building.ground + NODE_TOLERANCE
+    for support in building.supports:
+        on |= _touching(support, points)
+    return on
+
+
+def _touching(support: Support, points: FloatArray) -> BoolArray:
+    nodes = np.array([node for face in support.faces for node in face], dtype=np.int64)
+    _, normal, mean = face_normals(support.points, nodes, np.cumsum([0] + [len(face) for face in support.faces]))
+    return (points @ normal.T - np.einsum("fc,fc->f", normal, mean) < NODE_TOLERANCE).all(axis=1)
+
+
+def _check_bonds(building: Building) -> None:
+    for panel in building.panels:
+        for region in panel.regions:
+            if region.yields and region.pattern not in SHELL_PATTERNS:
+                raise InputError(
+                    f"Panel {panel.name}, region {region.name}",
+                    f"the strength of a shell in {region.pattern} bond is not derived",
+                    found=region.pattern,
+                    expected='"running", "voussoir" or "single"',
+                    remedy="Rigid blocks take it as it is; for a shell lay the region in running bond.",
+                )
+
+
+def _check_resting(shell: ShellModel) -> None:
+    edges = np.concatenate([shell.triangles[:, [0, 1]], shell.triangles[:, [1, 2]]])
+    part = components(len(shell.points), edges)
+    resting = np.bincount(part, shell.supported) > 0
+    loose = ~resting[part[shell.triangles[:, 0]]]
+    if loose.any():
+        raise InputError(
+            f"Panel {shell.panel[loose][0]}",
+            "its mid-surface rests on nothing",
+            found=f"walls without a path to the ground: {', '.join(np.unique(shell.panel[loose]))}",
+            expected="walls whose footprints overlap where they meet, or that stand on the ground",
+            remedy="Extend the outline to the far face of the wall it leans on.",
+        )

@@ -1,0 +1,157 @@
+"""Mid-surfaces cut into the faces that are meshed, with every border a mesh edge and every shared corner in place."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import shapely
+
+from churchpipe.errors import InputError
+from churchpipe.geometry.charts import base_level
+from churchpipe.geometry.clusters import NODE_TOLERANCE, clusters
+from churchpipe.geometry.planar import Polygons, extent, vertices
+from churchpipe.model.arrays import FloatArray, IntArray
+from churchpipe.shell_mesh.midplanes import MidSurface, line_plan
+
+# Coordinates are rounded to this grid while lines are cut, m, so that lines that nearly meet do.
+GRID = 1e-6
+
+
+@dataclass(frozen=True, slots=True)
+class Subdivision:
+    """The faces of one mid-surface, in chart coordinates, m.
+
+    corners (n, 2); edges (ne, 2) corner numbers, each once; size (ne,) m, the largest element along it; loops: per face its
+    outer ring and its holes as lists of corner numbers; bond (nf,) the bond region of each face.
+    """
+
+    corners: FloatArray
+    edges: IntArray
+    size: FloatArray
+    loops: tuple[tuple[IntArray, ...], ...]
+    bond: IntArray
+
+
+def subdivide(surfaces: Sequence[MidSurface], sizes: Sequence[float]) -> list[Subdivision]:
+    """Return the faces of all mid-surfaces: cut along the borders of bond regions and parts and along the mid-planes of crossing
+    walls; every corner that one wall has on a shared upright line, all walls on that line have.
+
+    Parameters
+    ----------
+    surfaces: the mid-surfaces. sizes: element size of each, m; walls that meet take the smaller one on the shared line.
+    """
+    faces = [_faces(surface) for surface in surfaces]
+    stations = [np.unique(np.concatenate([surface.lines, extent(surface.region)[[0, 2]]])) for surface in surfaces]
+    owner = np.repeat(np.arange(len(surfaces)), [len(s) for s in stations])
+    station = np.concatenate(stations)
+    plan = np.concatenate([line_plan(surface, s) for surface, s in zip(surfaces, stations, strict=True)])
+    label = clusters(plan)
+    base = np.array([base_level(surface.panel.chart) for surface in surfaces])
+    marks = [_levels_on(faces[wall], s) + base[wall] for wall, s in zip(owner, station, strict=True)]
+    finest = np.full(label.max() + 1, np.inf)
+    np.minimum.at(finest, label, np.asarray(sizes)[owner])
+    found: list[Subdivision] = []
+    for wall, surface in enumerate(surfaces):
+        own = np.flatnonzero(owner == wall)
+        shared = [np.concatenate([marks[other] for other in np.flatnonzero(label == label[line])]) - base[wall] for line in own]
+        polygons, bond = faces[wall], _bond_of(surface, faces[wall])
+        for line, levels in zip(own, shared, strict=True):
+            polygons = [_with_levels(face, station[line], _distinct(levels)) for face in polygons]
+        found.append(_numbered(polygons, bond, station[own], finest[label[own]], sizes[wall]))
+    return found
+
+
+def _faces(surface: MidSurface) -> list[shapely.Polygon]:
+    low, bottom, high, top = extent(surface.region)
+    # Junction lines run over the whole height: a line that ended inside the wall would be dropped as dangling.
+    lines = [shapely.LineString([(s, bottom), (s, top)]) for s in surface.lines if low < s < high]
+    parts = [part.outline for part in surface.panel.parts]
+    borders = [shapely.LinearRing(outline) for outline in (*surface.regions, *parts)]
+    noded = shapely.union_all([shapely.boundary(surface.region), *borders, *lines], grid_size=GRID)
+    faces = np.asarray(shapely.get_parts(shapely.polygonize(shapely.get_parts(noded))), dtype=np.object_)
+    shapely.prepare(surface.region)
+    faces = faces[shapely.contains(surface.region, shapely.point_on_surface(faces))]
+    given = np.concatenate([vertices(surface.region), *surface.regions, *parts])
+    marks = [np.append(given[:, 0], surface.lines), given[:, 1]]
+
+    def exact(point: FloatArray) -> FloatArray:
+        return np.stack([_onto(point[:, axis], marks[axis]) for axis in (0, 1)], axis=1)
+
+    faces = np.asarray(shapely.transform(faces, exact), dtype=np.object_)
+    place = np.round(shapely.get_coordinates(shapely.point_on_surface(faces)), 6)
+    return list(faces[np.lexsort(place.T)])
+
+
+def _onto(values: FloatArray, marks: FloatArray) -> FloatArray:
+    """Return the values, those that the grid has moved put back onto their marks."""
+    ordered = np.unique(marks)
+    place = np.clip(np.searchsorted(ordered, values), 1, len(ordered) - 1)
+    nearest = np.where(values - ordered[place - 1] < ordered[place] - values, ordered[place - 1], ordered[place])
+    return np.where(np.abs(nearest - values) <= GRID, nearest, values)
+
+
+def _bond_of(surface: MidSurface, faces: Sequence[shapely.Polygon]) -> IntArray:
+    inside: Polygons = np.asarray(shapely.point_on_surface(np.array(faces, dtype=np.object_)))
+    bond = np.full(len(inside), -1, dtype=np.int64)
+    for number, outline in enumerate(surface.regions):
+        bond[shapely.contains(shapely.Polygon(outline), inside)] = number
+    if (bond < 0).any():
+        place = shapely.get_coordinates(inside[bond < 0])[0]
+        raise InputError(
+            f"Panel {surface.panel.name}",
+            "a part of the wall has no bond",
+            found=f"near s = {place[0]:.4g}, t = {place[1]:.4g} m",
+            expected="bond regions that cover the wall",
+        )
+    return bond
+
+
+def _levels_on(faces: Sequence[shapely.Polygon], s: float) -> FloatArray:
+    point = shapely.get_coordinates(np.array(faces, dtype=np.object_))
+    return np.unique(point[np.abs(point[:, 0] - s) < NODE_TOLERANCE, 1])
+
+
+def _distinct(levels: FloatArray) -> FloatArray:
+    ordered = np.sort(levels)
+    return ordered[np.append(True, np.diff(ordered) > NODE_TOLERANCE)] if len(ordered) else ordered
+
+
+def _with_levels(face: shapely.Polygon, s: float, levels: FloatArray) -> shapely.Polygon:
+    """Return the face with corners added at the given heights on its edges along the line at s."""
+
+    def refined(ring: shapely.LinearRing) -> FloatArray:
+        point = shapely.get_coordinates(ring)
+        parts: list[FloatArray] = []
+        for start, stop in pairwise(point):
+            parts.append(start[None])
+            if max(abs(start[0] - s), abs(stop[0] - s)) < NODE_TOLERANCE:
+                low, high = sorted((start[1], stop[1]))
+                between = levels[(levels > low + NODE_TOLERANCE) & (levels < high - NODE_TOLERANCE)]
+                parts.append(np.stack([np.full(len(between), s), between[:: 1 if stop[1] > start[1] else -1]], axis=1))
+        return np.concatenate(parts)
+
+    return shapely.Polygon(refined(face.exterior), [refined(hole) for hole in face.interiors])
+
+
+def _numbered(
+    faces: Sequence[shapely.Polygon], bond: IntArray, stations: FloatArray, finest: FloatArray, size: float
+) -> Subdivision:
+    rings = [shapely.get_coordinates(ring)[:-1] for face in faces for ring in (face.exterior, *face.interiors)]
+    # Rounded once more: a mesh must not hang on the last digits of equal buildings from different sources.
+    corners, number = np.unique(np.round(np.concatenate(rings), 11) + 0.0, axis=0, return_inverse=True)
+    loops = np.split(number.ravel(), np.cumsum([len(ring) for ring in rings])[:-1])
+    ends = np.concatenate([np.stack([loop, np.roll(loop, -1)], axis=1) for loop in loops])
+    edges = np.unique(np.sort(ends, axis=1), axis=0)
+    largest = np.full(len(edges), size)
+    for s, shared in zip(stations, finest, strict=True):
+        on_line = (np.abs(corners[edges][:, :, 0] - s) < NODE_TOLERANCE).all(axis=1)
+        largest[on_line] = np.minimum(largest[on_line], shared)
+    counts = np.cumsum([0] + [1 + len(face.interiors) for face in faces])
+    return Subdivision(
+        corners,
+        edges,
+        largest,
+        tuple(tuple(loops[start:stop]) for start, stop in pairwise(counts)),
+        bond,
+    )

@@ -1,0 +1,1 @@
+"""From a building to its stones, and from stones to their contacts."""

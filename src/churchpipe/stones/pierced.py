@@ -1,0 +1,116 @@
+"""Stones of curved walls with arched openings: bent solids, cut by the openings' prisms."""
+
+from collections.abc import Sequence
+
+import manifold3d
+import numpy as np
+
+from churchpipe.bond.tiles import TileSet, tiles_of
+from churchpipe.bond.voids import Void, seen
+from churchpipe.errors import InputError
+from churchpipe.geometry.charts import lift, normals
+from churchpipe.geometry.manifolds import manifold, polyhedron
+from churchpipe.geometry.planar import bounds, boxes
+from churchpipe.model.arrays import FloatArray, IntArray
+from churchpipe.model.building import CylinderChart, Panel
+from churchpipe.stones.prisms import Solids, solids_of, stations_of, thicken
+
+# Faces of a prism are numbered from here on, those of a stone from 0.
+OF_PRISM = 1_000_000
+# What a voussoir is cut from is larger by this on all sides, m: faces in common with it would come out in pieces.
+SPARE = 1e-3
+
+
+def pierced_solids(panel: Panel, chart: CylinderChart, tiles: TileSet, voids: Sequence[Void]) -> Solids:
+    """Return one closed solid a tile of a curved wall with arched openings.
+
+    The sides of openings and voussoirs are planes along the normal in the middle of their opening, not radial ones: mapped
+    from the developed surface they would be twisted. Stones of the wall are laid as without the opening and cut by the prism of
+    its extrados; voussoirs are what their own prisms cut out of the wall.
+
+    Raises
+    ------
+    InputError: voussoirs around no opening, an opening that leaves two pieces of a stone or none.
+    """
+    stations = stations_of(chart, tiles)
+    view = [_view(panel, chart, tiles, int(number), voids) for number in np.flatnonzero(tiles.course < 0)]
+    base = _with_blanks(chart, tiles, view, stations)
+    solids = thicken(chart, panel.thickness, base)
+    bounded = bounds(base.polygons)
+    out: list[tuple[FloatArray, list[IntArray]]] = []
+    of_ring = dict(zip(np.flatnonzero(tiles.course < 0).tolist(), view, strict=True))
+    for number in range(tiles.count):
+        points = solids.points[slice(*solids.block_point_ptr[number : number + 2])]
+        faces = [
+            solids.face_nodes[slice(*solids.face_ptr[face : face + 2])] - solids.block_point_ptr[number]
+            for face in range(*solids.block_face_ptr[number : number + 2])
+        ]
+        if number in of_ring:
+            void, outline = of_ring[number]
+            points, faces = polyhedron(manifold(points, faces) ^ _prism(chart, void, outline))
+        for void in voids if number not in of_ring else ():
+            if _meet(chart, void, bounded[number]):
+                left = manifold(points, faces) - _prism(chart, void, void.taken)
+                if len(left.decompose()) != 1:
+                    place = f"s = {bounded[number][0]:.4g} to {bounded[number][2]:.4g}, t = {bounded[number][1]:.4g} m"
+                    raise InputError(
+                        f"Panel {panel.name}",
+                        "an arched opening cuts a stone in two, or away",
+                        found=f"course {tiles.course[number]}, {place}",
+                        remedy="Move or change the opening, or use shorter stones.",
+                    )
+                points, faces = polyhedron(left)
+        out.append((points, faces))
+    return solids_of(out)
+
+
+def _meet(chart: CylinderChart, void: Void, bounded: FloatArray) -> bool:
+    """Return whether an opening, with its voussoirs, may reach into a stone with the bounds s0, t0, s1, t1, m."""
+    low_s, low_t, high_s, high_t = bounded
+    (x0, t0), (x1, t1) = void.taken.min(axis=0), void.taken.max(axis=0)
+    start, stop = void.reach(chart.radius, (float(x0), float(x1)))
+    # A stone over the seam of a ring lies before its start.
+    turns = 2 * np.pi * chart.radius * np.array([0.0, 1.0])
+    return bool(low_t < t1 and high_t > t0 and ((low_s + turns < stop) & (high_s + turns > start)).any())
+
+
+def _view(panel: Panel, chart: CylinderChart, tiles: TileSet, number: int, voids: Sequence[Void]) -> tuple[Void, FloatArray]:
+    """Return the opening that a voussoir belongs to, and its outline in the view of that."""
+    outline = tiles.corner[tiles.corner_ptr[number] : tiles.corner_ptr[number + 1]]
+    for void in voids:
+        x, t = seen(chart, void.middle, outline).T
+        (x0, t0), (x1, t1) = void.taken.min(axis=0), void.taken.max(axis=0)
+        near = abs(outline[:, 0].mean() - void.middle) < chart.radius * np.pi / 2
+        if near and x0 - 1e-9 < x.min() and x.max() < x1 + 1e-9 and t0 - 1e-9 < t.min() and t.max() < t1 + 1e-9:
+            return void, np.stack([x, t], axis=1)
+    raise InputError(
+        f"Panel {panel.name}, {tiles.region[number]}",
+        "voussoirs of a curved wall around no opening",
+        expected="an opening within",
+    )
+
+
+def _with_blanks(chart: CylinderChart, tiles: TileSet, view: Sequence[tuple[Void, FloatArray]], stations: FloatArray) -> TileSet:
+    """Return the tiles, each voussoir replaced by the rectangle between stations that it is cut from."""
+    blanks: list[FloatArray] = []
+    for void, outline in view:
+        start, stop = void.reach(chart.radius, (float(outline[:, 0].min()), float(outline[:, 0].max())))
+        first = stations[max(np.searchsorted(stations, start - SPARE) - 1, 0)]
+        last = stations[min(np.searchsorted(stations, stop + SPARE), len(stations) - 1)]
+        blanks.append(np.array([first, outline[:, 1].min() - SPARE, last, outline[:, 1].max() + SPARE]))
+    polygons = tiles.polygons
+    polygons[tiles.course < 0] = boxes(np.array(blanks).reshape(-1, 4))
+    return tiles_of(polygons, tiles.course, "")
+
+
+def _prism(chart: CylinderChart, void: Void, outline: FloatArray) -> manifold3d.Manifold:
+    """Return the prism over an outline (n, 2) in the view of an opening, from the wall's axis to beyond its outer face."""
+    middle = np.array([[void.middle, 0.0]])
+    normal = normals(chart, middle)[0]
+    across = np.cross([0.0, 0.0, 1.0], normal)
+    foot = lift(chart, middle)[0] - chart.radius * normal
+    flat = foot + outline[:, :1] * across + outline[:, 1:] * np.array([0.0, 0.0, 1.0])
+    count = len(outline)
+    near, far = np.arange(count), count + np.arange(count)
+    sides = np.stack([near, np.roll(near, -1), np.roll(far, -1), far], axis=1)
+    return manifold(np.concatenate([flat, flat + 2 * void.radii[1] * normal]), [near[::-1], far, *sides], OF_PRISM)

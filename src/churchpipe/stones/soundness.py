@@ -1,0 +1,150 @@
+"""Is the assemblage sound? Stones that float, lie twice in one place, or overlap."""
+
+from collections.abc import Callable
+
+import manifold3d
+import numpy as np
+import scipy.sparse as sp
+import shapely
+
+from churchpipe.errors import InputError
+from churchpipe.geometry.manifolds import manifold
+from churchpipe.model.arguments import check_kind
+from churchpipe.model.arrays import IntArray
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.contacts import Contacts, check_contacts_of
+
+# Solids overlap when they share more than this part of the smaller one's volume.
+OVERLAP_TOLERANCE = 1e-6
+# A joint holds a stone from below when its normal rises by at least this much.
+LEAST_LIFT = 0.05
+
+
+def floating_stones(stones: Assemblage, contacts: Contacts) -> IntArray:
+    """Return the indices of the free stones without a path of contacts to a fixed stone."""
+    ones = np.ones(len(contacts.blocks))
+    graph = sp.coo_matrix((ones, (contacts.blocks[:, 0], contacts.blocks[:, 1])), shape=(stones.count, stones.count))
+    # Fixed stones are one body, however far apart they lie.
+    _, component = sp.csgraph.connected_components(graph, directed=False)
+    return np.flatnonzero(~np.isin(component, np.unique(component[stones.fixed])))
+
+
+def unsupported_stones(stones: Assemblage, contacts: Contacts) -> IntArray:
+    """Return the indices of the free stones that nothing holds from below: no joint of theirs can push them upwards."""
+    # Frames point from the first stone to the second, so the second is pushed along the normal, the first against it.
+    up = contacts.frame[:, 0, 2]
+    held = np.concatenate([contacts.blocks[up > LEAST_LIFT, 1], contacts.blocks[up < -LEAST_LIFT, 0]])
+    return np.setdiff1d(np.flatnonzero(~stones.fixed), held)
+
+
+def duplicate_stones(stones: Assemblage, tolerance: float = 1e-6) -> IntArray:
+    """Return pairs (k, 2) of stones that coincide: same corners within the tolerance, m."""
+    pairs = _close_boxes(stones, -tolerance)
+    low, high = _boxes(stones)
+    same = (np.abs(low[pairs[:, 0]] - low[pairs[:, 1]]) < tolerance).all(axis=1)
+    same &= (np.abs(high[pairs[:, 0]] - high[pairs[:, 1]]) < tolerance).all(axis=1)
+    same &= np.linalg.norm(stones.centroid[pairs[:, 0]] - stones.centroid[pairs[:, 1]], axis=1) < tolerance
+    same &= np.abs(stones.volume[pairs[:, 0]] / stones.volume[pairs[:, 1]] - 1) < 1e-6
+    return pairs[same]
+
+
+def overlapping_stones(stones: Assemblage, progress: Callable[[str, float], None] | None = None) -> IntArray:
+    """Return pairs (k, 2) of stones whose solids share volume.
+
+    Bounding boxes that overlap propose pairs; separating planes spare most of them; a boolean of the solids decides the rest.
+    """
+    pairs = _close_boxes(stones, 1e-6 * float(np.cbrt(stones.volume.min())))
+    pairs = pairs[~_separated(stones, pairs)]
+    solids: dict[int, manifold3d.Manifold] = {}
+    overlapping = np.zeros(len(pairs), dtype=bool)
+    for row, (i, j) in enumerate(pairs.tolist()):
+        for k in (i, j):
+            if k not in solids:
+                solids[k] = _solid(stones, k)
+        shared = (solids[i] ^ solids[j]).volume()
+        overlapping[row] = shared > OVERLAP_TOLERANCE * min(stones.volume[i], stones.volume[j])
+        if progress and row % 64 == 0:
+            progress("overlaps", row / len(pairs))
+    return pairs[overlapping]
+
+
+def check_soundness(stones: Assemblage, contacts: Contacts, progress: Callable[[str, float], None] | None = None) -> None:
+    """Raise `InputError` naming every stone that floats, lies twice in one place, or overlaps another."""
+    check_kind("check_soundness: stones", stones, Assemblage)
+    check_kind("check_soundness: contacts", contacts, Contacts)
+    check_contacts_of(stones, contacts)
+    problems: list[str] = []
+    remedies: list[str] = []
+    double = duplicate_stones(stones)
+    if len(double):
+        problems.append(f"{len(double)} drawn twice ({_name_pairs(stones, double)})")
+        remedies.append("Delete one of each pair.")
+    overlap = overlapping_stones(stones, progress)
+    overlap = overlap[~(overlap[:, None] == double[None]).all(axis=2).any(axis=1)] if len(double) else overlap
+    if len(overlap):
+        problems.append(f"{len(overlap)} pairs overlap ({_name_pairs(stones, overlap)})")
+        remedies.append("Trim or move the stones that overlap.")
+    floating = floating_stones(stones, contacts)
+    if len(floating):
+        problems.append(f"{len(floating)} without a path to a support ({_name(stones, floating)})")
+        remedies.append("Close the gaps to their neighbours, or fix a stone that rests on the ground.")
+    if problems:
+        raise InputError(
+            "stones", "; ".join(problems), expected="separate stones that all rest on a support", remedy=" ".join(remedies)
+        )
+
+
+def _name(stones: Assemblage, chosen: IntArray) -> str:
+    named = ", ".join(f"{stones.block_id[i]} at {np.round(stones.centroid[i], 3).tolist()} m" for i in chosen[:8])
+    return named + (f" and {len(chosen) - 8} more" if len(chosen) > 8 else "")
+
+
+def _name_pairs(stones: Assemblage, pairs: IntArray) -> str:
+    named = ", ".join(f"{stones.block_id[i]} and {stones.block_id[j]}" for i, j in pairs[:8])
+    return named + (f" and {len(pairs) - 8} pairs more" if len(pairs) > 8 else "")
+
+
+def _boxes(stones: Assemblage) -> tuple[np.ndarray, np.ndarray]:
+    low = np.minimum.reduceat(stones.points, stones.block_point_ptr[:-1], axis=0)
+    high = np.maximum.reduceat(stones.points, stones.block_point_ptr[:-1], axis=0)
+    return low, high
+
+
+def _close_boxes(stones: Assemblage, shrink: float) -> IntArray:
+    """Return pairs i < j whose bounding boxes, each shrunk by `shrink` on all sides, overlap."""
+    low, high = _boxes(stones)
+    plan = shapely.box(low[:, 0] + shrink, low[:, 1] + shrink, high[:, 0] - shrink, high[:, 1] - shrink)
+    # A thin stone shrunk to nothing keeps its centre.
+    i, j = shapely.STRtree(plan).query(plan)
+    keep = (i < j) & (low[i, 2] + shrink < high[j, 2] - shrink) & (low[j, 2] + shrink < high[i, 2] - shrink)
+    return np.stack([i[keep], j[keep]], axis=1)
+
+
+def _separated(stones: Assemblage, pairs: IntArray) -> np.ndarray:
+    """Return True for pairs that a face of one of them separates."""
+    out = np.zeros(len(pairs), dtype=bool)
+    for row, (i, j) in enumerate(pairs.tolist()):
+        out[row] = _face_separates(stones, i, j) or _face_separates(stones, j, i)
+    return out
+
+
+def _face_separates(stones: Assemblage, i: int, j: int) -> bool:
+    others = stones.points[stones.block_point_ptr[j] : stones.block_point_ptr[j + 1]]
+    own = stones.points[stones.block_point_ptr[i] : stones.block_point_ptr[i + 1]]
+    faces = range(stones.block_face_ptr[i], stones.block_face_ptr[i + 1])
+    corners = [stones.points[stones.face_nodes[stones.face_ptr[f] : stones.face_ptr[f] + 3]] for f in faces]
+    edge = np.array([[c[1] - c[0], c[2] - c[0]] for c in corners])
+    normal = np.cross(edge[:, 0], edge[:, 1])
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    offset = np.einsum("fc,fc->f", normal, np.array([c[0] for c in corners]))
+    tolerance = 1e-7 * float(np.ptp(own, axis=0).max())
+    outside = (others @ normal.T >= offset - tolerance).all(axis=0)
+    behind = (own @ normal.T <= offset + tolerance).all(axis=0)
+    return bool((outside & behind).any())
+
+
+def _solid(stones: Assemblage, block: int) -> manifold3d.Manifold:
+    start = stones.block_point_ptr[block]
+    faces = range(*stones.block_face_ptr[block : block + 2])
+    nodes = [stones.face_nodes[stones.face_ptr[face] : stones.face_ptr[face + 1]] - start for face in faces]
+    return manifold(stones.points[start : stones.block_point_ptr[block + 1]], nodes)

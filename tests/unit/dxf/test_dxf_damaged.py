@@ -1,0 +1,191 @@
+"""Every damaged drawing of cad_samples/damaged is answered with its finding, and nothing but findings ever comes out."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from churchpipe.dxf.findings import CODES, DrawingError, Findings
+from churchpipe.dxf.reader import read_drawing
+from churchpipe.errors import InputError
+
+SAMPLES = Path(__file__).parents[3] / "cad_samples"
+DAMAGED = SAMPLES / "damaged"
+
+EXPECTED = {
+    "bad_course": {"E07"},
+    "bad_material": {"E16", "W19"},
+    "comma_coordinate": {"E03"},
+    "cyclic_blocks": {"E08"},
+    "decimal_comma": {"E07"},
+    "decimal_comma_in_block": {"E07"},
+    "double_handle": {"E03"},
+    "duplicate_stone": {"E11"},
+    "dwg": {"E02"},
+    "empty": {"E01"},
+    "left_out": {"W18"},
+    "many_errors": {"E04", "E06", "E07", "E12"},
+    "missing_attributes": {"W13", "W19"},
+    "missing_vertex": {"E10"},
+    "moved_vertex": {"E10"},
+    "newer_schema": {"E20"},
+    "no_body": {"E10"},
+    "no_stones": {"E17"},
+    "no_support": {"E12"},
+    "no_unit_weight": {"W19"},
+    "no_units": {"E04"},
+    "not_dxf": {"E01"},
+    "open_body": {"E10"},
+    "open_solid": {"E10", "W19", "W22"},
+    "relabelled_units": {"E05"},
+    "shared_id": {"W15"},
+    "skewed_insert": {"E09", "W09"},
+    "solids_only": {"W19", "W22"},
+    "stretched_insert": {"W09"},
+    "too_many": {"E23"},
+    "truncated": {"E03"},
+    "undefined_block": {"E06"},
+    "unreadable_solid": {"E21"},
+    "warped_face": {"E10"},
+    "wrong_units": {"E05"},
+    "wrong_volume": {"W14"},
+}
+
+
+def findings_of(path: Path, **options) -> Findings:
+    try:
+        return read_drawing(path, **options).findings
+    except DrawingError as error:
+        return error.findings
+
+
+@pytest.mark.parametrize("name", EXPECTED)
+def test_damage_is_found(name: str) -> None:
+    findings = findings_of(DAMAGED / f"{name}.dxf")
+    assert set(findings.codes) == EXPECTED[name]
+    assert all(finding.code in CODES for finding in findings)
+
+
+def test_every_damaged_drawing_is_expected_and_explained() -> None:
+    assert {path.stem for path in DAMAGED.glob("*.dxf")} == set(EXPECTED)
+    rows = re.findall(r"^\| `(\w+)\.dxf` \| ([EW0-9, ]+) \|", (SAMPLES / "README.md").read_text(encoding="utf-8"), re.MULTILINE)
+    assert {name: set(codes.split(", ")) for name, codes in rows} == EXPECTED
+
+
+@pytest.mark.parametrize(("name", "stones"), [("sound", 3), ("arch", 27), ("s5", 326), ("s22", 869)])
+def test_sound_drawings_have_no_findings(name: str, stones: int) -> None:
+    # Numbers of stones: Malena et al. 2019 as computed for this project, one parity for S5.
+    drawing = read_drawing(SAMPLES / f"{name}.dxf")
+    assert drawing.findings.codes == ()
+    assert int((~drawing.stones.fixed).sum()) == stones
+
+
+def test_a_finding_reads_as_one_line_with_place_and_remedy() -> None:
+    text = str(findings_of(DAMAGED / "decimal_comma.dxf"))
+    assert re.fullmatch(
+        r'dxf/E07 decimal_comma\.dxf: INSERT #[0-9A-F]+ "CP_Q2" at \(0\.40, 0\.00, 0\.00\) m: attribute VOLUME = "0,016": '
+        r"expected a number with a decimal point\. Correct it, or pass --repair to recompute the volume from the faces\.",
+        text,
+    )
+
+
+def test_all_errors_are_shown_together() -> None:
+    with pytest.raises(DrawingError) as caught:
+        read_drawing(DAMAGED / "many_errors.dxf")
+    lines = str(caught.value).splitlines()
+    assert lines[0] == "many_errors.dxf: 5 errors in the drawing."
+    assert [line.split()[0] for line in lines[1:]] == ["dxf/E04", "dxf/E06", "dxf/E07", "dxf/E07", "dxf/E12"]
+
+
+@pytest.mark.parametrize(
+    ("name", "codes"), [("decimal_comma", {"W07"}), ("decimal_comma_in_block", {"W07"}), ("bad_course", {"W07"})]
+)
+def test_repair_recomputes_what_cannot_be_understood(name: str, codes: set[str]) -> None:
+    drawing = read_drawing(DAMAGED / f"{name}.dxf", repair=True)
+    assert set(drawing.findings.codes) == codes
+    np.testing.assert_allclose(drawing.stones.volume[1:], 0.016, rtol=1e-12)
+
+
+def test_repair_drops_the_copy_of_a_stone() -> None:
+    drawing = read_drawing(DAMAGED / "duplicate_stone.dxf", repair=True)
+    assert drawing.findings.codes == ("W11",)
+    assert drawing.stones.block_id.tolist() == ["ground", "left", "right", "top"]
+
+
+def test_base_support_fixes_the_stones_on_the_lowest_level() -> None:
+    drawing = read_drawing(DAMAGED / "no_support.dxf", support="base")
+    assert drawing.findings.codes == ("W12",)
+    assert dict(zip(drawing.stones.block_id, drawing.stones.fixed, strict=True)) == {"left": True, "right": True, "top": False}
+
+
+def test_units_passed_settle_the_doubt() -> None:
+    # Drawn in metres, flagged as inches: the stones are 0.4 x 0.2 x 0.2 m.
+    drawing = read_drawing(DAMAGED / "wrong_units.dxf", units="m")
+    assert drawing.findings.codes == ("W04",)
+    np.testing.assert_allclose(drawing.stones.volume[1:], 0.016, rtol=1e-12)
+    hint = str(findings_of(DAMAGED / "wrong_units.dxf"))
+    assert "--units m (252 mm)" in hint
+
+
+def test_stones_without_attributes_get_names_and_default_material() -> None:
+    stones = read_drawing(DAMAGED / "solids_only.dxf").stones
+    assert stones.fixed.tolist() == [False, False, False, True]
+    np.testing.assert_allclose(np.sort(stones.volume[:3]), 0.016, rtol=1e-12)
+    np.testing.assert_allclose(stones.centroid[:3], [(0.2, 0.1, 0.1), (0.6, 0.1, 0.1), (0.4, 0.1, 0.3)], atol=1e-12)
+    assert set(stones.material) == {"default"}
+
+
+def test_a_stretched_stone_has_the_stretched_volume() -> None:
+    np.testing.assert_allclose(read_drawing(DAMAGED / "stretched_insert.dxf").stones.volume[3], 0.016 * 1.5, rtol=1e-12)
+
+
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(part=st.floats(0.0, 0.999))
+def test_a_truncated_drawing_never_becomes_stones(part: float, tmp_path) -> None:
+    data = (SAMPLES / "sound.dxf").read_bytes()
+    cut = tmp_path / "cut.dxf"
+    cut.write_bytes(data[: int(part * len(data))])
+    with pytest.raises(DrawingError) as caught:
+        read_drawing(cut)
+    assert caught.value.findings.codes[0] in ("E01", "E03")
+
+
+LINES = (SAMPLES / "sound.dxf").read_text(encoding="utf-8").split("\n")
+NONSENSE = st.sampled_from(["nan", "inf", "1e400", "-1", "999999999", "0,5", "", "INSERT", "EOF", "  0", " 10", "é\0", "{"])
+CHANGES = st.tuples(st.sampled_from(["delete", "replace", "double"]), st.integers(0, len(LINES) - 1), NONSENSE)
+
+
+@settings(max_examples=250, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(changes=st.lists(CHANGES, min_size=1, max_size=4))
+def test_nonsense_gives_findings_or_stones_but_no_other_error(changes, tmp_path) -> None:
+    lines = list(LINES)
+    for kind, place, text in changes:
+        place = min(place, len(lines) - 1)
+        lines[place : place + 1] = {"delete": [], "replace": [text], "double": [lines[place]] * 2}[kind]
+    path = tmp_path / "nonsense.dxf"
+    path.write_text("\n".join(lines), encoding="utf-8")
+    assert set(findings_of(path).codes) <= set(CODES)
+
+
+@settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(data=st.binary(max_size=400))
+def test_any_bytes_are_an_input_error(data: bytes, tmp_path) -> None:
+    path = tmp_path / "bytes.dxf"
+    path.write_bytes(data)
+    with pytest.raises(InputError):
+        read_drawing(path)
+
+
+def test_paths_and_arguments_that_are_no_good(tmp_path) -> None:
+    for path in (tmp_path / "missing.dxf", tmp_path):
+        assert findings_of(path).codes == ("E01",)
+    sound = SAMPLES / "sound.dxf"
+    with pytest.raises(InputError, match="unknown unit"):
+        read_drawing(sound, units="furlong")
+    with pytest.raises(InputError, match="unknown kind of support"):
+        read_drawing(sound, support="air")
+    with pytest.raises(InputError, match="out of range"):
+        read_drawing(sound, unit_weight=-1.0)

@@ -1,0 +1,221 @@
+"""Inserts as CAD programs make them: mirrored, turned, nested, arrayed, stretched; bodies in every form that is read."""
+
+from pathlib import Path
+from typing import Any
+
+import ezdxf
+import numpy as np
+import pytest
+from ezdxf.acis import api as acis
+from ezdxf.render import MeshBuilder
+
+from churchpipe.dxf.findings import DrawingError
+from churchpipe.dxf.reader import Drawing, read_drawing
+from dxf_models import BOX_FACES, box, edited
+
+# The wedge over (0, 0), (0.6, 0), (0, 0.3), 0.2 m high, drawn from its first vertex.
+WEDGE = np.array([(x, y, z) for z in (0.0, 0.2) for x, y in ((0, 0), (0.6, 0), (0, 0.3))])
+WEDGE_VOLUME = 0.6 * 0.3 / 2 * 0.2
+
+
+def wedge_insert(doc: Any) -> Any:
+    return next(i for i in doc.modelspace().query("INSERT") if i.dxf.layer == "CP-BLOCKS")
+
+
+def turned(points: np.ndarray, degrees: float) -> np.ndarray:
+    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    return points @ np.array([(c, s, 0), (-s, c, 0), (0, 0, 1)])
+
+
+def stone(drawing: Drawing, name: str) -> np.ndarray:
+    index = drawing.stones.block_id.tolist().index(name)
+    start, end = drawing.stones.block_point_ptr[index : index + 2]
+    return drawing.stones.points[start:end]
+
+
+def test_mirrored_insert_is_the_mirror_image_with_its_faces_outward(tmp_path: Path) -> None:
+    def mirror(doc: Any) -> None:
+        wedge_insert(doc).dxf.update({"xscale": -1.0, "rotation": 30.0, "insert": (1.0, 2.0, 3.0)})
+
+    drawing = read_drawing(edited(tmp_path / "a.dxf", mirror))
+    assert drawing.findings.codes == ()
+    np.testing.assert_allclose(stone(drawing, "wedge"), turned(WEDGE * [-1, 1, 1], 30) + np.array([1, 2, 3]), atol=1e-12)
+    assert drawing.stones.volume[1] == pytest.approx(WEDGE_VOLUME, rel=1e-12)
+
+
+def test_mirrored_by_extrusion(tmp_path: Path) -> None:
+    # AutoCAD's MIRROR3D turns the extrusion down; object coordinates then have x against the world's.
+    def mirror(doc: Any) -> None:
+        wedge_insert(doc).dxf.update({"extrusion": (0, 0, -1), "insert": (-1.0, 2.0, -3.0)})
+
+    drawing = read_drawing(edited(tmp_path / "a.dxf", mirror))
+    np.testing.assert_allclose(stone(drawing, "wedge"), WEDGE * [-1, 1, -1] + [1, 2, 3], atol=1e-12)
+
+
+def test_base_point_and_nested_block(tmp_path: Path) -> None:
+    def nest(doc: Any) -> None:
+        insert = wedge_insert(doc)
+        doc.blocks.get(insert.dxf.name).block.dxf.base_point = (0.6, 0, 0)
+        outer = doc.blocks.new("WALL")
+        inner = outer.add_blockref(insert.dxf.name, (1, 0, 0), dxfattribs={"layer": "0", "rotation": 90})
+        inner.add_attrib("ID", "inner", (0, 0))
+        inner.add_attrib("MATERIAL", "stone", (0, 0))
+        doc.modelspace().add_blockref("WALL", (10, 20, 30), dxfattribs={"layer": "CP-BLOCKS", "rotation": -90}).add_attrib(
+            "ID", "south", (0, 0)
+        )
+
+    drawing = read_drawing(edited(tmp_path / "a.dxf", nest))
+    assert drawing.stones.block_id.tolist() == ["ground", "wedge", "south/inner"]
+    np.testing.assert_allclose(stone(drawing, "wedge"), WEDGE - [0.6, 0, 0], atol=1e-12)
+    np.testing.assert_allclose(stone(drawing, "south/inner"), WEDGE - [0.6, 0, 0] + [10, 19, 30], atol=1e-12)
+
+
+def test_array_of_inserts(tmp_path: Path) -> None:
+    def array(doc: Any) -> None:
+        wedge_insert(doc).dxf.rotation = 90
+        wedge_insert(doc).grid((2, 3), (0.5, 1.0))
+
+    drawing = read_drawing(edited(tmp_path / "a.dxf", array))
+    assert drawing.findings.codes == ()
+    assert drawing.stones.block_id.tolist() == ["ground", *(f"wedge[{i}]" for i in range(6))]
+    # Rows and columns turn with the insert: columns are 1.0 apart along y, rows 0.5 apart along -x.
+    corners = sorted(tuple(np.round(stone(drawing, f"wedge[{i}]")[0], 9) + 0.0) for i in range(6))
+    assert corners == [(x, y, 0.0) for x in (-0.5, 0.0) for y in (0.0, 1.0, 2.0)]
+
+
+def test_even_scale_needs_no_warning_and_stretching_one(tmp_path: Path) -> None:
+    def scale(*factors: float):
+        return lambda doc: wedge_insert(doc).dxf.update(dict(zip(("xscale", "yscale", "zscale"), factors, strict=True)))
+
+    even = read_drawing(edited(tmp_path / "a.dxf", scale(2, 2, -2)))
+    assert (even.findings.codes, even.stones.volume[1]) == ((), pytest.approx(8 * WEDGE_VOLUME, rel=1e-12))
+    uneven = read_drawing(edited(tmp_path / "b.dxf", scale(1, 2, -3)))
+    assert (uneven.findings.codes, uneven.stones.volume[1]) == (("W09",), pytest.approx(6 * WEDGE_VOLUME, rel=1e-12))
+
+
+def test_a_flattened_insert_is_an_error(tmp_path: Path) -> None:
+    path = edited(tmp_path / "a.dxf", lambda doc: wedge_insert(doc).dxf.update({"zscale": 0.5}))
+    text = path.read_text(encoding="utf-8")
+    assert text.count("\n 43\n0.5\n") == 1
+    path.write_text(text.replace("\n 43\n0.5\n", "\n 43\n0.0\n"), encoding="utf-8")
+    with pytest.raises(DrawingError, match=r"E10 a\.dxf: INSERT #\w+: the insert has the scale 0"):
+        read_drawing(path)
+
+
+def definition(doc: Any) -> Any:
+    return doc.blocks.get(wedge_insert(doc).dxf.name)
+
+
+def faces_as_points(doc: Any) -> None:
+    """CP-INTERFACE in place of CP-SOLID: the corners of each face as tagged points."""
+    block = definition(doc)
+    mesh = block.query("MESH").first
+    corners, faces = np.array(mesh.vertices.values).reshape(-1, 3), [tuple(f) for f in mesh.faces]
+    block.delete_entity(mesh)
+    for number, face in enumerate(faces):
+        for corner, node in enumerate(face):
+            point = block.add_point(corners[node].tolist(), dxfattribs={"layer": "CP-INTERFACE"})
+            point.set_xdata("CHURCHPIPE", [(1000, f"F{number}.{corner}")])
+
+
+def tags_as_attributes(doc: Any) -> None:
+    """Position tags as attribute definitions that lie on their points."""
+    block = definition(doc)
+    for point in block.query("POINT"):
+        tag = point.get_xdata("CHURCHPIPE")[0].value
+        point.discard_xdata("CHURCHPIPE")
+        block.add_attdef(tag, point.dxf.location, "")
+
+
+def polyface_body(doc: Any) -> None:
+    block = definition(doc)
+    mesh = block.query("MESH").first
+    builder = MeshBuilder.from_mesh(mesh)
+    block.delete_entity(mesh)
+    builder.render_polyface(block, dxfattribs={"layer": "CP-SOLID"})
+
+
+@pytest.mark.parametrize("change", [faces_as_points, tags_as_attributes, polyface_body])
+def test_other_ways_to_draw_a_definition(change, tmp_path: Path) -> None:
+    drawing = read_drawing(edited(tmp_path / "a.dxf", change))
+    assert drawing.findings.codes == ()
+    np.testing.assert_allclose(stone(drawing, "wedge"), WEDGE, atol=1e-12)
+    assert drawing.stones.volume[1] == pytest.approx(WEDGE_VOLUME, rel=1e-9)
+
+
+def bare_drawing(path: Path, draw) -> Path:
+    document = ezdxf.new("R2010")
+    document.header["$INSUNITS"] = 6
+    ground = [(-1, -1, 0), (2, -1, 0), (2, 1, 0), (-1, 1, 0)]
+    document.layers.add("CP-SUPPORT")
+    document.modelspace().add_3dface(ground, dxfattribs={"layer": "CP-SUPPORT"})
+    draw(document.modelspace())
+    document.saveas(path)
+    return path
+
+
+def test_exploded_stones_that_touch_stay_apart_and_turn_outward(tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        for left in (0.0, 0.4):
+            corners, faces = box((left, 0, 0), (0.4, 0.2, 0.2))
+            for number, face in enumerate(faces):
+                # Every other face is drawn clockwise, as happens in exploded drawings.
+                space.add_3dface([tuple(corners[node]) for node in (face if number % 2 else face[::-1])])
+
+    drawing = read_drawing(bare_drawing(tmp_path / "a.dxf", draw))
+    free = ~drawing.stones.fixed
+    np.testing.assert_allclose(drawing.stones.volume[free], [0.016, 0.016], rtol=1e-12)
+    np.testing.assert_allclose(drawing.stones.centroid[free], [(0.2, 0.1, 0.1), (0.6, 0.1, 0.1)], atol=1e-12)
+
+
+def test_planar_acis_solid(tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        builder = MeshBuilder()
+        corners, faces = box((0, 0, 0), (0.5, 0.4, 0.3))
+        builder.add_mesh(vertices=[ezdxf.math.Vec3(c) for c in corners], faces=[list(f) for f in faces])
+        acis.export_dxf(space.add_3dsolid(), [acis.body_from_mesh(builder)])
+
+    drawing = read_drawing(bare_drawing(tmp_path / "a.dxf", draw))
+    assert set(drawing.findings.codes) == {"W19", "W22"}
+    assert drawing.stones.volume[~drawing.stones.fixed] == pytest.approx(0.06, rel=1e-9)
+
+
+def test_a_patch_of_ground_is_a_plate_below_it_however_it_was_drawn(tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        with space.add_mesh().edit_data() as mesh:
+            corners, faces = box((0, 0, 0), (0.4, 0.2, 0.2))
+            mesh.vertices, mesh.faces = corners.tolist(), [list(f) for f in faces]
+        down = [(3, -1, 0.5), (3, 1, 0.5), (5, 1, 0.5), (5, -1, 0.5)]
+        space.add_3dface(down, dxfattribs={"layer": "CP-SUPPORT"})
+
+    stones = read_drawing(bare_drawing(tmp_path / "a.dxf", draw)).stones
+    tops = [
+        stones.points[stones.block_point_ptr[i] : stones.block_point_ptr[i + 1], 2].max() for i in np.flatnonzero(stones.fixed)
+    ]
+    assert tops == [0.0, 0.5]
+    assert (stones.volume[stones.fixed] > 0).all()
+
+
+def test_hidden_stones_are_left_out_and_counted(tmp_path: Path) -> None:
+    def hide(doc: Any) -> None:
+        for layer, copies in (("OFF", 2), ("FROZEN", 3)):
+            doc.layers.add(layer)
+            for _ in range(copies):
+                doc.modelspace().add_blockref(wedge_insert(doc).dxf.name, (9, 9, 9), dxfattribs={"layer": layer})
+        doc.layers.get("OFF").off()
+        doc.layers.get("FROZEN").freeze()
+
+    drawing = read_drawing(edited(tmp_path / "a.dxf", hide))
+    assert drawing.stones.count == 2
+    assert "left out: 5 hidden" in str(drawing.findings)
+
+
+def test_faces_of_a_plain_box_are_found_whatever_their_order(tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        corners, _ = box((0, 0, 0), (0.4, 0.2, 0.2))
+        with space.add_mesh().edit_data() as mesh:
+            mesh.vertices, mesh.faces = corners.tolist(), [list(f)[::-1] for f in reversed(BOX_FACES)]
+
+    drawing = read_drawing(bare_drawing(tmp_path / "a.dxf", draw), unit_weight=18e3)
+    assert drawing.unweighted == ()
+    assert drawing.stones.volume[~drawing.stones.fixed] == pytest.approx(0.016, rel=1e-12)

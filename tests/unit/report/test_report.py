@@ -1,0 +1,509 @@
+"""report.html: what it says, that it says it offline, and that the viewer gets the right arrays."""
+
+import base64
+import json
+import re
+import sys
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from matplotlib.image import imread
+
+from churchpipe.mechanism import moving_stones, reference_speed, stone_of_point, stone_speed
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.polyhedra import face_normals
+from churchpipe.model.results import Iteration, LimitState
+from churchpipe.report import write_report
+from churchpipe.report.figures import mechanism_picture
+from churchpipe.report.motion import camera_position, displaced_points, ground_plate, natural_amplitude, push_direction, viewpoint
+from churchpipe.report.plots import convergence_svg
+from churchpipe.report.surface import edges, triangles
+from churchpipe.report.table import figure, small
+from churchpipe.stones.contacts import find_contacts
+from solids import box, on_ground, prism
+
+VERSIONS = {"churchpipe": "0.1.0", "clarabel": "0.11.1"}
+NAN, INF = float("nan"), float("inf")
+
+
+def tower() -> Assemblage:
+    """Three cubes of 1 m, one on the other, far from the origin."""
+    cubes = [box((1e5, 1e5 + 1), (0, 1), (i, i + 1)) for i in range(3)]
+    return Assemblage.from_polyhedra(
+        [box((0, 2e5), (-1e5, 1e5), (-1, 0)), *cubes],
+        18e3,
+        fixed=[0],
+        panel=["ground", "shaft", "shaft", "<belfry>"],
+        course=[-1, 0, 1, 2],
+        block_id=["G", "A", "B", "</script><b>C"],
+    )
+
+
+def rocking(stones: Assemblage) -> np.ndarray:
+    """The two upper cubes of `tower` turn together about the lower edge of the second, towards +x, at 0.1 rad/s."""
+    u = np.zeros((4, 6))
+    spin = np.array([0.0, 0.1, 0.0])
+    u[2:, :3] = np.cross(spin, stones.centroid[2:] - [1e5 + 1, 0, 1])
+    u[2:, 3:] = spin
+    return u
+
+
+def state_of(stones: Assemblage, **changes: object) -> LimitState:
+    base = LimitState(0.25, "optimal", 0.2499999, 0.2500001, np.zeros((0, 3)), rocking(stones), 2e-10, 3e-11, 17, 1.25)
+    return replace(base, **changes)
+
+
+def record_of(state: LimitState, load: str = "+x", friction: float = 0.7, **more: object) -> dict:
+    keys = ("flow", "load_factor", "lower_bound", "upper_bound", "status", "iterations", "seconds")
+    return {"model": "rigid-block", "load": load, "friction": friction, **{key: getattr(state, key) for key in keys}, **more}
+
+
+def report(folder: Path, results: list[tuple[dict, LimitState]], **summary: object) -> str:
+    stones = tower()
+    contacts = find_contacts(stones)
+    content = {"case": "tower & co", "blocks": 3, "interfaces": 3, "contact_points": 12, "weight_kN": 54.0, **summary}
+    with pytest.MonkeyPatch.context() as patch:
+        # Each drawing process costs seconds; test_pictures_are_inlined_and_kept starts a real one.
+        patch.setattr("churchpipe.report.html.mechanism_pictures", lambda jobs: "" if jobs else "nothing to draw")
+        write_report(
+            folder / "report.html",
+            summary={"analyses": [record for record, _ in results], **content},
+            stones=stones,
+            contacts=contacts,
+            results=results,
+            case_text='name = "<tower>"',
+            versions=VERSIONS,
+        )
+    return (folder / "report.html").read_text(encoding="utf-8")
+
+
+class Page(HTMLParser):
+    """The tables' cells, the visible text, the addresses and the scripts of a page."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.rows: list[list[str]] = []
+        self.addresses: list[str] = []
+        self.scripts: dict[str, str] = {}
+        self.text = ""
+        self._open: list[str] = []
+        self._script = ""
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        given = dict(attrs)
+        self.addresses += [
+            value or "" for key, value in attrs if key in ("src", "href", "xlink:href", "action", "data", "poster", "srcset")
+        ]
+        if tag in ("tr", "td", "th", "script", "style"):
+            self._open.append(tag)
+        if tag == "tr":
+            self.rows.append([])
+        if tag in ("td", "th"):
+            self.rows[-1].append("")
+        if tag == "script":
+            self._script = given.get("type") or ""
+            self.scripts[self._script] = ""
+
+    def handle_endtag(self, tag: str) -> None:
+        if self._open and self._open[-1] == tag:
+            self._open.pop()
+
+    def handle_data(self, data: str) -> None:
+        inside = self._open[-1] if self._open else ""
+        if inside == "script":
+            self.scripts[self._script] += data
+        elif inside != "style":
+            self.text += data
+        if inside in ("td", "th"):
+            self.rows[-1][-1] += data.strip()
+
+    @property
+    def table(self) -> list[dict[str, str]]:
+        return [dict(zip(self.rows[0], row, strict=True)) for row in self.rows[1:]]
+
+
+@pytest.fixture(scope="module")
+def page_text(tmp_path_factory: pytest.TempPathFactory) -> str:
+    stones = tower()
+    first = state_of(stones)
+    steps = (Iteration(0.24, 0.1), Iteration(0.21, 0.01), Iteration(0.2, 0.0, 2e-6))
+    second = state_of(
+        stones, flow="non-associative", load_factor=0.2, lower_bound=NAN, upper_bound=NAN, status="converged", history=steps,
+        gap=4e-7, interval=(0.19, 0.21), friction_violation=3e-9, fixed_points=(0.205, 0.2),
+    )  # fmt: skip
+    fall = np.zeros((4, 6))
+    fall[3, 2] = -1.0
+    third = state_of(stones, load_factor=NAN, lower_bound=NAN, upper_bound=NAN, status="unstable", velocities=fall)
+    fourth = state_of(stones, load_factor=INF, lower_bound=INF, upper_bound=INF, status="unbounded", velocities=np.zeros((4, 6)))
+    results = [
+        (record_of(first), first),
+        (record_of(second), second),
+        (record_of(third, friction=0.1), third),
+        # summary.json has no infinity: the state knows better.
+        (record_of(fourth, load="up") | {"load_factor": None, "lower_bound": None, "upper_bound": None}, fourth),
+    ]
+    return report(tmp_path_factory.mktemp("report"), results)
+
+
+@pytest.fixture(scope="module")
+def page(page_text: str) -> Page:
+    return Page(page_text)
+
+
+def test_nothing_is_fetched(page: Page, page_text: str) -> None:
+    assert page.addresses
+    assert [a[:40] for a in page.addresses if not a.startswith(("data:", "#"))] == []
+    imports = json.loads(page.scripts["importmap"])["imports"]
+    assert set(imports) == {"three", "three/addons/controls/OrbitControls.js", "churchpipe/shell.js"}
+    assert all(address.startswith("data:text/javascript;base64,") for address in imports.values())
+    style = re.search(r"<style>(.*?)</style>", page_text, re.DOTALL)
+    assert style
+    assert not re.search(r"url\(|@import", style[1])
+    # Names of XML vocabularies are the only addresses in the page; they are never requested.
+    own = re.sub(r"data:[^\"]*", "", page_text)
+    assert set(re.findall(r"https?://[^\"'\s<>]+", own)) <= {"http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"}
+
+
+def test_every_module_that_a_script_imports_is_inlined(page: Page) -> None:
+    imports = json.loads(page.scripts["importmap"])["imports"]
+    sources = [page.scripts["module"], *(base64.b64decode(a.split(",", 1)[1]).decode() for a in imports.values())]
+    wanted = {name for source in sources for name in re.findall(r"""(?:^|\n)[^\n/]*?\bfrom\s*["']([^"']+)["']""", source)}
+    assert wanted == set(imports)
+
+
+def test_table_holds_the_numbers_of_the_summary(page: Page) -> None:
+    first = page.table[0]
+    assert first["Analysis"] == "associative"
+    assert first["Load"] == "+x"
+    assert (first["Friction"], first["Load factor"]) == ("0.7", "0.250000")
+    assert (first["Lower bound"], first["Upper bound"]) == ("0.2499999", "0.2500001")
+    assert (first["Status"], first["Iterations"], first["Seconds"]) == ("optimal", "17", "1.2")
+    assert (first["Equilibrium"], first["Strength"]) == ("2.0e\u221210", "3.0e\u221211")
+    second = page.table[1]
+    assert (second["Gap g"], second["Friction violation"]) == ("2.0e\u221206", "3.0e\u221209")
+
+
+def test_missing_and_infinite_numbers_are_words(page: Page) -> None:
+    second, unstable, unbounded = page.table[1:]
+    assert second["Lower bound"] == second["Upper bound"] == "none"
+    assert unstable["Load factor"] == "none"
+    assert unbounded["Load factor"] == "no limit"
+    assert not re.search(r"\b(nan|inf|null|undefined)\b", page.text, re.IGNORECASE)
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(NAN, "none"), (None, "none"), (INF, "no limit"), (0.2065393, "0.206539"), (-0.5, "\u22120.500000"), (0.0, "0.000000")],
+)
+def test_figure(value: float | None, text: str) -> None:
+    assert figure(value) == text
+
+
+@pytest.mark.parametrize(("value", "text"), [(NAN, "none"), (INF, "infinite"), (0.0, "0"), (3.14e-10, "3.1e\u221210")])
+def test_small(value: float, text: str) -> None:
+    assert small(value) == text
+
+
+def test_unusual_ends_are_explained(page: Page) -> None:
+    assert "1 stone moves, fastest first: </script><b>C." in page.text
+    assert "does not stand under its own weight" in page.text
+    assert "No lateral load of this kind brings the structure down" in page.text
+
+
+def test_non_associative_result_is_explained(page: Page) -> None:
+    assert "Load factors compatible with this mechanism: 0.1900 to 0.2100." in page.text
+    assert "The starts led to 0.2000, 0.2050; the lowest is the safe one." in page.text
+    assert "friction violation" in page.text
+
+
+def test_not_converged_gives_the_range_of_the_last_steps(tmp_path: Path) -> None:
+    history = tuple(Iteration(value, 1e-2) for value in [0.5] + [0.21, 0.24] * 5)
+    state = state_of(tower(), flow="non-associative", status="not-converged", load_factor=0.225, history=history)
+    page = Page(report(tmp_path, [(record_of(state), state)]))
+    assert "Over its last 10 steps the load factor ranged from 0.2100 to 0.2400." in page.text
+
+
+def test_names_are_escaped(page: Page, page_text: str) -> None:
+    assert "tower &amp; co" in page_text
+    assert 'name = "<tower>"' in page.text
+    assert "<tower>" not in page_text
+    assert "<b>C" not in page_text
+    assert json.loads(page.scripts["application/json"])["id"][3] == "</script><b>C"
+
+
+def test_viewer_data_decode_to_the_arrays(page: Page) -> None:
+    data = json.loads(page.scripts["application/json"])
+    stones = tower()
+    points = np.frombuffer(base64.b64decode(data["points"]), "<f4").reshape(-1, 3)
+    # The middle of the plan at the foot is the origin: 100 km away float32 would have lost 4 mm.
+    np.testing.assert_allclose(points[8:], stones.points[8:] - [1e5 + 0.5, 0.5, 0.0], atol=1e-6)
+    centroid = np.frombuffer(base64.b64decode(data["centroid"]), "<f4").reshape(-1, 3)
+    np.testing.assert_allclose(centroid[1:], [[0, 0, 0.5], [0, 0, 1.5], [0, 0, 2.5]], atol=1e-6)
+    velocities = np.frombuffer(base64.b64decode(data["analyses"][0]["velocities"]), "<f4").reshape(-1, 6)
+    np.testing.assert_allclose(velocities, rocking(stones), atol=1e-7)
+    assert np.frombuffer(base64.b64decode(data["point_ptr"]), "<u4").tolist() == [0, 8, 16, 24, 32]
+    triangle = np.frombuffer(base64.b64decode(data["triangles"]), "<u4").reshape(-1, 3)
+    assert len(triangle) == 3 * 12
+    assert triangle.min() == 8, "the ground plate is not drawn"
+    assert len(np.frombuffer(base64.b64decode(data["edges"]), "<u4")) == 2 * 3 * 12
+    assert [panel["name"] for panel in data["panels"] if panel["drawn"]] == ["<belfry>", "shaft"]
+    assert [data["panels"][k]["name"] for k in data["panel_of"]] == ["support", "shaft", "shaft", "<belfry>"]
+    assert data["ground"] is True
+    assert [analysis["moving"] for analysis in data["analyses"]] == [2, 2, 1, 0]
+    assert [analysis["push"] is None for analysis in data["analyses"]] == [False, False, True, True]
+
+
+def test_pictures_are_inlined_and_kept(tmp_path: Path) -> None:
+    stones = tower()
+    state = state_of(stones)
+    write_report(
+        tmp_path / "report.html",
+        summary={"case": "t", "analyses": [record_of(state, name="a1")]},
+        stones=stones,
+        contacts=find_contacts(stones),
+        results=[(record_of(state, name="a1"), state)],
+        case_text="",
+        versions={},
+        figures_dir=tmp_path / "figures",
+    )
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    kept = (tmp_path / "figures" / "a1.png").read_bytes()
+    assert f'src="data:image/png;base64,{base64.b64encode(kept).decode()}"' in text
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["figures", "report.html"]
+
+
+def test_report_without_graphics_is_still_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "executable", "/bin/false")
+    stones = tower()
+    state = state_of(stones)
+    results = [(record_of(state), state)]
+    summary = {"case": "t", "analyses": [results[0][0]]}
+    path = tmp_path / "report.html"
+    write_report(path, summary=summary, stones=stones, contacts=find_contacts(stones), results=results, case_text="", versions={})
+    page = Page(path.read_text(encoding="utf-8"))
+    assert "Pictures could not be drawn" in page.text
+    assert page.table[0]["Load factor"] == "0.250000"
+    assert "module" in page.scripts
+
+
+def test_sections_follow_the_content(tmp_path: Path) -> None:
+    state = state_of(tower())
+    shell = {
+        "model": "homogenised-shell",
+        "method": "limit",
+        "load": "+x",
+        "friction": 0.7,
+        "load_factor": 0.31,
+        "status": "optimal",
+    }
+    plain = Page(report(tmp_path, [(record_of(state), state)]))
+    assert "Sliding without dilatancy" not in plain.text
+    assert "Gap g" not in plain.rows[0]
+    assert "Model" not in plain.rows[0]
+    both = Page(report(tmp_path, [(record_of(state), state)], analyses=[record_of(state), shell], shell={"elements": 1440}))
+    assert [(row["Model"], row["Load factor"]) for row in both.table] == [
+        ("rigid blocks", "0.250000"),
+        ("shell", "0.310000"),
+    ]
+    assert "1,440" in both.text
+
+
+def test_sweep_has_its_columns_and_its_plot(tmp_path: Path) -> None:
+    stones = tower()
+    results = []
+    for friction, factor in ((0.4, 0.2), (0.6, 0.3)):
+        for bricks in (14, 16):
+            state = state_of(stones, load_factor=factor)
+            swept = {"material.default.friction": friction, "source.main_wall_bricks": bricks}
+            name = f"{friction}-{bricks}"
+            results.append((record_of(state, friction=friction, name=name, variant=swept), state))
+    text = report(tmp_path, results)
+    page = Page(text)
+    assert [row["main wall bricks"] for row in page.table] == ["14", "16", "14", "16"]
+    assert page.rows[0].count("Friction") == 1
+    assert "Load factor against friction." in page.text
+    assert len({analysis["label"] for analysis in json.loads(page.scripts["application/json"])["analyses"]}) == 4
+
+
+def test_convergence_plot_shows_what_it_has() -> None:
+    stones = tower()
+    state = state_of(stones, flow="non-associative", history=(Iteration(0.3, 0.1), Iteration(0.25, 0.0)))
+    plain = convergence_svg(state)
+    assert plain.startswith("<svg")
+    assert "interval of the mechanism" not in plain
+    assert "gap g" not in plain
+    full = convergence_svg(replace(state, interval=(0.2, 0.3), history=(*state.history, Iteration(0.25, 0.0, 1e-6))), 0.31)
+    assert all(words in full for words in ("interval of the mechanism", "associative, 0.3100", "gap g"))
+
+
+def test_picture_shows_the_mechanism(tmp_path: Path) -> None:
+    stones = tower()
+    mechanism_picture(stones, rocking(stones), tmp_path / "moved.png", push=np.array([1.0, 0, 0]), size=(300, 220))
+    mechanism_picture(stones, None, tmp_path / "still.png", size=(300, 220))
+    moved, still = imread(tmp_path / "moved.png")[..., :3], imread(tmp_path / "still.png")[..., :3]
+    assert moved.shape == (220, 300, 3)
+    red = (moved[..., 0] > 0.4) & (moved[..., 1] < 0.3) & (moved[..., 2] < 0.3)
+    assert red.mean() > 0.01, "the fastest stones are dark red"
+    assert np.abs(moved - still).mean() > 0.02
+
+
+def test_stones_that_move_as_one_body_stay_together_and_keep_their_shape() -> None:
+    stones = tower()
+    moved = displaced_points(stones, rocking(stones), 8.0)
+    body = stone_of_point(stones) >= 2
+    before, after = (np.linalg.norm(p[body][:, None] - p[body][None], axis=2) for p in (stones.points, moved))
+    np.testing.assert_allclose(after, before, atol=1e-9)
+    # 0.8 rad about the edge x = 1, z = 1: the far lower edge, 1 m away, rises by sin 0.8.
+    np.testing.assert_allclose(
+        moved[16:24][stones.points[16:24, 0] == 1e5][0], [1e5 + 1 - np.cos(0.8), 0, 1 + np.sin(0.8)], atol=1e-9
+    )
+    np.testing.assert_array_equal(moved[~body], stones.points[~body])
+
+
+@given(st.lists(st.floats(-2, 2), min_size=6, max_size=6))
+def test_displacement_starts_along_the_velocity(u: list[float]) -> None:
+    stones = on_ground(prism([(0, 0), (2, 0), (0, 1)], 0.5))
+    velocities = np.zeros((2, 6))
+    velocities[1] = u
+    step = 1e-6
+    rate = (displaced_points(stones, velocities, step) - stones.points)[8:] / step
+    expected = velocities[1, :3] + np.cross(velocities[1, 3:], stones.points[8:] - stones.centroid[1])
+    np.testing.assert_allclose(rate, expected, atol=3e-5)
+
+
+def test_speed_amplitude_and_who_moves() -> None:
+    stones = tower()
+    speed = stone_speed(stones, rocking(stones))
+    np.testing.assert_allclose(speed, [0, 0, 0.1 * np.sqrt(2), 0.1 * np.sqrt(5)])
+    assert moving_stones(speed).tolist() == [False, False, True, True]
+    assert natural_amplitude(stones, speed) * reference_speed(speed) == pytest.approx(0.08 * np.sqrt(11))
+    assert natural_amplitude(stones, np.zeros(4)) == 0.0
+    assert not moving_stones(np.zeros(4)).any()
+
+
+def test_one_loose_stone_does_not_hide_the_mechanism() -> None:
+    speed = np.concatenate([np.full(200, 1.0), [100.0]])
+    assert reference_speed(speed) == 25.0
+    assert moving_stones(speed).all()
+
+
+def test_ground_plate_is_told_from_other_supports() -> None:
+    skewback = box((-1, 0), (0, 1), (0, 1))
+    stones = Assemblage.from_polyhedra([box((-9, 9), (-9, 9), (-1, 0)), skewback, box((0, 1), (0, 1), (0, 1))], 1e4, fixed=[0, 1])
+    assert ground_plate(stones).tolist() == [True, False, False]
+
+
+def test_view_frames_every_point_and_faces_the_push() -> None:
+    stones = tower()
+    toward = viewpoint(stones, rocking(stones))
+    assert np.linalg.norm(toward) == pytest.approx(1)
+    assert toward[0] > 0
+    points = stones.points[8:]
+    position, focus = camera_position(points, toward, 24.0, 1.5)
+    depth = (position - points) @ toward
+    across = (points - position) - ((points - position) @ toward)[:, None] * toward
+    right = np.cross([0, 0, 1], toward) / np.linalg.norm(np.cross([0, 0, 1], toward))
+    slope = np.tan(np.deg2rad(12))
+    assert (np.abs(across @ right) <= 1.5 * slope * depth).all()
+    assert (np.abs(across @ np.cross(toward, right)) <= slope * depth).all()
+    np.testing.assert_allclose(np.cross(position - focus, toward), 0, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("record", "expected"),
+    [
+        ({"load": "-y"}, [0, -1, 0]),
+        ({"load": "wind", "direction": [3, 4, 0]}, [0.6, 0.8, 0]),
+        ({"load": "wind"}, None),
+        ({}, None),
+    ],
+)
+def test_push_direction(record: dict, expected: list[float] | None) -> None:
+    found = push_direction(record)
+    assert (None if found is None else found.tolist()) == expected
+
+
+def test_triangles_cover_the_faces_convex_or_not() -> None:
+    ell = prism([(0, 0), (2, 0), (2, 1), (1, 1), (1, 3), (0, 3)], 0.5)
+    stones = on_ground(ell, box((3, 4), (0, 1), (0, 1)))
+    drawn = ~ground_plate(stones)
+    corner = stones.points[triangles(stones, drawn)]
+    cross = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]) / 2
+    shown = np.repeat(drawn, np.diff(stones.block_face_ptr))
+    area, _, _ = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
+    assert np.linalg.norm(cross, axis=1).sum() == pytest.approx(np.linalg.norm(area[shown], axis=1).sum())
+    # Outward everywhere: the divergence theorem gives the volume, 4 m2 x 0.5 m + 1 m3.
+    assert np.einsum("ij,ij->", corner.mean(axis=1), cross) / 3 == pytest.approx(3.0)
+    assert len(edges(stones, drawn)) == 18 + 12
+
+
+PARTS = [
+    {"name": "<belfry>", "weight_kN": 18.0, "moving": 1.0, "displacement": 1.0, "motion": 0.75},
+    {"name": "shaft", "weight_kN": 36.0, "moving": 0.5, "displacement": -0.25, "motion": 0.25},
+    {"name": "crypt", "weight_kN": 9.0, "moving": 0.0, "displacement": 0.0, "motion": 0.0},
+]
+CHECK = {
+    "alpha0": 0.25,
+    "moving_weight_kN": 36.0,
+    "participating_mass_t": 3.304,
+    "mass_fraction": 0.9,
+    "confidence_factor": 1.35,
+    "a0_m_s2": 2.0178,
+    "a0_lumped_m_s2": 1.816,
+    "moving_stones": 2,
+}
+SITED = {
+    "a_g_m_s2": 1.5,
+    "soil_factor": 1.2,
+    "q": 2.0,
+    "demand_m_s2": 0.9,
+    "a_g_slv_m_s2": 3.363,
+    "zeta_e": 2.242,
+    "satisfied": True,
+}
+
+
+def test_macro_elements_are_listed(tmp_path: Path) -> None:
+    state = state_of(tower())
+    page = Page(report(tmp_path, [(record_of(state, parts=PARTS), state)]))
+    assert ["<belfry>", "18.0", "100 %", "1.00", "75.0 %"] in page.rows
+    assert ["shaft", "36.0", "50 %", "\u22120.25", "25.0 %"] in page.rows
+    assert "At rest: crypt." in page.text
+    assert "crypt" not in {row[0] for row in page.rows if row}
+
+
+def test_the_check_without_a_site_compares_nothing(tmp_path: Path) -> None:
+    state = state_of(tower())
+    page = Page(report(tmp_path, [(record_of(state, check=CHECK), state)]))
+    [cells] = [row for row in page.rows if "3.3" in row]
+    assert cells[1:] == ["0.2500", "36", "2", "3.3", "0.900", "1.35", "2.018", "1.816"]
+    assert "The case does not say what the earthquake asks" in page.text
+    assert "Crushing of the masonry is not modelled; the circular then asks" in page.text
+
+
+@pytest.mark.parametrize(
+    ("changes", "word"),
+    [({}, "satisfied"), ({"satisfied": False}, "not satisfied"), ({"a0_lumped_m_s2": 0.8}, "not with e* = 1")],
+)
+def test_the_check_with_a_site_has_a_verdict(tmp_path: Path, changes: dict, word: str) -> None:
+    state = state_of(tower())
+    check = CHECK | SITED | changes
+    other = {"message": "check: the load is not horizontal."}
+    page = Page(report(tmp_path, [(record_of(state, check=check), state), (record_of(state, "up", check=other), state)]))
+    [cells] = [row for row in page.rows if "3.3" in row]
+    assert cells[9:] == ["1.500", "1.20", "2.0", "0.900", "3.363", "2.24", word]
+    assert "a_Z / q" not in page.text
+    assert "no check. check: the load is not horizontal." in page.text
+
+
+def test_without_check_and_parts_there_are_no_such_sections(tmp_path: Path) -> None:
+    state = state_of(tower())
+    page = Page(report(tmp_path, [(record_of(state), state)]))
+    assert "What moves" not in page.text
+    assert "Safety check" not in page.text

@@ -1,0 +1,61 @@
+"""Stones that float, lie twice in one place or overlap are found and named."""
+
+import numpy as np
+import pytest
+
+from churchpipe.errors import InputError
+from churchpipe.stones.contacts import find_contacts
+from churchpipe.stones.soundness import (
+    check_soundness,
+    duplicate_stones,
+    floating_stones,
+    overlapping_stones,
+    unsupported_stones,
+)
+from solids import box, moved, on_ground, prism
+
+CUBE = box((0, 1), (0, 1), (0, 1))
+
+
+def test_a_sound_pile_passes() -> None:
+    stones = on_ground(CUBE, box((0.2, 1.2), (0, 1), (1, 2)))
+    check_soundness(stones, find_contacts(stones))
+
+
+def test_floating_stones_are_named_with_their_place() -> None:
+    stones = on_ground(CUBE, box((0, 1), (0, 1), (5, 6)), box((0, 1), (0, 1), (6, 7)))
+    contacts = find_contacts(stones)
+    assert floating_stones(stones, contacts).tolist() == [2, 3]
+    with pytest.raises(InputError, match=r"B2 at \[0.5, 0.5, 5.5\] m, B3"):
+        check_soundness(stones, contacts)
+
+
+def test_a_stone_that_only_leans_on_its_neighbour_is_unsupported() -> None:
+    # B2 hangs on the side of B1, B3 stands on B2.
+    stones = on_ground(CUBE, box((1, 2), (0, 1), (0.5, 1.5)), box((1, 2), (0, 1), (1.5, 2.5)))
+    contacts = find_contacts(stones)
+    assert not len(floating_stones(stones, contacts))
+    assert unsupported_stones(stones, contacts).tolist() == [2]
+
+
+def test_duplicates_are_not_called_overlaps_too() -> None:
+    stones = on_ground(CUBE, CUBE)
+    assert duplicate_stones(stones).tolist() == [[1, 2]]
+    with pytest.raises(InputError, match=r"1 drawn twice \(B1 and B2\)") as error:
+        check_soundness(stones, find_contacts(stones))
+    assert "overlap" not in str(error.value)
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.3])
+def test_overlap_of_solids(turn: float) -> None:
+    stones = on_ground(CUBE, box((0.9, 1.9), (0, 1), (0, 1)), box((1.9, 2.9), (0, 1), (0, 1)))
+    rotation = np.array([[np.cos(turn), -np.sin(turn), 0], [np.sin(turn), np.cos(turn), 0], [0, 0, 1]])
+    assert overlapping_stones(moved(stones, rotation, np.zeros(3))).tolist() == [[1, 2]]
+
+
+def test_a_stone_in_the_notch_of_another_does_not_overlap() -> None:
+    # The bounding boxes overlap and no face separates them: only the boolean tells.
+    notch = prism([(0, 0), (2, 0), (2, 1), (1.5, 1), (1.5, 0.5), (0.5, 0.5), (0.5, 1), (0, 1)], 1.0)
+    fitting, too_big = box((0.5, 1.5), (0, 1), (0.5, 1.5)), box((0.4, 1.6), (0, 1), (0.5, 1.5))
+    assert overlapping_stones(on_ground(notch, fitting)).tolist() == []
+    assert overlapping_stones(on_ground(notch, too_big)).tolist() == [[1, 2]]
