@@ -13,8 +13,8 @@ import numpy as np
 
 from churchpipe.config.shell_table import shell_table
 from churchpipe.dxf import reader
-from churchpipe.dxf.findings import Findings
 from churchpipe.errors import UsageError
+from churchpipe.findings import Findings
 from churchpipe.io.atomic import write_text
 from churchpipe.model.loads import LoadCase, direction_name
 from churchpipe.model.materials import Elastic, Material

@@ -10,10 +10,10 @@ from churchpipe import cli, engine
 from churchpipe.config import Drawing, read_case, read_variants
 from churchpipe.config.asrun import claim, other_case
 from churchpipe.config.plan import plan
-from churchpipe.dxf.findings import DrawingError
 from churchpipe.dxf.reader import read_dxf
 from churchpipe.dxf.writer import write_dxf
 from churchpipe.errors import InputError, UsageError
+from churchpipe.findings import FindingsError
 from churchpipe.importing import import_drawing
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
@@ -149,7 +149,7 @@ def test_a_byte_order_mark_in_a_drawing_is_named(mark: bytes, tmp_path: Path) ->
     path = tmp_path / "a.dxf"
     write_dxf(STONES, path)
     path.write_bytes(mark + path.read_bytes())
-    with pytest.raises(DrawingError, match="byte order mark"):
+    with pytest.raises(FindingsError, match="byte order mark"):
         read_dxf(path)
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from churchpipe.dxf import schema
-from churchpipe.dxf.findings import Finding, Place
+from churchpipe.findings import Finding, Place
 from churchpipe.model.arrays import FloatArray
 
 NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?")

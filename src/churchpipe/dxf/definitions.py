@@ -23,7 +23,7 @@ from churchpipe.dxf.bodies import (
     is_solid,
     make_body,
 )
-from churchpipe.dxf.findings import Finding, Place
+from churchpipe.findings import Finding, Place
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 

@@ -3,8 +3,8 @@
 import numpy as np
 
 from churchpipe.dxf.attributes import body_volume
-from churchpipe.dxf.findings import Finding
 from churchpipe.dxf.stones import Stone
+from churchpipe.findings import Finding
 from churchpipe.model.arrays import FloatArray
 
 # Stones whose boxes, corner means and volumes agree to this part of the median stone are one stone drawn twice.

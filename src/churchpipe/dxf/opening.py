@@ -9,7 +9,7 @@ from typing import Any
 
 from ezdxf import filemanagement
 
-from churchpipe.dxf.findings import Finding
+from churchpipe.findings import Finding
 
 # Without a handler of its own ezdxf's log would land on the user's screen; what matters in it becomes a finding.
 logging.getLogger("ezdxf").addHandler(logging.NullHandler())

@@ -5,9 +5,9 @@ import math
 from collections.abc import Sequence
 from typing import Any, Final
 
-from churchpipe.dxf.findings import Finding
 from churchpipe.dxf.schema import LOAD_PROPERTY, MATERIAL_PROPERTY, check_text
 from churchpipe.errors import InputError
+from churchpipe.findings import Finding
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Elastic, Material
 

@@ -9,12 +9,12 @@ import numpy as np
 
 from churchpipe.dxf import schema
 from churchpipe.dxf.duplicates import distinct_stones
-from churchpipe.dxf.findings import DrawingError, Finding, Findings
 from churchpipe.dxf.opening import open_document
 from churchpipe.dxf.properties import decode_properties
 from churchpipe.dxf.stones import Stone, survey
 from churchpipe.dxf.units import find_unit
 from churchpipe.errors import InputError
+from churchpipe.findings import Finding, Findings, FindingsError
 from churchpipe.model.arguments import check_kind, finite, path_of
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
@@ -74,7 +74,7 @@ def read_drawing(
 
     Raises
     ------
-    DrawingError: the drawing has errors; its `findings` list all of them, warnings included.
+    FindingsError: the drawing has errors; its `findings` list all of them, warnings included.
     InputError: an argument is no unit, no support or no unit weight.
     """
     if units is not None:
@@ -87,7 +87,7 @@ def read_drawing(
     findings: list[Finding] = []
     document = open_document(path, findings)
     if document is None:
-        raise DrawingError(Findings(path.name, tuple(findings)))
+        raise FindingsError(Findings(path.name, tuple(findings)))
     findings += _check_version(document)
     materials, loads, wrong = decode_properties(list(document.header.custom_vars))
     findings += wrong
@@ -102,10 +102,10 @@ def read_drawing(
     stones = _named(stones, findings)
     unit = find_unit(document, stones, units, findings)
     weights, unweighted = _unit_weights(stones, materials, weights_given, findings)
-    findings = [_in_metres(finding, unit) for finding in findings]
+    findings = [finding.in_metres(schema.metres(unit)) for finding in findings] if unit else findings
     collected = Findings(path.name, tuple(findings))
     if collected.errors or unit is None:
-        raise DrawingError(collected)
+        raise FindingsError(collected)
     return Drawing(_assemble(stones, unit, weights, collected), materials, loads, collected, unit, unweighted)
 
 
@@ -189,13 +189,6 @@ def _unit_weights(
     return np.array([table.get(stone.material, fallback[stone.fixed]) for stone in stones]), unweighted
 
 
-def _in_metres(finding: Finding, unit: str | None) -> Finding:
-    if unit is None or finding.position is None:
-        return finding
-    x, y, z = (value * schema.metres(unit) for value in finding.position)
-    return replace(finding, position=(x, y, z), unit="m")
-
-
 def _assemble(stones: Sequence[Stone], unit: str, weights: FloatArray, findings: Findings) -> Assemblage:
     factor = schema.metres(unit)
     try:
@@ -210,4 +203,4 @@ def _assemble(stones: Sequence[Stone], unit: str, weights: FloatArray, findings:
         )
     except InputError as error:
         # Stretching an insert can warp a face that was just flat enough in its definition.
-        raise DrawingError(replace(findings, items=(*findings.items, Finding("E10", str(error).rstrip("."))))) from error
+        raise FindingsError(replace(findings, items=(*findings.items, Finding("E10", str(error).rstrip("."))))) from error

@@ -11,7 +11,7 @@ from churchpipe.dxf import schema
 from churchpipe.dxf.attributes import body_volume, read_labels
 from churchpipe.dxf.bodies import BAD_ENTITY, NOT_SANE, Faces, ground_plate, is_sane
 from churchpipe.dxf.definitions import Definition, Matrix, read_content, read_definition, transformed
-from churchpipe.dxf.findings import Finding, Place
+from churchpipe.findings import Finding, Place
 from churchpipe.model.arrays import FloatArray
 
 IDENTITY: Matrix = (np.eye(3), np.zeros(3))

@@ -6,8 +6,8 @@ import numpy as np
 
 from churchpipe.dxf import schema
 from churchpipe.dxf.attributes import body_volume
-from churchpipe.dxf.findings import Finding
 from churchpipe.dxf.stones import Stone
+from churchpipe.findings import Finding
 
 
 def find_unit(document: Any, stones: list[Stone], units: str | None, findings: list[Finding]) -> str | None:

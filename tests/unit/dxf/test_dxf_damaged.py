@@ -8,9 +8,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from churchpipe.dxf.findings import CODES, DrawingError, Findings
 from churchpipe.dxf.reader import read_drawing
 from churchpipe.errors import InputError
+from churchpipe.findings import CODES, Findings, FindingsError
 
 SAMPLES = Path(__file__).parents[3] / "cad_samples"
 DAMAGED = SAMPLES / "damaged"
@@ -58,7 +58,7 @@ EXPECTED = {
 def findings_of(path: Path, **options) -> Findings:
     try:
         return read_drawing(path, **options).findings
-    except DrawingError as error:
+    except FindingsError as error:
         return error.findings
 
 
@@ -93,10 +93,10 @@ def test_a_finding_reads_as_one_line_with_place_and_remedy() -> None:
 
 
 def test_all_errors_are_shown_together() -> None:
-    with pytest.raises(DrawingError) as caught:
+    with pytest.raises(FindingsError) as caught:
         read_drawing(DAMAGED / "many_errors.dxf")
     lines = str(caught.value).splitlines()
-    assert lines[0] == "many_errors.dxf: 5 errors in the drawing."
+    assert lines[0] == "many_errors.dxf: 5 errors in the file."
     assert [line.split()[0] for line in lines[1:]] == ["dxf/E04", "dxf/E06", "dxf/E07", "dxf/E07", "dxf/E12"]
 
 
@@ -148,7 +148,7 @@ def test_a_truncated_drawing_never_becomes_stones(part: float, tmp_path) -> None
     data = (SAMPLES / "sound.dxf").read_bytes()
     cut = tmp_path / "cut.dxf"
     cut.write_bytes(data[: int(part * len(data))])
-    with pytest.raises(DrawingError) as caught:
+    with pytest.raises(FindingsError) as caught:
         read_drawing(cut)
     assert caught.value.findings.codes[0] in ("E01", "E03")
 

@@ -9,8 +9,8 @@ import pytest
 from ezdxf.acis import api as acis
 from ezdxf.render import MeshBuilder
 
-from churchpipe.dxf.findings import DrawingError
 from churchpipe.dxf.reader import Drawing, read_drawing
+from churchpipe.findings import FindingsError
 from dxf_models import BOX_FACES, box, edited
 
 # The wedge over (0, 0), (0.6, 0), (0, 0.3), 0.2 m high, drawn from its first vertex.
@@ -98,7 +98,7 @@ def test_a_flattened_insert_is_an_error(tmp_path: Path) -> None:
     text = path.read_text(encoding="utf-8")
     assert text.count("\n 43\n0.5\n") == 1
     path.write_text(text.replace("\n 43\n0.5\n", "\n 43\n0.0\n"), encoding="utf-8")
-    with pytest.raises(DrawingError, match=r"E10 a\.dxf: INSERT #\w+: the insert has the scale 0"):
+    with pytest.raises(FindingsError, match=r"E10 a\.dxf: INSERT #\w+: the insert has the scale 0"):
         read_drawing(path)
 
 

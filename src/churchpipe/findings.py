@@ -1,0 +1,197 @@
+"""What is wrong or worth knowing in a file of stones: collected, never one at a time."""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+from churchpipe.errors import InputError
+
+# E stops the import, W does not; the same number is the same subject.
+CODES: Final = {
+    "E01": "the file cannot be read in its format",
+    "E02": "the file is a DWG",
+    "E03": "the file is truncated or damaged, or entities were lost on reading",
+    "E04": "no units, or units that are no length",
+    "W04": "the units passed override the drawing's",
+    "E05": "the units contradict the size of the stones",
+    "W05": "the size of the stones is unusual, the units were passed",
+    "E06": "insert of an undefined block",
+    "E07": "an attribute that cannot be understood",
+    "W07": "an attribute that could not be understood was recomputed (--repair)",
+    "E08": "a block that contains itself, or blocks nested too deep",
+    "E09": "an insert that skews its stone",
+    "W09": "an insert that stretches its stone",
+    "E10": "a body that is missing or open",
+    "W10": "warped faces, taken as triangles",
+    "E11": "a stone drawn twice",
+    "W11": "a stone drawn twice was dropped (--repair)",
+    "E12": "no support",
+    "W12": "a support was put under the lowest faces (support = base)",
+    "W13": "an attribute is missing",
+    "W14": "an attribute or tag contradicts the geometry, which is used",
+    "W15": "an ID that is not unique was changed",
+    "E16": "a stored material or load that cannot be understood",
+    "E17": "no stones",
+    "W18": "entities left out",
+    "W19": "no unit weight",
+    "E20": "a newer version of the schema",
+    "E21": "a solid in a form that is not read",
+    "W22": "stones without name and material",
+    "E23": "more inserts than can be followed",
+}
+
+# Places named after the first of a kind.
+MORE_PLACES: Final = 3
+PLACE_FIELDS: Final = ("entity", "handle", "block", "position", "unit")
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One finding: code of `CODES`, what was found and expected, the remedy, and where in the file it is.
+
+    entity: what it is in the file ("INSERT", "group"); handle, block: its handle and the name of its definition;
+    position: (x, y, z) in `unit`, None for the file. `found` holds `{}` for each of `lengths`, which are in `unit` too.
+    """
+
+    code: str
+    found: str
+    expected: str = ""
+    remedy: str = ""
+    entity: str = ""
+    handle: str = ""
+    block: str = ""
+    position: tuple[float, float, float] | None = None
+    unit: str = "drawing units"
+    lengths: tuple[float, ...] = ()
+
+    @property
+    def severity(self) -> str:
+        """ "error" or "warning"."""
+        return "error" if self.code.startswith("E") else "warning"
+
+    @property
+    def place(self) -> str:
+        """Where it is: type, handle, name of the definition, position; "" for the file."""
+        place = self.entity
+        place += f" #{self.handle}" if self.handle else ""
+        place += f' "{self.block}"' if self.block else ""
+        if self.position is not None:
+            place += f" at ({', '.join(map(_coordinate, self.position))}) {self.unit}"
+        return place.strip()
+
+    @property
+    def what(self) -> str:
+        """What was found, its lengths filled in."""
+        return self.found.format(*(f"{length:.3g} {self.unit}" for length in self.lengths)) if self.lengths else self.found
+
+    @property
+    def kind(self) -> tuple[str, ...]:
+        """What findings have in common that differ in names, numbers and places alone."""
+        return tuple(re.sub(r'"[^"]*"|\S*\d\S*', "#", text) for text in (self.code, self.found, self.expected, self.remedy))
+
+    def in_metres(self, unit: float) -> "Finding":
+        """Return the finding with its position and lengths in m; unit: the length of a drawing unit, m."""
+        if self.unit == "m":
+            return self
+        x, y, z = (value * unit for value in self.position or (0.0, 0.0, 0.0))
+        lengths = tuple(value * unit for value in self.lengths)
+        return replace(self, position=(x, y, z) if self.position else None, lengths=lengths, unit="m")
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where something is in a file: type, handle, name of the definition, position in drawing units."""
+
+    entity: str
+    handle: str
+    block: str = ""
+    position: tuple[float, float, float] | None = None
+
+    def finding(self, code: str, found: str, *, expected: str = "", remedy: str = "", lengths: tuple[float, ...] = ()) -> Finding:
+        """Return a finding at this place."""
+        return Finding(code, found, expected, remedy, self.entity, self.handle, self.block, self.position, lengths=lengths)
+
+
+@dataclass(frozen=True, slots=True)
+class Findings:
+    """All findings of one file, in the order they were met. `str()` is the list to show, one line a kind.
+
+    file: its name; reader: what read it ("dxf", "obj"), the first word of each line.
+    """
+
+    file: str
+    items: tuple[Finding, ...] = ()
+    reader: str = "dxf"
+
+    def __iter__(self) -> Iterator[Finding]:
+        return iter(self.items)
+
+    def __len__(self) -> int:
+        return len(self.items)
+
+    @property
+    def errors(self) -> tuple[Finding, ...]:
+        """The findings that stop the import."""
+        return tuple(f for f in self.items if f.severity == "error")
+
+    @property
+    def warnings(self) -> tuple[Finding, ...]:
+        """The findings that do not."""
+        return tuple(f for f in self.items if f.severity == "warning")
+
+    @property
+    def codes(self) -> tuple[str, ...]:
+        """The codes met, each once, in order of appearance."""
+        return tuple(dict.fromkeys(f.code for f in self.items))
+
+    @property
+    def kinds(self) -> tuple[tuple[Finding, ...], ...]:
+        """The findings sorted by code, those of one kind together."""
+        groups: dict[tuple[str, ...], list[Finding]] = {}
+        for finding in sorted(self.items, key=lambda f: f.code):
+            groups.setdefault(finding.kind, []).append(finding)
+        return tuple(map(tuple, groups.values()))
+
+    def records(self) -> list[dict[str, Any]]:
+        """Return the kinds as records for JSON, every place of theirs included."""
+        out: list[dict[str, Any]] = []
+        for kind in self.kinds:
+            first = kind[0]
+            record = {"code": first.code, "severity": first.severity, "subject": CODES[first.code], "count": len(kind)}
+            places = [{"found": f.what, **{name: getattr(f, name) for name in PLACE_FIELDS}} for f in kind]
+            out.append({**record, "expected": first.expected, "remedy": first.remedy, "places": places})
+        return out
+
+    def __str__(self) -> str:
+        return "\n".join(f"{self.reader}/{kind[0].code} {self.file}: {_line(kind)}" for kind in self.kinds)
+
+
+class FindingsError(InputError):
+    """A file that cannot become stones: `findings` says all that is wrong with it."""
+
+    def __init__(self, findings: Findings) -> None:
+        count = len(findings.errors)
+        super().__init__(findings.file, f"{count} error{'s' if count != 1 else ''} in the file")
+        self.findings = findings
+        self.args = (f"{self.args[0]}\n{findings}",)
+
+
+def _line(kind: tuple[Finding, ...]) -> str:
+    """Return the findings of one kind as one line: the first whole, the places of some more, how many there are."""
+    first = kind[0]
+    line = (f"{first.place}: " if first.place else "") + first.what
+    line += f": expected {first.expected}." if first.expected else "."
+    line += f" {first.remedy}" if first.remedy else ""
+    if len(kind) == 1:
+        return line
+    more = "; ".join(f.place or f.what for f in kind[1 : 1 + MORE_PLACES])
+    rest = len(kind) - 1 - MORE_PLACES
+    return f"{len(kind)} times: {line} Also: {more}" + (f"; and {rest} more." if rest > 0 else ".")
+
+
+def _coordinate(value: float) -> str:
+    """Three decimals, the last left out when it is 0: 3.42, 0.00, 0.035."""
+    text = f"{value + 0.0:.3f}"
+    text = text.replace("-0.000", "0.000") if float(text) == 0 else text
+    return text[:-1] if text.endswith("0") else text
