@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from churchpipe.geometry.clusters import components
-from churchpipe.geometry.locate import facet_at, inside_stones, seats
+from churchpipe.geometry.locate import facet_at, inside_stones, interior_points
 from churchpipe.model.arguments import check_kind
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, NameArray
 from churchpipe.model.assemblage import Assemblage
@@ -148,7 +148,7 @@ def _centroid(stones: Assemblage, shell: ShellModel) -> Figure:
 
 def _facets_of(stones: Assemblage, shell: ShellModel, free: IntArray) -> tuple[IntArray, FloatArray]:
     """Return for each stone the facet of its own panel at its middle (nb,), -1 for none, and how far outside it lies, m."""
-    middle = seats(stones)
+    middle = interior_points(stones)
     facet, outside = np.full(stones.count, -1, dtype=np.int64), np.full(stones.count, np.inf)
     for name in np.intersect1d(stones.panel[free], shell.panel):
         own = free[stones.panel[free] == name]

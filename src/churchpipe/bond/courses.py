@@ -91,18 +91,18 @@ def clear_of_voids(field: Field, cell: UnitCell, course: tuple[float, float], jo
     most = (1 - LEAST_HEIGHT) * (top - bottom)
     added: list[float] = []
     for void in field.voids:
-        taken = common(polygon(void.taken), boxes(np.array([[-np.inf, bottom, np.inf, top]]).clip(-1e3, 1e3))[0])
-        if area(taken) == 0:
+        blocked = common(polygon(void.outer), boxes(np.array([[-np.inf, bottom, np.inf, top]]).clip(-1e3, 1e3))[0])
+        if area(blocked) == 0:
             continue
-        x0, _, x1, _ = extent(taken)
+        x0, _, x1, _ = extent(blocked)
         span = np.array([void.x_at(s, field.radius) for s in joints]).reshape(-1, 2) + LEAST_WIDTH * cell.b * np.array(
             [-1.0, 1.0]
         )
         beside = (span[:, 1] < x0) | (span[:, 0] > x1) | ~void.faces(joints, field.radius)
         over = (span[:, 0] > x0) & (span[:, 1] < x1)
-        over &= [_height(taken, low, high) < most for low, high in span]
+        over &= [_height(blocked, low, high) < most for low, high in span]
         joints = joints[beside | over]
-        if _height(taken, -TOLERANCE, TOLERANCE) > most:
+        if _height(blocked, -TOLERANCE, TOLERANCE) > most:
             added.append(void.middle)
     return np.concatenate((joints, added))
 

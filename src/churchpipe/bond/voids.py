@@ -18,20 +18,20 @@ WIDEST = np.sqrt(0.75)
 class Void:
     """An arched opening of a curved wall, seen along its middle normal: x is the distance from its middle plane, t height, m.
 
-    middle: s of the middle, m. opening (n, 2), taken (m, 2): outlines, counter-clockwise, of the opening and of that with its
+    middle: s of the middle, m. opening (n, 2), outer (m, 2): outlines, counter-clockwise, of the opening and of that with its
     voussoirs. radii: of the inner and of the outer face, m.
     """
 
     middle: float
     opening: FloatArray
-    taken: FloatArray
+    outer: FloatArray
     radii: tuple[float, float]
 
     def __post_init__(self) -> None:
         store(
             self,
             opening=floats("Void.opening", self.opening, (None, 2)),
-            taken=floats("Void.taken", self.taken, (None, 2)),
+            outer=floats("Void.outer", self.outer, (None, 2)),
         )
 
     def faces(self, s: FloatArray, radius: float) -> BoolArray:
@@ -49,12 +49,12 @@ class Void:
         return self.middle + radius * float(min(angle)), self.middle + radius * float(max(angle))
 
 
-def seen(chart: CylinderChart, middle: float, points: FloatArray) -> FloatArray:
+def to_view(chart: CylinderChart, middle: float, points: FloatArray) -> FloatArray:
     """Return points (n, 2) of the mid-surface as they are seen along the normal at s = middle: x, t in m."""
     return np.stack([chart.radius * np.sin((points[:, 0] - middle) / chart.radius), points[:, 1]], axis=1)
 
 
-def unseen(chart: CylinderChart, middle: float, points: FloatArray) -> FloatArray:
+def from_view(chart: CylinderChart, middle: float, points: FloatArray) -> FloatArray:
     """Return the chart coordinates (n, 2) of points x, t (n, 2) that are seen along the normal at s = middle, m."""
     return np.stack([middle + chart.radius * np.arcsin(points[:, 0] / chart.radius), points[:, 1]], axis=1)
 
@@ -79,17 +79,17 @@ def voids_of(panel: Panel) -> tuple[Void, ...]:
             continue
         low, high = opening.outline[:, 0].min(), opening.outline[:, 0].max()
         middle = 0.5 * float(low + high)
-        outline = seen(chart, middle, opening.outline)
+        outline = to_view(chart, middle, opening.outline)
         rings = [
-            seen(chart, middle, region.outline)
+            to_view(chart, middle, region.outline)
             for region in panel.regions
             if region.pattern == "voussoir" and distances(polygon(opening.outline), region.outline).min() < TOLERANCE
         ]
         whole = united([polygon(outline), *(polygon(ring) for ring in rings)])
-        taken = corners(np.array([whole], dtype=np.object_))[0]
-        half = float(np.abs(taken[:, 0]).max())
+        outer = corners(np.array([whole], dtype=np.object_))[0]
+        half = float(np.abs(outer[:, 0]).max())
         check_width(f"Panel {panel.name}: opening {opening.name}", half, inner)
-        found.append(Void(middle, outline, taken, (inner, inner + panel.thickness)))
+        found.append(Void(middle, outline, outer, (inner, inner + panel.thickness)))
     return tuple(found)
 
 

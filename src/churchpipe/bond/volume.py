@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from churchpipe.bond.voids import Void, unseen, voids_of
+from churchpipe.bond.voids import Void, from_view, voids_of
 from churchpipe.geometry.charts import base_level, footprint, lift, normals
 from churchpipe.geometry.planar import Region, area, edges, less, level_section, polygon, united, vertices
 from churchpipe.geometry.polygons import TOLERANCE
@@ -53,7 +53,7 @@ def _filled(panel: Panel, solid: Region, voids: Sequence[Void]) -> Region:
     chart = panel.chart
     if not isinstance(chart, CylinderChart):
         return solid
-    return united([solid, *(polygon(unseen(chart, void.middle, void.opening)) for void in voids)])
+    return united([solid, *(polygon(from_view(chart, void.middle, void.opening)) for void in voids)])
 
 
 def _void_levels(panel: Panel, stations: FloatArray, void: Void) -> FloatArray:

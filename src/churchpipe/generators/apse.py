@@ -10,7 +10,7 @@ import numpy as np
 from churchpipe.generators.arched import ArchedOpening, Given, opening_of
 from churchpipe.generators.checks import whole_courses
 from churchpipe.generators.curved import curved_panel
-from churchpipe.generators.fields import materials_of, settle, taken
+from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
 from churchpipe.generators.layout import WallLayout, check_clear, wall_panels
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
 from churchpipe.generators.openings import rectangle
@@ -45,7 +45,7 @@ class ApseParameters:
     first_course: Literal["x", "y"] = "x"
 
     def __post_init__(self) -> None:
-        settle(self, "apse.")
+        coerce_fields(self, "apse.")
         keys = ("course", "stone_length", "inner_radius", "thickness", "height", "wall_length", "wall_thickness", "wall_height")
         for key in keys:
             positive(f"apse.{key}", getattr(self, key))
@@ -57,7 +57,7 @@ class ApseParameters:
 
 def apse(*, name: str = "apse", materials: tuple[Material, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
     """Return an apse behind a wall; keywords as in `ApseParameters`, SI."""
-    p = taken(ApseParameters, "apse", parameters)
+    p = as_dataclass(ApseParameters, "apse", parameters)
     materials = materials_of("apse", materials)
     openings = tuple(opening_of(f"apse.openings.{k}", opening) for k, opening in enumerate(p.openings))
     bonds = tuple(wall_bond(f"apse.bonds.{k}", bond) for k, bond in enumerate(p.bonds))

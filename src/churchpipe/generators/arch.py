@@ -9,7 +9,7 @@ import numpy as np
 from churchpipe.bond.tiles import tiles_of
 from churchpipe.bond.voussoir import ring_outline
 from churchpipe.errors import InputError
-from churchpipe.generators.fields import materials_of, settle, taken
+from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
 from churchpipe.geometry.planar import polygon
 from churchpipe.model.arguments import positive, whole
@@ -34,7 +34,7 @@ class ArchParameters:
     half_angle: float = math.pi / 2
 
     def __post_init__(self) -> None:
-        settle(self, "arch.")
+        coerce_fields(self, "arch.")
         for key in ("mean_radius", "thickness", "width"):
             positive(f"arch.{key}", getattr(self, key))
         whole("arch.voussoirs", self.voussoirs, least=2)
@@ -48,7 +48,7 @@ class ArchParameters:
 
 def arch(*, name: str = "arch", materials: tuple[Material, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
     """Return an arch on two fixed skewbacks; keywords as in `ArchParameters`, SI."""
-    p = taken(ArchParameters, "arch", parameters)
+    p = as_dataclass(ArchParameters, "arch", parameters)
     materials = materials_of("arch", materials)
     start, stop = math.pi / 2 - p.half_angle, math.pi / 2 + p.half_angle
     inner, outer = p.mean_radius - p.thickness / 2, p.mean_radius + p.thickness / 2

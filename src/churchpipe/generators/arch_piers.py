@@ -8,7 +8,7 @@ import numpy as np
 from churchpipe.errors import InputError
 from churchpipe.generators.arched import ArchedOpening
 from churchpipe.generators.checks import whole_courses
-from churchpipe.generators.fields import materials_of, settle, taken
+from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
 from churchpipe.generators.layout import WallLayout, wall_panels
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
 from churchpipe.generators.openings import rectangle
@@ -42,7 +42,7 @@ class ArchPiersParameters:
     backfill: str | None = None
 
     def __post_init__(self) -> None:
-        settle(self, "arch_piers.")
+        coerce_fields(self, "arch_piers.")
         for key in ("course", "stone_length", "span", "springing", "pier_width", "thickness", "height", "depth"):
             positive(f"arch_piers.{key}", getattr(self, key))
         one_of("arch_piers.shape", self.shape, "round", "segmental", "pointed")
@@ -60,7 +60,7 @@ class ArchPiersParameters:
 
 def arch_piers(*, name: str = "arch_piers", materials: tuple[Material, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
     """Return an arch on piers; keywords as in `ArchPiersParameters`, SI."""
-    p = taken(ArchPiersParameters, "arch_piers", parameters)
+    p = as_dataclass(ArchPiersParameters, "arch_piers", parameters)
     materials = materials_of("arch_piers", materials)
     half = p.span / 2 + p.pier_width
     opening = ArchedOpening("arch", "arch", 0.0, p.span, p.springing, p.voussoirs, p.depth, shape=p.shape, rise=p.rise)

@@ -9,7 +9,7 @@ import numpy as np
 
 from churchpipe.bond.voussoir import ring_outline
 from churchpipe.errors import InputError
-from churchpipe.generators.fields import settle, taken
+from churchpipe.generators.fields import as_dataclass, coerce_fields
 from churchpipe.model.arguments import one_of, positive, text, whole
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, Opening, UnitCell
@@ -42,7 +42,7 @@ class ArchedOpening:
 
     def __post_init__(self) -> None:
         where = f"opening {text('opening: name', self.name)}"
-        settle(self, f"{where}: ")
+        coerce_fields(self, f"{where}: ")
         for key, places in (("wall", self.walls), ("centre", self.centres)):
             if not places:
                 raise InputError(f"{where}: {key}", "the opening is nowhere", expected="at least one")
@@ -91,7 +91,7 @@ class Hole:
 
 def opening_of(where: str, value: ArchedOpening | Given) -> ArchedOpening:
     """Return an opening that is given as such or as a mapping of its fields."""
-    return taken(ArchedOpening, where, value)
+    return as_dataclass(ArchedOpening, where, value)
 
 
 def holes(openings: Iterable[ArchedOpening], wall: str) -> list[Hole]:

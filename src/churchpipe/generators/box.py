@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 from churchpipe.errors import InputError
 from churchpipe.generators.checks import Brick, check_brick
-from churchpipe.generators.fields import materials_of, settle, taken
+from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
 from churchpipe.generators.masonry import (
     DEFAULT_MATERIAL,
     Headers,
@@ -47,7 +47,7 @@ class BoxParameters:
     openings_y: Sequence[OpeningLike] = ()
 
     def __post_init__(self) -> None:
-        settle(self, "box.")
+        coerce_fields(self, "box.")
         check_brick("box.brick", self.brick)
         whole("box.courses", self.courses, least=1)
         check_bond("box", self.pattern, self.headers)
@@ -68,7 +68,7 @@ class BoxParameters:
 
 def box(*, name: str = "box", materials: tuple[Material, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
     """Return a box of four walls; keywords as in `BoxParameters`, SI. Walls along x run through on even courses."""
-    p = taken(BoxParameters, "box", parameters)
+    p = as_dataclass(BoxParameters, "box", parameters)
     materials = materials_of("box", materials)
     thickness = p.wall_thickness
     masonry = Masonry(

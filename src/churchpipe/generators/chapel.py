@@ -7,7 +7,7 @@ from typing import Any, Literal
 from churchpipe.generators.arched import ArchedOpening, Given
 from churchpipe.generators.church import church
 from churchpipe.generators.church_parts import Apse
-from churchpipe.generators.fields import settle, taken
+from churchpipe.generators.fields import as_dataclass, coerce_fields
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
 from churchpipe.generators.wall_bonds import WallBond
 from churchpipe.model.arguments import positive
@@ -38,7 +38,7 @@ class ChapelParameters:
     first_course: Literal["x", "y"] = "x"
 
     def __post_init__(self) -> None:
-        settle(self, "chapel.")
+        coerce_fields(self, "chapel.")
         for key in ("width", "length", "height", "thickness"):
             positive(f"chapel.{key}", getattr(self, key))
         positive("chapel.length, less its walls", self.length - 2 * self.thickness)
@@ -46,7 +46,7 @@ class ChapelParameters:
 
 def chapel(*, name: str = "chapel", materials: tuple[Material, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
     """Return a chapel; keywords as in `ChapelParameters`, SI."""
-    p = taken(ChapelParameters, "chapel", parameters)
+    p = as_dataclass(ChapelParameters, "chapel", parameters)
     end = {"thickness": p.thickness, "ridge": p.ridge}
     return church(
         name=name,

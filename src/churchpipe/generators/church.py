@@ -9,7 +9,7 @@ from churchpipe.generators.arched import ArchedOpening, Given, opening_of
 from churchpipe.generators.checks import whole_courses
 from churchpipe.generators.church_parts import Apse, Chapel, Choir, CrossWall, Nave, Tower, Transept, part_of
 from churchpipe.generators.church_plan import Plan, church_walls, cross_walls
-from churchpipe.generators.fields import materials_of, settle, taken
+from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
 from churchpipe.generators.layout import WallLayout, check_clear, wall_panels
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
 from churchpipe.generators.wall_bonds import Bonding, WallBond, check_walls, wall_bond
@@ -46,7 +46,7 @@ class ChurchParameters:
     first_course: Literal["x", "y"] = "x"
 
     def __post_init__(self) -> None:
-        settle(self, "church.")
+        coerce_fields(self, "church.")
         positive("church.course", self.course)
         positive("church.stone_length", self.stone_length)
         one_of("church.joints", self.joints, "grid", "bay")
@@ -83,7 +83,7 @@ def church(*, name: str = "church", materials: tuple[Material, ...] = (DEFAULT_M
     ------
     InputError: parts that clash, with the numbers: an opening wider than its wall, a tower wider than its arm.
     """
-    p = taken(ChurchParameters, "church", parameters)
+    p = as_dataclass(ChurchParameters, "church", parameters)
     materials = materials_of("church", materials)
     plan = p.plan
     openings = tuple(opening_of(f"church.openings.{k}", opening) for k, opening in enumerate(p.openings))

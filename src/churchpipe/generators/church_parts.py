@@ -3,7 +3,7 @@
 from dataclasses import dataclass, fields
 from typing import Any, Literal
 
-from churchpipe.generators.fields import settle, taken
+from churchpipe.generators.fields import as_dataclass, coerce_fields
 from churchpipe.model.arguments import one_of, positive
 
 
@@ -83,8 +83,8 @@ def part_of(kind: type[Any], where: str, value: Any) -> Any:
     """Return a part that is given as such or as a mapping of its fields, its lengths checked; None for None."""
     if value is None:
         return None
-    value = taken(kind, where, value)
-    settle(value, f"{where}.")
+    value = as_dataclass(kind, where, value)
+    coerce_fields(value, f"{where}.")
     for item in fields(value):
         length = getattr(value, item.name)
         if isinstance(length, float | int) and item.name != "centre":

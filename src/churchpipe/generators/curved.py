@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from churchpipe.bond.voids import check_width, unseen, voids_of
+from churchpipe.bond.voids import check_width, from_view, voids_of
 from churchpipe.errors import InputError
 from churchpipe.generators.arched import Hole, holes
 from churchpipe.generators.layout import CLOSE
@@ -55,7 +55,7 @@ def _bent(hole: Hole, wall: str, chart: CylinderChart, thickness: float, middle:
     check_width(f"wall {wall}: opening {hole.opening.name}", 0.5 * (s1 - s0), chart.radius - thickness / 2)
 
     def bend(outline: FloatArray) -> FloatArray:
-        return unseen(chart, middle + centre, outline - [centre, 0.0])
+        return from_view(chart, middle + centre, outline - [centre, 0.0])
 
     rings = tuple(
         BondRegion(
@@ -78,7 +78,7 @@ def _check_places(panel: Panel, found: list[Hole], margin: float) -> None:
     closed = closes(chart, float(panel.outline[:, 0].min()), float(panel.outline[:, 0].max()))
     arc, top = chart.radius * chart.sweep, float(panel.outline[:, 1].max())
     voids = voids_of(panel)
-    reach = [void.reach(chart.radius, (float(void.taken[:, 0].min()), float(void.taken[:, 0].max()))) for void in voids]
+    reach = [void.reach(chart.radius, (float(void.outer[:, 0].min()), float(void.outer[:, 0].max()))) for void in voids]
     for hole, (start, stop) in zip(found, reach, strict=True):
         where = f"wall {panel.name}: opening {hole.opening.name}"
         if hole.outer[1] < -CLOSE or hole.outer[3] > top + CLOSE:

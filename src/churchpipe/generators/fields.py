@@ -8,7 +8,7 @@ from types import NoneType, UnionType
 from typing import TYPE_CHECKING, Any, Literal, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
 from churchpipe.errors import InputError
-from churchpipe.model.arguments import check_kind, finite, listed, one_of, told
+from churchpipe.model.arguments import check_kind, describe, finite, listed, one_of
 from churchpipe.model.arrays import store
 from churchpipe.model.materials import Material
 
@@ -21,7 +21,7 @@ _Kind = TypeVar("_Kind", bound="DataclassInstance")
 _MOST = 1e5
 
 
-def taken(kind: type[_Kind], where: str, value: _Kind | Mapping[str, Any]) -> _Kind:
+def as_dataclass(kind: type[_Kind], where: str, value: _Kind | Mapping[str, Any]) -> _Kind:
     """Return a dataclass that is given as such or as a mapping of its fields.
 
     Raises
@@ -31,7 +31,7 @@ def taken(kind: type[_Kind], where: str, value: _Kind | Mapping[str, Any]) -> _K
     if isinstance(value, kind):
         return value
     if not isinstance(value, Mapping):
-        raise InputError(where, "wrong kind", found=told(value), expected=f"{kind.__name__}, or a mapping of its fields")
+        raise InputError(where, "wrong kind", found=describe(value), expected=f"{kind.__name__}, or a mapping of its fields")
     known = {item.name: item for item in fields(kind)}
     for key in value:
         if key not in known:
@@ -42,7 +42,7 @@ def taken(kind: type[_Kind], where: str, value: _Kind | Mapping[str, Any]) -> _K
     return kind(**value)
 
 
-def settle(instance: "DataclassInstance", prefix: str) -> None:
+def coerce_fields(instance: "DataclassInstance", prefix: str) -> None:
     """Check the fields of a frozen dataclass from inside its `__post_init__`: numbers become float or int, lists tuples.
 
     Raises
@@ -100,7 +100,7 @@ def _one_of_kinds(where: str, value: Any, options: Sequence[Any]) -> Any:
     table: Any = next((kind for kind in kinds if is_dataclass(kind)), None)
     if table is not None:
         if not isinstance(value, (table, Mapping)):
-            raise InputError(where, "wrong kind", found=told(value), expected=f"{table.__name__}, or a mapping of its fields")
+            raise InputError(where, "wrong kind", found=describe(value), expected=f"{table.__name__}, or a mapping of its fields")
         return cast("Any", value)
     single = next(kind for kind in kinds if get_origin(kind) is None)
     alone = isinstance(value, Real if single is float else single)
@@ -109,5 +109,5 @@ def _one_of_kinds(where: str, value: Any, options: Sequence[Any]) -> Any:
 
 def _items(where: str, value: Any) -> list[Any]:
     if isinstance(value, str | bytes | Mapping | set | frozenset) or not isinstance(value, Iterable):
-        raise InputError(where, "not a list", found=told(cast("object", value)), expected="a list")
+        raise InputError(where, "not a list", found=describe(cast("object", value)), expected="a list")
     return list(cast("Iterable[Any]", value))

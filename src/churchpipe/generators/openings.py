@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from churchpipe.errors import InputError
-from churchpipe.generators.fields import settle, taken
+from churchpipe.generators.fields import as_dataclass, coerce_fields
 from churchpipe.model.arguments import positive, whole
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, Opening, UnitCell
@@ -25,7 +25,7 @@ class RectangularOpening:
     sill_courses: int = 0
 
     def __post_init__(self) -> None:
-        settle(self, "opening.")
+        coerce_fields(self, "opening.")
         positive("opening.start", self.start, allow_zero=True)
         positive("opening.width", self.width)
         whole("opening.height_courses", self.height_courses, least=1)
@@ -38,7 +38,7 @@ OpeningLike = RectangularOpening | Mapping[str, Any]
 
 def opening_from(where: str, value: OpeningLike) -> RectangularOpening:
     """Return an opening that is given as such or as a mapping of its fields."""
-    return taken(RectangularOpening, where, value)
+    return as_dataclass(RectangularOpening, where, value)
 
 
 def rectangle(s0: float, t0: float, s1: float, t1: float) -> FloatArray:

@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 from churchpipe.errors import InputError
 from churchpipe.generators.checks import Brick, check_brick
-from churchpipe.generators.fields import materials_of, settle, taken
+from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
 from churchpipe.generators.masonry import DEFAULT_MATERIAL, Masonry, bonded_offset, straight_wall
 from churchpipe.generators.openings import OpeningLike
 from churchpipe.model.arguments import one_of, positive, whole
@@ -39,7 +39,7 @@ class PrototypeParameters:
     cut_offset: float | None = None
 
     def __post_init__(self) -> None:
-        settle(self, "prototype.")
+        coerce_fields(self, "prototype.")
         check_brick("prototype.brick", self.brick)
         whole("prototype.courses", self.courses, least=1)
         one_of("prototype.joints", self.joints, "grid", "bay")
@@ -80,7 +80,7 @@ class PrototypeParameters:
 
 def prototype(*, name: str = "prototype", materials: tuple[Material, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
     """Return a prototype of the tilting tests; keywords as in `PrototypeParameters`, SI."""
-    p = taken(PrototypeParameters, "prototype", parameters)
+    p = as_dataclass(PrototypeParameters, "prototype", parameters)
     materials = materials_of("prototype", materials)
     masonry = Masonry(
         cell=UnitCell(a=p.brick[2], b=p.brick[0]),

@@ -11,7 +11,7 @@ from churchpipe.errors import InputError
 from churchpipe.generators.arched import ArchedOpening, Given, opening_of
 from churchpipe.generators.checks import whole_courses
 from churchpipe.generators.curved import curved_panel
-from churchpipe.generators.fields import materials_of, settle, taken
+from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
 from churchpipe.generators.layout import WallLayout, wall_panels
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
 from churchpipe.generators.openings import rectangle
@@ -44,7 +44,7 @@ class TowerParameters:
     first_course: Literal["x", "y"] = "x"
 
     def __post_init__(self) -> None:
-        settle(self, "tower.")
+        coerce_fields(self, "tower.")
         for key in ("course", "stone_length", "width", "height", "thickness"):
             positive(f"tower.{key}", getattr(self, key))
         positive("tower.depth", self.length)
@@ -69,7 +69,7 @@ class TowerParameters:
 
 def tower(*, name: str = "tower", materials: tuple[Material, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
     """Return a tower; keywords as in `TowerParameters`, SI."""
-    p = taken(TowerParameters, "tower", parameters)
+    p = as_dataclass(TowerParameters, "tower", parameters)
     materials = materials_of("tower", materials)
     openings = tuple(opening_of(f"tower.openings.{k}", opening) for k, opening in enumerate(p.openings))
     bonds = tuple(wall_bond(f"tower.bonds.{k}", bond) for k, bond in enumerate(p.bonds))

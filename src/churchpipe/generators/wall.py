@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 from churchpipe.errors import InputError
 from churchpipe.generators.checks import Brick, check_brick
-from churchpipe.generators.fields import materials_of, settle, taken
+from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
 from churchpipe.generators.masonry import DEFAULT_MATERIAL, Headers, Masonry, Pattern, check_bond, straight_wall, thickness_of
 from churchpipe.generators.openings import OpeningLike
 from churchpipe.model.arguments import one_of, positive, whole
@@ -36,7 +36,7 @@ class WallParameters:
     openings: Sequence[OpeningLike] = ()
 
     def __post_init__(self) -> None:
-        settle(self, "wall.")
+        coerce_fields(self, "wall.")
         positive("wall.length", self.length)
         check_brick("wall.brick", self.brick)
         check_bond("wall", self.pattern, self.headers)
@@ -72,7 +72,7 @@ class WallParameters:
 
 def wall(*, name: str = "wall", materials: tuple[Material, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
     """Return a free-standing wall; keywords as in `WallParameters`, SI."""
-    p = taken(WallParameters, "wall", parameters)
+    p = as_dataclass(WallParameters, "wall", parameters)
     materials = materials_of("wall", materials)
     masonry = Masonry(
         cell=UnitCell(a=p.brick[2], b=p.brick[0]),

@@ -6,7 +6,7 @@ from typing import Literal
 
 from churchpipe.errors import InputError
 from churchpipe.generators.arched import ArchedOpening, Given
-from churchpipe.generators.fields import settle, taken
+from churchpipe.generators.fields import as_dataclass, coerce_fields
 from churchpipe.generators.masonry import Headers, Pattern, check_bond
 from churchpipe.model.arguments import positive
 from churchpipe.model.arrays import FloatArray
@@ -23,7 +23,7 @@ class WallBond:
     stone_length: float | None = None
 
     def __post_init__(self) -> None:
-        settle(self, "bond: ")
+        coerce_fields(self, "bond: ")
         where = f"bond of {', '.join(self.walls)}"
         check_bond(where, self.pattern, self.headers)
         if self.stone_length is not None:
@@ -54,7 +54,7 @@ class Bonding:
 
 def wall_bond(where: str, value: WallBond | Given) -> WallBond:
     """Return the bond of some walls that is given as such or as a mapping of its fields."""
-    return taken(WallBond, where, value)
+    return as_dataclass(WallBond, where, value)
 
 
 def check_walls(bonding: Bonding, known: Sequence[str], where: str) -> None:
@@ -69,5 +69,5 @@ def check_walls(bonding: Bonding, known: Sequence[str], where: str) -> None:
 
 
 def _twice(names: Iterable[str]) -> list[str]:
-    seen: set[str] = set()
-    return [name for name in names if name in seen or seen.add(name)]
+    found: set[str] = set()
+    return [name for name in names if name in found or found.add(name)]

@@ -43,7 +43,7 @@ def inside_stones(stones: Assemblage, points: FloatArray) -> BoolArray:
     return inside
 
 
-def seats(stones: Assemblage) -> FloatArray:
+def interior_points(stones: Assemblage) -> FloatArray:
     """Return a point (nb, 3) m inside each stone: its centroid, or beside it where a notch takes that away."""
     out = _beside_notches(stones)
     for stone in np.flatnonzero((np.diff(stones.block_face_ptr) > PRISM) & ~stones.fixed):

@@ -24,7 +24,7 @@ from churchpipe.homogenised_shell.element import Membrane, ShellElements, Statio
 from churchpipe.homogenised_shell.limit import FALLS
 from churchpipe.homogenised_shell.stiffness import facet_stiffness
 from churchpipe.homogenised_shell.strength import PlaneSet
-from churchpipe.model.arguments import check_kind, listed, told
+from churchpipe.model.arguments import check_kind, describe, listed
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
@@ -78,7 +78,7 @@ def pushover(
     check_kind("pushover: load", load, LoadCase)
     materials = listed("pushover: materials", materials, Material)
     if isinstance(steps, bool) or not isinstance(steps, Integral):
-        raise InputError("steps", "not a whole number", found=told(steps), expected=">= 1")
+        raise InputError("steps", "not a whole number", found=describe(steps), expected=">= 1")
     if steps < 1:
         raise InputError("steps", "out of range", found=steps, expected=">= 1")
     control = None if control_point is None else _node(shell, control_point)

@@ -16,7 +16,7 @@ def check_kind(where: str, value: object, kind: type, remedy: str = "") -> None:
     """Raise InputError unless a value is of a type of ours."""
     if not isinstance(value, kind):
         article = "an" if kind.__name__[0] in "AEIOU" else "a"
-        raise InputError(where, "wrong kind", found=told(value), expected=f"{article} {kind.__name__}", remedy=remedy)
+        raise InputError(where, "wrong kind", found=describe(value), expected=f"{article} {kind.__name__}", remedy=remedy)
 
 
 def listed(where: str, value: Any, kind: type) -> list[Any]:
@@ -27,7 +27,7 @@ def listed(where: str, value: Any, kind: type) -> list[Any]:
     InputError: no sequence, or one of other things.
     """
     if isinstance(value, (kind, str, bytes)) or not isinstance(value, Iterable):
-        raise InputError(where, "wrong kind", found=told(cast("object", value)), expected=f"a list of {kind.__name__}")
+        raise InputError(where, "wrong kind", found=describe(cast("object", value)), expected=f"a list of {kind.__name__}")
     items = list(cast("Iterable[Any]", value))
     for number, item in enumerate(items):
         check_kind(f"{where}[{number}]", item, kind)
@@ -42,13 +42,13 @@ def finite(where: str, value: object) -> float:
     InputError: none, such as a text, a list or NaN.
     """
     if isinstance(value, bool) or not isinstance(value, numbers.Real):
-        raise InputError(where, "not a number", found=told(value), expected="a number")
+        raise InputError(where, "not a number", found=describe(value), expected="a number")
     try:
         number = float(value)
     except OverflowError:
         number = math.inf
     if not math.isfinite(number):
-        raise InputError(where, "out of range", found=told(value), expected="a finite number")
+        raise InputError(where, "out of range", found=describe(value), expected="a finite number")
     return number
 
 
@@ -60,7 +60,7 @@ def path_of(where: str, value: object) -> Path:
     InputError: not the name of a file.
     """
     if not isinstance(value, str | os.PathLike):
-        raise InputError(where, "not a path", found=told(value), expected="the path of a file")
+        raise InputError(where, "not a path", found=describe(value), expected="the path of a file")
     name = os.fsdecode(cast("str | os.PathLike[str]", value))
     if not name or "\0" in name:
         raise InputError(where, "not a path", found=repr(name)[:60], expected="the path of a file")
@@ -75,14 +75,14 @@ def text(where: str, value: object) -> str:
     InputError: anything else.
     """
     if not isinstance(value, str) or not value:
-        raise InputError(where, "no name", found=told(value), expected="a text")
+        raise InputError(where, "no name", found=describe(value), expected="a text")
     return value
 
 
 def one_of(where: str, value: object, *choices: str) -> None:
     """Raise InputError unless the value is one of the choices."""
     if not isinstance(value, str) or value not in choices:
-        found = value if isinstance(value, str) else told(value)
+        found = value if isinstance(value, str) else describe(value)
         raise InputError(where, "unknown value", found=found, expected=" or ".join(f'"{c}"' for c in choices))
 
 
@@ -102,7 +102,7 @@ def whole(where: str, value: object, *, least: int) -> None:
         raise InputError(where, "out of range", found=value, expected=f"a whole number >= {least}")
 
 
-def told(value: object) -> str:
+def describe(value: object) -> str:
     """Return a value as a message shows it: short, with its type where that is the point."""
     if value is None or isinstance(value, bool | int | float | complex | str | bytes):
         return repr(value)[:60]

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from churchpipe.errors import InputError
-from churchpipe.model.arguments import told
+from churchpipe.model.arguments import describe
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -27,11 +27,11 @@ def array_of(name: str, value: object, kinds: str, expected: str) -> npt.NDArray
     try:
         array = np.asarray(value)
     except (ValueError, TypeError) as error:
-        raise InputError(name, "no array", found=f"{told(value)} ({error})", expected=expected) from error
+        raise InputError(name, "no array", found=f"{describe(value)} ({error})", expected=expected) from error
     if array.size and array.dtype.kind not in kinds:
         if "U" in kinds and all(isinstance(item, str) for item in array.flat):
             return array.astype(np.str_)
-        raise InputError(name, f"not {expected}", found=told(value) if array.ndim == 0 else array.dtype, expected=expected)
+        raise InputError(name, f"not {expected}", found=describe(value) if array.ndim == 0 else array.dtype, expected=expected)
     return array
 
 
@@ -46,7 +46,7 @@ def rows_of(name: str, value: Any) -> int:
     try:
         return len(value)
     except TypeError:
-        raise InputError(name, "not an array", found=told(value), expected="an array") from None
+        raise InputError(name, "not an array", found=describe(value), expected="an array") from None
 
 
 def floats(name: str, value: npt.ArrayLike, shape: Sequence[int | None], *, finite: bool = True) -> FloatArray:

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from churchpipe.errors import InputError
-from churchpipe.model.arguments import told
+from churchpipe.model.arguments import describe
 from churchpipe.model.arrays import (
     BoolArray,
     FloatArray,
@@ -194,7 +194,7 @@ def assemble(
 
 def _sequence(where: str, value: Any, of: str) -> Iterable[Any]:
     if isinstance(value, str | bytes | Mapping) or not isinstance(value, Iterable):
-        raise InputError(where, "not a list", found=told(cast("object", value)), expected=f"a list of {of}")
+        raise InputError(where, "not a list", found=describe(cast("object", value)), expected=f"a list of {of}")
     return cast("Iterable[Any]", value)
 
 
@@ -202,7 +202,7 @@ def _polyhedron(where: str, value: Any) -> tuple[FloatArray, list[list[int]]]:
     """Return the vertices (n, 3) m and the faces of one solid, checked."""
     pair = list(cast("Sequence[Any]", value)) if isinstance(value, Sequence) and not isinstance(value, str) else []
     if len(pair) != 2:
-        raise InputError(where, "not a pair", found=told(cast("object", value)), expected="(vertices, faces)")
+        raise InputError(where, "not a pair", found=describe(cast("object", value)), expected="(vertices, faces)")
     points = floats(f"{where} vertices", pair[0], (None, 3))
     faces = [_face(face) for face in _sequence(f"{where} faces", pair[1], "faces")]
     for face in faces:

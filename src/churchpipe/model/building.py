@@ -6,7 +6,7 @@ from typing import Any, Literal, cast, get_args
 import numpy as np
 
 from churchpipe.errors import InputError
-from churchpipe.model.arguments import check_kind, finite, listed, one_of, positive, text, told, whole
+from churchpipe.model.arguments import check_kind, describe, finite, listed, one_of, positive, text, whole
 from churchpipe.model.arrays import FloatArray, flags, floats, indices, store
 from churchpipe.model.materials import Material
 
@@ -230,9 +230,9 @@ class Building:
         )
         if self.ground is not None:
             finite(f"{where}.ground", self.ground)
-        seen = [p.name for p in self.panels]
-        if len(set(seen)) != len(seen):
-            raise InputError(where, "panel names are not unique", found=seen)
+        names = [p.name for p in self.panels]
+        if len(set(names)) != len(names):
+            raise InputError(where, "panel names are not unique", found=names)
         known = {m.name for m in self.materials}
         for panel in self.panels:
             for name in {panel.material, *(region.material for region in panel.regions)} - known - {""}:
@@ -250,11 +250,11 @@ def _outline(where: str, outline: FloatArray) -> FloatArray:
 
 def _check_chart(where: str, chart: object) -> None:
     if not isinstance(chart, Chart):
-        raise InputError(where, "wrong kind", found=told(chart), expected="a PlaneChart or a CylinderChart")
+        raise InputError(where, "wrong kind", found=describe(chart), expected="a PlaneChart or a CylinderChart")
 
 
 def _check_faces(where: str, faces: object, below: int) -> None:
     if not isinstance(faces, tuple) or not faces:
-        raise InputError(where, "wrong kind", found=told(cast("object", faces)), expected="a tuple of faces")
+        raise InputError(where, "wrong kind", found=describe(cast("object", faces)), expected="a tuple of faces")
     for number, face in enumerate(cast("tuple[Any, ...]", faces)):
         indices(f"{where}[{number}]", face, (None,), below=below)

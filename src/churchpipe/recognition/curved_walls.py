@@ -51,17 +51,17 @@ def curved_walls(stones: Assemblage, base: float) -> list[CurvedWall]:
     """
     joints = _turning_joints(stones)
     found: list[CurvedWall] = []
-    taken = stones.fixed.copy()
+    used = stones.fixed.copy()
     for wedges in _wedge_groups(stones, joints):
         chart, thickness = _cylinder(stones, joints, wedges, base)
         if chart is None:
             continue
         name = str(stones.panel[wedges[0]])
-        free = np.flatnonzero((stones.panel == name) & ~taken)
+        free = np.flatnonzero((stones.panel == name) & ~used)
         own = free[_lies_on(stones, free, chart, thickness)]
         share = stones.volume[own].sum() / stones.volume[free].sum() if len(free) else 0.0
         if len(own) >= LEAST_STONES and (not name or share > LEAST_SHARE):
-            taken[own] = True
+            used[own] = True
             found.append(CurvedWall(name, own, chart, thickness))
     return found
 

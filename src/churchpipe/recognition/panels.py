@@ -16,7 +16,7 @@ from churchpipe.model.arrays import FloatArray, NameArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import BondRegion, Building, Opening, Panel, Support, UnitCell
 from churchpipe.model.materials import Material
-from churchpipe.recognition.fronts import sections
+from churchpipe.recognition.elevations import sections
 from churchpipe.recognition.rings import voussoir_rings
 from churchpipe.recognition.stone_walls import StoneWall, stone_walls, stretches
 from churchpipe.recognition.wall_parts import junction_spans, wall_parts
@@ -86,7 +86,7 @@ def _support(stones: Assemblage, block: int) -> Support:
 
 
 def _panel(stones: Assemblage, wall: StoneWall, walls: Sequence[StoneWall], gap: float) -> Panel:
-    own = wall.fronts
+    own = wall.elevations
     filled = np.concatenate([own, _beside(stones, wall, walls, gap)])
     region = _closed(filled, own, gap)
     whole, openings = _openings(region)
@@ -117,12 +117,12 @@ def _beside(stones: Assemblage, wall: StoneWall, walls: Sequence[StoneWall], gap
     In a junction the wall is as high as its own stones in it or beside it: a crossing wall that is higher there rises alone.
     """
     others = np.setdiff1d(np.flatnonzero(~stones.fixed), wall.stones)
-    _, bottom, _, top = shapely.total_bounds(wall.fronts)
+    _, bottom, _, top = shapely.total_bounds(wall.elevations)
     alone: list[shapely.Geometry] = []
     for start, stop in junction_spans(wall, walls):
-        near = shapely.intersects(wall.fronts, shapely.box(start - gap, bottom, stop + gap, top))
+        near = shapely.intersects(wall.elevations, shapely.box(start - gap, bottom, stop + gap, top))
         if near.any():
-            _, low, _, high = shapely.total_bounds(wall.fronts[near])
+            _, low, _, high = shapely.total_bounds(wall.elevations[near])
             alone += [shapely.box(start, bottom - 1.0, stop, low), shapely.box(start, high, stop, top + 1.0)]
     found = [np.empty(0, dtype=np.object_)]
     for stretch in stretches(wall):
@@ -170,25 +170,25 @@ def _common(values: FloatArray, weights: FloatArray) -> float:
     return round(float(np.average(values[order][best], weights=weights[order][best])), 6)
 
 
-def _cell(fronts: Polygons, volume: FloatArray) -> UnitCell:
-    low_s, low_t, high_s, high_t = shapely.bounds(fronts).T
+def _cell(elevations: Polygons, volume: FloatArray) -> UnitCell:
+    low_s, low_t, high_s, high_t = shapely.bounds(elevations).T
     return UnitCell(a=_common(high_t - low_t, volume), b=_common(high_s - low_s, volume))
 
 
-def _lintels(fronts: Polygons, openings: Sequence[Region], cell: UnitCell) -> list[BondRegion]:
-    bounds = np.asarray(shapely.bounds(fronts))
+def _lintels(elevations: Polygons, openings: Sequence[Region], cell: UnitCell) -> list[BondRegion]:
+    bounds = np.asarray(shapely.bounds(elevations))
     found: list[BondRegion] = []
     for hole in openings:
         left, _, right, top = shapely.bounds(hole)
         over = (np.abs(bounds[:, 1] - top) < 0.1 * cell.a) & (bounds[:, 0] < left + GRID) & (bounds[:, 2] > right - GRID)
-        for front in fronts[over & (bounds[:, 2] - bounds[:, 0] > LINTEL * cell.b)]:
+        for front in elevations[over & (bounds[:, 2] - bounds[:, 0] > LINTEL * cell.b)]:
             found.append(BondRegion(f"lintel-{len(found) + 1}", corners(np.array([front]))[0], "single", cell, yields=False))
     return found
 
 
-def _pattern(fronts: Polygons, cell: UnitCell) -> Literal["running", "stack"]:
+def _pattern(elevations: Polygons, cell: UnitCell) -> Literal["running", "stack"]:
     """Return "stack" where most head joints go on in the next course, else "running"."""
-    bounds = np.asarray(shapely.bounds(fronts))
+    bounds = np.asarray(shapely.bounds(elevations))
     course = np.round(bounds[:, 1] / cell.a).astype(np.int64)
     inner = bounds[:, 0] > bounds[:, 0].min() + 0.1 * cell.b
     joint, course = bounds[inner, 0], course[inner]
@@ -199,12 +199,12 @@ def _pattern(fronts: Polygons, cell: UnitCell) -> Literal["running", "stack"]:
 
 def _parity(wall: StoneWall, walls: Sequence[StoneWall], cell: UnitCell) -> Literal[0, 1] | None:
     """Return on which courses, even or odd, the wall's own stones fill its junctions; None: on both."""
-    _, low, _, high = shapely.total_bounds(wall.fronts)
-    middle = shapely.bounds(wall.fronts)[:, [1, 3]].mean(axis=1)
+    _, low, _, high = shapely.total_bounds(wall.elevations)
+    middle = shapely.bounds(wall.elevations)[:, [1, 3]].mean(axis=1)
     odd = np.floor(middle / cell.a).astype(np.int64) % 2 == 1
     filled = np.zeros(2)
     for start, stop in junction_spans(wall, walls):
-        area = shapely.area(shapely.intersection(wall.fronts, shapely.box(start, low, stop, high)))
+        area = shapely.area(shapely.intersection(wall.elevations, shapely.box(start, low, stop, high)))
         filled += [area[~odd].sum(), area[odd].sum()]
     if filled.min() > 0.8 * filled.max() > 0:
         return None

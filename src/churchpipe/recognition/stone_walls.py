@@ -14,13 +14,13 @@ from churchpipe.model.arrays import IntArray, NameArray, ragged_indices
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import Chart, PlaneChart
 from churchpipe.recognition.curved_walls import curved_walls
-from churchpipe.recognition.fronts import fronts
+from churchpipe.recognition.elevations import elevations
 from churchpipe.recognition.wall_planes import LEAST_LEAF, PLANE_TOLERANCE, WallPlane, behind_one_another, wall_planes
 
 
 @dataclass(frozen=True, slots=True)
 class StoneWall:
-    """A wall: its name, its stones (n,), their names (n,), their fronts (n,) in its chart, its chart, its thickness m.
+    """A wall: its name, its stones (n,), their names (n,), their elevations (n,) in its chart, its chart, its thickness m.
 
     Stones that bear another name than the wall are parts of it.
     """
@@ -28,7 +28,7 @@ class StoneWall:
     name: str
     stones: IntArray
     tag: NameArray
-    fronts: Polygons
+    elevations: Polygons
     chart: Chart
     thickness: float
 
@@ -59,7 +59,7 @@ def stone_walls(stones: Assemblage, gap: float) -> tuple[list[StoneWall], IntArr
     walls = [_plane_wall(stones, group, base) for group in _joined(stones, planes, base, gap)]
     for number, wall in enumerate(curved, start=1):
         name = wall.name or f"curved-wall-{number}"
-        shown = fronts(stones, wall.stones, wall.chart, wall.thickness)
+        shown = elevations(stones, wall.stones, wall.chart, wall.thickness)
         walls.append(StoneWall(name, wall.stones, np.full(len(wall.stones), name), shown, wall.chart, wall.thickness))
     walls.sort(key=lambda wall: wall.name)
     fitted = np.concatenate([wall.stones for wall in walls]) if walls else np.empty(0, dtype=np.int64)
@@ -68,7 +68,7 @@ def stone_walls(stones: Assemblage, gap: float) -> tuple[list[StoneWall], IntArr
 
 def stretches(wall: StoneWall) -> list[Stretch]:
     """Return the plane stretches of a wall: the whole of a plane one, the legs of a curved one."""
-    low, _, high, _ = map(float, shapely.total_bounds(wall.fronts))
+    low, _, high, _ = map(float, shapely.total_bounds(wall.elevations))
     chart = wall.chart
     if isinstance(chart, PlaneChart):
         return [Stretch(chart, low, high)]
@@ -89,7 +89,7 @@ def _check_leaves(stones: Assemblage, planes: Sequence[WallPlane], base: float, 
         if np.abs(one.normal - other.normal).max() > PLANE_TOLERANCE or abs(apart) > gap:
             continue
         chart = _chart(stones, one, base)
-        first, second = (shapely.union_all(fronts(stones, wall.stones, chart, wall.thickness)) for wall in (one, other))
+        first, second = (shapely.union_all(elevations(stones, wall.stones, chart, wall.thickness)) for wall in (one, other))
         if shapely.area(shapely.intersection(first, second)) > LEAST_LEAF * shapely.area(first):
             raise behind_one_another("stones without a panel name", len(one.stones), len(other.stones))
 
@@ -101,7 +101,7 @@ def _joined(stones: Assemblage, planes: Sequence[WallPlane], base: float, gap: f
     for i, j in combinations(range(len(planes)), 2):
         if np.abs(place[i] - place[j]).max() < PLANE_TOLERANCE:
             chart = _chart(stones, planes[i], base)
-            first, second = (shapely.union_all(fronts(stones, planes[k].stones, chart, planes[i].thickness)) for k in (i, j))
+            first, second = (shapely.union_all(elevations(stones, planes[k].stones, chart, planes[i].thickness)) for k in (i, j))
             links[i, j] = links[j, i] = bool(shapely.dwithin(first, second, gap))
     label = components(len(planes), np.argwhere(links))
     volume = [float(stones.volume[p.stones].sum()) for p in planes]
@@ -117,7 +117,7 @@ def _plane_wall(stones: Assemblage, group: Sequence[WallPlane], base: float) -> 
     own, tag = own[order], tag[order]
     whole = WallPlane(main.name, own, main.normal, main.offset, main.thickness)
     chart = _chart(stones, whole, base)
-    return StoneWall(main.name, own, tag, fronts(stones, own, chart, main.thickness), chart, main.thickness)
+    return StoneWall(main.name, own, tag, elevations(stones, own, chart, main.thickness), chart, main.thickness)
 
 
 def _chart(stones: Assemblage, wall: WallPlane, base: float) -> PlaneChart:

@@ -47,16 +47,16 @@ def wall_parts(wall: StoneWall, walls: Sequence[StoneWall], outline: FloatArray,
         np.concatenate([outline[:, 0], np.array(junction_spans(wall, walls)).reshape(-1)]),
         outline[:, 1],
     ]
-    fronts = {name: wall.fronts[wall.tag == name] for name in [wall.name, *names]}
-    boxes = {name: shapely.total_bounds(polygons) for name, polygons in fronts.items()}
-    unions = {name: shapely.union_all(polygons) for name, polygons in fronts.items()}
-    for first, second in combinations(fronts, 2):
+    elevations = {name: wall.elevations[wall.tag == name] for name in [wall.name, *names]}
+    boxes = {name: shapely.total_bounds(polygons) for name, polygons in elevations.items()}
+    unions = {name: shapely.union_all(polygons) for name, polygons in elevations.items()}
+    for first, second in combinations(elevations, 2):
         if not shapely.dwithin(unions[first], unions[second], near):
             continue
-        apart = _middle(fronts[second]) - _middle(fronts[first])
+        apart = _middle(elevations[second]) - _middle(elevations[first])
         axis = int(np.argmax(np.abs(apart)))
         low, high = (first, second) if apart[axis] > 0 else (second, first)
-        line = _border(fronts[low], fronts[high], axis)
+        line = _border(elevations[low], elevations[high], axis)
         mark = marks[axis][np.argmin(np.abs(marks[axis] - line))]
         line = mark if abs(mark - line) < near else line
         boxes[low][2 + axis] = boxes[high][axis] = line

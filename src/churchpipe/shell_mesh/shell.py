@@ -15,7 +15,7 @@ from churchpipe.errors import InputError
 from churchpipe.geometry.charts import lift
 from churchpipe.geometry.clusters import NODE_TOLERANCE, clusters, components
 from churchpipe.geometry.planar import area
-from churchpipe.model.arguments import check_kind, finite, told
+from churchpipe.model.arguments import check_kind, describe, finite
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.building import SHELL_PATTERNS, BondRegion, Building, PlaneChart, Support
 from churchpipe.model.materials import by_name
@@ -97,7 +97,7 @@ def derive_shell(building: Building, element_size: float, sizes: Mapping[str, fl
 def _sizes(building: Building, element_size: float, sizes: Mapping[str, float]) -> list[float]:
     names = [panel.name for panel in building.panels]
     if not isinstance(sizes, Mapping):
-        raise InputError("derive_shell: sizes", "wrong kind", found=told(sizes), expected="{panel: element size in m}")
+        raise InputError("derive_shell: sizes", "wrong kind", found=describe(sizes), expected="{panel: element size in m}")
     for name in sizes:
         if name not in names:
             raise InputError(f"element size of {name}", "no such panel", expected=", ".join(names))

@@ -6,7 +6,7 @@ import manifold3d
 import numpy as np
 
 from churchpipe.bond.tiles import TileSet, tiles_of
-from churchpipe.bond.voids import Void, seen
+from churchpipe.bond.voids import Void, to_view
 from churchpipe.errors import InputError
 from churchpipe.geometry.charts import lift, normals
 from churchpipe.geometry.manifolds import manifold, polyhedron
@@ -50,7 +50,7 @@ def pierced_solids(panel: Panel, chart: CylinderChart, tiles: TileSet, voids: Se
             points, faces = polyhedron(manifold(points, faces) ^ _prism(chart, void, outline))
         for void in voids if number not in of_ring else ():
             if _meet(chart, void, bounded[number]):
-                left = manifold(points, faces) - _prism(chart, void, void.taken)
+                left = manifold(points, faces) - _prism(chart, void, void.outer)
                 if len(left.decompose()) != 1:
                     place = f"s = {bounded[number][0]:.4g} to {bounded[number][2]:.4g}, t = {bounded[number][1]:.4g} m"
                     raise InputError(
@@ -67,7 +67,7 @@ def pierced_solids(panel: Panel, chart: CylinderChart, tiles: TileSet, voids: Se
 def _meet(chart: CylinderChart, void: Void, bounded: FloatArray) -> bool:
     """Return whether an opening, with its voussoirs, may reach into a stone with the bounds s0, t0, s1, t1, m."""
     low_s, low_t, high_s, high_t = bounded
-    (x0, t0), (x1, t1) = void.taken.min(axis=0), void.taken.max(axis=0)
+    (x0, t0), (x1, t1) = void.outer.min(axis=0), void.outer.max(axis=0)
     start, stop = void.reach(chart.radius, (float(x0), float(x1)))
     # A stone over the seam of a ring lies before its start.
     turns = 2 * np.pi * chart.radius * np.array([0.0, 1.0])
@@ -78,8 +78,8 @@ def _view(panel: Panel, chart: CylinderChart, tiles: TileSet, number: int, voids
     """Return the opening that a voussoir belongs to, and its outline in the view of that."""
     outline = tiles.corner[tiles.corner_ptr[number] : tiles.corner_ptr[number + 1]]
     for void in voids:
-        x, t = seen(chart, void.middle, outline).T
-        (x0, t0), (x1, t1) = void.taken.min(axis=0), void.taken.max(axis=0)
+        x, t = to_view(chart, void.middle, outline).T
+        (x0, t0), (x1, t1) = void.outer.min(axis=0), void.outer.max(axis=0)
         near = abs(outline[:, 0].mean() - void.middle) < chart.radius * np.pi / 2
         if near and x0 - 1e-9 < x.min() and x.max() < x1 + 1e-9 and t0 - 1e-9 < t.min() and t.max() < t1 + 1e-9:
             return void, np.stack([x, t], axis=1)

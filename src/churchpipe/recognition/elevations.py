@@ -15,7 +15,7 @@ ROUND = 12
 ON_FACE = 1e-4
 
 
-def fronts(stones: Assemblage, blocks: IntArray, chart: Chart, thickness: float) -> Polygons:
+def elevations(stones: Assemblage, blocks: IntArray, chart: Chart, thickness: float) -> Polygons:
     """Return the front of each of some stones (n,) of a wall, in chart coordinates."""
     _, normal, mean = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
     found: list[shapely.Geometry] = []
