@@ -11,6 +11,9 @@ from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 
 Polygons = npt.NDArray[np.object_]
 Region = shapely.Polygon | shapely.MultiPolygon
+# Coordinates rounded to this, m, for intersections that fail with the exact ones; boxes overlap by this much, m, where they do.
+GRID = 1e-9
+DOUBTFUL = 1e-6
 
 
 def polygon(outline: npt.ArrayLike) -> Region:
@@ -119,6 +122,20 @@ def covered(polygons: Polygons, region: Region) -> BoolArray:
 def common_areas(polygons: Polygons, region: Region) -> FloatArray:
     """Return the area (n,) that each polygon has in common with the region."""
     return areas(np.asarray(shapely.intersection(polygons, region), dtype=np.object_))
+
+
+def intersections(first: Polygons, second: Polygons) -> Polygons:
+    """Return what the polygons of two lists (n,) have in common, pair by pair.
+
+    With nearly collinear edges GEOS may return the places where the edges cross and lose the area between them. Where boxes
+    overlap and the answer has no area, coordinates are rounded to `GRID` for another try.
+    """
+    common = np.asarray(shapely.intersection(first, second), dtype=np.object_)
+    low = np.maximum(shapely.bounds(first)[:, :2], shapely.bounds(second)[:, :2])
+    high = np.minimum(shapely.bounds(first)[:, 2:], shapely.bounds(second)[:, 2:])
+    doubtful = (shapely.area(common) == 0) & (high - low > DOUBTFUL).all(axis=1)
+    common[doubtful] = shapely.intersection(first[doubtful], second[doubtful], grid_size=GRID)
+    return common
 
 
 def clip(polygons: Polygons, region: Region) -> tuple[Polygons, IntArray]:

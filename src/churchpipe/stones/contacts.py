@@ -4,6 +4,7 @@ import numpy as np
 import shapely
 
 from churchpipe.errors import InputError
+from churchpipe.geometry.planar import intersections
 from churchpipe.model.arguments import check_kind, finite
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, ragged_indices
 from churchpipe.model.assemblage import Assemblage
@@ -13,6 +14,10 @@ from churchpipe.model.polyhedra import face_normals
 # Faces count as parallel within this angle (rad); an overlap smaller than this share of the smaller face is no contact.
 ANGLE_TOLERANCE = 1e-5
 AREA_TOLERANCE = 1e-6
+# Coordinates are rounded: a joint as wide as the gap asked for is up to this much wider, m.
+ROUNDING = 1e-9
+# A face no wider than this, m, has no plane of its own: its corners lie on a line.
+NARROW = 1e-9
 
 
 def find_contacts(stones: Assemblage, gap_tolerance: float = 1e-6) -> Contacts:
@@ -36,12 +41,13 @@ def find_contacts(stones: Assemblage, gap_tolerance: float = 1e-6) -> Contacts:
     bucket, axes, front = _planes(normal, mean - centre, gap_tolerance, stones.size)
     flat = _project(stones, axes, centre)
     polygon = _face_polygons(flat, stones.face_ptr)
-    first, second = _pairs(polygon, bucket, front, block)
+    wide = np.flatnonzero(_width(stones, area_vector) > NARROW)
+    first, second = (wide[face] for face in _pairs(polygon[wide], bucket[wide], front[wide], block[wide]))
     apart = (
         np.abs(np.einsum("ij,ij->i", mean[second] - mean[first], normal[first])) > gap_tolerance + ANGLE_TOLERANCE * stones.size
     )
     first, second = first[~apart], second[~apart]
-    overlap = shapely.intersection(polygon[first], polygon[second])
+    overlap = intersections(polygon[first], polygon[second])
     part, pair = shapely.get_parts(overlap, return_index=True)
     face_area = np.linalg.norm(area_vector, axis=1)
     smallest = AREA_TOLERANCE * np.minimum(face_area[first], face_area[second])[pair]
@@ -51,6 +57,15 @@ def find_contacts(stones: Assemblage, gap_tolerance: float = 1e-6) -> Contacts:
     first, second = first[pair[keep]], second[pair[keep]]
     area = np.asarray(shapely.area(part), dtype=np.float64)
     return _lift(stones, corner, corner_ptr, area, axes[first], first, second, block, normal, mean, centre, gap_tolerance)
+
+
+def _width(stones: Assemblage, area_vector: FloatArray) -> FloatArray:
+    """Return how wide each face is (nf,) m, across its longest edge."""
+    successor = np.arange(len(stones.face_nodes)) + 1
+    successor[stones.face_ptr[1:] - 1] = stones.face_ptr[:-1]
+    corner = stones.points[stones.face_nodes]
+    longest = np.maximum.reduceat(np.linalg.norm(corner[successor] - corner, axis=1), stones.face_ptr[:-1])
+    return 2.0 * np.linalg.norm(area_vector, axis=1) / np.maximum(longest, np.finfo(float).tiny)
 
 
 def _cluster(label: IntArray, value: FloatArray, tolerance: float) -> IntArray:
@@ -84,7 +99,7 @@ def _frames(n: FloatArray) -> FloatArray:
     """Return right-handed frames (k, 3, 3), rows n, t1, t2; t1 is horizontal where n is not vertical."""
     helper = np.where(np.abs(n[:, 2:]) > 0.9, [1.0, 0.0, 0.0], [0.0, 0.0, 1.0])
     t1 = np.cross(helper, n)
-    t1 /= np.linalg.norm(t1, axis=1, keepdims=True)
+    t1 /= np.maximum(np.linalg.norm(t1, axis=1, keepdims=True), np.finfo(float).tiny)
     return np.stack([n, t1, np.cross(n, t1)], axis=1).astype(np.float64)
 
 
@@ -168,7 +183,7 @@ def _lift(
     place = centre + np.einsum("ia,iac->ic", middle, axes[:, 1:])
     height_first = np.einsum("ij,ij->i", mean[first] - place, normal[first]) / np.einsum("ij,ij->i", n, normal[first])
     height_second = np.einsum("ij,ij->i", mean[second] - place, normal[second]) / np.einsum("ij,ij->i", n, normal[second])
-    keep = np.abs(height_second - height_first) <= gap_tolerance
+    keep = np.abs(height_second - height_first) <= gap_tolerance + ROUNDING
     height = 0.5 * (height_first + height_second)
     point = centre + np.einsum("ia,iac->ic", corner, axes[owner][:, 1:]) + (height[:, None] * n)[owner]
     blocks = np.stack([block[first], block[second]], axis=1)[keep]

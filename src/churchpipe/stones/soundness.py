@@ -10,12 +10,13 @@ import shapely
 from churchpipe.errors import InputError
 from churchpipe.geometry.manifolds import manifold
 from churchpipe.model.arguments import check_kind
-from churchpipe.model.arrays import IntArray
+from churchpipe.model.arrays import BoolArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts, check_contacts_of
+from churchpipe.model.polyhedra import face_normals
 
-# Solids overlap when they share more than this part of the smaller one's volume.
-OVERLAP_TOLERANCE = 1e-6
+# Solids that share no more than a layer of this thickness, m, touch: coordinates are often rounded to six decimals.
+TOUCHING = 1e-6
 # A joint holds a stone from below when its normal rises by at least this much.
 LEAST_LIFT = 0.05
 
@@ -48,21 +49,24 @@ def duplicate_stones(stones: Assemblage, tolerance: float = 1e-6) -> IntArray:
     return pairs[same]
 
 
-def overlapping_stones(stones: Assemblage, progress: Callable[[str, float], None] | None = None) -> IntArray:
-    """Return pairs (k, 2) of stones whose solids share volume.
+def overlapping_stones(
+    stones: Assemblage, tolerance: float = TOUCHING, progress: Callable[[str, float], None] | None = None
+) -> IntArray:
+    """Return pairs (k, 2) of stones whose solids overlap by more than the tolerance, m.
 
     Bounding boxes that overlap propose pairs; separating planes spare most of them; a boolean of the solids decides the rest.
+    The depth of an overlap is the mean thickness of the shared solid, twice its volume over its surface.
     """
-    pairs = _close_boxes(stones, 1e-6 * float(np.cbrt(stones.volume.min())))
-    pairs = pairs[~_separated(stones, pairs)]
+    pairs = _close_boxes(stones, 0.5 * tolerance)
+    pairs = pairs[~_separated(stones, pairs, tolerance)]
     solids: dict[int, manifold3d.Manifold] = {}
     overlapping = np.zeros(len(pairs), dtype=bool)
     for row, (i, j) in enumerate(pairs.tolist()):
         for k in (i, j):
             if k not in solids:
                 solids[k] = _solid(stones, k)
-        shared = (solids[i] ^ solids[j]).volume()
-        overlapping[row] = shared > OVERLAP_TOLERANCE * min(stones.volume[i], stones.volume[j])
+        shared = solids[i] ^ solids[j]
+        overlapping[row] = 2.0 * shared.volume() > tolerance * shared.surface_area()
         if progress and row % 64 == 0:
             progress("overlaps", row / len(pairs))
     return pairs[overlapping]
@@ -79,7 +83,7 @@ def check_soundness(stones: Assemblage, contacts: Contacts, progress: Callable[[
     if len(double):
         problems.append(f"{len(double)} drawn twice ({_name_pairs(stones, double)})")
         remedies.append("Delete one of each pair.")
-    overlap = overlapping_stones(stones, progress)
+    overlap = overlapping_stones(stones, progress=progress)
     overlap = overlap[~(overlap[:, None] == double[None]).all(axis=2).any(axis=1)] if len(double) else overlap
     if len(overlap):
         problems.append(f"{len(overlap)} pairs overlap ({_name_pairs(stones, overlap)})")
@@ -120,27 +124,18 @@ def _close_boxes(stones: Assemblage, shrink: float) -> IntArray:
     return np.stack([i[keep], j[keep]], axis=1)
 
 
-def _separated(stones: Assemblage, pairs: IntArray) -> np.ndarray:
-    """Return True for pairs that a face of one of them separates."""
-    out = np.zeros(len(pairs), dtype=bool)
-    for row, (i, j) in enumerate(pairs.tolist()):
-        out[row] = _face_separates(stones, i, j) or _face_separates(stones, j, i)
-    return out
+def _separated(stones: Assemblage, pairs: IntArray, tolerance: float) -> BoolArray:
+    """Return True for pairs that a face of one of them separates, to the tolerance, m."""
+    _, normal, mean = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
+    offset = np.einsum("fc,fc->f", normal, mean)
 
+    def separates(i: int, j: int) -> bool:
+        own, others = (stones.points[stones.block_point_ptr[k] : stones.block_point_ptr[k + 1]] for k in (i, j))
+        faces = slice(*stones.block_face_ptr[i : i + 2])
+        behind = (own @ normal[faces].T <= offset[faces] + tolerance).all(axis=0)
+        return bool((behind & (others @ normal[faces].T >= offset[faces] - tolerance).all(axis=0)).any())
 
-def _face_separates(stones: Assemblage, i: int, j: int) -> bool:
-    others = stones.points[stones.block_point_ptr[j] : stones.block_point_ptr[j + 1]]
-    own = stones.points[stones.block_point_ptr[i] : stones.block_point_ptr[i + 1]]
-    faces = range(stones.block_face_ptr[i], stones.block_face_ptr[i + 1])
-    corners = [stones.points[stones.face_nodes[stones.face_ptr[f] : stones.face_ptr[f] + 3]] for f in faces]
-    edge = np.array([[c[1] - c[0], c[2] - c[0]] for c in corners])
-    normal = np.cross(edge[:, 0], edge[:, 1])
-    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    offset = np.einsum("fc,fc->f", normal, np.array([c[0] for c in corners]))
-    tolerance = 1e-7 * float(np.ptp(own, axis=0).max())
-    outside = (others @ normal.T >= offset - tolerance).all(axis=0)
-    behind = (own @ normal.T <= offset + tolerance).all(axis=0)
-    return bool((outside & behind).any())
+    return np.array([separates(i, j) or separates(j, i) for i, j in pairs.tolist()], dtype=np.bool_)
 
 
 def _solid(stones: Assemblage, block: int) -> manifold3d.Manifold:

@@ -108,3 +108,17 @@ def test_faces_on_the_same_side_are_no_contact() -> None:
 def test_tolerance_must_be_positive() -> None:
     with pytest.raises(InputError, match="gap_tolerance"):
         find_contacts(running_wall(1, 2), gap_tolerance=0.0)
+
+
+def test_a_gap_equal_to_the_joint_finds_all_joints() -> None:
+    # .005 wide as drawn, some joints 1e-15 more as computed.
+    stones = on_ground(*[box((0, 1), (0, 1), (0.105 * i + 0.005, 0.105 * i + 0.105)) for i in range(20)])
+    assert len(find_contacts(stones, gap_tolerance=0.005).blocks) == 20
+
+
+def test_a_face_without_area_is_left_out() -> None:
+    # The middle of an edge is drawn on one side of it only; a triangle without area closes the solid.
+    points, _ = box((0, 1), (0, 1), (0, 1))
+    points = np.vstack([points, [1.0, 0.5, 1.0]])
+    faces = [[0, 1, 3, 2], [4, 6, 7, 8, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3], [5, 8, 7]]
+    assert len(find_contacts(on_ground((points, faces), box((1, 2), (0, 1), (0, 1)))).blocks) == 3

@@ -1,5 +1,7 @@
 """Stones that float, lie twice in one place or overlap are found and named."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -59,3 +61,17 @@ def test_a_stone_in_the_notch_of_another_does_not_overlap() -> None:
     fitting, too_big = box((0.5, 1.5), (0, 1), (0.5, 1.5)), box((0.4, 1.6), (0, 1), (0.5, 1.5))
     assert overlapping_stones(on_ground(notch, fitting)).tolist() == []
     assert overlapping_stones(on_ground(notch, too_big)).tolist() == [[1, 2]]
+
+
+@pytest.mark.parametrize(("depth", "pairs"), [(9e-7, []), (2e-6, [[1, 2]])])
+def test_overlap_is_measured_by_its_depth(depth: float, pairs: list[list[int]]) -> None:
+    # Flat tiles: the shared layer is 2e-5 of the volume already where coordinates of six decimals overlap by rounding alone.
+    lower, upper = box((0, 1), (0, 1), (0, 0.02)), box((0, 1), (0, 1), (0.02 - depth, 0.04))
+    assert overlapping_stones(on_ground(lower, upper)).tolist() == pairs
+
+
+def test_a_face_that_begins_with_corners_on_a_line_raises_no_warning() -> None:
+    outline = [(0.0, 0.0), (0.5, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert overlapping_stones(on_ground(prism(outline, 1.0), box((0.5, 1.5), (0, 1), (0.5, 1.5)))).tolist() == [[1, 2]]
