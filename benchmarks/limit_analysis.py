@@ -1,6 +1,6 @@
 """Speed and size of limit analysis on box buildings: our interior-point core, Clarabel, cvxpy.
 
-    python benchmarks/limit_analysis.py --models 1k 5k 10k 20k 50k
+    PYTHONPATH=tests python benchmarks/limit_analysis.py --models 1k 5k 10k 20k 50k
 
 Every run is a process of its own with one thread, so that peak memory and processor time are its own. Clarabel has its default
 settings and the form that suits it best (kinematic, forces in the weight of a stone). With `--mkl DIR` it also runs with the
@@ -20,15 +20,6 @@ from typing import Any
 
 import numpy as np
 
-# Outer length and width in bricks of 1 m, and courses: about this many stones.
-MODELS = {
-    "warm": (4, 3, 2),
-    "1k": (14, 9, 24),
-    "5k": (24, 16, 69),
-    "10k": (34, 22, 92),
-    "20k": (48, 32, 128),
-    "50k": (76, 50, 200),
-}
 # The largest model of each, and the cap of one run, s.
 LIMITS = {"interior-point": 10**6, "clarabel": 6000, "clarabel-mkl": 21000, "cvxpy": 6000}
 CAP = 600
@@ -37,16 +28,12 @@ DOCUMENT = Path(__file__).parents[1] / "docs" / "benchmarks_limit_analysis.md"
 
 def model(name: str) -> tuple[Any, Any]:
     """Return balance and strength of a box building; friction .6, pushed along x."""
-    from churchpipe.generators.box import box
     from churchpipe.model.loads import LoadCase
     from churchpipe.rigid_blocks.equilibrium import equilibrium
     from churchpipe.rigid_blocks.limit import point_strength
-    from churchpipe.stones.blocks import derive_blocks
-    from churchpipe.stones.contacts import find_contacts
+    from models import box_building
 
-    length, width, courses = MODELS[name]
-    stones = derive_blocks(box(length=length, width=width, courses=courses, brick=(1.0, 0.5, 0.4)))
-    contacts = find_contacts(stones)
+    stones, contacts = box_building(name)
     balance = equilibrium(stones, contacts, LoadCase((1, 0, 0)))
     return balance, point_strength(contacts, 0.6, 0.0, balance.force)
 
@@ -154,7 +141,7 @@ def table(rows: list[dict[str, Any]], command: str) -> str:
 def main() -> None:
     """Run the chosen models, solvers interleaved, and write the document."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--models", nargs="+", default=list(MODELS)[1:], choices=MODELS)
+    parser.add_argument("--models", nargs="+", default=["1k", "5k", "10k", "20k", "50k"])
     parser.add_argument("--solvers", nargs="+", default=["interior-point", "clarabel", "cvxpy"], choices=LIMITS)
     parser.add_argument("--mkl", default="", metavar="DIR", help="folder with libmkl_rt.so, for clarabel-mkl")
     parser.add_argument("--one", nargs=2, metavar=("MODEL", "SOLVER"), help="one run, as JSON")
@@ -168,7 +155,8 @@ def main() -> None:
             if all(row.get("stones", 0) <= LIMITS[solver] for row in rows if row["model"] == name):
                 rows.append(in_child(name, solver, chosen.mkl))
                 print(rows[-1], flush=True)
-    command = f"python benchmarks/limit_analysis.py --models {' '.join(chosen.models)} --solvers {' '.join(chosen.solvers)}"
+    command = f"PYTHONPATH=tests python benchmarks/limit_analysis.py --models {' '.join(chosen.models)}"
+    command += f" --solvers {' '.join(chosen.solvers)}"
     command += " --mkl DIR" if chosen.mkl else ""
     DOCUMENT.write_text(table(rows, command), encoding="utf-8")
 

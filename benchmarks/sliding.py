@@ -1,6 +1,6 @@
 """Sliding without dilatancy from the canonical dead-load start: value, gap and cost of box buildings and of the test models.
 
-PYTHONPATH=tests:tests/validation:benchmarks python benchmarks/sliding.py wall1 S5 S5-swapped S22 1k 5k --gap 1e-5
+PYTHONPATH=tests python benchmarks/sliding.py wall1 S5 S5-swapped S22 1k 5k --gap 1e-5
 """
 
 import argparse
@@ -8,30 +8,27 @@ from time import process_time
 from typing import Any
 
 from churchpipe.conic.solve import solver_for
+from churchpipe.model.loads import LoadCase
 from churchpipe.rigid_blocks.coulomb import EXACT, dead_load_start
 from churchpipe.rigid_blocks.equilibrium import equilibrium
 from churchpipe.rigid_blocks.iterations import SchemeSettings, certified_iteration
 from churchpipe.rigid_blocks.limit import associative_program, point_strength
 from churchpipe.stones.contacts import find_contacts
+from models import FERRIS_TIN_LOI_LOAD, TILTING_LOADS, box_building, ferris_tin_loi_wall, tilting_test
 
 
 def problem(name: str) -> tuple[Any, Any]:
-    """Return balance and strength of a model of the tests or of the benchmark of limit analysis."""
+    """Return balance and strength of a model of tests/models.py."""
     if name.startswith("wall"):
-        from test_ferris_tin_loi import LOAD, wall
-
-        stones, load, friction = wall(int(name[4:])), LOAD, 0.65
+        stones, load, friction = ferris_tin_loi_wall(int(name[4:])), FERRIS_TIN_LOI_LOAD, 0.65
         contacts = find_contacts(stones)
     elif name.startswith("S"):
-        from test_prototypes import LOADS, model
-
         test, _, swapped = name.partition("-")
-        stones, contacts = model(test, first_course="partitions" if swapped else "main")
-        load, friction = LOADS[test], 0.7
+        stones, contacts = tilting_test(test, first_course="partitions" if swapped else "main")
+        load, friction = TILTING_LOADS[test], 0.7
     else:
-        from limit_analysis import model as box_model
-
-        return box_model(name)
+        stones, contacts = box_building(name)
+        load, friction = LoadCase((1, 0, 0)), 0.6
     balance = equilibrium(stones, contacts, load)
     return balance, point_strength(contacts, friction, 0.0, balance.force)
 

@@ -7,37 +7,11 @@ Ferris and Tin-Loi).
 
 import pytest
 
-from churchpipe.model.assemblage import Assemblage
-from churchpipe.model.loads import LoadCase
 from churchpipe.rigid_blocks.limit import limit_analysis
 from churchpipe.stones.contacts import find_contacts
-from solids import box, on_ground
+from models import FERRIS_TIN_LOI_LOAD as LOAD
+from models import ferris_tin_loi_wall as wall
 
-PATTERNS = {
-    1: ("E U E U E U", {"E": [0.5, 1, 1, 1, 1, 0.5], "U": [1] * 5}),
-    2: ("E U E U E U E U E U", {"E": [0.5, 1, 1, 1, 1, 0.5], "U": [1] * 5}),
-    3: (
-        "E U E w v w v w E U E",
-        {"E": [1] * 4, "U": [0.5, 1, 1, 1, 0.5], "w": [0.5, 1, -1, 1, 0.5], "v": [1, 0.5, -1, 0.5, 1]},
-    ),
-    4: (
-        "E U E w v w v w E U E",
-        {"E": [0.5, 1, 1, 1, 1, 0.5], "U": [1] * 5, "w": [1, -1, 1, -1, 1], "v": [0.5, 0.5, -1, 0.5, 0.5, -1, 0.5, 0.5]},
-    ),
-    5: (
-        "E U E w v w v w E U E w v w v w E U E",
-        {"E": [0.5, 1, 1, 0.5], "U": [1] * 3, "w": [1, -1, 1], "v": [0.5, 0.5, -1, 0.5, 0.5]},
-    ),
-    6: (
-        "E U E U w v w v w U E U w v w v w U E U E",
-        {
-            "E": [0.5, 1, 1, 1, 1, 1, 1, 0.5],
-            "U": [1] * 7,
-            "w": [0.5, 1, -1, 1, 1, -1, 1, 0.5],
-            "v": [1, 0.5, -1, 0.5, 1, 0.5, -1, 0.5, 1],
-        },
-    ),
-}
 COUNTS = {1: (33, 83), 2: (55, 141), 3: (46, 102), 4: (55, 116), 5: (61, 120), 6: (146, 345)}
 ASSOCIATIVE = {1: 0.642859, 2: 0.579999, 3: 0.403694, 4: 0.331948, 5: 0.239643, 6: 0.347825}
 NON_ASSOCIATIVE = {1: 0.64001, 2: 0.56280, 3: 0.35598, 4: 0.26387, 5: 0.21467}
@@ -45,20 +19,6 @@ PUBLISHED = {1: 0.63982, 2: 0.56262, 3: 0.35581, 4: 0.26374}
 # From the canonical dead-load start: load factor, and ends of the interval where the mechanism found is the same as theirs.
 CANONICAL = {1: 0.64009, 2: 0.56300, 3: 0.35671, 4: 0.26374, 5: 0.21484, 6: 0.29648}
 INTERVALS = {1: (0.6390, 0.6429), 3: (0.3558, 0.3794), 4: (0.2637, 0.3070), 5: (0.2139, 0.2296)}
-LOAD = LoadCase((1, 0, 0))
-
-
-def wall(number: int) -> Assemblage:
-    """Lay a wall; a negative length is a gap."""
-    courses, lengths = PATTERNS[number]
-    bricks = []
-    for c, name in enumerate(courses.split()):
-        left = 0.0
-        for length in lengths[name]:
-            if length > 0:
-                bricks.append(box((0.4 * left, 0.4 * (left + length)), (0, 1), (0.175 * c, 0.175 * (c + 1))))
-            left += abs(length)
-    return on_ground(*bricks)
 
 
 @pytest.mark.parametrize("number", [1, 2, 3, 4, 5, 6])

@@ -3,8 +3,6 @@
 import numpy as np
 import pytest
 import scipy.sparse as sp
-from test_ferris_tin_loi import LOAD, wall
-from test_prototypes import LOADS, model
 
 from churchpipe.conic.clarabel import solve_clarabel
 from churchpipe.conic.polish import restore_balance
@@ -25,6 +23,10 @@ from churchpipe.rigid_blocks.interval import mechanism_interval
 from churchpipe.rigid_blocks.iterations import certified_iteration
 from churchpipe.rigid_blocks.limit import associative_program, point_strength
 from churchpipe.stones.contacts import find_contacts
+from models import FERRIS_TIN_LOI_LOAD as LOAD
+from models import TILTING_LOADS as LOADS
+from models import ferris_tin_loi_wall as wall
+from models import tilting_test as model
 
 
 def problem(name: str) -> tuple[Equilibrium, Strength]:

@@ -7,28 +7,9 @@ from typing import Any
 
 import pytest
 
-from churchpipe.generators import prototype
-from churchpipe.model.assemblage import Assemblage
-from churchpipe.model.contacts import Contacts
-from churchpipe.model.loads import LoadCase
-from churchpipe.model.materials import Material
 from churchpipe.rigid_blocks.limit import limit_analysis
-from churchpipe.stones.blocks import derive_blocks
-from churchpipe.stones.contacts import find_contacts
-
-DRY_STONE = (Material("default", 28.6e3, 0.7),)
-DOOR = {"start": 0.12, "width": 0.16, "height_courses": 15, "lintel_bearing": 0.04}
-LAYOUTS: dict[str, dict[str, Any]] = {
-    "S5": {"main_wall_length": 0.64, "partitions_x": [0, 0.6], "partition_length": 0.32},
-    "S22": {"main_wall_length": 1.12, "partitions_x": [0, 0.52, 1.08], "partition_length": 0.84, "opening": DOOR},
-}
-LOADS = {"S5": LoadCase((0, 1, 0)), "S22": LoadCase((0, -1, 0))}
-
-
-def model(test: str, brick_length: float = 0.08, **options: Any) -> tuple[Assemblage, Contacts]:
-    building = prototype(materials=DRY_STONE, brick=(brick_length, 0.04, 0.03), courses=21, **LAYOUTS[test], **options)
-    stones = derive_blocks(building)
-    return stones, find_contacts(stones)
+from models import TILTING_LOADS as LOADS
+from models import tilting_test as model
 
 
 def load_factor(test: str, friction: float = 0.7, **options: Any) -> float:

@@ -6,8 +6,6 @@ Values of S5 A, S5 B (parity swapped) and S22: independent calculations made for
 
 import numpy as np
 import pytest
-from test_ferris_tin_loi import LOAD, wall
-from test_prototypes import LOADS, model
 
 from churchpipe.conic.solve import solver_for
 from churchpipe.errors import InputError
@@ -19,6 +17,10 @@ from churchpipe.rigid_blocks.iterations import certified_iteration
 from churchpipe.rigid_blocks.limit import associative_program, limit_analysis, point_strength
 from churchpipe.stones.blocks import derive_blocks
 from churchpipe.stones.contacts import find_contacts
+from models import FERRIS_TIN_LOI_LOAD as LOAD
+from models import TILTING_LOADS as LOADS
+from models import ferris_tin_loi_wall as wall
+from models import tilting_test as model
 
 
 @pytest.mark.parametrize(

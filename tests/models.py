@@ -1,0 +1,86 @@
+"""Models that tests and benchmarks share: walls of Ferris and Tin-Loi, tilting tests, box buildings."""
+
+from typing import Any
+
+from churchpipe.generators import prototype
+from churchpipe.generators.box import box as box_walls
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.contacts import Contacts
+from churchpipe.model.loads import LoadCase
+from churchpipe.model.materials import Material
+from churchpipe.stones.blocks import derive_blocks
+from churchpipe.stones.contacts import find_contacts
+from solids import box, on_ground
+
+# Courses of Ferris and Tin-Loi's walls from the bottom, and brick lengths of each in units of .4 m; negative is a gap.
+FERRIS_TIN_LOI_PATTERNS = {
+    1: ("E U E U E U", {"E": [0.5, 1, 1, 1, 1, 0.5], "U": [1] * 5}),
+    2: ("E U E U E U E U E U", {"E": [0.5, 1, 1, 1, 1, 0.5], "U": [1] * 5}),
+    3: (
+        "E U E w v w v w E U E",
+        {"E": [1] * 4, "U": [0.5, 1, 1, 1, 0.5], "w": [0.5, 1, -1, 1, 0.5], "v": [1, 0.5, -1, 0.5, 1]},
+    ),
+    4: (
+        "E U E w v w v w E U E",
+        {"E": [0.5, 1, 1, 1, 1, 0.5], "U": [1] * 5, "w": [1, -1, 1, -1, 1], "v": [0.5, 0.5, -1, 0.5, 0.5, -1, 0.5, 0.5]},
+    ),
+    5: (
+        "E U E w v w v w E U E w v w v w E U E",
+        {"E": [0.5, 1, 1, 0.5], "U": [1] * 3, "w": [1, -1, 1], "v": [0.5, 0.5, -1, 0.5, 0.5]},
+    ),
+    6: (
+        "E U E U w v w v w U E U w v w v w U E U E",
+        {
+            "E": [0.5, 1, 1, 1, 1, 1, 1, 0.5],
+            "U": [1] * 7,
+            "w": [0.5, 1, -1, 1, 1, -1, 1, 0.5],
+            "v": [1, 0.5, -1, 0.5, 1, 0.5, -1, 0.5, 1],
+        },
+    ),
+}
+FERRIS_TIN_LOI_LOAD = LoadCase((1, 0, 0))
+
+DRY_STONE = (Material("default", 28.6e3, 0.7),)
+TILTING_DOOR = {"start": 0.12, "width": 0.16, "height_courses": 15, "lintel_bearing": 0.04}
+TILTING_LAYOUTS: dict[str, dict[str, Any]] = {
+    "S5": {"main_wall_length": 0.64, "partitions_x": [0, 0.6], "partition_length": 0.32},
+    "S22": {"main_wall_length": 1.12, "partitions_x": [0, 0.52, 1.08], "partition_length": 0.84, "opening": TILTING_DOOR},
+}
+TILTING_LOADS = {"S5": LoadCase((0, 1, 0)), "S22": LoadCase((0, -1, 0))}
+
+# Outer length and width in bricks of 1 m, and courses, of box buildings: about this many stones.
+BOXES = {
+    "warm": (4, 3, 2),
+    "1k": (14, 9, 24),
+    "5k": (24, 16, 69),
+    "10k": (34, 22, 92),
+    "20k": (48, 32, 128),
+    "50k": (76, 50, 200),
+}
+
+
+def ferris_tin_loi_wall(number: int) -> Assemblage:
+    """Lay one of the six walls: bricks of .4 x .175 m, unit thickness."""
+    courses, lengths = FERRIS_TIN_LOI_PATTERNS[number]
+    bricks = []
+    for c, name in enumerate(courses.split()):
+        left = 0.0
+        for length in lengths[name]:
+            if length > 0:
+                bricks.append(box((0.4 * left, 0.4 * (left + length)), (0, 1), (0.175 * c, 0.175 * (c + 1))))
+            left += abs(length)
+    return on_ground(*bricks)
+
+
+def tilting_test(test: str, brick_length: float = 0.08, **options: Any) -> tuple[Assemblage, Contacts]:
+    """Stones and contacts of the tilting tests "S5" and "S22" of Malena, Portioli et al. (2019)."""
+    building = prototype(materials=DRY_STONE, brick=(brick_length, 0.04, 0.03), courses=21, **TILTING_LAYOUTS[test], **options)
+    stones = derive_blocks(building)
+    return stones, find_contacts(stones)
+
+
+def box_building(name: str) -> tuple[Assemblage, Contacts]:
+    """Stones and contacts of four walls around a room, by a name of `BOXES`."""
+    length, width, courses = BOXES[name]
+    stones = derive_blocks(box_walls(length=length, width=width, courses=courses, brick=(1.0, 0.5, 0.4)))
+    return stones, find_contacts(stones)
