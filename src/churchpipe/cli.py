@@ -28,9 +28,9 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
     epilog="Exit codes: 0 done, 1 findings in the input, 2 usage, 3 the structure or a solver (the report is written).",
 )
-# Into a file or a pipe, tables keep their width.
-out = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
-err = Console(stderr=True, highlight=False)
+# Names and paths are printed as they are: no markup and no emoji in them. Into a file or a pipe, tables keep their width.
+out = Console(highlight=False, markup=False, emoji=False, width=None if sys.stdout.isatty() else 120)
+err = Console(stderr=True, highlight=False, markup=False, emoji=False)
 
 Folder = Annotated[Path, typer.Option("--out", "-o", help="Folder to write to.", show_default=False)]
 Drawing = Annotated[Path, typer.Argument(help="A DXF drawing.", exists=True, dir_okay=False, show_default=False)]
@@ -51,7 +51,7 @@ def main() -> NoReturn:
     try:
         app()
     except InputError as error:
-        err.print(str(error), style="red", markup=False, soft_wrap=True)
+        err.print(str(error), style="red", soft_wrap=True)
         raise SystemExit(USAGE if isinstance(error, UsageError) else FINDINGS) from None
     except BrokenPipeError:
         # The reader of a pipe (head, less) has left.
@@ -60,7 +60,7 @@ def main() -> NoReturn:
     except OSError as error:
         place = f"{error.filename}: " if error.filename else ""
         problem = error.strerror or str(error)
-        err.print(f"{place}{problem}. Choose another place to write to.", style="red", markup=False, soft_wrap=True)
+        err.print(f"{place}{problem}. Choose another place to write to.", style="red", soft_wrap=True)
         raise SystemExit(USAGE) from None
     except MemoryError:
         err.print("Out of memory: the structure is too large for this machine.", style="red", soft_wrap=True)
@@ -114,7 +114,7 @@ def run(
         if out_dir is None:
             remedy = "Give one of them another name, or a folder of its own with --out."
             raise UsageError(str(folder), "holds the run of another case of this name", found=other, remedy=remedy)
-        err.print(f"{folder} held the run of {other} until now.", markup=False, soft_wrap=True)
+        err.print(f"{folder} held the run of {other} until now.", soft_wrap=True)
 
     def prepare() -> None:
         stages.configure(case, folder, changes or ())
@@ -129,7 +129,7 @@ def run(
     if display.errors:
         # The jobs of several analyses meet the same fault.
         for text in dict.fromkeys(display.errors):
-            err.print(text, style="red", markup=False, soft_wrap=True)
+            err.print(text, style="red", soft_wrap=True)
         raise typer.Exit(FINDINGS)
     if code:
         err.print(f"A stage crashed; see {folder / 'run.log'}", style="red", soft_wrap=True)
@@ -183,9 +183,9 @@ def import_dxf(
     )
     _list(done.findings)
     out.print(f"{done.stones} stones on {done.fixed} fixed ones: {done.case}", soft_wrap=True)
-    out.print(done.shell, markup=False, soft_wrap=True)
+    out.print(done.shell, soft_wrap=True)
     for key in done.missing:
-        out.print(f"Still to be filled in: {key}", markup=False, soft_wrap=True)
+        out.print(f"Still to be filled in: {key}", soft_wrap=True)
 
 
 @app.command()
@@ -226,7 +226,7 @@ def generate(
     """Write a commented case file to edit: dimensions, materials, loads."""
     text = sample_case(name)
     if case is None:
-        out.print(text, markup=False, end="", soft_wrap=True)
+        out.print(text, end="", soft_wrap=True)
         return
     if case.exists():
         raise UsageError(str(case), "exists already", remedy="Choose another name, or delete it first.")
@@ -245,7 +245,7 @@ def doctor() -> None:
     findings = examine()
     out.print(findings_table(findings))
     for remedy in dict.fromkeys(finding.remedy for finding in findings if finding.remedy):
-        out.print(remedy, markup=False, soft_wrap=True)
+        out.print(remedy, soft_wrap=True)
     if not all(finding.passed for finding in findings):
         raise typer.Exit(FINDINGS)
 
@@ -266,9 +266,9 @@ def _print_results(summary: dict[str, Any]) -> None:
 
     out.print(results_table(summary))
     for line in gate_lines(summary):
-        out.print(line, markup=False, soft_wrap=True)
+        out.print(line, soft_wrap=True)
 
 
 def _list(findings: Any) -> None:
     if len(findings):
-        err.print(str(findings), markup=False, soft_wrap=True)
+        err.print(str(findings), soft_wrap=True)

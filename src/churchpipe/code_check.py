@@ -79,7 +79,8 @@ class Site:
 class Activation:
     """The acceleration that sets a mechanism in motion.
 
-    load_factor: alpha0; weight: N, of what moves; mass: M*, kg; fraction: e*; confidence_factor: FC; acceleration: a0*, m/s2.
+    load_factor: alpha0; weight: N, of what moves; mass: M*, kg; fraction: e* of the stones, each lumped at its centroid;
+    confidence_factor: FC; acceleration: a0* with that e*, m/s2.
     """
 
     load_factor: float
@@ -91,7 +92,7 @@ class Activation:
 
     @property
     def lumped(self) -> float:
-        """alpha0 g / FC, m/s2: a0* if all that moves were one body (e* = 1), never above a0*."""
+        """alpha0 g / FC, m/s2: a0* if all that moves were one body (e* = 1). Never above `acceleration`, so the careful value."""
         return self.load_factor * GRAVITY / self.confidence_factor
 
     def as_dict(self) -> dict[str, Any]:
@@ -99,11 +100,11 @@ class Activation:
         return {
             "alpha0": self.load_factor,
             "moving_weight_kN": self.weight / 1e3,
+            "confidence_factor": self.confidence_factor,
+            "a0_lumped_m_s2": self.lumped,
             "participating_mass_t": self.mass / 1e3,
             "mass_fraction": self.fraction,
-            "confidence_factor": self.confidence_factor,
             "a0_m_s2": self.acceleration,
-            "a0_lumped_m_s2": self.lumped,
         }
 
 
@@ -112,7 +113,7 @@ class Verdict:
     """The check of the ultimate limit state with a behaviour factor.
 
     ground: a_g S / q, m/s2; floor: a_Z / q, m/s2, or None; capacity: a_g,SLV, m/s2, the ground acceleration that the mechanism
-    withstands; index: zeta_E, capacity over demand; satisfied: a0* is not below ground and floor.
+    withstands; index: zeta_E, capacity over demand; satisfied: the acceleration is not below ground and floor.
     """
 
     ground: float
@@ -164,7 +165,7 @@ def activation(
 
 
 def verify(acceleration: float, site: Site) -> Verdict:
-    """Return the check of a0* (m/s2) against a_g S / q (C8.7.1.2.1.7), and against a_Z / q where the site has a floor.
+    """Return the check of an a0* (m/s2) against a_g S / q (C8.7.1.2.1.7), and against a_Z / q where the site has a floor.
 
     a_g,SLV = q a0* / S and zeta_E = a_g,SLV / a_g. With a floor both are lessened by what it asks beyond the ground, the spectrum
     being proportional to a_g.
@@ -176,8 +177,9 @@ def verify(acceleration: float, site: Site) -> Verdict:
     return Verdict(ground, floor, index * site.ground_acceleration, index, acceleration >= demand)
 
 
-def verdict_record(site: Site, verdict: Verdict) -> dict[str, Any]:
-    """Return a check with what it rests on in the words of summary.json."""
+def verdict_record(site: Site, found: Activation) -> dict[str, Any]:
+    """Return a check with what it rests on in the words of summary.json: with e* = 1 first, with e* of the stones besides."""
+    verdict, of_stones = verify(found.lumped, site), verify(found.acceleration, site)
     floor = {} if verdict.floor is None else {"floor_demand_m_s2": verdict.floor}
     return {
         "a_g_m_s2": site.ground_acceleration,
@@ -188,6 +190,9 @@ def verdict_record(site: Site, verdict: Verdict) -> dict[str, Any]:
         "a_g_slv_m_s2": verdict.capacity,
         "zeta_e": verdict.index,
         "satisfied": verdict.satisfied,
+        "a_g_slv_stones_m_s2": of_stones.capacity,
+        "zeta_e_stones": of_stones.index,
+        "satisfied_stones": of_stones.satisfied,
     }
 
 

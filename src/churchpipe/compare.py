@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from churchpipe.code_check import CONFIDENCE_FACTOR, Site, activation, along, verdict_record, verify
+from churchpipe.code_check import CONFIDENCE_FACTOR, Site, activation, along, verdict_record
 from churchpipe.errors import InputError
 from churchpipe.mechanism import moving_stones, parts, stone_speed
 from churchpipe.model.arrays import BoolArray, FloatArray, NameArray
@@ -127,7 +127,7 @@ def safety(stones: Assemblage, state: LimitState, load: LoadCase, site: Site | N
     except InputError as error:
         return {"message": str(error)}
     record = found.as_dict() | {"moving_stones": int(moving.sum())}
-    return record | (verdict_record(site, verify(found.acceleration, site)) if site else {})
+    return record | (verdict_record(site, found) if site else {})
 
 
 def overlap(stones: Assemblage, velocities: FloatArray, shell: ShellModel, motion: FloatArray) -> float:

@@ -8,6 +8,7 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TaskID, TextColumn, TimeElapsedColumn
 from rich.table import Table
+from rich.text import Text
 
 from churchpipe.doctor import Finding
 from churchpipe.engine import Event, say
@@ -119,10 +120,12 @@ def results_table(summary: Mapping[str, Any]) -> Table:
     swept = [key for key in dict.fromkeys(k for a in analyses for k in a.get("variant", {})) if not key.endswith(".friction")]
     for title in ("load", *(["model"] if both else []), "analysis" if both else "flow", "friction", *swept):
         table.add_column(title)
-    for title in ("load factor", "bounds apart", "s"):
+    checks = [analysis.get("check", {}) for analysis in analyses]
+    safety = {"zeta_E": "zeta_e", "of stones": "zeta_e_stones"} if any("zeta_e" in check for check in checks) else {}
+    for title in ("load factor", "bounds apart", *safety, "s"):
         table.add_column(title, justify="right")
     table.add_column("status")
-    for analysis in analyses:
+    for analysis, check in zip(analyses, checks, strict=True):
         table.add_row(
             str(analysis["load"]),
             *([_MODELS.get(analysis["model"], analysis["model"])] if both else []),
@@ -131,8 +134,9 @@ def results_table(summary: Mapping[str, Any]) -> Table:
             *(_words(analysis.get("variant", {}).get(key)) for key in swept),
             _figure(analysis.get("load_factor")),
             _bounds(analysis),
+            *(f"{check[key]:.2f}" if key in check else "" for key in safety.values()),
             f"{analysis.get('seconds') or 0:.1f}",
-            f"[{STATUS_STYLES.get(analysis['status'], 'red')}]{analysis['status']}",
+            Text(analysis["status"], STATUS_STYLES.get(analysis["status"], "red")),
         )
     return table
 
@@ -161,7 +165,7 @@ def findings_table(findings: Sequence[Finding]) -> Table:
     for title in ("", "what", "for", "seen"):
         table.add_column(title)
     for finding in findings:
-        mark = "[green]ok" if finding.passed else "[red]missing"
+        mark = Text("ok", "green") if finding.passed else Text("missing", "red")
         table.add_row(mark, finding.name, finding.purpose, finding.detail)
     return table
 

@@ -305,11 +305,15 @@ def test_the_check_and_the_macro_elements_are_in_the_summary_and_the_report(tmp_
     )
     blocks, shell = make(path)["analyses"]
     check = blocks["check"]
-    # By hand, C8.7.1.2: M* = e* sum P / g, a0* = alpha0 g / (e* FC), a_g S / q = .9, zeta = a0* / .9.
+    # By hand, C8.7.1.2: M* = e* sum P / g, a0* = alpha0 g / (e* FC), a_g S / q = .9, zeta = a0* / .9, with e* = 1 first.
     assert check["alpha0"] == pytest.approx(blocks["load_factor"], rel=1e-9)
     assert check["participating_mass_t"] == pytest.approx(check["mass_fraction"] * check["moving_weight_kN"] / 9.80665)
     assert check["a0_m_s2"] == pytest.approx(check["alpha0"] * 9.80665 / (1.35 * check["mass_fraction"]))
-    assert check["zeta_e"] == pytest.approx(check["a0_m_s2"] / 0.9)
+    assert check["zeta_e"] == pytest.approx(check["alpha0"] * 9.80665 / 1.35 / 0.9)
+    assert check["zeta_e_stones"] == pytest.approx(check["a0_m_s2"] / 0.9)
+    with (tmp_path / "run/table.csv").open() as file:
+        [first, _] = csv.DictReader(file)
+    assert float(first["zeta_e"]) == check["zeta_e"] < float(first["zeta_e_stones"])
     stones = read_npz(tmp_path / "run/geometry/base/assemblage.npz", Assemblage)
     drift = read_npz(tmp_path / "run/rigid/+y_associative/rigid.npz", LimitState).velocities[:, 1]
     mass = (stones.weight @ drift) ** 2 / (stones.weight @ drift**2) / 9806.65

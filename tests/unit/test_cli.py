@@ -308,6 +308,36 @@ def test_show_prints_every_analysis(capsys: pytest.CaptureFixture[str], tmp_path
         assert text in out
 
 
+@pytest.mark.parametrize("name", ["[/x]", "[bold]s", ":smile:", "[red]"])
+def test_names_are_printed_as_they_are(
+    name: str, capsys: pytest.CaptureFixture[str], tmp_path: Path, two_cubes: Assemblage
+) -> None:
+    folder = tmp_path / name
+    folder.mkdir(parents=True)
+    check = {"zeta_e": 0.98, "zeta_e_stones": 1.31}
+    analysis = {"load": name, "flow": "associative", "load_factor": 0.2, "status": "optimal", "seconds": 0.1, "check": check}
+    summary = {"case": name, "blocks": 1, "interfaces": 1, "weight_kN": 1.0, "analyses": [analysis]}
+    write_json(folder / "summary.json", summary)
+    code, out, _ = call(capsys, "show", folder)
+    assert code == 0
+    assert f"{name}: 1 stones" in out
+    assert f" {name} " in out
+    assert "0.98" in out
+    drawing = folder / f"{name.replace('/', '')}.dxf"
+    write_dxf(two_cubes, drawing, materials=[Material("default", 2e4, 0.6)], loads=[LoadCase((1, 0, 0))])
+    code, out, _ = call(capsys, "check", drawing)
+    assert code == 0
+    assert f"{drawing}: " in out
+    code, out, _ = call(capsys, "generate", "wall", "-o", folder / "case.toml")
+    assert f"{folder / 'case.toml'}: edit it" in out
+    code, out, _ = call(capsys, "import-dxf", drawing, "-o", folder / "made")
+    assert code == 0
+    assert f"{folder / 'made' / 'case.toml'}" in out
+    code, out, _ = call(capsys, "export-dxf", folder / "case.toml", "-o", folder / "out.dxf")
+    assert code == 0
+    assert f"{folder / 'out.dxf'}" in out
+
+
 def test_show_tells_both_models_apart(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     rigid = {
         "model": "rigid-block",

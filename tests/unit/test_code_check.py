@@ -111,6 +111,18 @@ def test_the_floor_above_the_ground_by_hand() -> None:
     assert verify(1.5, Site(2.4, 1.0, floor=low)).index == pytest.approx(1.25)
 
 
+def test_the_check_leads_with_the_careful_fraction() -> None:
+    # Twenty courses that overturn: a0* = .25 g / 1.35 = 1.816 with e* = 1, and 1.816 / .7505 = 2.420 with e* of the stones. A
+    # demand of 2.2 m/s2 lies between them: .8255 is what an engineer must see first, not the 1.1 of the stones.
+    found = check(column(20), 0.7, Site(2.2, 2.0))
+    assert found["demand_m_s2"] == pytest.approx(2.2)
+    assert found["zeta_e"] == pytest.approx(0.25 * GRAVITY / 1.35 / 2.2, rel=1e-5)
+    assert found["satisfied"] is False
+    assert found["a_g_slv_m_s2"] == pytest.approx(found["zeta_e"] * 2.2)
+    assert found["zeta_e_stones"] == pytest.approx(found["zeta_e"] / found["mass_fraction"], rel=1e-9)
+    assert found["satisfied_stones"] is True
+
+
 def test_a_larger_behaviour_factor_is_never_worse() -> None:
     indices = [verify(1.0, Site(2.0, 1.2, behaviour_factor=q)).index for q in (1.0, 1.5, 2.0, 3.0)]
     assert np.all(np.diff(indices) > 0)

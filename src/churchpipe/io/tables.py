@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -26,9 +27,14 @@ COLUMNS = (
     "equilibrium_residual",
     "cone_violation",
     "yield_violation",
+    "zeta_e",
+    "satisfied",
+    "zeta_e_stones",
     "iterations",
     "seconds",
 )
+# How a cell begins that spreadsheets compute; "+x" and "-y", the loads along the axes, stay as they are.
+_FORMULA = re.compile(r"(?![+-][xyz]\Z)[=+\-@\t\r]")
 
 
 def read_json(path: str | Path) -> Any:
@@ -63,11 +69,21 @@ def read_summary(path: str | Path) -> dict[str, Any]:
 
 
 def write_table(path: str | Path, analyses: Sequence[dict[str, Any]]) -> None:
-    """Write analyses as CSV, one row each: first what was swept, then `COLUMNS`."""
+    """Write analyses as CSV, one row each: first what was swept, then `COLUMNS`; `zeta_e` and its neighbours from the check.
+
+    A text that a spreadsheet would take for a formula stands behind an apostrophe; names of axes ("-y") are none.
+    """
     swept = list(dict.fromkeys(key for analysis in analyses for key in analysis.get("variant", {})))
     with replacing(path) as part, part.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow([*swept, *COLUMNS])
         for analysis in analyses:
-            row = [analysis.get("variant", {}).get(key) for key in swept] + [analysis.get(key) for key in COLUMNS]
-            writer.writerow(["" if value is None else value for value in row])
+            known = analysis.get("check", {}) | analysis
+            row = [analysis.get("variant", {}).get(key) for key in swept] + [known.get(key) for key in COLUMNS]
+            writer.writerow([_cell(value) for value in row])
+
+
+def _cell(value: Any) -> Any:
+    if value is None:
+        return ""
+    return f"'{value}" if isinstance(value, str) and _FORMULA.match(value) else value

@@ -21,7 +21,7 @@ from churchpipe.report.motion import joint_opening, opened_joints, push_directio
 from churchpipe.report.notes import convergence_note, status_note
 from churchpipe.report.plots import convergence_svg
 from churchpipe.report.published import published_rows
-from churchpipe.report.safety import CUT_OFF, check_table, part_overview, part_tables, what_moves
+from churchpipe.report.safety import CUT_OFF, check_table, part_overview, part_tables, safety_index, what_moves
 from churchpipe.report.sensitivity import sensitivity_plots
 from churchpipe.report.shell_picture import shell_picture
 from churchpipe.report.shell_view import ShellState, joint_outlines, motion_of, shell_data
@@ -140,6 +140,7 @@ def _card(row: Row, both_models: bool) -> dict[str, str]:
         "value": figure(row.value("load_factor"), 4),
         "status": row.status,
         "moves": what_moves(row),
+        "safety": safety_index(row),
     }
 
 

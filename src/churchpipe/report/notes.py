@@ -10,14 +10,14 @@ from churchpipe.model.results import StartRun
 from churchpipe.report.table import Row, figure, small
 
 SHOWN = 12
+# Bounds this close, absolute or as a share of the load factor, meet: what a certificate asks for.
+BOUNDS_MEET = 1e-6
 
 
 def status_note(stones: Assemblage, row: Row) -> str:
     """Return what an engineer must know about an unusual end of an analysis; "" for a usual one."""
     if row.of_shell:
         return _shell_note(row)
-    state = row.state
-    message = f" The solver says: {state.message}." if state and state.message and row.status == "failed" else ""
     match row.status:
         case "unstable":
             return "The structure does not stand under its own weight, so there is no load factor. " + _fallen_stones(stones, row)
@@ -29,10 +29,7 @@ def status_note(stones: Assemblage, row: Row) -> str:
         case "not-converged":
             return "The iteration did not reach a certified state without dilatancy. " + _unfinished(row)
         case "failed":
-            return (
-                "No certified answer was found: the bounds did not meet or the solver stopped early, and an uncertified "
-                f"number would be worse than none.{message}"
-            )
+            return f"No certified answer was found, and an uncertified number would be worse than none. {_missing_proof(row)}"
     return ""
 
 
@@ -58,6 +55,23 @@ def convergence_note(row: Row) -> str:
     if math.isfinite(state.friction_violation):
         parts.append(f"Friction violation left: {small(state.friction_violation)}.")
     return " ".join(parts)
+
+
+def _missing_proof(row: Row) -> str:
+    """Return what a failed analysis lacks, from its own figures: bounds at all, bounds that meet, or forces that balance."""
+    lower, upper = row.value("lower_bound"), row.value("upper_bound")
+    message = row.state.message if row.state else str(row.record.get("message") or "")
+    says = f" The solver says: {message}." if message else ""
+    if lower is None or upper is None or not (math.isfinite(lower) and math.isfinite(upper)):
+        return f"The solver stopped before it had bounds.{says}"
+    found = f"the lower bound is {figure(lower, 8)}, the upper {figure(upper, 8)}"
+    if abs(upper - lower) > BOUNDS_MEET * max(1.0, abs(upper)):
+        return f"The bounds did not meet: {found}.{says}"
+    residual, violation = (small(row.value(key)) for key in ("equilibrium_residual", "cone_violation"))
+    return (
+        f"The bounds meet ({found}), but the forces do not prove the lower one: largest residual of equilibrium {residual}, "
+        f"worst force outside its cone {violation}, over the total weight.{says}"
+    )
 
 
 def _start_note(run: StartRun) -> str:

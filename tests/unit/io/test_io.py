@@ -256,6 +256,18 @@ def test_table_has_what_was_swept_first(tmp_path: Path) -> None:
     assert [row["source.courses"] for row in read] == ["3", "4"]
     assert read[0]["load_factor"] == "0.25"
     assert read[0]["lower_bound"] == ""
+
+
+def test_a_spreadsheet_computes_nothing_of_a_table(tmp_path: Path) -> None:
+    names = ["=cmd|calc!A1", "+1+2", "-2*3", "@SUM(A1)", "\t=1", "\r=1", "+x", "-y", "-yes", "east"]
+    write_table(tmp_path / "table.csv", [{"load": name, "load_factor": -0.5} for name in names])
+    with (tmp_path / "table.csv").open(newline="") as file:
+        read = list(csv.DictReader(file))
+    assert [row["load"] for row in read] == [*(f"'{name}" for name in names[:6]), "+x", "-y", "'-yes", "east"]
+    assert read[0]["load_factor"] == "-0.5"
+
+
+def test_what_is_no_json_is_named(tmp_path: Path) -> None:
     (tmp_path / "bad.json").write_text("{")
     with pytest.raises(InputError, match="not JSON"):
         read_json(tmp_path / "bad.json")

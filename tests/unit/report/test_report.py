@@ -21,9 +21,10 @@ from churchpipe.model.results import Iteration, LimitState
 from churchpipe.report import write_report
 from churchpipe.report.figures import mechanism_picture
 from churchpipe.report.motion import camera_position, displaced_points, ground_plate, natural_amplitude, push_direction, viewpoint
+from churchpipe.report.notes import status_note
 from churchpipe.report.plots import convergence_svg
 from churchpipe.report.surface import edges, triangles
-from churchpipe.report.table import figure, small
+from churchpipe.report.table import Row, figure, small
 from churchpipe.stones.contacts import find_contacts
 from solids import box, on_ground, prism
 
@@ -214,6 +215,23 @@ def test_unusual_ends_are_explained(page: Page) -> None:
     assert "1 stone moves, fastest first: </script><b>C." in page.text
     assert "does not stand under its own weight" in page.text
     assert "No lateral load of this kind brings the structure down" in page.text
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper", "words"),
+    [
+        (0.396, 0.397, "The bounds did not meet: the lower bound is 0.39600000, the upper 0.39700000."),
+        (0.39659686, 0.39659687, "The bounds meet (the lower bound is 0.39659686, the upper 0.39659687), but the forces do not"),
+        (NAN, NAN, "The solver stopped before it had bounds."),
+    ],
+)
+def test_a_failed_analysis_says_what_it_lacks(lower: float, upper: float, words: str) -> None:
+    stones = tower()
+    state = state_of(stones, load_factor=NAN, lower_bound=lower, upper_bound=upper, status="failed", message="short steps")
+    note = status_note(stones, Row({"status": "failed"}, state))
+    assert words in note
+    assert note.endswith("The solver says: short steps.")
+    assert ("did not meet" in note) == (lower == 0.396)
 
 
 def test_non_associative_result_is_explained(page: Page) -> None:
@@ -463,9 +481,12 @@ SITED = {
     "soil_factor": 1.2,
     "q": 2.0,
     "demand_m_s2": 0.9,
-    "a_g_slv_m_s2": 3.363,
-    "zeta_e": 2.242,
+    "a_g_slv_m_s2": 3.027,
+    "zeta_e": 2.018,
     "satisfied": True,
+    "a_g_slv_stones_m_s2": 3.363,
+    "zeta_e_stones": 2.242,
+    "satisfied_stones": True,
 }
 
 
@@ -482,14 +503,18 @@ def test_the_check_without_a_site_compares_nothing(tmp_path: Path) -> None:
     state = state_of(tower())
     page = Page(report(tmp_path, [(record_of(state, check=CHECK), state)]))
     [cells] = [row for row in page.rows if "3.3" in row]
-    assert cells[1:] == ["0.2500", "36", "2", "3.3", "0.900", "1.35", "2.018", "1.816"]
+    assert cells[1:] == ["0.2500", "36", "2", "1.35", "1.816", "3.3", "0.900", "2.018"]
     assert "The case does not say what the earthquake asks" in page.text
     assert "Crushing of the masonry is not modelled; the circular then asks" in page.text
 
 
 @pytest.mark.parametrize(
     ("changes", "word"),
-    [({}, "satisfied"), ({"satisfied": False}, "not satisfied"), ({"a0_lumped_m_s2": 0.8}, "not with e* = 1")],
+    [
+        ({}, "satisfied"),
+        ({"satisfied": False}, "only with e* of stones"),
+        ({"satisfied": False, "satisfied_stones": False}, "not satisfied"),
+    ],
 )
 def test_the_check_with_a_site_has_a_verdict(tmp_path: Path, changes: dict, word: str) -> None:
     state = state_of(tower())
@@ -497,7 +522,8 @@ def test_the_check_with_a_site_has_a_verdict(tmp_path: Path, changes: dict, word
     other = {"message": "check: the load is not horizontal."}
     page = Page(report(tmp_path, [(record_of(state, check=check), state), (record_of(state, "up", check=other), state)]))
     [cells] = [row for row in page.rows if "3.3" in row]
-    assert cells[9:] == ["1.500", "1.20", "2.0", "0.900", "3.363", "2.24", word]
+    assert cells[9:] == ["1.500", "1.20", "2.0", "0.900", "3.027", "2.02", "2.24", word]
+    assert f"\u03b6_E = 2.02, {word}; with e* of the stones 2.24" in page.text
     assert "a_Z / q" not in page.text
     assert "no check. check: the load is not horizontal." in page.text
 
