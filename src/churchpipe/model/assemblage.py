@@ -25,8 +25,11 @@ from churchpipe.model.arrays import (
     store,
 )
 from churchpipe.model.polyhedra import face_normals, solid_properties
+from churchpipe.model.surfaces import DOUBLED, SurfaceFault, coincident, surface_fault, weld
 
 Polyhedron = tuple[npt.ArrayLike, Sequence[Sequence[int]]]
+
+REPAIR = "churchpipe.repair_polyhedra mends solids and says what it changed."
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,7 +112,8 @@ class Assemblage:
         Parameters
         ----------
         polyhedra: pairs (vertices (n, 3) m, faces: lists of vertex indices). Faces are planar, closed and consistently
-            oriented; a solid with all faces inward is turned inside out.
+            oriented; a solid with all faces inward is turned inside out, and one that is closed only when vertices at one
+            place are one vertex gets them welded. `churchpipe.repair_polyhedra` mends other solids.
         unit_weight: N/m3, scalar or one a stone.
         fixed: indices of the stones that are ground, or a flag for each stone.
         material, panel, course, block_id: one value for all or one a stone; ids default to "B0", "B1", ...
@@ -125,7 +129,7 @@ class Assemblage:
         block_points: list[int] = []
         offset = 0
         for number, polyhedron in enumerate(_sequence("polyhedra", polyhedra, "pairs of vertices and faces")):
-            array, faces = _polyhedron(f"polyhedra[{number}]", polyhedron)
+            array, faces = _welded(*_polyhedron(f"polyhedra[{number}]", polyhedron))
             for face in faces:
                 nodes.extend(i + offset for i in face)
                 face_sizes.append(len(face))
@@ -213,6 +217,13 @@ def _polyhedron(where: str, value: Any) -> tuple[FloatArray, list[list[int]]]:
     return points, [face.tolist() for face in faces]
 
 
+def _welded(points: FloatArray, faces: list[list[int]]) -> tuple[FloatArray, Sequence[Sequence[int]]]:
+    if not len(coincident(points, np.zeros(len(points), dtype=np.int64))) or surface_fault(faces) is None:
+        return points, faces
+    welded = weld(points, faces)
+    return welded if welded[1] else (points, faces)
+
+
 def _face(face: Any) -> npt.NDArray[Any]:
     try:
         return np.asarray(face)
@@ -263,6 +274,7 @@ def _check_solids(stones: Assemblage) -> None:
     if (stones.volume <= 0).any():
         bad = int(np.argmin(stones.volume))
         raise InputError(f"stone {stones.block_id[bad]}", "no volume", found=float(stones.volume[bad]), expected="> 0 m3")
+    _check_once(stones)
     _check_planar(stones)
 
 
@@ -274,17 +286,36 @@ def _check_closed(stones: Assemblage) -> None:
     count = len(stones.points) + 1
     edge = np.sort(node * count + node[successor])
     twin = np.sort(node[successor] * count + node)
-    if len(edge) and (not np.array_equal(edge, twin) or (np.diff(edge) == 0).any()):
-        odd = np.setdiff1d(edge, twin)
-        first = int(odd[0] if len(odd) else edge[:-1][np.diff(edge) == 0][0])
-        stone = int(np.searchsorted(stones.block_point_ptr, first // count, side="right")) - 1
-        x, y, z = stones.points[first // count]
-        raise InputError(
-            f"stone {stones.block_id[stone]}",
-            "its faces do not close a solid",
-            found=f"an open or doubled edge at ({x:.6g}, {y:.6g}, {z:.6g}) m",
-            expected="every edge shared by two faces that run along it in opposite directions",
-        )
+    odd = np.append(edge[:-1][np.diff(edge) == 0], np.setdiff1d(edge, twin)) // count
+    suspect = np.searchsorted(stones.block_point_ptr, odd, side="right") - 1
+    for stone in np.unique(suspect).tolist():
+        points, faces = _solid(stones, stone)
+        if fault := surface_fault(faces):
+            raise _refusal(str(stones.block_id[stone]), fault, points)
+
+
+def _check_once(stones: Assemblage) -> None:
+    # Of a solid with vertices at one place it may be the faces that are there twice, each time closed.
+    for stone in coincident(stones.points, np.repeat(np.arange(stones.count), np.diff(stones.block_point_ptr))).tolist():
+        points, faces = weld(*_solid(stones, stone))
+        fault = surface_fault(faces)
+        if fault and fault.problem == DOUBLED:
+            raise _refusal(str(stones.block_id[stone]), fault, points)
+
+
+def _solid(stones: Assemblage, stone: int) -> tuple[FloatArray, list[list[int]]]:
+    start, stop = stones.block_point_ptr[stone : stone + 2]
+    faces = [
+        (stones.face_nodes[stones.face_ptr[f] : stones.face_ptr[f + 1]] - start).tolist()
+        for f in range(*stones.block_face_ptr[stone : stone + 2])
+    ]
+    return stones.points[start:stop], faces
+
+
+def _refusal(name: str, fault: SurfaceFault, points: FloatArray) -> InputError:
+    x, y, z = points[fault.vertex]
+    found = f"{fault.found} at ({x:.6g}, {y:.6g}, {z:.6g}) m"
+    return InputError(f"stone {name}", fault.problem, found=found, expected=fault.expected, remedy=REPAIR)
 
 
 def _check_planar(stones: Assemblage) -> None:
@@ -303,5 +334,5 @@ def _check_planar(stones: Assemblage) -> None:
             f"face {face - stones.block_face_ptr[stone]} is not planar",
             found=f"{height[face_of == face].max():.3g} m out of plane",
             expected="within 1e-6 of the face's size",
-            remedy="Split the face into triangles.",
+            remedy="Split the face into triangles; " + REPAIR,
         )

@@ -54,8 +54,14 @@ WARPED[7, 0] = 1.2
     ("polyhedra", "message"),
     [
         ([], "no stones"),
-        ([(CUBE, BOX_FACES[:-1])], "B0: its faces do not close a solid"),
-        ([(CUBE, [*BOX_FACES[:-1], BOX_FACES[-1][::-1]])], "do not close"),
+        ([(CUBE, BOX_FACES[:-1])], "B0: its faces do not close a solid; found an open edge at"),
+        ([(CUBE, [*BOX_FACES[:-1], BOX_FACES[-1][::-1]])], "B0: its faces run in mixed directions"),
+        ([(CUBE, BOX_FACES * 2)], "B0: a face lies on another"),
+        (
+            [(np.concatenate([CUBE, CUBE]), [*BOX_FACES, *([i + 8 for i in face] for face in BOX_FACES)])],
+            "B0: a face lies on another",
+        ),
+        ([(CUBE, [*BOX_FACES, [0, 1, 2], [0, 2, 4], [0, 4, 1], [1, 4, 2]])], "B0: more than two faces meet at an edge"),
         ([(CUBE, [*BOX_FACES[:-1], [1, 5, 9, 3]])], "bad face"),
         ([(CUBE * [1, 1, 0], BOX_FACES)], "no volume"),
         ([(WARPED, BOX_FACES)], "is not planar"),
@@ -76,6 +82,20 @@ def test_bad_arguments_are_refused() -> None:
         Assemblage.from_polyhedra([cube], 0.0)
     with pytest.raises(InputError, match="not unique"):
         Assemblage.from_polyhedra([cube, (CUBE + 3, BOX_FACES)], 1.0, block_id=["a", "a"])
+
+
+def test_corners_given_once_a_face_are_welded() -> None:
+    # As facets of an STL have them: every face with vertices of its own.
+    apart = np.concatenate([CUBE[face] for face in BOX_FACES])
+    stones = Assemblage.from_polyhedra([(apart, [list(range(4 * k, 4 * k + 4)) for k in range(6)])], 1.0)
+    assert len(stones.points) == 8
+    assert stones.volume[0] == pytest.approx(1.0)
+
+
+def test_a_solid_that_touches_itself_is_left_as_it_is() -> None:
+    # Two cubes in one body, one corner in common and given twice: closed as it stands.
+    body = (np.concatenate([CUBE, CUBE + 1]), [*BOX_FACES, *([i + 8 for i in face] for face in BOX_FACES)])
+    assert len(Assemblage.from_polyhedra([body], 1.0).points) == 16
 
 
 def test_fixed_takes_indices_or_a_flag_for_each_stone() -> None:
