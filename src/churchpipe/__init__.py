@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from churchpipe.dxf.reader import read_dxf as read_dxf
     from churchpipe.dxf.writer import write_dxf as write_dxf
     from churchpipe.errors import InputError as InputError
+    from churchpipe.geometry.repair import repair_polyhedra as repair_polyhedra
     from churchpipe.homogenised_shell.limit import shell_limit_analysis as shell_limit_analysis
     from churchpipe.homogenised_shell.pushover import pushover as pushover
     from churchpipe.match import match_models as match_models
@@ -53,6 +54,7 @@ _PLACES = {
     "pushover": "homogenised_shell.pushover",
     "read_case": "config",
     "read_dxf": "dxf.reader",
+    "repair_polyhedra": "geometry.repair",
     "shell_limit_analysis": "homogenised_shell.limit",
     "write_dxf": "dxf.writer",
 }
@@ -79,6 +81,7 @@ __all__ = [
     "pushover",
     "read_case",
     "read_dxf",
+    "repair_polyhedra",
     "shell_limit_analysis",
     "write_dxf",
 ]

@@ -128,8 +128,8 @@ class Assemblage:
         block_faces: list[int] = []
         block_points: list[int] = []
         offset = 0
-        for number, polyhedron in enumerate(_sequence("polyhedra", polyhedra, "pairs of vertices and faces")):
-            array, faces = _welded(*_polyhedron(f"polyhedra[{number}]", polyhedron))
+        for number, polyhedron in enumerate(checked_sequence("polyhedra", polyhedra, "pairs of vertices and faces")):
+            array, faces = _welded(*checked_polyhedron(f"polyhedra[{number}]", polyhedron))
             for face in faces:
                 nodes.extend(i + offset for i in face)
                 face_sizes.append(len(face))
@@ -141,7 +141,7 @@ class Assemblage:
             raise InputError("polyhedra", "no stones", found=0, expected="at least one polyhedron")
         count = len(points)
         fixed_flags = np.zeros(count, dtype=bool)
-        chosen = array_of("fixed", list(_sequence("fixed", fixed, "indices of stones, or flags")), "biu", "whole numbers")
+        chosen = array_of("fixed", list(checked_sequence("fixed", fixed, "indices of stones, or flags")), "biu", "whole numbers")
         if chosen.dtype == np.bool_:
             chosen = np.flatnonzero(flags("fixed", chosen, (count,)))
         fixed_flags[indices("fixed", chosen, (None,), below=count)] = True
@@ -196,19 +196,19 @@ def assemble(
     )
 
 
-def _sequence(where: str, value: Any, of: str) -> Iterable[Any]:
+def checked_sequence(where: str, value: Any, of: str) -> Iterable[Any]:
     if isinstance(value, str | bytes | Mapping) or not isinstance(value, Iterable):
         raise InputError(where, "not a list", found=describe(cast("object", value)), expected=f"a list of {of}")
     return cast("Iterable[Any]", value)
 
 
-def _polyhedron(where: str, value: Any) -> tuple[FloatArray, list[list[int]]]:
+def checked_polyhedron(where: str, value: Any) -> tuple[FloatArray, list[list[int]]]:
     """Return the vertices (n, 3) m and the faces of one solid, checked."""
     pair = list(cast("Sequence[Any]", value)) if isinstance(value, Sequence) and not isinstance(value, str) else []
     if len(pair) != 2:
         raise InputError(where, "not a pair", found=describe(cast("object", value)), expected="(vertices, faces)")
     points = floats(f"{where} vertices", pair[0], (None, 3))
-    faces = [_face(face) for face in _sequence(f"{where} faces", pair[1], "faces")]
+    faces = [_face(face) for face in checked_sequence(f"{where} faces", pair[1], "faces")]
     for face in faces:
         if face.ndim != 1 or len(face) < 3 or face.dtype.kind not in "iu" or face.min() < 0 or face.max() >= len(points):
             raise InputError(where, "bad face", found=face.tolist(), expected=f"3 or more indices below {len(points)}")
@@ -232,7 +232,7 @@ def _face(face: Any) -> npt.NDArray[Any]:
 
 
 def _ids(block_id: Any, count: int) -> NameArray:
-    ids = [f"B{i}" for i in range(count)] if block_id is None else list(_sequence("block_id", block_id, "names"))
+    ids = [f"B{i}" for i in range(count)] if block_id is None else list(checked_sequence("block_id", block_id, "names"))
     return names("block_id", ids, (count,))
 
 

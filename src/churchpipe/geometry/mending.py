@@ -1,0 +1,234 @@
+"""Bodies as files have them, mended to solids; every change is counted, and what no mending helps is named."""
+
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from churchpipe.geometry.clusters import components
+from churchpipe.geometry.warped import split_warped, warp
+from churchpipe.model.arrays import FloatArray
+from churchpipe.model.surfaces import DOUBLED, SurfaceFault, coincident, edges, surface_fault, weld, without_repeats
+
+Face = tuple[int, ...]
+
+# What leaves the shape as it is, and is always done.
+WELDED: Final = "vertices at one place were welded"
+TURNED: Final = "faces were turned to run like their neighbours"
+OUTWARD: Final = "the body was inside out and was turned"
+SPLIT: Final = "warped faces were split into triangles"
+# What is done when asked for.
+DROPPED: Final = "faces given more than once were dropped"
+CLOSE: Final = "vertices that nearly met were joined"
+JOINED: Final = "corners on an edge of a neighbour were put into it"
+FILLED: Final = "holes of one face were closed"
+REPAIRS: Final = (DROPPED, CLOSE, JOINED, FILLED)
+
+# Vertices within this part of the body's size nearly meet.
+NEARLY = 1e-5
+NOTHING = SurfaceFault("it has no faces", "nothing with an area", 0, "faces that close a solid")
+
+
+@dataclass(frozen=True, slots=True)
+class Mended:
+    """A body: points (n, 3), outward faces; changes: what was done -> how often.
+
+    volume_before: of the faces as given, which of an open or doubled body is what the sum over its faces says; volume: of the
+    result; both in the unit of the points cubed. warp: how far the worst face was warped. fault: what keeps it from being a
+    solid, None when nothing does; mendable: whether `repair` would help.
+    """
+
+    points: FloatArray
+    faces: list[Face]
+    changes: dict[str, int] = field(default_factory=dict)
+    volume_before: float = 0.0
+    volume: float = 0.0
+    warp: float = 0.0
+    fault: SurfaceFault | None = None
+    mendable: bool = False
+
+
+def mend(points: FloatArray, faces: Iterable[Sequence[int]], *, repair: bool) -> Mended:
+    """Mend one body: points (n, 3), finite; faces of three vertices or more, indices below n.
+
+    repair: drop faces given more than once, join vertices that nearly meet, put corners into edges that they lie on, close holes
+    of one face. Welding, turning and splitting leave the shape as it is and are done in any case. A body that needs nothing is
+    returned as it is.
+    """
+    given = [tuple(face) for face in faces]
+    before = signed_volume(points, given)
+    changes: Counter[str] = Counter()
+    corners, shell = _welded(points, given, changes)
+    shell = _outward(corners, shell, changes)
+    if surface_fault(shell) and repair:
+        corners, shell = _repaired(corners, shell, changes)
+        shell = _outward(corners, shell, changes)
+    fault = surface_fault(shell) if shell else NOTHING
+    if fault:
+        mendable = not repair and mend(points, given, repair=True).fault is None
+        return Mended(corners, shell, {}, before, before, fault=fault, mendable=mendable)
+    shell, changes[SPLIT], worst = split_warped(corners, shell)
+    return Mended(corners, shell, dict(+changes), before, signed_volume(corners, shell), worst)
+
+
+def signed_volume(points: FloatArray, faces: Sequence[Face]) -> float:
+    """Return the volume (m3) inside faces, negative when they look inwards; of faces that close nothing, what they add up to."""
+    triangles = np.array([(f[0], f[i], f[i + 1]) for f in faces for i in range(1, len(f) - 1)], dtype=np.int64).reshape(-1, 3)
+    return float(np.linalg.det(points[triangles] - points[triangles[0, 0]]).sum() / 6) if len(triangles) else 0.0
+
+
+def flat(points: FloatArray, faces: Sequence[Face]) -> bool:
+    """Do all faces lie in one plane?"""
+    corners = points[sorted({node for face in faces for node in face})]
+    spread = np.linalg.svd(corners - corners.mean(axis=0), compute_uv=False)
+    return bool(spread[-1] <= NEARLY * spread[0])
+
+
+def _welded(points: FloatArray, faces: list[Face], changes: Counter[str]) -> tuple[FloatArray, list[Face]]:
+    """Weld a body that is not closed as it is, or that welding shows to be closed twice over."""
+    if not len(coincident(points, np.zeros(len(points), dtype=np.int64))):
+        return points, faces
+    welded = weld(points, faces)
+    fault = surface_fault(welded[1])
+    if surface_fault(faces) is None and not (fault and fault.problem == DOUBLED):
+        return points, faces
+    changes[WELDED] += len(points) - len(welded[0])
+    return welded
+
+
+def _outward(points: FloatArray, faces: list[Face], changes: Counter[str]) -> list[Face]:
+    """Turn faces to run like their neighbours, and the body so that it looks outwards; nothing where three or more faces meet."""
+    users = _users(faces)
+    if any(len(sharing) > 2 for sharing in users.values()):
+        return faces
+    closed = surface_fault(faces) is None
+    # The shells of a sound body are turned together: one of them may be the wall of a hollow.
+    out = list(faces)
+    for shell in [range(len(faces))] if closed else _shells(out, users):
+        if signed_volume(points, [out[k] for k in shell]) < 0:
+            for k in shell:
+                out[k] = out[k][::-1]
+    turned = sum(a != b for a, b in zip(out, faces, strict=True))
+    if turned == len(faces) > 0:
+        changes[OUTWARD] += 1
+    else:
+        changes[TURNED] += turned
+    return out
+
+
+def _shells(faces: list[Face], users: dict[tuple[int, int], list[int]]) -> list[list[int]]:
+    """Make the faces of each connected part run alike, in place; return the parts."""
+    shells: list[list[int]] = []
+    seen: set[int] = set()
+    for start in range(len(faces)):
+        if start in seen:
+            continue
+        seen.add(start)
+        shell = [start]
+        for current in shell:
+            for a, b in edges(faces[current]):
+                for other in users[min(a, b), max(a, b)]:
+                    if other not in seen:
+                        seen.add(other)
+                        shell.append(other)
+                        if (a, b) in edges(faces[other]):
+                            faces[other] = faces[other][::-1]
+        shells.append(shell)
+    return shells
+
+
+def _users(faces: Sequence[Face]) -> dict[tuple[int, int], list[int]]:
+    """Return edge -> the faces that have it."""
+    users: defaultdict[tuple[int, int], list[int]] = defaultdict(list)
+    for number, face in enumerate(faces):
+        for a, b in edges(face):
+            users[min(a, b), max(a, b)].append(number)
+    return users
+
+
+def _repaired(points: FloatArray, faces: list[Face], changes: Counter[str]) -> tuple[FloatArray, list[Face]]:
+    """Take the steps that may change a shape, each only while the body is no solid."""
+    size = float(np.linalg.norm(np.ptp(points, axis=0)))
+    faces = _once(faces, changes)
+    if surface_fault(_alike(faces)):
+        points, faces = _joined(points, faces, NEARLY * size, changes)
+        faces = _once(faces, changes)
+    if surface_fault(_alike(faces)):
+        faces = _with_edge_corners(points, faces, NEARLY * size, changes)
+    if surface_fault(_alike(faces)):
+        faces = _filled(points, _alike(faces), NEARLY * size, changes)
+    return points, faces
+
+
+def _alike(faces: list[Face]) -> list[Face]:
+    out, users = list(faces), _users(faces)
+    if all(len(sharing) <= 2 for sharing in users.values()):
+        _shells(out, users)
+    return out
+
+
+def _once(faces: list[Face], changes: Counter[str]) -> list[Face]:
+    """Keep one of the faces that have the same corners; none of an even number of them inside a body that closes without."""
+    groups: defaultdict[frozenset[int], list[int]] = defaultdict(list)
+    for number, face in enumerate(faces):
+        groups[frozenset(face)].append(number)
+    first = [faces[group[0]] for group in groups.values()]
+    odd = [faces[group[0]] for group in groups.values() if len(group) % 2]
+    kept = odd if odd and surface_fault(_alike(first)) and not surface_fault(_alike(odd)) else first
+    changes[DROPPED] += len(faces) - len(kept)
+    return kept
+
+
+def _joined(points: FloatArray, faces: list[Face], reach: float, changes: Counter[str]) -> tuple[FloatArray, list[Face]]:
+    """Join vertices that are closer to each other than `reach`, m."""
+    label = components(len(points), cKDTree(points).query_pairs(reach, output_type="ndarray"))
+    _, first, inverse = np.unique(label, return_index=True, return_inverse=True)
+    changes[CLOSE] += len(points) - len(first)
+    return points[first], without_repeats([int(inverse[node]) for node in face] for face in faces)
+
+
+def _with_edge_corners(points: FloatArray, faces: list[Face], reach: float, changes: Counter[str]) -> list[Face]:
+    """Put vertices of open edges into other open edges that pass within `reach`, m, of them."""
+    open_edges = [edge for edge, sharing in _users(faces).items() if len(sharing) == 1]
+    nodes = np.array(sorted({node for edge in open_edges for node in edge}), dtype=np.int64)
+    between: dict[tuple[int, int], list[int]] = {}
+    for a, b in open_edges:
+        along, offset = points[b] - points[a], points[nodes] - points[a]
+        share = offset @ along / (along @ along)
+        near = np.linalg.norm(offset - share[:, None] * along, axis=1) <= reach
+        inside = near & (share > 0) & (share < 1) & (nodes != a) & (nodes != b)
+        if inside.any():
+            between[a, b] = nodes[inside][np.argsort(share[inside])].tolist()
+    out: list[Face] = []
+    for face in faces:
+        ring: list[int] = []
+        for a, b in edges(face):
+            ring += [a, *between.get((a, b), between.get((b, a), [])[::-1])]
+        changes[JOINED] += len(ring) - len(face)
+        out.append(tuple(ring))
+    return out
+
+
+def _filled(points: FloatArray, faces: list[Face], reach: float, changes: Counter[str]) -> list[Face]:
+    """Close holes that one flat face closes; the faces around them run alike."""
+    directed = {edge for face in faces for edge in edges(face)}
+    after: dict[int, int] = {}
+    for a, b in directed:
+        if (b, a) not in directed:
+            if b in after:
+                return faces
+            after[b] = a
+    out = list(faces)
+    while after:
+        start = next(iter(after))
+        ring = [start]
+        while (node := after.pop(ring[-1], None)) is not None and node != start:
+            ring.append(node)
+        if node is None or len(ring) < 3 or warp(points[ring])[0] > 10 * reach:
+            return faces
+        out.append(tuple(ring))
+        changes[FILLED] += 1
+    return out
