@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from ezdxf.entities.insert import Insert
+from ezdxf.math import Vec3
 
 from churchpipe.dxf import schema
 from churchpipe.dxf.attributes import body_volume, read_labels
@@ -22,6 +23,8 @@ ORPHANS = ("ATTRIB", "VERTEX", "SEQEND")
 SKEW_TOLERANCE = 1e-9
 # Arrays of arrays can ask for more stones than there is memory.
 MOST_INSERTS = 200_000
+# Blocks in blocks: people nest a handful.
+DEEPEST = 50
 # Two lengths of the axes of an insert that differ by less are one scale.
 STRETCH_TOLERANCE = 1e-9
 
@@ -75,6 +78,11 @@ def survey(doc: Any, repair: bool) -> Survey:
             found.findings.append(Finding("E23", f"nested and arrayed inserts ask for {asked} stones", f"at most {MOST_INSERTS}"))
             return found
         _visit(found, read_content(list(doc.modelspace()), "", "", IDENTITY, found.findings), _Branch())
+    except _TooDeep as deep:
+        what = f"blocks nested more than {DEEPEST} deep, from {deep.trail[0]} on down to {deep.trail[-1]}"
+        remedy = f'Explode "{deep.trail[0]}" once or twice.'
+        found.findings.append(Finding("E08", what, f"at most {DEEPEST} levels", remedy))
+        return found
     except BAD_ENTITY as error:
         found.findings.append(Finding("E03", f"the file is damaged: model space cannot be read ({error})"))
     for layout in doc.layouts:
@@ -86,16 +94,30 @@ def survey(doc: Any, repair: bool) -> Survey:
 
 
 def _count_inserts(entities: Any, known: dict[str, int], trail: tuple[str, ...]) -> int:
-    """Return the number of inserts that follow from these entities, nested and arrayed ones included."""
+    """Return the number of inserts that follow from these entities, nested and arrayed ones included.
+
+    Raises
+    ------
+    _TooDeep: blocks nested deeper than any drawing needs.
+    """
     total = 0
     for insert in entities:
         if not isinstance(insert, Insert) or (name := insert.dxf.name.upper()) in trail:
             continue
+        if len(trail) >= DEEPEST:
+            raise _TooDeep(trail)
         block = insert.block()
         if block is not None and name not in known:
             known[name] = _count_inserts(block, known, (*trail, name))
-        total += max(insert.mcount, 1) * (1 + known.get(name, 0))
+        total += _array_size(insert) * (1 + known.get(name, 0))
     return total
+
+
+class _TooDeep(Exception):
+    """Blocks nested too deep: the names of all from the outermost on."""
+
+    def __init__(self, trail: tuple[str, ...]) -> None:
+        self.trail = trail
 
 
 def _summary(found: Survey) -> list[Finding]:
@@ -181,7 +203,7 @@ def _visit_insert(found: Survey, insert: Insert, branch: _Branch) -> None:
         return
     place = _at(place, branch.matrix, where)
     block = insert.block()
-    many = max(insert.mcount, 1)
+    many = _array_size(insert)
     if layer in found.hidden or insert.dxf.invisible:
         found.left_out[HIDDEN] += many
     elif block is None:
@@ -194,16 +216,41 @@ def _visit_insert(found: Survey, insert: Insert, branch: _Branch) -> None:
         way = " > ".join((*branch.blocks[branch.blocks.index(name.upper()) :], name.upper()))
         found.findings.append(place.finding("E08", f"the block contains itself: {way}", remedy=remedy))
     else:
-        members = [insert] if many == 1 else list(insert.multi_insert())
-        for index, member in enumerate(members):
-            suffix = f"[{index}]" if len(members) > 1 else ""
-            rows = np.array(list(member.matrix44().rows()), dtype=float)
-            if not is_sane(rows):
-                found.findings.append(place.finding("E10", f"in the placing of the insert {NOT_SANE}"))
-                return
-            axes, origin = rows[:3, :3] @ branch.matrix[0], transformed(rows[None, 3, :3], branch.matrix)[0]
-            fixed = branch.fixed or layer == schema.SUPPORT
-            _visit_member(found, member, block, _Branch((axes, origin), layer, fixed, branch.names, branch.blocks), place, suffix)
+        rows = np.array(list(insert.matrix44().rows()), dtype=float)
+        origins = rows[3, :3] + _array_offsets(insert)
+        if not (is_sane(rows) and is_sane(origins)):
+            found.findings.append(place.finding("E10", f"in the placing of the insert {NOT_SANE}"))
+            return
+        axes, origins = rows[:3, :3] @ branch.matrix[0], transformed(origins, branch.matrix)
+        fixed = branch.fixed or layer == schema.SUPPORT
+        for index, origin in enumerate(origins):
+            suffix = f"[{index}]" if many > 1 else ""
+            deeper = _Branch((axes, origin), layer, fixed, branch.names, branch.blocks)
+            _visit_member(found, insert, block, deeper, place, suffix)
+
+
+def _array_counts(insert: Insert) -> tuple[int, int]:
+    """Return rows and columns of an array; a count below 1, or members that would lie on each other, are one."""
+    dxf = insert.dxf
+    rows = dxf.row_count if dxf.row_spacing else 1
+    columns = dxf.column_count if dxf.column_spacing else 1
+    return max(rows, 1), max(columns, 1)
+
+
+def _array_size(insert: Insert) -> int:
+    rows, columns = _array_counts(insert)
+    return rows * columns
+
+
+def _array_offsets(insert: Insert) -> FloatArray:
+    """Return how far the members of an array lie from its insertion point (k, 3), row by row; they turn with the insert."""
+    counts = _array_counts(insert)
+    row, column = (index.ravel() for index in np.indices(counts))
+    turn = np.radians(insert.dxf.rotation)
+    x, y = column * insert.dxf.column_spacing, row * insert.dxf.row_spacing
+    ocs = insert.ocs()
+    ux, uy = (np.array(ocs.to_wcs(axis).xyz) for axis in (Vec3(1, 0, 0), Vec3(0, 1, 0)))
+    return np.outer(x * np.cos(turn) - y * np.sin(turn), ux) + np.outer(x * np.sin(turn) + y * np.cos(turn), uy)
 
 
 def _visit_member(found: Survey, insert: Insert, block: Any, branch: _Branch, place: Place, suffix: str) -> None:

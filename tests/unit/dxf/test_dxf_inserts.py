@@ -83,6 +83,37 @@ def test_array_of_inserts(tmp_path: Path) -> None:
     assert corners == [(x, y, 0.0) for x in (-0.5, 0.0) for y in (0.0, 1.0, 2.0)]
 
 
+@pytest.mark.parametrize(("columns", "rows"), [(0, 2), (2, 0), (-1, 1), (1, -2), (0, 0)])
+def test_a_count_of_members_below_one_is_one(columns: int, rows: int, tmp_path: Path) -> None:
+    path = edited(tmp_path / "a.dxf", lambda doc: wedge_insert(doc).grid((55, 77), (0.4, 0.7)))
+    text = path.read_text(encoding="utf-8")
+    text = text.replace("\n 70\n77\n", f"\n 70\n{columns}\n").replace("\n 71\n55\n", f"\n 71\n{rows}\n")
+    path.write_text(text, encoding="utf-8")
+    drawing = read_drawing(path)
+    assert drawing.findings.codes == ()
+    assert drawing.stones.count == 1 + max(columns, 1) * max(rows, 1)
+
+
+def test_members_that_lie_on_each_other_are_one(tmp_path: Path) -> None:
+    drawing = read_drawing(edited(tmp_path / "a.dxf", lambda doc: wedge_insert(doc).grid((1000, 32767), (1.0, 0.0))))
+    # A thousand different places of thirty million.
+    assert drawing.stones.count == 1 + 1000
+
+
+@pytest.mark.parametrize("levels", [340, 1200])
+def test_blocks_nested_too_deep_are_a_finding(levels: int, tmp_path: Path) -> None:
+    def nest(doc: Any) -> None:
+        name = wedge_insert(doc).dxf.name
+        for level in range(levels):
+            doc.blocks.new(f"LEVEL{level}").add_blockref(name, (0, 0, 0))
+            name = f"LEVEL{level}"
+        wedge_insert(doc).dxf.name = name
+
+    path = edited(tmp_path / "a.dxf", nest)
+    with pytest.raises(FindingsError, match=rf"E08 .*nested more than 50 deep, from LEVEL{levels - 1} on down"):
+        read_drawing(path)
+
+
 def test_even_scale_needs_no_warning_and_stretching_one(tmp_path: Path) -> None:
     def scale(*factors: float):
         return lambda doc: wedge_insert(doc).dxf.update(dict(zip(("xscale", "yscale", "zscale"), factors, strict=True)))
