@@ -42,7 +42,7 @@ Changes = Annotated[
 ]
 Units = Annotated[str | None, typer.Option(help="Read the drawing in this unit (m, mm, in ...), whatever it says.")]
 Repair = Annotated[bool, typer.Option("--repair", help="Drop duplicates and recompute wrong attributes; each is listed.")]
-Support = Annotated[str, typer.Option(help='"base" fixes what stands on the lowest level; "drawn" takes the supports drawn.')]
+Support = Annotated[str, typer.Option(help='"base" puts a support under the lowest faces; "drawn" takes the supports drawn.')]
 
 
 def main() -> NoReturn:

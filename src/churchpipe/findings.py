@@ -83,7 +83,10 @@ class Finding:
     @property
     def what(self) -> str:
         """What was found, its lengths filled in."""
-        return self.found.format(*(f"{length:.3g} {self.unit}" for length in self.lengths)) if self.lengths else self.found
+        text = self.found
+        for length in self.lengths:
+            text = text.replace("{}", f"{length:.3g} {self.unit}", 1)
+        return text
 
     @property
     def kind(self) -> tuple[str, ...]:

@@ -20,6 +20,7 @@ from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
+from churchpipe.stones.ground import level_supports
 
 # Unit weight, N/m3, of stones of which nobody said it: weights are then relative, `Drawing.unweighted` names them.
 RELATIVE_WEIGHT = 1.0
@@ -69,7 +70,7 @@ def read_drawing(
     ----------
     units: read the drawing in this unit ("m", "mm", "cm", "in", ...) whatever it says itself.
     repair: drop stones drawn twice and recompute attributes that cannot be understood; each repair is a warning.
-    support: "base" fixes the stones that stand on the lowest level when the drawing has no ground.
+    support: "base" puts a fixed support under the lowest faces when the drawing has no ground; all stones drawn stay free.
     unit_weight: N/m3, for all stones or by material name; overrides what the drawing stores.
 
     Raises
@@ -120,18 +121,23 @@ def _check_version(document: Any) -> list[Finding]:
 def _supported(stones: list[Stone], support: str, findings: list[Finding]) -> list[Stone]:
     if any(stone.fixed for stone in stones):
         return stones
-    low = np.array([stone.points[:, 2].min() for stone in stones])
-    size = float(np.median([np.ptp(stone.points, axis=0).max() for stone in stones]))
-    lowest = low <= low.min() + 1e-3 * size
-    if support == "base" and not lowest.all():
-        findings.append(Finding("W12", f"no support is drawn: the {lowest.sum()} lowest of {len(stones)} stones were fixed"))
-        return [replace(stone, fixed=bool(down)) for stone, down in zip(stones, lowest, strict=True)]
-    chosen = [stone for stone, down in zip(stones, lowest, strict=True) if down]
-    named = ", ".join(f"{stone.name}" for stone in chosen[:8]) + (f" and {len(chosen) - 8} more" if len(chosen) > 8 else "")
-    remedy = "Draw the ground on CP-SUPPORT"
-    remedy += ", or pass --support base to fix the lowest stones." if not lowest.all() else "."
-    found = f"no support; the lowest stones are {named}"
-    findings.append(chosen[0].place.finding("E12", found, expected="a stone or a 3DFACE on CP-SUPPORT", remedy=remedy))
+    plates, resting = level_supports([(stone.points, stone.faces) for stone in stones])
+    named = ", ".join(stones[index].name for index in resting[:8]) + (f" and {len(resting) - 8} more" if resting[8:] else "")
+    expected = "a stone or a 3DFACE on CP-SUPPORT"
+    if not plates:
+        found = "no support, and no stone has a level face at the lowest level to put one under"
+        findings.append(Finding("E12", found, expected, "Draw the ground on CP-SUPPORT."))
+        return stones
+    place = stones[resting[0]].place
+    if support == "base":
+        found = (
+            f"no support is drawn: one was put under the lowest faces, at z = {{}}; {len(resting)} stones stand on it ({named})"
+        )
+        low = float(plates[0][0][:, 2].max())
+        findings.append(place.finding("W12", found, lengths=(low,)))
+        return [*stones, *(Stone(*plate, True, place, f"ground-{n + 1}", "default") for n, plate in enumerate(plates))]
+    remedy = "Draw the ground on CP-SUPPORT, or pass --support base to put a support under the lowest faces."
+    findings.append(place.finding("E12", f"no support; the lowest stones are {named}", expected=expected, remedy=remedy))
     return stones
 
 

@@ -78,7 +78,7 @@ def survey(doc: Any, repair: bool) -> Survey:
             found.findings.append(Finding("E23", f"nested and arrayed inserts ask for {asked} stones", f"at most {MOST_INSERTS}"))
             return found
         _visit(found, read_content(list(doc.modelspace()), "", "", IDENTITY, found.findings), _Branch())
-    except _TooDeep as deep:
+    except _TooDeepError as deep:
         what = f"blocks nested more than {DEEPEST} deep, from {deep.trail[0]} on down to {deep.trail[-1]}"
         remedy = f'Explode "{deep.trail[0]}" once or twice.'
         found.findings.append(Finding("E08", what, f"at most {DEEPEST} levels", remedy))
@@ -98,14 +98,14 @@ def _count_inserts(entities: Any, known: dict[str, int], trail: tuple[str, ...])
 
     Raises
     ------
-    _TooDeep: blocks nested deeper than any drawing needs.
+    _TooDeepError: blocks nested deeper than any drawing needs.
     """
     total = 0
     for insert in entities:
         if not isinstance(insert, Insert) or (name := insert.dxf.name.upper()) in trail:
             continue
         if len(trail) >= DEEPEST:
-            raise _TooDeep(trail)
+            raise _TooDeepError(trail)
         block = insert.block()
         if block is not None and name not in known:
             known[name] = _count_inserts(block, known, (*trail, name))
@@ -113,7 +113,7 @@ def _count_inserts(entities: Any, known: dict[str, int], trail: tuple[str, ...])
     return total
 
 
-class _TooDeep(Exception):
+class _TooDeepError(Exception):
     """Blocks nested too deep: the names of all from the outermost on."""
 
     def __init__(self, trail: tuple[str, ...]) -> None:

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from churchpipe.dxf.reader import read_drawing
 from churchpipe.errors import InputError
 from churchpipe.findings import CODES, Findings, FindingsError
+from churchpipe.stones.contacts import find_contacts
 
 SAMPLES = Path(__file__).parents[3] / "cad_samples"
 DAMAGED = SAMPLES / "damaged"
@@ -115,10 +116,18 @@ def test_repair_drops_the_copy_of_a_stone() -> None:
     assert drawing.stones.block_id.tolist() == ["ground", "left", "right", "top"]
 
 
-def test_base_support_fixes_the_stones_on_the_lowest_level() -> None:
+def test_base_support_bears_the_lowest_stones_and_fixes_none_of_them() -> None:
     drawing = read_drawing(DAMAGED / "no_support.dxf", support="base")
     assert drawing.findings.codes == ("W12",)
-    assert dict(zip(drawing.stones.block_id, drawing.stones.fixed, strict=True)) == {"left": True, "right": True, "top": False}
+    assert "at z = 0 m; 2 stones stand on it (left, right)" in str(drawing.findings)
+    stones = drawing.stones
+    assert dict(zip(stones.block_id, stones.fixed, strict=True)) == {
+        "left": False,
+        "right": False,
+        "top": False,
+        "ground-1": True,
+    }
+    assert len(find_contacts(stones).blocks) == 5
 
 
 def test_units_passed_settle_the_doubt() -> None:

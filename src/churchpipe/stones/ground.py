@@ -1,0 +1,56 @@
+"""A support under stones that were given without one."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from churchpipe.model.arrays import FloatArray
+
+Solid = tuple[FloatArray, tuple[tuple[int, ...], ...]]
+
+# Faces whose corners are within this part of the stones' size of the lowest level stand on the ground.
+LEVEL = 1e-3
+# Depth and margin of the support as parts of the stones' size; it bears, nothing else of it counts.
+DEPTH, MARGIN = 0.5, 0.5
+
+
+def level_supports(solids: Sequence[Solid]) -> tuple[list[Solid], list[int]]:
+    """Return solids to fix under the lowest faces, and the indices of the solids that stand on them.
+
+    solids: points (n, 3), z up, in any one unit, and outward faces. Where the lowest faces are in one level plane the support is
+    one plate; else each face gets a block of its own below it. Both lists are empty when no face looks down at the lowest level.
+    """
+    low = min(float(points[:, 2].min()) for points, _ in solids)
+    size = float(np.median([np.ptp(points, axis=0).max() for points, _ in solids]))
+    resting: list[int] = []
+    faces: list[FloatArray] = []
+    for index, (points, around) in enumerate(solids):
+        near = points[:, 2] <= low + LEVEL * size
+        if near.sum() < 3:
+            continue
+        found = [points[list(face)] for face in around if near[list(face)].all()]
+        found = [corners for corners in found if _looks_down(corners)]
+        if found:
+            resting.append(index)
+            faces += found
+    if not faces:
+        return [], []
+    corners = np.concatenate(faces)
+    if np.ptp(corners[:, 2]) <= 1e-6 * size:
+        start, stop = corners.min(axis=0) - MARGIN * size, corners.max(axis=0) + MARGIN * size
+        plan = np.array([(start[0], start[1]), (stop[0], start[1]), (stop[0], stop[1]), (start[0], stop[1])])
+        return [_block(np.column_stack([plan, np.full(4, corners[:, 2].mean())]), DEPTH * size)], resting
+    return [_block(face[::-1], DEPTH * size) for face in faces], resting
+
+
+def _looks_down(corners: FloatArray) -> bool:
+    x, y = corners[:, 0], corners[:, 1]
+    return float((x * np.roll(y, -1) - y * np.roll(x, -1)).sum()) < 0
+
+
+def _block(top: FloatArray, depth: float) -> Solid:
+    """Return a block with the given top (n, 3), counter-clockwise from above, and a bottom that much lower."""
+    count = len(top)
+    points = np.concatenate([top, top - [0.0, 0.0, depth]])
+    sides = ((i, i + count, (i + 1) % count + count, (i + 1) % count) for i in range(count))
+    return points, (tuple(range(count)), tuple(range(2 * count - 1, count - 1, -1)), *sides)
