@@ -1,6 +1,5 @@
 """The solids of a drawing: meshes, polyface meshes, bags of 3D faces and planar ACIS solids, welded and closed."""
 
-from collections import Counter, defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -21,9 +20,9 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from churchpipe.dxf.schema import CORNER_TOLERANCE, LARGEST_COORDINATE
-from churchpipe.errors import InputError
+from churchpipe.geometry.mending import mend
 from churchpipe.model.arrays import FloatArray, IntArray
-from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.surfaces import edges, without_repeats
 
 Faces = tuple[tuple[int, ...], ...]
 
@@ -46,13 +45,20 @@ NOT_SANE = f"a coordinate is no number up to {LARGEST_COORDINATE:g}"
 class Body:
     """A polyhedron in drawing units: points (n, 3) and faces as tuples of indices, outward when `flaw` is empty.
 
-    flaw: why it is no stone ("" when it is one); spot (3,): where, as far as one point tells.
+    flaw: why it is no stone ("" when it is one); spot (3,): where, as far as one point tells; warp: how far the corners of a
+    face lay out of its plane before it was split into triangles, 0 when none did.
     """
 
     points: FloatArray
     faces: Faces
     flaw: str = ""
     spot: tuple[float, float, float] | None = None
+    warp: float = 0.0
+
+    @property
+    def size(self) -> float:
+        """Cube root of the volume of its box, which says how large it is even when it has a flaw."""
+        return float(np.cbrt(np.prod(np.ptp(self.points, axis=0)))) if len(self.points) else 0.0
 
 
 def is_sane(points: FloatArray) -> bool:
@@ -78,7 +84,7 @@ def entity_bodies(entity: Any) -> list[Body]:
 
 
 def make_body(points: FloatArray, faces: Iterable[Sequence[int]]) -> Body:
-    """Weld, turn faces to agree with each other, and say what keeps the result from being a stone.
+    """Weld, turn faces to agree with each other, split warped ones, and say what keeps the result from being a stone.
 
     A body that is sound as drawn is returned as drawn: same points, same order, same faces.
     """
@@ -90,18 +96,13 @@ def make_body(points: FloatArray, faces: Iterable[Sequence[int]]) -> Body:
     if min(map(min, faces)) < 0 or max(map(max, faces)) >= len(points):
         return Body(points, faces, f"a face refers to a vertex beyond the {len(points)} there are")
     points, faces = _weld(points, faces)
-    spot = _open_edge(points, faces)
-    if spot is not None:
-        return Body(points, faces, "its faces do not close a solid: an open edge", spot)
-    faces = _agreeing(faces)
-    try:
-        stone = Assemblage.from_polyhedra([(points, faces)], unit_weight=1.0)
-    except InputError as error:
-        return Body(points, faces, f"{error.problem}: {error.found}", _place(points.mean(axis=0)))
-    if stone.volume[0] < 1e-12 * np.linalg.norm(np.ptp(points, axis=0)) ** 3:
+    mended = mend(points, faces, repair=False)
+    if mended.fault:
+        spot = _place(points[mended.fault.vertex]) if faces else None
+        return Body(points, faces, f"{mended.fault.problem}: {mended.fault.found}", spot)
+    if mended.volume < 1e-12 * np.linalg.norm(np.ptp(points, axis=0)) ** 3:
         return Body(points, faces, "it has no volume", _place(points.mean(axis=0)))
-    nodes = np.split(stone.face_nodes, stone.face_ptr[1:-1])
-    return Body(points, tuple(tuple(n.tolist()) for n in nodes))
+    return Body(mended.points, tuple(mended.faces), warp=mended.warp)
 
 
 def bag_bodies(faces: Sequence[Face3d]) -> tuple[list[tuple[Face3d, Body]], list[Face3d]]:
@@ -120,7 +121,7 @@ def bag_bodies(faces: Sequence[Face3d]) -> tuple[list[tuple[Face3d, Body]], list
     open_edges: set[tuple[int, int]] = set()
     first = 0
     for number, nodes in enumerate(np.split(label, ends[:-1])):
-        open_edges ^= {(min(a, b), max(a, b)) for a, b in _edges(nodes.tolist()) if a != b}
+        open_edges ^= {(min(a, b), max(a, b)) for a, b in edges(nodes.tolist()) if a != b}
         if not open_edges:
             run = range(first, number + 1)
             offsets = np.cumsum([0] + [len(corners[k]) for k in run])
@@ -164,10 +165,6 @@ def _flat(corners: FloatArray) -> bool:
     return bool(abs(np.linalg.det(edges)) <= 1e-6 * np.linalg.norm(edges, axis=1).prod())
 
 
-def _edges(face: Sequence[int]) -> Iterable[tuple[int, int]]:
-    return zip(face, (*face[1:], face[0]), strict=True)
-
-
 def _place(point: FloatArray) -> tuple[float, float, float]:
     x, y, z = point.tolist()
     return x, y, z
@@ -188,40 +185,4 @@ def _coincident(points: FloatArray, tolerance: float) -> IntArray:
 def _weld(points: FloatArray, faces: Faces) -> tuple[FloatArray, Faces]:
     label = _coincident(points, CORNER_TOLERANCE * float(np.linalg.norm(np.ptp(points, axis=0))))
     kept, new = np.unique(label, return_inverse=True)
-    renamed = [[int(new[i]) for i in face] for face in faces]
-    cleaned = (tuple(a for a, b in _edges(face) if a != b) for face in renamed)
-    return points[kept], tuple(face for face in cleaned if len(face) >= 3)
-
-
-def _open_edge(points: FloatArray, faces: Faces) -> tuple[float, float, float] | None:
-    """Return the middle of an edge that is not shared by an even number of faces."""
-    uses = Counter((min(edge), max(edge)) for face in faces for edge in _edges(face))
-    odd = [edge for edge, count in uses.items() if count % 2]
-    return _place(points[list(odd[0])].mean(axis=0)) if odd or not faces else None
-
-
-def _agreeing(faces: Faces) -> Faces:
-    """Turn faces so that neighbours run along their common edge in opposite directions, starting from the first."""
-    directed = Counter(edge for face in faces for edge in _edges(face))
-    if all(count == 1 and directed[b, a] == 1 for (a, b), count in list(directed.items())):
-        return faces
-    users: defaultdict[tuple[int, int], list[int]] = defaultdict(list)
-    for number, face in enumerate(faces):
-        for a, b in _edges(face):
-            users[min(a, b), max(a, b)].append(number)
-    out = list(faces)
-    seen: set[int] = set()
-    for start in range(len(faces)):
-        queue = [] if start in seen else [start]
-        seen.add(start)
-        while queue:
-            current = queue.pop()
-            for a, b in _edges(out[current]):
-                for other in users[min(a, b), max(a, b)]:
-                    if other in seen:
-                        continue
-                    if (a, b) in set(_edges(out[other])):
-                        out[other] = out[other][::-1]
-                    seen.add(other)
-                    queue.append(other)
-    return tuple(out)
+    return points[kept], tuple(without_repeats([int(new[i]) for i in face] for face in faces))

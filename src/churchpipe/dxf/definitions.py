@@ -123,9 +123,17 @@ def read_definition(block: Any, matrix: Matrix, findings: list[Finding], repair:
         )
         content.solids = []
         return content
+    if body.warp:
+        findings.append(warped(body, place))
     content.solids = [Solid(body, place, schema.SOLID)]
     findings += _check_constants(content, body, place, repair)
     return content
+
+
+def warped(body: Body, place: Place) -> Finding:
+    """Return what is to be said of a body with warped faces."""
+    found = "warped faces, with corners up to {} out of their plane, are taken as triangles"
+    return place.finding("W10", found, lengths=(body.warp,))
 
 
 def transformed(points: FloatArray, matrix: Matrix) -> FloatArray:
@@ -204,7 +212,7 @@ def _with_tagged_vertices(body: Body, tags: dict[str, list[FloatArray]]) -> Body
     if off.max() > schema.CORNER_TOLERANCE * np.linalg.norm(np.ptp(points, axis=0)) or len(set(nearest)) != len(points):
         worst = body.points[int(off.argmax())]
         return replace(body, flaw="a corner has no vertex point on it", spot=(float(worst[0]), float(worst[1]), float(worst[2])))
-    return make_body(points, [[int(nearest[i]) for i in face] for face in body.faces])
+    return replace(make_body(points, [[int(nearest[i]) for i in face] for face in body.faces]), warp=body.warp)
 
 
 def _check_constants(content: Definition, body: Body, place: Place, repair: bool) -> list[Finding]:
@@ -218,7 +226,7 @@ def _check_constants(content: Definition, body: Body, place: Place, repair: bool
             out.append(place.finding("W13", "no attribute VOLUME; it was computed from the faces"))
     else:
         out += check_volume(text, volume, place, repair)
-    if (text := content.constants.get(schema.NFACES)) is not None and text != str(len(body.faces)):
+    if (text := content.constants.get(schema.NFACES)) is not None and not body.warp and text != str(len(body.faces)):
         out.append(place.finding("W14", f'attribute NFACES = "{text}"', expected=f"{len(body.faces)} as drawn, which is used"))
     if not any(schema.VERTEX_TAG.fullmatch(tag) for tag in content.tags):
         out.append(place.finding("W13", "no vertex points V0, V1, ...; the corners of the body are used"))

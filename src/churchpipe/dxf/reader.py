@@ -101,7 +101,7 @@ def read_drawing(
         findings.append(Finding("E17", what, "at least one solid", remedy))
     stones = _supported(stones, support, findings) if stones else stones
     stones = _named(stones, findings)
-    unit = find_unit(document, stones, units, findings)
+    unit = find_unit(document, stones, gathered.flawed, units, findings)
     weights, unweighted = _unit_weights(stones, materials, weights_given, findings)
     findings = [finding.in_metres(schema.metres(unit)) for finding in findings] if unit else findings
     collected = Findings(path.name, tuple(findings))

@@ -11,7 +11,7 @@ from ezdxf.math import Vec3
 from churchpipe.dxf import schema
 from churchpipe.dxf.attributes import body_volume, read_labels
 from churchpipe.dxf.bodies import BAD_ENTITY, NOT_SANE, Faces, ground_plate, is_sane
-from churchpipe.dxf.definitions import Definition, Matrix, read_content, read_definition, transformed
+from churchpipe.dxf.definitions import Definition, Matrix, read_content, read_definition, transformed, warped
 from churchpipe.findings import Finding, Place
 from churchpipe.model.arrays import FloatArray
 
@@ -56,7 +56,7 @@ class _Branch:
 
 @dataclass(slots=True)
 class Survey:
-    """What a walk through model space gathers."""
+    """What a walk through model space gathers; flawed: the sizes of the bodies that are no stones, in drawing units."""
 
     doc: Any
     repair: bool
@@ -65,6 +65,7 @@ class Survey:
     findings: list[Finding] = field(default_factory=list)
     left_out: Counter[str] = field(default_factory=Counter)
     nameless: list[Place] = field(default_factory=list)
+    flawed: list[float] = field(default_factory=list)
     definitions: dict[str, Definition] = field(default_factory=dict)
 
 
@@ -142,13 +143,16 @@ def _visit(found: Survey, content: Definition, branch: _Branch) -> None:
             found.left_out[HIDDEN] += 1
             continue
         if solid.body.flaw:
-            expected = "planar faces that close"
+            expected = "faces that close"
             place = solid.place if solid.body.spot is None else _at(solid.place, branch.matrix, np.array(solid.body.spot))
             found.findings.append(place.finding("E10", f"the body is no solid: {solid.body.flaw}", expected=expected))
+            found.flawed.append(solid.body.size)
             continue
         place = _at(solid.place, branch.matrix, solid.body.points[0])
         name = "/".join((*branch.names, place.handle)) + (f".{index}" if _shares_handle(content, index) else "")
         points, faces = _placed(solid.body.points, solid.body.faces, branch.matrix)
+        if solid.body.warp:
+            found.findings.append(warped(solid.body, place))
         found.nameless.append(place)
         found.stones.append(Stone(points, faces, branch.fixed or layer == schema.SUPPORT, place, name, "default"))
     found.left_out[HIDDEN] += content.invisible

@@ -10,14 +10,15 @@ from churchpipe.dxf.stones import Stone
 from churchpipe.findings import Finding
 
 
-def find_unit(document: Any, stones: list[Stone], units: str | None, findings: list[Finding]) -> str | None:
+def find_unit(document: Any, stones: list[Stone], flawed: list[float], units: str | None, findings: list[Finding]) -> str | None:
     """Return the name of the unit to read the drawing in, None when nothing tells; doubts go to `findings`.
 
-    units: the name passed by the user, which settles every doubt.
+    flawed: sizes of bodies that are no stones, which have the unit of the others; units: the name passed by the user, which
+    settles every doubt.
     """
     code = document.header.get("$INSUNITS", 0)
     declared = schema.UNIT_OF_CODE.get(code)
-    size = median_size(stones)
+    size = median_size(stones, flawed)
     if units is not None:
         factor = schema.metres(units)
         if declared not in (None, units):
@@ -41,9 +42,10 @@ def find_unit(document: Any, stones: list[Stone], units: str | None, findings: l
     return declared
 
 
-def median_size(stones: list[Stone]) -> float | None:
-    """Return the median cube root of the volume of the free stones, drawing units; None without any."""
+def median_size(stones: list[Stone], flawed: list[float]) -> float | None:
+    """Return the median cube root of the volume of free stones, those with flaws included, drawing units; None without any."""
     sizes = [np.cbrt(body_volume(stone.points, stone.faces)) for stone in stones if not stone.fixed]
+    sizes += [size for size in flawed if size > 0]
     return float(np.median(sizes)) if sizes else None
 
 

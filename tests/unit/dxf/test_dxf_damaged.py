@@ -3,6 +3,7 @@
 import re
 from pathlib import Path
 
+import ezdxf
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -11,7 +12,10 @@ from hypothesis import strategies as st
 from churchpipe.dxf.reader import read_drawing
 from churchpipe.errors import InputError
 from churchpipe.findings import CODES, Findings, FindingsError
+from churchpipe.generators import arch
+from churchpipe.stones.blocks import derive_blocks
 from churchpipe.stones.contacts import find_contacts
+from dxf_models import BOX_FACES, STONE, box
 
 SAMPLES = Path(__file__).parents[3] / "cad_samples"
 DAMAGED = SAMPLES / "damaged"
@@ -50,7 +54,7 @@ EXPECTED = {
     "truncated": {"E03"},
     "undefined_block": {"E06"},
     "unreadable_solid": {"E21"},
-    "warped_face": {"E10"},
+    "warped_face": {"W10"},
     "wrong_units": {"E05"},
     "wrong_volume": {"W14"},
 }
@@ -61,6 +65,20 @@ def findings_of(path: Path, **options) -> Findings:
         return read_drawing(path, **options).findings
     except FindingsError as error:
         return error.findings
+
+
+def bare(path: Path, draw, code: int) -> Path:
+    """Write a drawing of another program: $INSUNITS and what `draw` puts in, and a patch of ground."""
+    document = ezdxf.new("R2010")
+    document.header["$INSUNITS"] = code
+    document.modelspace().add_3dface([(-1, -1, 0), (2, -1, 0), (2, 1, 0), (-1, 1, 0)], dxfattribs={"layer": "CP-SUPPORT"})
+    draw(document)
+    document.saveas(path)
+    return path
+
+
+def rotation(angle: float) -> np.ndarray:
+    return np.array([(np.cos(angle), np.sin(angle), 0), (-np.sin(angle), np.cos(angle), 0), (0, 0, 1)])
 
 
 @pytest.mark.parametrize("name", EXPECTED)
@@ -149,6 +167,53 @@ def test_stones_without_attributes_get_names_and_default_material() -> None:
 
 def test_a_stretched_stone_has_the_stretched_volume() -> None:
     np.testing.assert_allclose(read_drawing(DAMAGED / "stretched_insert.dxf").stones.volume[3], 0.016 * 1.5, rtol=1e-12)
+
+
+def test_lengths_in_findings_are_in_metres(tmp_path: Path) -> None:
+    # A stone 400 mm long, one corner 10 mm too high: a quarter of that is out of the plane of its warped face.
+    def warp(doc) -> None:
+        with doc.modelspace().add_mesh().edit_data() as mesh:
+            corners = box((0, 0, 0), (400, 200, 200))[0]
+            corners[6, 2] += 10
+            mesh.vertices = corners.tolist()
+            mesh.faces = [list(face) for face in BOX_FACES]
+
+    text = str(read_drawing(bare(tmp_path / "a.dxf", warp, code=4)).findings)
+    assert re.search(r"W10 .*MESH #\w+ at \(0\.00, 0\.00, 0\.00\) m: warped faces, with corners up to 0\.0025 m out of", text)
+
+
+def test_bodies_with_flaws_have_a_say_in_the_size_of_the_stones(tmp_path: Path) -> None:
+    # Bricks of 250 x 120 x 65 drawn in mm and flagged metres: all but a pebble of 2 mm lack a face.
+    def draw(doc) -> None:
+        space = doc.modelspace()
+        for place in range(5):
+            with space.add_mesh().edit_data() as mesh:
+                mesh.vertices = box((300 * place, 0, 0), (250, 120, 65))[0].tolist()
+                mesh.faces = [list(face) for face in BOX_FACES[: 5 if place else 6]]
+        with space.add_mesh().edit_data() as mesh:
+            mesh.vertices, mesh.faces = box((0, 0, 65), (2, 2, 2))[0].tolist(), [list(face) for face in BOX_FACES]
+
+    findings = findings_of(bare(tmp_path / "a.dxf", draw, code=6))
+    assert "4 times: MESH" in str(findings)
+    assert "the median stone measures 125 m" in str(findings)
+
+
+def test_an_arch_drawn_to_six_decimals_is_taken(tmp_path: Path) -> None:
+    ring = derive_blocks(arch(name="arch", materials=(STONE,), mean_radius=1.0, thickness=0.2, width=0.4, voussoirs=27))
+    turned = np.round(ring.points @ rotation(0.3), 6)
+
+    def draw(doc) -> None:
+        for stone in range(ring.count):
+            start, stop = ring.block_point_ptr[stone : stone + 2]
+            faces = range(*ring.block_face_ptr[stone : stone + 2])
+            with doc.modelspace().add_mesh(dxfattribs={"layer": "CP-SUPPORT" if ring.fixed[stone] else "0"}).edit_data() as mesh:
+                mesh.vertices = turned[start:stop].tolist()
+                mesh.faces = [(ring.face_nodes[ring.face_ptr[f] : ring.face_ptr[f + 1]] - start).tolist() for f in faces]
+
+    drawing = read_drawing(bare(tmp_path / "a.dxf", draw, code=6))
+    assert set(drawing.findings.codes) == {"W10", "W19", "W22"}
+    assert len(str(drawing.findings).splitlines()) == 3
+    np.testing.assert_allclose(drawing.stones.volume[:-1], ring.volume, rtol=1e-5)
 
 
 @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
