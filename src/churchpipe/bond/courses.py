@@ -62,8 +62,11 @@ def lay_courses(field: Field, cell: UnitCell, joints: Callable[[int], FloatArray
     if not rows:
         raise InputError(field.name, "lower than rounding", found=f"{high - low:g} m", expected=f"courses of {cell.a:g} m")
     cells = np.concatenate(rows)
-    whole = boxes(cells[:, :4])
-    polygons, course = cut(whole, cells[:, 4].astype(np.int64), field)
+    whole, course = boxes(cells[:, :4]), cells[:, 4].astype(np.int64)
+    if field.voids:
+        # What a junction or the end of the wall cuts off stays cut off; only openings are cut out of stones later.
+        whole, course = cut(whole, course, united([field.solid, *(void.filling for void in field.voids)]), field.name)
+    polygons, course = cut(whole, course, field.solid, field.name)
     pieces = polygons
     if field.closed:
         polygons, course = _joined_at_seam(polygons, course, field, joints)
@@ -147,23 +150,23 @@ def _joined_at_seam(
         if len(firsts) and shared.max() > TOLERANCE:
             first = firsts[shared.argmax()]
             whole = united(np.concatenate([polygons[[first]], beyond]))
-            polygons[first] = snap_polygons(np.array([whole], dtype=np.object_))[0]
+            polygons[first] = snap_polygons(np.array([whole], dtype=np.object_))[0][0]
             kept[last] = False
     return polygons[kept], course[kept]
 
 
-def cut(cells: Polygons, course: IntArray, field: Field) -> tuple[Polygons, IntArray]:
-    """Return the parts of the cells inside the field, with their courses; whole cells keep their exact corners."""
-    whole = covered(cells, field.solid)
-    pieces, owner = clip(cells[~whole], field.solid)
+def cut(cells: Polygons, course: IntArray, solid: Region, where: str) -> tuple[Polygons, IntArray]:
+    """Return the parts of the cells inside a solid region, with their courses; whole cells keep their exact corners."""
+    whole = covered(cells, solid)
+    pieces, owner = clip(cells[~whole], solid)
     keep = areas(pieces) > TOLERANCE * areas(cells[~whole])[owner]
-    polygons = snap_polygons(np.concatenate([cells[whole], pieces[keep]]))
-    courses = np.concatenate([course[whole], course[~whole][owner[keep]]])
+    polygons, piece = snap_polygons(np.concatenate([cells[whole], pieces[keep]]))
+    courses = np.concatenate([course[whole], course[~whole][owner[keep]]])[piece]
     holed = has_hole(polygons)
     if holed.any():
         s, t, _, _ = bounds(polygons[holed])[0]
         raise InputError(
-            field.name,
+            where,
             "an opening lies inside one stone",
             found=f"near s = {s:g}, t = {t:g} m",
             remedy="Make the opening larger, the stones shorter, or leave it out.",

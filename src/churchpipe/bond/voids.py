@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from churchpipe.errors import InputError
-from churchpipe.geometry.planar import distances, polygon, united
+from churchpipe.geometry.planar import Region, distances, polygon, united
 from churchpipe.geometry.polygons import TOLERANCE, corners
 from churchpipe.model.arrays import BoolArray, FloatArray, floats, store
 from churchpipe.model.building import CylinderChart, Panel
@@ -19,12 +19,13 @@ class Void:
     """An arched opening of a curved wall, seen along its middle normal: x is the distance from its middle plane, t height, m.
 
     middle: s of the middle, m. opening (n, 2), outer (m, 2): outlines, counter-clockwise, of the opening and of that with its
-    voussoirs. radii: of the inner and of the outer face, m.
+    voussoirs. filling: the latter in chart coordinates. radii: of the inner and of the outer face, m.
     """
 
     middle: float
     opening: FloatArray
     outer: FloatArray
+    filling: Region
     radii: tuple[float, float]
 
     def __post_init__(self) -> None:
@@ -80,16 +81,16 @@ def voids_of(panel: Panel) -> tuple[Void, ...]:
         low, high = opening.outline[:, 0].min(), opening.outline[:, 0].max()
         middle = 0.5 * float(low + high)
         outline = to_view(chart, middle, opening.outline)
-        rings = [
-            to_view(chart, middle, region.outline)
+        outlines = [opening.outline] + [
+            region.outline
             for region in panel.regions
             if region.pattern == "voussoir" and distances(polygon(opening.outline), region.outline).min() < TOLERANCE
         ]
-        whole = united([polygon(outline), *(polygon(ring) for ring in rings)])
+        whole = united([polygon(to_view(chart, middle, part)) for part in outlines])
         outer = corners(np.array([whole], dtype=np.object_))[0]
         half = float(np.abs(outer[:, 0]).max())
         check_width(f"Panel {panel.name}: opening {opening.name}", half, inner)
-        found.append(Void(middle, outline, outer, (inner, inner + panel.thickness)))
+        found.append(Void(middle, outline, outer, united([polygon(part) for part in outlines]), (inner, inner + panel.thickness)))
     return tuple(found)
 
 

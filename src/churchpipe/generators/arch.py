@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from churchpipe.bond.count import MOST_VOUSSOIRS
 from churchpipe.bond.tiles import tiles_of
 from churchpipe.bond.voussoir import ring_outline
 from churchpipe.errors import InputError
@@ -37,7 +38,7 @@ class ArchParameters:
         coerce_fields(self, "arch.")
         for key in ("mean_radius", "thickness", "width"):
             positive(f"arch.{key}", getattr(self, key))
-        whole("arch.voussoirs", self.voussoirs, least=2)
+        whole("arch.voussoirs", self.voussoirs, least=2, most=MOST_VOUSSOIRS)
         if self.thickness >= 2 * self.mean_radius:
             raise InputError(
                 "arch.thickness", "no opening is left", found=self.thickness, expected=f"< {2 * self.mean_radius:g} m"

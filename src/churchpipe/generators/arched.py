@@ -7,6 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from churchpipe.bond.count import MOST_VOUSSOIRS
 from churchpipe.bond.voussoir import ring_outline
 from churchpipe.errors import InputError
 from churchpipe.generators.fields import as_dataclass, coerce_fields
@@ -50,7 +51,7 @@ class ArchedOpening:
         for key in ("width", "depth", "springing"):
             positive(f"{where}: {key}", getattr(self, key))
         positive(f"{where}: sill", self.sill, allow_zero=True)
-        whole(f"{where}: voussoirs", self.voussoirs, least=8 if self.shape == "circle" else 2)
+        whole(f"{where}: voussoirs", self.voussoirs, least=8 if self.shape == "circle" else 2, most=MOST_VOUSSOIRS)
         if self.shape in ("pointed", "circle") and self.voussoirs % 2:
             raise InputError(f"{where}: voussoirs", "odd", found=self.voussoirs, expected="an even number: two equal halves")
         if self.shape != "circle" and not self.sill < self.springing:

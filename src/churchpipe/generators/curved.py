@@ -29,11 +29,14 @@ def curved_panel(
 ) -> Panel:
     """Return a curved wall with its openings, whose `centre` is the way along the mid-surface from s = middle, m.
 
+    On a full circle it may go either way and round more than once.
+
     Raises
     ------
     InputError: an opening too wide for the curve, beyond the arc or the top, over the seam of a full circle; two that overlap.
     """
-    found = [_bent(hole, name, chart, thickness, middle) for hole in holes(bonding.openings, name)]
+    closed = closes(chart, float(outline[:, 0].min()), float(outline[:, 0].max()))
+    found = [_bent(hole, name, chart, thickness, middle, closed) for hole in holes(bonding.openings, name)]
     panel = Panel(
         name,
         chart,
@@ -44,14 +47,17 @@ def curved_panel(
         openings=tuple(hole.opening for hole in found),
         runs_through=runs_through,
     )
-    _check_places(panel, found, bond.cell.b / 4)
+    _check_places(panel, found, bond.cell.b / 4, closed)
     return panel
 
 
-def _bent(hole: Hole, wall: str, chart: CylinderChart, thickness: float, middle: float) -> Hole:
+def _bent(hole: Hole, wall: str, chart: CylinderChart, thickness: float, middle: float, closed: bool) -> Hole:
     """Return an opening of a straight wall bent onto a curved one: its middle stays, its width is that of the view."""
     s0, t0, s1, t1 = hole.outer
     centre = 0.5 * (s0 + s1)
+    if closed:
+        # The same place on the circle, between the start and the end of the wall.
+        middle -= 2 * math.pi * chart.radius * math.floor((middle + centre) / (2 * math.pi * chart.radius))
     check_width(f"wall {wall}: opening {hole.opening.name}", 0.5 * (s1 - s0), chart.radius - thickness / 2)
 
     def bend(outline: FloatArray) -> FloatArray:
@@ -72,10 +78,9 @@ def _bent(hole: Hole, wall: str, chart: CylinderChart, thickness: float, middle:
     return Hole(Opening(hole.opening.name, bend(hole.opening.outline)), rings, (*reach[0].tolist(), *reach[1].tolist()))
 
 
-def _check_places(panel: Panel, found: list[Hole], margin: float) -> None:
+def _check_places(panel: Panel, found: list[Hole], margin: float, closed: bool) -> None:
     chart = panel.chart
     assert isinstance(chart, CylinderChart)
-    closed = closes(chart, float(panel.outline[:, 0].min()), float(panel.outline[:, 0].max()))
     arc, top = chart.radius * chart.sweep, float(panel.outline[:, 1].max())
     voids = voids_of(panel)
     reach = [void.reach(chart.radius, (float(void.outer[:, 0].min()), float(void.outer[:, 0].max()))) for void in voids]

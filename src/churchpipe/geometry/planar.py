@@ -145,6 +145,17 @@ def clip(polygons: Polygons, region: Region) -> tuple[Polygons, IntArray]:
     return np.asarray(part[keep], dtype=np.object_), np.asarray(owner[keep], dtype=np.int64)
 
 
+def simple_parts(polygons: Polygons) -> tuple[Polygons, IntArray]:
+    """Return the polygons, those whose outline touches itself as several that do not, and which (n,) each was part of."""
+    if shapely.is_valid(polygons).all():
+        return polygons, np.arange(len(polygons))
+    # Areas beside lines come as a collection of two collections.
+    group, owner = shapely.get_parts(shapely.make_valid(polygons), return_index=True)
+    part, member = shapely.get_parts(group, return_index=True)
+    keep = shapely.get_type_id(part) == shapely.GeometryType.POLYGON
+    return np.asarray(part[keep], dtype=np.object_), np.asarray(owner[member[keep]], dtype=np.int64)
+
+
 def common(first: Region, second: Region) -> Region:
     """Return what two regions have in common; lines and points are dropped."""
     return _areal(shapely.intersection(first, second))

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from churchpipe.geometry.planar import Polygons, all_coordinates, moved, outer_rings
+from churchpipe.geometry.planar import Polygons, all_coordinates, moved, outer_rings, simple_parts
 from churchpipe.model.arrays import FloatArray, IntArray
 
 # Coordinates closer than this are one and the same, m.
@@ -35,10 +35,13 @@ def snap_onto(values: FloatArray, marks: FloatArray) -> FloatArray:
     return np.where(np.abs(nearest - values) <= TOLERANCE, nearest, values)
 
 
-def snap_polygons(polygons: Polygons) -> Polygons:
-    """Return the polygons with nearly equal s and nearly equal t coordinates made equal."""
+def snap_polygons(polygons: Polygons) -> tuple[Polygons, IntArray]:
+    """Return the polygons with nearly equal s and nearly equal t coordinates made equal, and which (n,) each was part of.
+
+    A neck narrower than the tolerance closes: the polygon falls into two that touch in a point.
+    """
     point = all_coordinates(polygons)
-    return moved(polygons, np.stack([snap(point[:, 0]), snap(point[:, 1])], axis=1))
+    return simple_parts(moved(polygons, np.stack([snap(point[:, 0]), snap(point[:, 1])], axis=1)))
 
 
 def corners(polygons: Polygons) -> tuple[FloatArray, IntArray]:

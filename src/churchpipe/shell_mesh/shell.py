@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from churchpipe.bond.count import check_count
 from churchpipe.bond.parts import part_names
 from churchpipe.bond.patterns import bond_of
 from churchpipe.errors import InputError
@@ -59,6 +60,7 @@ def derive_shell(building: Building, element_size: float, sizes: Mapping[str, fl
     check_kind("derive_shell: building", building, Building, "read_case(...).building() makes one.")
     if not building.panels:
         raise InputError(f"building {building.name}", "no walls", found=0, expected="at least one panel")
+    check_count(building)
     _check_bonds(building)
     lengths = _sizes(building, element_size, sizes or {})
     surfaces = mid_surfaces(building.panels)

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from churchpipe.bond.count import check_count
 from churchpipe.bond.junction import wall_junctions
 from churchpipe.bond.parts import part_names
 from churchpipe.bond.tiles import TileSet
@@ -16,7 +17,7 @@ from churchpipe.geometry.polygons import TOLERANCE, snap
 from churchpipe.model.arguments import check_kind
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage, assemble
-from churchpipe.model.building import BondRegion, Building, CylinderChart, Panel
+from churchpipe.model.building import Building, CylinderChart, Panel
 from churchpipe.model.materials import by_name
 from churchpipe.stones.pierced import pierced_solids
 from churchpipe.stones.prisms import Solids, stations_of, thicken
@@ -24,8 +25,6 @@ from churchpipe.stones.prisms import Solids, stations_of, thicken
 # Relative difference allowed between the stones and the walls.
 VOLUME_TOLERANCE = 1e-9
 GROUND = "ground"
-# Ten times what has been analysed. They take three gigabytes (6.4 kB a stone) before the first solve.
-MOST_STONES = 500_000
 
 
 def derive_blocks(building: Building) -> Assemblage:
@@ -41,7 +40,7 @@ def derive_blocks(building: Building) -> Assemblage:
     check_kind("derive_blocks: building", building, Building, "read_case(...).building() makes one.")
     if not building.panels:
         raise InputError(f"building {building.name}", "no walls", found=0, expected="at least one panel")
-    _check_count(building)
+    check_count(building)
     solids = [wall_region(panel) for panel in building.panels]
     junctions = wall_junctions(building.panels, solids)
     tiles = [lay_wall(*wall) for wall in zip(building.panels, solids, junctions, strict=True)]
@@ -59,28 +58,6 @@ def derive_blocks(building: Building) -> Assemblage:
             remedy="Look for rings, lintels or walls that overlap, or parts of a wall without a bond.",
         )
     return stones
-
-
-def _check_count(building: Building) -> None:
-    """Raise InputError for a building of too many stones, counted from the size of its walls before any is laid."""
-    counts = {panel.name: sum(map(_stones_about, panel.regions)) for panel in building.panels}
-    total = sum(counts.values())
-    if total > MOST_STONES:
-        most = max(counts, key=counts.__getitem__)
-        raise InputError(
-            f"building {building.name}",
-            "too many stones",
-            found=f"about {total:,.0f}, of them {counts[most]:,.0f} in {most}",
-            expected=f"at most {MOST_STONES:,}",
-            remedy="Look whether a length is in another unit (mm for m), or take larger stones.",
-        )
-
-
-def _stones_about(region: BondRegion) -> float:
-    if region.pieces or region.pattern == "single":
-        return max(region.pieces, 1)
-    length, height = np.ptp(region.outline, axis=0)
-    return float(np.ceil(height / region.cell.a) * np.ceil(length / region.cell.b))
 
 
 def _solids(panel: Panel, tiles: TileSet) -> Solids:

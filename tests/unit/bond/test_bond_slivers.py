@@ -68,3 +68,14 @@ def test_a_pier_narrower_than_a_quarter_stone_is_an_error():
 def test_a_wall_too_low_for_any_stone_is_an_error():
     with pytest.raises(InputError, match="no neighbour to be merged into"):
         lay(rectangle(0, 0, 0.08, 0.006), 0.08)
+
+
+@pytest.mark.parametrize("below", [0.0, 2e-16, 4e-10])
+def test_a_crown_that_touches_a_course_line_but_for_rounding_parts_the_stones_beside_it(below):
+    # The other corner at that height is what the course line snaps to; the neck over the crown has no thickness.
+    crown = 0.06 - below
+    solid = less(rectangle(0, 0, 0.4, 0.09), [polygon([[0.1, 0], [0.3, 0], [0.24, crown]]), rectangle(0.35, 0.03, 0.4, 0.06)])
+    tiles = lay(solid, 0.4)
+    box = bounds(tiles.polygons[tiles.course == 1])
+    assert ((box[:, 2] < 0.24 + 1e-9) | (box[:, 0] > 0.24 - 1e-9)).all()
+    assert tiles.area.sum() == pytest.approx(0.4 * 0.09 - 0.1 * crown - 0.05 * 0.03, rel=1e-9)

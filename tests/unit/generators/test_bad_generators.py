@@ -59,6 +59,8 @@ CALLS: list[tuple[Callable[[], object], str]] = [
     (lambda: door(wall=3), r"opening d: wall: not a list; found 3"),
     (lambda: door(rise="high"), r"opening d: rise: not a number"),
     (lambda: door(voussoirs=7.5), r"opening d: voussoirs: out of range; found 7\.5"),
+    (lambda: door(voussoirs=1_000_000), r"opening d: voussoirs: out of range; found 1000000; expected .* from 2 to 1000"),
+    (lambda: generators.arch(**ARCH | {"voussoirs": 1_000_000}), r"arch\.voussoirs: out of range; found 1000000"),
     (lambda: door(name=3), r"opening: name: no name; found 3"),
     (lambda: door(width=1e-9), r"opening d: width: lost to rounding"),
     (lambda: generators.church(**CHURCH, nave=None), r"church\.nave: wrong kind; found None; expected Nave, or a mapping"),

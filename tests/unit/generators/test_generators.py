@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 from churchpipe.errors import InputError
-from churchpipe.generators import GENERATORS, arch, box, prototype, wall
+from churchpipe.generators import GENERATORS, arch, box, prototype, tower, wall
 from churchpipe.model.materials import Material
 from churchpipe.stones.blocks import derive_blocks
 from churchpipe.stones.contacts import find_contacts
+from sound import laid
 
 BRICK = (0.08, 0.04, 0.03)
 WALL = {"length": 0.32, "brick": BRICK, "courses": 5}
@@ -136,3 +137,10 @@ def test_the_default_joints_of_short_bricks_are_half_a_brick_off():
     assert (long.through_offset, long.cut_offset) == (0.0, 0.04)
     given = prototype(**(PROTOTYPE | {"through_offset": 0.01, "cut_offset": 0.03})).panels[0].regions[0]
     assert (given.through_offset, given.cut_offset) == (0.01, 0.03)
+
+
+def test_a_crown_may_touch_the_top_of_a_course():
+    # 5.7 + 1.55 / 2 + 0.4 = 25 courses of 0.275, but for the last digit.
+    circle = {"name": "rose", "wall": "back", "shape": "circle", "width": 1.55, "springing": 5.7, "voussoirs": 12, "depth": 0.4}
+    sizes = {"course": 0.275, "stone_length": 0.6, "width": 6.713, "depth": 6.169, "height": 9.9, "thickness": 0.836}
+    laid(tower(**sizes, openings=[circle | {"centre": 0.075}]))

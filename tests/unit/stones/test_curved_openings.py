@@ -155,6 +155,32 @@ def test_any_window_in_any_apse(radius, thickness, share, centre, stone, springi
     assert (np.isin(contacts.blocks, np.flatnonzero(ring)).sum(axis=1) == 2).sum() == (8 if shape == "circle" else 7)
 
 
+# A window and a leg of the apse lie within one stone's length of each other, or far apart; both rules of joints.
+@pytest.mark.parametrize("seed", range(4))
+def test_an_apse_with_a_window_on_the_grid_fills_its_walls(seed):
+    rng = np.random.default_rng(seed)
+    radius, thickness = rng.uniform(1.2, 2.5), rng.uniform(0.5, 0.9)
+    opening = {"centre": rng.uniform(-0.8, 0.8) * radius, "width": rng.uniform(0.3, 0.6) * radius, "voussoirs": 8, "sill": 0.8}
+    shape = ["round", "segmental", "pointed", "circle"][seed]
+    opening |= {"shape": shape, "springing": rng.uniform(1.6, 2.4), "depth": 0.25}
+    opening |= {"segmental": {"rise": 0.3 * opening["width"]}, "pointed": {"rise": 0.9 * opening["width"]}}.get(shape, {})
+    sizes = {"inner_radius": radius, "thickness": thickness, "stone_length": rng.uniform(0.4, 0.7), "joints": "grid"}
+    first = ["x", "y"][seed % 2]
+    laid(apse(**(APSE | sizes | {"wall_length": 9.0, "first_course": first}), openings=[WINDOW | opening]))
+
+
+@pytest.mark.parametrize("turns", [-1, 0, 1])
+def test_a_centre_on_a_round_tower_may_be_negative_or_beyond_one_turn(turns):
+    girth = math.pi * (TOWER["width"] - TOWER["thickness"])
+    door = next(iter(tower(**TOWER, openings=[DOOR | {"centre": -0.2}]).panels[0].openings))
+    same = next(iter(tower(**TOWER, openings=[DOOR | {"centre": -0.2 + turns * girth}]).panels[0].openings))
+    np.testing.assert_allclose(same.outline, door.outline, atol=1e-9)
+    stones, _ = laid(tower(**TOWER, openings=[DOOR | {"centre": -0.2 + turns * girth}]))
+    ring = stones.centroid[np.char.startswith(stones.block_id.astype(str), "round-door-ring")]
+    assert ring[:, 0].min() > 1.4
+    assert -0.2 < ring[:, 1].mean() < -0.15
+
+
 MISTAKES = [
     (
         {"width": 1.5, "depth": 0.45},
