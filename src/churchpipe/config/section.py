@@ -1,7 +1,7 @@
 """Tables of the case file, and what is wrong with one in the user's words."""
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Annotated, Any, TypeVar, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
@@ -37,12 +37,19 @@ _WANTED = {
 Kind = TypeVar("Kind", bound=Section)
 
 
-def validated(kind: type[Kind], table: Table, place: str, file: str, problems: list[InputError]) -> Kind | None:
-    """Return a table checked, or None and what is wrong with it among the problems. place: its own key in the file."""
+def validated(
+    kind: type[Kind], table: Table, place: str, file: str, problems: list[InputError], spelled: Callable[[str], str] = str
+) -> Kind | None:
+    """Return a table checked, or None and what is wrong with it among the problems.
+
+    Parameters
+    ----------
+    place: the table's own key in the file. spelled: a key as the schema has it -> as this file writes it.
+    """
     try:
         return kind.model_validate(table)
     except ValidationError as error:
-        problems += [_translated(item, kind, place, file) for item in error.errors()]
+        problems += [_translated(item, kind, place, file, spelled) for item in error.errors()]
         return None
 
 
@@ -60,14 +67,15 @@ def nearest(key: str, known: Iterable[str]) -> str:
     return f'Did you mean "{close[0]}"?' if close else ""
 
 
-def _translated(item: Any, kind: type[Section], place: str, file: str) -> InputError:
+def _translated(item: Any, kind: type[Section], place: str, file: str, spelled: Callable[[str], str]) -> InputError:
     *path, last = item["loc"]
     where = f"{file}: " + ".".join(map(str, (*([place] if place else []), *path, last)))
     match item["type"]:
         case "extra_forbidden":
-            known = [*_section_at(kind, path).model_fields, *(["sweep"] if not place and not path else [])]
+            known = [*map(spelled, _section_at(kind, path).model_fields), *(["sweep"] if not place and not path else [])]
             return InputError(where, "unknown key", expected=f"one of {', '.join(known)}", remedy=nearest(str(last), known))
         case "missing":
+            where = where.removesuffix(str(last)) + spelled(str(last))
             return InputError(
                 where, "missing key", expected=_described(_section_at(kind, path).model_fields[str(last)].annotation)
             )

@@ -141,7 +141,8 @@ def check_source(table: Table, file: str, problems: list[InputError]) -> Section
             )
         )
         return None
-    source = validated(GENERATED[name], _in_millimetres(table, GENERATED[name]), "source", file, problems)
+    spelled = _in_metres if _written_in_metres(table) else str
+    source = validated(GENERATED[name], _in_millimetres(table, GENERATED[name]), "source", file, problems, spelled)
     if source is not None:
         problems += _out_of_scale(source.model_dump(exclude_none=True), f"{file}: source")
     return source
@@ -159,6 +160,17 @@ def _out_of_scale(value: Any, place: str) -> list[InputError]:
     expected = f"from {SHORTEST:g} to {LONGEST:g} mm"
     remedy = "Keys in _mm take millimetres, keys in _m metres."
     return [InputError(place, "no length of a building", found=f"{value:g} mm", expected=expected, remedy=remedy)]
+
+
+def _written_in_metres(value: Any) -> bool:
+    """Return whether a table, or one within it, has lengths in metres."""
+    if isinstance(value, list):
+        return any(map(_written_in_metres, value))
+    return isinstance(value, dict) and any(key.endswith("_m") or _written_in_metres(item) for key, item in value.items())
+
+
+def _in_metres(key: str) -> str:
+    return key.removesuffix("mm") + "m" if key.endswith("_mm") else key
 
 
 def _in_millimetres(table: Table, kind: type[Section]) -> Table:

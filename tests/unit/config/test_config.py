@@ -1,6 +1,7 @@
 """The case file: what it gives, and what it says about mistakes."""
 
 import dataclasses
+import re
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from case_texts import case_file
 from churchpipe.config import Drawing, Generated, ShellSettings, church_sources, read_case, read_variants
 from churchpipe.config.overrides import parse_override, set_key
 from churchpipe.config.plan import Plan, building_of, load_of, materials_of, plan, unit_weights
+from churchpipe.config.section import Section, section_in
 from churchpipe.config.sources import GENERATED, OpeningTable
 from churchpipe.config.units import UNITS, in_si
 from churchpipe.errors import InputError, UsageError
@@ -125,6 +127,18 @@ def test_the_sample_cases_are_all_offered() -> None:
     assert set(sample_names()) >= set(GENERATORS)
 
 
+def _keys(section: type[Section]) -> set[str]:
+    inner = [found for field in section.model_fields.values() if (found := section_in(field.annotation))]
+    return set(section.model_fields).union(*map(_keys, inner))
+
+
+@pytest.mark.parametrize("name", GENERATED)
+def test_a_sample_case_names_every_key_of_its_generator(name: str) -> None:
+    words = set(re.findall(r"\w+", sample_case(name)))
+    missing = {key for key in _keys(GENERATED[name]) if not {key, key.removesuffix("mm") + "m"} & words}
+    assert not missing
+
+
 def test_the_cases_of_the_church_lay_the_same_church() -> None:
     folder = pipeline_folder() / "cases"
     church = read_case(folder / "church.toml").source
@@ -134,7 +148,8 @@ def test_the_cases_of_the_church_lay_the_same_church() -> None:
 
 # One mistake each: the override that makes it, and what must be said.
 MISTAKES = [
-    ("source.lenght_m=3", r'source\.lenght_m: unknown key.*Did you mean "length_mm"\?'),
+    ("source.lenght_m=3", r'source\.lenght_m: unknown key.*Did you mean "length_m"\?'),
+    ('source={generator="wall", thickness_m=0.2}', r"source\.length_m: missing key; expected a number"),
     ("rigid.frow=1", r'rigid\.frow: unknown key.*flow, solver, method, start.*Did you mean "flow"\?'),
     ("materail.default.friction=1", r'materail: unknown key.*Did you mean "material"\?'),
     ("material.default.frictoin=1", r'material\.default\.frictoin: unknown key.*Did you mean "friction"\?'),
