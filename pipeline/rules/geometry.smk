@@ -4,52 +4,71 @@ if config["drawing"]:
 
     rule drawing:
         input:
+            code="code/drawing.txt",
             settings="geometry/{geometry}/settings.json",
             drawing=config["drawing"],
-            sources=sources("dxf", "config", "io/vtu.py"),
         output:
             assemblage="geometry/{geometry}/assemblage.npz",
             vtu="geometry/{geometry}/stones.vtu",
+        log:
+            "log/drawing/{geometry}.txt",
+        benchmark:
+            "benchmark/drawing/{geometry}.tsv"
+        threads: 1
+        resources:
+            mem_mb=MEMORY,
         shell:
-            STAGE + " drawing {wildcards.geometry:q} {input.settings:q} {input.drawing:q} {output.assemblage:q} {output.vtu:q}"
+            STAGE + " drawing {wildcards.geometry:q} {input.settings:q} {input.drawing:q} {output.assemblage:q} {output.vtu:q}" + LOG
 
 else:
 
     rule source:
         input:
+            code="code/source.txt",
             settings="geometry/{geometry}/settings.json",
-            sources=sources("generators", "bond", "config", "io/building_json.py"),
         output:
             building="geometry/{geometry}/building.json",
+        log:
+            "log/source/{geometry}.txt",
+        benchmark:
+            "benchmark/source/{geometry}.tsv"
+        threads: 1
+        resources:
+            mem_mb=MEMORY,
         shell:
-            STAGE + " source {wildcards.geometry:q} {input.settings:q} {output.building:q}"
+            STAGE + " source {wildcards.geometry:q} {input.settings:q} {output.building:q}" + LOG
 
     rule blocks:
         input:
+            code="code/blocks.txt",
             building="geometry/{geometry}/building.json",
-            sources=sources(
-                "stones/blocks.py",
-                "geometry/manifolds.py",
-                "shell_mesh/midplanes.py",
-                "stones/pierced.py",
-                "bond",
-                "dxf",
-                "io/building_json.py",
-                "io/vtu.py",
-            ),
         output:
             assemblage="geometry/{geometry}/assemblage.npz",
             dxf="geometry/{geometry}/stones.dxf",
             vtu="geometry/{geometry}/stones.vtu",
+        log:
+            "log/blocks/{geometry}.txt",
+        benchmark:
+            "benchmark/blocks/{geometry}.tsv"
+        threads: 1
+        resources:
+            mem_mb=MEMORY,
         shell:
-            STAGE + " blocks {wildcards.geometry:q} {input.building:q} {output.assemblage:q} {output.dxf:q} {output.vtu:q}"
+            STAGE + " blocks {wildcards.geometry:q} {input.building:q} {output.assemblage:q} {output.dxf:q} {output.vtu:q}" + LOG
 
 
 rule contacts:
     input:
+        code="code/contacts.txt",
         assemblage="geometry/{geometry}/assemblage.npz",
-        sources=sources("stones/contacts.py", "geometry/manifolds.py", "shell_mesh/midplanes.py", "stones/soundness.py", "bond"),
     output:
         contacts="geometry/{geometry}/contacts.npz",
+    log:
+        "log/contacts/{geometry}.txt",
+    benchmark:
+        "benchmark/contacts/{geometry}.tsv"
+    threads: 1
+    resources:
+        mem_mb=memory_by("fixed", 0.07),
     shell:
-        STAGE + " contacts {wildcards.geometry:q} {input.assemblage:q} {output.contacts:q}"
+        STAGE + " contacts {wildcards.geometry:q} {input.assemblage:q} {output.contacts:q}" + LOG

@@ -3,27 +3,25 @@
 
 rule compare:
     input:
+        code="code/compare.txt",
         plan="plan.json",
         sizes=expand("geometry/{geometry}/{part}.npz", geometry=GEOMETRIES, part=["assemblage", "contacts"]),
         shells=expand("shell/{mesh}/{part}", mesh=SHELLS, part=["shell.npz", "match.json"]),
         fits=expand("geometry/{geometry}/fit.json", geometry=set(SHELLS.values()) if config["drawing"] else []),
         records=files_of(ANALYSES, "json"),
         states=files_of(ANALYSES, "npz"),
-        sources=sources(
-            "compare.py",
-            "code_check.py",
-            "mechanism.py",
-            "config/plan.py",
-            "config/site.py",
-            "rigid_blocks/equilibrium.py",
-            "geometry/locate.py",
-            "bond",
-        ),
     output:
         summary="summary.json",
         table="table.csv",
+    log:
+        "log/compare/all.txt",
+    benchmark:
+        "benchmark/compare/all.tsv"
+    threads: 1
+    resources:
+        mem_mb=MEMORY,
     shell:
-        STAGE + " compare all {input.plan:q} {output.summary:q} {output.table:q}"
+        STAGE + " compare all {input.plan:q} {output.summary:q} {output.table:q}" + LOG
 
 
 for number, geometry in enumerate(GEOMETRIES):
@@ -32,6 +30,7 @@ for number, geometry in enumerate(GEOMETRIES):
         name:
             f"report_{number}" if number else "report"
         input:
+            code="code/report.txt",
             plan="plan.json",
             case="as-run.toml",
             summary="summary.json",
@@ -39,11 +38,15 @@ for number, geometry in enumerate(GEOMETRIES):
             contacts=f"geometry/{geometry}/contacts.npz",
             shells=[f"shell/{mesh}/shell.npz" for mesh, place in SHELLS.items() if place == geometry],
             states=files_of([a for a in ANALYSES if a["geometry"] == geometry], "npz"),
-            sources=sources(
-                "report", "mechanism.py", "config/plan.py", "homogenised_shell", "conic", "io/vtu.py", "io/shell_vtu.py"
-            ),
         output:
             html=report_of(geometry),
             mechanisms=[f"rigid/{a['name']}/mechanism.vtu" for a in ANALYSES if a["geometry"] == geometry and a["kind"] == "rigid"],
+        log:
+            f"log/report/{number}.txt",
+        benchmark:
+            f"benchmark/report/{number}.tsv"
+        threads: 1
+        resources:
+            mem_mb=MEMORY,
         shell:
-            STAGE + " report {output.html:q} {input.plan:q} {input.summary:q} {input.assemblage:q} {input.contacts:q} {output.html:q}"
+            STAGE + " report {output.html:q} {input.plan:q} {input.summary:q} {input.assemblage:q} {input.contacts:q} {output.html:q}" + LOG

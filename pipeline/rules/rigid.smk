@@ -3,13 +3,20 @@
 
 rule rigid:
     input:
+        code="code/rigid.txt",
         settings="rigid/{analysis}/settings.json",
         assemblage=lambda wildcards: f"geometry/{GEOMETRY_OF[wildcards.analysis]}/assemblage.npz",
         contacts=lambda wildcards: f"geometry/{GEOMETRY_OF[wildcards.analysis]}/contacts.npz",
-        sources=sources("rigid_blocks", "conic", "stones/joints.py", "config/plan.py", "config/units.py", "io/records.py"),
     output:
         state="rigid/{analysis}/rigid.npz",
         record="rigid/{analysis}/rigid.json",
+    log:
+        "log/rigid/{analysis}.txt",
+    benchmark:
+        "benchmark/rigid/{analysis}.tsv"
+    threads: SHARE
+    resources:
+        mem_mb=memory_by("fixed", 0.07),
     shell:
         STAGE + " rigid {wildcards.analysis:q} {input.settings:q} {input.assemblage:q} {input.contacts:q}"
-        " {output.state:q} {output.record:q}"
+        " {output.state:q} {output.record:q}" + LOG

@@ -5,71 +5,99 @@ if config["drawing"]:
 
     rule panels:
         input:
+            code="code/panels.txt",
             settings="geometry/{geometry}/settings.json",
             assemblage="geometry/{geometry}/assemblage.npz",
-            sources=sources("derive", "bond", "config/plan.py", "io/building_json.py"),
         output:
             building="geometry/{geometry}/building.json",
             fitted="geometry/{geometry}/fitted.npz",
             fit="geometry/{geometry}/fit.json",
+        log:
+            "log/panels/{geometry}.txt",
+        benchmark:
+            "benchmark/panels/{geometry}.tsv"
+        threads: 1
+        resources:
+            mem_mb=memory_by("fixed", 0.07),
         shell:
             STAGE + " panels {wildcards.geometry:q} {input.settings:q} {input.assemblage:q} {output.building:q} {output.fitted:q}"
-            " {output.fit:q}"
+            " {output.fit:q}" + LOG
 
 
 rule shell:
     input:
+        code="code/shell.txt",
         settings="shell/{mesh}/settings.json",
         building=lambda wildcards: f"geometry/{SHELLS[wildcards.mesh]}/building.json",
-        sources=sources(
-            "shell_mesh/shell.py",
-            "shell_mesh/midplanes.py",
-            "shell_mesh/self_weight.py",
-            "shell_mesh/subdivision.py",
-            "bond",
-            "io/building_json.py",
-            "io/shell_vtu.py",
-        ),
     output:
         shell="shell/{mesh}/shell.npz",
+    log:
+        "log/shell/{mesh}.txt",
+    benchmark:
+        "benchmark/shell/{mesh}.tsv"
+    threads: 1
+    resources:
+        mem_mb=MEMORY,
     shell:
-        STAGE + " shell {wildcards.mesh:q} {input.settings:q} {input.building:q} {output.shell:q}"
+        STAGE + " shell {wildcards.mesh:q} {input.settings:q} {input.building:q} {output.shell:q}" + LOG
 
 
 rule match:
     input:
+        code="code/match.txt",
         shell="shell/{mesh}/shell.npz",
         stones=lambda wildcards: f"geometry/{SHELLS[wildcards.mesh]}/{FITTED}",
         contacts=lambda wildcards: f"geometry/{SHELLS[wildcards.mesh]}/contacts.npz",
-        sources=sources("match.py", "geometry/locate.py", "shell_mesh/midplanes.py", "bond"),
     output:
         match="shell/{mesh}/match.json",
+    log:
+        "log/match/{mesh}.txt",
+    benchmark:
+        "benchmark/match/{mesh}.tsv"
+    threads: 1
+    resources:
+        mem_mb=memory_by("triangles", 0.035),
     shell:
-        STAGE + " match {wildcards.mesh:q} {input.shell:q} {input.stones:q} {input.contacts:q} {output.match:q}"
+        STAGE + " match {wildcards.mesh:q} {input.shell:q} {input.stones:q} {input.contacts:q} {output.match:q}" + LOG
 
 
 rule limit:
     input:
+        code="code/limit.txt",
         settings="limit/{analysis}/settings.json",
         shell=lambda wildcards: f"shell/{MESH_OF[wildcards.analysis]}/shell.npz",
         match=lambda wildcards: f"shell/{MESH_OF[wildcards.analysis]}/match.json",
-        sources=sources("homogenised_shell", "conic", "config/plan.py", "config/units.py", "io/records.py"),
     output:
         state="limit/{analysis}/limit.npz",
         record="limit/{analysis}/limit.json",
+    log:
+        "log/limit/{analysis}.txt",
+    benchmark:
+        "benchmark/limit/{analysis}.tsv"
+    threads: SHARE
+    resources:
+        mem_mb=memory_by("triangles", 0.035),
     shell:
-        STAGE + " limit {wildcards.analysis:q} {input.settings:q} {input.shell:q} {input.match:q} {output.state:q} {output.record:q}"
+        STAGE + " limit {wildcards.analysis:q} {input.settings:q} {input.shell:q} {input.match:q} {output.state:q}"
+        " {output.record:q}" + LOG
 
 
 rule pushover:
     input:
+        code="code/pushover.txt",
         settings="pushover/{analysis}/settings.json",
         shell=lambda wildcards: f"shell/{MESH_OF[wildcards.analysis]}/shell.npz",
         match=lambda wildcards: f"shell/{MESH_OF[wildcards.analysis]}/match.json",
-        sources=sources("homogenised_shell", "conic", "config/plan.py", "config/units.py", "io/records.py"),
     output:
         state="pushover/{analysis}/pushover.npz",
         record="pushover/{analysis}/pushover.json",
+    log:
+        "log/pushover/{analysis}.txt",
+    benchmark:
+        "benchmark/pushover/{analysis}.tsv"
+    threads: SHARE
+    resources:
+        mem_mb=memory_by("triangles", 0.035),
     shell:
         STAGE + " pushover {wildcards.analysis:q} {input.settings:q} {input.shell:q} {input.match:q} {output.state:q}"
-        " {output.record:q}"
+        " {output.record:q}" + LOG

@@ -3,7 +3,6 @@
 import fcntl
 import json
 import os
-import re
 import signal
 import subprocess
 import sys
@@ -17,17 +16,15 @@ from churchpipe.errors import InputError
 from churchpipe.io.atomic import PART
 from churchpipe.resources import pipeline_folder
 
-# A line of a stage begins so; all other lines are Snakemake's.
+# A line with news begins so; all other lines are Snakemake's, for people.
 MARK = "@churchpipe "
 # Lies in a run folder from the start of a run until it has ended well.
 UNFINISHED = "unfinished.txt"
-_STEPS = re.compile(r"^(\d+) of (\d+) steps")
-_TOTAL = re.compile(r"^total\s+(\d+)$")
 
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """News of a run. kind: "start", "progress", "done", "error" of a stage; "total" of all jobs: `share` is their number."""
+    """News of a run. kind: "start", "progress", "done", "error" of a stage; "total": `share` is the number of stages to do."""
 
     kind: str
     stage: str = ""
@@ -88,7 +85,13 @@ def command(folder: Path, jobs: int) -> list[str]:
     return [
         *(sys.executable, "-m", "snakemake", "--nocolor", "--cores", str(jobs), "--directory", str(folder)),
         *("--snakefile", str(pipeline / "Snakefile"), "--profile", str(pipeline / "profiles" / "local")),
+        *("--resources", f"mem_mb={memory()}"),
     ]
+
+
+def memory() -> int:
+    """Return the memory of this machine, MB: jobs that would not fit into it side by side follow each other."""
+    return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 2**20
 
 
 def _start(folder: Path, jobs: int, lock: IO[str]) -> "subprocess.Popen[str]":
@@ -132,8 +135,6 @@ def _follow(process: "subprocess.Popen[str]", log: IO[str], watch: Callable[[Eve
 def _event(line: str) -> Event | None:
     if line.startswith(MARK):
         return Event(*json.loads(line.removeprefix(MARK)))
-    if total := _TOTAL.match(line) or _STEPS.match(line):
-        return Event("total", share=float(total.groups()[-1]))
     return None
 
 

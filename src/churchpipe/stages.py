@@ -13,10 +13,11 @@ from pathlib import Path
 from typing import Any
 
 from churchpipe import compare as results
+from churchpipe.closure import code_of
 from churchpipe.config.asrun import as_run
 from churchpipe.config.case import read_variants
-from churchpipe.config.plan import building_of, load_of, materials_of, plan, unit_weights
-from churchpipe.config.site import site_of
+from churchpipe.config.plan import plan
+from churchpipe.config.settings import load_of, materials_of, site_of, weights_of
 from churchpipe.errors import InputError
 from churchpipe.io.atomic import canonical_json, write_if_changed, write_json
 from churchpipe.io.building_json import read_building, write_building
@@ -39,8 +40,8 @@ Progress = Callable[[str, float], None]
 def configure(case: str | Path, out: str | Path, overrides: Sequence[str] = ()) -> Path:
     """Write the plan of a run and the settings of each stage into `out`; a file whose content is unchanged is not touched.
 
-    Files: plan.json, as-run.toml (the case with what --set changed), and settings.json of each stage: geometry/NAME, shell/NAME,
-    rigid/NAME, limit/NAME, pushover/NAME. Returns the plan's path.
+    Files: plan.json, as-run.toml (the case with what --set changed), settings.json of each stage: geometry/NAME, shell/NAME,
+    rigid/NAME, limit/NAME, pushover/NAME, and code/STAGE.txt. Returns the plan's path.
     """
     out = Path(out)
     todo = plan(read_variants(case, overrides))
@@ -52,6 +53,9 @@ def configure(case: str | Path, out: str | Path, overrides: Sequence[str] = ()) 
     folders |= {f"{todo.kinds[name]}/{name}": table for name, table in todo.analyses.items()}
     for folder, table in folders.items():
         write_if_changed(out / folder / "settings.json", canonical_json(table))
+    for stage in STAGES:
+        # The rules take it as an input: an edited module runs again what depends on it.
+        write_if_changed(out / "code" / f"{stage}.txt", code_of(stage))
     write_if_changed(out / "as-run.toml", as_run(Path(case), overrides))
     write_if_changed(out / "plan.json", canonical_json(todo.index))
     return out / "plan.json"
@@ -59,7 +63,10 @@ def configure(case: str | Path, out: str | Path, overrides: Sequence[str] = ()) 
 
 def source(settings: Path, building: Path) -> None:
     """Settings of a geometry -> building.json."""
-    write_building(building, building_of(read_json(settings)))
+    from churchpipe.generators import generate
+
+    table = read_json(settings)
+    write_building(building, generate(**table["source"], materials=weights_of(table), name=table["name"]))
 
 
 def blocks(building: Path, assemblage: Path, dxf: Path, vtu: Path) -> None:
@@ -78,9 +85,8 @@ def drawing(settings: Path, dxf: Path, assemblage: Path, vtu: Path) -> None:
     from churchpipe.dxf.reader import read_drawing
 
     table = read_json(settings)
-    options = {key: value for key, value in table["source"].items() if key in ("units", "support", "repair")}
-    weights = unit_weights(table)
-    drawn = read_drawing(dxf, **options, unit_weight=weights)
+    weights = {material.name: material.unit_weight for material in weights_of(table)}
+    drawn = read_drawing(dxf, **table["source"], unit_weight=weights)
     missing = [name for name in drawn.unweighted if name not in weights]
     if missing:
         raise InputError(
@@ -113,7 +119,7 @@ def panels(settings: Path, assemblage: Path, building: Path, fitted: Path, fit: 
     from churchpipe.recognition.panels import fit_panels
 
     table, stones = read_json(settings), read_npz(assemblage, Assemblage)
-    materials = tuple(Material(name, weight, 0.0) for name, weight in unit_weights(table).items())
+    materials = tuple(weights_of(table))
     try:
         found = fit_panels(stones, materials, name=table["name"])
     except InputError as error:

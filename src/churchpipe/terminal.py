@@ -53,8 +53,7 @@ class Display:
         key = (event.stage, event.name)
         match event.kind:
             case "total":
-                # Snakemake counts its own closing job, which is no stage.
-                self._bar.update(self._all, total=max(event.share - 1, 1))
+                self._bar.update(self._all, total=event.share)
             case "start":
                 self._running[key] = self._bar.add_task(f"{event.stage}  {event.name}", total=100)
             case "progress" if key in self._running:

@@ -16,7 +16,7 @@ from pathlib import Path
 
 import pytest
 
-from churchpipe import engine, stages
+from churchpipe import engine
 
 ROOT = Path(__file__).parents[2]
 CASE = """
@@ -37,6 +37,12 @@ flow = ["associative", "non-associative"]
 RESULTS = {"compare": 1, "report": 1, "all": 1}
 SHELL = {"shell": 1, "match": 1, "limit": 1}
 ALL = {"source": 1, "blocks": 1, "contacts": 1, "rigid": 2, **RESULTS}
+CONFIGURE = "import sys; from churchpipe.stages import configure; configure(sys.argv[1], sys.argv[2], sys.argv[3:])"
+
+
+def stages_of(jobs: dict[str, int]) -> dict[str, int]:
+    """Jobs that are stages: all but the engine's closing one."""
+    return {rule: count for rule, count in jobs.items() if rule != "all"}
 
 
 @dataclass(frozen=True)
@@ -60,8 +66,9 @@ class Copy:
 
     def start(self, *arguments: object) -> "subprocess.Popen[str]":
         environment = os.environ | {"PYTHONPATH": str(self.root / "src"), "MPLCONFIGDIR": str(self.root / "mpl")}
+        module = [] if arguments[0] == "-c" else ["-m"]
         return subprocess.Popen(
-            [sys.executable, "-m", *map(str, arguments)],
+            [sys.executable, *module, *map(str, arguments)],
             cwd=self.root,
             env=environment,
             stdout=subprocess.PIPE,
@@ -78,12 +85,18 @@ class Copy:
         return self.call("churchpipe", "run", self.case, "--out", self.out, *options)
 
     def done(self) -> Counter[str]:
-        """Jobs that the last run finished, by rule."""
-        return Counter(re.findall(r"Finished jobid: \d+ \(Rule: (\w+)\)", (self.out / "run.log").read_text()))
+        """Jobs that the last run finished, by stage."""
+        return Counter(event.stage for event in self.events() if event.kind == "done")
+
+    def events(self) -> list[engine.Event]:
+        """News of the last run."""
+        lines = (self.out / "run.log").read_text().splitlines()
+        return [engine.Event(*json.loads(line.removeprefix(engine.MARK))) for line in lines if line.startswith(engine.MARK)]
 
     def stale(self, *changes: str) -> dict[str, int]:
         """Jobs that a run would do now, by rule."""
-        stages.configure(self.case, self.out, changes)
+        status, out, err = self.call("-c", CONFIGURE, self.case, self.out, *changes)
+        assert status == 0, out + err
         command = [part.replace(str(ROOT), str(self.root)) for part in engine.command(self.out, 1)[2:]]
         status, out, err = self.call(*command, "--dry-run", "--quiet", "rules")
         assert status == 0, out + err
@@ -104,7 +117,8 @@ def pristine(tmp_path_factory: pytest.TempPathFactory) -> Copy:
     copy.case.write_text(CASE)
     code, out, err = copy.run("--jobs", 2)
     assert code == 0, out + err + (copy.out / "run.log").read_text()
-    assert copy.done() == ALL
+    assert copy.done() == stages_of(ALL)
+    assert [event.share for event in copy.events() if event.kind == "total"] == [sum(copy.done().values())]
     assert "-x    associative" in out
     assert "rigid     -x_non-associative" in err
     return copy
@@ -117,7 +131,7 @@ def with_shell(pristine: Copy) -> Copy:
     copy.case.write_text(CASE.replace(', "non-associative"', "") + "[shell]\nelement_size_mm = 400\n")
     code, out, err = copy.run("--jobs", 2)
     assert code == 0, out + err + (copy.out / "run.log").read_text()
-    assert copy.done() == {**ALL, "rigid": 1, **SHELL}
+    assert copy.done() == stages_of({**ALL, "rigid": 1, **SHELL})
     assert "shell         limit load" in out
     return copy
 
@@ -208,15 +222,48 @@ def test_a_sweep_makes_the_stones_once(pristine: Copy) -> None:
     [
         ("src/churchpipe/rigid_blocks/limit.py", {"rigid": 2, **RESULTS}),
         ("src/churchpipe/stones/contacts.py", {"contacts": 1, "rigid": 2, **RESULTS}),
+        ("src/churchpipe/config/settings.py", ALL),
+        ("src/churchpipe/generators/wall.py", ALL),
         ("src/churchpipe/report/html.py", {"report": 1, "all": 1}),
+        ("src/churchpipe/report/templates/report.html", {"report": 1, "all": 1}),
+        # What reads the case decides through the settings, and a comment changes none.
+        ("src/churchpipe/config/case.py", {}),
         ("src/churchpipe/cli.py", {}),
     ],
 )
 def test_an_edited_source_reruns_what_depends_on_it(
     name: str, jobs: dict[str, int], pristine: Copy, edited: Callable[[str, Callable[[str], str]], None]
 ) -> None:
-    edited(name, lambda text: text + "\n# edited\n")
+    edited(name, lambda text: text + ("\n# edited\n" if name.endswith(".py") else "\n"))
     assert pristine.stale() == jobs
+
+
+def test_an_edited_reader_of_cases_reruns_what_it_decides(
+    pristine: Copy, edited: Callable[[str, Callable[[str], str]], None]
+) -> None:
+    edited("src/churchpipe/config/case.py", lambda text: text.replace('si["friction"]', '0.9 * si["friction"]'))
+    assert pristine.stale() == {"rigid": 2, **RESULTS}
+
+
+@pytest.mark.parametrize("stage", ["rigid", "report"])
+def test_an_edited_stage_reruns_itself_alone(
+    stage: str, pristine: Copy, edited: Callable[[str, Callable[[str], str]], None]
+) -> None:
+    head = f"\ndef {stage}("
+    edited("src/churchpipe/stages.py", lambda text: text.replace(head, f"\n@partial(lambda work: work){head}"))
+    assert pristine.stale() == ({"rigid": 2, **RESULTS} if stage == "rigid" else {"report": 1, "all": 1})
+
+
+def test_what_was_deleted_is_made_again(pristine: Copy) -> None:
+    contacts, log = pristine.out / "geometry" / "base" / "contacts.npz", pristine.out / "log" / "contacts" / "base.txt"
+    contacts.unlink()
+    log.unlink()
+    code, out, err = pristine.run()
+    assert code == 0, out + err
+    assert pristine.done()["contacts"] == 1
+    assert contacts.exists()
+    assert '"done", "contacts"' in log.read_text()
+    assert pristine.stale() == {}
 
 
 def test_a_case_with_a_shell_makes_its_artifacts_once(with_shell: Copy) -> None:

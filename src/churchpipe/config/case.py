@@ -106,20 +106,15 @@ class Case:
                 found=self.source.path.name,
                 remedy="Read the stones with churchpipe.read_dxf.",
             )
-        building = generate(self.source, self.materials, self.name)
+        from churchpipe.generators import generate
+
+        building = generate(self.source.generator, self.source.parameters, self.materials, self.name)
         known = [name for panel in building.panels for name in (panel.name, *(part.name for part in panel.parts))]
         for number, load in enumerate(self.loads):
             for name in {*(load.panels or ())} - {*known}:
                 where = f"{self.path}: load.{number}.panels"
                 raise InputError(where, "no such panel", found=name, expected=", ".join(known), remedy=nearest(name, known))
         return building
-
-
-def generate(source: Generated, materials: Sequence[Material], name: str) -> Building:
-    """Return the building that a generator makes."""
-    from churchpipe.generators import GENERATORS
-
-    return GENERATORS[source.generator].build(**source.parameters, name=name, materials=tuple(materials))
 
 
 def read_case(path: str | Path, overrides: Sequence[str] = ()) -> Case:
@@ -234,12 +229,10 @@ def _source(path: Path, source: Section) -> Generated | Drawing:
 def _material(name: str, table: dict[str, Any]) -> Material:
     elastic = table.pop("elastic")
     si = in_si(table)
-    return Material(name, si["unit_weight"], si["friction"], si["cohesion"], elastic_from(elastic) if elastic else None)
+    return Material(name, si["unit_weight"], si["friction"], si["cohesion"], _elastic(in_si(elastic)) if elastic else None)
 
 
-def elastic_from(table: dict[str, Any]) -> Elastic:
-    """Return elastic constants from their table in the case file."""
-    si = in_si(table)
+def _elastic(si: dict[str, float]) -> Elastic:
     return Elastic(si["block_E"], si["block_nu"], si["joint_E"], si["joint_nu"], si["joint_thickness"])
 
 

@@ -5,11 +5,8 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from churchpipe.config.case import Case, Drawing, Generated, elastic_from, generate
-from churchpipe.config.units import in_si
-from churchpipe.model.building import Building
+from churchpipe.config.case import Case, Drawing
 from churchpipe.model.loads import LoadCase
-from churchpipe.model.materials import Material
 
 # A swept key that changes the stones; one that changes the mesh of the shell besides; those of one model alone. Every other one
 # touches all solves, and nothing else.
@@ -83,37 +80,16 @@ def plan(cases: Sequence[Case]) -> Plan:
     return Plan(index, geometries, shells, analyses)
 
 
-def building_of(settings: dict[str, Any]) -> Building:
-    """Return the building that settings of a geometry describe; its materials have a unit weight and no strength."""
-    table = dict(settings["source"])
-    materials = [Material(name, weight, 0.0) for name, weight in unit_weights(settings).items()]
-    return generate(Generated(table.pop("generator"), in_si(table)), materials, settings["name"])
-
-
-def unit_weights(settings: dict[str, Any]) -> dict[str, float]:
-    """Return unit weights, N/m3, by material from the settings of a geometry."""
-    return {name: in_si(table)["unit_weight"] for name, table in settings["material"].items()}
-
-
-def load_of(settings: dict[str, Any]) -> LoadCase:
-    """Return the load of an analysis from its settings."""
-    return LoadCase(**settings["load"])
-
-
-def materials_of(settings: dict[str, Any]) -> list[Material]:
-    """Return the materials of an analysis from its settings, without unit weight, which the models have."""
-    return [
-        Material(
-            name, 0.0, values["friction"], values["cohesion"], elastic_from(values["elastic"]) if values.get("elastic") else None
-        )
-        for name, values in settings["material"].items()
-    ]
-
-
 def _geometry_settings(case: Case) -> dict[str, Any]:
     # Strength is left out: it enters at the solve.
-    weights = {name: {"unit_weight_kN_m3": table["unit_weight_kN_m3"]} for name, table in case.table["material"].items()}
-    return {"name": case.name, "source": case.table["source"], "material": weights}
+    source = asdict(case.source)
+    # The drawing's path is in the index: a folder that is moved changes no stone.
+    source.pop("path", None)
+    return {
+        "name": case.name,
+        "source": source,
+        "unit_weight": {material.name: material.unit_weight for material in case.materials},
+    }
 
 
 def _rigid_settings(case: Case, geometry: str, load: LoadCase, flow: str) -> dict[str, Any]:
@@ -138,8 +114,9 @@ def _shell_settings(case: Case, mesh: str, load: LoadCase, method: str) -> dict[
     settings = {"shell": mesh, "load": _load_settings(load), "planes": shell.planes, "membrane": shell.membrane}
     if method == "limit":
         return settings | {"material": material, "solver": shell.solver}
-    for name, table in case.table["material"].items():
-        material[name]["elastic"] = table.get("elastic")
+    for known in case.materials:
+        if known.elastic:
+            material[known.name]["elastic"] = asdict(known.elastic)
     given = {"control_point": shell.control_point, "steps": shell.steps}
     return settings | {"material": material} | {key: value for key, value in given.items() if value is not None}
 

@@ -28,13 +28,6 @@ def read_site(file: str, section: CheckTable) -> Site:
     return Site(ground, table["soil_factor"], table["q"], table["confidence_factor"], floor)
 
 
-def site_of(settings: dict[str, Any]) -> Site:
-    """Return a site from its fields as they lie in the plan of a run."""
-    values = dict(settings)
-    floor = values.pop("floor")
-    return Site(**values, floor=Floor(**floor) if floor else None)
-
-
 def _acceleration(place: str, table: dict[str, Any], *keys: str) -> float:
     """Take an acceleration, given once, by one of its keys, out of a table."""
     given = [value for key in keys for value in in_si({key: table.pop(key)}).values() if value is not None]

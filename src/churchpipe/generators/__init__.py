@@ -1,7 +1,8 @@
 """Parameters in, a building out: one module a family of structures."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from churchpipe.generators.apse import ApseParameters, apse
 from churchpipe.generators.arch import ArchParameters, arch
@@ -13,6 +14,7 @@ from churchpipe.generators.prototype import PrototypeParameters, prototype
 from churchpipe.generators.tower import TowerParameters, tower
 from churchpipe.generators.wall import WallParameters, wall
 from churchpipe.model.building import Building
+from churchpipe.model.materials import Material
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,4 +38,22 @@ GENERATORS = {
     "church": Generator(ChurchParameters, church),
 }
 
-__all__ = ["GENERATORS", "Generator", "apse", "arch", "arch_piers", "box", "chapel", "church", "prototype", "tower", "wall"]
+__all__ = [
+    "GENERATORS",
+    "Generator",
+    "apse",
+    "arch",
+    "arch_piers",
+    "box",
+    "chapel",
+    "church",
+    "generate",
+    "prototype",
+    "tower",
+    "wall",
+]
+
+
+def generate(generator: str, parameters: Mapping[str, Any], materials: Iterable[Material], name: str) -> Building:
+    """Return the building that a generator makes of its parameters, SI."""
+    return GENERATORS[generator].build(**parameters, name=name, materials=tuple(materials))

@@ -13,12 +13,13 @@ import tomli_w
 from case_texts import case_file
 from churchpipe.config import Drawing, Generated, ShellSettings, church_sources, read_case, read_variants
 from churchpipe.config.overrides import parse_override, set_key
-from churchpipe.config.plan import Plan, building_of, load_of, materials_of, plan, unit_weights
+from churchpipe.config.plan import Plan, plan
 from churchpipe.config.section import Section, section_in
+from churchpipe.config.settings import load_of, materials_of, weights_of
 from churchpipe.config.sources import GENERATED, OpeningTable
 from churchpipe.config.units import UNITS, in_si
 from churchpipe.errors import InputError, UsageError
-from churchpipe.generators import GENERATORS, church_parts
+from churchpipe.generators import GENERATORS, church_parts, generate
 from churchpipe.generators.arched import ArchedOpening
 from churchpipe.generators.openings import RectangularOpening
 from churchpipe.resources import pipeline_folder, sample_case, sample_names
@@ -290,7 +291,7 @@ def test_a_key_that_is_set_is_not_swept(tmp_path: Path) -> None:
     assert [case.variant for case in cases] == [{"material.default.friction": mu} for mu in (0.4, 0.5)]
     todo = plan(cases)
     assert list(todo.geometries) == ["base"]
-    assert todo.geometries["base"]["source"]["courses"] == 7
+    assert todo.geometries["base"]["source"]["parameters"]["courses"] == 7
 
 
 def test_a_unit_weight_changes_the_stones_and_a_strength_does_not(tmp_path: Path) -> None:
@@ -374,9 +375,10 @@ def test_names_of_folders_are_plain_and_never_shared(tmp_path: Path) -> None:
 def test_settings_give_back_the_case(tmp_path: Path) -> None:
     case = read_case(case_file(tmp_path, WALL))
     todo = plan([case])
-    building = building_of(todo.geometries["base"])
+    geometry = todo.geometries["base"]
+    building = generate(**geometry["source"], materials=weights_of(geometry), name=geometry["name"])
     np.testing.assert_array_equal(building.panels[0].outline, case.building().panels[0].outline)
-    assert unit_weights(todo.geometries["base"]) == {"default": 18e3}
+    assert [(material.name, material.unit_weight) for material in building.materials] == [("default", 18e3)]
     settings = todo.analyses["+y_non-associative"]
     load, materials = load_of(settings), materials_of(settings)
     np.testing.assert_array_equal(load.direction, case.loads[0].direction)

@@ -8,7 +8,7 @@ from case_texts import WALL, case_file
 from churchpipe.code_check import Floor, Site
 from churchpipe.config import read_case, read_variants
 from churchpipe.config.plan import plan
-from churchpipe.config.site import site_of
+from churchpipe.config.settings import site_of
 from churchpipe.errors import InputError
 
 

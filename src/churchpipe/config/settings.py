@@ -1,0 +1,33 @@
+"""Settings of the stages, as `config.plan` writes them: SI. What reads them knows no case file, so that the code that reads
+cases decides a stage through its settings alone."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from churchpipe.code_check import Floor, Site
+from churchpipe.model.loads import LoadCase
+from churchpipe.model.materials import Elastic, Material
+
+
+def weights_of(settings: Mapping[str, Any]) -> list[Material]:
+    """Return the materials of a geometry: their unit weights, and no strength."""
+    return [Material(name, weight, 0.0) for name, weight in settings["unit_weight"].items()]
+
+
+def load_of(settings: Mapping[str, Any]) -> LoadCase:
+    """Return the load of an analysis."""
+    return LoadCase(**settings["load"])
+
+
+def materials_of(settings: Mapping[str, Any]) -> list[Material]:
+    """Return the materials of an analysis, without unit weight, which the models have."""
+    return [
+        Material(name, 0.0, values["friction"], values["cohesion"], Elastic(**values["elastic"]) if "elastic" in values else None)
+        for name, values in settings["material"].items()
+    ]
+
+
+def site_of(settings: Mapping[str, Any]) -> Site:
+    """Return what the earthquake asks, from the fields of its `Site`."""
+    floor = settings["floor"]
+    return Site(**{**settings, "floor": Floor(**floor) if floor else None})

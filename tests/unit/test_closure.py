@@ -1,0 +1,100 @@
+"""What decides a stage: found through the imports of the sources, in a small package with every kind of them."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import churchpipe
+from churchpipe.closure import code_of
+from churchpipe.stages import STAGES
+
+SOURCES = {
+    "stages.py": """
+from typing import TYPE_CHECKING
+from pack.head import tool as lent
+from pack import whole
+import pack.plain
+if TYPE_CHECKING:
+    from pack import hint
+LIMIT = 3
+def cut(path):
+    from pack.deep.lazy import knife
+    return helper(knife, LIMIT)
+def helper(*_):
+    return lent
+def glue(path, helper):
+    return whole.glue, pack.plain, helper, [cut for cut in path]
+""",
+    "head.py": "from pack.deep import tool",
+    "whole.py": "import numpy",
+    "plain.py": "",
+    "hint.py": "",
+    "deep/__init__.py": "tool = 1",
+    "deep/lazy.py": "def knife():\n    if True:\n        from pack.deep.steel import blade\n",
+    "deep/steel.py": "",
+    "deep/forms/page.html": "<p>",
+    "deep/__pycache__/lazy.nbc": "compiled",
+    "idle.py": "",
+}
+
+
+@pytest.fixture
+def package(tmp_path: Path) -> Path:
+    for name, text in SOURCES.items():
+        path = tmp_path / "pack" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    return tmp_path / "pack"
+
+
+def names(text: str) -> list[str]:
+    return [line.split(maxsplit=1)[1] for line in text.splitlines()]
+
+
+def test_imports_are_followed_those_inside_functions_too(package: Path) -> None:
+    assert names(code_of("cut", package)) == [
+        "stages.py: cut",
+        *("deep/__init__.py", "deep/forms/page.html", "deep/lazy.py", "deep/steel.py", "head.py"),
+    ]
+    assert names(code_of("glue", package)) == ["stages.py: glue", "plain.py", "whole.py"]
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new", "changed"),
+    [
+        ("deep/steel.py", "", "blade = 2", ["cut"]),
+        ("deep/forms/page.html", "<p>", "<b>", ["cut"]),
+        ("whole.py", "numpy", "scipy", ["glue"]),
+        ("stages.py", "LIMIT = 3", "LIMIT = 4", ["cut"]),
+        ("stages.py", "return lent", "return lent, 1", ["cut"]),
+        ("stages.py", "whole.glue,", "whole,", ["glue"]),
+        ("stages.py", "def glue", "@staticmethod\ndef glue", ["glue"]),
+        ("stages.py", "LIMIT = 3", "# What cuts.\nLIMIT = 3", []),
+        ("hint.py", "", "x = 1", []),
+        ("idle.py", "", "x = 1", []),
+    ],
+)
+def test_an_edit_changes_what_depends_on_it_alone(name: str, old: str, new: str, changed: list[str], package: Path) -> None:
+    before = {stage: code_of(stage, package) for stage in ("cut", "glue")}
+    path = package / name
+    path.write_text(path.read_text().replace(old, new, 1))
+    assert [stage for stage, text in before.items() if code_of(stage, package) != text] == changed
+
+
+def modules(stage: str) -> Iterator[str]:
+    return (name for name in names(code_of(stage)) if name.endswith(".py"))
+
+
+def test_the_solves_know_neither_cases_nor_generators() -> None:
+    for stage in STAGES.keys() - {"source"}:
+        assert not [name for name in modules(stage) if name.startswith("generators/")], stage
+        assert [name for name in modules(stage) if name.startswith("config/")] in ([], ["config/settings.py"]), stage
+    assert "generators/church.py" in modules("source")
+    assert "config/settings.py" in modules("pushover")
+    assert any(name.startswith("report/static/") for name in names(code_of("report")))
+
+
+def test_every_stage_that_the_rules_name_has_its_code() -> None:
+    rules = "".join(path.read_text() for path in (Path(churchpipe.__file__).parents[2] / "pipeline" / "rules").glob("*.smk"))
+    assert all(f'code="code/{stage}.txt"' in rules for stage in STAGES)
