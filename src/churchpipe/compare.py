@@ -13,13 +13,13 @@ from churchpipe.model.arrays import BoolArray, FloatArray, NameArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
+from churchpipe.model.names import MODELS
 from churchpipe.model.results import LimitState, ShellLimitState
 from churchpipe.model.shell import ShellModel
 from churchpipe.rigid_blocks.equilibrium import lateral_weight
 
 # What a load factor rests on; anything else is bad news that the command line reports with its exit code.
 GOOD = frozenset({"optimal", "converged", "unbounded"})
-MODELS = ("rigid-block", "homogenised-shell")
 
 
 def figures(stones: Assemblage, contacts: Contacts) -> dict[str, Any]:

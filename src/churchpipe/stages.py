@@ -31,6 +31,7 @@ from churchpipe.model.building import Building
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
+from churchpipe.model.names import MODELS
 from churchpipe.model.results import CapacityCurve, CapacityStep, LimitState, ShellLimitState
 from churchpipe.model.shell import ShellModel
 
@@ -242,7 +243,7 @@ def compare(plan: Path, summary: Path, table: Path) -> None:
     records = [record | _mechanism(run, entry, record) for entry, record in zip(index["analyses"], records, strict=True)]
     analyses = [record for record in records if record["status"] != "left-out"]
     pairs = results.pairs(index["analyses"], analyses)
-    compared = [pair | _overlap(run, index, *(pair[model] for model in results.MODELS)) for pair in pairs]
+    compared = [pair | _overlap(run, index, *(pair[model] for model in MODELS)) for pair in pairs]
     write_table(table, analyses)
     write_json(summary, results.summary(index["case"], sizes, shells, analyses, compared))
 

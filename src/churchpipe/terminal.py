@@ -13,11 +13,10 @@ from rich.text import Text
 from churchpipe.doctor import Finding
 from churchpipe.engine import Event, say
 from churchpipe.errors import InputError
+from churchpipe.model.names import MODELS, analysis_name
 
 # Between two lines of progress of one stage, seconds.
 PAUSE = 0.25
-_MODELS = {"rigid-block": "rigid blocks", "homogenised-shell": "shell"}
-_METHODS = {"limit": "limit load", "pushover": "capacity curve"}
 STATUS_STYLES = {"optimal": "green", "converged": "green", "unbounded": "cyan"}
 
 
@@ -127,8 +126,8 @@ def results_table(summary: Mapping[str, Any]) -> Table:
     for analysis, check in zip(analyses, checks, strict=True):
         table.add_row(
             str(analysis["load"]),
-            *([_MODELS.get(analysis["model"], analysis["model"])] if both else []),
-            str(analysis.get("flow") or _METHODS.get(analysis.get("method", ""), analysis.get("method"))),
+            *([MODELS.get(analysis["model"], analysis["model"])] if both else []),
+            analysis_name(analysis.get("flow"), analysis.get("method"), analysis.get("planes")),
             _words(analysis.get("friction")),
             *(_words(analysis.get("variant", {}).get(key)) for key in swept),
             _figure(analysis.get("load_factor")),

@@ -2,7 +2,7 @@
 
 Independent calculations made for this project, 8 planes, quadratic membrane: S5 .316 at 40 x 45 mm, converging to about .31
 (paper .298); S22 with an unyielding lintel .214 at 20 x 22.5 mm and still falling, band .20-.22 (paper .182: how its lintel was
-modelled is not said).
+modelled is not said). The exact cell lies inside the planes; on these buildings by 2.5 % at most.
 """
 
 from pathlib import Path
@@ -10,16 +10,18 @@ from pathlib import Path
 import pytest
 
 import churchpipe as cp
+from churchpipe.model.names import Planes
 
 CASES = Path(__file__).parents[2] / "pipeline" / "cases"
 
 
 @pytest.mark.parametrize(("name", "low", "high"), [("s5", 0.30, 0.32), ("s22", 0.20, 0.225)])
-def test_shell_of_the_same_building(name: str, low: float, high: float) -> None:
+@pytest.mark.parametrize("planes", ["paper", "cell"])
+def test_shell_of_the_same_building(name: str, low: float, high: float, planes: Planes) -> None:
     case = cp.read_case(CASES / f"{name}.toml")
     building = case.building()
     shell, stones = cp.derive_shell(building, element_size=0.06), cp.derive_blocks(building)
     assert cp.match_models(stones, cp.find_contacts(stones), shell).passed
-    state = cp.shell_limit_analysis(shell, case.loads[0], case.materials)
+    state = cp.shell_limit_analysis(shell, case.loads[0], case.materials, planes=planes)
     assert state.status == "optimal"
     assert low < state.load_factor < high

@@ -19,6 +19,7 @@ from churchpipe.model.arguments import path_of
 from churchpipe.model.building import Building
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Elastic, Material
+from churchpipe.model.names import STRENGTH, Planes
 
 Flow = Literal["associative", "non-associative"]
 Method = Literal["limit", "pushover"]
@@ -62,7 +63,7 @@ class ShellSettings:
     """
 
     element_size: float
-    planes: Literal["paper", "paper+torsion", "cell"] = "paper"
+    planes: Planes = STRENGTH
     membrane: Literal["LST", "CST"] = "LST"
     analyses: tuple[Method, ...] = ("limit",)
     solver: str = "auto"

@@ -8,6 +8,7 @@ from pydantic import AfterValidator, BeforeValidator, Field
 from churchpipe.config.section import Count, NotNegative, Positive, Section, Table, Vector, gathered, validated
 from churchpipe.config.sources import check_source
 from churchpipe.errors import InputError
+from churchpipe.model.names import STRENGTH, Planes
 
 Flow = Literal["associative", "non-associative"]
 Method = Literal["limit", "pushover"]
@@ -71,7 +72,7 @@ class ShellTable(Section):
     """The homogenised shell: its mesh, its strength, its analyses."""
 
     element_size_mm: Positive
-    planes: Literal["paper", "paper+torsion", "cell"] = "paper"
+    planes: Planes = STRENGTH
     membrane: Literal["LST", "CST"] = "LST"
     analyses: list[Method] = Field(default_factory=lambda: ["limit"], min_length=1)
     solver: Literal["auto", "interior-point", "clarabel"] = "auto"

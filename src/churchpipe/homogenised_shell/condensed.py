@@ -12,35 +12,27 @@ import scipy.sparse as sp
 
 from churchpipe.conic.cholesky import Cholesky
 from churchpipe.conic.interior_point.cones import cone_shape
-from churchpipe.conic.interior_point.coulomb import CoulombPoints
 from churchpipe.conic.interior_point.coupling import Coupling
-from churchpipe.conic.interior_point.dense import DenseProblems
 from churchpipe.conic.interior_point.iterate import Iterate
 from churchpipe.conic.interior_point.local import LocalProblems
 from churchpipe.conic.interior_point.loop import interior_start, solve_coupled
 from churchpipe.conic.interior_point.nonnegative import Nonnegative
 from churchpipe.conic.interior_point.normal import NormalMatrix
 from churchpipe.conic.interior_point.problem import CoupledProblem
-from churchpipe.conic.interior_point.settings import CENTRAL, Settings
+from churchpipe.conic.interior_point.settings import Settings
 from churchpipe.conic.program import Outcome
+from churchpipe.homogenised_shell.cells import CORNERS, CellCoupling, CellPoints
 from churchpipe.homogenised_shell.direct import solve_directly
 from churchpipe.homogenised_shell.element import ShellElements
 from churchpipe.homogenised_shell.flow import plastic_flow
 from churchpipe.homogenised_shell.planes import PlanePoints
 from churchpipe.homogenised_shell.points import local_strength
 from churchpipe.homogenised_shell.program import load_vectors
+from churchpipe.homogenised_shell.settings import SOLVER, STEP
 from churchpipe.homogenised_shell.strength import PlaneSet
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
-
-TOLERANCE = 1e-6
-# Compliance lent to the steps of a limit analysis with planes, the same per volume in every mesh. Without, nothing holds M12, nor
-# stresses far from all planes; it leaves no trace in the solution. On fine meshes some walls need more, as much at each point: so
-# much that the last digits come slowly, then less from there on.
-_BY_AREA, _BY_POINT, _LESS = 2e-6, 1e-8, 1e-9
-# A solve that fails with no more than this error is near enough to go on from.
-_NEAR = 1e-4
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +62,7 @@ class StressState:
     @property
     def holds(self) -> bool:
         """True when solved and proved by its own arrays; almost is not enough."""
-        return self.status == "solved" and max(self.residual, self.violation, self.gap) <= TOLERANCE
+        return self.status == "solved" and max(self.residual, self.violation, self.gap) <= SOLVER.duality_gap
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +86,8 @@ class CondensedShell:
         self.loads = load_vectors(elements, load)
         self.strength = local_strength(elements, materials, planes, self.loads.unit)
         self._strain = sp.csr_matrix(self.loads.equilibrium.T)
-        self._systems: dict[int, _System] = {}
+        self._planes = isinstance(self.strength.cones[0], Nonnegative)
+        self._system = self._structure()
 
     def solve(
         self,
@@ -114,17 +107,18 @@ class CondensedShell:
         dead, live: loads (m,) over the weight, the second multiplied by the load (at most `cap`); None for nothing.
         compliance_abq: (6, 6, nq), none for limit analysis. origin: local variables (d, nq), zero by default.
         """
-        settings = settings or replace(CENTRAL, error=1e-10, residual=1e-10, acceptable=TOLERANCE)
+        if settings is None:
+            settings = STEP if self._planes else replace(STEP, correctors=SOLVER.correctors)
         iterations, start = 0, None
-        for lent in self._lent(compliance):
-            problem = self._problem(dead, live, compliance, origin, reward, cap, lent)
-            system = self._system(problem.local.dimension)
-            ending = solve_coupled(problem, system.normal, system.cholesky, start or interior_start(problem, settings), settings)
+        for more in self._regularisations(compliance):
+            problem = self._problem(dead, live, compliance, origin, reward, cap, more)
+            begin = start or interior_start(problem, settings)
+            ending = solve_coupled(problem, self._system.normal, self._system.cholesky, begin, settings)
             iterations += ending.info.iteration
             if ending.status not in ("running", "failed"):
                 break
-            # What is lent to the next may be too little to come so far.
-            start = ending.at if ending.info.error <= _NEAR else None
+            # The regularisation of the next may be too little to come so far.
+            start = ending.at if ending.info.error <= SOLVER.near else None
         outcome = "failed" if ending.status == "running" else ending.status
         # A certificate of infeasibility is a mechanism: as long as its largest entry allows.
         theta = ending.at.theta if outcome != "infeasible" else float(np.abs(ending.at.y).max())
@@ -145,13 +139,13 @@ class CondensedShell:
         at, outcome, iterations, message = solve_directly(problem, matrix)
         return self._state(problem, at, 1.0, outcome, np.nan, iterations, message)
 
-    def _lent(self, compliance: FloatArray | None) -> list[FloatArray]:
-        """Return the compliances (nq,) to lend to the steps, each to be tried where the one before fails."""
+    def _regularisations(self, compliance: FloatArray | None) -> list[FloatArray]:
+        """Return compliances (nq,) to add to the steps, each to be tried where the one before fails."""
         count = len(self.elements.facet)
-        if compliance is not None or not isinstance(self.strength.cones[0], Nonnegative):
+        if compliance is not None or not self._planes:
             return [np.zeros(count)]
-        by_area = _BY_AREA * self.elements.weight / self.elements.weight.sum()
-        return [by_area, np.full(count, _BY_POINT), np.full(count, _LESS)]
+        by_area = SOLVER.by_area * self.elements.weight / self.elements.weight.sum()
+        return [by_area, np.full(count, SOLVER.by_point), np.full(count, SOLVER.by_point_last)]
 
     def _problem(
         self,
@@ -161,23 +155,23 @@ class CondensedShell:
         origin: FloatArray | None,
         reward: float,
         cap: float,
-        lent: FloatArray,
+        regularisation: FloatArray,
     ) -> CoupledProblem:
         law = self.strength
         d, nq = law.inner.shape
-        quadratic = np.zeros((d, d, nq) if compliance is not None or d == 6 else (0, 0, 0))
+        root = None
         if compliance is not None:
-            quadratic = np.einsum("aiq,abq,bjq->ijq", law.of, compliance, law.of, optimize=True)
-        linear = np.zeros((d, nq)) if origin is None else -np.einsum("ijq,jq->iq", quadratic, origin)
-        if isinstance(law.cones[0], Nonnegative):
-            local: LocalProblems = PlanePoints(quadratic, linear, law.matrix, law.right, law.inner, lent)
-        elif compliance is None:
-            # Nothing but equilibrium joins the corners of a cell: each is a point of its own.
-            nothing = np.zeros(12 * nq)
-            local = CoulombPoints(nothing, -np.einsum("rrq->rq", law.matrix)[:12].ravel(), nothing, nothing)
+            root = np.einsum("qba,biq->aiq", np.linalg.cholesky(np.moveaxis(compliance, 2, 0)), law.of)
+        linear = np.zeros((d, nq))
+        if root is not None and origin is not None:
+            linear = -np.einsum("aiq,aq->iq", root, np.einsum("aiq,iq->aq", root, origin))
+        if self._planes:
+            quadratic = np.zeros((d, d, nq)) if compliance is None else compliance
+            local: LocalProblems = PlanePoints(quadratic, linear, law.matrix, law.right, law.inner, regularisation)
         else:
-            local = DenseProblems(quadratic, linear, law.matrix, law.right, law.cones, law.inner)
-        coupling = self._system(local.dimension).coupling
+            friction = -np.einsum("rrq->rq", law.matrix)[:CORNERS].ravel()
+            local = CellPoints(friction, np.concatenate([law.of, law.still]), root, linear, law.inner)
+        coupling = self._system.coupling
         rows = coupling.rows
         nothing = np.zeros(self.loads.equilibrium.shape[0])
         dead, live = (nothing if part is None else part for part in (dead, live))
@@ -191,17 +185,14 @@ class CondensedShell:
             cap=cap,
         )
 
-    def _system(self, dimension: int) -> "_System":
-        """Return the structure for local problems of so many variables."""
-        if dimension not in self._systems:
-            moments = _point_matrix(self.strength.still)
-            moments = sp.csr_matrix(moments[np.diff(moments.indptr) > 0])
-            matrix = sp.csc_matrix(sp.vstack([self.loads.equilibrium @ _point_matrix(self.strength.of), moments]))
-            matrix.eliminate_zeros()
-            coupling = Coupling(matrix, dimension, 1)
-            normal = NormalMatrix(coupling)
-            self._systems[dimension] = _System(coupling, normal, Cholesky(normal.pattern, 1))
-        return self._systems[dimension]
+    def _structure(self) -> "_System":
+        law = self.strength
+        if self._planes:
+            coupling = Coupling(sp.csc_matrix(self.loads.equilibrium), 6, 1, by_point=True)
+        else:
+            coupling = CellCoupling(self.loads.equilibrium, np.concatenate([law.of, law.still]))
+        normal = NormalMatrix(coupling)
+        return _System(coupling, normal, Cholesky(normal.pattern, 1))
 
     def _state(
         self,
@@ -240,16 +231,6 @@ class CondensedShell:
             status=outcome,
             message=message,
         )
-
-
-def _point_matrix(values: FloatArray) -> sp.csr_matrix[np.float64]:
-    """Return values_aiq (a, d, nq) as a matrix: rows point first, columns component first."""
-    a, d, nq = values.shape
-    i, j, q = np.meshgrid(np.arange(a), np.arange(d), np.arange(nq), indexing="ij")
-    rows, columns = (a * q + i).ravel(), (j * nq + q).ravel()
-    matrix = sp.csr_matrix((values.ravel(), (rows, columns)), shape=(a * nq, d * nq))
-    matrix.eliminate_zeros()
-    return matrix
 
 
 def _padded(v: FloatArray, size: int) -> FloatArray:

@@ -7,16 +7,16 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from churchpipe.conic.interior_point.settings import CENTRAL
 from churchpipe.errors import InputError
 from churchpipe.homogenised_shell.bounds import Bounds, proved_bounds
 from churchpipe.homogenised_shell.condensed import CondensedShell
 from churchpipe.homogenised_shell.element import Membrane, ShellElements, Stations, shell_elements
-from churchpipe.homogenised_shell.point_strength import LINTEL_TENSION
-from churchpipe.homogenised_shell.strength import PlaneSet
+from churchpipe.homogenised_shell.settings import LIMIT, SOLVER
+from churchpipe.homogenised_shell.strength import PlaneSet, with_warning
 from churchpipe.model.arguments import check_kind, listed
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
+from churchpipe.model.names import STRENGTH
 from churchpipe.model.results import ShellLimitState, Status
 from churchpipe.model.shell import ShellModel
 
@@ -26,16 +26,6 @@ FALLS = (
     "the dead load alone brings it down: a continuum without cohesion cannot hold a flat soffit; "
     "openings need lintels that do not yield, or arches"
 )
-# The bounds meet to this share at worst; docs/shell.md has what was reached.
-_TOLERANCE = 1e-6
-_SMALLEST = 1e-3
-# Share of the dissipation in parts that do not yield from which nothing else limits the load.
-_ALL = 0.5
-# Share of the dead load that decides whether a shell stands.
-_STANDS = 1e-4
-_SETTINGS = replace(CENTRAL, error=1e-7, acceptable=_TOLERANCE, residual=1e-9)
-# Facets from which Clarabel takes too long to fall back to.
-_CLARABEL_TO = 10_000
 
 
 def shell_limit_analysis(
@@ -43,14 +33,15 @@ def shell_limit_analysis(
     load: LoadCase,
     materials: Sequence[Material],
     *,
-    planes: PlaneSet = "paper",
+    planes: PlaneSet = STRENGTH,
     membrane: Membrane = "LST",
     stations: Stations = "inner",
     solver: Solver = "auto",
 ) -> ShellLimitState:
     """Return the collapse load factor of a shell and its mechanism, dead load first.
 
-    planes: "paper", "paper+torsion" or "cell", see `strength.strength`. membrane, stations: see `element.shell_elements`.
+    planes: "cell", the exact strength; "paper" and "paper+torsion" are outer approximations, see `strength.strength`.
+    membrane, stations: see `element.shell_elements`.
     solver: "interior-point", condensed to the unknowns of the mesh; "clarabel", all stresses at once, for a few thousand facets;
     "auto", the first, and the second where that fails on a mesh that it can take. Bounds are proved to 1e-6 at worst.
 
@@ -66,19 +57,19 @@ def shell_limit_analysis(
     begin = perf_counter()
     elements = shell_elements(shell, membrane, stations)
     condensed = CondensedShell(elements, load, materials, planes)
-    methods = ["interior-point", "clarabel"] if solver == "auto" and len(shell.triangles) <= _CLARABEL_TO else [solver]
+    methods = ["interior-point", "clarabel"] if solver == "auto" and len(shell.triangles) <= SOLVER.clarabel_facets else [solver]
     for method in methods:
         state = _analysed(condensed, "clarabel" if method == "clarabel" else "interior-point")
         if state.status != "failed":
             break
-    return replace(state, seconds=perf_counter() - begin)
+    return replace(state, seconds=perf_counter() - begin, message=with_warning(state.message, planes))
 
 
 def _analysed(condensed: CondensedShell, method: str) -> ShellLimitState:
     dead, live = condensed.loads.dead, condensed.loads.live
     # All points together start with about the work that a unit load does, whatever their number: each of a hundred thousand with
     # as much, the steps to the solution grew too short to end.
-    settings = replace(_SETTINGS, rate=1.0 / (_SETTINGS.force * len(condensed.elements.facet)))
+    settings = replace(LIMIT, rate=1.0 / (LIMIT.force * len(condensed.elements.facet)))
     if method == "clarabel":
         found = condensed.solve_directly(None, dead, cap=1.0)
     else:
@@ -93,26 +84,25 @@ def _analysed(condensed: CondensedShell, method: str) -> ShellLimitState:
 def _verdict(elements: ShellElements, standing: Bounds) -> ShellLimitState | None:
     """Return the state of a shell that does not stand, or None when the dead load is carried."""
     # Where the load reaches its cap nothing need move, and there may be no upper bound but a rounding error over another.
-    stands = standing.lower >= 1 - _STANDS
+    stands = standing.lower >= 1 - SOLVER.standing
     if standing.admissible and stands:
         return None
-    if standing.outcome == "solved" and not stands and standing.upper < 1 - _STANDS:
+    if standing.outcome == "solved" and not stands and standing.upper < 1 - SOLVER.standing:
         return _state(elements, standing, "unstable", FALLS)
     return _state(elements, standing, "failed", f"dead load not decided: {standing.message}")
 
 
 def _decided(elements: ShellElements, found: Bounds) -> ShellLimitState:
-    agree = found.agree(_TOLERANCE, _SMALLEST)
-    if found.outcome == "unbounded" or (agree and found.lintels > _ALL * found.upper):
+    agree = found.agree(SOLVER.duality_gap, SOLVER.least_load_factor)
+    if found.outcome == "unbounded" or (agree and found.lintels > SOLVER.lintel_dissipation * found.upper):
         return _state(elements, found, "unbounded", "no lateral load of this kind brings it down")
-    message = found.message
-    if not agree:
-        message = f"{message}; bounds {found.lower:.8g} and {found.upper:.8g}"
-    elif found.lintels > _TOLERANCE * found.upper:
+    message = ""
+    if not agree or found.outcome != "solved":
+        message = f"{found.message}; bounds {found.lower:.8g} and {found.upper:.8g}"
+    elif found.lintels > SOLVER.duality_gap * found.upper:
         share = found.lintels / found.upper
-        message = (
-            f"lintels reach their tension, {LINTEL_TENSION:g} x weight / longest side; {share:.1e} of the dissipation is theirs"
-        )
+        tension = f"{SOLVER.lintel_tension:g} x weight / longest side"
+        message = f"lintels reach their tension, {tension}; {share:.1e} of the dissipation is theirs"
     return _state(elements, found, "optimal" if agree and found.outcome == "solved" else "failed", message)
 
 

@@ -8,21 +8,16 @@ import numpy.typing as npt
 
 from churchpipe.errors import InputError
 from churchpipe.homogenised_shell.element import ShellElements
+from churchpipe.homogenised_shell.settings import SOLVER
 from churchpipe.homogenised_shell.strength import Cones, Planes, PlaneSet, strength
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.materials import Material, by_name
-
-# Tension that parts which do not yield carry, in units of stress. With no limit at all a wall of fine facets jams at the corner
-# of a lintel: the load factor creeps up with stresses on two facets that no stone has.
-LINTEL_TENSION = 100.0
-_LINTEL_FRICTION = 0.5
 
 
 def point_strength(elements: ShellElements, materials: Sequence[Material], planes: PlaneSet, unit: FloatArray) -> Planes | Cones:
     """Return the strength of all points (nq,); unit (nq, 6): of stress, N/m and N.
 
-    Facets that do not yield have that of a running bond with a friction of .5 and as much cohesion as a tension of
-    `LINTEL_TENSION` asks for, N11 and N22 alike.
+    Facets that do not yield have that of a running bond with the friction and tension of `settings.SOLVER`, N11 and N22 alike.
 
     Raises
     ------
@@ -32,9 +27,9 @@ def point_strength(elements: ShellElements, materials: Sequence[Material], plane
     friction, cohesion = by_facet(shell.material, materials)
     lintel = ~shell.yields[facet]
     a, b = shell.unit_cells[shell.cell[facet]].T
-    friction = np.where(lintel, _LINTEL_FRICTION, friction[facet])
+    friction = np.where(lintel, SOLVER.lintel_friction, friction[facet])
     law = strength(planes, a, b, shell.thickness[facet], friction, np.where(lintel, 0.0, cohesion[facet]))
-    apex = LINTEL_TENSION * unit * np.array([1.0, 1.0, 0.0, 0.0, 0.0, 0.0])
+    apex = SOLVER.lintel_tension * unit * np.array([1.0, 1.0, 0.0, 0.0, 0.0, 0.0])
     if isinstance(law, Planes):
         limit = np.einsum("qpi,qi->qp", law.normal, apex)
         return replace(law, limit=np.where(lintel[:, None], limit, law.limit))

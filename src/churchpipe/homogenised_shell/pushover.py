@@ -22,22 +22,16 @@ from churchpipe.errors import InputError
 from churchpipe.homogenised_shell.condensed import CondensedShell, StressState
 from churchpipe.homogenised_shell.element import Membrane, ShellElements, Stations, shell_elements
 from churchpipe.homogenised_shell.limit import FALLS
+from churchpipe.homogenised_shell.settings import SOLVER
 from churchpipe.homogenised_shell.stiffness import facet_stiffness
-from churchpipe.homogenised_shell.strength import PlaneSet
+from churchpipe.homogenised_shell.strength import PlaneSet, with_warning
 from churchpipe.model.arguments import check_kind, describe, listed
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
+from churchpipe.model.names import STRENGTH
 from churchpipe.model.results import CapacityCurve, CapacityStep, Status
 from churchpipe.model.shell import ShellModel
-
-# First step, in displacements that a load factor of one would cause if nothing yielded.
-_FIRST = 0.1
-# A step should raise the load factor by this share of itself; it grows by no more than the second number at a time.
-_RISE, _GROWTH = 0.2, 3.0
-# On a plateau: a step that lengthens the path by half or more raises the load factor by less than this share.
-_PLATEAU, _LONGER = 5e-4, 1.5
-_SHRINK, _SMALLEST = 0.25, 1e-4
 
 Progress = Callable[[CapacityStep], None]
 
@@ -47,7 +41,7 @@ def pushover(
     load: LoadCase,
     materials: Sequence[Material],
     *,
-    planes: PlaneSet = "paper",
+    planes: PlaneSet = STRENGTH,
     membrane: Membrane = "LST",
     stations: Stations = "inner",
     control_point: int | npt.ArrayLike | None = None,
@@ -89,7 +83,7 @@ def pushover(
     status, message = path.stand(progress)
     if status == "converged":
         status, message = path.push(steps, progress)
-    return path.curve(status, message, control, load, perf_counter() - begin)
+    return path.curve(status, with_warning(message, planes), control, load, perf_counter() - begin)
 
 
 class _Path:
@@ -129,24 +123,24 @@ class _Path:
     def push(self, most: int, progress: Progress | None) -> tuple[Status, str]:
         """Push until the load factor stays."""
         loads = self._condensed.loads
-        length, longest = _FIRST, np.inf
+        length, longest = SOLVER.first_step, np.inf
         travelled = factor = 0.0
         while len(self._steps) <= most:
             begin = perf_counter()
             state = self._condensed.solve(loads.dead, loads.live, compliance=self._compliance, origin=self._x, reward=length)
             if not state.holds:
-                if length < _SMALLEST * _FIRST:
+                if length < SOLVER.shortest * SOLVER.first_step:
                     return "failed", f"step {len(self._steps)}: {_reason(state)}"
-                length *= _SHRINK
+                length *= SOLVER.shrink
                 longest = length
                 continue
             rise, before = state.load - factor, travelled
             travelled, factor = travelled + length, state.load
             self._accept(state, travelled * self._softness, factor, begin, progress)
-            if before > 0 and travelled >= _LONGER * before and abs(rise) <= _PLATEAU * abs(factor):
+            if before > 0 and travelled >= SOLVER.longer * before and abs(rise) <= SOLVER.plateau * abs(factor):
                 return "converged", ""
-            wanted = _RISE * abs(factor) / max(abs(rise), 1e-300)
-            length = min(length * float(np.clip(wanted, 1.0, _GROWTH)), longest)
+            wanted = SOLVER.rise * abs(factor) / max(abs(rise), 1e-300)
+            length = min(length * float(np.clip(wanted, 1.0, SOLVER.growth)), longest)
         return "not-converged", f"no plateau after {most} steps"
 
     def curve(self, status: Status, message: str, control: int | None, load: LoadCase, seconds: float) -> CapacityCurve:

@@ -18,13 +18,7 @@ def reference_load_factor(program: ShellProgram, solver: str = "CLARABEL", **opt
     tau, x = cp.Variable(), cp.Variable(program.stress_of.shape[1])
     stress = program.offset + program.stress_of @ x
     constraints: list[Any] = [program.equilibrium @ stress == program.dead + tau * program.live]
-    if program.still.shape[0]:
-        constraints.append(program.still @ x == 0)
-    if len(program.limit):
-        constraints.append(program.planes @ x <= program.limit)
-    if len(program.friction):
-        force = cp.reshape(x[: 3 * len(program.friction)], (len(program.friction), 3), order="C")
-        constraints.append(cp.norm(force[:, 1:], axis=1) <= cp.multiply(program.friction, force[:, 0]))
+    constraints += _within_strength(program, x)
     if np.isfinite(program.cap):
         constraints.append(tau <= program.cap)
     problem = cp.Problem(cp.Maximize(tau), constraints)
@@ -52,12 +46,24 @@ def reference_step(
     nq = len(root)
     block = sp.bsr_matrix((root, np.arange(nq), np.arange(nq + 1)), shape=(6 * nq, 6 * nq))
     constraints: list[Any] = [program.equilibrium @ stress == program.dead + factor * program.live]
-    constraints += [program.planes @ x <= program.limit]
+    constraints += _within_strength(program, x)
     change = block @ (stress - (before / program.unit).ravel())
     problem = cp.Problem(cp.Minimize(0.5 * cp.sum_squares(change) - factor), constraints)
     if not _solved(problem, solver, options):
         return np.nan, np.full_like(before, np.nan)
     return float(factor.value), np.asarray(stress.value).reshape(-1, 6) * program.unit
+
+
+def _within_strength(program: ShellProgram, x: Any) -> list[Any]:
+    constraints: list[Any] = []
+    if program.still.shape[0]:
+        constraints.append(program.still @ x == 0)
+    if len(program.limit):
+        constraints.append(program.planes @ x <= program.limit)
+    if len(program.friction):
+        force = cp.reshape(x[: 3 * len(program.friction)], (len(program.friction), 3), order="C")
+        constraints.append(cp.norm(force[:, 1:], axis=1) <= cp.multiply(program.friction, force[:, 0]))
+    return constraints
 
 
 def _solved(problem: Any, solver: str, options: dict[str, Any]) -> bool:

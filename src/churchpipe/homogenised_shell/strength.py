@@ -7,7 +7,7 @@ slide); mixed states lie outside it. M12 is bounded by the optional pair f9-10 a
 """
 
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -15,8 +15,8 @@ import numpy.typing as npt
 from churchpipe.errors import InputError
 from churchpipe.homogenised_shell.unit_cell import cohesion_shift, joint_closing
 from churchpipe.model.arrays import FloatArray, floats
-
-PlaneSet = Literal["paper", "paper+torsion", "cell"]
+from churchpipe.model.names import OUTER
+from churchpipe.model.names import Planes as PlaneSet
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,6 +123,11 @@ def paper_planes(
     both = [np.stack(same, axis=-1) + sign * np.stack(change, axis=-1) for same, change in pairs for sign in (1.0, -1.0)]
     normal = np.stack(both, axis=-2)
     return Planes(normal, np.einsum("...pi,...i->...p", normal, apex))
+
+
+def with_warning(message: str, planes: PlaneSet) -> str:
+    """Return the message of a result, with what a reader must know of a strength that is not exact."""
+    return "; ".join(part for part in (message, OUTER.get(planes, "")) if part)
 
 
 def violation(planes: Planes, stress: npt.ArrayLike) -> FloatArray:

@@ -8,13 +8,14 @@ import numpy as np
 
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
+from churchpipe.model.names import RIGID_BLOCKS, SHELL
 from churchpipe.model.results import CapacityCurve, LimitState, ShellLimitState
 
 
 def record_of(state: LimitState, load: LoadCase, materials: Sequence[Material]) -> dict[str, Any]:
     """Return the record of a rigid-block analysis. Friction and cohesion: one number, or one a material where they differ."""
     words: dict[str, Any] = {
-        "model": "rigid-block",
+        "model": RIGID_BLOCKS,
         "flow": state.flow,
         **_loading(load, materials),
         "load_factor": state.load_factor,
@@ -50,7 +51,7 @@ def shell_record_of(
 
     The load factor of a capacity curve is the largest one reached.
     """
-    words = {"model": "homogenised-shell", "method": method, "planes": planes, **_loading(load, materials)}
+    words = {"model": SHELL, "method": method, "planes": planes, **_loading(load, materials)}
     match result:
         case ShellLimitState():
             return words | {

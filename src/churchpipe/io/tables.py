@@ -16,6 +16,7 @@ COLUMNS = (
     "model",
     "flow",
     "method",
+    "planes",
     "load",
     "friction",
     "load_factor",

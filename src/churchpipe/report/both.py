@@ -6,10 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from churchpipe.model.names import MODELS
 from churchpipe.model.results import CapacityCurve
 from churchpipe.model.shell import ShellModel
 from churchpipe.report.shell_plots import capacity_svg, domain_svg, mesh_svg
-from churchpipe.report.table import MODELS, Row, figure, friction_text, minus, setting, small, swept
+from churchpipe.report.table import Row, figure, friction_text, minus, setting, small, swept
 
 # Swept keys that one model alone knows.
 _OWN = ("rigid.", "shell.", "check.")

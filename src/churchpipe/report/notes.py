@@ -6,6 +6,7 @@ import numpy as np
 
 from churchpipe.mechanism import moving_stones, reference_speed, stone_speed
 from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.names import OUTER
 from churchpipe.model.results import StartRun
 from churchpipe.report.table import Row, figure, small
 
@@ -94,7 +95,8 @@ def _shell_note(row: Row) -> str:
             return f"The capacity curve ends before a proved plateau; its load factor is the largest one reached. {message}"
         case "failed":
             return f"No certified answer was found. {message}"
-    return ""
+    note = OUTER.get(str(row.record.get("planes")), "")
+    return f"{note[0].upper()}{note[1:]}." if note else ""
 
 
 def _fallen_stones(stones: Assemblage, row: Row) -> str:

@@ -4,9 +4,10 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from churchpipe.report.table import MODELS, Row, figure, friction_text, minus, setting, swept
+from churchpipe.model.names import MODELS, RIGID_BLOCKS, SHELL
+from churchpipe.report.table import Row, figure, friction_text, minus, setting, swept
 
-_MODELS = {"rigid": "rigid-block", "shell": "homogenised-shell"}
+_MODELS = {"rigid": RIGID_BLOCKS, "shell": SHELL}
 
 
 def published_rows(published: Sequence[Mapping[str, Any]], rows: Sequence[Row]) -> list[list[str]]:

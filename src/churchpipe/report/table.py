@@ -6,12 +6,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from churchpipe.model.names import MODELS, SHELL, analysis_name
 from churchpipe.model.results import CapacityCurve, LimitState, ShellLimitState
 
 Record = Mapping[str, Any]
 IDENTITY = ("model", "method", "flow", "load", "friction", "geometry")
-MODELS = {"rigid-block": "rigid blocks", "homogenised-shell": "shell"}
-METHODS = {"limit": "limit load", "pushover": "capacity curve"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,13 +28,14 @@ class Row:
 
     @property
     def kind(self) -> str:
-        """Flow rule or method."""
-        return str(self.record.get("flow") or METHODS.get(str(self.record.get("method")), self.record.get("method")) or "")
+        """Flow rule or method, and the strength where it is not the exact one."""
+        record = self.record
+        return analysis_name(record.get("flow"), record.get("method"), record.get("planes"))
 
     @property
     def of_shell(self) -> bool:
         """Whether the analysis is one of the shell."""
-        return self.record.get("model") == "homogenised-shell"
+        return self.record.get("model") == SHELL
 
     @property
     def load(self) -> str:

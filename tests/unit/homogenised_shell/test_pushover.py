@@ -97,23 +97,24 @@ def test_plateau_with_the_exact_cell() -> None:
 
 def test_plastic_strain_is_the_flow_of_the_planes() -> None:
     model = wall(4)
-    curve = pushover(model, ASKEW, MASONRY)
+    curve = pushover(model, ASKEW, MASONRY, planes="paper")
     planes = paper_planes(0.03, 0.08, 0.04, 0.7)
     assert curve.multipliers.min() >= 0
     flow = curve.multipliers @ planes.normal
     np.testing.assert_allclose(flow, curve.plastic, atol=1e-5 * np.abs(curve.plastic).max())
 
 
-def test_a_step_agrees_with_its_statement_in_cvxpy() -> None:
+@pytest.mark.parametrize("planes", ["paper", "cell"])
+def test_a_step_agrees_with_its_statement_in_cvxpy(planes: PlaneSet) -> None:
     model = wall(3)
     seen: list[CapacityStep] = []
-    curve = pushover(model, ASKEW, MASONRY, membrane="CST", steps=1, progress=seen.append)
+    curve = pushover(model, ASKEW, MASONRY, planes=planes, membrane="CST", steps=1, progress=seen.append)
     assert tuple(seen) == curve.steps
     elements = shell_elements(model, "CST")
-    program = shell_program(elements, ASKEW, MASONRY, "paper")
+    program = shell_program(elements, ASKEW, MASONRY, planes)
     flexibility = np.linalg.inv(facet_stiffness(model, MASONRY))[elements.facet] * elements.weight[:, None, None]
     displacement = curve.steps[1].displacement
-    condensed = CondensedShell(elements, ASKEW, MASONRY, "paper")
+    condensed = CondensedShell(elements, ASKEW, MASONRY, planes)
     unit = condensed.loads.unit.T
     work = program.weight * displacement
     compliance = np.moveaxis(flexibility, 0, 2) * unit[:, None] * unit[None, :] / work

@@ -12,6 +12,7 @@ from churchpipe.homogenised_shell.limit import shell_limit_analysis
 from churchpipe.homogenised_shell.loads import dead_pressure, live_pressure
 from churchpipe.homogenised_shell.program import shell_program
 from churchpipe.homogenised_shell.reference import reference_load_factor
+from churchpipe.homogenised_shell.settings import SOLVER, SolverSettings
 from churchpipe.homogenised_shell.strength import PlaneSet, paper_planes, violation
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
@@ -92,7 +93,7 @@ def test_lintels_limit_only_when_weak_and_are_told_then(planes: PlaneSet, monkey
     model, along = portal(False), LoadCase((1, 0, 0))
     factors: dict[float, float] = {}
     for tension in (1.0, 100.0, 1000.0):
-        monkeypatch.setattr(point_strength, "LINTEL_TENSION", tension)
+        monkeypatch.setattr(point_strength, "SOLVER", replace(SOLVER, lintel_tension=tension))
         state = shell_limit_analysis(model, along, MASONRY, planes=planes, membrane="CST", solver="interior-point")
         assert state.status == "optimal"
         assert ("lintels reach their tension" in state.message) == (tension == 1.0)
@@ -137,6 +138,12 @@ def test_cohesion_shifts_planes_and_cell_alike() -> None:
     assert cell == pytest.approx(planes, rel=1e-5)
 
 
+@pytest.mark.parametrize("change", [{"duality_gap": 0.0}, {"growth": 1.0}, {"plateau": 1.0}, {"lintel_tension": -1.0}])
+def test_numbers_of_the_solvers_are_checked(change: dict[str, float]) -> None:
+    with pytest.raises(InputError, match=f"SolverSettings.{next(iter(change))}: out of range"):
+        SolverSettings(**change)  # pyright: ignore[reportArgumentType]
+
+
 def test_lateral_load_profiles() -> None:
     model = wall(panel=np.repeat(["left", "right"], 18))
     uniform = live_pressure(model, LoadCase((3, 4, 0)))
@@ -168,11 +175,12 @@ def test_what_cannot_be_analysed_is_named() -> None:
     with pytest.raises(InputError, match="no weight"):
         shell_limit_analysis(wall(surface_weight=np.zeros(36)), ASKEW, MASONRY)
     with pytest.raises(InputError, match="valid for"):
-        shell_limit_analysis(wall(), ASKEW, [Material("default", 1.0, 1.2)])
+        shell_limit_analysis(wall(), ASKEW, [Material("default", 1.0, 1.2)], planes="paper")
 
 
-def test_where_one_compliance_lent_fails_the_next_is_tried(monkeypatch: pytest.MonkeyPatch) -> None:
-    expected = shell_limit_analysis(portal(False), ASKEW, MASONRY, membrane="CST", solver="interior-point")
+def test_where_one_regularisation_fails_the_next_is_tried(monkeypatch: pytest.MonkeyPatch) -> None:
+    options = {"planes": "paper", "membrane": "CST", "solver": "interior-point"}
+    expected = shell_limit_analysis(portal(False), ASKEW, MASONRY, **options)  # pyright: ignore[reportArgumentType]
     tried: list[int] = []
     starts: list[Any] = []
     ends: list[Any] = []
@@ -189,7 +197,7 @@ def test_where_one_compliance_lent_fails_the_next_is_tried(monkeypatch: pytest.M
         return ending
 
     monkeypatch.setattr(condensed, "solve_coupled", failing)
-    state = shell_limit_analysis(portal(False), ASKEW, MASONRY, membrane="CST", solver="interior-point")
+    state = shell_limit_analysis(portal(False), ASKEW, MASONRY, **options)  # pyright: ignore[reportArgumentType]
     assert state.status == "optimal"
     assert state.load_factor == pytest.approx(expected.load_factor, rel=1e-6)
     # Dead load and limit load twice each; what the first attempt took counts.
