@@ -107,7 +107,7 @@ CALLS: list[tuple[Callable[[], object], str]] = [
     (lambda: cp.Material(None, 18e3, 0.6), r"material: name: no name; found None"),
     (lambda: cp.Material("a", 18e3, 0.6, 0.0, {}), r"material a: elastic: wrong kind; found dict; expected an Elastic"),
     (lambda: cp.find_contacts(None), r"find_contacts: stones: wrong kind; found None; expected an Assemblage"),
-    (lambda: cp.find_contacts(STONES, "1 mm"), r"find_contacts: gap_tolerance: not a number"),
+    (lambda: cp.find_contacts(STONES, "1 mm"), r"find_contacts: contact_gap: not a number"),
     (lambda: cp.limit_analysis(CONTACTS, STONES, PUSH), r"stones: wrong kind; found Contacts; expected an Assemblage"),
     (lambda: cp.limit_analysis(STONES, None, PUSH), r"limit_analysis: contacts: wrong kind; found None"),
     (lambda: cp.limit_analysis(STONES, CONTACTS, "+x"), r"limit_analysis: load: wrong kind; found '\+x'; expected a LoadCase"),

@@ -138,11 +138,69 @@ def intersections(first: Polygons, second: Polygons) -> Polygons:
     return common
 
 
+def hull_corners(polygons: Polygons, tolerance: FloatArray) -> tuple[FloatArray, IntArray]:
+    """Return the corners (k, 2) of the convex hulls of polygons (n,), counter-clockwise, and their pointer array.
+
+    Corners closer than the tolerance (n,) to the line through their neighbours are left out.
+    """
+    hull = shapely.orient_polygons(shapely.convex_hull(polygons))
+    ring = shapely.get_exterior_ring(hull)
+    corner, owner = shapely.get_coordinates(ring, return_index=True)
+    last = np.append(owner[1:] != owner[:-1], True) if len(owner) else np.zeros(0, dtype=bool)
+    corner, owner = corner[~last], owner[~last]
+    # Never two neighbours at once: of two corners that rounding has split one must stay.
+    straight = np.ones(len(owner), dtype=bool)
+    while straight.any():
+        start = np.searchsorted(owner, np.arange(len(polygons)))
+        stop = np.searchsorted(owner, np.arange(len(polygons)), side="right")
+        position = np.arange(len(owner))
+        after = np.where(position + 1 == stop[owner], start[owner], position + 1)
+        before = np.where(position == start[owner], stop[owner] - 1, position - 1)
+        chord = corner[after] - corner[before]
+        offset = corner - corner[before]
+        length = np.linalg.norm(chord, axis=1)
+        distance = np.abs(chord[:, 0] * offset[:, 1] - chord[:, 1] * offset[:, 0]) / np.where(length > 0, length, 1.0)
+        straight = (distance < tolerance[owner]) & (stop - start > 3)[owner]
+        straight &= ~straight[before]
+        corner, owner = corner[~straight], owner[~straight]
+    counts = np.bincount(owner, minlength=len(polygons))
+    return corner, np.concatenate(([0], np.cumsum(counts)))
+
+
+def outlined(corner: FloatArray, counts: IntArray, rings: IntArray) -> Polygons:
+    """Return polygons (n,) from the corners (nc, 2) of their rings, the outer one first; each of the others is a hole.
+
+    counts (nr,): corners of each ring; rings (n,): rings of each polygon. Those that cross themselves are repaired.
+    """
+    ring = np.asarray(shapely.linearrings(corner, indices=np.repeat(np.arange(len(counts)), counts)), dtype=np.object_)
+    found = np.asarray(shapely.polygons(ring, indices=np.repeat(np.arange(len(rings)), rings)), dtype=np.object_)
+    bad = ~shapely.is_valid(found)
+    found[bad] = shapely.make_valid(found[bad], method="structure", keep_collapsed=False)
+    return found
+
+
+def perimeters(polygons: Polygons) -> FloatArray:
+    """Return the lengths (n,) of the borders."""
+    return np.asarray(shapely.length(polygons), dtype=np.float64)
+
+
+def widths(polygons: Polygons) -> FloatArray:
+    """Return how wide polygons (n,) are: twice their area over their perimeter."""
+    return 2.0 * areas(polygons) / np.maximum(perimeters(polygons), np.finfo(float).tiny)
+
+
+def pieces_of(regions: Polygons) -> tuple[Polygons, IntArray]:
+    """Return the polygons that regions (n,) are made of, and the region (k,) each is a piece of; lines and points are dropped."""
+    part, owner = shapely.get_parts(regions, return_index=True)
+    # A collection may hold polygons in turn.
+    part, inner = shapely.get_parts(part, return_index=True)
+    keep = shapely.get_type_id(part) == shapely.GeometryType.POLYGON
+    return np.asarray(part[keep], dtype=np.object_), np.asarray(owner[inner[keep]], dtype=np.int64)
+
+
 def clip(polygons: Polygons, region: Region) -> tuple[Polygons, IntArray]:
     """Return the polygons' parts inside the region, and the polygon (n,) each comes from; lines and points are dropped."""
-    part, owner = shapely.get_parts(shapely.intersection(polygons, region), return_index=True)
-    keep = shapely.get_type_id(part) == shapely.GeometryType.POLYGON
-    return np.asarray(part[keep], dtype=np.object_), np.asarray(owner[keep], dtype=np.int64)
+    return pieces_of(np.asarray(shapely.intersection(polygons, region), dtype=np.object_))
 
 
 def simple_parts(polygons: Polygons) -> tuple[Polygons, IntArray]:
@@ -159,6 +217,16 @@ def simple_parts(polygons: Polygons) -> tuple[Polygons, IntArray]:
 def common(first: Region, second: Region) -> Region:
     """Return what two regions have in common; lines and points are dropped."""
     return _areal(shapely.intersection(first, second))
+
+
+def mapped(region: Region, matrix: FloatArray, shift: FloatArray) -> Region:
+    """Return a region with each point p moved to `matrix` (2, 2) p + `shift` (2,)."""
+    return shapely.transform(region, lambda points: points @ matrix.T + shift)
+
+
+def hull(points: FloatArray) -> Region:
+    """Return the convex hull of points (n, 2) that are not on a line."""
+    return _areal(shapely.convex_hull(shapely.MultiPoint(points)))
 
 
 def pieces(region: shapely.Geometry) -> list[shapely.Polygon]:

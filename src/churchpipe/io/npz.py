@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Callable
-from dataclasses import astuple, dataclass, fields
+from dataclasses import asdict, astuple, dataclass, fields
 from pathlib import Path
 from typing import Any, TypeVar
 from zipfile import BadZipFile
@@ -12,7 +12,7 @@ import numpy as np
 from churchpipe.errors import InputError
 from churchpipe.io.atomic import replacing
 from churchpipe.model.assemblage import Assemblage
-from churchpipe.model.contacts import Contacts
+from churchpipe.model.contacts import Contacts, ContactTolerances, NearMisses
 from churchpipe.model.results import CapacityCurve, CapacityStep, Iteration, LimitState, ShellLimitState, StartRun
 from churchpipe.model.shell import ShellModel
 
@@ -27,7 +27,7 @@ class Absent:
 # Raise the number when the fields of a type change: an artifact of another version is then named, not misread.
 SCHEMAS: dict[type, str] = {
     Assemblage: "churchpipe assemblage 1",
-    Contacts: "churchpipe contacts 1",
+    Contacts: "churchpipe contacts 2",
     LimitState: "churchpipe limit-state 2",
     ShellModel: "churchpipe shell 1",
     ShellLimitState: "churchpipe shell-limit-state 1",
@@ -44,6 +44,9 @@ def _start_run(start: str, load_factor: float, settled: bool, gap: float, interv
 # Tuples of small records, by the name of their field, and how each is made of what lies in the file.
 _RECORDS: dict[str, Callable[..., Any]] = {"history": Iteration, "steps": CapacityStep, "starts": _start_run}
 
+# Fields that are dataclasses in turn; an array of theirs is stored as "field.name".
+_PARTS: dict[str, type] = {"near_misses": NearMisses, "tolerances": ContactTolerances}
+
 Artifact = TypeVar("Artifact", Assemblage, Contacts, LimitState, ShellModel, ShellLimitState, CapacityCurve)
 
 
@@ -52,6 +55,8 @@ def write_npz(
 ) -> None:
     """Write an artifact: arrays as arrays, everything else as one JSON text."""
     values = {field.name: getattr(value, field.name) for field in fields(value)}
+    for name in [name for name in values if name in _PARTS]:
+        values |= {f"{name}.{key}": item for key, item in asdict(values.pop(name)).items()}
     arrays: dict[str, Any] = {name: item for name, item in values.items() if isinstance(item, np.ndarray)}
     rest = {name: item for name, item in values.items() if name not in arrays}
     rest |= {name: [astuple(record) for record in rest[name]] for name in _RECORDS if name in rest}
@@ -93,4 +98,9 @@ def read_if_made(path: str | Path, kind: type[Artifact]) -> Artifact | Absent:
         name: tuple(item) if isinstance(item, list) else item for name, item in json.loads(str(stored.pop("fields"))).items()
     }
     rest |= {name: tuple(record(*item) for item in rest[name]) for name, record in _RECORDS.items() if name in rest}
-    return Absent(**rest) if schema == SCHEMAS[Absent] else kind(**stored, **rest)
+    values = {**stored, **rest}
+    parts = {name: {key: values.pop(key) for key in list(values) if key.startswith(f"{name}.")} for name in _PARTS}
+    values |= {
+        name: _PARTS[name](**{key.partition(".")[2]: item for key, item in part.items()}) for name, part in parts.items() if part
+    }
+    return Absent(**rest) if schema == SCHEMAS[Absent] else kind(**values)

@@ -1,16 +1,76 @@
 """Interfaces between stones and their contact points: geometry only."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from churchpipe.errors import InputError
+from churchpipe.model.arguments import check_kind, finite
 from churchpipe.model.arrays import FloatArray, IntArray, NameArray, floats, indices, names, pointers, rows_of, store
 from churchpipe.model.assemblage import Assemblage
 
 # A contact point lies in the box of both its stones, or beyond it by this share of their diagonals at most.
 _SLACK = 0.05
 KINDS = ("bed", "head", "radial", "junction", "base")
+# Faces nearer than this, m, touch: so much is lost where coordinates are rounded to six decimals.
+TOUCHING = 1e-6
+
+
+@dataclass(frozen=True, slots=True)
+class ContactTolerances:
+    """What faces may be apart and still make a joint.
+
+    Fields: contact_gap, how far two faces may be apart, m; contact_angle, how far they may be from parallel, rad; overlap, how
+    deep two stones may lie in each other, m; given: the names of those that the person gave, the others were proposed.
+    """
+
+    contact_gap: float = TOUCHING
+    contact_angle: float = 1e-5
+    overlap: float = TOUCHING
+    given: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        for name in ("contact_gap", "contact_angle", "overlap"):
+            if not (number := finite(f"ContactTolerances.{name}", getattr(self, name))) > 0:
+                raise InputError(f"ContactTolerances.{name}", "out of range", found=number, expected="> 0")
+        store(self, given=tuple(self.given))
+
+
+def _no_pairs() -> IntArray:
+    return np.zeros((0, 2), dtype=np.int64)
+
+
+def _none(*shape: int) -> FloatArray:
+    return np.zeros((0, *shape))
+
+
+@dataclass(frozen=True, slots=True)
+class NearMisses:
+    """Pairs of faces that face each other closely and are no joint.
+
+    Fields: stones (n, 2); gap (n,) m, how far the faces are apart in the middle of what they share, negative where they
+    interpenetrate; angle (n,) rad between them; area (n,) m2 of what they share; place (n, 3) m, its middle.
+    """
+
+    stones: IntArray = field(default_factory=_no_pairs)
+    gap: FloatArray = field(default_factory=_none)
+    angle: FloatArray = field(default_factory=_none)
+    area: FloatArray = field(default_factory=_none)
+    place: FloatArray = field(default_factory=lambda: _none(3))
+
+    def __post_init__(self) -> None:
+        n = rows_of("NearMisses.stones", self.stones)
+        store(
+            self,
+            stones=indices("NearMisses.stones", self.stones, (n, 2)),
+            gap=floats("NearMisses.gap", self.gap, (n,)),
+            angle=floats("NearMisses.angle", self.angle, (n,)),
+            area=floats("NearMisses.area", self.area, (n,)),
+            place=floats("NearMisses.place", self.place, (n, 3)),
+        )
+
+    def __len__(self) -> int:
+        return len(self.stones)
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,7 +79,9 @@ class Contacts:
 
     Fields: blocks (ni, 2), first and second stone; frame (ni, 3, 3), `frame_iac`: axis a (n, t1, t2) and component c
     (x, y, z) of interface i, n from the first stone to the second; area (ni,) m2; point (nc, 3) m, the vertices of each
-    interface polygon; point_ptr (ni + 1,); kind (ni,) one of `KINDS`.
+    interface polygon; point_ptr (ni + 1,); kind (ni,) one of `KINDS`; gap (ni, 2) m, the least and the greatest distance
+    between the two faces over the interface, negative where the stones interpenetrate, and angle (ni,) rad between them:
+    zero where left out; near_misses: faces that nearly meet; tolerances: with which all this was found.
 
     Components at a contact are in the order n, t1, t2; forces act on the second stone; compression is positive.
     """
@@ -30,9 +92,15 @@ class Contacts:
     point: FloatArray
     point_ptr: IntArray
     kind: NameArray
+    gap: FloatArray = field(default_factory=lambda: _none(2))
+    angle: FloatArray = field(default_factory=_none)
+    near_misses: NearMisses = field(default_factory=NearMisses)
+    tolerances: ContactTolerances = field(default_factory=ContactTolerances)
 
     def __post_init__(self) -> None:
         ni, nc = rows_of("Contacts.blocks", self.blocks), rows_of("Contacts.point", self.point)
+        check_kind("Contacts.near_misses", self.near_misses, NearMisses)
+        check_kind("Contacts.tolerances", self.tolerances, ContactTolerances)
         store(
             self,
             blocks=indices("Contacts.blocks", self.blocks, (ni, 2)),
@@ -41,6 +109,8 @@ class Contacts:
             point=floats("Contacts.point", self.point, (nc, 3)),
             point_ptr=pointers("Contacts.point_ptr", self.point_ptr, ni, nc),
             kind=names("Contacts.kind", self.kind, (ni,)),
+            gap=floats("Contacts.gap", self.gap if rows_of("Contacts.gap", self.gap) else np.zeros((ni, 2)), (ni, 2)),
+            angle=floats("Contacts.angle", self.angle if rows_of("Contacts.angle", self.angle) else np.zeros(ni), (ni,)),
         )
         gram = np.einsum("iac,ibc->iab", self.frame, self.frame)
         if ni and np.abs(gram - np.eye(3)).max() > 1e-9:

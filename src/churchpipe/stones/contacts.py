@@ -1,208 +1,130 @@
-"""Interfaces between stones: every pair of opposite coplanar faces that overlap."""
+"""Interfaces between stones: every pair of opposite faces that meet, exactly or nearly."""
+
+from dataclasses import replace
 
 import numpy as np
-import shapely
 
-from churchpipe.errors import InputError
-from churchpipe.geometry.planar import intersections
-from churchpipe.model.arguments import check_kind, finite
-from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, ragged_indices
+from churchpipe.geometry.planar import hull_corners, widths
+from churchpipe.model.arguments import check_kind
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
-from churchpipe.model.contacts import Contacts
-from churchpipe.model.polyhedra import face_normals
+from churchpipe.model.contacts import TOUCHING, Contacts
+from churchpipe.stones.contact_tolerances import MOST_ANGLE, Limits, given_or_none, limits_of, search_reach
+from churchpipe.stones.coplanar import coplanar_interfaces
+from churchpipe.stones.covering import uncovered
+from churchpipe.stones.facets import Facets, facets_of, perimeters
+from churchpipe.stones.facing import Overlaps, facing
+from churchpipe.stones.interfaces import Interfaces, chosen, contacts_of, joined
+from churchpipe.stones.near_misses import near_misses
 
-# Faces count as parallel within this angle (rad); an overlap smaller than this share of the smaller face is no contact.
-ANGLE_TOLERANCE = 1e-5
-AREA_TOLERANCE = 1e-6
-# Coordinates are rounded: a joint as wide as the gap asked for is up to this much wider, m.
-ROUNDING = 1e-9
-# A face no wider than this, m, has no plane of its own: its corners lie on a line.
-NARROW = 1e-9
+# A facet whose exact joints leave no more than this share of it is covered.
+COVERED = 1e-6
+# One interface in a plane stands for a pair of facets unless they share more than this share besides.
+SAME_AREA = 1e-4
+# Strips narrower than the noise of the corners are no joints, unless they are this share of the narrower facet's width.
+NARROW_SHARE = 0.25
 
 
-def find_contacts(stones: Assemblage, gap_tolerance: float = 1e-6) -> Contacts:
-    """Return the interfaces of an assemblage and their contact points.
+def find_contacts(
+    stones: Assemblage, contact_gap: float | None = None, contact_angle: float | None = None, overlap: float | None = None
+) -> Contacts:
+    """Return the interfaces of an assemblage and their contact points, with the near misses and the tolerances.
 
-    Faces are bucketed by plane; in each bucket a tree of bounding boxes proposes pairs, whose polygons are intersected
-    all at once. A pair of stones may share several interfaces. The contact points are the vertices of the overlap, those
-    on a straight edge left out; the points of a non-convex overlap are those of its convex hull, which carries the same forces.
+    Opposite faces in one plane are joints, exactly as drawn. Faces left over, triangles and strips of one surface taken together,
+    are joints where they face each other within the tolerances: on the plane midway between them, with the points of what they
+    share. A face has one neighbour at each place, the nearest. The contact points are the corners of the overlap, those on a
+    straight edge left out; the points of a non-convex overlap are those of its convex hull, which carries the same forces.
     Stones that overlap or float are not looked for: `check_soundness` does.
 
     Parameters
     ----------
-    stones: the assemblage. gap_tolerance: largest distance between two faces in contact, m.
+    stones: the assemblage. contact_gap: how far two faces of a joint may be apart, m, at their nearest. contact_angle: how far
+    they may be from parallel, rad. overlap: how deep two stones may lie in each other, m. Those left out are proposed from the
+    gaps and angles found, and are never wider than half the thinnest stone; then joints that open too far on one side are left
+    out as well. What is left out is among `Contacts.near_misses`.
+
+    Raises
+    ------
+    InputError: no assemblage, or a tolerance that is not positive.
     """
     check_kind("find_contacts: stones", stones, Assemblage)
-    if not finite("find_contacts: gap_tolerance", gap_tolerance) > 0:
-        raise InputError("find_contacts: gap_tolerance", "out of range", found=gap_tolerance, expected="> 0 m")
-    area_vector, normal, mean = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
-    block = np.repeat(np.arange(stones.count), np.diff(stones.block_face_ptr))
-    centre = 0.5 * (stones.points.min(axis=0) + stones.points.max(axis=0))
-    bucket, axes, front = _planes(normal, mean - centre, gap_tolerance, stones.size)
-    flat = _project(stones, axes, centre)
-    polygon = _face_polygons(flat, stones.face_ptr)
-    wide = np.flatnonzero(_width(stones, area_vector) > NARROW)
-    first, second = (wide[face] for face in _pairs(polygon[wide], bucket[wide], front[wide], block[wide]))
-    apart = (
-        np.abs(np.einsum("ij,ij->i", mean[second] - mean[first], normal[first])) > gap_tolerance + ANGLE_TOLERANCE * stones.size
-    )
-    first, second = first[~apart], second[~apart]
-    overlap = intersections(polygon[first], polygon[second])
-    part, pair = shapely.get_parts(overlap, return_index=True)
-    face_area = np.linalg.norm(area_vector, axis=1)
-    smallest = AREA_TOLERANCE * np.minimum(face_area[first], face_area[second])[pair]
-    keep = (shapely.get_type_id(part) == shapely.GeometryType.POLYGON) & (shapely.area(part) > smallest)
-    part = part[keep]
-    corner, corner_ptr = _hull_corners(part, gap_tolerance)
-    first, second = first[pair[keep]], second[pair[keep]]
-    area = np.asarray(shapely.area(part), dtype=np.float64)
-    return _lift(stones, corner, corner_ptr, area, axes[first], first, second, block, normal, mean, centre, gap_tolerance)
+    contact_gap = given_or_none("contact_gap", contact_gap)
+    contact_angle = given_or_none("contact_angle", contact_angle, most=0.5 * np.pi)
+    overlap = given_or_none("overlap", overlap)
+    facets = facets_of(stones)
+    exact = _exact(stones, facets, min(TOUCHING, contact_gap or TOUCHING))
+    sure = np.all(facets.single[exact.side], axis=1, keepdims=True)[:, 0]
+    covered = np.bincount(exact.side[sure].ravel(), np.repeat(exact.area[sure], 2), minlength=len(facets))
+    open_facets = covered < (1.0 - COVERED) * facets.area
+    found = facing(facets, open_facets, search_reach(stones, contact_gap, overlap), contact_angle or MOST_ANGLE)
+    found = found[~np.isin(_pair(facets, found.side), _pair(facets, exact.side[sure]))]
+    limits = limits_of(stones, found, contact_gap, contact_angle, overlap, facets.area[found.side].min(axis=1))
+    wide = _wide_enough(facets, found.side, widths(found.polygon), limits.noise)
+    found = found[_meet(facets, found, limits) & wide]
+    exact, found = _one_of_both(facets, exact, sure, found)
+    if limits.noise > TOUCHING:
+        exact = chosen(exact, np.flatnonzero(_wide_enough(facets, exact.side, _widths(exact), limits.noise)))
+    found = uncovered(facets, exact, found, limits.noise)
+    joints = joined([exact, _interfaces(found, limits.noise)])
+    return contacts_of(stones, facets.stone, joints, near_misses(facets, joints, limits), limits.tolerances)
 
 
-def _width(stones: Assemblage, area_vector: FloatArray) -> FloatArray:
-    """Return how wide each face is (nf,) m, across its longest edge."""
-    successor = np.arange(len(stones.face_nodes)) + 1
-    successor[stones.face_ptr[1:] - 1] = stones.face_ptr[:-1]
-    corner = stones.points[stones.face_nodes]
-    longest = np.maximum.reduceat(np.linalg.norm(corner[successor] - corner, axis=1), stones.face_ptr[:-1])
-    return 2.0 * np.linalg.norm(area_vector, axis=1) / np.maximum(longest, np.finfo(float).tiny)
+def _exact(stones: Assemblage, facets: Facets, gap: float) -> Interfaces:
+    """Return the interfaces of faces in one plane, by their facets; of a triangulated drawing those of whole facets alone."""
+    whole = facets.single[facets.of_face]
+    looked_at = whole if whole.mean() < 0.5 else np.ones(len(whole), dtype=bool)
+    found = coplanar_interfaces(stones, looked_at, gap)
+    return replace(found, side=facets.of_face[found.side])
 
 
-def _cluster(label: IntArray, value: FloatArray, tolerance: float) -> IntArray:
-    """Split groups of equal label where the sorted values leave a gap wider than the tolerance."""
-    order = np.lexsort((value, label))
-    step = (np.diff(label[order]) != 0) | (np.diff(value[order]) > tolerance)
-    out = np.empty(len(label), dtype=np.int64)
-    out[order] = np.concatenate(([0], np.cumsum(step)))
-    return out
+def _pair(facets: Facets, side: IntArray) -> IntArray:
+    """Return a number for each unordered pair of facets (n, 2)."""
+    return np.sort(side, axis=1) @ np.array([len(facets), 1])
 
 
-def _planes(normal: FloatArray, mean: FloatArray, gap: float, size: float) -> tuple[IntArray, FloatArray, BoolArray]:
-    """Return for each face its bucket of (nearly) coplanar faces, that bucket's axes (nf, 3, 3) and the side it looks to."""
-    # Opposite normals meet in one half-space; its pole is the one of many that no normal comes near to lying across,
-    # so that rounding never sends two parallel faces to different sides.
-    poles = np.random.default_rng(0).normal(size=(64, 3))
-    margin = np.abs(np.unique(np.round(normal, 9), axis=0) @ (poles / np.linalg.norm(poles, axis=1, keepdims=True)).T).min(axis=0)
-    sign = np.where(normal @ poles[np.argmax(margin)] > 0, 1.0, -1.0)
-    folded = normal * sign[:, None]
-    label = np.zeros(len(normal), dtype=np.int64)
-    for column in range(3):
-        label = _cluster(label, folded[:, column], ANGLE_TOLERANCE)
-    representative = folded[np.unique(label, return_index=True)[1]][label]
-    offset = np.einsum("ij,ij->i", mean, representative)
-    label = _cluster(label, offset, gap + ANGLE_TOLERANCE * size)
-    n = folded[np.unique(label, return_index=True)[1]][label]
-    return label, _frames(n), sign > 0
-
-
-def _frames(n: FloatArray) -> FloatArray:
-    """Return right-handed frames (k, 3, 3), rows n, t1, t2; t1 is horizontal where n is not vertical."""
-    helper = np.where(np.abs(n[:, 2:]) > 0.9, [1.0, 0.0, 0.0], [0.0, 0.0, 1.0])
-    t1 = np.cross(helper, n)
-    t1 /= np.maximum(np.linalg.norm(t1, axis=1, keepdims=True), np.finfo(float).tiny)
-    return np.stack([n, t1, np.cross(n, t1)], axis=1).astype(np.float64)
-
-
-def _project(stones: Assemblage, axes: FloatArray, centre: FloatArray) -> FloatArray:
-    face_of = np.repeat(np.arange(len(axes)), np.diff(stones.face_ptr))
-    return np.einsum("ic,iac->ia", stones.points[stones.face_nodes] - centre, axes[face_of][:, 1:])
-
-
-def _face_polygons(flat: FloatArray, face_ptr: IntArray) -> np.ndarray:
-    counts = np.diff(face_ptr)
-    # Rings are closed: each face repeats its first corner.
-    order = ragged_indices(face_ptr[:-1], counts + 1)
-    order[np.cumsum(counts + 1) - 1] = face_ptr[:-1]
-    rings = shapely.linearrings(flat[order], indices=np.repeat(np.arange(len(counts)), counts + 1))
-    return np.asarray(shapely.polygons(rings))
-
-
-def _pairs(polygon: np.ndarray, bucket: IntArray, front: BoolArray, block: IntArray) -> tuple[IntArray, IntArray]:
-    """Return pairs (first, second) of faces of different stones in one bucket that face each other, boxes overlapping."""
-    # One tree serves all buckets: each bucket is moved to a place of its own along a line.
-    bounds = shapely.bounds(polygon)
-    reach = 2.0 * np.abs(bounds).max() + 1.0
-    shift = bucket * (2.0 * reach)
-    boxes = shapely.box(bounds[:, 0] + shift, bounds[:, 1], bounds[:, 2] + shift, bounds[:, 3])
-    out, into = np.flatnonzero(front), np.flatnonzero(~front)
-    if not len(out) or not len(into):
-        return out[:0], into[:0]
-    found = shapely.STRtree(boxes[into]).query(boxes[out])
-    first, second = out[found[0]], into[found[1]]
-    keep = (bucket[first] == bucket[second]) & (block[first] != block[second])
-    return first[keep], second[keep]
-
-
-def _hull_corners(polygon: np.ndarray, tolerance: float) -> tuple[FloatArray, IntArray]:
-    """Return the corners of the convex hulls (k, 2), counter-clockwise, and their pointer array."""
-    hull = shapely.orient_polygons(shapely.convex_hull(polygon))
-    ring = shapely.get_exterior_ring(hull)
-    corner, owner = shapely.get_coordinates(ring, return_index=True)
-    last = np.append(owner[1:] != owner[:-1], True) if len(owner) else np.zeros(0, dtype=bool)
-    corner, owner = corner[~last], owner[~last]
-    # Corners closer than the tolerance to the line through their neighbours are dropped, never two neighbours at once:
-    # of two corners that rounding has split one must stay.
-    straight = np.ones(len(owner), dtype=bool)
-    while straight.any():
-        start = np.searchsorted(owner, np.arange(len(polygon)))
-        stop = np.searchsorted(owner, np.arange(len(polygon)), side="right")
-        position = np.arange(len(owner))
-        after = np.where(position + 1 == stop[owner], start[owner], position + 1)
-        before = np.where(position == start[owner], stop[owner] - 1, position - 1)
-        chord = corner[after] - corner[before]
-        offset = corner - corner[before]
-        length = np.linalg.norm(chord, axis=1)
-        distance = np.abs(chord[:, 0] * offset[:, 1] - chord[:, 1] * offset[:, 0]) / np.where(length > 0, length, 1.0)
-        straight = (distance < tolerance) & (stop - start > 3)[owner]
-        straight &= ~straight[before]
-        corner, owner = corner[~straight], owner[~straight]
-    counts = np.bincount(owner, minlength=len(polygon))
-    return corner, np.concatenate(([0], np.cumsum(counts)))
-
-
-def _lift(
-    stones: Assemblage,
-    corner: FloatArray,
-    corner_ptr: IntArray,
-    area: FloatArray,
-    axes: FloatArray,
-    first: IntArray,
-    second: IntArray,
-    block: IntArray,
-    normal: FloatArray,
-    mean: FloatArray,
-    centre: FloatArray,
-    gap_tolerance: float,
-) -> Contacts:
-    """Bring overlap polygons back to space, halfway between the two faces, and drop those whose faces are too far apart."""
-    owner = np.repeat(np.arange(len(first)), np.diff(corner_ptr))
-    n = axes[:, 0]
-    middle = np.zeros((len(first), 2))
-    np.add.at(middle, owner, corner)
-    middle /= np.maximum(np.diff(corner_ptr), 1)[:, None]
-    place = centre + np.einsum("ia,iac->ic", middle, axes[:, 1:])
-    height_first = np.einsum("ij,ij->i", mean[first] - place, normal[first]) / np.einsum("ij,ij->i", n, normal[first])
-    height_second = np.einsum("ij,ij->i", mean[second] - place, normal[second]) / np.einsum("ij,ij->i", n, normal[second])
-    keep = np.abs(height_second - height_first) <= gap_tolerance + ROUNDING
-    height = 0.5 * (height_first + height_second)
-    point = centre + np.einsum("ia,iac->ic", corner, axes[owner][:, 1:]) + (height[:, None] * n)[owner]
-    blocks = np.stack([block[first], block[second]], axis=1)[keep]
-    order = np.lexsort((blocks[:, 1], blocks[:, 0]))
-    chosen = np.flatnonzero(keep)[order]
-    counts = np.diff(corner_ptr)[chosen]
-    return Contacts(
-        blocks=blocks[order],
-        frame=axes[chosen],
-        area=area[chosen],
-        point=point[ragged_indices(corner_ptr[:-1][chosen], counts)],
-        point_ptr=np.concatenate(([0], np.cumsum(counts))),
-        kind=_kinds(stones, blocks[order], n[chosen]),
+def _meet(facets: Facets, found: Overlaps, limits: Limits) -> BoolArray:
+    half = 0.5 * limits.thickness[facets.stone[found.side]].min(axis=1)
+    allowed = limits.tolerances
+    return (
+        (found.opening <= np.minimum(allowed.contact_gap + TOUCHING, half))
+        & (found.penetration <= np.minimum(allowed.overlap + TOUCHING, half))
+        & (found.angle <= allowed.contact_angle)
+        & (found.far_side <= limits.far_side)
     )
 
 
-def _kinds(stones: Assemblage, blocks: IntArray, n: FloatArray) -> np.ndarray:
-    upward = np.abs(n[:, 2])
-    kind = np.select([upward > 1 - 1e-6, upward < 1e-6], ["bed", "head"], "radial")
-    panels = stones.panel[blocks]
-    kind = np.where((panels[:, 0] != panels[:, 1]) & (kind == "head"), "junction", kind)
-    return np.where(stones.fixed[blocks].any(axis=1), "base", kind)
+def _wide_enough(facets: Facets, side: IntArray, width: FloatArray, noise: float) -> BoolArray:
+    narrower = (2.0 * facets.area / perimeters(facets))[side].min(axis=1)
+    return width >= np.minimum(noise, NARROW_SHARE * narrower)
+
+
+def _widths(found: Interfaces) -> FloatArray:
+    """Return twice the area over the perimeter of interfaces (n,) m."""
+    if not len(found):
+        return np.zeros(0)
+    after = np.arange(len(found.point)) + 1
+    after[found.point_ptr[1:] - 1] = found.point_ptr[:-1]
+    length = np.linalg.norm(found.point[after] - found.point, axis=1)
+    return 2.0 * found.area / np.add.reduceat(length, found.point_ptr[:-1])
+
+
+def _one_of_both(facets: Facets, exact: Interfaces, sure: BoolArray, found: Overlaps) -> tuple[Interfaces, Overlaps]:
+    """Return both lists without the same joint twice: the faces of a facet in one plane may have met one by one."""
+    of_exact, of_found = _pair(facets, exact.side), _pair(facets, found.side)
+    pairs, row = np.unique(np.concatenate([of_exact, of_found]), return_inverse=True)
+    mine, theirs = row[: len(of_exact)], row[len(of_exact) :]
+    count, area = np.bincount(mine, minlength=len(pairs)), np.bincount(mine, exact.area, minlength=len(pairs))
+    shared = np.bincount(theirs, found.area, minlength=len(pairs))
+    alone = (shared == 0) | ((count == 1) & (shared <= (1.0 + SAME_AREA) * area))
+    return chosen(exact, np.flatnonzero(sure | alone[mine])), found[~((count > 0) & alone)[theirs]]
+
+
+def _interfaces(found: Overlaps, noise: float) -> Interfaces:
+    """Return overlaps as interfaces, their points midway between both facets along the mean normal."""
+    corner, corner_ptr = hull_corners(found.polygon, np.full(len(found), max(0.5 * noise, TOUCHING)))
+    owner = np.repeat(np.arange(len(found)), np.diff(corner_ptr))
+    level = found.height[owner, 0] + np.einsum("ij,ij->i", found.height[owner, 1:], corner)
+    flat = np.einsum("ia,iac->ic", corner, found.frame[owner][:, 1:])
+    point = found.origin[owner] + flat + level[:, None] * found.frame[owner][:, 0]
+    exact = np.zeros(len(found), dtype=bool)
+    return Interfaces(found.side, exact, found.frame, found.area, found.gap, found.lean, point, corner_ptr)

@@ -1,0 +1,136 @@
+"""Tolerances of joints, proposed from the gaps and angles of the stones themselves."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from churchpipe.errors import InputError
+from churchpipe.model.arguments import finite
+from churchpipe.model.arrays import FloatArray
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.contacts import TOUCHING, ContactTolerances
+from churchpipe.model.polyhedra import face_normals
+from churchpipe.stones.facing import Overlaps
+
+# Shares of the median stone's thickness. Under a hairline everything is a joint; no proposal is wider than the widest; no noise
+# of corners along the joint is taken for larger than the third.
+HAIRLINE = 0.008
+WIDEST = 0.02
+NOISIEST = 0.04
+# Proposed angles are between these, rad.
+LEAST_ANGLE = math.radians(3.0)
+MOST_ANGLE = math.radians(5.0)
+# Gaps, or angles, sorted: one more than this times as large as the last begins another kind, joints that are meant to be open.
+STEP = 2.0
+# Faces that share less than this part of the smaller one say nothing of the gaps.
+TELLING_SHARE = 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """The tolerances with what follows from the thickness of the stones.
+
+    Fields: tolerances; far_side, how far the facets of a joint may be apart where they are widest apart, m, infinite where the
+    person gave the contact gap; noise, how far corners stray along the joints, m: narrower strips are none; thickness of each
+    stone (nb,) m, and typical, of the median one, m.
+    """
+
+    tolerances: ContactTolerances
+    far_side: float
+    noise: float
+    thickness: FloatArray
+    typical: float
+
+
+def thicknesses(stones: Assemblage) -> FloatArray:
+    """Return the thickness of each stone (nb,) m: volume over its largest shadow along x, y, z or its largest face's normal."""
+    vector, normal, _ = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
+    stone = np.repeat(np.arange(stones.count), np.diff(stones.block_face_ptr))
+    area = np.linalg.norm(vector, axis=1)
+    order = np.lexsort((area, stone))
+    largest = normal[order[np.searchsorted(stone[order], np.arange(stones.count), side="right") - 1]]
+    shadows = [0.5 * np.bincount(stone, np.abs(vector[:, k]), minlength=stones.count) for k in range(3)]
+    shadows.append(0.5 * np.bincount(stone, np.abs(np.einsum("ij,ij->i", vector, largest[stone])), minlength=stones.count))
+    return stones.volume / np.max(shadows, axis=0)
+
+
+def typical_thickness(stones: Assemblage, thickness: FloatArray) -> tuple[float, float]:
+    """Return the thickness of the median free stone and of the thinnest one, m."""
+    free = thickness[~stones.fixed] if not stones.fixed.all() else thickness
+    return float(np.median(free)), float(free.min())
+
+
+def search_reach(stones: Assemblage, contact_gap: float | None, overlap: float | None) -> float:
+    """Return how far from each other facets are looked at for joints, m."""
+    typical, _ = typical_thickness(stones, thicknesses(stones))
+    return max(2.0 * WIDEST * typical if contact_gap is None else contact_gap, overlap or WIDEST * typical)
+
+
+def given_or_none(name: str, value: float | None, most: float = np.inf) -> float | None:
+    """Return a tolerance that somebody gave, checked."""
+    if value is None:
+        return None
+    if not 0 < finite(f"find_contacts: {name}", value) < most:
+        raise InputError(f"find_contacts: {name}", "out of range", found=value, expected=f"> 0 and < {most:.4g}")
+    return float(value)
+
+
+def limits_of(
+    stones: Assemblage,
+    found: Overlaps,
+    contact_gap: float | None,
+    contact_angle: float | None,
+    overlap: float | None,
+    least: FloatArray,
+) -> Limits:
+    """Return the tolerances given, and those proposed in their stead.
+
+    The openings of facets that face each other are sorted. From the largest one under a hairline the proposal goes on upward as
+    long as the next is no more than `STEP` times as large, so it ends in the empty band between the joints, however imprecise,
+    and those that are meant to be open. Angles likewise. Nothing is wider than half the thinnest stone.
+
+    least (n,): area of the smaller facet of each overlap, m2.
+    """
+    thickness = thicknesses(stones)
+    typical, thinnest = typical_thickness(stones, thickness)
+    widest = min(WIDEST * typical, 0.5 * thinnest)
+    telling = found[(found.area > TELLING_SHARE * least) & (found.angle <= MOST_ANGLE) & (found.penetration <= TOUCHING)]
+    gap = _proposed(telling.opening, TOUCHING, min(HAIRLINE * typical, widest), widest) if contact_gap is None else contact_gap
+    near = telling[telling.opening <= gap + TOUCHING]
+    angle = contact_angle or max(_proposed(near.angle, 1e-5, LEAST_ANGLE, MOST_ANGLE), LEAST_ANGLE)
+    given = {"contact_gap": contact_gap, "contact_angle": contact_angle, "overlap": overlap}
+    return Limits(
+        tolerances=ContactTolerances(
+            contact_gap=gap,
+            contact_angle=angle,
+            overlap=overlap or max(widest, gap),
+            given=tuple(name for name, value in given.items() if value is not None),
+        ),
+        far_side=2.0 * widest if contact_gap is None else np.inf,
+        noise=_noise(near, NOISIEST * typical),
+        thickness=thickness,
+        typical=typical,
+    )
+
+
+def _proposed(values: FloatArray, least: float, sure: float, most: float) -> float:
+    """Return where the values, sorted, leave a step after `sure`."""
+    ordered = np.sort(values[(values > least) & np.isfinite(values)])
+    last = float(ordered[ordered <= sure].max(initial=least))
+    for value in ordered[ordered > last].tolist():
+        if value > min(STEP * last, most):
+            return min(float(np.sqrt(last * value)), STEP * last, most)
+        last = value
+    return min(STEP * last, most)
+
+
+def _noise(joints: Overlaps, most: float) -> float:
+    """Return how far corners stray, m: as far along the joints as the gaps, the tilts and the warps show them to across."""
+    if not len(joints):
+        return TOUCHING
+    middle = float(np.median(joints.middle))
+    shift = 4.0 * float(np.quantile(np.abs(joints.middle - middle), 0.95))
+    tilt = 2.0 * float(np.quantile(np.abs(joints.gap - middle).max(axis=1), 0.95))
+    warp = 2.0 * float(np.median(joints.slack))
+    return min(max(shift, tilt, warp, TOUCHING), most)

@@ -1,0 +1,109 @@
+"""Exact assemblies, and what surveys and drawings make of them: noise, tilted beds, open joints, rounded coordinates."""
+
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from churchpipe.generators.arch import arch
+from churchpipe.model.arrays import FloatArray
+from churchpipe.model.assemblage import Assemblage, Polyhedron
+from churchpipe.stones.blocks import derive_blocks
+from solids import BOX_FACES, box, moved
+
+LENGTH, THICKNESS, HEIGHT = 0.5, 0.25, 0.275
+
+
+def voussoir_arch() -> Assemblage:
+    """The arch of 27 voussoirs, t/R .2, between two skewbacks."""
+    return derive_blocks(arch(mean_radius=1.0, thickness=0.2, width=0.5, voussoirs=27))
+
+
+def turned_wall() -> Assemblage:
+    """27 stones in six courses of running bond on a fixed plate, turned by 17 degrees about the vertical."""
+    stones = [box((-0.5, 2.75), (-0.5, 0.75), (-0.3, 0.0))]
+    for course in range(6):
+        marks = [0.0, 0.5, 1.0, 1.5, 2.0, 2.25] if course % 2 else [0.0, 0.75, 1.25, 1.75, 2.25]
+        stones += [box(span, (0, THICKNESS), (course * HEIGHT, (course + 1) * HEIGHT)) for span in pairwise(marks)]
+    built = Assemblage.from_polyhedra(stones, 18e3, fixed=[0])
+    return moved(built, Rotation.from_euler("z", 17, degrees=True).as_matrix(), np.zeros(3))
+
+
+def corner(*, head_gap: float = 0.0, courses: int = 8) -> Assemblage:
+    """Two toothed walls that make an L, on a fixed plate. head_gap: how far the head joints are open, m."""
+    stones = [box((-0.5, 2.5), (-0.5, 2.5), (-0.3, 0.0))]
+    half = 0.5 * head_gap
+    for course in range(courses):
+        level = (course * HEIGHT, (course + 1) * HEIGHT)
+        # One wall runs through the corner, the other stops at it.
+        for axis, marks in ((course % 2, [0.0, 0.5, 1.0, 1.5, 1.75]), (1 - course % 2, [0.25, 0.75, 1.25, 1.75])):
+            for start, stop in pairwise(marks):
+                along = (start + half * (start > 0), stop - half * (stop < 1.75))
+                plan = (along, (0.0, THICKNESS))
+                stones.append(box(*(plan if axis == 0 else plan[::-1]), level))
+    return Assemblage.from_polyhedra(stones, 18e3, fixed=[0])
+
+
+def dome(*, sectors: int = 16, rings: int = 18, thickness: float = 0.06, oculus: float = 0.0) -> Assemblage:
+    """A dome of mean radius 1 m in plane stones, `sectors` by `rings`, its lowest ring fixed. oculus: rad."""
+    around = 2 * np.pi * np.arange(sectors) / sectors
+    up = np.linspace(0.0, np.pi / 2 - oculus, rings + 1)
+    stones: list[Polyhedron] = []
+    for low, high in pairwise(up):
+        for left, right in pairwise([*around, around[0]]):
+            points = [
+                [r * np.cos(v) * np.cos(u), r * np.cos(v) * np.sin(u), r * np.sin(v)]
+                for r in (1 - thickness / 2, 1 + thickness / 2)
+                for u in (left, right)
+                for v in (low, high)
+            ]
+            stones.append((np.array(points), BOX_FACES))
+    return Assemblage.from_polyhedra(stones, 18e3, fixed=range(sectors))
+
+
+def triangulated(stones: Assemblage) -> Assemblage:
+    """The same stones, every face cut into triangles from its first corner."""
+    return _changed(stones, lambda points, faces: (points, [[f[0], f[k], f[k + 1]] for f in faces for k in range(1, len(f) - 1)]))
+
+
+def noisy(stones: Assemblage, noise: float, seed: int) -> Assemblage:
+    """The corners of each stone moved on their own by up to `noise`, m, in each direction; triangles, which stay plane."""
+    rng = np.random.default_rng(seed)
+    return _changed(triangulated(stones), lambda points, faces: (points + rng.uniform(-noise, noise, points.shape), faces))
+
+
+def rounded(stones: Assemblage, decimals: int) -> Assemblage:
+    """Coordinates with so many decimals of a metre; triangles, which stay plane."""
+    return _changed(triangulated(stones), lambda points, faces: (np.round(points, decimals), faces))
+
+
+def tilted(stones: Assemblage, angle: float, seed: int) -> Assemblage:
+    """Each free stone turned by up to `angle`, rad, about a random level axis through its centroid: beds and heads lean."""
+    rng = np.random.default_rng(seed)
+    fixed = iter(stones.fixed.tolist())
+
+    def turn(points: FloatArray, faces: list[list[int]]) -> Polyhedron:
+        around = rng.uniform(0, 2 * np.pi)
+        vector = rng.uniform(-angle, angle) * np.array([np.cos(around), np.sin(around), 0.0]) * (not next(fixed))
+        middle = points.mean(axis=0)
+        return (points - middle) @ Rotation.from_rotvec(vector).as_matrix().T + middle, faces
+
+    return _changed(stones, turn)
+
+
+def joined_pairs(blocks: Sequence[Sequence[int]]) -> set[tuple[int, int]]:
+    """Pairs of stones that meet, in order."""
+    return {(min(pair), max(pair)) for pair in blocks}
+
+
+def _changed(stones: Assemblage, change: Callable[[FloatArray, list[list[int]]], Polyhedron]) -> Assemblage:
+    polyhedra: list[Polyhedron] = []
+    for i in range(stones.count):
+        start, stop = stones.block_point_ptr[i : i + 2]
+        faces = [
+            (stones.face_nodes[stones.face_ptr[f] : stones.face_ptr[f + 1]] - start).tolist()
+            for f in range(*stones.block_face_ptr[i : i + 2])
+        ]
+        polyhedra.append(change(stones.points[start:stop], faces))
+    return Assemblage.from_polyhedra(polyhedra, stones.unit_weight, np.flatnonzero(stones.fixed).tolist())
