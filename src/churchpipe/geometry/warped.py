@@ -5,9 +5,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from churchpipe.model.arrays import FloatArray
-
-# Corners within this part of a face's size of its mean plane lie in it, as `Assemblage` holds.
-FLATNESS = 1e-6
+from churchpipe.model.polyhedra import FLATNESS, LEAST_WARP
 
 
 def split_warped(points: FloatArray, faces: Iterable[Sequence[int]]) -> tuple[list[tuple[int, ...]], int, float]:
@@ -16,7 +14,7 @@ def split_warped(points: FloatArray, faces: Iterable[Sequence[int]]) -> tuple[li
     count, worst = 0, 0.0
     for face in faces:
         height, size = warp(points[list(face)]) if len(face) > 3 else (0.0, 0.0)
-        if height <= FLATNESS * size:
+        if height <= FLATNESS * size + LEAST_WARP:
             out.append(tuple(face))
         else:
             out += triangles(points, face)

@@ -24,7 +24,7 @@ from churchpipe.model.arrays import (
     rows_of,
     store,
 )
-from churchpipe.model.polyhedra import face_normals, solid_properties
+from churchpipe.model.polyhedra import FLATNESS, LEAST_WARP, face_normals, solid_properties
 from churchpipe.model.surfaces import DOUBLED, SurfaceFault, coincident, surface_fault, weld
 
 Polyhedron = tuple[npt.ArrayLike, Sequence[Sequence[int]]]
@@ -325,7 +325,7 @@ def _check_planar(stones: Assemblage) -> None:
     height = np.abs(np.einsum("ij,ij->i", reach, normal[face_of]))
     extent = np.zeros(len(mean))
     np.maximum.at(extent, face_of, np.linalg.norm(reach, axis=1))
-    warped = height > 1e-6 * extent[face_of] + 1e-12
+    warped = height > FLATNESS * extent[face_of] + LEAST_WARP
     if warped.any():
         face = int(face_of[np.argmax(height / np.maximum(extent[face_of], 1e-300))])
         stone = int(np.searchsorted(stones.block_face_ptr, face, side="right")) - 1
@@ -333,6 +333,6 @@ def _check_planar(stones: Assemblage) -> None:
             f"stone {stones.block_id[stone]}",
             f"face {face - stones.block_face_ptr[stone]} is not planar",
             found=f"{height[face_of == face].max():.3g} m out of plane",
-            expected="within 1e-6 of the face's size",
+            expected="within 1e-6 of the face's size and 1e-6 m",
             remedy="Split the face into triangles; " + REPAIR,
         )

@@ -4,6 +4,10 @@ import numpy as np
 
 from churchpipe.model.arrays import FloatArray, IntArray
 
+# The corners of a face lie in its mean plane within this part of its size, and the rounding of coordinates to 6 decimals, m.
+FLATNESS = 1e-6
+LEAST_WARP = 1e-6
+
 
 def face_normals(points: FloatArray, face_nodes: IntArray, face_ptr: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return area vectors (nf, 3) m2, unit normals (nf, 3) and vertex means (nf, 3) m of planar faces.
