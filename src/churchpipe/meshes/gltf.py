@@ -1,0 +1,64 @@
+"""glTF and GLB: the meshes of the scene, placed, y up and in metres as the format has it."""
+
+import json
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from churchpipe.findings import FindingsError
+from churchpipe.meshes.source import Body, Source, left_out, read_bytes, refused
+
+# What trimesh and NumPy raise when a file is nonsense.
+BAD_SCENE = (ValueError, TypeError, AttributeError, LookupError, ArithmeticError, AssertionError, NotImplementedError, OSError)
+MAGIC, JSON_CHUNK = b"glTF", b"JSON"
+
+
+def read_gltf(path: Path) -> Source:
+    """Read a GLB or glTF; each node with a mesh is a body, its material the mesh's."""
+    import trimesh
+
+    data = read_bytes(path, "gltf")
+    announced = _announced(path, data)
+    try:
+        scene: Any = trimesh.load_scene(path, process=False, merge_primitives=False)
+        geometry: dict[str, Any] = dict(scene.geometry)
+        placed = [(node, *scene.graph[node]) for node in scene.graph.nodes_geometry]
+    except (*BAD_SCENE, RecursionError) as error:
+        raise _damaged(path, f"{type(error).__name__} {error}") from error
+    if len(geometry) < announced:
+        raise _damaged(path, f"{len(geometry)} of {announced} meshes in it can be read")
+    source = Source([], "gltf", unit="m", up="y", files=(path,))
+    others: Counter[str] = Counter()
+    for node, matrix, name in placed:
+        mesh = geometry[name]
+        if not isinstance(mesh, trimesh.Trimesh):
+            others["lines and points"] += 1
+            continue
+        corners = np.asarray(mesh.vertices, dtype=np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
+        triangles = np.asarray(mesh.faces, dtype=np.int64)
+        if len(triangles) and (triangles.min() < 0 or triangles.max() >= len(corners)):
+            raise _damaged(path, f"a triangle of {node} has a vertex beyond the {len(corners)} there are")
+        stuff = getattr(getattr(mesh.visual, "material", None), "name", None)
+        faces = [(a, b, c) for a, b, c in triangles.tolist()]
+        source.bodies.append(Body(corners, faces, "node", str(node), str(stuff) if stuff else "default"))
+    source.findings += left_out(others)
+    return source
+
+
+def _announced(path: Path, data: bytes) -> int:
+    """Return how many primitives the meshes of the file have."""
+    try:
+        if data.startswith(MAGIC):
+            length = int.from_bytes(data[12:16], "little")
+            if data[16:20] != JSON_CHUNK or int.from_bytes(data[8:12], "little") != len(data):
+                raise ValueError("its length is not the one that it announces")
+            data = data[20 : 20 + length]
+        return sum(len(mesh["primitives"]) for mesh in json.loads(data).get("meshes", []))
+    except (ValueError, TypeError, AttributeError, KeyError, RecursionError) as error:
+        raise _damaged(path, str(error)) from error
+
+
+def _damaged(path: Path, found: str) -> FindingsError:
+    return refused(path, "gltf", "E03", f"the file is damaged: {found}", remedy="Export it again.")

@@ -1,0 +1,74 @@
+"""Wavefront OBJ: a body for each object or group, polygons as they are."""
+
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+
+from churchpipe.meshes.source import Body, Face, Source, damaged, left_out, number, read_lines
+
+_SILENT = {"vt", "vn", "s", "mtllib", "usemap", "bevel", "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj"}
+_LEFT_OUT = {"l": "lines", "p": "points", "curv": "curves", "curv2": "curves", "surf": "surfaces", "vp": "surface parameters"}
+
+
+def read_obj(path: Path) -> Source:
+    """Read an OBJ; bodies are its objects (o) or its groups (g), whichever are more; usemtl names materials."""
+    source = Source([], "obj", files=(path,))
+    points: list[tuple[float, float, float]] = []
+    faces: list[Face] = []
+    labels: list[tuple[str, str, str]] = []
+    others: Counter[str] = Counter()
+    name = group = ""
+    material = "default"
+    lines = iter(enumerate(read_lines(path, "obj"), 1))
+    for row, line in lines:
+        text = line.partition("#")[0].rstrip()
+        while text.endswith("\\"):
+            text = text[:-1] + " " + next(lines, (row, ""))[1].partition("#")[0].rstrip()
+        word, _, rest = text.strip().partition(" ")
+        parts = rest.split()
+        if word == "v":
+            try:
+                x, y, z = (number(part) for part in parts[:3])
+            except ValueError:
+                source.findings.append(damaged(row, line, "v with three numbers"))
+                x, y, z = 0.0, 0.0, 0.0
+            points.append((x, y, z))
+        elif word == "f":
+            face = _face(parts, len(points))
+            if face is None:
+                source.findings.append(damaged(row, line, f"f with three or more of the {len(points)} vertices before it"))
+            else:
+                faces.append(face)
+                labels.append((name, group, material))
+        elif word == "o":
+            name = rest.strip()
+        elif word == "g":
+            group = rest.strip()
+        elif word == "usemtl":
+            material = rest.strip() or "default"
+        elif word and word not in _SILENT:
+            others[_LEFT_OUT.get(word, f'lines that begin with "{word[:20]}"')] += 1
+    source.findings += left_out(others)
+    by_object = len({label[0] for label in labels}) >= len({label[1] for label in labels})
+    bodies: dict[str, tuple[list[Face], str]] = {}
+    for face, label in zip(faces, labels, strict=True):
+        bodies.setdefault(label[0] if by_object else label[1], ([], label[2]))[0].append(face)
+    corners = np.array(points, dtype=np.float64).reshape(-1, 3)
+    entity = "object" if by_object else "group"
+    for key, (around, stuff) in bodies.items():
+        used, inverse = np.unique(np.concatenate(around), return_inverse=True)
+        renamed = np.split(inverse, np.cumsum([len(face) for face in around])[:-1])
+        source.bodies.append(Body(corners[used], [tuple(face.tolist()) for face in renamed], entity, key, stuff))
+    return source
+
+
+def _face(parts: list[str], count: int) -> Face | None:
+    """Return the vertices of "1/2/3 4/5/6 ...", counted from 1, or backwards from the last one before."""
+    try:
+        nodes = [int(part.split("/")[0]) for part in parts]
+    except ValueError:
+        return None
+    face = tuple(node - 1 if node > 0 else count + node for node in nodes)
+    sound = len(face) >= 3 and min(face) >= 0 and max(face) < count and 0 not in nodes
+    return face if sound else None

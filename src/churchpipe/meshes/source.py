@@ -1,0 +1,112 @@
+"""What a file of bodies says, before anything is judged or mended; and the opening of files."""
+
+import math
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from churchpipe.findings import Finding, Findings, FindingsError, Place
+from churchpipe.model.arrays import FloatArray
+
+Face = tuple[int, ...]
+Up = Literal["z", "y", "x", "-z", "-y", "-x"]
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """What a file holds under one name: points (n, 3) in units of the file, faces in any state.
+
+    entity: what it is in the file ("group", "object"); fixed: the file says that it is ground. whole: one stone, even where its
+    faces are several closed parts, which are then united; else each closed part is a stone.
+    """
+
+    points: FloatArray
+    faces: list[Face]
+    entity: str
+    name: str = ""
+    material: str = "default"
+    fixed: bool = False
+    whole: bool = False
+
+    @property
+    def place(self) -> Place:
+        """Where it is, as findings say it."""
+        sound = len(self.points) > 0 and bool(np.isfinite(self.points).all())
+        x, y, z = self.points.mean(axis=0).tolist() if sound else (math.nan, math.nan, math.nan)
+        return Place(self.entity, "", self.name, (x, y, z) if sound else None)
+
+
+@dataclass(slots=True)
+class Source:
+    """A file's bodies, in its order; unit: the name of its unit, None when it says none; up: the axis that points up.
+
+    files: all that were read. flat: the bodies are outlines, one face each, in the plane of x and z, that want a thickness.
+    """
+
+    bodies: list[Body]
+    reader: str
+    unit: str | None = None
+    up: Up = "z"
+    files: tuple[Path, ...] = ()
+    findings: list[Finding] = field(default_factory=list)
+    flat: bool = False
+
+
+def refused(path: Path, reader: str, code: str, found: str, *, expected: str = "", remedy: str = "") -> FindingsError:
+    """Return the error of a file that cannot be read on."""
+    return FindingsError(Findings(path.name, (Finding(code, found, expected, remedy),), reader))
+
+
+def read_bytes(path: Path, reader: str) -> bytes:
+    """Return what is in a file that is not empty."""
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        found = f"the file cannot be read ({error.strerror or error})"
+        raise refused(path, reader, "E01", found, remedy="Check the path and the rights.") from error
+    if not data.strip(b"\0 \t\r\n"):
+        raise refused(path, reader, "E01", "the file is empty", remedy="Export it again.")
+    return data
+
+
+def read_lines(path: Path, reader: str) -> list[str]:
+    """Return the lines of a text file; one that is not UTF-8 is taken as Western European."""
+    data = read_bytes(path, reader)
+    if b"\0" in data:
+        raise refused(path, reader, "E01", "this is no text file", remedy="Give it the suffix of its format, or export it again.")
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        text = data.decode("cp1252", errors="replace")
+    return text.splitlines()
+
+
+def number(text: str) -> float:
+    """Return a finite number; exponents may be written with D, as Fortran does.
+
+    Raises
+    ------
+    ValueError: none.
+    """
+    if "_" in text:
+        raise ValueError(text)
+    value = float(text.replace("D", "E").replace("d", "e"))
+    if not math.isfinite(value):
+        raise ValueError(text)
+    return value
+
+
+def damaged(line: int, text: str, expected: str) -> Finding:
+    """Return the finding of a line that cannot be understood."""
+    shown = text.strip()
+    shown = shown if len(shown) <= 60 else shown[:57] + "..."
+    remedy = "Export the file again, or correct the line."
+    return Finding("E03", f'the file is damaged at line {line}: "{shown}"', expected, remedy)
+
+
+def left_out(counts: dict[str, int]) -> list[Finding]:
+    """Return the finding of what a file has besides bodies."""
+    listed = ", ".join(f"{count} {what}" for what, count in counts.items() if count)
+    return [Finding("W18", f"left out: {listed}")] if listed else []

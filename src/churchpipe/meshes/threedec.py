@@ -1,0 +1,117 @@
+"""The blocks of a 3DEC data file: `poly ... face` (up to version 5) and `block create polyhedron` (7)."""
+
+import re
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from churchpipe.meshes.source import Body, Face, Source, damaged, left_out, number, read_lines
+
+_CREATE = re.compile(r"\s*(block\s+create\s+)?poly(hedron)?\b", re.IGNORECASE)
+_OTHERS = re.compile(r"\s*(block\s+create\s+|poly\s+)(brick|prism|tunnel|tetrahedron|cube)\b", re.IGNORECASE)
+_FIX = re.compile(r"\s*(block\s+)?fix\b", re.IGNORECASE)
+_JOIN = re.compile(r"\s*(block\s+)?join\b", re.IGNORECASE)
+_REGION = re.compile(r"\b(?:region|reg|r)\s*=?\s*(\d+)", re.IGNORECASE)
+_GROUP = re.compile(r"""\bgroup\s*=?\s*(?:"([^"]*)"|'([^']*)'|([^\s"']+))""", re.IGNORECASE)
+_MATERIAL = re.compile(r"\b(?:material|mat|m)\s*=?\s*(\d+)", re.IGNORECASE)
+_WORDS = re.compile(rf"({_REGION.pattern}|{_GROUP.pattern}|{_MATERIAL.pattern}|\bid\s*=?\s*\d+|\s)*", re.IGNORECASE)
+_SHAPE = "face with the coordinates of three corners or more"
+
+
+@dataclass(frozen=True, slots=True)
+class _Block:
+    """A polyhedron: corners of its faces one after the other, and what its command says besides."""
+
+    points: list[tuple[float, float, float]]
+    faces: list[Face]
+    region: str
+    group: str
+    material: str
+
+
+def read_3dec(path: Path) -> Source:
+    """Read the polyhedra of a 3DEC data file; `fix` makes ground of a region or group, `join` one stone of a region."""
+    source = Source([], "3dec", files=(path,))
+    blocks: list[_Block] = []
+    fixed: set[tuple[str, str]] = set()
+    joined: set[str] = set()
+    others: Counter[str] = Counter()
+    for row, line in _commands(read_lines(path, "3dec")):
+        region, group = _first(_REGION, line), _first(_GROUP, line)
+        if _OTHERS.match(line):
+            others["blocks that are no polyhedra"] += 1
+        elif _CREATE.match(line):
+            if (block := _block(line)) is None:
+                source.findings.append(damaged(row, line, _SHAPE))
+            else:
+                blocks.append(block)
+        elif _FIX.match(line) and (region or group):
+            fixed.add(("region", region) if region else ("group", group))
+        elif _JOIN.match(line) and region:
+            joined.add(region)
+        elif _FIX.match(line) or _JOIN.match(line):
+            others["fix and join commands whose range is neither a region nor a group"] += 1
+    source.findings += left_out(others)
+    counted = Counter(block.region for block in blocks)
+    stones: dict[str, list[_Block]] = {}
+    for index, block in enumerate(blocks, 1):
+        one = block.region and (block.region in joined or counted[block.region] == 1)
+        stones.setdefault(f"region-{block.region}" if one else f"block-{index}", []).append(block)
+    for name, parts in stones.items():
+        ground = any({("region", part.region), ("group", part.group)} & fixed for part in parts)
+        source.bodies.append(_body(parts[0].group or name, parts, ground))
+    return source
+
+
+def _body(name: str, parts: list[_Block], ground: bool) -> Body:
+    offsets = np.cumsum([0, *(len(part.points) for part in parts)])
+    faces = [tuple(node + int(o) for node in face) for part, o in zip(parts, offsets, strict=False) for face in part.faces]
+    points = np.array([point for part in parts for point in part.points], dtype=np.float64).reshape(-1, 3)
+    material = f"material-{parts[0].material}" if parts[0].material else "default"
+    return Body(points, faces, "block", name, material, ground, whole=len(parts) > 1)
+
+
+def _block(line: str) -> _Block | None:
+    """Return the polyhedron of a command, None where a face is not numbers, three to a corner."""
+    head, *around = re.split(r"\bface\b", line, flags=re.IGNORECASE)
+    words = _CREATE.sub("", head, count=1)
+    end = re.search(r"(?<![\d.])[a-zA-Z].*", around[-1]) if around else None
+    if end:
+        words, around[-1] = f"{words} {end[0]}", around[-1][: end.start()]
+    points: list[tuple[float, float, float]] = []
+    faces: list[Face] = []
+    for face in around:
+        try:
+            values = [number(word) for word in re.split(r"[\s,()]+", face.strip(" \t,()"))]
+        except ValueError:
+            return None
+        if len(values) % 3 or len(values) < 9:
+            return None
+        faces.append(tuple(range(len(points), len(points) + len(values) // 3)))
+        points += [(values[i], values[i + 1], values[i + 2]) for i in range(0, len(values), 3)]
+    if not faces or not _WORDS.fullmatch(words):
+        return None
+    return _Block(points, faces, _first(_REGION, words), _first(_GROUP, words), _first(_MATERIAL, words))
+
+
+def _commands(lines: list[str]) -> Iterator[tuple[int, str]]:
+    """Yield each command with the number of its first line; ; begins a comment, and & or ... goes on with the next line."""
+    held, first = "", 0
+    for row, line in enumerate(lines, 1):
+        text = line.partition(";")[0].rstrip()
+        first = row if not held else first
+        if text.endswith(("&", "...")):
+            held += text.rstrip("&.") + " "
+            continue
+        yield first, held + text
+        held = ""
+    if held:
+        yield first, held
+
+
+def _first(pattern: re.Pattern[str], text: str) -> str:
+    found = pattern.search(text)
+    return next((word for word in found.groups() if word is not None), "") if found else ""
