@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from churchpipe.homogenised_shell.limit import shell_limit_analysis as shell_limit_analysis
     from churchpipe.homogenised_shell.pushover import pushover as pushover
     from churchpipe.match import match_models as match_models
+    from churchpipe.meshes.reader import read_stones as read_stones
     from churchpipe.model.assemblage import Assemblage as Assemblage
     from churchpipe.model.building import Building as Building
     from churchpipe.model.contacts import Contacts as Contacts
@@ -54,6 +55,7 @@ _PLACES = {
     "pushover": "homogenised_shell.pushover",
     "read_case": "config",
     "read_dxf": "dxf.reader",
+    "read_stones": "meshes.reader",
     "repair_polyhedra": "geometry.repair",
     "shell_limit_analysis": "homogenised_shell.limit",
     "write_dxf": "dxf.writer",
@@ -81,6 +83,7 @@ __all__ = [
     "pushover",
     "read_case",
     "read_dxf",
+    "read_stones",
     "repair_polyhedra",
     "shell_limit_analysis",
     "write_dxf",

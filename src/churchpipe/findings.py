@@ -39,6 +39,13 @@ CODES: Final = {
     "E21": "a solid in a form that is not read",
     "W22": "stones without name and material",
     "E23": "more inserts than can be followed",
+    "W40": "bodies were mended without a change of shape",
+    "W41": "bodies were mended (--repair)",
+    "W42": "several solids under one name",
+    "W43": "supports by their names",
+    "W44": "hulls of one stone were united",
+    "W45": "the unit or the axis that points up was assumed",
+    "E46": "outlines without a thickness",
 }
 
 # Places named after the first of a kind.

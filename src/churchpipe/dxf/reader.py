@@ -80,7 +80,7 @@ def read_drawing(
     """
     if units is not None:
         schema.metres(units)
-    weights_given = _given_weights(unit_weight)
+    weights_given = given_weights(unit_weight)
     if not isinstance(support, str) or support not in ("drawn", "base"):
         raise InputError("support", "unknown kind of support", found=repr(support), expected='"drawn" or "base"')
     check_kind("repair", repair, bool)
@@ -99,15 +99,15 @@ def read_drawing(
         what = "no stones but ground in model space" if stones else "no stones in model space"
         remedy = "Draw the stones as inserts on CP-BLOCKS, or as closed meshes."
         findings.append(Finding("E17", what, "at least one solid", remedy))
-    stones = _supported(stones, support, findings) if stones else stones
-    stones = _named(stones, findings)
+    stones = supported(stones, support, findings) if stones else stones
+    stones = uniquely_named(stones, findings)
     unit = find_unit(document, stones, gathered.flawed, units, findings)
-    weights, unweighted = _unit_weights(stones, materials, weights_given, findings)
+    weights, unweighted = unit_weights(stones, materials, weights_given, findings)
     findings = [finding.in_metres(schema.metres(unit)) for finding in findings] if unit else findings
     collected = Findings(path.name, tuple(findings))
     if collected.errors or unit is None:
         raise FindingsError(collected)
-    return Drawing(_assemble(stones, unit, weights, collected), materials, loads, collected, unit, unweighted)
+    return Drawing(assembled(stones, unit, weights, collected), materials, loads, collected, unit, unweighted)
 
 
 def _check_version(document: Any) -> list[Finding]:
@@ -118,15 +118,24 @@ def _check_version(document: Any) -> list[Finding]:
     return [Finding("E20", found, f"version {schema.VERSION}", "Read it with the version of churchpipe that wrote it.")]
 
 
-def _supported(stones: list[Stone], support: str, findings: list[Finding]) -> list[Stone]:
+def supported(
+    stones: list[Stone],
+    support: str,
+    findings: list[Finding],
+    expected: str = "a stone or a 3DFACE on CP-SUPPORT",
+    remedy: str = "Draw the ground on CP-SUPPORT",
+) -> list[Stone]:
+    """Return the stones with a support: their own, or one put under the lowest faces (`support` "base"); else a finding.
+
+    expected, remedy: what a support is in the file, and what gives it one.
+    """
     if any(stone.fixed for stone in stones):
         return stones
     plates, resting = level_supports([(stone.points, stone.faces) for stone in stones])
     named = ", ".join(stones[index].name for index in resting[:8]) + (f" and {len(resting) - 8} more" if resting[8:] else "")
-    expected = "a stone or a 3DFACE on CP-SUPPORT"
     if not plates:
         found = "no support, and no stone has a level face at the lowest level to put one under"
-        findings.append(Finding("E12", found, expected, "Draw the ground on CP-SUPPORT."))
+        findings.append(Finding("E12", found, expected, f"{remedy}."))
         return stones
     place = stones[resting[0]].place
     if support == "base":
@@ -136,12 +145,12 @@ def _supported(stones: list[Stone], support: str, findings: list[Finding]) -> li
         low = float(plates[0][0][:, 2].max())
         findings.append(place.finding("W12", found, lengths=(low,)))
         return [*stones, *(Stone(*plate, True, place, f"ground-{n + 1}", "default") for n, plate in enumerate(plates))]
-    remedy = "Draw the ground on CP-SUPPORT, or pass --support base to put a support under the lowest faces."
+    remedy = f"{remedy}, or pass --support base to put a support under the lowest faces."
     findings.append(place.finding("E12", f"no support; the lowest stones are {named}", expected=expected, remedy=remedy))
     return stones
 
 
-def _named(stones: list[Stone], findings: list[Finding]) -> list[Stone]:
+def uniquely_named(stones: list[Stone], findings: list[Finding]) -> list[Stone]:
     """Give stones that share an ID (a copy in the CAD program keeps it) names of their own, with a warning."""
     taken = {stone.name for stone in stones}
     seen: set[str] = set()
@@ -158,7 +167,7 @@ def _named(stones: list[Stone], findings: list[Finding]) -> list[Stone]:
     return out
 
 
-def _given_weights(given: object) -> float | dict[str, float] | None:
+def given_weights(given: object) -> float | dict[str, float] | None:
     """Return the argument `unit_weight`, its numbers checked."""
     if given is None:
         return None
@@ -168,7 +177,7 @@ def _given_weights(given: object) -> float | dict[str, float] | None:
     return {str(name): finite(f"unit weight of {name!r}", value) for name, value in table.items()}
 
 
-def _unit_weights(
+def unit_weights(
     stones: Sequence[Stone],
     materials: Sequence[Material],
     given: float | Mapping[str, float] | None,
@@ -195,7 +204,8 @@ def _unit_weights(
     return np.array([table.get(stone.material, fallback[stone.fixed]) for stone in stones]), unweighted
 
 
-def _assemble(stones: Sequence[Stone], unit: str, weights: FloatArray, findings: Findings) -> Assemblage:
+def assembled(stones: Sequence[Stone], unit: str, weights: FloatArray, findings: Findings) -> Assemblage:
+    """Return stones in a unit as an assemblage; what keeps it from being one joins the findings of a `FindingsError`."""
     factor = schema.metres(unit)
     try:
         return Assemblage.from_polyhedra(

@@ -23,22 +23,22 @@ def find_unit(document: Any, stones: list[Stone], flawed: list[float], units: st
         factor = schema.metres(units)
         if declared not in (None, units):
             findings.append(Finding("W04", f'$INSUNITS says "{declared}", read as "{units}" as asked'))
-        if size is not None and not _plausible(size * factor):
-            findings.append(Finding("W05", f"the median stone measures {_length(size * factor)}, read in {units} as asked"))
+        if size is not None and not plausible(size * factor):
+            findings.append(Finding("W05", f"the median stone measures {length_text(size * factor)}, read in {units} as asked"))
         return units
     if declared is None:
         what = "no units ($INSUNITS is 0)" if code == 0 else f"$INSUNITS = {code}, which is no usable length"
-        findings.append(Finding("E04", what, "the unit of the drawing", _hint(size)))
+        findings.append(Finding("E04", what, "the unit of the drawing", unit_hint(size)))
         return None
     written = document.header.custom_vars.get(schema.UNITS_PROPERTY)
     if written is not None and written != declared:
         found = f'$INSUNITS says "{declared}", but the drawing was written in "{written}"'
         remedy = f"Pass --units {written}, or --units {declared} if it was scaled since." if written in schema.UNITS else ""
         findings.append(Finding("E05", found, f"one unit{_size_text(size, declared)}", remedy))
-    elif written is None and size is not None and not _plausible(size * schema.metres(declared)):
+    elif written is None and size is not None and not plausible(size * schema.metres(declared)):
         low, high = schema.PLAUSIBLE_SIZE
-        found = f'$INSUNITS says "{declared}", so the median stone measures {_length(size * schema.metres(declared))}'
-        findings.append(Finding("E05", found, f"{low:g} to {high:g} m", _hint(size, declared)))
+        found = f'$INSUNITS says "{declared}", so the median stone measures {length_text(size * schema.metres(declared))}'
+        findings.append(Finding("E05", found, f"{low:g} to {high:g} m", unit_hint(size, declared)))
     return declared
 
 
@@ -49,24 +49,26 @@ def median_size(stones: list[Stone], flawed: list[float]) -> float | None:
     return float(np.median(sizes)) if sizes else None
 
 
-def _plausible(size: float) -> bool:
+def plausible(size: float) -> bool:
+    """Can a stone measure so much, m?"""
     return schema.PLAUSIBLE_SIZE[0] <= size <= schema.PLAUSIBLE_SIZE[1]
 
 
-def _hint(size: float | None, declared: str | None = None) -> str:
+def unit_hint(size: float | None, declared: str | None = None) -> str:
     """Name the units in which the median stone would be a stone."""
     if size is None:
         return "Set the units (UNITS), or pass --units mm, cm or m."
-    likely = [name for name in ("m", "cm", "mm", "in", "ft") if name != declared and _plausible(size * schema.metres(name))]
-    tries = ", ".join(f"--units {name} ({_length(size * schema.metres(name))})" for name in likely)
+    likely = [name for name in ("m", "cm", "mm", "in", "ft") if name != declared and plausible(size * schema.metres(name))]
+    tries = ", ".join(f"--units {name} ({length_text(size * schema.metres(name))})" for name in likely)
     known = f"Pass {tries}" if likely else "Pass --units with its unit"
     again = f", or --units {declared} if it is right" if declared else ""
     return f"The median stone measures {size:.4g} drawing units. {known}{again}."
 
 
 def _size_text(size: float | None, unit: str) -> str:
-    return "" if size is None else f"; the median stone would measure {_length(size * schema.metres(unit))}"
+    return "" if size is None else f"; the median stone would measure {length_text(size * schema.metres(unit))}"
 
 
-def _length(metres: float) -> str:
+def length_text(metres: float) -> str:
+    """Return a length in m or mm, whichever reads better."""
     return f"{metres:.3g} m" if metres >= 1 else f"{metres * 1000:.3g} mm"

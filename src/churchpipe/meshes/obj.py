@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from churchpipe.findings import Finding
 from churchpipe.meshes.source import Body, Face, Source, damaged, left_out, number, read_lines
 
 _SILENT = {"vt", "vn", "s", "mtllib", "usemap", "bevel", "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj"}
@@ -20,6 +21,7 @@ def read_obj(path: Path) -> Source:
     others: Counter[str] = Counter()
     name = group = ""
     material = "default"
+    row, line, word = 0, "", ""
     lines = iter(enumerate(read_lines(path, "obj"), 1))
     for row, line in lines:
         text = line.partition("#")[0].rstrip()
@@ -49,6 +51,12 @@ def read_obj(path: Path) -> Source:
             material = rest.strip() or "default"
         elif word and word not in _SILENT:
             others[_LEFT_OUT.get(word, f'lines that begin with "{word[:20]}"')] += 1
+    if row > 1 and line and word != "f":
+        source.findings.append(damaged(row, line, "the faces that follow: the file is truncated"))
+    used = max((node for face in faces for node in face), default=-1) + 1
+    if used < len(points):
+        found = f"no face has the last {len(points) - used} of {len(points)} vertices: the file is truncated"
+        source.findings.append(Finding("E03", found, remedy="Export it again, or delete these vertices."))
     source.findings += left_out(others)
     by_object = len({label[0] for label in labels}) >= len({label[1] for label in labels})
     bodies: dict[str, tuple[list[Face], str]] = {}

@@ -76,12 +76,13 @@ class _Walk:
         faces: list[Face] = []
         for mesh in meshes:
             offset = sum(map(len, points))
-            points.append(np.array([(v.X, v.Y, v.Z) for v in mesh.Vertices], dtype=np.float64).reshape(-1, 3))
+            corners = [mesh.Vertices.Point3dAt(index) for index in range(len(mesh.Vertices))]
+            points.append(np.array([(p.X, p.Y, p.Z) for p in corners], dtype=np.float64).reshape(-1, 3))
             for index in range(len(mesh.Faces)):
                 a, b, c, d = mesh.Faces[index]
                 faces.append((a + offset, b + offset, c + offset) if c == d else (a + offset, b + offset, c + offset, d + offset))
-        corners = np.concatenate(points) @ matrix[:3, :3].T + matrix[:3, 3]
-        self._source.bodies.append(Body(corners, faces, kind, label, layer))
+        placed = np.concatenate(points) @ matrix[:3, :3].T + matrix[:3, 3]
+        self._source.bodies.append(Body(placed, faces, kind, label, layer))
 
 
 def _meshes(geometry: Any, kind: str) -> list[Any] | None:

@@ -19,7 +19,8 @@ class Body:
     """What a file holds under one name: points (n, 3) in units of the file, faces in any state.
 
     entity: what it is in the file ("group", "object"); fixed: the file says that it is ground. whole: one stone, even where its
-    faces are several closed parts, which are then united; else each closed part is a stone.
+    faces are several closed parts, which are then united; else each closed part is a stone. loose: the format gives each face
+    vertices of its own, so that welding them is no news.
     """
 
     points: FloatArray
@@ -29,6 +30,7 @@ class Body:
     material: str = "default"
     fixed: bool = False
     whole: bool = False
+    loose: bool = False
 
     @property
     def place(self) -> Place:
@@ -72,7 +74,7 @@ def read_bytes(path: Path, reader: str) -> bytes:
 
 
 def read_lines(path: Path, reader: str) -> list[str]:
-    """Return the lines of a text file; one that is not UTF-8 is taken as Western European."""
+    """Return the lines of a text file, the last one empty unless the file breaks off; not UTF-8 is taken as Western European."""
     data = read_bytes(path, reader)
     if b"\0" in data:
         raise refused(path, reader, "E01", "this is no text file", remedy="Give it the suffix of its format, or export it again.")
@@ -80,7 +82,7 @@ def read_lines(path: Path, reader: str) -> list[str]:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError:
         text = data.decode("cp1252", errors="replace")
-    return text.splitlines()
+    return text.split("\n")
 
 
 def number(text: str) -> float:

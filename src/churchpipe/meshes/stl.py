@@ -60,4 +60,4 @@ def _read_text(path: Path) -> Source:
 
 def _body(corners: np.ndarray, name: str) -> Body:
     facets = np.arange(len(corners) // 3 * 3).reshape(-1, 3)
-    return Body(corners[: facets.size], [(a, b, c) for a, b, c in facets.tolist()], "solid", name)
+    return Body(corners[: facets.size], [(a, b, c) for a, b, c in facets.tolist()], "solid", name, loose=True)

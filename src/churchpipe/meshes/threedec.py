@@ -71,7 +71,7 @@ def _body(name: str, parts: list[_Block], ground: bool) -> Body:
     faces = [tuple(node + int(o) for node in face) for part, o in zip(parts, offsets, strict=False) for face in part.faces]
     points = np.array([point for part in parts for point in part.points], dtype=np.float64).reshape(-1, 3)
     material = f"material-{parts[0].material}" if parts[0].material else "default"
-    return Body(points, faces, "block", name, material, ground, whole=len(parts) > 1)
+    return Body(points, faces, "block", name, material, ground, whole=len(parts) > 1, loose=True)
 
 
 def _block(line: str) -> _Block | None:
@@ -90,7 +90,8 @@ def _block(line: str) -> _Block | None:
             return None
         if len(values) % 3 or len(values) < 9:
             return None
-        faces.append(tuple(range(len(points), len(points) + len(values) // 3)))
+        # The program wants its faces clockwise from outside.
+        faces.append(tuple(range(len(points), len(points) + len(values) // 3))[::-1])
         points += [(values[i], values[i + 1], values[i + 2]) for i in range(0, len(values), 3)]
     if not faces or not _WORDS.fullmatch(words):
         return None

@@ -1,0 +1,78 @@
+"""Which faces of a body are one stone: those that are connected, or that close in the order they were written."""
+
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from churchpipe.meshes.source import Face
+from churchpipe.model.arrays import FloatArray
+from churchpipe.model.surfaces import edges
+
+
+def parts_of(points: FloatArray, faces: Sequence[Face]) -> list[list[int]]:
+    """Return the numbers of the faces of each part, in order of their first.
+
+    Faces that share vertices and close are a part. The others, such as the facets of an STL, are joined where their vertices lie
+    at one place; where several solids meet so, a run of faces that closes is a part, for programs write one after the other.
+    """
+    parts: list[list[int]] = []
+    open_parts: list[list[int]] = []
+    for part in _connected(faces, [(node,) for face in faces for node in face], [len(face) for face in faces]):
+        (parts if _closes(faces, part) else open_parts).append(part)
+    rest = sorted(number for part in open_parts for number in part)
+    if rest:
+        _, inverse = np.unique(points + 0.0, axis=0, return_inverse=True)
+        label = inverse.ravel().tolist()
+        welded = {number: tuple(label[node] for node in faces[number]) for number in rest}
+        keys = [(min(a, b), max(a, b)) for number in rest for a, b in edges(welded[number])]
+        for part in _connected(rest, keys, [len(faces[number]) for number in rest]):
+            numbers = [rest[k] for k in part]
+            parts += [numbers] if _closes(welded, numbers) else _runs(welded, numbers)
+    return sorted(parts)
+
+
+def _connected(faces: Sequence[object], keys: Sequence[tuple[int, ...]], sizes: Sequence[int]) -> list[list[int]]:
+    """Return the groups of faces that have keys in common, directly or by others; keys: those of each face in turn."""
+    parent = list(range(len(faces)))
+
+    def root(number: int) -> int:
+        while parent[number] != number:
+            parent[number] = parent[parent[number]]
+            number = parent[number]
+        return number
+
+    first: dict[tuple[int, ...], int] = {}
+    position = 0
+    for number, size in enumerate(sizes):
+        for key in keys[position : position + size]:
+            a, b = root(first.setdefault(key, number)), root(number)
+            parent[max(a, b)] = min(a, b)
+        position += size
+    groups: defaultdict[int, list[int]] = defaultdict(list)
+    for number in range(len(faces)):
+        groups[root(number)].append(number)
+    return list(groups.values())
+
+
+def _closes(faces: Sequence[Face] | dict[int, Face], part: Iterable[int]) -> bool:
+    """Is every edge shared by two faces, or every face there more than once?"""
+    around = [faces[number] for number in part]
+    uses = Counter((min(a, b), max(a, b)) for face in around for a, b in edges(face) if a != b)
+    if all(count == 2 for count in uses.values()):
+        return bool(uses)
+    return min(Counter(frozenset(face) for face in around).values()) > 1
+
+
+def _runs(faces: dict[int, Face], part: list[int]) -> list[list[int]]:
+    """Cut faces, in the order they were written, where those so far close; the last run may be open."""
+    runs: list[list[int]] = []
+    run: list[int] = []
+    open_edges: set[tuple[int, int]] = set()
+    for number in part:
+        run.append(number)
+        open_edges ^= {(min(a, b), max(a, b)) for a, b in edges(faces[number]) if a != b}
+        if not open_edges and len(run) > 3:
+            runs.append(run)
+            run = []
+    return [*runs, run] if run else runs

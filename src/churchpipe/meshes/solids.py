@@ -1,0 +1,207 @@
+"""The bodies of a file to stones: parted, mended or refused, and every change told."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import shapely
+
+from churchpipe.dxf.schema import LARGEST_COORDINATE
+from churchpipe.dxf.stones import Stone
+from churchpipe.findings import Finding, Place
+from churchpipe.geometry.dissolve import dissolve
+from churchpipe.geometry.manifolds import manifold, polyhedron
+from churchpipe.geometry.mending import REPAIRS, SPLIT, WELDED, Mended, flat, mend
+from churchpipe.meshes.parts import parts_of
+from churchpipe.meshes.source import Body, Face, Source, Up, left_out
+from churchpipe.model.arrays import FloatArray
+
+# Rows: the axes of the model in coordinates of the file.
+AXES: Final[dict[str, FloatArray]] = {
+    "z": np.eye(3),
+    "y": np.array([[1.0, 0, 0], [0, 0, -1.0], [0, 1.0, 0]]),
+    "x": np.array([[0, 0, -1.0], [0, 1.0, 0], [1.0, 0, 0]]),
+    "-z": np.array([[1.0, 0, 0], [0, -1.0, 0], [0, 0, -1.0]]),
+    "-y": np.array([[1.0, 0, 0], [0, 0, 1.0], [0, -1.0, 0]]),
+    "-x": np.array([[0, 0, 1.0], [0, 1.0, 0], [-1.0, 0, 0]]),
+}
+_GROUND = re.compile(r"(ground|support|foundation)s?(?![a-z])", re.IGNORECASE)
+CLOSED = "planar faces that close"
+# A ground of one face gets this part of its size as depth.
+PLATE = 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class Parted:
+    """A body of a file and its parts: points (n, 3) in units of the file, faces."""
+
+    body: Body
+    parts: list[tuple[FloatArray, list[Face]]]
+
+    @property
+    def sizes(self) -> list[float]:
+        """Geometric mean of the extents of each part, of those that it has, units of the file."""
+        boxes = [np.ptp(points, axis=0) for points, _ in self.parts]
+        return [float(np.exp(np.log(box[box > 0]).mean())) for box in boxes if (box > 0).sum() >= 2]
+
+
+def parted(source: Source) -> list[Parted]:
+    """Return the bodies of a file with their parts; what cannot be read joins the findings of the source."""
+    out: list[Parted] = []
+    for body in source.bodies:
+        if flaw := _insane(body.points, body.faces):
+            source.findings.append(body.place.finding("E10", f"the body cannot be read: {flaw}", expected=CLOSED))
+            continue
+        parts: list[tuple[FloatArray, list[Face]]] = []
+        for part in [[k] for k in range(len(body.faces))] if source.flat else parts_of(body.points, body.faces):
+            used, inverse = np.unique(np.concatenate([body.faces[number] for number in part]), return_inverse=True)
+            sizes = np.cumsum([len(body.faces[number]) for number in part])[:-1]
+            parts.append((body.points[used], [tuple(face.tolist()) for face in np.split(inverse.ravel(), sizes)]))
+        out.append(Parted(body, parts))
+    return out
+
+
+def to_stones(
+    bodies: Sequence[Parted], factor: float, up: Up, thickness: float | None, repair: bool, findings: list[Finding]
+) -> list[Stone]:
+    """Return stones in m, z up, of bodies; findings, in m too, say what was done to them.
+
+    factor: m of one unit of the file. thickness: m, of outlines; None for solids. A body whose name or material begins with
+    ground, support or foundation is fixed.
+    """
+    stones: list[Stone] = []
+    flats, ground = 0, []
+    for body, parts in ((item.body, item.parts) for item in bodies):
+        by_name = bool(_GROUND.match(body.name) or _GROUND.match(body.material))
+        fixed = body.fixed or by_name
+        ground += [body.name or body.material] if by_name and not body.fixed else []
+        shells: list[Mended] = []
+        for points, faces in parts:
+            points = points @ AXES[up].T * factor
+            shell = mend(*(_extruded(points, faces, thickness) if thickness else (points, faces)), repair=repair)
+            if shell.fault and flat(points, faces):
+                flats += not fixed
+                if not fixed:
+                    continue
+                shell = mend(*_plate(points), repair=False)
+            findings += _told(shell, body)
+            shells += [] if shell.fault else [shell]
+        if body.whole and len(shells) > 1:
+            shells = [_united(shells, body, findings)]
+        for number, shell in enumerate(shells, 1):
+            name = body.name or f"stone-{len(stones) + 1}"
+            name = f"{name}.{number}" if body.name and len(shells) > 1 else name
+            stones.append(Stone(shell.points, tuple(shell.faces), fixed, _place(body, shell.points, name), name, body.material))
+        if len(shells) > 1 and body.name:
+            place = _place(body, shells[0].points)
+            findings.append(place.finding("W42", f"{len(shells)} solids under one name; each is a stone"))
+    if ground:
+        listed = ", ".join(dict.fromkeys(ground[:8])) + (" and more" if len(ground) > 8 else "")
+        findings.append(Finding("W43", f"{len(ground)} bodies are ground by their names: {listed}"))
+    findings += left_out({"flat faces that enclose nothing": flats})
+    return stones
+
+
+def dissolved(stones: Sequence[Stone]) -> list[tuple[FloatArray, list[Face]]]:
+    """Return points and faces of stones, in m, coplanar faces of each merged and vertices that no face needs left out."""
+    offsets = np.cumsum([0, *(len(stone.points) for stone in stones)])
+    faces = [np.array(face) + o for stone, o in zip(stones, offsets, strict=False) for face in stone.faces]
+    owner = np.repeat(np.arange(len(stones)), [len(stone.faces) for stone in stones])
+    nodes, pointer, first = dissolve(
+        np.concatenate([stone.points for stone in stones]),
+        np.concatenate(faces),
+        np.cumsum([0, *(len(face) for face in faces)]),
+    )
+    merged = np.split(nodes, pointer[1:-1])
+    out: list[tuple[FloatArray, list[Face]]] = []
+    for index, around in enumerate(_grouped(merged, owner[first], len(stones))):
+        used, inverse = np.unique(np.concatenate(around) - offsets[index], return_inverse=True)
+        rings = np.split(inverse.ravel(), np.cumsum([len(face) for face in around])[:-1])
+        out.append((stones[index].points[used], [tuple(ring.tolist()) for ring in rings]))
+    return out
+
+
+def _grouped(faces: list[np.ndarray], owner: np.ndarray, count: int) -> list[list[np.ndarray]]:
+    groups: list[list[np.ndarray]] = [[] for _ in range(count)]
+    for face, index in zip(faces, owner.tolist(), strict=True):
+        groups[index].append(face)
+    return groups
+
+
+def _place(body: Body, points: FloatArray, name: str = "") -> Place:
+    x, y, z = points.mean(axis=0).tolist() if len(points) else (0.0, 0.0, 0.0)
+    return Place(body.entity, "", name or body.name, (x, y, z))
+
+
+def _insane(points: FloatArray, faces: Sequence[Face]) -> str:
+    if not faces:
+        return "it has no faces"
+    if not (np.abs(points) <= LARGEST_COORDINATE).all():
+        return f"a coordinate is no number up to {LARGEST_COORDINATE:g}"
+    if min(map(min, faces)) < 0 or max(map(max, faces)) >= len(points):
+        return f"a face refers to a vertex beyond the {len(points)} there are"
+    return "" if min(map(len, faces)) >= 3 else "a face has fewer than three corners"
+
+
+def _told(mended: Mended, body: Body) -> list[Finding]:
+    """Return what was done to a body, or why it is no solid."""
+    place = _place(body, mended.points)
+    if mended.fault:
+        place = _place(body, mended.points[[mended.fault.vertex]])
+        remedy = "Pass --repair to mend it." if mended.mendable else "Close it in the program that made it."
+        found = f"the body is no solid: {mended.fault.problem}, {mended.fault.found}"
+        return [place.finding("E10", found, expected=mended.fault.expected, remedy=remedy)]
+    out: list[Finding] = []
+    for what, count in mended.changes.items():
+        if what == WELDED and body.loose:
+            continue
+        if what == SPLIT:
+            found = f"{count} faces are warped, by {{}} at most; they were split into triangles"
+            out.append(place.finding("W10", found, lengths=(mended.warp,)))
+        elif what in REPAIRS:
+            volumes = f"volume {mended.volume_before:.6g} m3 before, {mended.volume:.6g} m3 after"
+            out.append(place.finding("W41", f"{what} ({count}); {volumes}"))
+        else:
+            out.append(place.finding("W40", f"{what} ({count})"))
+    return out
+
+
+def _united(shells: list[Mended], body: Body, findings: list[Finding]) -> Mended:
+    solid = manifold(shells[0].points, [np.array(face) for face in shells[0].faces])
+    for shell in shells[1:]:
+        solid += manifold(shell.points, [np.array(face) for face in shell.faces], first=100_000)
+    points, faces = polyhedron(solid)
+    whole = mend(points, [tuple(face.tolist()) for face in faces], repair=False)
+    before = sum(shell.volume for shell in shells)
+    found = f"{len(shells)} hulls were united to one stone; volume {before:.6g} m3 together, {whole.volume:.6g} m3 united"
+    findings.append(_place(body, points).finding("W44", found))
+    return whole
+
+
+def _extruded(outline: FloatArray, faces: Sequence[Face], thickness: float) -> tuple[FloatArray, list[Face]]:
+    """Return prisms over outlines in the plane of x and z, from y = 0."""
+    count = len(outline)
+    points = np.concatenate([outline, outline + np.array([0.0, thickness, 0.0])])
+    out: list[Face] = []
+    for face in faces:
+        out += [face, tuple(node + count for node in face[::-1])]
+        out += [(b, a, a + count, b + count) for a, b in zip(face, (*face[1:], face[0]), strict=True)]
+    return points, out
+
+
+def _plate(points: FloatArray) -> tuple[FloatArray, list[Face]]:
+    """Return a solid below flat faces of ground: its outline is their hull."""
+    level = points - points.mean(axis=0)
+    normal = np.linalg.svd(level)[2][-1]
+    up = normal if normal[2] >= 0 else -normal
+    side = np.linalg.svd(level)[2][0]
+    across = np.cross(up, side)
+    hull = shapely.convex_hull(shapely.multipoints(np.column_stack([level @ side, level @ across])))
+    ring = shapely.get_coordinates(shapely.orient_polygons(hull))[:-1]
+    top = points.mean(axis=0) + ring[:, :1] * side + ring[:, 1:] * across
+    depth = PLATE * float(np.ptp(level, axis=0).max())
+    count = len(top)
+    sides: list[Face] = [(i, i + count, (i + 1) % count + count, (i + 1) % count) for i in range(count)]
+    return np.concatenate([top, top - depth * up]), [tuple(range(count)), tuple(range(2 * count - 1, count - 1, -1)), *sides]
