@@ -81,7 +81,7 @@ def to_stones(
         for points, faces in parts:
             points = points @ AXES[up].T * factor
             shell = mend(*(_extruded(points, faces, thickness) if thickness else (points, faces)), repair=repair)
-            if shell.fault and flat(points, faces):
+            if shell.fault and flat(body.points, body.faces):
                 flats += not fixed
                 if not fixed:
                     continue
