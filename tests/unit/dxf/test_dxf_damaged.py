@@ -159,9 +159,10 @@ def test_bodies_with_flaws_have_a_say_in_the_size_of_the_stones(tmp_path: Path) 
     assert "the median stone measures 125 m" in str(findings)
 
 
-def test_an_arch_drawn_to_six_decimals_is_taken(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("decimals", "codes"), [(6, {"W19", "W22"}), (5, {"W10", "W19", "W22"})])
+def test_a_rounded_arch_is_taken(decimals: int, codes: set[str], tmp_path: Path) -> None:
     ring = derive_blocks(arch(name="arch", materials=(STONE,), mean_radius=1.0, thickness=0.2, width=0.4, voussoirs=27))
-    turned = np.round(ring.points @ rotation(0.3), 6)
+    turned = np.round(ring.points @ rotation(0.3), decimals)
 
     def draw(doc) -> None:
         for stone in range(ring.count):
@@ -172,9 +173,9 @@ def test_an_arch_drawn_to_six_decimals_is_taken(tmp_path: Path) -> None:
                 mesh.faces = [(ring.face_nodes[ring.face_ptr[f] : ring.face_ptr[f + 1]] - start).tolist() for f in faces]
 
     drawing = read_drawing(bare(tmp_path / "a.dxf", draw, code=6))
-    assert set(drawing.findings.codes) == {"W10", "W19", "W22"}
-    assert len(str(drawing.findings).splitlines()) == 3
-    np.testing.assert_allclose(drawing.stones.volume[:-1], ring.volume, rtol=1e-5)
+    assert set(drawing.findings.codes) == codes
+    assert len(str(drawing.findings).splitlines()) == len(codes)
+    np.testing.assert_allclose(drawing.stones.volume[:-1], ring.volume, rtol=1e-4)
 
 
 @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
