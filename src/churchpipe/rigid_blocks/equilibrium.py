@@ -58,7 +58,7 @@ def equilibrium(stones: Assemblage, contacts: Contacts, load: LoadCase) -> Equil
     live += _extra("LoadCase.live", load.live, stones.count)
     unit = np.array([force] * 3 + [force * length] * 3)
     return Equilibrium(
-        matrix=_matrix(stones, contacts, free, length),
+        matrix=contact_matrix(stones, contacts, free, length),
         dead=(dead / unit)[free].ravel(),
         live=(live / unit)[free].ravel(),
         free=free,
@@ -100,7 +100,7 @@ def _extra(name: str, wrench: FloatArray | None, count: int) -> FloatArray:
     return wrench
 
 
-def _matrix(stones: Assemblage, contacts: Contacts, free: IntArray, length: float) -> sp.csc_matrix:
+def contact_matrix(stones: Assemblage, contacts: Contacts, free: IntArray, length: float) -> sp.csc_matrix:
     row_of = np.full(stones.count, -1, dtype=np.int64)
     row_of[free] = np.arange(len(free))
     interface = contacts.interface_of_point

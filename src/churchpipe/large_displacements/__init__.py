@@ -1,0 +1,1 @@
+"""Rigid blocks at large displacements: capacity curves, settlements."""

@@ -1,0 +1,85 @@
+"""Contact points that travel with their stones, and how far each is open."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from churchpipe.large_displacements.poses import Poses
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, NameArray
+from churchpipe.model.contacts import Contacts
+
+
+@dataclass(frozen=True, slots=True)
+class Joints:
+    """Interfaces (ni) whose contact points (nc) are material points of both stones.
+
+    blocks (ni, 2); frame (ni, 3, 3), rows n, t1, t2 in the axes of the first stone; area (ni,) m2; kind (ni,); point_ptr
+    (ni + 1,); first, second (nc, 3) m, the point of either stone, an arm from its centroid in its axes. allowance (nc,) m:
+    what is added to the gap of a point, see `step`. rest (nc,) m: the gap as drawn, which counts as closed.
+    """
+
+    blocks: IntArray
+    frame: FloatArray
+    area: FloatArray
+    kind: NameArray
+    point_ptr: IntArray
+    first: FloatArray
+    second: FloatArray
+    allowance: FloatArray
+    rest: FloatArray
+
+    @property
+    def pair(self) -> IntArray:
+        """The two stones of each point (nc, 2)."""
+        return self.blocks[self.interface]
+
+    @property
+    def interface(self) -> IntArray:
+        """The interface of each point (nc,)."""
+        return np.repeat(np.arange(len(self.blocks), dtype=np.int64), np.diff(self.point_ptr))
+
+    def at(self, poses: Poses) -> tuple[Contacts, FloatArray]:
+        """Return the contacts at these poses and the gap (nc,) m of each point, negative where stones overlap.
+
+        Forces act at the point of the second stone and the normal turns with the first: so the balance's transpose gives the
+        rates of these gaps exactly, however far they are open.
+        """
+        first, second = self.pair.T
+        frame = np.einsum("kai,kji->kaj", self.frame, poses.rotation[self.blocks[:, 0]])
+        near, far = poses.place(first, self.first), poses.place(second, self.second)
+        gap = np.einsum("ki,ki->k", frame[self.interface, 0], far - near) - self.rest
+        return Contacts(self.blocks, frame, self.area, far, self.point_ptr, self.kind), gap
+
+    def selected(self, keep: BoolArray) -> "Joints":
+        """Return the interfaces that are kept (ni,)."""
+        point = np.repeat(keep, np.diff(self.point_ptr))
+        counts = np.diff(self.point_ptr)[keep]
+        return Joints(
+            blocks=self.blocks[keep],
+            frame=self.frame[keep],
+            area=self.area[keep],
+            kind=self.kind[keep],
+            point_ptr=np.concatenate(([0], np.cumsum(counts))),
+            first=self.first[point],
+            second=self.second[point],
+            allowance=self.allowance[point],
+            rest=self.rest[point],
+        )
+
+
+def joints_of(contacts: Contacts, poses: Poses, gap: FloatArray | None = None) -> Joints:
+    """Return the joints of contacts found at these poses; gap (nc,) m: how far each is open, the contact's point is the second stone's."""
+    first, second = contacts.blocks[contacts.interface_of_point].T
+    n = contacts.frame[contacts.interface_of_point, 0]
+    open_by = np.zeros(len(contacts.point)) if gap is None else gap
+    return Joints(
+        blocks=contacts.blocks,
+        frame=np.einsum("kaj,kji->kai", contacts.frame, poses.rotation[contacts.blocks[:, 0]]),
+        area=contacts.area,
+        kind=contacts.kind,
+        point_ptr=contacts.point_ptr,
+        first=poses.arm(first, contacts.point - open_by[:, None] * n),
+        second=poses.arm(second, contacts.point),
+        allowance=np.zeros(len(contacts.point)),
+        rest=np.zeros(len(contacts.point)),
+    )

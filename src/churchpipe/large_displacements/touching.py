@@ -1,0 +1,114 @@
+"""Stones that touch, or nearly, wherever they have moved to."""
+
+import numpy as np
+import shapely
+
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, ragged_indices
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.contacts import Contacts
+from churchpipe.model.polyhedra import face_normals
+
+# Faces turned further than this from facing each other, rad, do not bear on each other.
+_STEEPEST = np.radians(50.0)
+
+
+def touching(stones: Assemblage, left_out: BoolArray, reach: float, depth: float, narrow: float) -> tuple[Contacts, FloatArray]:
+    """Return the contacts of displaced stones and the gap (nc,) m of their points.
+
+    Faces that look at each other are projected onto the plane between them; where the projections overlap, the distance of
+    the faces is linear. It is a joint where its least distance lies between -depth and reach, and its points are the corners no
+    further apart than reach. The point of a contact lies on its second stone.
+
+    Parameters
+    ----------
+    stones: as displaced. left_out (nb,): stones that touch nothing. reach, depth: m. narrow: m; stones that meet along an edge
+    overlap in a strip as wide as one has sunk into the other, so that overlaps narrower than this are no joints.
+    """
+    _, normal, mean = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
+    first, second = _face_pairs(stones, normal, _stone_pairs(stones, left_out, reach), reach)
+    n = normal[first] - normal[second]
+    n /= np.linalg.norm(n, axis=1, keepdims=True)
+    frame = frames(n)
+    centre = 0.5 * (mean[first] + mean[second])
+    overlap = shapely.intersection(
+        _projected(stones, first, frame[:, 1:], centre), _projected(stones, second, frame[:, 1:], centre)
+    )
+    chosen = np.flatnonzero(2 * shapely.area(overlap) > narrow * shapely.length(overlap))
+    corner, owner = _corners(overlap[chosen], 0.1 * narrow)
+    pair = chosen[owner]
+    flat = centre[pair] + np.einsum("ka,kac->kc", corner, frame[pair, 1:])
+    height = [
+        np.einsum("kc,kc->k", mean[f[pair]] - flat, normal[f[pair]]) / np.einsum("kc,kc->k", n[pair], normal[f[pair]])
+        for f in (first, second)
+    ]
+    gap = height[1] - height[0]
+    least = np.full(len(chosen), np.inf)
+    np.minimum.at(least, owner, gap)
+    keep = (gap <= reach) & ((least >= -depth) & (least <= reach))[owner]
+    counts = np.bincount(owner[keep], minlength=len(chosen))
+    kept = np.flatnonzero(counts)
+    block = np.repeat(np.arange(stones.count), np.diff(stones.block_face_ptr))
+    pairs = chosen[kept]
+    contacts = Contacts(
+        blocks=np.stack([block[first[pairs]], block[second[pairs]]], axis=1),
+        frame=frame[pairs],
+        area=np.asarray(shapely.area(overlap[pairs]), dtype=np.float64),
+        point=(flat + height[1][:, None] * n[pair])[keep],
+        point_ptr=np.concatenate(([0], np.cumsum(counts[kept]))),
+        kind=np.full(len(kept), "bed"),
+    )
+    return contacts, gap[keep]
+
+
+def frames(n: FloatArray) -> FloatArray:
+    """Return right-handed frames (k, 3, 3), rows n, t1, t2, of unit normals (k, 3)."""
+    helper = np.where(np.abs(n[:, 2:]) > 0.9, [1.0, 0.0, 0.0], [0.0, 0.0, 1.0])
+    t1 = np.cross(helper, n)
+    t1 /= np.linalg.norm(t1, axis=1, keepdims=True)
+    return np.stack([n, t1, np.cross(n, t1)], axis=1)
+
+
+def _stone_pairs(stones: Assemblage, left_out: BoolArray, reach: float) -> IntArray:
+    """Return pairs (k, 2) of stones, first < second, whose boxes come within reach; not both of them fixed."""
+    low, high = (edge.reduceat(stones.points, stones.block_point_ptr[:-1], axis=0) for edge in (np.minimum, np.maximum))
+    chosen = np.flatnonzero(~left_out)
+    half = 0.5 * reach
+    boxes = shapely.box(*(low[chosen, :2] - half).T, *(high[chosen, :2] + half).T)
+    one, other = (chosen[side] for side in shapely.STRtree(boxes).query(boxes))
+    near = (one < other) & ~(stones.fixed[one] & stones.fixed[other])
+    one, other = one[near], other[near]
+    near = (low[one, 2] <= high[other, 2] + reach) & (low[other, 2] <= high[one, 2] + reach)
+    return np.stack([one[near], other[near]], axis=1)
+
+
+def _face_pairs(stones: Assemblage, normal: FloatArray, pairs: IntArray, reach: float) -> tuple[IntArray, IntArray]:
+    """Return the faces (k,) and (k,) of pairs of stones that look at each other, boxes within reach."""
+    start, count = stones.block_face_ptr[:-1], np.diff(stones.block_face_ptr)
+    one, other = pairs.T
+    first = ragged_indices(start[one], count[one])
+    partner = np.repeat(other, count[one])
+    times = count[partner]
+    second = ragged_indices(start[partner], times)
+    first = np.repeat(first, times)
+    facing = np.einsum("kc,kc->k", normal[first], normal[second]) < -np.cos(_STEEPEST)
+    first, second = first[facing], second[facing]
+    corner = stones.points[stones.face_nodes]
+    low, high = (edge.reduceat(corner, stones.face_ptr[:-1], axis=0) for edge in (np.minimum, np.maximum))
+    near = ((low[first] <= high[second] + reach) & (low[second] <= high[first] + reach)).all(axis=1)
+    return first[near], second[near]
+
+
+def _projected(stones: Assemblage, face: IntArray, axes: FloatArray, centre: FloatArray) -> np.ndarray:
+    """Return the faces as polygons (k,) in planes of their own, with axes (k, 2, 3) and origins (k, 3)."""
+    start, count = stones.face_ptr[face], np.diff(stones.face_ptr)[face]
+    owner = np.repeat(np.arange(len(face)), count)
+    arm = stones.points[stones.face_nodes[ragged_indices(start, count)]] - centre[owner]
+    return shapely.polygons(shapely.linearrings(np.einsum("kc,kac->ka", arm, axes[owner]), indices=owner))
+
+
+def _corners(polygon: np.ndarray, tolerance: float) -> tuple[FloatArray, IntArray]:
+    """Return the corners (k, 2) of the convex hulls, those on a straight edge left out, and the polygon (k,) of each."""
+    hull = shapely.simplify(shapely.normalize(shapely.convex_hull(polygon)), tolerance)
+    corner, owner = shapely.get_coordinates(shapely.get_exterior_ring(hull), return_index=True)
+    inside = np.append(owner[1:] == owner[:-1], False)
+    return corner[inside], owner[inside]
