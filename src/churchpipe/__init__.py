@@ -14,9 +14,11 @@ if TYPE_CHECKING:
     from churchpipe.geometry.repair import repair_polyhedra as repair_polyhedra
     from churchpipe.homogenised_shell.limit import shell_limit_analysis as shell_limit_analysis
     from churchpipe.homogenised_shell.pushover import pushover as pushover
+    from churchpipe.large_displacements.pushover import block_pushover as block_pushover
     from churchpipe.match import match_models as match_models
     from churchpipe.meshes.reader import read_stones as read_stones
     from churchpipe.model.assemblage import Assemblage as Assemblage
+    from churchpipe.model.block_curve import BlockCapacityCurve as BlockCapacityCurve
     from churchpipe.model.building import Building as Building
     from churchpipe.model.contacts import Contacts as Contacts
     from churchpipe.model.loads import LoadCase as LoadCase
@@ -35,6 +37,7 @@ if TYPE_CHECKING:
 
 _PLACES = {
     "Assemblage": "model.assemblage",
+    "BlockCapacityCurve": "model.block_curve",
     "Building": "model.building",
     "CapacityCurve": "model.results",
     "Contacts": "model.contacts",
@@ -45,6 +48,7 @@ _PLACES = {
     "Material": "model.materials",
     "ShellLimitState": "model.results",
     "ShellModel": "model.shell",
+    "block_pushover": "large_displacements.pushover",
     "check_soundness": "stones.soundness",
     "derive_blocks": "stones.blocks",
     "derive_shell": "shell_mesh.shell",
@@ -63,6 +67,7 @@ _PLACES = {
 
 __all__ = [
     "Assemblage",
+    "BlockCapacityCurve",
     "Building",
     "CapacityCurve",
     "Contacts",
@@ -73,6 +78,7 @@ __all__ = [
     "Material",
     "ShellLimitState",
     "ShellModel",
+    "block_pushover",
     "check_soundness",
     "derive_blocks",
     "derive_shell",

@@ -14,8 +14,8 @@ class Joints:
     """Interfaces (ni) whose contact points (nc) are material points of both stones.
 
     blocks (ni, 2); frame (ni, 3, 3), rows n, t1, t2 in the axes of the first stone; area (ni,) m2; kind (ni,); point_ptr
-    (ni + 1,); first, second (nc, 3) m, the point of either stone, an arm from its centroid in its axes. allowance (nc,) m:
-    what is added to the gap of a point, see `step`. rest (nc,) m: the gap as drawn, which counts as closed.
+    (ni + 1,); first, second (nc, 3) m, the point of either stone, an arm from its centroid in its axes. sliding (nc,): mu times
+    the slip rate of the last step, see `solve_state`. rest (nc,) m: the gap as drawn, which counts as closed.
     """
 
     blocks: IntArray
@@ -25,7 +25,7 @@ class Joints:
     point_ptr: IntArray
     first: FloatArray
     second: FloatArray
-    allowance: FloatArray
+    sliding: FloatArray
     rest: FloatArray
 
     @property
@@ -62,13 +62,16 @@ class Joints:
             point_ptr=np.concatenate(([0], np.cumsum(counts))),
             first=self.first[point],
             second=self.second[point],
-            allowance=self.allowance[point],
+            sliding=self.sliding[point],
             rest=self.rest[point],
         )
 
 
 def joints_of(contacts: Contacts, poses: Poses, gap: FloatArray | None = None) -> Joints:
-    """Return the joints of contacts found at these poses; gap (nc,) m: how far each is open, the contact's point is the second stone's."""
+    """Return the joints of contacts found at these poses.
+
+    gap (nc,) m: how far each point is open; the contact's point is that of the second stone.
+    """
     first, second = contacts.blocks[contacts.interface_of_point].T
     n = contacts.frame[contacts.interface_of_point, 0]
     open_by = np.zeros(len(contacts.point)) if gap is None else gap
@@ -80,6 +83,6 @@ def joints_of(contacts: Contacts, poses: Poses, gap: FloatArray | None = None) -
         point_ptr=contacts.point_ptr,
         first=poses.arm(first, contacts.point - open_by[:, None] * n),
         second=poses.arm(second, contacts.point),
-        allowance=np.zeros(len(contacts.point)),
+        sliding=np.zeros(len(contacts.point)),
         rest=np.zeros(len(contacts.point)),
     )

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from churchpipe.conic.solve import solver_for
-from churchpipe.large_displacements.falling import SPARED, falling_stones
+from churchpipe.large_displacements.falling import falling_stones
 from churchpipe.large_displacements.joints import Joints
 from churchpipe.large_displacements.poses import Poses, displaced
 from churchpipe.large_displacements.renewal import PairFriction, renewed
@@ -16,21 +16,27 @@ from churchpipe.model.arrays import BoolArray, FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.rigid_blocks.equilibrium import contact_matrix
 
-# Programs as drawn that lead from sliding with dilatancy to sliding without; fewer where the load factor has settled.
-_FIRST, _SETTLED = 8, 1e-7
+# Programs of a step: as drawn, where the sliding is unknown, and later.
+FIRST, PROGRAMS = 12, 4
 # Largest rotation in a step, rad.
 _TURN = 0.02
-# A length of step that is right within this factor is kept.
-_NEAR = 1.6
-# Points that bear less than this share of the largest force do not press.
-_PRESSING = 1e-7
+# A length of step that is right within this factor is kept; one shorter than this share of the largest ends the path.
+_NEAR, _SHORTEST = 1.6, 1e-3
+# A motion fits its forces when its gap is less than this share of the load factor, of which the last is the least that counts; it
+# is credible up to the second.
+_FITTING, _CREDIBLE, _LEAST = 1e-3, 0.1, 0.01
+# A motion goes on as it did when no stone's speed has changed by more than this share of the fastest.
+_STEADY = 0.3
+# Stones that weigh no more than this share of what moved at the start may fall out without ending the curve.
+_SPARED = 0.05
 
 
 @dataclass(frozen=True, slots=True)
 class MovingModel:
-    """What stays the same on the way: stones as drawn, loads, friction of pairs; `step`, m, the largest displacement of a step.
+    """What stays the same on the way: stones as drawn, loads, friction of pairs.
 
-    force N and length m are the units of the programs; held (nb,): stones that cannot move.
+    held (nb,): stones that cannot move. moving N: the weight that moves at the start. force N and length m are the units of the
+    programs. step m: the largest displacement of a step. reach m: how far apart points may be that can still come to bear.
     """
 
     stones: Assemblage
@@ -38,101 +44,128 @@ class MovingModel:
     live: TravellingLoads
     friction: PairFriction
     held: BoolArray
+    moving: float
     force: float
     length: float
     step: float
+    reach: float
     solver: str
 
 
 @dataclass(frozen=True, slots=True)
 class PathState:
-    """Where a path has got to: poses, joints, which stones have fallen (nb,), length of the step (m per unit of work) and the
-    fastest speed of the last one."""
+    """Where a path has got to: poses, joints, which stones have fallen (nb,), length of the step, m per unit of work.
+
+    fastest: speed of the fastest stone in the last step whose motion was credible. before (nb, 6): velocities of the last step
+    at the origin, way (m per unit of work) how far it went; None as drawn.
+    """
 
     poses: Poses
     joints: Joints
     fallen: BoolArray
     length: float
     fastest: float = np.inf
+    before: FloatArray | None = None
+    way: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
 class PathStep:
-    """A program solved at a state: its answer, velocities (nb, 6) and speeds (nb,), and the twist (nb, 6) m, rad to the next state.
+    """A program solved at a state: its answer, velocities (nb, 6), speeds (nb,).
 
-    state: that at which it was solved, allowances and length of step as they became. friction_work: over the weight, m.
+    state: that at which it was solved, sliding and length of step as they became. way: to the next state, m per unit of work.
+    friction_work: over the weight, m. lost (nb,): stones that fall.
     """
 
     state: PathState
     answer: StepAnswer
     speed: FloatArray
-    twist: FloatArray
+    velocity: FloatArray
+    way: float
     friction_work: float
     lost: BoolArray
 
 
-def first_state(model: MovingModel, joints: Joints, poses: Poses) -> tuple[PathState, StepAnswer]:
-    """Return the state as drawn, from which a path starts without the lift that sliding costs once, and its last answer.
-
-    Each program charges the sliding of the one before, so that it need not dilate.
-    """
-    state = PathState(poses, joints, np.zeros(model.stones.count, dtype=bool), 1.0)
-    stones, program, free, gap = _program(model, state)
-    solve = solver_for(program.matrix, model.solver)
-    charge, answer, before = np.zeros(len(gap)), None, np.inf
-    for _ in range(_FIRST):
-        answer = solve_step(program, charge, solve)
-        if answer.outcome != "solved" or abs(answer.load_factor - before) < _SETTLED * abs(before):
-            break
-        before, charge = answer.load_factor, program.slip(answer.y)
-    assert answer is not None
-    if answer.outcome != "solved":
-        return state, answer
-    length = _length(model, stones, _velocities(model, free, answer.y))
-    return replace(state, joints=replace(joints, allowance=length * charge), length=length), answer
+def first_state(joints: Joints, poses: Poses, step: float) -> PathState:
+    """Return the state as drawn; step, m: the largest displacement of a step."""
+    return PathState(poses, joints, np.zeros(len(poses.centroid), dtype=bool), step)
 
 
-def solve_state(model: MovingModel, state: PathState) -> PathStep:
+def solve_state(model: MovingModel, state: PathState, programs: int = PROGRAMS) -> PathStep:
     """Return the step that a state takes.
 
-    The gap of each point over the length of the step is what it may close; the length follows from the speed that comes out, so
-    that both are sought together. It may fall by half at the most: what a joint has opened to let the last step slide would
-    count as open otherwise. The stones may go any smaller part of the way.
+    A point may close at the rate of its gap over the length of the step, and slides at the price of the normal force times what
+    sliding opened, mu |v|, in the program before: so it need not dilate. Length and slip come out of the program, which is
+    solved again until they agree, so many times at the most.
     """
     stones, program, free, gap = _program(model, state)
     solve = solver_for(program.matrix, model.solver)
-    length, allowance = state.length, state.joints.allowance
-    for attempt in range(3):
-        answer = solve_step(program, np.maximum(gap + allowance, 0.0) / length, solve)
-        velocity = _velocities(model, free, answer.y)
+    length, sliding = state.length, state.joints.sliding
+    attempt, free_way = 0, True
+    while True:
+        answer = solve_step(program, np.maximum(gap / length + sliding, 0.0), gap / length, solve)
+        if answer.outcome == "unbounded" and length > _SHORTEST * model.step:
+            # It comes up against a stone within this step: it may go no further than that.
+            length, free_way = 0.25 * length, False
+            continue
         if answer.outcome != "solved":
             break
+        attempt += 1
+        velocity = _velocities(model, free, answer.y)
         wanted = _length(model, stones, velocity)
-        better = max(wanted, 0.5 * state.length)
-        if attempt == 2 or max(better / length, length / better) < _NEAR:
+        # Where the load does hardly any work, as in a fall, rates are measured by the mean speed of the weight.
+        answer = replace(answer, gap=answer.gap / max(1.0, _mean_speed(model, velocity)))
+        fits = answer.gap < _FITTING * max(abs(answer.load_factor), _LEAST)
+        if attempt == programs or (fits and (not free_way or max(wanted / length, length / wanted) < _NEAR)):
             break
-        pressing = answer.forces[:, 0] > _PRESSING * answer.forces[:, 0].max(initial=0.0)
-        allowance = np.where(pressing, np.maximum(allowance + program.slip(answer.y) * (better - length), 0.0), allowance)
-        length = better
+        sliding = program.slip(answer.y)
+        length = wanted if free_way else min(length, wanted)
+    velocity = _velocities(model, free, answer.y)
     speed = stone_speed(stones, velocity)
     way = min(length, wanted) if answer.outcome == "solved" else 0.0
+    sliding = program.slip(answer.y) if answer.outcome == "solved" else sliding
     rate = program.rates(answer.y)
     return PathStep(
-        state=replace(state, joints=replace(state.joints, allowance=allowance), length=length),
+        state=replace(state, joints=replace(state.joints, sliding=sliding), length=length),
         answer=answer,
         speed=speed,
-        twist=way * velocity,
-        friction_work=-way * float((answer.forces * rate).sum()),
-        lost=falling_stones(answer, speed, state.fastest),
+        velocity=velocity,
+        way=way,
+        friction_work=-way * float((answer.forces[:, 1:] * rate[:, 1:]).sum()),
+        lost=falling_stones(answer, speed, state.fastest, model.stones.weight, _spared(model, state)),
     )
 
 
 def next_state(model: MovingModel, step: PathStep) -> PathState:
-    """Return the state after a step, its contacts found anew."""
+    """Return the state after a step, its contacts found anew.
+
+    While the motion changes little it goes on as it did since the last step (Adams and Bashforth, second order): a linkage
+    keeps its hinges. The velocities are those at the origin, which do not change where a stone turns about an axis at rest.
+    """
     state = step.state
-    poses = state.poses.moved(step.twist)
-    fastest = float(step.speed.max(initial=0.0))
-    return _renewed(model, replace(state, poses=poses, fastest=fastest))
+    centre = state.poses.centroid
+    there = step.velocity.copy()
+    there[:, :3] -= np.cross(there[:, 3:], centre)
+    motion = there
+    if state.before is not None:
+        change = there - state.before
+        at_stone = change.copy()
+        at_stone[:, :3] += np.cross(change[:, 3:], centre)
+        if float(stone_speed(_standing(model, state), at_stone).max()) < _STEADY * float(step.speed.max(initial=0.0)):
+            motion = there + 0.5 * step.way / state.way * change
+    twist = motion.copy()
+    twist[:, :3] += np.cross(motion[:, 3:], centre)
+    fits = step.answer.gap < _CREDIBLE * max(abs(step.answer.load_factor), _LEAST)
+    return _renewed(
+        model,
+        replace(
+            state,
+            poses=state.poses.moved(step.way * twist),
+            fastest=float(step.speed.max(initial=0.0)) if fits else state.fastest,
+            before=there,
+            way=step.way,
+        ),
+    )
 
 
 def without(model: MovingModel, step: PathStep) -> PathState:
@@ -140,15 +173,19 @@ def without(model: MovingModel, step: PathStep) -> PathState:
     return _renewed(model, replace(step.state, fallen=step.state.fallen | step.lost))
 
 
-def may_go_on(model: MovingModel, step: PathStep, moving: FloatArray) -> bool:
-    """True when the stones that have fallen may be spared; moving (nb,): the weight of those that moved at the start, N."""
-    gone = step.state.fallen | step.lost
-    return float(model.stones.weight[gone].sum()) < SPARED * float(moving.sum())
+def may_go_on(model: MovingModel, step: PathStep) -> bool:
+    """True when the stones that fall may be spared."""
+    return float(model.stones.weight[step.lost].sum()) <= _spared(model, step.state)
+
+
+def _spared(model: MovingModel, state: PathState) -> float:
+    """Return the weight, N, that may still fall out without ending the curve."""
+    return _SPARED * model.moving - float(model.stones.weight[state.fallen].sum())
 
 
 def _renewed(model: MovingModel, state: PathState) -> PathState:
     stones = _standing(model, state)
-    return replace(state, joints=renewed(state.joints, stones, state.poses, state.fallen, 2.0 * model.step))
+    return replace(state, joints=renewed(state.joints, stones, state.poses, state.fallen, model.reach))
 
 
 def _free(model: MovingModel, state: PathState) -> BoolArray:
@@ -178,6 +215,10 @@ def _velocities(model: MovingModel, free: np.ndarray, y: FloatArray) -> FloatArr
     out[free] = y.reshape(-1, 6)
     out[:, 3:] /= model.length
     return out
+
+
+def _mean_speed(model: MovingModel, velocity: FloatArray) -> float:
+    return float(np.linalg.norm(velocity[:, :3], axis=1) @ model.stones.weight) / model.force
 
 
 def _length(model: MovingModel, stones: Assemblage, velocity: FloatArray) -> float:

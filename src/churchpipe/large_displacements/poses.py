@@ -37,9 +37,7 @@ class Poses:
         space, and not that of the centroid.
         """
         turn, drift = screw(twist[:, 3:])
-        return Poses(
-            self.centroid + np.einsum("kij,kj->ki", drift, twist[:, :3]), np.einsum("kij,kjl->kil", turn, self.rotation)
-        )
+        return Poses(self.centroid + np.einsum("kij,kj->ki", drift, twist[:, :3]), np.einsum("kij,kjl->kil", turn, self.rotation))
 
 
 def start_poses(stones: Assemblage) -> Poses:

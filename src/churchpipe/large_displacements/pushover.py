@@ -1,7 +1,7 @@
 """Capacity curve of rigid blocks: load factor against displacement until it vanishes."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from time import perf_counter
 
 import numpy as np
@@ -9,6 +9,8 @@ import numpy.typing as npt
 
 from churchpipe.errors import InputError
 from churchpipe.large_displacements.path import (
+    FIRST,
+    PROGRAMS,
     MovingModel,
     PathState,
     PathStep,
@@ -20,9 +22,9 @@ from churchpipe.large_displacements.path import (
 )
 from churchpipe.large_displacements.poses import Poses, rotation_vectors, start_poses
 from churchpipe.large_displacements.renewal import first_joints, pair_friction
-from churchpipe.large_displacements.travelling import TravellingLoads, dead_loads, live_loads
+from churchpipe.large_displacements.travelling import dead_loads, live_loads
 from churchpipe.mechanism import moving_stones, stone_speed
-from churchpipe.model.arguments import check_kind, positive, whole
+from churchpipe.model.arguments import positive, whole
 from churchpipe.model.arrays import BoolArray, FloatArray, floats
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.block_curve import BlockCapacityCurve, CurveStatus, FallenStones
@@ -30,11 +32,12 @@ from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.results import LimitState
 from churchpipe.rigid_blocks.equilibrium import equilibrium
-from churchpipe.rigid_blocks.limit import limit_analysis, point_strength
+from churchpipe.rigid_blocks.limit import limit_analysis
 
 Progress = Callable[[str, float], None]
-# The largest displacement of a step, over the thinnest side of the stones that move.
-_SHARE = 0.1
+# The largest displacement of a step, and how far apart points may be that can still come to bear, over the thinnest side of the
+# stones that move.
+_SHARE, _REACH = 0.1, 0.2
 
 
 def block_pushover(
@@ -80,6 +83,7 @@ def block_pushover(
     measure = _measure(stones, load, control)
     balance = equilibrium(stones, contacts, load)
     moving = moving_stones(stone_speed(stones, state.velocities)) & ~stones.fixed
+    thinnest = _thinnest(stones, moving)
     interface = np.broadcast_to(np.asarray(friction, dtype=np.float64), contacts.area.shape)
     model = MovingModel(
         stones=stones,
@@ -87,17 +91,17 @@ def block_pushover(
         live=live_loads(stones, load),
         friction=pair_friction(contacts.blocks, interface, stones.count),
         held=np.zeros(stones.count, dtype=bool),
+        moving=float(stones.weight[moving].sum()),
         force=balance.force,
         length=balance.length,
-        step=_SHARE * _thinnest(stones, moving) if step is None else step,
+        step=_SHARE * thinnest if step is None else step,
+        reach=_REACH * thinnest,
         solver=solver,
     )
     poses = start_poses(stones)
-    first, answer = first_state(model, first_joints(contacts, stones, poses, 2.0 * model.step), poses)
-    if answer.outcome != "solved":
-        return replace(_nothing(stones, state, perf_counter() - begin), message=answer.message)
+    first = first_state(first_joints(contacts, stones, poses, model.reach), poses, model.step)
     record = _Record(model, measure)
-    status, message = _follow(model, first, record, np.where(moving, stones.weight, 0.0), steps, furthest, progress)
+    status, message = _follow(model, first, record, steps, furthest, progress)
     return record.curve(status, message, perf_counter() - begin)
 
 
@@ -105,20 +109,19 @@ def _follow(
     model: MovingModel,
     state: PathState,
     record: "_Record",
-    moving: FloatArray,
     steps: int,
     furthest: float | None,
     progress: Progress | None,
 ) -> tuple[CurveStatus, str]:
     """Take step after step and record them; return how it ended."""
-    for _ in range(steps):
-        taken = solve_state(model, state)
+    for number in range(steps):
+        taken = solve_state(model, state, PROGRAMS if number else FIRST)
         while taken.lost.any():
-            if not may_go_on(model, taken, moving):
+            if not may_go_on(model, taken):
                 return "collapsed", f"{int(taken.lost.sum())} stones that cannot be spared fall"
             record.fall(taken)
             state = without(model, taken)
-            taken = solve_state(model, state)
+            taken = solve_state(model, state, PROGRAMS)
         if taken.answer.outcome == "unbounded":
             return "unbounded", "the stones have locked: no load of this kind moves them on"
         if taken.answer.outcome != "solved":

@@ -69,16 +69,14 @@ def renewed(joints: Joints, stones: Assemblage, poses: Poses, left_out: BoolArra
     np.minimum.at(least, new.interface, gap)
     np.logical_or.at(seen, new.interface, known)
     keep = (least <= reach) & (seen | (least >= -_DEPTH * reach))
-    return replace(new, allowance=np.where(known, joints.allowance[origin], 0.0), rest=rest).selected(keep)
+    return replace(new, sliding=np.where(known, joints.sliding[origin], 0.0), rest=rest).selected(keep)
 
 
 def _key(blocks: IntArray, count: int) -> IntArray:
     return np.minimum(*blocks.T) * count + np.maximum(*blocks.T)
 
 
-def _origin(
-    joints: Joints, contacts: Contacts, place: FloatArray, pair: IntArray, n: FloatArray, stones: Assemblage
-) -> IntArray:
+def _origin(joints: Joints, contacts: Contacts, place: FloatArray, pair: IntArray, n: FloatArray, stones: Assemblage) -> IntArray:
     """Return for each place (k, 3) between a pair of stones (k, 2) the nearest point of their joint, -1 where there is none."""
     if not len(contacts.point) or not len(place):
         return np.full(len(place), -1)

@@ -42,7 +42,7 @@ class StepAnswer:
 
     residual, violation: of the balance and of the Coulomb cones, over the weight; bound_gap: kinematic against static bound of
     the program, over the load factor; gap: what the point forces would do against openings and against sliding that does not
-    dissipate, in units of the load factor: zero for a motion without dilatancy. "infeasible": y is how the stones fall.
+    dissipate, per unit of work of the load: zero for a motion without dilatancy. "infeasible": y is how the stones fall.
     """
 
     outcome: Outcome
@@ -56,14 +56,15 @@ class StepAnswer:
     message: str = ""
 
 
-def solve_step(program: StepProgram, opening: FloatArray, solve: Solve) -> StepAnswer:
+def solve_step(program: StepProgram, opening: FloatArray, closing: FloatArray, solve: Solve) -> StepAnswer:
     """Return the largest load factor less the work of the normal forces against `opening`, with its motion.
 
         maximise    tau - sum n_k opening_k
         subject to  balance + f_D + tau f_L = 0,   |t_k| <= mu n_k
 
-    opening (nc,) >= 0: rate at which a point may close: its gap over the length of the step. So a point that stays open
-    bears nothing, and stones slide without dilating but for once, by mu times the slip of one step (Anitescu 2006).
+    opening (nc,) >= 0: the rate at which a point may close, and what its sliding may open; closing (nc,): the former alone, the
+    gap over the length of the step. So a point that stays open bears nothing (time-stepping, Anitescu 2006), and stones whose
+    sliding is known slide without dilating.
     """
     zero = np.zeros_like(opening)
     cone = ConeProgram(program.matrix, program.dead, program.live, zero, program.friction, opening, zero)
@@ -79,7 +80,7 @@ def solve_step(program: StepProgram, opening: FloatArray, solve: Solve) -> StepA
     excess = np.maximum(0.0, program.friction * slip - rate[:, 0] - opening)
     upper = float(-program.dead @ y + n @ excess)
     undissipated = np.maximum(program.friction * n * slip + (x[:, 1:] * rate[:, 1:]).sum(axis=1), 0.0)
-    opened = n * np.minimum(np.abs(rate[:, 0]), np.abs(rate[:, 0] + opening))
+    opened = n * np.minimum(np.abs(rate[:, 0]), np.abs(rate[:, 0] + closing))
     return replace(
         StepAnswer("solved", x, tau, y, message=answer.message),
         residual=float(np.abs(program.matrix @ x.ravel() + program.dead + tau * program.live).max()),

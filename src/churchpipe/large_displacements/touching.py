@@ -3,6 +3,7 @@
 import numpy as np
 import shapely
 
+from churchpipe.large_displacements.edges import edge_normals
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, ragged_indices
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
@@ -17,7 +18,7 @@ def touching(stones: Assemblage, left_out: BoolArray, reach: float, depth: float
 
     Faces that look at each other are projected onto the plane between them; where the projections overlap, the distance of
     the faces is linear. It is a joint where its least distance lies between -depth and reach, and its points are the corners no
-    further apart than reach. The point of a contact lies on its second stone.
+    further apart than reach. The point of a contact lies on its second stone, and its normal is that of `edge_normals`.
 
     Parameters
     ----------
@@ -28,15 +29,13 @@ def touching(stones: Assemblage, left_out: BoolArray, reach: float, depth: float
     first, second = _face_pairs(stones, normal, _stone_pairs(stones, left_out, reach), reach)
     n = normal[first] - normal[second]
     n /= np.linalg.norm(n, axis=1, keepdims=True)
-    frame = frames(n)
+    axes = frames(n)[:, 1:]
     centre = 0.5 * (mean[first] + mean[second])
-    overlap = shapely.intersection(
-        _projected(stones, first, frame[:, 1:], centre), _projected(stones, second, frame[:, 1:], centre)
-    )
+    overlap = shapely.intersection(_projected(stones, first, axes, centre), _projected(stones, second, axes, centre))
     chosen = np.flatnonzero(2 * shapely.area(overlap) > narrow * shapely.length(overlap))
     corner, owner = _corners(overlap[chosen], 0.1 * narrow)
     pair = chosen[owner]
-    flat = centre[pair] + np.einsum("ka,kac->kc", corner, frame[pair, 1:])
+    flat = centre[pair] + np.einsum("ka,kac->kc", corner, axes[pair])
     height = [
         np.einsum("kc,kc->k", mean[f[pair]] - flat, normal[f[pair]]) / np.einsum("kc,kc->k", n[pair], normal[f[pair]])
         for f in (first, second)
@@ -45,17 +44,19 @@ def touching(stones: Assemblage, left_out: BoolArray, reach: float, depth: float
     least = np.full(len(chosen), np.inf)
     np.minimum.at(least, owner, gap)
     keep = (gap <= reach) & ((least >= -depth) & (least <= reach))[owner]
-    counts = np.bincount(owner[keep], minlength=len(chosen))
-    kept = np.flatnonzero(counts)
+    pair, point = pair[keep], (flat + height[1][:, None] * n[pair])[keep]
+    edge = edge_normals(stones, first[pair], second[pair], normal, point, 0.1 * narrow)
+    # Points side by side share an interface where they share a normal.
+    begins = np.append(True, (np.diff(pair) != 0) | (np.abs(np.diff(edge, axis=0)) > 0).any(axis=1))[: len(pair)]
+    start = np.flatnonzero(begins)
     block = np.repeat(np.arange(stones.count), np.diff(stones.block_face_ptr))
-    pairs = chosen[kept]
     contacts = Contacts(
-        blocks=np.stack([block[first[pairs]], block[second[pairs]]], axis=1),
-        frame=frame[pairs],
-        area=np.asarray(shapely.area(overlap[pairs]), dtype=np.float64),
-        point=(flat + height[1][:, None] * n[pair])[keep],
-        point_ptr=np.concatenate(([0], np.cumsum(counts[kept]))),
-        kind=np.full(len(kept), "bed"),
+        blocks=np.stack([block[first[pair[start]]], block[second[pair[start]]]], axis=1),
+        frame=frames(edge[start]),
+        area=np.asarray(shapely.area(overlap[pair[start]]), dtype=np.float64),
+        point=point,
+        point_ptr=np.append(start, len(pair)),
+        kind=np.full(len(start), "bed"),
     )
     return contacts, gap[keep]
 
@@ -65,7 +66,7 @@ def frames(n: FloatArray) -> FloatArray:
     helper = np.where(np.abs(n[:, 2:]) > 0.9, [1.0, 0.0, 0.0], [0.0, 0.0, 1.0])
     t1 = np.cross(helper, n)
     t1 /= np.linalg.norm(t1, axis=1, keepdims=True)
-    return np.stack([n, t1, np.cross(n, t1)], axis=1)
+    return np.stack([n, t1, np.cross(n, t1)], axis=1).astype(np.float64)
 
 
 def _stone_pairs(stones: Assemblage, left_out: BoolArray, reach: float) -> IntArray:
@@ -103,12 +104,13 @@ def _projected(stones: Assemblage, face: IntArray, axes: FloatArray, centre: Flo
     start, count = stones.face_ptr[face], np.diff(stones.face_ptr)[face]
     owner = np.repeat(np.arange(len(face)), count)
     arm = stones.points[stones.face_nodes[ragged_indices(start, count)]] - centre[owner]
-    return shapely.polygons(shapely.linearrings(np.einsum("kc,kac->ka", arm, axes[owner]), indices=owner))
+    return np.asarray(shapely.polygons(shapely.linearrings(np.einsum("kc,kac->ka", arm, axes[owner]), indices=owner)))
 
 
 def _corners(polygon: np.ndarray, tolerance: float) -> tuple[FloatArray, IntArray]:
     """Return the corners (k, 2) of the convex hulls, those on a straight edge left out, and the polygon (k,) of each."""
     hull = shapely.simplify(shapely.normalize(shapely.convex_hull(polygon)), tolerance)
     corner, owner = shapely.get_coordinates(shapely.get_exterior_ring(hull), return_index=True)
-    inside = np.append(owner[1:] == owner[:-1], False)
+    # Rings are closed: the last corner is the first again.
+    inside = np.append(owner[1:] == owner[:-1], np.zeros(min(len(owner), 1), dtype=bool))
     return corner[inside], owner[inside]

@@ -32,7 +32,8 @@ class BlockCapacityCurve:
     load_factor (ns,); largest (ns,) m, the largest displacement of a centroid.
     position (ns, nb, 3) m, the centroids; rotation (ns, nb, 3) rad, rotation vectors from the drawing: at each step.
     What proves a step, relative to the weight or the load factor: residual of the balance, violation of the Coulomb cones,
-    bound_gap of its program; gap (ns,): what its motion lacks of one without dilatancy, in load factors.
+    bound_gap of its program; gap (ns,): what its motion lacks of one without dilatancy, in load factors (of a step in which the
+    load does little work, over the work of the weight at the same speed).
     dissipation (ns,) J: work of friction on the way there.
     fallen: stones taken out on the way. d0 m: displacement at which the load factor vanishes, NaN where the curve ends before.
 

@@ -1,0 +1,114 @@
+"""Capacity curves: what may be asked, and what is answered when there is none."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import churchpipe as cp
+from churchpipe.errors import InputError
+from solids import box, on_ground
+
+BLOCK = on_ground(box((0, 0.5), (0, 1), (0, 2)))
+PUSH = cp.LoadCase((1, 0, 0))
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"step": 0.0}, "block_pushover: step: out of range"),
+        ({"step": "a"}, "block_pushover: step: not a number"),
+        ({"steps": 0}, "block_pushover: steps: out of range"),
+        ({"furthest": -1.0}, "block_pushover: furthest: out of range"),
+        ({"control": (0, 0)}, "block_pushover: control: wrong shape"),
+        ({"control": (0, 0, 9)}, "block_pushover: control: a point outside the free stones"),
+        ({"friction": -1.0}, "friction: out of range"),
+        ({"load": 3}, "load: wrong kind"),
+    ],
+)
+def test_bad_arguments(options: dict[str, Any], said: str) -> None:
+    given = {"stones": BLOCK, "contacts": cp.find_contacts(BLOCK), "load": PUSH} | options
+    with pytest.raises(InputError, match=said):
+        cp.block_pushover(**given)
+
+
+def test_unstable_stones_have_no_curve() -> None:
+    stones = on_ground(box((0, 1), (0, 1), (0, 1)), box((0.6, 1.6), (0, 1), (1, 2)))
+    curve = cp.block_pushover(stones, cp.find_contacts(stones), PUSH)
+    assert (curve.status, len(curve.displacement)) == ("unstable", 0)
+    assert "dead load" in curve.message
+    assert np.isnan(curve.d0)
+    assert np.isnan(curve.initial)
+
+
+def test_a_wedged_block_has_no_curve() -> None:
+    sides = [box((-1, 0), (0, 1), (0, 2)), box((1, 2), (0, 1), (0, 2))]
+    plate = box((-5, 5), (-5, 5), (-1, 0))
+    stones = cp.Assemblage.from_polyhedra([plate, *sides, box((0, 1), (0, 1), (0, 1))], 18e3, fixed=[0, 1, 2])
+    curve = cp.block_pushover(stones, cp.find_contacts(stones), PUSH)
+    assert curve.status == "unbounded"
+
+
+def test_a_block_that_comes_up_against_another_locks() -> None:
+    stop = box((1.1, 2), (0, 1), (0, 0.5))
+    plate = box((-5, 5), (-5, 5), (-1, 0))
+    stones = cp.Assemblage.from_polyhedra([plate, stop, box((0, 1), (0, 1), (0, 0.3))], 18e3, fixed=[0, 1])
+    curve = cp.block_pushover(stones, cp.find_contacts(stones), PUSH, 0.4, step=0.03)
+    assert curve.status == "unbounded"
+    assert curve.displacement[-1] == pytest.approx(0.1, abs=1e-4)
+    assert "locked" in curve.message
+
+
+def test_control_point() -> None:
+    contacts = cp.find_contacts(BLOCK)
+    top = cp.block_pushover(BLOCK, contacts, PUSH, 0.7, control=(0.5, 0, 2), step=0.05)
+    mean = cp.block_pushover(BLOCK, contacts, PUSH, 0.7, step=0.05)
+    assert top.load_factor == pytest.approx(mean.load_factor)
+    turn = top.rotation[:, 1, 1]
+    # The corner over the hinge goes by h sin(angle), the centroid by h/2 sin(angle) - b/2 (1 - cos(angle)).
+    assert top.displacement == pytest.approx(2 * np.sin(turn), abs=1e-8)
+    assert mean.displacement == pytest.approx(np.sin(turn) + 0.25 * (1 - np.cos(turn)), abs=1e-8)
+    # The pivot is the corner at (.5, 0): the corner at (.5, 2) is straight above it.
+    assert mean.d0 == pytest.approx(0.25, abs=1e-6)
+
+
+def test_progress_and_the_largest_displacement() -> None:
+    told: list[float] = []
+    curve = cp.block_pushover(
+        BLOCK, cp.find_contacts(BLOCK), PUSH, 0.7, step=0.02, furthest=0.1, progress=lambda _, share: told.append(share)
+    )
+    assert curve.status == "unfinished"
+    assert 0.1 <= curve.largest[-1] <= 0.13
+    assert told == sorted(told)
+    few = cp.block_pushover(BLOCK, cp.find_contacts(BLOCK), PUSH, 0.7, step=0.02, steps=3)
+    assert (few.status, len(few.displacement)) == ("unfinished", 3)
+    assert "3 steps" in few.message
+
+
+def test_a_friction_of_its_own_for_each_interface_goes_with_the_stones() -> None:
+    stones = on_ground(box((0, 1), (0, 1), (0, 0.4)), box((0.2, 0.8), (0, 1), (0.4, 0.6)))
+    contacts = cp.find_contacts(stones)
+    upper = (contacts.blocks != 0).all(axis=1)
+    curve = cp.block_pushover(stones, contacts, PUSH, np.where(upper, 0.2, 0.5), step=0.02, furthest=0.15)
+    assert curve.load_factor == pytest.approx(0.2, abs=1e-6)
+    # Only the upper block moves.
+    assert np.linalg.norm(curve.position[-1, 1] - curve.position[0, 1]) < 1e-6
+
+
+def test_loads_travel_with_their_stones() -> None:
+    # A weight P on the front edge of the top: the block rocks about its toe, (W x_w + P x_p)/(W z_w + ...) with all arms turned.
+    b, h, extra = 0.5, 2.0, 4e3
+    weight = BLOCK.weight[1]
+    dead = np.zeros((2, 6))
+    arm = np.array([-0.2, 0.0, 0.0])
+    dead[1] = [0, 0, -extra, *np.cross(arm, [0, 0, -extra])]
+    load = cp.LoadCase((1, 0, 0), dead=dead)
+    curve = cp.block_pushover(BLOCK, cp.find_contacts(BLOCK), load, 0.9, step=0.05)
+    turn = curve.rotation[:, 1, 1]
+
+    def place(x: float, z: float) -> tuple[np.ndarray, np.ndarray]:
+        return x * np.cos(turn) + z * np.sin(turn), z * np.cos(turn) - x * np.sin(turn)
+
+    centre, height = place(-b / 2, h / 2)
+    beside, _ = place(-b / 2 - 0.2, h / 2)
+    assert curve.load_factor == pytest.approx(-(weight * centre + extra * beside) / (weight * height), abs=1e-6)
