@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 
 from churchpipe.errors import InputError
-from churchpipe.model.arguments import one_of, told
+from churchpipe.model.arguments import one_of
 from churchpipe.model.arrays import FloatArray, IntArray, floats, indices, rows_of, store
 
 CurveStatus = Literal["vanished", "collapsed", "unfinished", "not-converged", "unstable", "unbounded", "failed"]
@@ -62,7 +62,12 @@ class BlockCapacityCurve:
         steps = rows_of("BlockCapacityCurve.displacement", self.displacement)
         one_of("BlockCapacityCurve.status", self.status, *CURVE_STATUSES)
         if rows_of("BlockCapacityCurve.position", self.position) != steps:
-            raise InputError("BlockCapacityCurve.position", "wrong shape", found=told(self.position), expected=f"{steps} steps")
+            raise InputError(
+                "BlockCapacityCurve.position",
+                "wrong shape",
+                found=rows_of("BlockCapacityCurve.position", self.position),
+                expected=f"{steps} steps",
+            )
         for name in ("displacement", "load_factor", "largest", "residual", "violation", "bound_gap", "gap", "dissipation"):
             store(self, **{name: floats(f"BlockCapacityCurve.{name}", getattr(self, name), (steps,))})
         for name in ("position", "rotation"):
