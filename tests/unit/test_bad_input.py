@@ -45,11 +45,12 @@ def test_what_editors_make_of_a_case_is_read(data: str | bytes, tmp_path: Path) 
     [
         (ARCH.encode("utf-16"), r"not a text in UTF-8; found invalid start byte, byte 1.*UTF-16.*saved as UTF-8"),
         (b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR", r"not a text in UTF-8"),
-        ("a = " + "[" * 5000 + "]" * 5000, r"not a case file; found lists or tables hundreds deep"),
+        ("a = " + "[" * 5000 + "]" * 5000, r"not a case file; found lists or tables too deep"),
+        (ARCH + ".".join(["a"] * 1200) + " = 1", r"not a case file; found lists or tables too deep"),
         ("", r"source: missing key; expected a table"),
         (ARCH + "\0", r"not TOML"),
     ],
-    ids=["UTF-16", "picture", "deep", "empty", "null byte"],
+    ids=["UTF-16", "picture", "deep", "deep key", "empty", "null byte"],
 )
 def test_files_of_another_kind(data: str | bytes, said: str, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=said):
@@ -93,6 +94,20 @@ CHANGES = [
 @pytest.mark.parametrize(("change", "said"), CHANGES, ids=[change[:40] for change, _ in CHANGES])
 def test_changes_that_are_refused(change: str, said: str, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=said):
+        read_case(written(tmp_path, ARCH), [change])
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        ".".join(["a"] * 2000) + "=1",
+        ".".join(["a"] * 500) + "=1",
+        "rigid.solver=" + "[" * 2000 + "]" * 2000,
+        "a=" + "[" * 30 + "]" * 30,
+    ],
+)
+def test_changes_of_too_many_levels(change: str, tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="too many levels; expected at most 20"):
         read_case(written(tmp_path, ARCH), [change])
 
 

@@ -151,7 +151,7 @@ def read_table(path: Path) -> dict[str, Any]:
         if path.exists() and not path.is_file():
             # A pipe can be read once only.
             raise InputError(str(path), "not a file", found="a folder, a pipe or a device", expected="a case file")
-        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
+        table = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except OSError as error:
         raise InputError(str(path), "cannot be read", found=error.strerror or error, expected="a case file") from error
     except UnicodeDecodeError as error:
@@ -163,9 +163,17 @@ def read_table(path: Path) -> dict[str, Any]:
             remedy="A text in another encoding (UTF-16, Latin-1) is to be saved as UTF-8.",
         ) from error
     except RecursionError as error:
-        raise InputError(str(path), "not a case file", found="lists or tables hundreds deep", expected="a case file") from error
+        raise _too_deep(path) from error
     except tomllib.TOMLDecodeError as error:
         raise InputError(str(path), "not TOML", found=error, remedy="Text needs quotes; tables stand in [brackets].") from error
+    if changes.depth(table) > changes.DEEPEST:
+        raise _too_deep(path)
+    return table
+
+
+def _too_deep(path: Path) -> InputError:
+    expected = f"a case file, at most {changes.DEEPEST} levels"
+    return InputError(str(path), "not a case file", found="lists or tables too deep", expected=expected)
 
 
 def _case(path: Path, table: dict[str, Any], variant: dict[str, Any]) -> Case:

@@ -13,6 +13,8 @@ from churchpipe.model.arguments import listed
 
 # Each is analysed at least once, and a stage each.
 MOST_VARIANTS = 10_000
+# Levels of tables and lists; a case has six.
+DEEPEST = 20
 
 
 def parse_override(text: str) -> tuple[str, Any]:
@@ -22,9 +24,24 @@ def parse_override(text: str) -> tuple[str, Any]:
     if not equals or not all(key.split(".")):
         raise UsageError(f"--set {text}", "not an override", expected="key=value, such as --set rigid.solver=clarabel")
     try:
-        return key, tomllib.loads(f"value = {value}")["value"]
+        read = tomllib.loads(f"value = {value}")["value"]
     except tomllib.TOMLDecodeError:
-        return key, value.strip()
+        read = value.strip()
+    except RecursionError:
+        read = None
+    if read is None or key.count(".") + depth(read) > DEEPEST:
+        short = text if len(text) <= 60 else f"{text[:60]} ..."
+        raise UsageError(f"--set {short}", "too many levels", expected=f"at most {DEEPEST}")
+    return key, read
+
+
+def depth(value: Any) -> int:
+    """Return how many tables and lists are one inside the other."""
+    levels, inner = 0, [value]
+    while inner := [item for item in inner if isinstance(item, dict | list)]:
+        levels += 1
+        inner = [part for item in inner for part in (item.values() if isinstance(item, dict) else item)]
+    return levels
 
 
 def set_key(table: Table, key: str, value: Any) -> None:

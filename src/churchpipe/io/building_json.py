@@ -9,6 +9,7 @@ import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.io.atomic import write_json
+from churchpipe.model.arguments import check_kind
 from churchpipe.model.building import BondRegion, Building, CylinderChart, Opening, Panel, Part, PlaneChart, Support, UnitCell
 from churchpipe.model.materials import Elastic, Material
 
@@ -34,12 +35,18 @@ def read_building(path: str | Path) -> Building:
     """
     try:
         stored = json.loads(Path(path).read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise InputError(str(path), "cannot be read", found=error, expected=f'a file "{SCHEMA}"') from error
-    if not isinstance(stored, dict) or stored.get("schema") != SCHEMA:
-        found = stored.get("schema", "no schema") if isinstance(stored, dict) else "no schema"
-        raise InputError(str(path), "another schema", found=found, expected=SCHEMA, remedy="Delete it and run the case again.")
-    return _decode(stored["building"])
+        schema = stored.get("schema", "no schema") if isinstance(stored, dict) else "no schema"
+        if schema == SCHEMA:
+            building = _decode(stored["building"])
+            check_kind("building", building, Building)
+            return building
+    except OSError as error:
+        raise InputError(str(path), "cannot be read", found=error.strerror or error, expected=f'a file "{SCHEMA}"') from error
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        raise InputError(
+            str(path), "damaged", found=error, expected=f'a file "{SCHEMA}"', remedy="Delete it and run the case again."
+        ) from error
+    raise InputError(str(path), "another schema", found=schema, expected=SCHEMA, remedy="Delete it and run the case again.")
 
 
 def _encode(value: Any) -> Any:

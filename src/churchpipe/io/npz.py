@@ -1,6 +1,8 @@
 """Frozen dataclasses of arrays as .npz files: no pickle, the schema inside."""
 
 import json
+import struct
+import zlib
 from collections.abc import Callable
 from dataclasses import asdict, astuple, dataclass, fields
 from pathlib import Path
@@ -47,6 +49,12 @@ _RECORDS: dict[str, Callable[..., Any]] = {"history": Iteration, "steps": Capaci
 # Fields that are dataclasses in turn; an array of theirs is stored as "field.name".
 _PARTS: dict[str, type] = {"near_misses": NearMisses, "tolerances": ContactTolerances}
 
+# What zipfile, zlib, NumPy's header, JSON and our own checks raise at a damaged file.
+DAMAGE = (
+    *(BadZipFile, zlib.error, struct.error, EOFError, ValueError, KeyError, IndexError, TypeError, AttributeError, SyntaxError),
+    *(NotImplementedError, RuntimeError, OverflowError, MemoryError),
+)
+
 Artifact = TypeVar("Artifact", Assemblage, Contacts, LimitState, ShellModel, ShellLimitState, CapacityCurve)
 
 
@@ -84,16 +92,25 @@ def read_if_made(path: str | Path, kind: type[Artifact]) -> Artifact | Absent:
     ------
     InputError: not such a file, or one of another version.
     """
+    expected = f'a file "{SCHEMAS[kind]}"'
     try:
         with np.load(path, allow_pickle=False) as file:
             stored: dict[str, Any] = {name: file[name] for name in file.files}
-    except (BadZipFile, ValueError, EOFError, OSError) as error:
-        raise InputError(str(path), "cannot be read", found=error, expected=f'a file "{SCHEMAS[kind]}"') from error
-    schema = str(stored.pop("schema", "no schema"))
-    if schema not in (SCHEMAS[kind], SCHEMAS[Absent]):
-        raise InputError(
-            str(path), "another schema", found=schema, expected=SCHEMAS[kind], remedy="Delete the file and run the case again."
-        )
+        schema = str(stored.pop("schema", "no schema"))
+        if schema in (SCHEMAS[kind], SCHEMAS[Absent]):
+            return _made(Absent if schema == SCHEMAS[Absent] else kind, stored)
+    except OSError as error:
+        raise InputError(str(path), "cannot be read", found=error.strerror or error, expected=expected) from error
+    except DAMAGE as error:
+        # What NumPy says of a damaged file advises to unpickle it.
+        problem, remedy = "damaged, or not a file of churchpipe", "Delete the file and run the case again."
+        raise InputError(str(path), problem, found=type(error).__name__, expected=expected, remedy=remedy) from error
+    raise InputError(
+        str(path), "another schema", found=schema, expected=SCHEMAS[kind], remedy="Delete the file and run the case again."
+    )
+
+
+def _made(kind: type[Any], stored: dict[str, Any]) -> Any:
     rest: dict[str, Any] = {
         name: tuple(item) if isinstance(item, list) else item for name, item in json.loads(str(stored.pop("fields"))).items()
     }
@@ -103,4 +120,4 @@ def read_if_made(path: str | Path, kind: type[Artifact]) -> Artifact | Absent:
     values |= {
         name: _PARTS[name](**{key.partition(".")[2]: item for key, item in part.items()}) for name, part in parts.items() if part
     }
-    return Absent(**rest) if schema == SCHEMAS[Absent] else kind(**values)
+    return kind(**values)

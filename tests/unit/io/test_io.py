@@ -15,7 +15,7 @@ import pyvista
 from churchpipe.errors import InputError
 from churchpipe.generators import GENERATORS
 from churchpipe.io.atomic import canonical_json, replacing, write_if_changed
-from churchpipe.io.building_json import read_building, write_building
+from churchpipe.io.building_json import SCHEMA, read_building, write_building
 from churchpipe.io.npz import Absent, read_if_made, read_npz, write_npz
 from churchpipe.io.tables import read_json, write_table
 from churchpipe.io.vtu import write_vtu
@@ -108,14 +108,42 @@ def test_npz_of_another_type_or_form_is_named(tmp_path: Path) -> None:
         read_npz(tmp_path / "stones.npz", Contacts)
     whole = (tmp_path / "stones.npz").read_bytes()
     (tmp_path / "cut.npz").write_bytes(whole[: len(whole) // 2])
-    with pytest.raises(InputError, match=r"cut\.npz: cannot be read"):
+    with pytest.raises(InputError, match=r"cut\.npz: damaged"):
         read_npz(tmp_path / "cut.npz", Assemblage)
     np.savez(tmp_path / "pickled.npz", schema=np.array([Path("a")], dtype=object))
-    with pytest.raises(InputError, match="cannot be read"):
+    with pytest.raises(InputError, match="damaged, or not a file of churchpipe"):
         read_npz(tmp_path / "pickled.npz", Assemblage)
     (tmp_path / "pickle.npz").write_bytes(pickle.dumps([1]))
-    with pytest.raises(InputError, match="cannot be read"):
+    with pytest.raises(InputError, match="damaged, or not a file of churchpipe"):
         read_npz(tmp_path / "pickle.npz", Assemblage)
+
+
+def test_a_damaged_file_is_named_and_nothing_is_advised_that_runs_its_code(tmp_path: Path) -> None:
+    write_npz(tmp_path / "whole.npz", irrational())
+    whole, random = (tmp_path / "whole.npz").read_bytes(), np.random.default_rng(24)
+    path, named = tmp_path / "damaged.npz", 0
+    for _ in range(400):
+        data = bytearray(whole)
+        for place in random.integers(len(data), size=random.integers(1, 4)):
+            data[place] = random.integers(256)
+        path.write_bytes(data[: random.integers(len(data))] if random.random() < 0.2 else data)
+        try:
+            read_npz(path, Assemblage)
+        except InputError as error:
+            named += 1
+            assert str(path) in str(error)
+            assert "pickle" not in str(error)
+    assert named > 200
+
+
+@pytest.mark.parametrize(
+    "building", ['{"type": "Panel"}', '{"type": "Wall"}', "{}", "3", '{"type": "Building", "name": "a"}', '{"type": []}']
+)
+def test_a_damaged_building_is_named(building: str, tmp_path: Path) -> None:
+    path = tmp_path / "building.json"
+    path.write_text(f'{{"schema": "{SCHEMA}", "building": {building}}}')
+    with pytest.raises(InputError, match=r"building\.json: damaged"):
+        read_building(path)
 
 
 BRICK = (ROOT2 / 4, ROOT3 / 10, 0.15)
