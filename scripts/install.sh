@@ -50,9 +50,9 @@ else
 fi
 say "installing churchpipe and the versions of uv.lock"
 # --inexact keeps uv itself. Where only pip's own index can be reached, pip installs the same versions from there.
-if ! "$uv" sync -q --frozen --inexact "$@"; then
+if ! "$uv" sync -q --frozen --inexact --all-extras "$@"; then
     say "uv did not succeed; pip installs the same versions"
-    "$uv" export -q --frozen --no-hashes --no-emit-project "$@" >.venv/locked.txt
+    "$uv" export -q --frozen --all-extras --no-hashes --no-emit-project "$@" >.venv/locked.txt
     .venv/bin/python -m pip install -q -r .venv/locked.txt
     .venv/bin/python -m pip install -q --no-deps -e .
 fi

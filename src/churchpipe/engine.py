@@ -1,6 +1,7 @@
 """Start Snakemake on a run folder, follow it, and leave no lock behind. Snakemake is a child process, never imported."""
 
 import fcntl
+import importlib.util
 import json
 import os
 import signal
@@ -12,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
 
-from churchpipe.errors import InputError
+from churchpipe.errors import Extra, InputError
 from churchpipe.io.atomic import PART
 from churchpipe.resources import pipeline_folder
 
@@ -48,6 +49,9 @@ def run(folder: str | Path, jobs: int, watch: Callable[[Event], None], prepare: 
     ------
     InputError: another run is at work in this folder.
     """
+    with Extra("churchpipe run"):
+        if importlib.util.find_spec("snakemake") is None:
+            raise ModuleNotFoundError(name="snakemake")
     folder = Path(folder).resolve()
     errors: list[str] = []
 

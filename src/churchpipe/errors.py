@@ -1,5 +1,7 @@
 """The one exception that users meet: what is wrong, where, and how to mend it."""
 
+INSTALL = "pip install 'churchpipe[all]' installs all that churchpipe can use."
+
 
 class InputError(ValueError):
     """Input that churchpipe cannot take.
@@ -21,6 +23,30 @@ class InputError(ValueError):
             parts.append(f"expected {expected}")
         message = "; ".join(parts) + "."
         super().__init__(f"{message} {remedy}".strip())
+
+
+class Extra:
+    """Around an import of what only `churchpipe[all]` installs: says so where it is missing.
+
+    Parameters
+    ----------
+    purpose: what needs it.
+
+    Raises
+    ------
+    InputError: a package is not installed.
+    """
+
+    def __init__(self, purpose: str) -> None:
+        self._purpose = purpose
+
+    def __enter__(self) -> None: ...
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        if isinstance(error, ModuleNotFoundError):
+            raise InputError(
+                self._purpose, "a package is not installed", found=error.name or str(error), remedy=INSTALL
+            ) from error
 
 
 class UsageError(InputError):

@@ -18,7 +18,7 @@ from churchpipe.config.asrun import as_run
 from churchpipe.config.case import read_variants
 from churchpipe.config.plan import plan
 from churchpipe.config.settings import load_of, materials_of, site_of, weights_of
-from churchpipe.errors import InputError
+from churchpipe.errors import Extra, InputError
 from churchpipe.io.atomic import canonical_json, write_if_changed, write_json
 from churchpipe.io.building_json import read_building, write_building
 from churchpipe.io.npz import Absent, read_if_made, read_npz, write_npz
@@ -250,7 +250,8 @@ def compare(plan: Path, summary: Path, table: Path) -> None:
 
 def report(plan: Path, summary: Path, assemblage: Path, contacts: Path, html: Path) -> None:
     """Summary and states of one geometry -> report.html, its pictures, and the mechanisms for ParaView."""
-    from churchpipe.report.html import write_report
+    with Extra("the report"):
+        from churchpipe.report.html import write_report
 
     run, index, geometry = plan.parent, read_json(plan), assemblage.parent.name
     stones = read_npz(assemblage, Assemblage)

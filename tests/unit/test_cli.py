@@ -1,5 +1,6 @@
 """The command line: what it answers, and with which exit code. The pipeline itself is tested in tests/pipeline."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -71,11 +72,12 @@ def test_import_is_light() -> None:
 
 def test_all_stable_names_load() -> None:
     for name in churchpipe.__all__:
-        assert getattr(churchpipe, name).__name__ == name
+        assert name == "__version__" or getattr(churchpipe, name).__name__ == name
         assert name in dir(churchpipe)
-    with pytest.raises(AttributeError, match="no attribute 'nonsense'"):
+    with pytest.raises(AttributeError, match="attribute nonsense"):
         churchpipe.nonsense  # noqa: B018
-    assert set(churchpipe.__all__) == set(churchpipe._PLACES)
+    stub = (Path(churchpipe.__file__).parent / "__init__.pyi").read_text()
+    assert set(churchpipe.__all__) == set(re.findall(r"import \w+ as (\w+)", stub))
 
 
 @pytest.mark.parametrize(
@@ -100,7 +102,7 @@ def test_a_case_with_mistakes_is_1(capsys: pytest.CaptureFixture[str], tmp_path:
     assert call(capsys, "generate", "wall", "-o", tmp_path / "w.toml")[0] == 0
     code, out, err = call(capsys, "run", tmp_path / "w.toml", "--out", tmp_path / "run", "--set", "source.lenght_m=3")
     assert code == 1
-    assert 'Did you mean "length_mm"?' in err
+    assert 'Did you mean "length_m"?' in err
     assert out == ""
     assert not (tmp_path / "run").exists()
     assert call(capsys, "run", tmp_path / "w.toml", "--set", "nonsense")[0] == 2

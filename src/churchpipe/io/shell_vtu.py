@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from churchpipe.errors import InputError
+from churchpipe.errors import Extra, InputError
 from churchpipe.io.atomic import replacing
 from churchpipe.model.shell import ShellModel
 
@@ -49,7 +49,8 @@ def write_shell_vtu(path: str | Path, shell: ShellModel, fields: Mapping[str, np
 
 def write_shell_msh(path: str | Path, shell: ShellModel) -> None:
     """Write the facets for Gmsh (format 2.2): a physical surface a panel, the data of `write_shell_vtu` as views."""
-    import meshio
+    with Extra("a file for ParaView or Gmsh"):
+        import meshio
 
     point_data, cell_data = _data(shell)
     panels, number = np.unique(shell.panel, return_inverse=True)
@@ -79,7 +80,8 @@ def _data(shell: ShellModel) -> tuple[dict[str, Any], dict[str, Any]]:
 
 
 def _mesh(shell: ShellModel, point_data: dict[str, Any], cell_data: dict[str, Any]) -> Any:
-    import meshio
+    with Extra("a file for ParaView or Gmsh"):
+        import meshio
 
     return meshio.Mesh(
         shell.points,

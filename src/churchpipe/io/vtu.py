@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from churchpipe.errors import Extra
 from churchpipe.io.atomic import replacing
 from churchpipe.model.arrays import IntArray
 from churchpipe.model.assemblage import Assemblage
@@ -18,7 +19,8 @@ def write_vtu(path: str | Path, stones: Assemblage, velocities: npt.ArrayLike | 
     `unit_weight` N/m3. velocities (nb, 6): point data `velocity` (warp by it to see the mechanism), cell data `speed` of the
     centroid.
     """
-    import meshio
+    with Extra("a file for ParaView"):
+        import meshio
 
     owner = np.repeat(np.arange(stones.count), np.diff(stones.block_point_ptr))
     cell_data: dict[str, npt.NDArray[Any]] = {

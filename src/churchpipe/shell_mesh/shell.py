@@ -12,7 +12,7 @@ import numpy as np
 from churchpipe.bond.count import check_count
 from churchpipe.bond.parts import part_names
 from churchpipe.bond.patterns import bond_of
-from churchpipe.errors import InputError
+from churchpipe.errors import Extra, InputError
 from churchpipe.geometry.charts import lift
 from churchpipe.geometry.clusters import NODE_TOLERANCE, clusters, components
 from churchpipe.geometry.planar import area
@@ -141,7 +141,8 @@ def _meshes(surfaces: Sequence[MidSurface], cuts: Sequence[Subdivision]) -> list
 
 @contextmanager
 def _gmsh() -> Iterator[Any]:
-    import gmsh
+    with Extra("the mesh of a shell"):
+        import gmsh
 
     mine = not gmsh.isInitialized()
     if mine:
