@@ -262,10 +262,10 @@ def stage(name: str, label: str, paths: list[Path]) -> None:
 
 
 def _print_results(summary: dict[str, Any]) -> None:
-    from churchpipe.terminal import gate_lines, results_table
+    from churchpipe.terminal import remarks, results_table
 
     out.print(results_table(summary))
-    for line in gate_lines(summary):
+    for line in remarks(summary):
         out.print(line, soft_wrap=True)
 
 

@@ -13,9 +13,10 @@ from churchpipe.model.arrays import BoolArray, FloatArray, NameArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
-from churchpipe.model.names import MODELS
+from churchpipe.model.names import MODELS, OUTER, RIGID_BLOCKS, analysis_name
 from churchpipe.model.results import LimitState, ShellLimitState
 from churchpipe.model.shell import ShellModel
+from churchpipe.model.swept import of_both
 from churchpipe.rigid_blocks.equilibrium import lateral_weight
 
 # What a load factor rests on; anything else is bad news that the command line reports with its exit code.
@@ -44,9 +45,11 @@ def summary(
     shells: Mapping[str, dict[str, Any]],
     analyses: Sequence[dict[str, Any]],
     compared: Sequence[dict[str, Any]],
+    questions: Sequence[str] = (),
 ) -> dict[str, Any]:
-    """Return summary.json: the size of the (first) geometry and of its (first) mesh with the gate, all analyses, and the pairs
-    of both models; of a sweep of geometries or meshes, all sizes by name."""
+    """Return summary.json: the size of the (first) geometry and of its (first) mesh with the gate, all analyses, the pairs of
+    both models, which of several load factors to use, and questions about the input; of a sweep of geometries or meshes, all
+    sizes by name."""
     first = dict(next(iter(sizes.values())))
     if shells:
         mesh = next(iter(shells.values()))
@@ -54,7 +57,62 @@ def summary(
     several = {"geometries": dict(sizes)} if len(sizes) > 1 else {}
     several |= {"shells": dict(shells)} if len(shells) > 1 else {}
     both = {"comparison": list(compared)} if compared else {}
-    return {"case": name, **first, **several, "analyses": list(analyses), **both}
+    words = {"guidance": guidance(analyses), "questions": list(questions)}
+    return {"case": name, **first, **several, "analyses": list(analyses), **both, **words}
+
+
+# Why load factors of one structure differ, by the kind of analysis.
+_REASONS = {
+    "associative": "joints of an associative analysis open as they slide (dilatancy), so its load factor is an upper estimate",
+    "non-associative": "joints of a non-associative one slide without opening, under thrusts that are one possibility of several",
+    "shell": "the shell is associative too, with infinitely small stones, cracks as wide as an element and walls that meet on "
+    "their mid-planes, so it may err to either side",
+    "planes": "planes of the paper are an outer approximation of the shell's strength, so their load factors are too large",
+}
+
+
+def guidance(analyses: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Return a sentence for each question that several analyses answer: which load factor to use, and why they differ.
+
+    The careful one leads: the lowest of those that are proved or converged. Load factors by planes of the paper, which are too
+    large, lead only where there is nothing else. A sweep has one sentence for all its questions.
+    """
+    asked: dict[tuple[str, ...], list[Mapping[str, Any]]] = {}
+    for record in analyses:
+        if record.get("status") in GOOD and _is_number(record.get("load_factor")):
+            asked.setdefault(_question(_place(record), record), []).append(record)
+    several = [records for records in asked.values() if len(records) > 1]
+    sentences = [_advice(records) for records in several]
+    if len(sentences) <= 3:
+        return sentences
+    every = [record for records in several for record in records]
+    return [f"Of the load factors for one load and one strength use the lowest. They differ because {_reasons(every)}."]
+
+
+def _place(record: Mapping[str, Any]) -> dict[str, Any]:
+    return {"geometry": str(record.get("geometry", "")), "variant": record.get("variant", {})}
+
+
+def _advice(records: Sequence[Mapping[str, Any]]) -> str:
+    ordered = sorted(records, key=lambda record: (record.get("planes") in OUTER, record["load_factor"]))
+    first, *others = [f"{record['load_factor']:.4f} ({_kind(record)})" for record in ordered]
+    start = f"Load {ordered[0]['load']}: use {first}, the careful value, not {', '.join(others)}"
+    return f"{start}; they differ because {_reasons(records)}."
+
+
+def _kind(record: Mapping[str, Any]) -> str:
+    size = record.get("element_size_mm")
+    words = [
+        MODELS.get(str(record.get("model")), ""),
+        analysis_name(record.get("flow"), record.get("method"), record.get("planes")),
+    ]
+    return ", ".join([word for word in words if word] + ([f"{size:g} mm"] if size else []))
+
+
+def _reasons(records: Sequence[Mapping[str, Any]]) -> str:
+    keys = {str(record.get("flow")) if record.get("model") == RIGID_BLOCKS else "shell" for record in records}
+    keys |= {"planes" for record in records if record.get("planes") in OUTER}
+    return "; ".join(reason for key, reason in _REASONS.items() if key in keys)
 
 
 def bad_news(summary: Mapping[str, Any]) -> list[Mapping[str, Any]]:
@@ -83,11 +141,7 @@ def pairs(entries: Sequence[Mapping[str, Any]], records: Sequence[Mapping[str, A
 
 
 def _question(entry: Mapping[str, Any], record: Mapping[str, Any]) -> tuple[str, ...]:
-    shared = {
-        key: value
-        for key, value in entry["variant"].items()
-        if not key.startswith(("rigid.", "shell.", "check.")) and ".elastic" not in key
-    }
+    shared = {key: value for key, value in entry["variant"].items() if of_both(key)}
     return entry["geometry"], str(record["load"]), str(record["friction"]), str(record["cohesion_kPa"]), str(shared)
 
 

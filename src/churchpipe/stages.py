@@ -17,6 +17,7 @@ from churchpipe.closure import code_of
 from churchpipe.config.asrun import as_run
 from churchpipe.config.case import read_variants
 from churchpipe.config.plan import plan
+from churchpipe.config.plausible import size_questions
 from churchpipe.config.settings import load_of, materials_of, site_of, weights_of
 from churchpipe.errors import Extra, InputError
 from churchpipe.io.atomic import canonical_json, write_if_changed, write_json
@@ -245,7 +246,9 @@ def compare(plan: Path, summary: Path, table: Path) -> None:
     pairs = results.pairs(index["analyses"], analyses)
     compared = [pair | _overlap(run, index, *(pair[model] for model in MODELS)) for pair in pairs]
     write_table(table, analyses)
-    write_json(summary, results.summary(index["case"], sizes, shells, analyses, compared))
+    stones = [_stones(run, name)[0] for name in index["geometries"]]
+    asked = dict.fromkeys([*index["questions"], *(text for one in stones for text in size_questions(one))])
+    write_json(summary, results.summary(index["case"], sizes, shells, analyses, compared, list(asked)))
 
 
 def report(plan: Path, summary: Path, assemblage: Path, contacts: Path, html: Path) -> None:

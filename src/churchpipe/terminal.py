@@ -157,6 +157,11 @@ def gate_lines(summary: Mapping[str, Any]) -> list[str]:
     return list(dict.fromkeys(lines))
 
 
+def remarks(summary: Mapping[str, Any]) -> list[str]:
+    """Return what stands under the table: about the gate, which load factor to use and why they differ, doubtful input."""
+    return [*gate_lines(summary), *summary.get("guidance", ()), *(f"Question: {text}" for text in summary.get("questions", ()))]
+
+
 def findings_table(findings: Sequence[Finding]) -> Table:
     """Return what `doctor` found as a table."""
     table = Table()

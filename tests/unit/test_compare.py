@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from churchpipe.compare import bad_news, overlap, pairs
+from churchpipe.compare import bad_news, guidance, overlap, pairs
 from churchpipe.generators import box
 from churchpipe.model.materials import Material
 from churchpipe.shell_mesh.shell import derive_shell
@@ -77,3 +77,42 @@ def test_news_of_gates_and_analyses() -> None:
     assert bad_news({"analyses": [good], "match": {"passed": False}}) == [{"passed": False}]
     meshes = {"coarse": {"match": {"passed": True}}, "fine": {"match": {"passed": False, "figures": []}}}
     assert bad_news({"analyses": [good], "match": {"passed": True}, "shells": meshes}) == [{"passed": False, "figures": []}]
+
+
+def analysed(factor: float | None, load: str = "-y", status: str = "optimal", **more: object) -> dict[str, object]:
+    model = "homogenised-shell" if "method" in more else "rigid-block"
+    same = {"load": load, "friction": 0.7, "cohesion_kPa": 0.0, "load_factor": factor, "status": status}
+    return {"model": model, **same, **more}
+
+
+def test_a_sentence_says_which_load_factor_to_use_and_why_they_differ() -> None:
+    associative = analysed(0.2065, flow="associative")
+    sliding = analysed(0.1887, flow="non-associative", status="converged")
+    shell = analysed(0.2216, method="limit", planes="cell", element_size_mm=60)
+    [sentence] = guidance([associative, sliding, shell])
+    assert sentence.startswith("Load -y: use 0.1887 (rigid blocks, non-associative), the careful value, not 0.2065")
+    assert "0.2216 (shell, limit load, 60 mm)" in sentence
+    for reason in ("open as they slide", "slide without opening", "infinitely small stones"):
+        assert reason in sentence
+    assert "planes of the paper" not in sentence
+    # Too large by nature: planes never lead where something else is known.
+    [sentence] = guidance([associative, analysed(0.15, method="limit", planes="paper")])
+    assert sentence.startswith("Load -y: use 0.2065 (rigid blocks, associative)")
+    assert "planes of the paper are an outer approximation" in sentence
+
+
+def test_there_is_nothing_to_say_of_one_value_or_of_none() -> None:
+    assert guidance([analysed(0.2, flow="associative"), analysed(0.3, "+x", flow="associative")]) == []
+    failed = [analysed(None, flow="non-associative", status="failed"), analysed(0.19, flow="x", status="not-converged")]
+    assert guidance([analysed(0.2, flow="associative"), *failed]) == []
+
+
+def test_a_sweep_has_one_sentence() -> None:
+    records = [
+        analysed(factor, flow=flow, variant={"source.courses": courses})
+        for courses in range(4)
+        for flow, factor in (("associative", 0.2), ("non-associative", 0.19))
+    ]
+    [sentence] = guidance(records)
+    assert sentence.startswith("Of the load factors for one load and one strength use the lowest.")
+    assert "0.2" not in sentence

@@ -6,14 +6,9 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from churchpipe.config.case import Case, Drawing
+from churchpipe.config.plausible import questions
+from churchpipe.model import swept
 from churchpipe.model.loads import LoadCase
-
-# A swept key that changes the stones; one that changes the mesh of the shell besides; those of one model alone. Every other one
-# touches all solves, and nothing else.
-_GEOMETRIC = re.compile(r"source\.|material\..+\.unit_weight_kN_m3$")
-_MESHED = re.compile(rf"{_GEOMETRIC.pattern}|shell\.element_size_mm$")
-_RIGID = re.compile(r"rigid\.|check\.")
-_SHELL = re.compile(r"shell\.|material\..+\.elastic")
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,10 +44,10 @@ def plan(cases: Sequence[Case]) -> Plan:
         entries.setdefault(name, {"name": name, "kind": kind, **place, "variant": variant})
 
     for case in cases:
-        shape = {key: value for key, value in case.variant.items() if _GEOMETRIC.match(key)}
+        shape = {key: value for key, value in case.variant.items() if swept.changes_stones(key)}
         geometry = _keep(geometries, _words(shape) or ["base"], _geometry_settings(case))
-        of_stones = {key: value for key, value in case.variant.items() if not _SHELL.match(key)}
-        of_shell = {key: value for key, value in case.variant.items() if not _RIGID.match(key)}
+        of_stones = {key: value for key, value in case.variant.items() if not swept.of_shell(key)}
+        of_shell = {key: value for key, value in case.variant.items() if not swept.of_rigid_blocks(key)}
         check = {"check": asdict(case.check)} if case.check else {}
         for load in case.loads:
             for flow in case.rigid.flow:
@@ -60,7 +55,7 @@ def plan(cases: Sequence[Case]) -> Plan:
                 add("rigid", [load.name, flow], of_stones, settings, geometry=geometry, **check)
         if case.shell is None:
             continue
-        meshed = {key: value for key, value in case.variant.items() if _MESHED.match(key)}
+        meshed = {key: value for key, value in case.variant.items() if swept.changes_mesh(key)}
         settings = {"geometry": geometry, "element_size": case.shell.element_size}
         mesh = _keep(shells, _words(meshed) or ["base"], settings)
         places[mesh] = geometry
@@ -76,6 +71,7 @@ def plan(cases: Sequence[Case]) -> Plan:
         "shells": [{"name": mesh, "geometry": place} for mesh, place in places.items()],
         "analyses": list(entries.values()),
         "published": [asdict(value) for value in cases[0].published],
+        "questions": questions(cases),
     }
     return Plan(index, geometries, shells, analyses)
 

@@ -9,16 +9,14 @@ import numpy as np
 from churchpipe.model.names import MODELS
 from churchpipe.model.results import CapacityCurve
 from churchpipe.model.shell import ShellModel
+from churchpipe.model.swept import of_both
 from churchpipe.report.shell_plots import capacity_svg, domain_svg, mesh_svg
 from churchpipe.report.table import Row, figure, friction_text, minus, setting, small, swept
-
-# Swept keys that one model alone knows.
-_OWN = ("rigid.", "shell.", "check.")
 
 
 def question(row: Row) -> tuple[str, ...]:
     """Return what an analysis asks, by either model: stones, load, strength."""
-    others = {key: value for key, value in swept(row).items() if not key.startswith(_OWN) and ".elastic" not in key}
+    others = {key: value for key, value in swept(row).items() if of_both(key)}
     return str(row.record.get("geometry", "")), row.load, friction_text(row), str(row.record.get("cohesion_kPa")), str(others)
 
 

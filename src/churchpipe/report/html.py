@@ -87,6 +87,8 @@ def write_report(
         mesh_plot=both.mesh_plot(rows),
         domain=domain,
         domain_words=domain_words,
+        guidance=summary.get("guidance", []),
+        questions=summary.get("questions", []),
         notes=[(row.label, note) for row in rows if (note := status_note(stones, row))],
         published=published_rows(published, rows),
         sensitivity=sensitivity_plots(rows),

@@ -1,0 +1,67 @@
+"""Values out of all reason are questioned, and nothing is refused."""
+
+from pathlib import Path
+
+import pytest
+
+from churchpipe.config import read_case
+from churchpipe.config.plausible import questions, size_questions
+from churchpipe.resources import sample_case, sample_names
+from churchpipe.stones.blocks import derive_blocks
+from solids import box, on_ground
+
+CASE = """
+name = "w"
+[source]
+generator = "wall"
+length_m = 3.0
+height_m = 2.0
+thickness_m = 0.25
+brick_mm = [500, 250, 250]
+[material.default]
+unit_weight_kN_m3 = {weight}
+friction = {friction}
+cohesion_kPa = {cohesion}
+[[load]]
+direction = [0, 1, 0]
+[check]
+ag_g = {ground}
+soil_factor = 1.2
+"""
+SOUND = {"weight": 18, "friction": 0.6, "cohesion": 0, "ground": 0.15}
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"ground": 25}, "check.a_g is 25 g, usual are 0.001 to 1.5 g"),
+        ({"friction": 5}, "material.default.friction is 5, usual are 0.1 to 1.5"),
+        ({"weight": 200}, "material.default.unit_weight_kN_m3 is 200 kN/m3, usual are 8 to 35 kN/m3"),
+        ({"cohesion": 50e3}, "material.default.cohesion_kPa is 5e+04 kPa, usual are 0 to 2000 kPa"),
+    ],
+)
+def test_what_is_out_of_all_reason_is_questioned(change: dict[str, float], words: str, tmp_path: Path) -> None:
+    path = tmp_path / "w.toml"
+    path.write_text(CASE.format(**SOUND))
+    assert questions([read_case(path)]) == []
+    path.write_text(CASE.format(**SOUND | change))
+    [question] = questions([read_case(path), read_case(path)])
+    assert question.startswith(words)
+    assert question.endswith("Is it meant?")
+
+
+def test_sizes_are_questioned() -> None:
+    wall = on_ground(box((0, 3), (0, 1), (0, 250)), box((0, 3), (0, 1), (250, 500)), unit_weight=2e4)
+    height, stone = size_questions(wall)
+    assert height.startswith("the height of the structure is 500 m, usual are 0.05 to 200 m")
+    assert stone.startswith("the longest side of a stone is 250 m")
+    assert size_questions(on_ground(box((0, 3), (0, 1), (0, 2)), unit_weight=2e4)) == []
+
+
+@pytest.mark.parametrize("name", sample_names())
+def test_no_ready_case_is_questioned(name: str, tmp_path: Path) -> None:
+    path = tmp_path / f"{name}.toml"
+    path.write_text(sample_case(name))
+    case = read_case(path)
+    assert questions([case]) == []
+    assert size_questions(derive_blocks(case.building())) == []
