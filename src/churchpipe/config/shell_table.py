@@ -4,9 +4,8 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import shapely
-
 from churchpipe.errors import InputError
+from churchpipe.geometry.planar import area, polygon
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import SHELL_PATTERNS, Building
 from churchpipe.model.materials import Material
@@ -56,8 +55,8 @@ def shell_table(stones: Assemblage, elastic: Mapping[str, bool]) -> ShellTable:
 
 def element_size(building: Building) -> float:
     """Return the size of elements, m, to begin with: three quarters of a stone, or more where the walls are large."""
-    area = sum(shapely.Polygon(panel.outline).area for panel in building.panels)
+    covered = sum(area(polygon(panel.outline)) for panel in building.panels)
     stone = min(region.cell.b for panel in building.panels for region in panel.regions)
-    size = max(0.75 * stone, math.sqrt(3 * area / ELEMENTS))
+    size = max(0.75 * stone, math.sqrt(3 * covered / ELEMENTS))
     digits = 1 - math.floor(math.log10(size))
     return round(size, digits)

@@ -10,15 +10,21 @@ import shapely
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 
 Polygons = npt.NDArray[np.object_]
+Polygon = shapely.Polygon
 Region = shapely.Polygon | shapely.MultiPolygon
 # Coordinates rounded to this, m, for intersections that fail with the exact ones; boxes overlap by this much, m, where they do.
 GRID = 1e-9
 DOUBTFUL = 1e-6
 
 
-def polygon(outline: npt.ArrayLike) -> Region:
-    """Return the polygon with the given outline (n, 2)."""
-    return shapely.Polygon(np.asarray(outline, dtype=np.float64))
+def polygon(outline: npt.ArrayLike, holes: Sequence[FloatArray] = ()) -> shapely.Polygon:
+    """Return the polygon with the given outline (n, 2) and holes (n, 2)."""
+    return shapely.Polygon(np.asarray(outline, dtype=np.float64), holes)
+
+
+def rings(region: shapely.Polygon) -> list[FloatArray]:
+    """Return the outline of a polygon and those of its holes (n, 2), each closed: its first point is also its last."""
+    return [np.asarray(ring.coords, dtype=np.float64) for ring in (region.exterior, *region.interiors)]
 
 
 def polygons_of(corner: FloatArray, corner_ptr: IntArray) -> Polygons:
@@ -54,9 +60,14 @@ def bounds(polygons: Polygons) -> FloatArray:
     return np.asarray(shapely.bounds(polygons), dtype=np.float64)
 
 
-def extent(region: Region) -> FloatArray:
+def extent(region: shapely.Geometry) -> FloatArray:
     """Return the bounding rectangle s0, t0, s1, t1 (4,)."""
     return np.asarray(shapely.bounds(region), dtype=np.float64)
+
+
+def total_extent(polygons: Polygons) -> FloatArray:
+    """Return the rectangle s0, t0, s1, t1 (4,) that bounds all of the polygons."""
+    return np.asarray(shapely.total_bounds(polygons), dtype=np.float64)
 
 
 def vertices(region: Region) -> FloatArray:
@@ -106,6 +117,21 @@ def distances(region: Region, points: FloatArray) -> FloatArray:
 def distances_to(polygons: Polygons, point: FloatArray) -> FloatArray:
     """Return how far a point (2,) is from each polygon (n,), 0 inside."""
     return np.asarray(shapely.distance(polygons, shapely.Point(point)), dtype=np.float64)
+
+
+def within(first: Region, second: Region, gap: float) -> bool:
+    """Return whether two regions are no farther from each other than a gap."""
+    return bool(shapely.dwithin(first, second, gap))
+
+
+def touching(polygons: Polygons, region: Region) -> BoolArray:
+    """Return which polygons (n,) have a point in common with the region."""
+    return np.asarray(shapely.intersects(polygons, region))
+
+
+def contains(region: Region, points: FloatArray) -> BoolArray:
+    """Return which points (n, 2) lie inside the region, not on its border."""
+    return np.asarray(shapely.contains_xy(region, points))
 
 
 def inner_points(polygons: Polygons) -> FloatArray:
@@ -198,6 +224,12 @@ def pieces_of(regions: Polygons) -> tuple[Polygons, IntArray]:
     return np.asarray(part[keep], dtype=np.object_), np.asarray(owner[inner[keep]], dtype=np.int64)
 
 
+def hulls(points: FloatArray, owner: IntArray) -> Polygons:
+    """Return the convex hull of the points (n, 2) of each owner (n,), sorted; those without an area are dropped."""
+    found = np.asarray(shapely.convex_hull(shapely.multipoints(points, indices=owner)), dtype=np.object_)
+    return found[shapely.area(found) > 0]
+
+
 def clip(polygons: Polygons, region: Region) -> tuple[Polygons, IntArray]:
     """Return the polygons' parts inside the region, and the polygon (n,) each comes from; lines and points are dropped."""
     return pieces_of(np.asarray(shapely.intersection(polygons, region), dtype=np.object_))
@@ -207,11 +239,7 @@ def simple_parts(polygons: Polygons) -> tuple[Polygons, IntArray]:
     """Return the polygons, those whose outline touches itself as several that do not, and which (n,) each was part of."""
     if shapely.is_valid(polygons).all():
         return polygons, np.arange(len(polygons))
-    # Areas beside lines come as a collection of two collections.
-    group, owner = shapely.get_parts(shapely.make_valid(polygons), return_index=True)
-    part, member = shapely.get_parts(group, return_index=True)
-    keep = shapely.get_type_id(part) == shapely.GeometryType.POLYGON
-    return np.asarray(part[keep], dtype=np.object_), np.asarray(owner[member[keep]], dtype=np.int64)
+    return pieces_of(np.asarray(shapely.make_valid(polygons), dtype=np.object_))
 
 
 def common(first: Region, second: Region) -> Region:
@@ -239,9 +267,9 @@ def less(region: Region, holes: "Sequence[Region] | Polygons") -> Region:
     return _areal(shapely.difference(region, shapely.union_all(list(holes))))
 
 
-def united(regions: "Sequence[Region] | Polygons") -> Region:
-    """Return the union of regions."""
-    return _areal(shapely.union_all(list(regions)))
+def united(regions: "Sequence[Region] | Polygons", grid: float | None = None) -> Region:
+    """Return the union of regions, their coordinates rounded to a grid, m, if one is given."""
+    return _areal(shapely.union_all(list(regions), grid_size=grid))
 
 
 def shared_edges(polygons: Polygons, other: shapely.Polygon) -> FloatArray:

@@ -1,9 +1,8 @@
 """Stones seen from the front of their wall, and cut by the mid-plane of another."""
 
 import numpy as np
-import shapely
 
-from churchpipe.geometry.planar import Polygons
+from churchpipe.geometry.planar import Polygons, Region, hulls, polygon, united
 from churchpipe.model.arrays import FloatArray, IntArray, ragged_indices
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import Chart, CylinderChart, PlaneChart
@@ -18,7 +17,7 @@ ON_FACE = 1e-4
 def elevations(stones: Assemblage, blocks: IntArray, chart: Chart, thickness: float) -> Polygons:
     """Return the front of each of some stones (n,) of a wall, in chart coordinates."""
     _, normal, mean = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
-    found: list[shapely.Geometry] = []
+    found: list[Region] = []
     for block in blocks:
         faces = np.arange(*stones.block_face_ptr[block : block + 2])
         if isinstance(chart, PlaneChart):
@@ -27,7 +26,7 @@ def elevations(stones: Assemblage, blocks: IntArray, chart: Chart, thickness: fl
         else:
             faces = faces[np.abs(normal[faces, 2]) < ON_FACE]
             rings = [ring for face in faces for ring in _bent_front(chart, _corners(stones, int(face)), mean[face], thickness)]
-        found.append(shapely.union_all([shapely.Polygon(ring) for ring in rings]))
+        found.append(united([polygon(ring) for ring in rings]))
     return np.array(found, dtype=np.object_)
 
 
@@ -74,5 +73,4 @@ def sections(stones: Assemblage, blocks: IntArray, chart: PlaneChart, gap: float
     points = flat(chart, np.concatenate([start[cut] + share * (stop[cut] - start[cut]), start[on]]))
     _, owner = np.unique(np.concatenate([block[cut], block[on]]), return_inverse=True)
     order = np.argsort(owner, kind="stable")
-    hulls = np.asarray(shapely.convex_hull(shapely.multipoints(points[order], indices=owner.ravel()[order])), dtype=np.object_)
-    return hulls[shapely.area(hulls) > 0]
+    return hulls(points[order], owner.ravel()[order])

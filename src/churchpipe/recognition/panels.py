@@ -5,11 +5,28 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-import shapely
 from scipy.spatial import cKDTree
 
 from churchpipe.errors import InputError
-from churchpipe.geometry.planar import Polygons, Region
+from churchpipe.geometry.noding import joined_over_gaps, notches
+from churchpipe.geometry.planar import (
+    Polygon,
+    Polygons,
+    Region,
+    all_coordinates,
+    bounds,
+    boxes,
+    clip,
+    common_areas,
+    extent,
+    less,
+    pieces,
+    polygon,
+    rings,
+    total_extent,
+    touching,
+    united,
+)
 from churchpipe.geometry.polygons import corners
 from churchpipe.model.arguments import check_kind, positive
 from churchpipe.model.arrays import FloatArray, NameArray
@@ -90,13 +107,13 @@ def _panel(stones: Assemblage, wall: StoneWall, walls: Sequence[StoneWall], gap:
     filled = np.concatenate([own, _beside(stones, wall, walls, gap)])
     region = _closed(filled, own, gap)
     whole, openings = _openings(region)
-    rings, voussoirs = voussoir_rings(own, gap)
+    arches, voussoirs = voussoir_rings(own, gap)
     laid = np.setdiff1d(np.arange(len(own)), voussoirs)
-    cell = _cell(own[laid], stones.volume[wall.stones[laid]]) if len(laid) else rings[0].cell
-    marks = shapely.get_coordinates(filled)
+    cell = _cell(own[laid], stones.volume[wall.stones[laid]]) if len(laid) else arches[0].cell
+    marks = all_coordinates(filled)
     outline = _outline(whole, marks)
     lintels = _lintels(own[laid], openings, cell)
-    regions = (*((BondRegion("bond", outline, _pattern(own[laid], cell), cell),) if len(laid) else ()), *lintels, *rings)
+    regions = (*((BondRegion("bond", outline, _pattern(own[laid], cell), cell),) if len(laid) else ()), *lintels, *arches)
     materials, count = np.unique(stones.material[wall.stones], return_counts=True)
     return Panel(
         wall.name,
@@ -117,45 +134,40 @@ def _beside(stones: Assemblage, wall: StoneWall, walls: Sequence[StoneWall], gap
     In a junction the wall is as high as its own stones in it or beside it: a crossing wall that is higher there rises alone.
     """
     others = np.setdiff1d(np.flatnonzero(~stones.fixed), wall.stones)
-    _, bottom, _, top = shapely.total_bounds(wall.elevations)
-    alone: list[shapely.Geometry] = []
+    _, bottom, _, top = total_extent(wall.elevations)
+    alone: list[FloatArray] = []
     for start, stop in junction_spans(wall, walls):
-        near = shapely.intersects(wall.elevations, shapely.box(start - gap, bottom, stop + gap, top))
+        near = touching(wall.elevations, _box(start - gap, bottom, stop + gap, top))
         if near.any():
-            _, low, _, high = shapely.total_bounds(wall.elevations[near])
-            alone += [shapely.box(start, bottom - 1.0, stop, low), shapely.box(start, high, stop, top + 1.0)]
+            _, low, _, high = total_extent(wall.elevations[near])
+            alone += [np.array([start, bottom - 1.0, stop, low]), np.array([start, high, stop, top + 1.0])]
     found = [np.empty(0, dtype=np.object_)]
     for stretch in stretches(wall):
-        window = shapely.difference(shapely.box(stretch.low, bottom, stretch.high, top), shapely.union_all(alone))
-        found.append(np.asarray(shapely.intersection(sections(stones, others, stretch.chart, gap), window), dtype=np.object_))
-    beside = np.concatenate(found)
-    return beside[shapely.area(beside) > 0]
+        window = less(_box(stretch.low, bottom, stretch.high, top), boxes(np.array(alone).reshape(-1, 4)))
+        found.append(clip(sections(stones, others, stretch.chart, gap), window)[0])
+    return np.concatenate(found)
 
 
-def _closed(polygons: Polygons, own: Polygons, gap: float) -> shapely.Polygon:
+def _box(s0: float, t0: float, s1: float, t1: float) -> Polygon:
+    return boxes(np.array([[s0, t0, s1, t1]]))[0]
+
+
+def _closed(polygons: Polygons, own: Polygons, gap: float) -> Polygon:
     """Return the union closed over joints: the part of it that holds most of the wall's own stones."""
-    grown = shapely.buffer(shapely.union_all(polygons, grid_size=GRID), gap, join_style="mitre", mitre_limit=10.0)
-    closed = shapely.set_precision(shapely.buffer(grown, -gap, join_style="mitre", mitre_limit=10.0), GRID)
-    parts = [part for part in shapely.get_parts(shapely.simplify(closed, 2 * GRID)) if isinstance(part, shapely.Polygon)]
-    return max(parts, key=lambda part: float(shapely.area(shapely.intersection(own, part)).sum()))
+    return max(joined_over_gaps(polygons, gap, GRID), key=lambda part: float(common_areas(own, part).sum()))
 
 
-def _openings(region: shapely.Polygon) -> tuple[shapely.Polygon, list[shapely.Polygon]]:
+def _openings(region: Polygon) -> tuple[Region, list[Polygon]]:
     """Return the wall without openings, and the openings: holes, and doors, which are notches in the base only."""
-    whole = shapely.Polygon(region.exterior)
-    hull = shapely.convex_hull(whole)
-    base = float(shapely.bounds(whole)[1])
-    doors: list[shapely.Polygon] = []
-    for part in shapely.get_parts(shapely.difference(hull, whole)):
-        on_hull = shapely.intersection(shapely.boundary(hull), shapely.boundary(part))
-        if isinstance(part, shapely.Polygon) and on_hull.length > GRID and float(shapely.bounds(on_hull)[3]) < base + GRID:
-            doors.append(part)
-    filled = shapely.union_all([whole, *doors], grid_size=GRID)
-    holes = [shapely.Polygon(ring) for ring in region.interiors]
-    return (filled if isinstance(filled, shapely.Polygon) else whole), [*doors, *holes]
+    outer, *inner = rings(region)
+    whole = polygon(outer)
+    base = float(outer[:, 1].min())
+    doors = [notch for notch, mouth in notches(whole, GRID) if mouth[3] < base + GRID]
+    filled = pieces(united([whole, *doors], GRID))
+    return (filled[0] if len(filled) == 1 else whole), [*doors, *map(polygon, inner)]
 
 
-def _outline(region: shapely.Polygon, marks: FloatArray) -> FloatArray:
+def _outline(region: Region, marks: FloatArray) -> FloatArray:
     """Return the corners of a region, counter-clockwise, those that the grid has moved put back onto the stones' corners."""
     outline = corners(np.array([region], dtype=np.object_))[0]
     apart, nearest = cKDTree(marks).query(outline)
@@ -171,27 +183,27 @@ def _common(values: FloatArray, weights: FloatArray) -> float:
 
 
 def _cell(elevations: Polygons, volume: FloatArray) -> UnitCell:
-    low_s, low_t, high_s, high_t = shapely.bounds(elevations).T
+    low_s, low_t, high_s, high_t = bounds(elevations).T
     return UnitCell(a=_common(high_t - low_t, volume), b=_common(high_s - low_s, volume))
 
 
 def _lintels(elevations: Polygons, openings: Sequence[Region], cell: UnitCell) -> list[BondRegion]:
-    bounds = np.asarray(shapely.bounds(elevations))
+    extents = bounds(elevations)
     found: list[BondRegion] = []
     for hole in openings:
-        left, _, right, top = shapely.bounds(hole)
-        over = (np.abs(bounds[:, 1] - top) < 0.1 * cell.a) & (bounds[:, 0] < left + GRID) & (bounds[:, 2] > right - GRID)
-        for front in elevations[over & (bounds[:, 2] - bounds[:, 0] > LINTEL * cell.b)]:
+        left, _, right, top = extent(hole)
+        over = (np.abs(extents[:, 1] - top) < 0.1 * cell.a) & (extents[:, 0] < left + GRID) & (extents[:, 2] > right - GRID)
+        for front in elevations[over & (extents[:, 2] - extents[:, 0] > LINTEL * cell.b)]:
             found.append(BondRegion(f"lintel-{len(found) + 1}", corners(np.array([front]))[0], "single", cell, yields=False))
     return found
 
 
 def _pattern(elevations: Polygons, cell: UnitCell) -> Literal["running", "stack"]:
     """Return "stack" where most head joints go on in the next course, else "running"."""
-    bounds = np.asarray(shapely.bounds(elevations))
-    course = np.round(bounds[:, 1] / cell.a).astype(np.int64)
-    inner = bounds[:, 0] > bounds[:, 0].min() + 0.1 * cell.b
-    joint, course = bounds[inner, 0], course[inner]
+    start, bottom = bounds(elevations).T[:2]
+    course = np.round(bottom / cell.a).astype(np.int64)
+    inner = start > start.min() + 0.1 * cell.b
+    joint, course = start[inner], course[inner]
     goes_on = [bool((np.abs(joint[course == k + 1] - s) < 0.05 * cell.b).any()) for s, k in zip(joint, course, strict=True)]
     below_top = course < course.max(initial=0)
     return "stack" if below_top.any() and np.mean(np.array(goes_on)[below_top]) > 0.7 else "running"
@@ -199,12 +211,12 @@ def _pattern(elevations: Polygons, cell: UnitCell) -> Literal["running", "stack"
 
 def _parity(wall: StoneWall, walls: Sequence[StoneWall], cell: UnitCell) -> Literal[0, 1] | None:
     """Return on which courses, even or odd, the wall's own stones fill its junctions; None: on both."""
-    _, low, _, high = shapely.total_bounds(wall.elevations)
-    middle = shapely.bounds(wall.elevations)[:, [1, 3]].mean(axis=1)
+    _, low, _, high = total_extent(wall.elevations)
+    middle = bounds(wall.elevations)[:, [1, 3]].mean(axis=1)
     odd = np.floor(middle / cell.a).astype(np.int64) % 2 == 1
     filled = np.zeros(2)
     for start, stop in junction_spans(wall, walls):
-        area = shapely.area(shapely.intersection(wall.elevations, shapely.box(start, low, stop, high)))
+        area = common_areas(wall.elevations, _box(start, low, stop, high))
         filled += [area[~odd].sum(), area[odd].sum()]
     if filled.min() > 0.8 * filled.max() > 0:
         return None

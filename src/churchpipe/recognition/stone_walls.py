@@ -5,11 +5,10 @@ from dataclasses import dataclass
 from itertools import combinations, permutations
 
 import numpy as np
-import shapely
 
 from churchpipe.geometry.charts import lift, normals
 from churchpipe.geometry.clusters import components
-from churchpipe.geometry.planar import Polygons
+from churchpipe.geometry.planar import Polygons, area, common, total_extent, united, within
 from churchpipe.model.arrays import IntArray, NameArray, ragged_indices
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import Chart, PlaneChart
@@ -68,7 +67,7 @@ def stone_walls(stones: Assemblage, gap: float) -> tuple[list[StoneWall], IntArr
 
 def stretches(wall: StoneWall) -> list[Stretch]:
     """Return the plane stretches of a wall: the whole of a plane one, the legs of a curved one."""
-    low, _, high, _ = map(float, shapely.total_bounds(wall.elevations))
+    low, _, high, _ = map(float, total_extent(wall.elevations))
     chart = wall.chart
     if isinstance(chart, PlaneChart):
         return [Stretch(chart, low, high)]
@@ -89,8 +88,8 @@ def _check_leaves(stones: Assemblage, planes: Sequence[WallPlane], base: float, 
         if np.abs(one.normal - other.normal).max() > PLANE_TOLERANCE or abs(apart) > gap:
             continue
         chart = _chart(stones, one, base)
-        first, second = (shapely.union_all(elevations(stones, wall.stones, chart, wall.thickness)) for wall in (one, other))
-        if shapely.area(shapely.intersection(first, second)) > LEAST_LEAF * shapely.area(first):
+        first, second = (united(elevations(stones, wall.stones, chart, wall.thickness)) for wall in (one, other))
+        if area(common(first, second)) > LEAST_LEAF * area(first):
             raise behind_one_another("stones without a panel name", len(one.stones), len(other.stones))
 
 
@@ -101,8 +100,8 @@ def _joined(stones: Assemblage, planes: Sequence[WallPlane], base: float, gap: f
     for i, j in combinations(range(len(planes)), 2):
         if np.abs(place[i] - place[j]).max() < PLANE_TOLERANCE:
             chart = _chart(stones, planes[i], base)
-            first, second = (shapely.union_all(elevations(stones, planes[k].stones, chart, planes[i].thickness)) for k in (i, j))
-            links[i, j] = links[j, i] = bool(shapely.dwithin(first, second, gap))
+            first, second = (united(elevations(stones, planes[k].stones, chart, planes[i].thickness)) for k in (i, j))
+            links[i, j] = links[j, i] = within(first, second, gap)
     label = components(len(planes), np.argwhere(links))
     volume = [float(stones.volume[p.stones].sum()) for p in planes]
     rank = np.lexsort((-np.array(volume), -links.sum(axis=1)))

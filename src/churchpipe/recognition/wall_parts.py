@@ -4,10 +4,9 @@ from collections.abc import Sequence
 from itertools import combinations
 
 import numpy as np
-import shapely
 from scipy.optimize import brentq
 
-from churchpipe.geometry.planar import Polygons
+from churchpipe.geometry.planar import Polygons, areas, boxes, centroids, common_areas, total_extent, united, within
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import Part
 from churchpipe.recognition.stone_walls import StoneWall, stretches
@@ -48,10 +47,10 @@ def wall_parts(wall: StoneWall, walls: Sequence[StoneWall], outline: FloatArray,
         outline[:, 1],
     ]
     elevations = {name: wall.elevations[wall.tag == name] for name in [wall.name, *names]}
-    boxes = {name: shapely.total_bounds(polygons) for name, polygons in elevations.items()}
-    unions = {name: shapely.union_all(polygons) for name, polygons in elevations.items()}
+    extents = {name: total_extent(polygons) for name, polygons in elevations.items()}
+    unions = {name: united(polygons) for name, polygons in elevations.items()}
     for first, second in combinations(elevations, 2):
-        if not shapely.dwithin(unions[first], unions[second], near):
+        if not within(unions[first], unions[second], near):
             continue
         apart = _middle(elevations[second]) - _middle(elevations[first])
         axis = int(np.argmax(np.abs(apart)))
@@ -59,31 +58,24 @@ def wall_parts(wall: StoneWall, walls: Sequence[StoneWall], outline: FloatArray,
         line = _border(elevations[low], elevations[high], axis)
         mark = marks[axis][np.argmin(np.abs(marks[axis] - line))]
         line = mark if abs(mark - line) < near else line
-        boxes[low][2 + axis] = boxes[high][axis] = line
-    return tuple(Part(name, _box(boxes[name])) for name in names)
+        extents[low][2 + axis] = extents[high][axis] = line
+    return tuple(Part(name, _box(extents[name])) for name in names)
 
 
 def _middle(polygons: Polygons) -> FloatArray:
-    return np.asarray(shapely.get_coordinates(shapely.centroid(shapely.multipolygons(_simple(polygons))))[0])
-
-
-def _simple(polygons: Polygons) -> Polygons:
-    return np.asarray(shapely.get_parts(polygons), dtype=np.object_)
+    return np.average(centroids(polygons), axis=0, weights=areas(polygons))
 
 
 def _border(low: Polygons, high: Polygons, axis: int) -> float:
     """Return the line at which as much of the lower part lies above it as of the higher part below."""
-    bounds = shapely.total_bounds(np.concatenate([low, high]))
-    stop, start = float(shapely.total_bounds(low)[2 + axis]), float(shapely.total_bounds(high)[axis])
+    extent = total_extent(np.concatenate([low, high]))
+    stop, start = float(total_extent(low)[2 + axis]), float(total_extent(high)[axis])
     if stop <= start + TOUCH:
         return 0.5 * (start + stop)
 
     def excess(line: float) -> float:
-        over, under = bounds.copy(), bounds.copy()
-        over[axis] = under[2 + axis] = line
-        return float(
-            shapely.area(shapely.clip_by_rect(low, *over)).sum() - shapely.area(shapely.clip_by_rect(high, *under)).sum()
-        )
+        over, under = boxes(np.where(np.arange(4) == [[axis], [2 + axis]], line, extent))
+        return float(common_areas(low, over).sum() - common_areas(high, under).sum())
 
     return float(brentq(excess, start, stop, xtol=TOUCH))
 

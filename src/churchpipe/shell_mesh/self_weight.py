@@ -10,9 +10,8 @@ mid-surface covers only half of the zone, each carries all of its half. Total an
 from itertools import pairwise
 
 import numpy as np
-import shapely
 
-from churchpipe.geometry.planar import area, boxes, common, less, polygon
+from churchpipe.geometry.planar import area, areas, boxes, common, common_areas, less, polygons_of
 from churchpipe.geometry.polygons import TOLERANCE
 from churchpipe.model.arrays import FloatArray
 from churchpipe.shell_mesh.midplanes import MidSurface, corner_levels
@@ -25,13 +24,12 @@ def weight_factors(surface: MidSurface, corners: FloatArray) -> FloatArray:
     ----------
     surface: the mid-surface. corners: corners (nt, 3, 2) m of its facets, chart coordinates.
     """
-    facets = np.asarray(shapely.polygons(corners), dtype=np.object_)
-    whole = np.asarray(shapely.area(facets))
+    facets = polygons_of(corners.reshape(-1, 2), 3 * np.arange(len(corners) + 1))
+    whole = areas(facets)
     factor = np.ones(len(facets))
     for rectangle, share in _junction_shares(surface):
         near = (corners[:, :, 0].max(axis=1) > rectangle[0]) & (corners[:, :, 0].min(axis=1) < rectangle[2])
-        inside = shapely.area(shapely.intersection(facets[near], polygon(_outline(rectangle))))
-        factor[near] += (share - 1.0) * inside / whole[near]
+        factor[near] += (share - 1.0) * common_areas(facets[near], boxes(rectangle[None])[0]) / whole[near]
     return np.where(np.abs(factor) < 1e-9, 0.0, factor)
 
 
@@ -43,16 +41,11 @@ def _junction_shares(surface: MidSurface) -> list[tuple[FloatArray, float]]:
         levels = corner_levels(surface, span)
         for low, high in pairwise(levels):
             rectangle = np.array([span[0], low, span[1], high])
-            band = polygon(_outline(rectangle))
+            band = boxes(rectangle[None])[0]
             covered = area(common(surface.region, band))
             if covered > TOLERANCE:
                 shares.append((rectangle, area(common(owned, band)) / covered))
     return shares
-
-
-def _outline(rectangle: FloatArray) -> FloatArray:
-    s0, t0, s1, t1 = rectangle
-    return np.array([[s0, t0], [s1, t0], [s1, t1], [s0, t1]])
 
 
 def _merged(zones: FloatArray) -> FloatArray:

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-import shapely
 
 from churchpipe.errors import InputError
 from churchpipe.geometry.charts import base_level
 from churchpipe.geometry.clusters import NODE_TOLERANCE, clusters
-from churchpipe.geometry.planar import Polygons, extent, vertices
+from churchpipe.geometry.noding import faces_between
+from churchpipe.geometry.planar import Polygon, all_coordinates, contains, extent, inner_points, moved, polygon, rings, vertices
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.shell_mesh.midplanes import MidSurface, line_plan
 
@@ -62,25 +62,18 @@ def subdivide(surfaces: Sequence[MidSurface], sizes: Sequence[float]) -> list[Su
     return found
 
 
-def _faces(surface: MidSurface) -> list[shapely.Polygon]:
+def _faces(surface: MidSurface) -> list[Polygon]:
     low, bottom, high, top = extent(surface.region)
-    # Junction lines run over the whole height: a line that ended inside the wall would be dropped as dangling.
-    lines = [shapely.LineString([(s, bottom), (s, top)]) for s in surface.lines if low < s < high]
-    parts = [part.outline for part in surface.panel.parts]
-    borders = [shapely.LinearRing(outline) for outline in (*surface.regions, *parts)]
-    noded = shapely.union_all([shapely.boundary(surface.region), *borders, *lines], grid_size=GRID)
-    faces = np.asarray(shapely.get_parts(shapely.polygonize(shapely.get_parts(noded))), dtype=np.object_)
-    shapely.prepare(surface.region)
-    faces = faces[shapely.contains(surface.region, shapely.point_on_surface(faces))]
-    given = np.concatenate([vertices(surface.region), *surface.regions, *parts])
+    # Junction lines run over the whole height: a line that ended inside the wall would divide nothing.
+    lines = [np.array([(s, bottom), (s, top)]) for s in surface.lines if low < s < high]
+    outlines = [*surface.regions, *(part.outline for part in surface.panel.parts)]
+    borders = [np.concatenate([outline, outline[:1]]) for outline in outlines]
+    faces = faces_between(surface.region, [*borders, *lines], GRID)
+    given = np.concatenate([vertices(surface.region), *outlines])
     marks = [np.append(given[:, 0], surface.lines), given[:, 1]]
-
-    def exact(point: FloatArray) -> FloatArray:
-        return np.stack([_onto(point[:, axis], marks[axis]) for axis in (0, 1)], axis=1)
-
-    faces = np.asarray(shapely.transform(faces, exact), dtype=np.object_)
-    place = np.round(shapely.get_coordinates(shapely.point_on_surface(faces)), 6)
-    return list(faces[np.lexsort(place.T)])
+    point = all_coordinates(faces)
+    faces = moved(faces, np.stack([_onto(point[:, axis], marks[axis]) for axis in (0, 1)], axis=1))
+    return list(faces[np.lexsort(np.round(inner_points(faces), 6).T)])
 
 
 def _onto(values: FloatArray, marks: FloatArray) -> FloatArray:
@@ -91,13 +84,13 @@ def _onto(values: FloatArray, marks: FloatArray) -> FloatArray:
     return np.where(np.abs(nearest - values) <= GRID, nearest, values)
 
 
-def _bond_of(surface: MidSurface, faces: Sequence[shapely.Polygon]) -> IntArray:
-    inside: Polygons = np.asarray(shapely.point_on_surface(np.array(faces, dtype=np.object_)))
+def _bond_of(surface: MidSurface, faces: Sequence[Polygon]) -> IntArray:
+    inside = inner_points(np.array(faces, dtype=np.object_))
     bond = np.full(len(inside), -1, dtype=np.int64)
     for number, outline in enumerate(surface.regions):
-        bond[shapely.contains(shapely.Polygon(outline), inside)] = number
+        bond[contains(polygon(outline), inside)] = number
     if (bond < 0).any():
-        place = shapely.get_coordinates(inside[bond < 0])[0]
+        place = inside[bond < 0][0]
         raise InputError(
             f"Panel {surface.panel.name}",
             "a part of the wall has no bond",
@@ -107,8 +100,8 @@ def _bond_of(surface: MidSurface, faces: Sequence[shapely.Polygon]) -> IntArray:
     return bond
 
 
-def _levels_on(faces: Sequence[shapely.Polygon], s: float) -> FloatArray:
-    point = shapely.get_coordinates(np.array(faces, dtype=np.object_))
+def _levels_on(faces: Sequence[Polygon], s: float) -> FloatArray:
+    point = all_coordinates(np.array(faces, dtype=np.object_))
     return np.unique(point[np.abs(point[:, 0] - s) < NODE_TOLERANCE, 1])
 
 
@@ -117,11 +110,10 @@ def _distinct(levels: FloatArray) -> FloatArray:
     return ordered[np.append(True, np.diff(ordered) > NODE_TOLERANCE)] if len(ordered) else ordered
 
 
-def _with_levels(face: shapely.Polygon, s: float, levels: FloatArray) -> shapely.Polygon:
+def _with_levels(face: Polygon, s: float, levels: FloatArray) -> Polygon:
     """Return the face with corners added at the given heights on its edges along the line at s."""
 
-    def refined(ring: shapely.LinearRing) -> FloatArray:
-        point = shapely.get_coordinates(ring)
+    def refined(point: FloatArray) -> FloatArray:
         parts: list[FloatArray] = []
         for start, stop in pairwise(point):
             parts.append(start[None])
@@ -131,23 +123,23 @@ def _with_levels(face: shapely.Polygon, s: float, levels: FloatArray) -> shapely
                 parts.append(np.stack([np.full(len(between), s), between[:: 1 if stop[1] > start[1] else -1]], axis=1))
         return np.concatenate(parts)
 
-    return shapely.Polygon(refined(face.exterior), [refined(hole) for hole in face.interiors])
+    outer, *holes = map(refined, rings(face))
+    return polygon(outer, holes)
 
 
-def _numbered(
-    faces: Sequence[shapely.Polygon], bond: IntArray, stations: FloatArray, finest: FloatArray, size: float
-) -> Subdivision:
-    rings = [shapely.get_coordinates(ring)[:-1] for face in faces for ring in (face.exterior, *face.interiors)]
+def _numbered(faces: Sequence[Polygon], bond: IntArray, stations: FloatArray, finest: FloatArray, size: float) -> Subdivision:
+    outlines = [[ring[:-1] for ring in rings(face)] for face in faces]
+    flat = [ring for face in outlines for ring in face]
     # Rounded once more: a mesh must not hang on the last digits of equal buildings from different sources.
-    corners, number = np.unique(np.round(np.concatenate(rings), 11) + 0.0, axis=0, return_inverse=True)
-    loops = np.split(number.ravel(), np.cumsum([len(ring) for ring in rings])[:-1])
+    corners, number = np.unique(np.round(np.concatenate(flat), 11) + 0.0, axis=0, return_inverse=True)
+    loops = np.split(number.ravel(), np.cumsum([len(ring) for ring in flat])[:-1])
     ends = np.concatenate([np.stack([loop, np.roll(loop, -1)], axis=1) for loop in loops])
     edges = np.unique(np.sort(ends, axis=1), axis=0)
     largest = np.full(len(edges), size)
     for s, shared in zip(stations, finest, strict=True):
         on_line = (np.abs(corners[edges][:, :, 0] - s) < NODE_TOLERANCE).all(axis=1)
         largest[on_line] = np.minimum(largest[on_line], shared)
-    counts = np.cumsum([0] + [1 + len(face.interiors) for face in faces])
+    counts = np.cumsum([0] + [len(face) for face in outlines])
     return Subdivision(
         corners,
         edges,
