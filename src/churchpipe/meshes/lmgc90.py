@@ -86,7 +86,12 @@ def _contactor(record: _Record, lines: list[tuple[int, str]], position: int, sou
         axes = ("coo1", "coo2", "coo3") if kind == "POLYR" else ("coo1", "coo2")
         sound = len(held) == vertices + faces and all(axis in row for row in held[:vertices] for axis in axes)
         corners = [tuple(int(row.get(f"ver{k}", 0)) - 1 for k in (1, 2, 3)) for row in held[vertices:]]
-        if not sound or any(min(face) < 0 or max(face) >= vertices for face in corners) or vertices < 3:
+        if (
+            not sound
+            or any(min(face) < 0 or max(face) >= vertices for face in corners)
+            or vertices < 3
+            or (kind == "POLYR" and not faces)
+        ):
             source.findings.append(damaged(row, line, "as many vertices and faces as it announces"))
             return position
         points = np.array([[row[axis] for axis in axes] for row in held[:vertices]])

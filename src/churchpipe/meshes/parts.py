@@ -5,6 +5,8 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from churchpipe.geometry.clusters import clusters
+from churchpipe.geometry.mending import NEARLY
 from churchpipe.meshes.source import Face
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.surfaces import edges
@@ -26,10 +28,25 @@ def parts_of(points: FloatArray, faces: Sequence[Face]) -> list[list[int]]:
         label = inverse.ravel().tolist()
         welded = {number: tuple(label[node] for node in faces[number]) for number in rest}
         keys = [(min(a, b), max(a, b)) for number in rest for a, b in edges(welded[number])]
+        open_parts = []
         for part in _connected(rest, keys, [len(faces[number]) for number in rest]):
             numbers = [rest[k] for k in part]
-            parts += [numbers] if _closes(welded, numbers) else _runs(welded, numbers)
+            for run in [numbers] if _closes(welded, numbers) else _runs(welded, numbers):
+                (parts if _closes(welded, run) else open_parts).append(run)
+        parts += _nearly_meeting(points, faces, open_parts)
     return sorted(parts)
+
+
+def _nearly_meeting(points: FloatArray, faces: Sequence[Face], parts: list[list[int]]) -> list[list[int]]:
+    """Join open parts whose vertices nearly meet: the faces of a body whose corners were rounded apart."""
+    if len(parts) < 2:
+        return parts
+    nodes = [sorted({node for number in part for node in faces[number]}) for part in parts]
+    size = float(np.median([np.linalg.norm(np.ptp(points[list(part)], axis=0)) for part in nodes]))
+    used = np.concatenate(nodes)
+    label = clusters(points[used], max(NEARLY * size, 1e-300)).tolist()
+    joined = _connected(parts, [(key,) for key in label], [len(part) for part in nodes])
+    return [sorted(number for k in group for number in parts[k]) for group in joined]
 
 
 def _connected(faces: Sequence[object], keys: Sequence[tuple[int, ...]], sizes: Sequence[int]) -> list[list[int]]:

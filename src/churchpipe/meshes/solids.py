@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-import shapely
+from scipy.spatial import ConvexHull
 
 from churchpipe.dxf.schema import LARGEST_COORDINATE
 from churchpipe.dxf.stones import Stone
@@ -42,9 +42,9 @@ class Parted:
 
     @property
     def sizes(self) -> list[float]:
-        """Geometric mean of the extents of each part, of those that it has, units of the file."""
+        """Geometric mean of the extents of each part, those left out in which it is flat, units of the file."""
         boxes = [np.ptp(points, axis=0) for points, _ in self.parts]
-        return [float(np.exp(np.log(box[box > 0]).mean())) for box in boxes if (box > 0).sum() >= 2]
+        return [float(np.exp(np.log(box[box > 1e-3 * box.max()]).mean())) for box in boxes if box.any()]
 
 
 def parted(source: Source) -> list[Parted]:
@@ -194,13 +194,11 @@ def _extruded(outline: FloatArray, faces: Sequence[Face], thickness: float) -> t
 def _plate(points: FloatArray) -> tuple[FloatArray, list[Face]]:
     """Return a solid below flat faces of ground: its outline is their hull."""
     level = points - points.mean(axis=0)
-    normal = np.linalg.svd(level)[2][-1]
+    side, _, normal = np.linalg.svd(level)[2]
     up = normal if normal[2] >= 0 else -normal
-    side = np.linalg.svd(level)[2][0]
-    across = np.cross(up, side)
-    hull = shapely.convex_hull(shapely.multipoints(np.column_stack([level @ side, level @ across])))
-    ring = shapely.get_coordinates(shapely.orient_polygons(hull))[:-1]
-    top = points.mean(axis=0) + ring[:, :1] * side + ring[:, 1:] * across
+    plan = np.column_stack([level @ side, level @ np.cross(up, side)])
+    # The corners of a hull in the plane run counter-clockwise.
+    top = points[ConvexHull(plan).vertices]
     depth = PLATE * float(np.ptp(level, axis=0).max())
     count = len(top)
     sides: list[Face] = [(i, i + count, (i + 1) % count + count, (i + 1) % count) for i in range(count)]

@@ -1,0 +1,264 @@
+"""What files of real models had: each fault in a small file, and exactly the findings it deserves."""
+
+from collections.abc import Callable
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import churchpipe as cp
+from churchpipe.findings import Findings, FindingsError
+from churchpipe.model.arrays import FloatArray
+from churchpipe.model.assemblage import Assemblage
+from mesh_files import fortran, triangles
+from solids import BOX_FACES, box, prism
+
+Faces = list[list[int]]
+Solid = tuple[str, FloatArray, Faces]
+LOW = box((0, 1), (0, 1), (0, 0.5))[0]
+HIGH = box((0, 1), (0, 1), (0.5, 1))[0]
+GROUND: Solid = ("ground", box((-1, 2), (-1, 2), (-0.5, 0))[0], BOX_FACES)
+# Of every OBJ that is read: no unit weight, ground by its name, no unit.
+ALWAYS = {"W19", "W43", "W45"}
+
+
+def obj(path: Path, *bodies: Solid, digits: str = ".17g") -> Path:
+    lines, offset = [], 1
+    for name, points, faces in bodies:
+        lines += [f"o {name}", *("v " + " ".join(f"{value:{digits}}" for value in point) for point in points.tolist())]
+        lines += ["f " + " ".join(str(node + offset) for node in face) for face in faces]
+        offset += len(points)
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def tower(path: Path, points: FloatArray, faces: Faces) -> Path:
+    """A sound stone on the ground, and the one in question on it."""
+    return obj(path, GROUND, ("low", LOW, BOX_FACES), ("high", points, faces))
+
+
+def codes(findings: Findings) -> set[str]:
+    return set(findings.codes) - ALWAYS
+
+
+def soup(points: FloatArray, faces: Faces) -> tuple[FloatArray, Faces]:
+    """Each face with vertices of its own."""
+    ends = np.cumsum([0, *(len(face) for face in faces)])
+    return np.concatenate([points[face] for face in faces]), [list(range(a, b)) for a, b in pairwise(ends)]
+
+
+def warped() -> tuple[FloatArray, Faces]:
+    points = HIGH.copy()
+    points[7] += [0, 0, 0.02]
+    return points, BOX_FACES
+
+
+def noisy_soup() -> tuple[FloatArray, Faces]:
+    points, faces = soup(HIGH, BOX_FACES)
+    return points + 1e-6 * np.random.default_rng(0).uniform(-1, 1, points.shape), faces
+
+
+def edge_corner() -> tuple[FloatArray, Faces]:
+    return np.vstack([HIGH, [0.5, 0, 0.5]]), [*BOX_FACES[:2], [0, 8, 4, 5, 1], *BOX_FACES[3:]]
+
+
+HARMLESS: dict[str, tuple[FloatArray, Faces, set[str], str]] = {
+    "triangles": (HIGH, triangles(HIGH, BOX_FACES), set(), ""),
+    "inside out": (HIGH, [face[::-1] for face in BOX_FACES], {"W40"}, "the body was inside out and was turned"),
+    "mixed windings": (
+        HIGH,
+        [face[:: -1 if k in (0, 3) else 1] for k, face in enumerate(BOX_FACES)],
+        {"W40"},
+        "turned to run like",
+    ),
+    "closed by welding": (*soup(HIGH, BOX_FACES), {"W40"}, "vertices at one place were welded (16)"),
+    "warped": (*warped(), {"W10"}, "1 faces are warped, by"),
+}
+MENDED: dict[str, tuple[FloatArray, Faces, str]] = {
+    "every face twice": (HIGH, BOX_FACES * 2, "faces given more than once were dropped (6); volume 1 m3 before, 0.5 m3 after"),
+    "both sides": (HIGH, [*BOX_FACES, *(face[::-1] for face in BOX_FACES)], "faces given more than once were dropped (6)"),
+    "nearly meeting": (*noisy_soup(), "vertices that nearly met were joined (16)"),
+    "corner on an edge": (*edge_corner(), "corners on an edge of a neighbour were put into it (1)"),
+    "hole of one face": (HIGH, BOX_FACES[:-1], "holes of one face were closed (1)"),
+}
+
+
+@pytest.mark.parametrize("name", HARMLESS)
+def test_what_changes_no_shape_is_mended_and_told(name: str, tmp_path: Path) -> None:
+    points, faces, expected, text = HARMLESS[name]
+    stones, findings = cp.read_stones(tower(tmp_path / "tower.obj", points, faces))
+    assert codes(findings) == expected
+    assert text in str(findings)
+    assert stones.count == 3
+    contacts = cp.find_contacts(stones)
+    assert contacts.area.sum() == pytest.approx(2.0)
+    if name != "warped":
+        assert stones.volume[2] == pytest.approx(0.5)
+        assert np.diff(stones.block_face_ptr).tolist() == [6, 6, 6]
+
+
+@pytest.mark.parametrize("name", MENDED)
+def test_what_may_change_a_shape_is_an_error_with_its_remedy_and_mended_on_request(name: str, tmp_path: Path) -> None:
+    points, faces, text = MENDED[name]
+    path = tower(tmp_path / "tower.obj", points, faces)
+    with pytest.raises(FindingsError) as raised:
+        cp.read_stones(path)
+    assert codes(raised.value.findings) - {"W40"} == {"E10"}
+    assert "Pass --repair to mend it." in str(raised.value)
+    stones, findings = cp.read_stones(path, repair=True)
+    assert codes(findings) - {"W10"} == {"W41"}
+    assert text in str(findings)
+    assert stones.volume[2] == pytest.approx(0.5, rel=1e-5)
+
+
+def test_a_stone_that_stays_open_is_named_with_its_place(tmp_path: Path) -> None:
+    path = tower(tmp_path / "tower.obj", HIGH, [BOX_FACES[0], BOX_FACES[2], BOX_FACES[4]])
+    for repair in (False, True):
+        with pytest.raises(FindingsError) as raised:
+            cp.read_stones(path, repair=repair)
+        text = str(raised.value)
+        assert 'obj/E10 tower.obj: object "high" at' in text
+        assert "its faces do not close a solid, an open edge: expected every edge shared by two faces." in text
+        assert "Close it in the program that made it." in text
+
+
+def test_joints_and_ground_of_one_face_are_left_out_or_thickened(tmp_path: Path) -> None:
+    flat = np.array([[-1.0, -1, 0], [2, -1, 0], [2, 2, 0], [-1, 2, 0]])
+    joint = np.array([[0.0, 0, 0.5], [1, 0, 0.5], [1, 1, 0.5], [0, 1, 0.5]])
+    bodies = [
+        ("ground", flat, [[0, 1, 2, 3]]),
+        ("low", LOW, BOX_FACES),
+        ("high", HIGH, BOX_FACES),
+        ("joint", joint, [[0, 1, 2, 3]]),
+    ]
+    stones, findings = cp.read_stones(obj(tmp_path / "tower.obj", *bodies))
+    assert codes(findings) == {"W18"}
+    assert "left out: 1 flat faces that enclose nothing" in str(findings)
+    assert stones.fixed.tolist() == [True, False, False]
+    assert cp.find_contacts(stones).area.tolist() == pytest.approx([1.0, 1.0])
+
+
+def test_stones_drawn_twice_are_an_error_and_dropped_on_request(tmp_path: Path) -> None:
+    path = obj(tmp_path / "tower.obj", GROUND, ("low", LOW, BOX_FACES), ("again", LOW, BOX_FACES))
+    with pytest.raises(FindingsError, match=r"obj/E11"):
+        cp.read_stones(path)
+    stones, findings = cp.read_stones(path, repair=True)
+    assert codes(findings) == {"W11"}
+    assert stones.count == 2
+
+
+def test_several_solids_under_one_name_are_stones_of_their_own(tmp_path: Path) -> None:
+    both = np.concatenate([LOW, HIGH]), [*BOX_FACES, *([node + 8 for node in face] for face in BOX_FACES)]
+    stones, findings = cp.read_stones(obj(tmp_path / "pier.obj", GROUND, ("pier", *both)))
+    assert codes(findings) == {"W42"}
+    assert stones.block_id.tolist() == ["ground", "pier.1", "pier.2"]
+
+
+def test_no_ground_is_an_error_that_names_the_way_out(tmp_path: Path) -> None:
+    path = obj(tmp_path / "tower.obj", ("low", LOW, BOX_FACES), ("high", HIGH, BOX_FACES))
+    with pytest.raises(FindingsError, match=r"obj/E12 .* or pass --support base"):
+        cp.read_stones(path)
+    stones, findings = cp.read_stones(path, support="base")
+    assert codes(findings) == {"W12"}
+    assert stones.fixed.tolist() == [False, False, True]
+
+
+@pytest.mark.parametrize("digits", [".7g", ".6g", ".5g"])
+def test_a_bridge_whose_coordinates_have_few_digits_stands(digits: str, tmp_path: Path) -> None:
+    # 22 voussoirs over a segment of 120 degrees; with 7 digits its beds are open by some 1e-6 m.
+    angle = np.radians(np.linspace(30, 150, 23))
+    ring = [
+        prism([(r * np.cos(a), r * np.sin(a)) for r, a in ((5.0, s), (5.8, s), (5.8, t), (5.0, t))], 2.0)
+        for s, t in pairwise(angle)
+    ]
+    feet = []
+    for a in (angle[0], angle[-1]):
+        (x0, z0), (x1, z1) = ((r * np.cos(a), r * np.sin(a)) for r in (5.0, 5.8))
+        feet.append(prism([(x0, z0), (x1, z1), (x1, 1.0), (x0, 1.0)], 2.0))
+    exact = Assemblage.from_polyhedra([*ring, *feet], 20e3, fixed=[22, 23])
+    written = [(name, points, triangles(points, faces)) for name, points, faces, _ in solids(exact)]
+    read, findings = cp.read_stones(obj(tmp_path / "bridge.obj", *written, digits=digits), unit_weight=20e3)
+    assert codes(findings) <= {"W10"}
+    found, clean = cp.find_contacts(read), cp.find_contacts(exact)
+    assert len(found.blocks) == len(clean.blocks) == 23
+    load = cp.LoadCase(direction=(1, 0, 0))
+    factor = cp.limit_analysis(read, found, load, friction=0.7).load_factor
+    expected = cp.limit_analysis(exact, clean, load, friction=0.7).load_factor
+    assert factor == pytest.approx(expected, rel={".7g": 1e-5, ".6g": 1e-4, ".5g": 1e-3}[digits])
+
+
+def lmgc90(tmp_path: Path, *bodies: str) -> Path:
+    path = tmp_path / "BODIES.DAT"
+    path.write_text("! File BODIES\n" + "".join(bodies))
+    return path
+
+
+def polyr(points: FloatArray, faces: Faces) -> str:
+    lines = [f" POLYR      1  color  BLEUx  nb_vertex={len(points):5d}      nb_face={len(faces):5d}"]
+    lines += [" " * 29 + "  ".join(f"coo{k + 1}={fortran(v)}" for k, v in enumerate(row)) for row in points.tolist()]
+    lines += [" " * 29 + "  ".join(f"ver{k + 1}= {node + 1:<14d}" for k, node in enumerate(face)) for face in faces]
+    return "\n".join(lines) + "\n"
+
+
+def record(number: int, *contactors: str, kind: str = "RBDY3", node: str = "NO6xx") -> str:
+    places = "coo1= 0.0000000D+00  coo2= 0.0000000D+00  coo3= 0.0000000D+00"
+    head = f"$bdyty\n {kind}  {number:5d}\n$blmty\n PLAIN      1  behav  PLEXx  avrd= 0.0D+00  gyrd= 0.0D+00\n"
+    return f"{head}$nodty\n {node}      1                {places}\n$tacty\n{''.join(contactors)}$$$$$$\n"
+
+
+def test_a_stone_of_several_hulls_is_united(tmp_path: Path) -> None:
+    # An L of two hulls that share a face, on a plate.
+    hulls = [box((0, 2), (0, 1), (0, 1))[0], box((0, 1), (0, 1), (1, 2))[0]]
+    plate = " PLANx      1  color  BLEUx  axe1= 0.5000000D+01  axe2= 0.5000000D+01  axe3= 0.1000000D+00\n"
+    ground = record(2, plate).replace("coo3= 0.0000000D+00", "coo3=-0.1000000D+00")
+    path = lmgc90(tmp_path, record(1, *(polyr(p, triangles(p, BOX_FACES)) for p in hulls)), ground)
+    stones, findings = cp.read_stones(path)
+    assert set(findings.codes) == {"W19", "W44", "W45"}
+    assert "2 hulls were united to one stone; volume 3 m3 together, 3 m3 united" in str(findings)
+    assert stones.fixed.tolist() == [False, True]
+    assert stones.volume[0] == pytest.approx(3.0)
+    assert np.diff(stones.block_face_ptr)[0] == 8
+    assert cp.find_contacts(stones).area.sum() == pytest.approx(2.0)
+
+
+def test_a_model_of_the_plane_asks_for_its_thickness(tmp_path: Path) -> None:
+    corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 0.5), (0.0, 0.5)]
+    rows = "".join(" " * 29 + f"coo1={fortran(x)}  coo2={fortran(y)}\n" for x, y in corners)
+    stone = f" POLYG      1  color  BLEUx  nb_vertex=    4      byrd= 0.0000000D+00\n{rows}"
+    plate = " JONCx      1  color  BLEUx  ax1 = 0.5000000D+01  ax2 = 0.1000000D+00\n"
+    ground = record(2, plate, kind="RBDY2", node="NO3xx").replace("coo2= 0.0000000D+00", "coo2=-0.1000000D+00")
+    path = lmgc90(tmp_path, record(1, stone, kind="RBDY2", node="NO3xx"), ground)
+    with pytest.raises(FindingsError, match=r"lmgc90/E\d\d BODIES.DAT: .*--thickness"):
+        cp.read_stones(path)
+    stones, _ = cp.read_stones(path, thickness=0.3)
+    assert stones.volume[0] == pytest.approx(0.15)
+    assert cp.find_contacts(stones).area.tolist() == pytest.approx([0.3])
+
+
+@pytest.mark.parametrize(
+    ("line", "code"),
+    [
+        (" RBDY3      x\n", "E03"),
+        (" POLYR      1  color  BLEUx  nb_vertex=    9      nb_face=   12\n", "E03"),
+        (" POLYR      1  color  BLEUx  nb_vertex=    8      nb_face=   1x\n", "E03"),
+    ],
+)
+def test_damaged_records_are_named_by_their_line(line: str, code: str, tmp_path: Path) -> None:
+    text = record(1, polyr(LOW, triangles(LOW, BOX_FACES)))
+    key = line.split()[0]
+    damaged = "".join(line if row.split()[:1] == [key] else row for row in text.splitlines(keepends=True))
+    with pytest.raises(FindingsError, match=rf"lmgc90/{code} BODIES.DAT: .*line \d+"):
+        cp.read_stones(lmgc90(tmp_path, damaged), support="base")
+
+
+def _cut(text: str) -> str:
+    return text[: len(text) // 2]
+
+
+@pytest.mark.parametrize("change", [_cut, str.upper, lambda text: text.replace("1", "one"), lambda text: text.replace("v", "w")])
+def test_a_damaged_obj_is_named(change: Callable[[str], str], tmp_path: Path) -> None:
+    path = tower(tmp_path / "tower.obj", HIGH, BOX_FACES)
+    path.write_text(change(path.read_text()))
+    with pytest.raises(FindingsError):
+        cp.read_stones(path)
