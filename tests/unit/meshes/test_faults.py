@@ -11,7 +11,7 @@ import churchpipe as cp
 from churchpipe.findings import Findings, FindingsError
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
-from mesh_files import fortran, triangles
+from mesh_files import fortran, solids, triangles
 from solids import BOX_FACES, box, prism
 
 Faces = list[list[int]]
