@@ -225,3 +225,22 @@ WRITERS: dict[str, Callable[[Assemblage, Path], Path]] = {
     "3dec-5": lambda stones, folder: write_3dec(stones, folder / "wall.dat", version=5),
     "folder": lambda stones, folder: write_folder(stones, folder / "stones"),
 }
+
+
+def fuzz_wall() -> Assemblage:
+    """Twelve bricks in four courses on a plate, sizes with an exact binary form."""
+    from solids import box
+
+    bricks = [
+        box((x + 0.125 * (z % 2), x + 0.25 + 0.125 * (z % 2)), (0, 0.125), (0.125 * z, 0.125 * z + 0.125))
+        for z in range(4)
+        for x in (0, 0.25, 0.5)
+    ]
+    return Assemblage.from_polyhedra([box((-1, 2), (-1, 1), (-0.5, 0)), *bricks], 18e3, fixed=[0])
+
+
+def write_dxf_drawing(stones: Assemblage, folder: Path) -> Path:
+    from churchpipe.dxf.writer import write_dxf
+
+    write_dxf(stones, folder / "wall.dxf")
+    return folder / "wall.dxf"

@@ -31,7 +31,9 @@ def read_obj(path: Path) -> Source:
         parts = rest.split()
         if word == "v":
             try:
-                x, y, z = (number(part) for part in parts[:3])
+                x, y, z = [number(part) for part in parts][:3]
+                if len(parts) not in (3, 4, 6, 7):
+                    raise ValueError(line)
             except ValueError:
                 source.findings.append(damaged(row, line, "v with three numbers"))
                 x, y, z = 0.0, 0.0, 0.0
@@ -57,6 +59,7 @@ def read_obj(path: Path) -> Source:
     if used < len(points):
         found = f"no face has the last {len(points) - used} of {len(points)} vertices: the file is truncated"
         source.findings.append(Finding("E03", found, remedy="Export it again, or delete these vertices."))
+    others["vertices of no face"] += used - len({node for face in faces for node in face})
     source.findings += left_out(others)
     by_object = len({label[0] for label in labels}) >= len({label[1] for label in labels})
     bodies: dict[str, tuple[list[Face], str]] = {}

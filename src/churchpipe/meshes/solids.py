@@ -50,6 +50,7 @@ class Parted:
 def parted(source: Source) -> list[Parted]:
     """Return the bodies of a file with their parts; what cannot be read joins the findings of the source."""
     out: list[Parted] = []
+    unused = 0
     for body in source.bodies:
         if flaw := _insane(body.points, body.faces):
             source.findings.append(body.place.finding("E10", f"the body cannot be read: {flaw}", expected=CLOSED))
@@ -60,6 +61,8 @@ def parted(source: Source) -> list[Parted]:
             sizes = np.cumsum([len(body.faces[number]) for number in part])[:-1]
             parts.append((body.points[used], [tuple(face.tolist()) for face in np.split(inverse.ravel(), sizes)]))
         out.append(Parted(body, parts))
+        unused += len(body.points) - len({node for face in body.faces for node in face})
+    source.findings += left_out({"vertices of no face": unused})
     return out
 
 

@@ -12,6 +12,7 @@ from churchpipe.meshes.source import Body, Face, Source, damaged, left_out, numb
 
 _CREATE = re.compile(r"\s*(block\s+create\s+)?poly(hedron)?\b", re.IGNORECASE)
 _OTHERS = re.compile(r"\s*(block\s+create\s+|poly\s+)(brick|prism|tunnel|tetrahedron|cube)\b", re.IGNORECASE)
+_FACE = re.compile(r"\bface[\s(]+[-+.\d]", re.IGNORECASE)
 _FIX = re.compile(r"\s*(block\s+)?fix\b", re.IGNORECASE)
 _JOIN = re.compile(r"\s*(block\s+)?join\b", re.IGNORECASE)
 _REGION = re.compile(r"\b(?:region|reg|r)\s*=?\s*(\d+)", re.IGNORECASE)
@@ -48,6 +49,8 @@ def read_3dec(path: Path) -> Source:
                 source.findings.append(damaged(row, line, _SHAPE))
             else:
                 blocks.append(block)
+        elif _FACE.search(line):
+            source.findings.append(damaged(row, line, "poly or block create polyhedron before its faces"))
         elif _FIX.match(line) and (region or group):
             fixed.add(("region", region) if region else ("group", group))
         elif _JOIN.match(line) and region:
