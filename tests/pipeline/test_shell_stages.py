@@ -1,6 +1,7 @@
 """The stages of the shell, called one after the other: what they hand on, and what happens when there is no shell to be had."""
 
 import csv
+import html
 import re
 from collections.abc import Callable
 from dataclasses import replace
@@ -131,8 +132,12 @@ def test_both_models_are_in_the_summary(case: Path) -> None:
     summary = make(case)
     run = case.parent / "run"
     assert list(summary) == [
-        *("case", "blocks", "interfaces", "contact_points", "weight_kN", "shell", "match", "analyses", "comparison")
+        *("case", "blocks", "interfaces", "contact_points", "weight_kN", "shell", "match", "analyses", "comparison"),
+        *("guidance", "questions"),
     ]
+    assert summary["guidance"][0].startswith("Load +y: use 0.2500 (rigid blocks, associative), the careful value")
+    assert summary["guidance"][0] in html.unescape(page(case))
+    assert summary["questions"] == []
     shell = read_npz(run / "shell" / "base" / "shell.npz", ShellModel)
     assert summary["shell"] == {"elements": len(shell.triangles), "nodes": len(shell.points), "element_size_mm": 400}
     assert summary["match"]["passed"]
@@ -142,7 +147,7 @@ def test_both_models_are_in_the_summary(case: Path) -> None:
         "rigid-block",
         "homogenised-shell",
         "limit",
-        "paper",
+        "cell",
     )
     assert rigid["load_factor"] == pytest.approx(0.25, rel=1e-6)
     # Three elements a side: the hinge lies above the foot, within the lowest row. tests/validation refines.
@@ -285,15 +290,26 @@ def test_a_drawing_without_walls_is_analysed_as_stones(tmp_path: Path) -> None:
 
 
 def test_what_the_shell_refuses_does_not_stop_the_stones(case: Path) -> None:
-    summary = make(case, "material.default.friction=1.2")
+    summary = make(case, "material.default.friction=1.2", "shell.planes=paper")
     rigid, limit = summary["analyses"]
     assert rigid["status"] == "optimal"
     assert (limit["status"], limit["load_factor"]) == ("failed", None)
     assert 'Use planes = "cell"' in limit["message"]
     assert bad_news(summary) == [limit]
     assert "Use planes = &#34;cell&#34;" in page(case)
-    again = make(case, "material.default.friction=1.2", "shell.planes=cell", "shell.element_size_mm=600")
+    again = make(case, "material.default.friction=1.2", "shell.element_size_mm=600")
     assert again["analyses"][1]["status"] == "optimal"
+
+
+def test_planes_of_the_paper_say_that_they_are_too_strong(case: Path) -> None:
+    summary = make(case, "shell.planes=paper", "shell.element_size_mm=600")
+    (limit,) = (record for record in summary["analyses"] if record["model"] == "homogenised-shell")
+    assert "outer approximation" in limit["message"]
+    assert "outer approximation" in summary["guidance"][0]
+    assert "outer approximation" in page(case)
+    assert "planes of the paper (too strong)" in page(case)
+    with (case.parent / "run" / "table.csv").open() as file:
+        assert [row["planes"] for row in csv.DictReader(file)] == ["", "paper"]
 
 
 def test_the_check_and_the_macro_elements_are_in_the_summary_and_the_report(tmp_path: Path) -> None:
