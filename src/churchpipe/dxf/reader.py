@@ -9,13 +9,15 @@ import numpy as np
 
 from churchpipe.dxf import schema
 from churchpipe.dxf.duplicates import distinct_stones
+from churchpipe.dxf.elevation import ElevationPlane, stones_of_traces
+from churchpipe.dxf.jointing import JointMode, Mortar, jointed, unnamed_joints
 from churchpipe.dxf.opening import open_document
 from churchpipe.dxf.properties import decode_properties
-from churchpipe.dxf.stones import Stone, survey
-from churchpipe.dxf.units import find_unit
+from churchpipe.dxf.stones import Stone, Survey, summary, survey
+from churchpipe.dxf.units import declared_unit, find_unit
 from churchpipe.errors import InputError
 from churchpipe.findings import Finding, Findings, FindingsError
-from churchpipe.model.arguments import check_kind, finite, path_of
+from churchpipe.model.arguments import check_kind, finite, one_of, path_of, positive
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.loads import LoadCase
@@ -43,47 +45,65 @@ class Drawing:
     unweighted: tuple[str, ...] = ()
 
 
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """How a drawing is read: the parameters of `read_drawing` and their defaults, checked."""
+
+    units: str | None = None
+    repair: bool = False
+    support: Literal["drawn", "base"] = "drawn"
+    thickness: float | None = None
+    plane: ElevationPlane = "xz"
+    joint: float | None = None
+    joint_mode: JointMode = "grow"
+    mortar: Mortar = "counted"
+
+    def __post_init__(self) -> None:
+        if self.units is not None:
+            schema.metres(self.units)
+        check_kind("repair", self.repair, bool)
+        one_of("support", self.support, "drawn", "base")
+        one_of("plane", self.plane, "xz", "xy")
+        one_of("joint_mode", self.joint_mode, "grow", "keep")
+        one_of("mortar", self.mortar, "counted", "ignored")
+        for name in ("thickness", "joint"):
+            if getattr(self, name) is not None:
+                positive(name, getattr(self, name))
+
+
 def read_dxf(
-    path: str | os.PathLike[str],
-    *,
-    units: str | None = None,
-    repair: bool = False,
-    support: Literal["drawn", "base"] = "drawn",
-    unit_weight: float | Mapping[str, float] | None = None,
+    path: str | os.PathLike[str], *, unit_weight: float | Mapping[str, float] | None = None, **options: Any
 ) -> tuple[Assemblage, Findings]:
     """Read the stones of a drawing; parameters and errors as in `read_drawing`."""
-    drawing = read_drawing(path, units=units, repair=repair, support=support, unit_weight=unit_weight)
+    drawing = read_drawing(path, unit_weight=unit_weight, **options)
     return drawing.stones, drawing.findings
 
 
 def read_drawing(
-    path: str | os.PathLike[str],
-    *,
-    units: str | None = None,
-    repair: bool = False,
-    support: Literal["drawn", "base"] = "drawn",
-    unit_weight: float | Mapping[str, float] | None = None,
+    path: str | os.PathLike[str], *, unit_weight: float | Mapping[str, float] | None = None, **options: Any
 ) -> Drawing:
-    """Read a DXF drawing of stones (churchpipe DXF 1, or plain solids).
+    """Read a DXF drawing of stones: churchpipe DXF 1, plain solids, or outlines in a plane.
+
+    Outlines are taken for stones when the drawing has no solids, or when their thickness is given.
 
     Parameters
     ----------
+    unit_weight: N/m3, for all stones or by material name; overrides what the drawing stores.
     units: read the drawing in this unit ("m", "mm", "cm", "in", ...) whatever it says itself.
     repair: drop stones drawn twice and recompute attributes that cannot be understood; each repair is a warning.
     support: "base" puts a fixed support under the lowest faces when the drawing has no ground; all stones drawn stay free.
-    unit_weight: N/m3, for all stones or by material name; overrides what the drawing stores.
+    thickness: of stones drawn as outlines, m; an outline's own DXF thickness goes before.
+    plane: "xz" takes the x-y of a drawing of outlines for the elevation x-z, "xy" leaves it lying, a plan.
+    joint: nominal width, m, of joints drawn open. joint_mode: "grow" lets stones meet in the middle of their joints, "keep"
+    leaves them as drawn. mortar: whether its weight is "counted", as if it were stone, or "ignored".
 
     Raises
     ------
     FindingsError: the drawing has errors; its `findings` list all of them, warnings included.
-    InputError: an argument is no unit, no support or no unit weight.
+    InputError: an argument that cannot be taken.
     """
-    if units is not None:
-        schema.metres(units)
+    reading = Reading(**options)
     weights_given = given_weights(unit_weight)
-    if not isinstance(support, str) or support not in ("drawn", "base"):
-        raise InputError("support", "unknown kind of support", found=repr(support), expected='"drawn" or "base"')
-    check_kind("repair", repair, bool)
     path = path_of("read_dxf: path", path)
     findings: list[Finding] = []
     document = open_document(path, findings)
@@ -92,22 +112,43 @@ def read_drawing(
     findings += _check_version(document)
     materials, loads, wrong = decode_properties(list(document.header.custom_vars))
     findings += wrong
-    gathered = survey(document, repair)
+    declared = reading.units or declared_unit(document)
+    metre = 1.0 / schema.metres(declared) if declared else 1.0
+    gathered = survey(document, reading.repair)
     findings += gathered.findings
-    stones = distinct_stones(gathered.stones, repair, findings)
+    stones = distinct_stones(_with_outlines(gathered, reading, metre, findings), reading.repair, findings)
+    findings += summary(gathered)
     if all(stone.fixed for stone in stones) and not any(f.severity == "error" for f in findings):
         what = "no stones but ground in model space" if stones else "no stones in model space"
-        remedy = "Draw the stones as inserts on CP-BLOCKS, or as closed meshes."
+        remedy = "Draw the stones as inserts on CP-BLOCKS, as closed meshes, or as closed outlines."
         findings.append(Finding("E17", what, "at least one solid", remedy))
-    stones = supported(stones, support, findings) if stones else stones
+    share = np.ones(len(stones))
+    if stones and reading.joint is not None:
+        stones, share = jointed(stones, reading.joint * metre, reading.joint_mode, reading.mortar, 1.0 / metre, findings)
+    elif stones and gathered.traces:
+        findings += unnamed_joints(stones, 1.0 / metre)
+    stones = supported(stones, reading.support, findings) if stones else stones
     stones = uniquely_named(stones, findings)
-    unit = find_unit(document, stones, gathered.flawed, units, findings)
+    unit = find_unit(document, stones, gathered.flawed, reading.units, findings)
     weights, unweighted = unit_weights(stones, materials, weights_given, findings)
+    weights[: len(share)] *= share
     findings = [finding.in_metres(schema.metres(unit)) for finding in findings] if unit else findings
     collected = Findings(path.name, tuple(findings))
     if collected.errors or unit is None:
         raise FindingsError(collected)
     return Drawing(assembled(stones, unit, weights, collected), materials, loads, collected, unit, unweighted)
+
+
+def _with_outlines(gathered: Survey, reading: Reading, metre: float, findings: list[Finding]) -> list[Stone]:
+    """Return the solids and, where outlines are stones, those; lines that are none are counted as left out."""
+    if reading.thickness is None and not all(stone.fixed for stone in gathered.stones):
+        gathered.left_out.update(f"{trace.place.entity} (no solid)" for trace in gathered.traces)
+        gathered.traces.clear()
+        return gathered.stones
+    thickness = None if reading.thickness is None else reading.thickness * metre
+    drawn, left_out = stones_of_traces(gathered.traces, thickness=thickness, plane=reading.plane, findings=findings)
+    gathered.left_out.update(left_out)
+    return gathered.stones + drawn
 
 
 def _check_version(document: Any) -> list[Finding]:

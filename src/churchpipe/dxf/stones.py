@@ -12,6 +12,7 @@ from churchpipe.dxf import schema
 from churchpipe.dxf.attributes import body_volume, read_labels
 from churchpipe.dxf.bodies import BAD_ENTITY, NOT_SANE, Faces, ground_plate, is_sane
 from churchpipe.dxf.definitions import Definition, Matrix, read_content, read_definition, transformed, warped
+from churchpipe.dxf.traces import KINDS, Trace, traces_of
 from churchpipe.findings import Finding, Place
 from churchpipe.model.arrays import FloatArray
 
@@ -31,7 +32,10 @@ STRETCH_TOLERANCE = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class Stone:
-    """One stone as drawn, in drawing units: points (n, 3), outward faces, and its labels."""
+    """One stone as drawn, in drawing units: points (n, 3), outward faces, and its labels.
+
+    size: side of the square as large as its outline, when that alone was drawn.
+    """
 
     points: FloatArray
     faces: Faces
@@ -41,6 +45,7 @@ class Stone:
     material: str
     panel: str = ""
     course: int = -1
+    size: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,6 +71,7 @@ class Survey:
     left_out: Counter[str] = field(default_factory=Counter)
     nameless: list[Place] = field(default_factory=list)
     flawed: list[float] = field(default_factory=list)
+    traces: list[Trace] = field(default_factory=list)
     definitions: dict[str, Definition] = field(default_factory=dict)
 
 
@@ -90,7 +96,6 @@ def survey(doc: Any, repair: bool) -> Survey:
         if layout.is_any_paperspace:
             drawn = sum(e.dxftype() in ("INSERT", "MESH", "POLYLINE", "3DFACE", "3DSOLID", "BODY") for e in layout)
             found.left_out["in paper space"] += drawn
-    found.findings += _summary(found)
     return found
 
 
@@ -121,7 +126,8 @@ class _TooDeepError(Exception):
         self.trail = trail
 
 
-def _summary(found: Survey) -> list[Finding]:
+def summary(found: Survey) -> list[Finding]:
+    """Return the findings that count what was left out and what has no name."""
     out: list[Finding] = []
     counted = ", ".join(f"{count} {what}" for what, count in sorted(found.left_out.items()) if count)
     if counted:
@@ -163,13 +169,34 @@ def _visit(found: Survey, content: Definition, branch: _Branch) -> None:
             place = Place(other.dxftype(), other.dxf.handle or "", content.name)
             found.findings.append(place.finding("E03", "it has lost the entity it belongs to"))
             continue
-        found.left_out[f"{other.dxftype()} (no solid)"] += 1
+        layer = _layer(other.dxf.layer, branch)
+        if other.dxftype() not in KINDS:
+            found.left_out[f"{other.dxftype()} (no solid)"] += 1
+        elif layer in found.hidden or other.dxf.invisible:
+            found.left_out[HIDDEN] += 1
+        else:
+            _gather_traces(found, other, branch, layer)
     for insert in content.inserts:
         try:
             _visit_insert(found, insert, branch)
         except BAD_ENTITY as error:
             place = Place("INSERT", insert.dxf.handle or "", insert.dxf.get("name", ""))
             found.findings.append(place.finding("E03", f"its data cannot be read ({error})"))
+
+
+def _gather_traces(found: Survey, entity: Any, branch: _Branch, layer: str) -> None:
+    place = Place(entity.dxftype(), entity.dxf.handle or "", branch.blocks[-1] if branch.blocks else "")
+    try:
+        traces = traces_of(entity, branch.matrix, place, layer, branch.fixed)
+    except BAD_ENTITY as error:
+        found.findings.append(place.finding("E03", f"its data cannot be read ({error})"))
+        return
+    if not all(is_sane(trace.points) for trace in traces):
+        found.findings.append(place.finding("E10", NOT_SANE))
+    elif traces:
+        found.traces += traces
+    else:
+        found.left_out[f"{entity.dxftype()} without length"] += 1
 
 
 def _visit_loose(found: Survey, face: Any, branch: _Branch) -> None:
@@ -270,7 +297,7 @@ def _visit_member(found: Survey, insert: Insert, block: Any, branch: _Branch, pl
         return
     texts = {a.dxf.tag.strip().upper(): a.dxf.text.strip() for a in insert.attribs}
     own = texts.get(schema.ID) or place.handle
-    before = len(found.stones)
+    before = len(found.stones) + len(found.traces)
     labelled = content.tagged or (len(content.solids) == 1 and bool(texts))
     if labelled and content.solids:
         _add_stone(found, content, texts, branch, place, suffix)
@@ -279,7 +306,11 @@ def _visit_member(found: Survey, insert: Insert, block: Any, branch: _Branch, pl
         branch.matrix, branch.layer, branch.fixed, (*branch.names, own + suffix), (*branch.blocks, place.block.upper())
     )
     _visit(found, content, deeper)
-    if len(found.stones) == before and not content.tagged and not (content.solids or content.inserts or content.loose):
+    if (
+        len(found.stones) + len(found.traces) == before
+        and not content.tagged
+        and not (content.solids or content.inserts or content.loose)
+    ):
         if branch.layer in (schema.BLOCKS, schema.SUPPORT):
             expected = "a MESH or polyface on CP-SOLID, or points F<face>.<corner> on CP-INTERFACE"
             found.findings.append(place.finding("E10", "no body in the block", expected=expected))

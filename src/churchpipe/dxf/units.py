@@ -17,7 +17,7 @@ def find_unit(document: Any, stones: list[Stone], flawed: list[float], units: st
     settles every doubt.
     """
     code = document.header.get("$INSUNITS", 0)
-    declared = schema.UNIT_OF_CODE.get(code)
+    declared = declared_unit(document)
     size = median_size(stones, flawed)
     if units is not None:
         factor = schema.metres(units)
@@ -42,9 +42,14 @@ def find_unit(document: Any, stones: list[Stone], flawed: list[float], units: st
     return declared
 
 
+def declared_unit(document: Any) -> str | None:
+    """Return the unit that a drawing says it is in, None when it names no length."""
+    return schema.UNIT_OF_CODE.get(document.header.get("$INSUNITS", 0))
+
+
 def median_size(stones: list[Stone], flawed: list[float]) -> float | None:
     """Return the median cube root of the volume of free stones, those with flaws included, drawing units; None without any."""
-    sizes = [np.cbrt(body_volume(stone.points, stone.faces)) for stone in stones if not stone.fixed]
+    sizes = [stone.size or np.cbrt(body_volume(stone.points, stone.faces)) for stone in stones if not stone.fixed]
     sizes += [size for size in flawed if size > 0]
     return float(np.median(sizes)) if sizes else None
 

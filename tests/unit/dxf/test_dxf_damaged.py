@@ -221,7 +221,7 @@ def test_paths_and_arguments_that_are_no_good(tmp_path) -> None:
     sound = SAMPLES / "sound.dxf"
     with pytest.raises(InputError, match="unknown unit"):
         read_drawing(sound, units="furlong")
-    with pytest.raises(InputError, match="unknown kind of support"):
+    with pytest.raises(InputError, match="support: unknown value"):
         read_drawing(sound, support="air")
     with pytest.raises(InputError, match="out of range"):
         read_drawing(sound, unit_weight=-1.0)

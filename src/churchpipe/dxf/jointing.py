@@ -1,0 +1,59 @@
+"""Joints left open in a drawing: closed where the person named their width, named where nobody did."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+
+from churchpipe.dxf.stones import Stone
+from churchpipe.findings import Finding
+from churchpipe.model.arrays import FloatArray
+from churchpipe.stones.mortar import close_joints, open_joints
+
+JointMode = Literal["grow", "keep"]
+Mortar = Literal["counted", "ignored"]
+
+# Open joints are a matter of the whole drawing when there are this many for each stone.
+MANY = 0.25
+
+
+def jointed(
+    stones: list[Stone], joint: float, mode: JointMode, mortar: Mortar, unit: float, findings: list[Finding]
+) -> tuple[list[Stone], FloatArray]:
+    """Return stones that meet in their joints, and by what the weight of each counts (nb,): 1 unless mortar is ignored.
+
+    joint: nominal width, drawing units; unit: a drawing unit, m, for the volumes in the findings. With `mode` "keep" stones are
+    left as they are: then it is the contacts that reach across.
+    """
+    closed = close_joints([(stone.points, stone.faces) for stone in stones], joint)
+    count, share = len(closed.joints.width), closed.volume_before / closed.volume
+    if not count:
+        findings.append(Finding("W26", "no joint as wide as asked for ({}) was found", lengths=(joint,)))
+        return stones, np.ones(len(stones))
+    free = np.array([not stone.fixed for stone in stones])
+    before, after = (unit**3 * float(volume[free].sum()) for volume in (closed.volume_before, closed.volume))
+    lengths = (float(closed.joints.width.min()), float(closed.joints.width.max()))
+    what = f"{count} joints of {{}} to {{}}; stones {before:.6g} m3, with their mortar {after:.6g} m3: "
+    if mode == "keep":
+        findings.append(Finding("W26", what + "stones were left as drawn, contacts reach across", lengths=lengths))
+        return stones, 1 / share if mortar == "counted" else np.ones(len(stones))
+    what += "stones were grown to meet in the middle; mortar weighs " + ("like stone" if mortar == "counted" else "nothing")
+    findings.append(Finding("W26", what, lengths=lengths))
+    for index in closed.stuck:
+        findings.append(stones[index].place.finding("W26", "a stone that could not be grown was left as it was"))
+    grown = [
+        replace(stone, points=points, faces=tuple(faces)) for stone, (points, faces) in zip(stones, closed.solids, strict=True)
+    ]
+    return grown, share if mortar == "ignored" else np.ones(len(stones))
+
+
+def unnamed_joints(stones: Sequence[Stone], unit: float) -> list[Finding]:
+    """Return what is to be said of stones that do not touch because mortar was left out between them."""
+    width = open_joints([(stone.points, stone.faces) for stone in stones]).width
+    if len(width) < MANY * len(stones):
+        return []
+    low, usual, high = (float(value) for value in np.quantile(width, (0.0, 0.5, 1.0)))
+    what = f"{len(width)} gaps between the stones, from {{}} to {{}}, most about {{}}"
+    remedy = f"Pass --joint {1e3 * unit * usual:.3g}mm to grow the stones until they meet in the middle."
+    return [Finding("E26", what, "stones that touch, or the width of their joints", remedy, lengths=(low, high, usual))]

@@ -1,0 +1,220 @@
+"""Stones with mortar between them: faces that look at each other across a joint, and stones grown to meet in its middle."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from churchpipe.geometry.clusters import components
+from churchpipe.geometry.mending import signed_volume
+from churchpipe.geometry.warped import split_warped
+from churchpipe.model.arrays import FloatArray, IntArray
+from churchpipe.model.polyhedra import face_normals
+
+Solid = tuple[FloatArray, Sequence[tuple[int, ...]]]
+
+# Faces look at each other when their normals are opposite within this angle, and joints are this much wider than their
+# nominal width at most, in the mean and at the wide end of a wedge.
+FACING_ANGLE = np.radians(20.0)
+WIDEST_MEAN, WIDEST = 1.5, 2.5
+# An overlap smaller than this part of the smaller face is no joint; nor is a gap narrower than this part of the stones' size.
+LEAST_OVERLAP = 0.02
+TOUCHING = 1e-6
+# The faces along a bed are moved into one plane when it leaves the middle of none of their joints by more than this part of the
+# joint's width; else each goes to the middle of its own joints.
+OUT_OF_LINE = 0.05
+# A joint is looked for as wide as this part of the stones' smallest dimension.
+WIDEST_OF_STONE = 0.35
+
+
+@dataclass(frozen=True, slots=True)
+class Joints:
+    """Pairs of faces that look at each other: faces (k, 2), indices into all faces in their order; width (k,), the mean of each
+    joint; middle: points (m, 3) of its mid-surface for each."""
+
+    faces: IntArray
+    width: FloatArray
+    middle: tuple[FloatArray, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Closed:
+    """Stones grown to meet in their joints.
+
+    solids: points and faces; joints: those that were closed; volume_before, volume (nb,): of each stone; stuck: indices of the
+    stones that could not be grown and were left as they were.
+    """
+
+    solids: list[Solid]
+    joints: Joints
+    volume_before: FloatArray
+    volume: FloatArray
+    stuck: list[int]
+
+
+def close_joints(solids: Sequence[Solid], joint: float) -> Closed:
+    """Grow stones until they meet in the middle of the joints between them.
+
+    Each face that looks at another across a joint is moved to the mid-surface: half of the mortar goes to either stone. Wedge
+    joints have theirs between the two faces. A face that looks at no other stays where it is.
+
+    Parameters
+    ----------
+    solids: points (n, 3) in any one unit and outward faces. joint: nominal width of the joints, in that unit.
+    """
+    flat = _Faces.of(solids)
+    joints = _joints(flat, joint)
+    plane = _mid_planes(flat, joints, joint)
+    out: list[Solid] = []
+    stuck: list[int] = []
+    before = np.array([signed_volume(points, [tuple(face) for face in faces]) for points, faces in solids])
+    after = before.copy()
+    for index, (points, faces) in enumerate(solids):
+        own = range(*flat.solid_ptr[index : index + 2])
+        shifted = {f - own.start: plane[f] for f in own if f in plane}
+        if not shifted:
+            out.append((points, faces))
+            continue
+        normal, level = flat.normal[own.start : own.stop].copy(), flat.level[own.start : own.stop].copy()
+        for face, (n, d) in shifted.items():
+            normal[face], level[face] = n, d
+        grown = points + np.array([_shift(points[v], v, faces, normal, level, joint) for v in range(len(points))])
+        split, _, _ = split_warped(grown, faces)
+        volume = signed_volume(grown, split)
+        if not 0.5 * before[index] < volume < 3.0 * before[index]:
+            stuck.append(index)
+            out.append((points, faces))
+            continue
+        after[index] = volume
+        out.append((grown, tuple(split)))
+    return Closed(out, joints, before, after, stuck)
+
+
+def open_joints(solids: Sequence[Solid]) -> Joints:
+    """Return the joints between stones that do not touch, as wide as a third of the stones' smallest dimension at most."""
+    size = float(np.median([np.ptp(points, axis=0).min() for points, _ in solids]))
+    return _joints(_Faces.of(solids), WIDEST_OF_STONE * size / WIDEST_MEAN)
+
+
+@dataclass(frozen=True, slots=True)
+class _Faces:
+    """All faces of all solids: corners of each, unit normals (nf, 3), levels (nf,) along them, areas (nf,), solids (nf,)."""
+
+    corners: list[FloatArray]
+    normal: FloatArray
+    level: FloatArray
+    area: FloatArray
+    solid: IntArray
+    solid_ptr: IntArray
+    size: float
+
+    @classmethod
+    def of(cls, solids: Sequence[Solid]) -> "_Faces":
+        corners = [points[list(face)] for points, faces in solids for face in faces]
+        pointer = np.cumsum([0, *(len(c) for c in corners)])
+        flat = np.concatenate(corners)
+        area, normal, mean = face_normals(flat, np.arange(len(flat)), pointer)
+        counts = [len(faces) for _, faces in solids]
+        return cls(
+            corners,
+            normal,
+            np.einsum("ij,ij->i", normal, mean),
+            np.linalg.norm(area, axis=1),
+            np.repeat(np.arange(len(counts)), counts),
+            np.cumsum([0, *counts]),
+            float(np.median([np.ptp(points, axis=0).max() for points, _ in solids])),
+        )
+
+
+def _joints(flat: _Faces, joint: float) -> Joints:
+    pairs: list[tuple[int, int]] = []
+    width: list[float] = []
+    middle: list[FloatArray] = []
+    for i, j in _candidates(flat, WIDEST * joint).tolist():
+        found = _across(flat, i, j)
+        if found is None:
+            continue
+        gap, points = found
+        if gap.max() > WIDEST * joint or gap.mean() > WIDEST_MEAN * joint or gap.min() < -TOUCHING * flat.size:
+            continue
+        if gap.mean() <= TOUCHING * flat.size:
+            continue
+        pairs.append((i, j))
+        width.append(float(gap.mean()))
+        middle.append(points)
+    return Joints(np.array(pairs, dtype=np.int64).reshape(-1, 2), np.array(width), tuple(middle))
+
+
+def _candidates(flat: _Faces, reach: float) -> IntArray:
+    """Return pairs (k, 2) of faces of different solids with opposite normals and boxes closer than `reach`."""
+    low = np.array([c.min(axis=0) for c in flat.corners]) - 0.5 * reach
+    high = np.array([c.max(axis=0) for c in flat.corners]) + 0.5 * reach
+    # The tree sees two dimensions: those in which the stones spread most.
+    a, b = np.argsort(np.ptp(np.concatenate([low, high]), axis=0))[1:]
+    boxes = shapely.box(low[:, a], low[:, b], high[:, a], high[:, b])
+    i, j = shapely.STRtree(boxes).query(boxes)
+    keep = (i < j) & (flat.solid[i] != flat.solid[j])
+    i, j = i[keep], j[keep]
+    keep = np.einsum("ij,ij->i", flat.normal[i], flat.normal[j]) < -np.cos(FACING_ANGLE)
+    keep &= ((low[i] <= high[j]) & (low[j] <= high[i])).all(axis=1)
+    return np.stack([i[keep], j[keep]], axis=1)
+
+
+def _across(flat: _Faces, i: int, j: int) -> tuple[FloatArray, FloatArray] | None:
+    """Return the gap between two faces at the corners of what they have in common, and the points halfway there."""
+    n = flat.normal[i] - flat.normal[j]
+    n /= np.linalg.norm(n)
+    u = np.cross(n, [1.0, 0.0, 0.0] if abs(n[0]) < 0.7 else [0.0, 1.0, 0.0])
+    u /= np.linalg.norm(u)
+    axes = np.stack([u, np.cross(n, u)])
+    one, other = (shapely.Polygon(flat.corners[f] @ axes.T) for f in (i, j))
+    common = shapely.intersection(one, other)
+    if shapely.area(common) <= LEAST_OVERLAP * min(flat.area[i], flat.area[j]):
+        return None
+    place = np.unique(shapely.get_coordinates(common), axis=0) @ axes
+    at = [(flat.level[f] - place @ flat.normal[f]) / (n @ flat.normal[f]) for f in (i, j)]
+    return at[1] - at[0], place + 0.5 * (at[0] + at[1])[:, None] * n
+
+
+def _mid_planes(flat: _Faces, joints: Joints, joint: float) -> dict[int, tuple[FloatArray, float]]:
+    """Return for each face with a joint the plane it is moved to: its normal (3,) and its level along it."""
+    label = components(len(flat.normal), joints.faces)
+    groups: dict[int, list[int]] = {}
+    of_face: dict[int, list[int]] = {}
+    for k, (i, j) in enumerate(joints.faces.tolist()):
+        groups.setdefault(int(label[i]), []).append(k)
+        of_face.setdefault(i, []).append(k)
+        of_face.setdefault(j, []).append(k)
+    planes: dict[int, tuple[FloatArray, float]] = {}
+    common = {group: _fitted([joints.middle[k] for k in own]) for group, own in groups.items()}
+    for face, own in of_face.items():
+        normal, level, off = common[int(label[face])]
+        if off > OUT_OF_LINE * joint:
+            normal, level, _ = _fitted([joints.middle[k] for k in own])
+        turned = 1.0 if normal @ flat.normal[face] > 0 else -1.0
+        planes[face] = (turned * normal, turned * level)
+    return planes
+
+
+def _fitted(parts: list[FloatArray]) -> tuple[FloatArray, float, float]:
+    """Return normal, level and largest distance of the plane that fits points best."""
+    points = np.concatenate(parts)
+    centre = points.mean(axis=0)
+    normal = np.linalg.svd(points - centre)[2][2]
+    return normal, float(normal @ centre), float(np.abs((points - centre) @ normal).max())
+
+
+def _shift(
+    point: FloatArray, vertex: int, faces: Sequence[Sequence[int]], normal: FloatArray, level: FloatArray, joint: float
+) -> FloatArray:
+    """Return how far a vertex moves to lie on the planes of all its faces; the least way where these leave it free."""
+    around = [k for k, face in enumerate(faces) if vertex in face]
+    lacking = level[around] - normal[around] @ point
+    if not lacking.any():
+        return np.zeros(3)
+    for cut in (5e-3, 0.2):
+        step = np.linalg.pinv(normal[around], rcond=cut) @ lacking
+        if np.linalg.norm(step) <= WIDEST * joint:
+            break
+    return step

@@ -1,0 +1,225 @@
+"""Two-dimensional drawings: outlines of stones in every way that people close them, extruded and stood up."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import ezdxf
+import numpy as np
+import pytest
+
+from churchpipe.dxf.reader import Drawing, read_drawing
+from churchpipe.findings import Findings, FindingsError
+from churchpipe.stones.contacts import find_contacts
+
+BRICK = [(0.0, 0.0), (250.0, 0.0), (250.0, 65.0), (0.0, 65.0)]
+
+
+def drawn(path: Path, draw: Callable[[Any], object], *, unit: int = 4, ground: bool = True) -> Path:
+    """Write a drawing of outlines, in mm unless said otherwise, on one wide outline of ground."""
+    document = ezdxf.new("R2010")
+    document.header["$INSUNITS"] = unit
+    space = document.modelspace()
+    if ground:
+        wide = [(-500.0, -100.0), (1500.0, -100.0), (1500.0, 0.0), (-500.0, 0.0)]
+        space.add_lwpolyline(wide, close=True, dxfattribs={"layer": "ground"})
+    draw(space)
+    document.saveas(path)
+    return path
+
+
+def read(path: Path, **options: Any) -> Drawing:
+    return read_drawing(path, unit_weight=18e3, **({"thickness": 0.12} | options))
+
+
+def codes(drawing: Drawing) -> list[str]:
+    return [code for code in drawing.findings.codes if code != "W24"]
+
+
+def findings_of(path: Path, **options: Any) -> Findings:
+    with pytest.raises(FindingsError) as caught:
+        read(path, **options)
+    return caught.value.findings
+
+
+WAYS: dict[str, tuple[Callable[[Any], object], list[str]]] = {
+    "by its flag": (lambda space: space.add_lwpolyline(BRICK, close=True), []),
+    "first point repeated": (lambda space: space.add_lwpolyline([*BRICK, BRICK[0]]), []),
+    "flag and first point repeated": (lambda space: space.add_lwpolyline([*BRICK, BRICK[0]], close=True), []),
+    "old polyline": (lambda space: space.add_polyline2d(BRICK, close=True), []),
+    "polyline in space": (lambda space: space.add_polyline3d([(x, y, 0) for x, y in BRICK], close=True), []),
+    "clockwise": (lambda space: space.add_lwpolyline(BRICK[::-1], close=True), []),
+    "doubled points": (lambda space: space.add_lwpolyline([BRICK[0], *BRICK, BRICK[3]], close=True), []),
+    "corners on its sides": (
+        lambda space: space.add_lwpolyline([BRICK[0], (99, 0), *BRICK[1:], (0, 40), (0, 20)], close=True),
+        [],
+    ),
+    "ends that nearly meet": (lambda space: space.add_lwpolyline([*BRICK, (0, 2)]), ["W25"]),
+    "ends that overrun": (lambda space: space.add_lwpolyline([(-4, 0), *BRICK[1:], (0, -3)]), ["W25"]),
+    "a side left out": (lambda space: space.add_lwpolyline(BRICK), ["W25"]),
+    "a hatch": (lambda space: space.add_hatch().paths.add_polyline_path(BRICK, is_closed=True), []),
+    "a hatch on its outline": (
+        lambda space: (
+            space.add_lwpolyline(BRICK, close=True),
+            space.add_hatch().paths.add_polyline_path(BRICK, is_closed=True),
+        ),
+        [],
+    ),
+    "four lines": (lambda space: [space.add_line(a, b) for a, b in zip(BRICK, BRICK[1:] + BRICK[:1], strict=True)], []),
+    "its own thickness": (lambda space: space.add_lwpolyline(BRICK, close=True, dxfattribs={"thickness": 120.0}), []),
+}
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_an_outline_is_a_stone_however_it_is_closed(way: str, tmp_path: Path) -> None:
+    draw, expected = WAYS[way]
+    drawing = read(drawn(tmp_path / "a.dxf", draw))
+    assert codes(drawing) == expected
+    assert drawing.stones.fixed.tolist() == [True, False]
+    assert drawing.stones.panel.tolist() == ["", "wall"]
+    assert drawing.stones.volume[1] == pytest.approx(0.250 * 0.065 * 0.120, rel=1e-9)
+    low, high = (getattr(drawing.stones.points[-8:], side)(axis=0) for side in ("min", "max"))
+    np.testing.assert_allclose(high - low, (0.25, 0.12, 0.065), atol=1e-9)
+    assert low[2] == pytest.approx(0.0, abs=1e-12)
+    assert "the drawing's x-y is taken for the elevation x-z" in str(drawing.findings)
+
+
+def test_elevation_places_a_wall_behind_and_thickness_goes_before_what_is_passed(tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        space.add_lwpolyline(BRICK, close=True, dxfattribs={"elevation": 300.0, "thickness": 200.0, "layer": "BACK"})
+
+    stones = read(drawn(tmp_path / "a.dxf", draw)).stones
+    assert stones.panel.tolist() == ["", "BACK"]
+    assert stones.volume[1] == pytest.approx(0.25 * 0.065 * 0.2)
+    np.testing.assert_allclose((stones.points[-8:, 1].min(), stones.points[-8:, 1].max()), (-0.5, -0.3), atol=1e-12)
+
+
+def test_a_plan_stays_lying(tmp_path: Path) -> None:
+    drawing = read(
+        drawn(tmp_path / "a.dxf", lambda space: space.add_lwpolyline(BRICK, close=True), ground=False), plane="xy", support="base"
+    )
+    np.testing.assert_allclose(np.ptp(drawing.stones.points[:8], axis=0), (0.25, 0.065, 0.12), atol=1e-12)
+    assert "elevation" not in str(drawing.findings)
+
+
+def test_a_wall_drawn_upright_in_space_stays_where_it_is(tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        space.add_lwpolyline(BRICK, close=True, dxfattribs={"extrusion": (0, -1, 0), "elevation": 40.0})
+
+    stones = read(drawn(tmp_path / "a.dxf", draw, ground=False), support="base").stones
+    np.testing.assert_allclose(stones.points[:8].min(axis=0), (0, -0.16, 0), atol=1e-12)
+    np.testing.assert_allclose(stones.points[:8].max(axis=0), (0.25, -0.04, 0.065), atol=1e-12)
+
+
+def test_a_net_of_lines_makes_a_stone_of_each_mesh(tmp_path: Path) -> None:
+    # An outline 1000 x 195 with two beds and a head joint a course; lines end on it, or a little short.
+    def draw(space: Any) -> None:
+        space.add_lwpolyline([(0, 0), (1000, 0), (1000, 195), (0, 195)], close=True)
+        for line in ([(0, 65), (1000, 65)], [(0, 130), (1000, 130)], [(500, 0), (500, 65)], [(250, 65), (250, 130)]):
+            space.add_line(*line)
+        space.add_line((700, 130.0), (700, 194.99))
+        space.add_line((3000, 0), (3000, 500))
+
+    drawing = read(drawn(tmp_path / "a.dxf", draw))
+    assert codes(drawing) == ["W18"]
+    assert "1 lines that close nothing" in str(drawing.findings)
+    stones = drawing.stones
+    assert int((~stones.fixed).sum()) == 6
+    assert stones.volume[~stones.fixed].sum() == pytest.approx(1.0 * 0.195 * 0.12, rel=1e-9)
+
+
+def test_curved_sides_are_chords_and_told(tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        space.add_lwpolyline([(0, 0, 0.05), (250, 0, 0), (250, 65, 0), (0, 65, 0)], format="xyb", close=True)
+
+    drawing = read(drawn(tmp_path / "a.dxf", draw, ground=False), plane="xy", support="base")
+    assert codes(drawing) == ["W27", "W12"]
+    # The bulge b = .05 of a chord c bellies out by b c / 2 and adds nearly 2/3 of that along the chord.
+    assert drawing.stones.volume[0] == pytest.approx((0.25 * 0.065 + 2 / 3 * 0.05 * 0.25 / 2 * 0.25) * 0.12, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("points", "what"),
+    [
+        ([(0, 0), (250, 65), (250, 0), (0, 65)], "crosses itself"),
+        ([(0, 0), (250, 0), (100, 0)], "encloses nothing"),
+    ],
+)
+def test_outlines_that_are_none_are_errors_with_their_place(points: list, what: str, tmp_path: Path) -> None:
+    text = str(findings_of(drawn(tmp_path / "a.dxf", lambda space: space.add_lwpolyline(points, close=True))))
+    assert f"m: the outline {what}" in text
+
+
+def test_what_is_missing_is_asked_for(tmp_path: Path) -> None:
+    path = drawn(tmp_path / "a.dxf", lambda space: space.add_lwpolyline(BRICK, close=True))
+    assert "E24 a.dxf: LWPOLYLINE" in (text := str(findings_of(path, thickness=None)))
+    assert "--thickness 0.12m" in text
+    assert "the lowest stones are" in str(
+        findings_of(drawn(tmp_path / "b.dxf", lambda s: s.add_lwpolyline(BRICK, close=True), ground=False))
+    )
+
+
+def test_lines_beside_solids_stay_left_out(tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        with space.add_mesh().edit_data() as mesh:
+            mesh.vertices = [(x, y, z) for z in (0, 500) for x, y in ((0, 0), (400, 0), (400, 200), (0, 200))]
+            mesh.faces = [(0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)]
+        space.add_lwpolyline(BRICK, close=True)
+
+    drawing = read(drawn(tmp_path / "a.dxf", draw), thickness=None, support="base")
+    assert "left out: 2 LWPOLYLINE (no solid)" in str(drawing.findings)
+    assert drawing.stones.count == 2
+
+
+def course(space: Any, gap: float, unit: float = 1.0) -> None:
+    for left, low in ((0, 0), (250 + gap, 0), (130, 65 + gap)):
+        space.add_lwpolyline(
+            [(unit * (x + left), unit * (y + low)) for x, y in BRICK], close=True, dxfattribs={"layer": "FACADE"}
+        )
+
+
+def test_joints_left_open_are_named_with_their_width(tmp_path: Path) -> None:
+    text = str(findings_of(drawn(tmp_path / "a.dxf", lambda space: course(space, 10.0))))
+    assert "E26 a.dxf: 3 gaps between the stones, from 0.01 m to 0.01 m" in text
+    assert "Pass --joint 10mm" in text
+
+
+def test_stones_grow_until_they_meet_in_the_middle_of_the_joint(tmp_path: Path) -> None:
+    path = drawn(tmp_path / "a.dxf", lambda space: course(space, 10.0))
+    drawing = read(path, joint=0.010)
+    assert codes(drawing) == ["W26"]
+    assert len(find_contacts(drawing.stones).blocks) == 2 + 1 + 2
+    # Each lower brick gains 5 mm of bed and of head, the upper one 5 mm of bed.
+    grown = [0.255 * 0.070 * 0.12, 0.255 * 0.070 * 0.12, 0.250 * 0.070 * 0.12]
+    np.testing.assert_allclose(drawing.stones.volume[1:], grown, rtol=1e-9)
+    assert "3 joints of 0.01 m to 0.01 m; stones 0.00585 m3, with their mortar 0.006384 m3" in str(drawing.findings)
+    light = read(path, joint=0.010, mortar="ignored").stones
+    np.testing.assert_allclose(light.weight[1:], 18e3 * 0.250 * 0.065 * 0.12, rtol=1e-9)
+
+
+def test_stones_kept_as_drawn_may_carry_the_weight_of_their_mortar(tmp_path: Path) -> None:
+    path = drawn(tmp_path / "a.dxf", lambda space: course(space, 10.0))
+    kept = read(path, joint=0.010, joint_mode="keep").stones
+    np.testing.assert_allclose(kept.volume[1:], 0.250 * 0.065 * 0.12, rtol=1e-9)
+    np.testing.assert_allclose(kept.weight, read(path, joint=0.010).stones.weight, rtol=1e-9)
+
+
+def test_inches_that_are_metres_are_told_by_the_size_of_the_outlines(tmp_path: Path) -> None:
+    path = drawn(tmp_path / "a.dxf", lambda space: course(space, 10.0, 1e-3), unit=1, ground=False)
+    text = str(findings_of(path, joint=0.010, support="base"))
+    assert "E05" in text
+    assert "--units m (127 mm)" in text
+    drawing = read(path, units="m", joint=0.010, support="base")
+    assert codes(drawing) == ["W26", "W12", "W04"]
+
+
+def test_duplicates_are_listed_and_dropped_on_request(tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        course(space, 10.0)
+        course(space, 10.0)
+
+    path = drawn(tmp_path / "a.dxf", draw)
+    assert "3 times: LWPOLYLINE" in str(findings_of(path, joint=0.010))
+    drawing = read(path, joint=0.010, repair=True)
+    assert codes(drawing) == ["W11", "W26"]
+    assert drawing.stones.count == 4

@@ -1,0 +1,81 @@
+"""Stones with mortar between them grow until they meet in the middle of their joints."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.stones.contacts import find_contacts
+from churchpipe.stones.mortar import close_joints, open_joints
+from dxf_models import box, prism
+
+JOINT = 0.010
+
+
+def bricks(courses: int, length: int) -> list:
+    """Running bond of bricks 250 x 120 x 65 mm with joints of 10 mm all round, half bricks at the ends of every other course."""
+    solids = []
+    for course in range(courses):
+        z = course * 0.075
+        whole = 0.26 * np.arange(length + 1)
+        edges = whole if course % 2 == 0 else np.concatenate(([0.0], whole[:-1] + 0.13, whole[-1:]))
+        solids += [box((start, 0, z), (stop - start - JOINT, 0.12, 0.065)) for start, stop in pairwise(edges)]
+    return solids
+
+
+def assembled(solids: list) -> Assemblage:
+    return Assemblage.from_polyhedra(solids, 18e3, fixed=[0])
+
+
+def test_every_bed_and_head_joint_of_a_wall_is_found_and_nothing_overlaps() -> None:
+    solids = bricks(4, 5)
+    closed = close_joints(solids, JOINT)
+    contacts = find_contacts(assembled(closed.solids))
+    # Heads: 4 in courses of five bricks, 5 in those of six; beds: 10 between two courses.
+    assert len(contacts.blocks) == 2 * 4 + 2 * 5 + 3 * 10
+    assert len(closed.joints.width) == 2 * 4 + 2 * 5 + 3 * 10
+    np.testing.assert_allclose(closed.joints.width, JOINT, rtol=1e-9)
+    # The wall is a box without holes: 4 courses and the three joints between them.
+    assert closed.volume.sum() == pytest.approx((5 * 0.26 - JOINT) * 0.12 * (4 * 0.075 - JOINT), rel=1e-9)
+    assert closed.stuck == []
+
+
+def test_wedge_joints_of_an_arch_close_on_their_bisectors() -> None:
+    # Nine voussoirs over half a circle, joints 6 mm at the intrados and 14 mm at the extrados.
+    inner, outer, wide, wider, count = 1.0, 1.3, 0.006, 0.014, 9
+    solids = []
+    for k in range(count):
+        a, b = np.pi * k / count, np.pi * (k + 1) / count
+        ring = [
+            (radius * np.cos(angle + sign * 0.5 * gap / radius), radius * np.sin(angle + sign * 0.5 * gap / radius))
+            for radius, gap, angle, sign in (
+                (inner, wide, a, 1),
+                (outer, wider, a, 1),
+                (outer, wider, b, -1),
+                (inner, wide, b, -1),
+            )
+        ]
+        solids.append(prism(np.array(ring), 0.4))
+    closed = close_joints(solids, JOINT)
+    assert len(closed.joints.width) == count - 1
+    contacts = find_contacts(assembled(closed.solids))
+    assert len(contacts.blocks) == count - 1
+    middle = contacts.point.reshape(count - 1, 4, 3).mean(axis=1)
+    np.testing.assert_allclose(np.sort(np.arctan2(middle[:, 1], middle[:, 0])), np.pi * np.arange(1, count) / count, atol=1e-9)
+
+
+def test_stones_of_different_size_and_noise_still_meet_in_one_bed() -> None:
+    rng = np.random.default_rng(3)
+    solids = [(points + rng.uniform(-3e-4, 3e-4, points.shape), faces) for points, faces in bricks(4, 5)]
+    closed = close_joints(solids, JOINT)
+    assert len(closed.joints.width) == 48
+    assert closed.volume.sum() == pytest.approx((5 * 0.26 - JOINT) * 0.12 * (4 * 0.075 - JOINT), rel=5e-3)
+
+
+def test_open_joints_are_measured_where_nobody_named_them() -> None:
+    found = open_joints(bricks(3, 4))
+    assert len(found.width) == 3 + 4 + 3 + 2 * 8
+    np.testing.assert_allclose(found.width, JOINT, rtol=1e-9)
+    touching = [box((x, 0, z), (1, 1, 1)) for x in (0, 1) for z in (0, 1)]
+    assert len(open_joints(touching).width) == 0
