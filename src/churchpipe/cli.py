@@ -41,6 +41,13 @@ Changes = Annotated[
     typer.Option("--set", metavar="KEY=VALUE", help="Change a key of the case: --set material.default.friction=0.5. Repeatable."),
 ]
 Units = Annotated[str | None, typer.Option(help="Read the drawing in this unit (m, mm, in ...), whatever it says.")]
+Thickness = Annotated[
+    str | None, typer.Option(help="Of stones drawn as outlines, with its unit: 0.12m, 120mm.", show_default=False)
+]
+Plane = Annotated[str, typer.Option(help='What x-y is in a drawing of outlines: "xz", the elevation, or "xy", a plan.')]
+Joint = Annotated[str | None, typer.Option(help="Width of joints that are drawn open, with its unit: 10mm.", show_default=False)]
+JointMode = Annotated[str, typer.Option(help='"grow": stones meet in the middle of their joints; "keep": they stay as drawn.')]
+Mortar = Annotated[str, typer.Option(help='Weight of the mortar: "counted" as if it were stone, or "ignored".')]
 Repair = Annotated[bool, typer.Option("--repair", help="Drop duplicates and recompute wrong attributes; each is listed.")]
 Support = Annotated[str, typer.Option(help='"base" puts a support under the lowest faces; "drawn" takes the supports drawn.')]
 
@@ -167,6 +174,11 @@ def import_dxf(
     ] = None,
     support: Support = "drawn",
     repair: Repair = False,
+    thickness: Thickness = None,
+    plane: Plane = "xz",
+    joint: Joint = None,
+    joint_mode: JointMode = "grow",
+    mortar: Mortar = "counted",
 ) -> None:
     """Make a case of a drawing: FOLDER/case.toml and a copy of the drawing. All findings are listed."""
     from churchpipe.importing import import_drawing
@@ -174,29 +186,54 @@ def import_dxf(
     done = import_drawing(
         drawing,
         folder,
-        units=units,
+        _reading(units, support, repair, thickness, plane, joint, joint_mode, mortar),
         unit_weight=None if unit_weight is None else unit_weight * 1e3,
         friction=friction,
         loads=load or (),
-        support=support,
-        repair=repair,
     )
     _list(done.findings)
-    out.print(f"{done.stones} stones on {done.fixed} fixed ones: {done.case}", soft_wrap=True)
-    out.print(done.shell, soft_wrap=True)
+    out.print(f"{done.stones} stones on {done.fixed} fixed ones: {done.case}", markup=False, soft_wrap=True)
+    if len(done.findings):
+        out.print(
+            f"Findings: {folder / 'findings.json'} and findings.dxf, circles to lay over the drawing.",
+            markup=False,
+            soft_wrap=True,
+        )
+    out.print(done.shell, markup=False, soft_wrap=True)
     for key in done.missing:
-        out.print(f"Still to be filled in: {key}", soft_wrap=True)
+        out.print(f"Still to be filled in: {key}", markup=False, soft_wrap=True)
 
 
 @app.command()
-def check(drawing: Drawing, units: Units = None, support: Support = "drawn", repair: Repair = False) -> None:
+def check(
+    drawing: Drawing,
+    units: Units = None,
+    support: Support = "drawn",
+    repair: Repair = False,
+    thickness: Thickness = None,
+    plane: Plane = "xz",
+    joint: Joint = None,
+    joint_mode: JointMode = "grow",
+    mortar: Mortar = "counted",
+    folder: Annotated[
+        Path | None, typer.Option("--out", "-o", help="Folder for findings.json and findings.dxf.", show_default=False)
+    ] = None,
+) -> None:
     """List all findings in a drawing, and stones that float or overlap. Exit code 1 when there are errors."""
-    from churchpipe.importing import check_drawing
+    from churchpipe.findings import FindingsError
+    from churchpipe.importing import check_drawing, record_findings
 
-    read = check_drawing(drawing, units=units, support=support, repair=repair)
+    try:
+        read = check_drawing(drawing, _reading(units, support, repair, thickness, plane, joint, joint_mode, mortar))
+    except FindingsError as error:
+        if folder:
+            record_findings(error.findings, folder, units or "m")
+        raise
     _list(read.findings)
+    if folder:
+        record_findings(read.findings, folder, read.units)
     warnings = f"{len(read.findings)} warnings" if len(read.findings) else "nothing to report"
-    out.print(f"{drawing}: {int((~read.stones.fixed).sum())} stones, {warnings}.", soft_wrap=True)
+    out.print(f"{drawing}: {int((~read.stones.fixed).sum())} stones, {warnings}.", markup=False, soft_wrap=True)
 
 
 @app.command("export-dxf")
@@ -267,6 +304,29 @@ def _print_results(summary: dict[str, Any]) -> None:
     out.print(results_table(summary))
     for line in remarks(summary):
         out.print(line, soft_wrap=True)
+
+
+def _reading(
+    units: str | None,
+    support: str,
+    repair: bool,
+    thickness: str | None,
+    plane: str,
+    joint: str | None,
+    joint_mode: str,
+    mortar: str,
+) -> Any:
+    """Return how a drawing is read from the options of the command line."""
+    from churchpipe.dxf.reading import Reading
+    from churchpipe.importing import parse_length
+
+    lengths = {"thickness": parse_length("--thickness", thickness), "joint": parse_length("--joint", joint)}
+    words: dict[str, Any] = {"support": support, "plane": plane, "joint_mode": joint_mode, "mortar": mortar}
+    try:
+        return Reading(units=units, repair=repair, **lengths, **words)
+    except InputError as error:
+        option = "--" + error.where.replace("_", "-")
+        raise UsageError(option, error.problem, found=error.found, expected=error.expected) from None
 
 
 def _list(findings: Any) -> None:

@@ -5,14 +5,16 @@ import math
 import re
 import shutil
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 
 from churchpipe.config.shell_table import shell_table
 from churchpipe.dxf import reader
+from churchpipe.dxf.annotated import write_findings
+from churchpipe.dxf.reading import AS_DRAWN, Reading
+from churchpipe.dxf.schema import metres
 from churchpipe.errors import UsageError
 from churchpipe.findings import Findings
 from churchpipe.io.atomic import write_text
@@ -21,7 +23,6 @@ from churchpipe.model.materials import Elastic, Material
 from churchpipe.stones.contacts import find_contacts
 from churchpipe.stones.soundness import check_soundness
 
-Support = Literal["drawn", "base"]
 # Above this many the non-associative analysis is left to who asks for it.
 MANY_STONES = 3000
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
@@ -40,14 +41,14 @@ class Imported:
     shell: str
 
 
-def check_drawing(path: Path, *, units: str | None = None, support: str = "drawn", repair: bool = False) -> reader.Drawing:
+def check_drawing(path: Path, reading: Reading = AS_DRAWN, unit_weight: float | None = None) -> reader.Drawing:
     """Read a drawing and look for stones that float or overlap.
 
     Raises
     ------
     InputError: the drawing has errors, all of them listed.
     """
-    drawing = reader.read_drawing(path, units=units, support=_support(support), repair=repair)
+    drawing = reader.read_drawing(path, unit_weight=unit_weight, **asdict(reading))
     check_soundness(drawing.stones, find_contacts(drawing.stones))
     return drawing
 
@@ -55,18 +56,17 @@ def check_drawing(path: Path, *, units: str | None = None, support: str = "drawn
 def import_drawing(
     path: Path,
     folder: Path,
+    reading: Reading = AS_DRAWN,
     *,
-    units: str | None = None,
     unit_weight: float | None = None,
     friction: float | None = None,
     loads: Sequence[str] = (),
-    support: str = "drawn",
-    repair: bool = False,
 ) -> Imported:
-    """Write FOLDER/case.toml and a copy of the drawing beside it.
+    """Write FOLDER/case.toml and a copy of the drawing beside it; findings.json and findings.dxf when there are any.
 
     Parameters
     ----------
+    reading: how the drawing is read; the case keeps it.
     unit_weight: N/m3, of all stones; friction: of all joints; loads: directions. All override what the drawing stores.
 
     Raises
@@ -81,7 +81,7 @@ def import_drawing(
     case = folder / "case.toml"
     if case.exists():
         raise UsageError(str(case), "exists already", remedy="Choose another folder, or delete it first.")
-    drawing = check_drawing(path, units=units, support=support, repair=repair)
+    drawing = check_drawing(path, reading, unit_weight)
     copy = folder / path.name
     if copy.exists() and not copy.samefile(path):
         raise UsageError(str(copy), "exists already", remedy="Choose another folder, or delete it first.")
@@ -91,9 +91,7 @@ def import_drawing(
     tables = [_material_table(name, stored.get(name), unit_weight, friction) for name in names]
     pushes = [LoadCase(direction) for direction in directions] or list(drawing.loads)
     missing = [key for _, keys in tables for key in keys] + ([] if pushes else ["[[load]] with its direction"])
-    options = {"units": units, "support": support if support != "drawn" else None}
-    source = [f"dxf = {_text(path.name)}", *(f'{key} = "{value}"' for key, value in options.items() if value)]
-    source += ["repair = true"] if repair else []
+    source = [f"dxf = {_text(path.name)}", *_reading_lines(reading)]
     shell = shell_table(drawing.stones, {name: stored[name].elastic is not None if name in stored else False for name in names})
     text = "\n\n".join(
         [
@@ -110,6 +108,7 @@ def import_drawing(
     if not copy.exists():
         shutil.copyfile(path, copy)
     write_text(case, text + "\n")
+    record_findings(drawing.findings, folder, drawing.units)
     fixed = int(drawing.stones.fixed.sum())
     return Imported(case, drawing.stones.count - fixed, fixed, drawing.findings, tuple(missing), shell.note)
 
@@ -151,12 +150,45 @@ def parse_direction(text: str) -> tuple[float, float, float]:
     return x, y, z
 
 
-def _support(text: str) -> Support:
-    if text == "base":
-        return "base"
-    if text == "drawn":
-        return "drawn"
-    raise UsageError(f"--support {text}", "unknown kind of support", expected='"drawn" or "base"')
+def parse_length(option: str, text: str | None) -> float | None:
+    """Return a length written with its unit, such as "0.12m" or "10 mm", in m; None for none."""
+    if text is None:
+        return None
+    word = re.fullmatch(r"\s*([0-9.]+(?:[eE][+-]?[0-9]+)?)\s*([a-z]+)\s*", text)
+    try:
+        value = float(word[1]) * metres(word[2]) if word else 0.0
+    except ValueError:
+        value = 0.0
+    if not 0 < value < math.inf:
+        expected = "a length with its unit, such as 0.12m or 10mm"
+        raise UsageError(f"{option} {text}", "not a length", expected=expected)
+    return value
+
+
+def record_findings(findings: Findings, folder: Path, units: str) -> None:
+    """Write findings.json, and findings.dxf to lay over the drawing; nothing when there are none."""
+    if not len(findings):
+        return
+    folder.mkdir(parents=True, exist_ok=True)
+    record = {"file": findings.file, "findings": findings.records()}
+    write_text(folder / "findings.json", json.dumps(record, indent=1, ensure_ascii=False) + "\n")
+    write_findings(findings, folder / "findings.dxf", units)
+
+
+def _reading_lines(reading: Reading) -> list[str]:
+    """Return the keys of [source] that read a drawing the same way again."""
+    lines: list[str] = []
+    for field in fields(reading):
+        value = getattr(reading, field.name)
+        if value == field.default:
+            continue
+        if isinstance(value, bool):
+            lines.append(f"{field.name} = {str(value).lower()}")
+        elif isinstance(value, str):
+            lines.append(f"{field.name} = {_text(value)}")
+        else:
+            lines.append(f"{field.name}_mm = {_number(1e3 * value)}")
+    return lines
 
 
 def _material_table(

@@ -88,7 +88,7 @@ def drawing(settings: Path, dxf: Path, assemblage: Path, vtu: Path) -> None:
 
     table = read_json(settings)
     weights = {material.name: material.unit_weight for material in weights_of(table)}
-    drawn = read_drawing(dxf, **table["source"], unit_weight=weights)
+    drawn = read_drawing(dxf, **table["source"]["reading"], unit_weight=weights)
     missing = [name for name in drawn.unweighted if name not in weights]
     if missing:
         raise InputError(

@@ -1,17 +1,21 @@
 """The command line: what it answers, and with which exit code. The pipeline itself is tested in tests/pipeline."""
 
+import json
 import re
 import subprocess
 import sys
 from pathlib import Path
 
+import ezdxf
 import numpy as np
 import pytest
 
 import churchpipe
 from churchpipe import cli, engine
 from churchpipe.config import read_case
+from churchpipe.config.case import Drawing
 from churchpipe.dxf.reader import read_drawing
+from churchpipe.dxf.reading import Reading
 from churchpipe.dxf.writer import write_dxf
 from churchpipe.importing import parse_direction
 from churchpipe.io.atomic import write_json
@@ -389,3 +393,59 @@ def test_a_place_that_cannot_be_written_to_is_named(capsys: pytest.CaptureFixtur
     assert code == cli.USAGE
     assert "Not a directory" in err.replace("\n", " ")
     assert taken.read_text() == "a file, not a folder"
+
+
+def outlines(path: Path, gap: float) -> Path:
+    """Write five bricks of 250 x 65 mm in two courses, as outlines with joints between them, flagged mm."""
+    document = ezdxf.new("R2010")
+    document.header["$INSUNITS"] = 4
+    for left, low, length in ((0, 0, 250), (260, 0, 250), (0, 65 + gap, 120), (130, 65 + gap, 250), (390, 65 + gap, 120)):
+        corners = [(left, low), (left + length, low), (left + length, low + 65), (left, low + 65)]
+        document.modelspace().add_lwpolyline(corners, close=True, dxfattribs={"layer": "FACADE"})
+    document.saveas(path)
+    return path
+
+
+def test_a_drawing_of_outlines_becomes_a_case_that_reads_it_the_same_way(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    drawing = outlines(tmp_path / "a.dxf", 10)
+    given = ("--thickness", "12 cm", "--joint", "10mm", "--support", "base", "--mortar", "ignored")
+    code, out, err = call(capsys, "import-dxf", drawing, "-o", tmp_path / "a", *given, "--unit-weight-kN-m3", 18, "--load", "+x")
+    assert code == 0
+    assert [line.split()[0] for line in err.splitlines()] == ["dxf/W12", "dxf/W24", "dxf/W26"]
+    assert "findings.json" in out
+    case = read_case(tmp_path / "a" / "case.toml", ["material.default.friction=0.6"])
+    reading = Reading(support="base", thickness=0.12, joint=0.01, mortar="ignored")
+    assert case.source == Drawing(tmp_path / "a" / "a.dxf", reading)
+    record = json.loads((tmp_path / "a" / "findings.json").read_text())
+    assert [finding["code"] for finding in record["findings"]] == ["W12", "W24", "W26"]
+    circles = ezdxf.readfile(tmp_path / "a" / "findings.dxf").modelspace().query("CIRCLE")
+    assert {circle.dxf.layer[:3] for circle in circles} == {"W12", "W24"}
+    np.testing.assert_allclose(circles[0].dxf.center, (0, 0, 0))
+
+
+def test_check_leaves_a_drawing_of_what_is_wrong(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    drawing = outlines(tmp_path / "a.dxf", 10)
+    code, _, err = call(capsys, "check", drawing, "--thickness", "0.12m", "-o", tmp_path / "found")
+    assert code == 1
+    assert "Pass --joint 10mm" in err
+    assert {finding["code"] for finding in json.loads((tmp_path / "found" / "findings.json").read_text())["findings"]} >= {
+        "E26",
+        "E12",
+    }
+    assert len(ezdxf.readfile(tmp_path / "found" / "findings.dxf").modelspace().query("CIRCLE"))
+
+
+@pytest.mark.parametrize("text", ["0.12", "12 furlongs", "m", "-3mm", "0mm", "1e999m"])
+def test_lengths_that_are_none(text: str, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    code, _, err = call(capsys, "check", outlines(tmp_path / "a.dxf", 0), f"--thickness={text}")
+    assert code == 2
+    assert "not a length" in err
+
+
+def test_a_unit_weight_that_was_passed_is_not_asked_for(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    given = ("--thickness", "0.12m", "--support", "base", "--unit-weight-kN-m3", 18)
+    code, _, err = call(capsys, "import-dxf", outlines(tmp_path / "a.dxf", 0), "-o", tmp_path / "a", *given, "--joint", "10mm")
+    assert code == 0
+    assert "W19" not in err

@@ -14,6 +14,7 @@ from churchpipe.config.section import Section, nearest
 from churchpipe.config.site import read_site
 from churchpipe.config.sources import DrawingSource
 from churchpipe.config.units import in_si
+from churchpipe.dxf.reading import AS_DRAWN, Reading
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import path_of
 from churchpipe.model.building import Building
@@ -36,12 +37,10 @@ class Generated:
 
 @dataclass(frozen=True, slots=True)
 class Drawing:
-    """A drawing: its path, the units that override its own, `support="base"`, and whether it may be repaired."""
+    """A drawing: its path, and how it is read."""
 
     path: Path
-    units: str | None = None
-    support: Literal["drawn", "base"] = "drawn"
-    repair: bool = False
+    reading: Reading = AS_DRAWN
 
 
 @dataclass(frozen=True, slots=True)
@@ -230,7 +229,8 @@ def _check_complete(checked: CaseTable, file: str) -> None:
 
 def _source(path: Path, source: Section) -> Generated | Drawing:
     if isinstance(source, DrawingSource):
-        return Drawing(path.parent / source.dxf, source.units, source.support, source.repair)
+        options = source.model_dump(exclude_none=True, exclude={"dxf"})
+        return Drawing(path.parent / source.dxf, Reading(**in_si(options)))
     parameters = source.model_dump(exclude_none=True)
     return Generated(parameters.pop("generator"), in_si(parameters))
 

@@ -98,12 +98,17 @@ class BoxSource(Section):
 
 
 class DrawingSource(Section):
-    """A DXF drawing; its path is relative to the case file."""
+    """A DXF drawing, its path relative to the case file, and how it is read: see `churchpipe.dxf.reading.Reading`."""
 
     dxf: Annotated[str, Field(min_length=1)]
     units: str | None = None
     support: Literal["drawn", "base"] = "drawn"
     repair: bool = False
+    thickness_mm: Positive | None = None
+    plane: Literal["xz", "xy"] = "xz"
+    joint_mm: Positive | None = None
+    joint_mode: Literal["grow", "keep"] = "grow"
+    mortar: Literal["counted", "ignored"] = "counted"
 
 
 GENERATED: dict[str, type[Section]] = {
@@ -128,7 +133,7 @@ def check_source(table: Table, file: str, problems: list[InputError]) -> Section
         )
         return None
     if "dxf" in table:
-        return validated(DrawingSource, table, "source", file, problems)
+        return validated(DrawingSource, _in_millimetres(table, DrawingSource), "source", file, problems)
     name = table["generator"]
     if not isinstance(name, str) or name not in GENERATED:
         problems.append(

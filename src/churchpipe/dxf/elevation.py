@@ -3,19 +3,18 @@
 import itertools
 from collections import Counter
 from dataclasses import replace
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 import shapely
 
 from churchpipe.dxf import schema
 from churchpipe.dxf.outlines import Outline, outlines_of
+from churchpipe.dxf.reading import ElevationPlane
 from churchpipe.dxf.stones import Stone
 from churchpipe.dxf.traces import Trace, by_plane, is_flat
 from churchpipe.findings import Finding
 from churchpipe.model.arrays import FloatArray
-
-ElevationPlane = Literal["xz", "xy"]
 
 # Layers that mean ground, whoever drew it; layers of what is no stone.
 GROUND: Final = (schema.SUPPORT, "SUPPORT", "SUPPORTS", "GROUND")

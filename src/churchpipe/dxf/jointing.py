@@ -2,17 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Literal
 
 import numpy as np
 
+from churchpipe.dxf.reading import JointMode, Mortar
 from churchpipe.dxf.stones import Stone
 from churchpipe.findings import Finding
 from churchpipe.model.arrays import FloatArray
 from churchpipe.stones.mortar import close_joints, open_joints
-
-JointMode = Literal["grow", "keep"]
-Mortar = Literal["counted", "ignored"]
 
 # Open joints are a matter of the whole drawing when there are this many for each stone.
 MANY = 0.25

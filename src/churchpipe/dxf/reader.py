@@ -3,21 +3,22 @@
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal, cast
+from typing import Any, cast
 
 import numpy as np
 
 from churchpipe.dxf import schema
 from churchpipe.dxf.duplicates import distinct_stones
-from churchpipe.dxf.elevation import ElevationPlane, stones_of_traces
-from churchpipe.dxf.jointing import JointMode, Mortar, jointed, unnamed_joints
+from churchpipe.dxf.elevation import stones_of_traces
+from churchpipe.dxf.jointing import jointed, unnamed_joints
 from churchpipe.dxf.opening import open_document
 from churchpipe.dxf.properties import decode_properties
+from churchpipe.dxf.reading import Reading
 from churchpipe.dxf.stones import Stone, Survey, summary, survey
 from churchpipe.dxf.units import declared_unit, find_unit
 from churchpipe.errors import InputError
 from churchpipe.findings import Finding, Findings, FindingsError
-from churchpipe.model.arguments import check_kind, finite, one_of, path_of, positive
+from churchpipe.model.arguments import finite, path_of
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.loads import LoadCase
@@ -45,32 +46,6 @@ class Drawing:
     unweighted: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class Reading:
-    """How a drawing is read: the parameters of `read_drawing` and their defaults, checked."""
-
-    units: str | None = None
-    repair: bool = False
-    support: Literal["drawn", "base"] = "drawn"
-    thickness: float | None = None
-    plane: ElevationPlane = "xz"
-    joint: float | None = None
-    joint_mode: JointMode = "grow"
-    mortar: Mortar = "counted"
-
-    def __post_init__(self) -> None:
-        if self.units is not None:
-            schema.metres(self.units)
-        check_kind("repair", self.repair, bool)
-        one_of("support", self.support, "drawn", "base")
-        one_of("plane", self.plane, "xz", "xy")
-        one_of("joint_mode", self.joint_mode, "grow", "keep")
-        one_of("mortar", self.mortar, "counted", "ignored")
-        for name in ("thickness", "joint"):
-            if getattr(self, name) is not None:
-                positive(name, getattr(self, name))
-
-
 def read_dxf(
     path: str | os.PathLike[str], *, unit_weight: float | Mapping[str, float] | None = None, **options: Any
 ) -> tuple[Assemblage, Findings]:
@@ -89,13 +64,7 @@ def read_drawing(
     Parameters
     ----------
     unit_weight: N/m3, for all stones or by material name; overrides what the drawing stores.
-    units: read the drawing in this unit ("m", "mm", "cm", "in", ...) whatever it says itself.
-    repair: drop stones drawn twice and recompute attributes that cannot be understood; each repair is a warning.
-    support: "base" puts a fixed support under the lowest faces when the drawing has no ground; all stones drawn stay free.
-    thickness: of stones drawn as outlines, m; an outline's own DXF thickness goes before.
-    plane: "xz" takes the x-y of a drawing of outlines for the elevation x-z, "xy" leaves it lying, a plan.
-    joint: nominal width, m, of joints drawn open. joint_mode: "grow" lets stones meet in the middle of their joints, "keep"
-    leaves them as drawn. mortar: whether its weight is "counted", as if it were stone, or "ignored".
+    options: the fields of `churchpipe.dxf.reading.Reading`: units, repair, support, thickness, plane, joint, joint_mode, mortar.
 
     Raises
     ------

@@ -18,6 +18,7 @@ from churchpipe.config.section import Section, section_in
 from churchpipe.config.settings import load_of, materials_of, weights_of
 from churchpipe.config.sources import GENERATED, OpeningTable
 from churchpipe.config.units import UNITS, in_si
+from churchpipe.dxf.reading import Reading
 from churchpipe.errors import InputError, UsageError
 from churchpipe.generators import GENERATORS, church_parts, generate
 from churchpipe.generators.arched import ArchedOpening
@@ -230,7 +231,7 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
 def test_a_drawing_is_found_beside_its_case(tmp_path: Path) -> None:
     text = WALL.replace(WALL[: WALL.index("[material")], '[source]\ndxf = "cad/plan.dxf"\nsupport = "base"\n')
     case = read_case(case_file(tmp_path, text))
-    assert case.source == Drawing(tmp_path / "cad" / "plan.dxf", support="base")
+    assert case.source == Drawing(tmp_path / "cad" / "plan.dxf", Reading(support="base"))
     with pytest.raises(InputError, match=r"a drawing gives stones, not a building; found plan\.dxf"):
         case.building()
 
