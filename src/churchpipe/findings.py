@@ -52,7 +52,6 @@ CODES: Final = {
     "W43": "supports by their names",
     "W44": "hulls of one stone were united",
     "W45": "the unit or the axis that points up was assumed",
-    "E46": "outlines without a thickness",
 }
 
 # Places named after the first of a kind.

@@ -4,7 +4,7 @@ import importlib
 import os
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Final, Literal
 
@@ -12,13 +12,15 @@ import numpy as np
 
 from churchpipe.dxf import schema
 from churchpipe.dxf.duplicates import distinct_stones
+from churchpipe.dxf.jointing import jointed
 from churchpipe.dxf.reader import Drawing, assembled, given_weights, read_drawing, supported, uniquely_named, unit_weights
+from churchpipe.dxf.reading import ElevationPlane, JointMode, Mortar, Reading
 from churchpipe.dxf.units import length_text, plausible, unit_hint
 from churchpipe.errors import InputError
 from churchpipe.findings import Finding, Findings, FindingsError
 from churchpipe.meshes.solids import AXES, dissolved, parted, to_stones
 from churchpipe.meshes.source import Body, Source, Up, refused
-from churchpipe.model.arguments import check_kind, one_of, path_of, positive
+from churchpipe.model.arguments import one_of, path_of, positive
 from churchpipe.model.assemblage import Assemblage
 
 # Suffix -> module of this package and its function.
@@ -49,6 +51,10 @@ def read_stones(
     unit_weight: float | Mapping[str, float] | None = None,
     up: Up | None = None,
     scale: float = 1.0,
+    plane: ElevationPlane = "xz",
+    joint: float | None = None,
+    joint_mode: JointMode = "grow",
+    mortar: Mortar = "counted",
 ) -> tuple[Assemblage, Findings]:
     """Read the stones of a file in any format; parameters and errors as in `read_file`."""
     read = read_file(
@@ -60,6 +66,10 @@ def read_stones(
         unit_weight=unit_weight,
         up=up,
         scale=scale,
+        plane=plane,
+        joint=joint,
+        joint_mode=joint_mode,
+        mortar=mortar,
     )
     return read.stones, read.findings
 
@@ -74,6 +84,10 @@ def read_file(
     unit_weight: float | Mapping[str, float] | None = None,
     up: Up | None = None,
     scale: float = 1.0,
+    plane: ElevationPlane = "xz",
+    joint: float | None = None,
+    joint_mode: JointMode = "grow",
+    mortar: Mortar = "counted",
 ) -> Drawing:
     """Read a file of stones: DXF, OBJ, STL, PLY, GLB, 3MF, Rhino 3DM, COMPAS JSON, LMGC90, 3DEC, or a folder of them.
 
@@ -81,6 +95,8 @@ def read_file(
     ----------
     units: read the file in this unit ("m", "mm", "cm", "in", ...) whatever it says itself.
     thickness: m, of what is drawn as outlines in a plane.
+    plane: "xz" takes the x-y of a drawing of outlines for the elevation x-z, "xy" leaves it lying, a plan (DXF alone).
+    joint, joint_mode, mortar: joints left open between the stones, as in `churchpipe.dxf.reading.Reading`.
     repair: mend what may change a shape (faces given twice, vertices that nearly meet, corners on edges, holes of one face) and
         drop stones drawn twice; each repair is a warning.
     support: "base" puts a fixed support under the lowest faces when the file has no ground; all its stones stay free.
@@ -94,28 +110,23 @@ def read_file(
     InputError: an argument is no unit, no support, no axis or no number.
     """
     path = path_of("read_stones: path", path)
-    if units is not None:
-        schema.metres(units)
-    one_of("support", support, "drawn", "base")
-    check_kind("repair", repair, bool)
+    reading = Reading(units, repair, support, thickness, plane, joint, joint_mode, mortar)
     if up is not None:
         one_of("up", up, *AXES)
     positive("scale", scale)
-    if thickness is not None:
-        positive("thickness", thickness)
     if path.suffix.lower() == ".dxf":
         _refuse_for_dxf(up, scale)
-        return read_drawing(path, units=units, repair=repair, support=support, unit_weight=unit_weight)
+        return read_drawing(path, unit_weight=unit_weight, **asdict(reading))
     weights_given = given_weights(unit_weight)
     source = read_source(path)
     findings = source.findings
     if source.flat and thickness is None:
         remedy = "Pass --thickness with the depth of the stones, such as 0.3m."
-        findings.append(Finding("E46", "outlines in a plane", "a thickness", remedy))
+        findings.append(Finding("E24", "outlines in a plane", "a thickness", remedy))
     bodies = parted(source)
     sizes = [size for item in bodies for size in item.sizes if not item.body.fixed]
     unit = _unit(source, float(np.median(sizes)) * scale if sizes else None, units)
-    stones = []
+    stones, share = [], np.ones(0)
     if unit is not None:
         depth = (thickness or 1.0) if source.flat else None
         factor = schema.metres(unit) * scale
@@ -124,10 +135,13 @@ def read_file(
         stones = distinct_stones(stones, repair, findings)
         if all(stone.fixed for stone in stones) and not any(f.severity == "error" for f in findings):
             findings.append(Finding("E17", "no stones but ground" if stones else "no stones", "at least one closed body"))
+        if stones and joint is not None:
+            stones, share = jointed(stones, joint, joint_mode, mortar, 1.0, findings)
         remedy = "Name the ground so, fix it in the program that made the file"
         stones = supported(stones, support, findings, GROUND, remedy) if stones else stones
         stones = uniquely_named(stones, findings)
     weights, unweighted = unit_weights(stones, (), weights_given, findings)
+    weights[: len(share)] *= share
     collected = Findings(path.name, tuple(finding.in_metres(1.0) for finding in findings), source.reader)
     if collected.errors or unit is None:
         raise FindingsError(collected)

@@ -1,10 +1,12 @@
 """Stones with mortar between them grow until they meet in the middle of their joints."""
 
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+import churchpipe
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.stones.contacts import find_contacts
 from churchpipe.stones.mortar import close_joints, open_joints
@@ -79,3 +81,19 @@ def test_open_joints_are_measured_where_nobody_named_them() -> None:
     np.testing.assert_allclose(found.width, JOINT, rtol=1e-9)
     touching = [box((x, 0, z), (1, 1, 1)) for x in (0, 1) for z in (0, 1)]
     assert len(open_joints(touching).width) == 0
+
+
+def test_meshes_with_joints_between_them_grow_too(tmp_path: Path) -> None:
+    lines: list[str] = []
+    count = 0
+    for number, (points, faces) in enumerate(bricks(2, 2)):
+        lines.append(f"o brick-{number}")
+        lines += [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in points]
+        lines += ["f " + " ".join(str(node + 1 + count) for node in face) for face in faces]
+        count += len(points)
+    path = tmp_path / "wall.obj"
+    path.write_text("\n".join(lines) + "\n")
+    stones, findings = churchpipe.read_stones(path, units="m", joint=JOINT, support="base", unit_weight=18e3)
+    assert "W26" in findings.codes
+    # One head joint below, two above, four beds, two feet.
+    assert len(find_contacts(stones).blocks) == 1 + 2 + 4 + 2
