@@ -6,7 +6,6 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-import shapely
 
 from churchpipe.dxf import schema
 from churchpipe.dxf.outlines import Outline, outlines_of
@@ -14,6 +13,7 @@ from churchpipe.dxf.reading import ElevationPlane
 from churchpipe.dxf.stones import Stone
 from churchpipe.dxf.traces import Trace, by_plane, is_flat
 from churchpipe.findings import Finding
+from churchpipe.geometry.planar import area, polygon
 from churchpipe.model.arrays import FloatArray
 
 # Layers that mean ground, whoever drew it; layers of what is no stone.
@@ -77,7 +77,7 @@ def _stone(outline: Outline, thickness: float, plane: ElevationPlane) -> Stone:
     faces = (tuple(range(count))[::-1], tuple(range(count, 2 * count)), *sides)
     bearing = _bears(trace)
     panel = "" if bearing else WALL if trace.layer == "0" else trace.layer
-    size = float(np.sqrt(shapely.Polygon(flat).area))
+    size = float(np.sqrt(area(polygon(flat))))
     return Stone(points, faces, bearing, trace.place, trace.place.handle, "default", panel, size=size)
 
 

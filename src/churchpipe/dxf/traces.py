@@ -5,11 +5,11 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 import numpy as np
-import shapely
 from ezdxf import path as paths
 
 from churchpipe.dxf.definitions import Matrix, transformed
 from churchpipe.findings import Place
+from churchpipe.geometry.nets import farthest
 from churchpipe.model.arrays import FloatArray
 
 KINDS: Final = ("LWPOLYLINE", "POLYLINE", "HATCH", "LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE")
@@ -96,8 +96,7 @@ def _flattened(line: Any) -> tuple[FloatArray, float]:
     if not line.has_curves:
         return _distinct(ends, size), 0.0
     points = _points(line, CHORD * size)
-    chords, fine = (shapely.LineString(p[:, :2]) for p in (points, _points(line, 1e-4 * size)))
-    return _distinct(points, size), float(shapely.hausdorff_distance(fine, chords))
+    return _distinct(points, size), farthest(points[:, :2], _points(line, 1e-4 * size)[:, :2])
 
 
 def _points(line: Any, distance: float) -> FloatArray:

@@ -38,6 +38,13 @@ def boxes(rectangles: FloatArray) -> Polygons:
     return np.asarray(shapely.box(*rectangles.T), dtype=np.object_)
 
 
+def overlapping(rectangles: FloatArray) -> IntArray:
+    """Return the pairs i < j (k, 2) of rectangles s0, t0, s1, t1 (n, 4) that have a point in common."""
+    found = boxes(rectangles)
+    i, j = shapely.STRtree(found).query(found)
+    return np.stack([i[i < j], j[i < j]], axis=1)
+
+
 def why_invalid(region: Region) -> str:
     """Return what is wrong with a region, or an empty text."""
     if shapely.is_valid(region) and region.area > 0:

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import shapely
 
 from churchpipe.geometry.clusters import components
 from churchpipe.geometry.mending import signed_volume
+from churchpipe.geometry.planar import area, common, overlapping, polygon, vertices
 from churchpipe.geometry.warped import split_warped
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.polyhedra import face_normals
@@ -114,13 +114,13 @@ class _Faces:
         corners = [points[list(face)] for points, faces in solids for face in faces]
         pointer = np.cumsum([0, *(len(c) for c in corners)])
         flat = np.concatenate(corners)
-        area, normal, mean = face_normals(flat, np.arange(len(flat)), pointer)
+        area_vector, normal, mean = face_normals(flat, np.arange(len(flat)), pointer)
         counts = [len(faces) for _, faces in solids]
         return cls(
             corners,
             normal,
             np.einsum("ij,ij->i", normal, mean),
-            np.linalg.norm(area, axis=1),
+            np.linalg.norm(area_vector, axis=1),
             np.repeat(np.arange(len(counts)), counts),
             np.cumsum([0, *counts]),
             float(np.median([np.ptp(points, axis=0).max() for points, _ in solids])),
@@ -152,9 +152,8 @@ def _candidates(flat: _Faces, reach: float) -> IntArray:
     high = np.array([c.max(axis=0) for c in flat.corners]) + 0.5 * reach
     # The tree sees two dimensions: those in which the stones spread most.
     a, b = np.argsort(np.ptp(np.concatenate([low, high]), axis=0))[1:]
-    boxes = shapely.box(low[:, a], low[:, b], high[:, a], high[:, b])
-    i, j = shapely.STRtree(boxes).query(boxes)
-    keep = (i < j) & (flat.solid[i] != flat.solid[j])
+    i, j = overlapping(np.column_stack([low[:, a], low[:, b], high[:, a], high[:, b]])).T
+    keep = flat.solid[i] != flat.solid[j]
     i, j = i[keep], j[keep]
     keep = np.einsum("ij,ij->i", flat.normal[i], flat.normal[j]) < -np.cos(FACING_ANGLE)
     keep &= ((low[i] <= high[j]) & (low[j] <= high[i])).all(axis=1)
@@ -168,11 +167,10 @@ def _across(flat: _Faces, i: int, j: int) -> tuple[FloatArray, FloatArray] | Non
     u = np.cross(n, [1.0, 0.0, 0.0] if abs(n[0]) < 0.7 else [0.0, 1.0, 0.0])
     u /= np.linalg.norm(u)
     axes = np.stack([u, np.cross(n, u)])
-    one, other = (shapely.Polygon(flat.corners[f] @ axes.T) for f in (i, j))
-    common = shapely.intersection(one, other)
-    if shapely.area(common) <= LEAST_OVERLAP * min(flat.area[i], flat.area[j]):
+    shared = common(polygon(flat.corners[i] @ axes.T), polygon(flat.corners[j] @ axes.T))
+    if area(shared) <= LEAST_OVERLAP * min(flat.area[i], flat.area[j]):
         return None
-    place = np.unique(shapely.get_coordinates(common), axis=0) @ axes
+    place = np.unique(vertices(shared), axis=0) @ axes
     at = [(flat.level[f] - place @ flat.normal[f]) / (n @ flat.normal[f]) for f in (i, j)]
     return at[1] - at[0], place + 0.5 * (at[0] + at[1])[:, None] * n
 
@@ -187,9 +185,9 @@ def _mid_planes(flat: _Faces, joints: Joints, joint: float) -> dict[int, tuple[F
         of_face.setdefault(i, []).append(k)
         of_face.setdefault(j, []).append(k)
     planes: dict[int, tuple[FloatArray, float]] = {}
-    common = {group: _fitted([joints.middle[k] for k in own]) for group, own in groups.items()}
+    of_group = {group: _fitted([joints.middle[k] for k in own]) for group, own in groups.items()}
     for face, own in of_face.items():
-        normal, level, off = common[int(label[face])]
+        normal, level, off = of_group[int(label[face])]
         if off > OUT_OF_LINE * joint:
             normal, level, _ = _fitted([joints.middle[k] for k in own])
         turned = 1.0 if normal @ flat.normal[face] > 0 else -1.0

@@ -1,0 +1,123 @@
+"""Lines in a plane: the meshes of a net of them, and outlines without idle corners."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from churchpipe.model.arrays import FloatArray
+
+# Lines of a net meet where they are closer than this part of its median line.
+SNAP = 1e-3
+# Corners within this part of the size of an outline of the line through their neighbours are none.
+STRAIGHT = 1e-6
+
+
+@dataclass(frozen=True, slots=True)
+class Net:
+    """What lines make of each other.
+
+    meshes: corners (n, 2) of the areas between them, each with the index of the line that most of its longest side is part of;
+    alone: indices of the lines that meet no other; loose: of those that end in the open; borders: of the outlines that are part
+    of the net, as lines of it end on them.
+    """
+
+    meshes: list[tuple[int, FloatArray]]
+    alone: list[int]
+    loose: list[int]
+    borders: list[int]
+
+
+def net_of(lines: Sequence[FloatArray], outlines: Sequence[FloatArray]) -> Net:
+    """Return what open lines (n, 2) make, with each other and with closed outlines (n, 2); indices count the outlines after the
+    lines. Ends meet a line when they miss it by up to a thousandth of the median line."""
+    count = len(lines)
+    drawn = [*map(shapely.LineString, lines), *map(shapely.LinearRing, outlines)]
+    reach = SNAP * float(np.median([line.length for line in drawn[:count]]))
+    ends = shapely.points(np.concatenate([line[[0, -1]] for line in lines]))
+    own = np.repeat(np.arange(count), 2)
+    end, other = shapely.STRtree(drawn).query(ends, predicate="dwithin", distance=reach)
+    met = own[end] != other
+    joined = set(own[end[met]].tolist()) | set(other[met].tolist())
+    chosen = sorted(joined)
+    alone = [k for k in range(count) if k not in joined]
+    if not chosen:
+        return Net([], alone, [], [])
+    sources = [_lengthened(lines[k], reach) if k < count else drawn[k] for k in chosen]
+    tree = shapely.STRtree(sources)
+    found, _, dangles, _ = shapely.polygonize_full(shapely.get_parts(shapely.union_all(sources)))
+    meshes: list[tuple[int, FloatArray]] = []
+    for mesh in shapely.get_parts(found):
+        # Between two lines that were meant to be one there is no stone.
+        if mesh.area > reach * mesh.length:
+            corners = shapely.get_coordinates(mesh.exterior)[:-1]
+            side = np.roll(corners, -1, axis=0) - corners
+            longest = int(np.argmax(np.linalg.norm(side, axis=1)))
+            nearest = int(tree.nearest(shapely.Point(corners[longest] + 0.5 * side[longest])))
+            meshes.append((chosen[nearest], corners))
+    left = [part for part in shapely.get_parts(dangles) if part.length > 3 * reach]
+    loose = {chosen[int(tree.nearest(shapely.line_interpolate_point(part, 0.5, normalized=True)))] for part in left}
+    return Net(meshes, alone, sorted(k for k in loose if k < count), [k for k in chosen if k >= count])
+
+
+def without_idle_corners(corners: FloatArray) -> FloatArray:
+    """Leave out the corners (n, 2) of an outline that repeat, or lie on the straight line between their neighbours."""
+    size = float(np.ptp(corners, axis=0).max())
+    while len(corners) >= 3:
+        before, after = np.roll(corners, 1, axis=0), np.roll(corners, -1, axis=0)
+        chord, offset = after - before, corners - before
+        length = np.linalg.norm(chord, axis=1)
+        off = np.abs(chord[:, 0] * offset[:, 1] - chord[:, 1] * offset[:, 0])
+        between = np.einsum("ij,ij->i", offset, chord) * np.einsum("ij,ij->i", corners - after, chord) <= 0
+        none = (off <= STRAIGHT * size * length) & between | (np.linalg.norm(offset, axis=1) <= STRAIGHT * size)
+        # Never two neighbours at once: of two corners at one place one must stay.
+        none &= ~np.roll(none, 1) | (np.arange(len(none)) == 0)
+        if not none.any():
+            break
+        first = int(np.argmax(none))
+        corners = np.delete(corners, first, axis=0) if none.sum() == 1 else corners[~none]
+    return corners
+
+
+def outline_flaw(corners: FloatArray) -> str:
+    """Return why corners (n, 2) are no outline: it "crosses itself" or "encloses nothing"; "" when they are one."""
+    if len(corners) < 3:
+        return "encloses nothing"
+    polygon = shapely.Polygon(corners)
+    if polygon.area <= 1e-9 * polygon.length**2:
+        return "encloses nothing" if shapely.is_simple(polygon.exterior) or len(corners) == 3 else "crosses itself"
+    return "" if polygon.is_valid else "crosses itself"
+
+
+def turned_left(corners: FloatArray) -> FloatArray:
+    """Return corners (n, 2) counter-clockwise."""
+    return corners if shapely.is_ccw(shapely.LinearRing(corners)) else corners[::-1]
+
+
+def covering(first: Sequence[FloatArray], second: Sequence[FloatArray]) -> list[bool]:
+    """Return for each outline of the first list whether one of the second covers half of the smaller of the two."""
+    if not first or not second:
+        return [False] * len(first)
+    borders = np.array([shapely.Polygon(corners) for corners in second], dtype=object)
+    tree = shapely.STRtree(borders)
+    out: list[bool] = []
+    for corners in first:
+        own = shapely.Polygon(corners)
+        near = borders[tree.query(own, predicate="intersects")]
+        out.append(bool((shapely.area(shapely.intersection(near, own)) > 0.5 * np.minimum(shapely.area(near), own.area)).any()))
+    return out
+
+
+def farthest(line: FloatArray, other: FloatArray) -> float:
+    """Return how far two lines (n, 2) are apart where they are farthest."""
+    return float(shapely.hausdorff_distance(shapely.LineString(line), shapely.LineString(other)))
+
+
+def _lengthened(points: FloatArray, reach: float) -> shapely.LineString:
+    """Return a line drawn on at both ends, so that it crosses what it was meant to end on."""
+    out = points.copy()
+    for end, beside in ((0, 1), (-1, -2)):
+        along = points[end] - points[beside]
+        out[end] += reach * along / np.linalg.norm(along)
+    return shapely.LineString(out)
