@@ -7,6 +7,7 @@ from .geometry.repair import repair_polyhedra as repair_polyhedra
 from .homogenised_shell.limit import shell_limit_analysis as shell_limit_analysis
 from .homogenised_shell.pushover import pushover as pushover
 from .large_displacements.pushover import block_pushover as block_pushover
+from .large_displacements.settlement import settlement_analysis as settlement_analysis
 from .match import match_models as match_models
 from .meshes.reader import read_stones as read_stones
 from .model.assemblage import Assemblage as Assemblage
@@ -19,6 +20,7 @@ from .model.materials import Material as Material
 from .model.results import CapacityCurve as CapacityCurve
 from .model.results import LimitState as LimitState
 from .model.results import ShellLimitState as ShellLimitState
+from .model.settlement import SettlementState as SettlementState
 from .model.shell import ShellModel as ShellModel
 from .rigid_blocks.limit import limit_analysis as limit_analysis
 from .shell_mesh.shell import derive_shell as derive_shell

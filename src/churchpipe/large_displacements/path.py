@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy.sparse as sp
 
 from churchpipe.conic.solve import solver_for
 from churchpipe.large_displacements.falling import falling_stones
@@ -10,9 +11,10 @@ from churchpipe.large_displacements.joints import Joints
 from churchpipe.large_displacements.poses import Poses, displaced
 from churchpipe.large_displacements.renewal import PairFriction, renewed
 from churchpipe.large_displacements.step import StepAnswer, StepProgram, solve_step
+from churchpipe.large_displacements.supports import SupportMovement
 from churchpipe.large_displacements.travelling import TravellingLoads
 from churchpipe.mechanism import reference_speed, stone_speed
-from churchpipe.model.arrays import BoolArray, FloatArray
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.rigid_blocks.equilibrium import contact_matrix
 
@@ -35,13 +37,14 @@ _SPARED = 0.05
 class MovingModel:
     """What stays the same on the way: stones as drawn, loads, friction of pairs.
 
+    driven: the loads that grow, or the support that moves.
     held (nb,): stones that cannot move. moving N: the weight that moves at the start. force N and length m are the units of the
     programs. step m: the largest displacement of a step. reach m: how far apart points may be that can still come to bear.
     """
 
     stones: Assemblage
     dead: TravellingLoads
-    live: TravellingLoads
+    driven: TravellingLoads | SupportMovement
     friction: PairFriction
     held: BoolArray
     moving: float
@@ -71,7 +74,7 @@ class PathState:
 
 @dataclass(frozen=True, slots=True)
 class PathStep:
-    """A program solved at a state: its answer, velocities (nb, 6), speeds (nb,).
+    """A program solved at a state: its answer, velocities (nb, 6), speeds (nb,) and rates (nc, 3) n, t1, t2 of the points.
 
     state: that at which it was solved, sliding and length of step as they became. way: to the next state, m per unit of work.
     friction_work: over the weight, m. lost (nb,): stones that fall.
@@ -81,6 +84,7 @@ class PathStep:
     answer: StepAnswer
     speed: FloatArray
     velocity: FloatArray
+    rate: FloatArray
     way: float
     friction_work: float
     lost: BoolArray
@@ -111,7 +115,7 @@ def solve_state(model: MovingModel, state: PathState, programs: int = PROGRAMS) 
         if answer.outcome != "solved":
             break
         attempt += 1
-        velocity = _velocities(model, free, answer.y)
+        velocity = _velocities(model, state, free, answer.y)
         wanted = _length(model, stones, velocity)
         # Where the load does hardly any work, as in a fall, rates are measured by the mean speed of the weight.
         answer = replace(answer, gap=answer.gap / max(1.0, _mean_speed(model, velocity)))
@@ -120,7 +124,7 @@ def solve_state(model: MovingModel, state: PathState, programs: int = PROGRAMS) 
             break
         sliding = program.slip(answer.y)
         length = wanted if free_way else min(length, wanted)
-    velocity = _velocities(model, free, answer.y)
+    velocity = _velocities(model, state, free, answer.y)
     speed = stone_speed(stones, velocity)
     way = min(length, wanted) if answer.outcome == "solved" else 0.0
     sliding = program.slip(answer.y) if answer.outcome == "solved" else sliding
@@ -130,6 +134,7 @@ def solve_state(model: MovingModel, state: PathState, programs: int = PROGRAMS) 
         answer=answer,
         speed=speed,
         velocity=velocity,
+        rate=rate,
         way=way,
         friction_work=-way * float((answer.forces[:, 1:] * rate[:, 1:]).sum()),
         lost=falling_stones(answer, speed, state.fastest, model.stones.weight, _spared(model, state)),
@@ -196,24 +201,36 @@ def _standing(model: MovingModel, state: PathState) -> Assemblage:
     return replace(displaced(model.stones, state.poses), fixed=~_free(model, state))
 
 
-def _program(model: MovingModel, state: PathState) -> tuple[Assemblage, StepProgram, np.ndarray, FloatArray]:
+def _program(model: MovingModel, state: PathState) -> tuple[Assemblage, StepProgram, IntArray, FloatArray]:
     stones = _standing(model, state)
     contacts, gap = state.joints.at(state.poses)
     free = np.flatnonzero(~stones.fixed)
     rotation = state.poses.rotation
-    program = StepProgram(
-        matrix=contact_matrix(stones, contacts, free, model.length),
-        dead=model.dead.rows(rotation, free, model.force, model.length),
-        live=model.live.rows(rotation, free, model.force, model.length),
-        friction=model.friction.of(contacts.blocks, stones.count)[contacts.interface_of_point],
-    )
-    return stones, program, free, gap
+    dead = model.dead.rows(rotation, free, model.force, model.length)
+    friction = model.friction.of(contacts.blocks, stones.count)[contacts.interface_of_point]
+    if isinstance(model.driven, TravellingLoads):
+        matrix = contact_matrix(stones, contacts, free, model.length)
+        return (
+            stones,
+            StepProgram(matrix, dead, model.driven.rows(rotation, free, model.force, model.length), friction),
+            free,
+            gap,
+        )
+    twist = model.driven.twist(state.poses)
+    twist[:, 3:] *= model.length
+    matrix = contact_matrix(stones, contacts, np.append(free, model.driven.stones), model.length)
+    # Of the balance of the support only that along its movement is left.
+    along = sp.block_diag([sp.identity(6 * len(free)), twist.reshape(1, -1)], format="csr")
+    rows = sp.csc_matrix(along @ matrix)
+    return stones, StepProgram(rows, np.append(dead, 0.0), np.append(np.zeros_like(dead), 1.0), friction), free, gap
 
 
-def _velocities(model: MovingModel, free: np.ndarray, y: FloatArray) -> FloatArray:
+def _velocities(model: MovingModel, state: PathState, free: IntArray, y: FloatArray) -> FloatArray:
     out = np.zeros((model.stones.count, 6))
-    out[free] = y.reshape(-1, 6)
+    out[free] = y[: 6 * len(free)].reshape(-1, 6)
     out[:, 3:] /= model.length
+    if not isinstance(model.driven, TravellingLoads):
+        out[model.driven.stones] = y[-1] * model.driven.twist(state.poses)
     return out
 
 

@@ -35,7 +35,8 @@ class BlockCapacityCurve:
     bound_gap of its program; gap (ns,): what its motion lacks of one without dilatancy, in load factors (of a step in which the
     load does little work, over the work of the weight at the same speed).
     dissipation (ns,) J: work of friction on the way there.
-    fallen: stones taken out on the way. d0 m: displacement at which the load factor vanishes, NaN where the curve ends before.
+    fallen: stones taken out on the way. d0 m: displacement at which the load factor vanishes, or the structure
+    collapses; NaN where the curve ends before.
 
     status: "vanished" the load factor came down to zero; "collapsed" stones fell out that cannot be spared; "unfinished" the
     steps or the displacement asked for were used up; "not-converged" a step's program was not solved; "unbounded" no load of

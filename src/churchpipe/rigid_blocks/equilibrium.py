@@ -101,6 +101,7 @@ def _extra(name: str, wrench: FloatArray | None, count: int) -> FloatArray:
 
 
 def contact_matrix(stones: Assemblage, contacts: Contacts, free: IntArray, length: float) -> sp.csc_matrix:
+    """Return the matrix (6 nf, 3 nc) of point forces (n, t1, t2) on wrenches of these stones (nf,), moments over length, m."""
     row_of = np.full(stones.count, -1, dtype=np.int64)
     row_of[free] = np.arange(len(free))
     interface = contacts.interface_of_point

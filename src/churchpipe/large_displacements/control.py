@@ -1,0 +1,74 @@
+"""The displacement that a curve is drawn against."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from churchpipe.errors import InputError
+from churchpipe.large_displacements.poses import Poses
+from churchpipe.large_displacements.travelling import live_loads
+from churchpipe.model.arrays import BoolArray, FloatArray, floats
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.loads import LoadCase
+
+
+@dataclass(frozen=True, slots=True)
+class MeanDisplacement:
+    """The mean displacement of the centroids along forces (nb, 3) N, weighed by them."""
+
+    force: FloatArray
+
+    def between(self, before: Poses, after: Poses, standing: BoolArray) -> float:
+        """Return how far it has gone between poses, m; standing (nb,): stones that have not fallen."""
+        force = np.where(standing[:, None], self.force, 0.0)
+        total = float(np.linalg.norm(force, axis=1).sum())
+        return float((force * (after.centroid - before.centroid)).sum()) / total
+
+
+@dataclass(frozen=True, slots=True)
+class ControlPoint:
+    """The displacement along a direction (3,) of a point of one stone; arm (3,) m from its centroid, as drawn."""
+
+    stone: int
+    arm: FloatArray
+    direction: FloatArray
+
+    def between(self, before: Poses, after: Poses, standing: BoolArray) -> float:
+        """Return how far it has gone between poses, m; a stone that has fallen (standing (nb,) False) goes no further."""
+        if not standing[self.stone]:
+            return 0.0
+        one = np.array([self.stone])
+        return float((after.place(one, self.arm[None]) - before.place(one, self.arm[None]))[0] @ self.direction)
+
+
+Control = MeanDisplacement | ControlPoint
+
+
+def control_of(stones: Assemblage, load: LoadCase, control: npt.ArrayLike | None) -> Control:
+    """Return what the curve of a load case is drawn against: a point (3,) m of the drawing, or, None, the mean of what is pushed.
+
+    Raises
+    ------
+    InputError: a point beside the free stones, a load without forces.
+    """
+    where = "block_pushover: control"
+    if control is None:
+        force = live_loads(stones, load).force
+        if not force.any():
+            raise InputError(where, "nothing is pushed by a force", expected="a control point (x, y, z) m")
+        return MeanDisplacement(force)
+    point = floats(where, control, (3,))
+    owner = np.repeat(np.arange(stones.count), np.diff(stones.block_point_ptr))
+    free = np.flatnonzero(~stones.fixed[owner])
+    distance = np.linalg.norm(stones.points[free] - point, axis=1)
+    low, high = stones.points[free].min(axis=0), stones.points[free].max(axis=0)
+    stone = int(owner[free[np.argmin(distance)]])
+    if ((point < low - 1e-6) | (point > high + 1e-6)).any():
+        raise InputError(
+            where,
+            "a point outside the free stones",
+            found=point.tolist(),
+            expected=f"a point between {low.round(4).tolist()} and {high.round(4).tolist()} m",
+        )
+    return ControlPoint(stone, point - stones.centroid[stone], load.direction)

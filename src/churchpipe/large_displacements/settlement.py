@@ -1,0 +1,148 @@
+"""Supports that settle or spread: the reaction that is left, where the structure cracks, and how far it may go."""
+
+from collections.abc import Callable
+from time import perf_counter
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from churchpipe.conic.solve import solver_for
+from churchpipe.large_displacements.path import FIRST, MovingModel, PathState, PathStep, first_state, solve_state
+from churchpipe.large_displacements.poses import start_poses
+from churchpipe.large_displacements.renewal import first_joints, pair_friction
+from churchpipe.large_displacements.sizes import REACH, STEP, thinnest
+from churchpipe.large_displacements.supports import support_movement
+from churchpipe.large_displacements.travelling import dead_loads
+from churchpipe.model.arguments import check_kind, one_of
+from churchpipe.model.arrays import BoolArray
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.contacts import Contacts
+from churchpipe.model.loads import LoadCase
+from churchpipe.model.settlement import SettlementState, SettlementStatus
+from churchpipe.rigid_blocks.equilibrium import equilibrium
+from churchpipe.rigid_blocks.limit import dead_load_analysis, point_strength
+
+Progress = Callable[[str, float], None]
+# Errors within which a reaction is proved.
+_BOUNDS, _BALANCE, _FLOW = 1e-5, 1e-8, 1e-3
+
+
+def settlement_analysis(
+    stones: Assemblage,
+    contacts: Contacts,
+    support: npt.ArrayLike,
+    direction: npt.ArrayLike = (0, 0, -1),
+    friction: npt.ArrayLike = 0.6,
+    *,
+    about: npt.ArrayLike | None = None,
+    dead: npt.ArrayLike | None = None,
+    flow: Literal["associative", "non-associative"] = "associative",
+    solver: str = "auto",
+) -> SettlementState:
+    """Return the least reaction of a support that moves, and the motion of the structure that follows it.
+
+    The support is set free but for its balance along the movement, and the force that resists it there is made as small as the
+    equilibrium of the structure allows.
+
+    Parameters
+    ----------
+    support: indices of fixed stones that move as one body. direction: of the movement, or of its axis, right-handed, where
+        `about`, a point (3,) m of it, is given. dead: (nb, 6) N and Nm, wrenches about the centroids that act beside the weight.
+    friction: coefficient, a number or one an interface. flow: "associative", the least reaction of all, its bounds proved; or
+        "non-associative", stones that slide without dilating, as they move in `settlement_path`.
+
+    Raises
+    ------
+    InputError: a support that is not there, not fixed or bears nothing, no direction, arguments out of range.
+    """
+    begin = perf_counter()
+    one_of("settlement_analysis: flow", flow, "associative", "non-associative")
+    model, state, status, message = settlement_model(stones, contacts, support, direction, friction, about, dead, None, solver)
+    if status != "stable":
+        return _nothing(stones, contacts, status, message, perf_counter() - begin)
+    step = solve_state(model, state, FIRST if flow == "non-associative" else 1)
+    outcome = step.answer.outcome
+    if outcome != "solved":
+        return _nothing(
+            stones, contacts, "unbounded" if outcome == "unbounded" else "failed", step.answer.message, perf_counter() - begin
+        )
+    return _state(model, contacts, step, flow, perf_counter() - begin)
+
+
+def settlement_model(
+    stones: Assemblage,
+    contacts: Contacts,
+    support: npt.ArrayLike,
+    direction: npt.ArrayLike,
+    friction: npt.ArrayLike,
+    about: npt.ArrayLike | None,
+    dead: npt.ArrayLike | None,
+    step: float | None,
+    solver: str,
+) -> tuple[MovingModel, PathState, Literal["stable", "unstable", "failed"], str]:
+    """Return the model of a structure whose support moves, its state as drawn, and whether it stands there."""
+    for name, value, kind in (("stones", stones, Assemblage), ("contacts", contacts, Contacts)):
+        check_kind(f"settlement_analysis: {name}", value, kind)
+    load = LoadCase((1, 0, 0), dead=dead)
+    balance = equilibrium(stones, contacts, load)
+    strength = point_strength(contacts, friction, 0.0, balance.force)
+    movement = support_movement(stones, contacts, support, direction, about)
+    standing, answer = dead_load_analysis(balance, strength, solver_for(balance.matrix, solver))
+    size = thinnest(stones, ~stones.fixed)
+    interface = np.broadcast_to(np.asarray(friction, dtype=np.float64), contacts.area.shape)
+    model = MovingModel(
+        stones=stones,
+        dead=dead_loads(stones, load),
+        driven=movement,
+        friction=pair_friction(contacts.blocks, interface, stones.count),
+        held=np.zeros(stones.count, dtype=bool),
+        moving=float(stones.weight.sum()),
+        force=balance.force,
+        length=balance.length,
+        step=STEP * size if step is None else step,
+        reach=REACH * size,
+        solver=solver,
+    )
+    poses = start_poses(stones)
+    # Supports do not bear on each other: one that moves past another is not held by it.
+    joints = first_joints(contacts, stones, poses, model.reach).selected(_bearing(stones, contacts))
+    first = first_state(joints, poses, model.step)
+    message = "the dead load alone brings it down" if standing == "unstable" else answer.message
+    return model, first, standing, message
+
+
+def _bearing(stones: Assemblage, contacts: Contacts) -> BoolArray:
+    """Return which interfaces (ni,) are not between two fixed stones."""
+    first, second = stones.fixed[contacts.blocks].T
+    return ~(first & second)
+
+
+def _state(model: MovingModel, contacts: Contacts, step: PathStep, flow: str, seconds: float) -> SettlementState:
+    answer = step.answer
+    bears = np.repeat(_bearing(model.stones, contacts), contacts.points_per_interface)
+    rate, forces = np.zeros((2, len(bears), 3))
+    rate[bears], forces[bears] = step.rate, answer.forces * model.force
+    fits = answer.gap < _FLOW * max(abs(answer.load_factor), 1e-3) if flow == "non-associative" else answer.bound_gap < _BOUNDS
+    proved = fits and answer.residual < _BALANCE and answer.violation < _BALANCE
+    return SettlementState(
+        reaction=max(-answer.load_factor, 0.0) * model.force,
+        status="optimal" if proved else "not-converged",
+        velocities=step.velocity,
+        opening=rate[:, 0],
+        slip=np.hypot(rate[:, 1], rate[:, 2]),
+        forces=forces,
+        residual=answer.residual,
+        violation=answer.violation,
+        bound_gap=answer.bound_gap,
+        gap=answer.gap if flow == "non-associative" else float("nan"),
+        message=answer.message,
+        seconds=seconds,
+    )
+
+
+def _nothing(stones: Assemblage, contacts: Contacts, status: SettlementStatus, message: str, seconds: float) -> SettlementState:
+    points, nan = np.zeros(len(contacts.point)), float("nan")
+    return SettlementState(
+        nan, status, np.zeros((stones.count, 6)), points, points, np.zeros((len(points), 3)), nan, nan, nan, nan, message, seconds
+    )

@@ -1,0 +1,49 @@
+"""What a structure does when a support moves."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from churchpipe.model.arguments import one_of
+from churchpipe.model.arrays import FloatArray, floats, rows_of, store
+
+SettlementStatus = Literal["optimal", "not-converged", "unstable", "unbounded", "failed"]
+
+
+@dataclass(frozen=True, slots=True)
+class SettlementState:
+    """The state of a structure at the onset of a movement of a support.
+
+    reaction: N, the least force along the movement with which the support must resist (Nm for a support that turns); 0 when the
+    structure stands without it, NaN where nothing was found.
+    velocities (nb, 6): of the centroids and rotations per unit of the movement, m or rad; opening, slip (nc,): of the contact
+    points per unit of the movement: where it cracks. forces (nc, 3) N, components n, t1, t2.
+    residual of the balance and violation of the friction cones, over the weight; bound_gap: kinematic against static bound, over
+    the reaction; gap: what the motion lacks of one without dilatancy, over the weight.
+
+    status: "optimal"; "not-converged": found but not proved; "unstable": the dead load alone brings it down; "unbounded": the
+    structure holds the support fast; "failed".
+    """
+
+    reaction: float
+    status: SettlementStatus
+    velocities: FloatArray
+    opening: FloatArray
+    slip: FloatArray
+    forces: FloatArray
+    residual: float
+    violation: float
+    bound_gap: float
+    gap: float
+    message: str = ""
+    seconds: float = 0.0
+
+    def __post_init__(self) -> None:
+        one_of("SettlementState.status", self.status, "optimal", "not-converged", "unstable", "unbounded", "failed")
+        points = rows_of("SettlementState.forces", self.forces)
+        store(
+            self,
+            velocities=floats("SettlementState.velocities", self.velocities, (None, 6)),
+            opening=floats("SettlementState.opening", self.opening, (points,)),
+            slip=floats("SettlementState.slip", self.slip, (points,)),
+            forces=floats("SettlementState.forces", self.forces, (points, 3)),
+        )
