@@ -220,7 +220,7 @@ def _beds(stones: Assemblage, contacts: Contacts, shell: ShellModel, facet: IntA
     normal = shell.axes[facet, 2]
     # In courses beds are level. Elsewhere (voussoirs) they are the joints with the largest area.
     bed = np.cross([0.0, 0.0, 1.0], normal)
-    loose = found & (stones.course < 0)
+    loose = found & ~stones.coursed
     bed[loose] = np.cross(normal, _joint_normal(stones, contacts, normal))[loose]
     length = np.linalg.norm(bed, axis=1)
     known = found & (length > 0.5)
@@ -244,7 +244,7 @@ def _joint_normal(stones: Assemblage, contacts: Contacts, normal: FloatArray) ->
     Of a stone without a course the joints with others without one lead, where it has such, its neighbours in the ring; what lies
     more across than along them, the extrados, does not count.
     """
-    loose = (stones.course < 0) & ~stones.fixed
+    loose = ~stones.coursed & ~stones.fixed
     in_ring = np.asarray(loose[contacts.blocks].all(axis=1))
     ringed = np.isin(np.arange(stones.count), contacts.blocks[in_ring])
     everywhere = _mean_axis(stones.count, contacts, normal, np.ones(contacts.blocks.shape, dtype=np.bool_))

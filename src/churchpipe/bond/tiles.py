@@ -7,7 +7,18 @@ import numpy as np
 
 from churchpipe.geometry.planar import Polygons, polygons_of
 from churchpipe.geometry.polygons import corners, polygon_areas
-from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, NameArray, floats, names, pointers, ragged_indices, store
+from churchpipe.model.arrays import (
+    BoolArray,
+    FloatArray,
+    IntArray,
+    NameArray,
+    flags,
+    floats,
+    names,
+    pointers,
+    ragged_indices,
+    store,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,7 +27,8 @@ class TileSet:
 
     Fields: corner (nc, 2) m; corner_ptr (nt + 1,): tile i has the corners `corner_ptr[i]:corner_ptr[i + 1]`; course (nt,),
     counted from 0 at t = 0, -1 for voussoirs; region (nt,) name of the bond region; reach (nt, 2): where each begins and ends
-    across the wall, in thicknesses from the mid-surface, -1/2 to 1/2 for one that goes through.
+    across the wall, in thicknesses from the mid-surface, -1/2 to 1/2 for one that goes through; voussoir (nt,): which are
+    voussoirs.
     """
 
     corner: FloatArray
@@ -24,6 +36,7 @@ class TileSet:
     course: IntArray
     region: NameArray
     reach: FloatArray
+    voussoir: BoolArray
 
     def __post_init__(self) -> None:
         count = len(self.course)
@@ -36,6 +49,7 @@ class TileSet:
             course=course,
             region=names("TileSet.region", self.region, (count,)),
             reach=floats("TileSet.reach", self.reach, (count, 2)),
+            voussoir=flags("TileSet.voussoir", self.voussoir, (count,)),
         )
 
     @property
@@ -54,11 +68,13 @@ class TileSet:
         return polygons_of(self.corner, self.corner_ptr)
 
 
-def tiles_of(polygons: Polygons, course: IntArray, region: str) -> TileSet:
-    """Return the tile set of one region from its polygons, all as thick as the wall."""
+def tiles_of(polygons: Polygons, course: IntArray, region: str, *, voussoir: bool = False) -> TileSet:
+    """Return the tile set of one region from its polygons, all as thick as the wall and all voussoirs or none."""
     corner, corner_ptr = corners(polygons)
     through = np.tile([-0.5, 0.5], (len(polygons), 1))
-    return TileSet(corner, corner_ptr, course, np.array([region] * len(polygons), dtype=np.str_), through)
+    return TileSet(
+        corner, corner_ptr, course, np.array([region] * len(polygons), dtype=np.str_), through, np.full(len(polygons), voussoir)
+    )
 
 
 def leaves_of(tiles: TileSet, split: BoolArray) -> TileSet:
@@ -79,14 +95,14 @@ def join(sets: Sequence[TileSet]) -> TileSet:
         np.concatenate([tiles.course for tiles in sets]),
         np.concatenate([tiles.region for tiles in sets]),
         np.concatenate([tiles.reach for tiles in sets]),
+        np.concatenate([tiles.voussoir for tiles in sets]),
     )
 
 
 def sorted_by_course(tiles: TileSet) -> TileSet:
-    """Return the tiles course by course and along s, those in one place as they come; without a course: last, as they come."""
-    loose = tiles.course < 0
-    along = np.where(loose, np.arange(tiles.count), tiles.corner[tiles.corner_ptr[:-1], 0])
-    order = np.lexsort((along, tiles.course, loose))
+    """Return the tiles course by course and along s, those in one place as they come; voussoirs last, as they come."""
+    along = np.where(tiles.voussoir, np.arange(tiles.count), tiles.corner[tiles.corner_ptr[:-1], 0])
+    order = np.lexsort((along, tiles.course, tiles.voussoir))
     return _picked(tiles, order, tiles.reach[order])
 
 
@@ -99,4 +115,5 @@ def _picked(tiles: TileSet, chosen: IntArray, reach: FloatArray) -> TileSet:
         tiles.course[chosen],
         tiles.region[chosen],
         reach,
+        tiles.voussoir[chosen],
     )

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from churchpipe.errors import InputError
-from churchpipe.geometry.planar import Region, distances, polygon, united
-from churchpipe.geometry.polygons import TOLERANCE, corners
+from churchpipe.geometry.planar import Region, polygon, united
+from churchpipe.geometry.polygons import corners
 from churchpipe.model.arrays import BoolArray, FloatArray, floats, store
 from churchpipe.model.building import CylinderChart, Panel
 
@@ -18,10 +18,12 @@ WIDEST = np.sqrt(0.75)
 class Void:
     """An arched opening of a curved wall, seen along its middle normal: x is the distance from its middle plane, t height, m.
 
-    middle: s of the middle, m. opening (n, 2), outer (m, 2): outlines, counter-clockwise, of the opening and of that with its
-    voussoirs. filling: the latter in chart coordinates. radii: of the inner and of the outer face, m.
+    rings: names of the bond regions of its voussoirs. middle: s of the middle, m. opening (n, 2), outer (m, 2): outlines,
+    counter-clockwise, of the opening and of that with its voussoirs. filling: the latter in chart coordinates. radii: of the
+    inner and of the outer face, m.
     """
 
+    rings: tuple[str, ...]
     middle: float
     opening: FloatArray
     outer: FloatArray
@@ -61,7 +63,7 @@ def from_view(chart: CylinderChart, middle: float, points: FloatArray) -> FloatA
 
 
 def voids_of(panel: Panel) -> tuple[Void, ...]:
-    """Return the arched openings of a curved wall: those with edges that are neither upright nor level.
+    """Return the arched openings of a curved wall.
 
     Their corners lie on the mid-surface, their edges are straight in the view; so are those of the rings beside them.
 
@@ -75,22 +77,26 @@ def voids_of(panel: Panel) -> tuple[Void, ...]:
     inner = chart.radius - panel.thickness / 2
     found: list[Void] = []
     for opening in panel.openings:
-        side = np.abs(np.roll(opening.outline, -1, axis=0) - opening.outline)
-        if side.min(axis=1).max() < TOLERANCE:
+        if opening.kind != "arched":
             continue
         low, high = opening.outline[:, 0].min(), opening.outline[:, 0].max()
         middle = 0.5 * float(low + high)
         outline = to_view(chart, middle, opening.outline)
-        outlines = [opening.outline] + [
-            region.outline
-            for region in panel.regions
-            if region.pattern == "voussoir" and distances(polygon(opening.outline), region.outline).min() < TOLERANCE
-        ]
+        outlines = [opening.outline, *(region.outline for region in panel.regions if region.name in opening.rings)]
         whole = united([polygon(to_view(chart, middle, part)) for part in outlines])
         outer = corners(np.array([whole], dtype=np.object_))[0]
         half = float(np.abs(outer[:, 0]).max())
         check_width(f"Panel {panel.name}: opening {opening.name}", half, inner)
-        found.append(Void(middle, outline, outer, united([polygon(part) for part in outlines]), (inner, inner + panel.thickness)))
+        found.append(
+            Void(
+                opening.rings,
+                middle,
+                outline,
+                outer,
+                united([polygon(part) for part in outlines]),
+                (inner, inner + panel.thickness),
+            )
+        )
     return tuple(found)
 
 

@@ -71,7 +71,7 @@ class VoussoirRing:
                 expected=f"room for a ring {np.ptp(self.outline[:, 0]):.4g} m wide",
                 remedy="Move or narrow the opening, or make the ring thinner.",
             )
-        return tiles_of(stones, np.full(self.pieces, -1, dtype=np.int64), field.name)
+        return tiles_of(stones, np.full(self.pieces, -1, dtype=np.int64), field.name, voussoir=True)
 
     def bed_direction(self, points: FloatArray) -> FloatArray:
         """Return the unit vectors from the centre to points (n, 2): the joints between voussoirs are radial."""

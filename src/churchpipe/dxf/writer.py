@@ -54,7 +54,7 @@ def write_dxf(
     recurrence = find_recurrence(assemblage)
     scale = 1.0 / schema.metres(units)
     optional = [schema.PANEL_NAME] if (assemblage.panel != "").any() else []
-    optional += [schema.COURSE] if (assemblage.course >= 0).any() else []
+    optional += [schema.COURSE] if assemblage.coursed.any() else []
     for number, shape in enumerate(recurrence.shapes):
         _add_definition(document, f"{schema.BLOCK_PREFIX}{number + 1}", shape, scale, optional)
     _add_inserts(document, assemblage, recurrence, scale)
@@ -114,6 +114,7 @@ def _add_definition(document: Any, name: str, shape: Shape, scale: float, option
 def _add_inserts(document: Any, stones: Assemblage, recurrence: Recurrence, scale: float) -> None:
     space = document.modelspace()
     place: FloatArray = recurrence.place * scale
+    coursed = stones.coursed
     for index in range(stones.count):
         layer = schema.SUPPORT if stones.fixed[index] else schema.BLOCKS
         where = place[index].tolist()
@@ -123,7 +124,7 @@ def _add_inserts(document: Any, stones: Assemblage, recurrence: Recurrence, scal
         texts = {schema.ID: str(stones.block_id[index]), schema.MATERIAL: str(stones.material[index])}
         if stones.panel[index]:
             texts[schema.PANEL_NAME] = str(stones.panel[index])
-        if stones.course[index] >= 0:
+        if coursed[index]:
             texts[schema.COURSE] = str(stones.course[index])
         for tag, text in texts.items():
             check_where = f"stone {stones.block_id[index]}: {tag}"

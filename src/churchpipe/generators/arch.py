@@ -71,7 +71,7 @@ def arch(*, name: str = "arch", materials: tuple[Material, ...] = (DEFAULT_MATER
 def _skewback(name: str, panel: Panel, extrados: FloatArray, intrados: FloatArray, away: FloatArray) -> Support:
     """Return a fixed block behind a springing joint, as wide as the arch; `away` (2,) m points out of the arch."""
     outline = polygon([extrados, intrados, intrados + away, extrados + away])
-    tile = tiles_of(np.array([outline], dtype=np.object_), np.array([-1], dtype=np.int64), name)
+    tile = tiles_of(np.array([outline], dtype=np.object_), np.zeros(1, dtype=np.int64), name)
     body = thicken(panel.chart, panel.thickness, tile)
     faces = tuple(tuple(face.tolist()) for face in np.split(body.face_nodes, body.face_ptr[1:-1]))
     return Support(name, body.points, faces)

@@ -123,7 +123,8 @@ def _hole(opening: ArchedOpening, centre: float, name: str) -> Hole:
         intrados = np.concatenate([[[centre - half, opening.sill], [centre + half, opening.sill]], intrados])
     corner = np.concatenate([intrados, *(outline for outline, _ in arcs)])
     (s0, t0), (s1, t1) = corner.min(axis=0), corner.max(axis=0)
-    return Hole(Opening(name, intrados), rings, (float(s0), float(t0), float(s1), float(t1)))
+    hole = Opening(name, intrados, "arched", tuple(ring.name for ring in rings))
+    return Hole(hole, rings, (float(s0), float(t0), float(s1), float(t1)))
 
 
 def _arcs(opening: ArchedOpening, centre: float) -> list[tuple[FloatArray, tuple[float, float]]]:

@@ -1,6 +1,7 @@
 """Walls on a circle with arched openings, which are laid as they are seen from their middle."""
 
 import math
+from dataclasses import replace
 from itertools import combinations
 from typing import Literal
 
@@ -13,7 +14,7 @@ from churchpipe.generators.layout import CLOSE
 from churchpipe.generators.wall_bonds import Bonding
 from churchpipe.geometry.charts import closes
 from churchpipe.model.arrays import FloatArray
-from churchpipe.model.building import BondRegion, CylinderChart, Opening, Panel
+from churchpipe.model.building import BondRegion, CylinderChart, Panel
 
 
 def curved_panel(
@@ -64,18 +65,11 @@ def _bent(hole: Hole, wall: str, chart: CylinderChart, thickness: float, middle:
         return from_view(chart, middle + centre, outline - [centre, 0.0])
 
     rings = tuple(
-        BondRegion(
-            ring.name,
-            bend(ring.outline),
-            ring.pattern,
-            ring.cell,
-            centre=(middle + ring.centre[0], ring.centre[1]) if ring.centre else None,
-            pieces=ring.pieces,
-        )
+        replace(ring, outline=bend(ring.outline), centre=(middle + ring.centre[0], ring.centre[1]) if ring.centre else None)
         for ring in hole.rings
     )
     reach = bend(np.array([[s0, t0], [s1, t1]]))
-    return Hole(Opening(hole.opening.name, bend(hole.opening.outline)), rings, (*reach[0].tolist(), *reach[1].tolist()))
+    return Hole(replace(hole.opening, outline=bend(hole.opening.outline)), rings, (*reach[0].tolist(), *reach[1].tolist()))
 
 
 def _check_places(panel: Panel, found: list[Hole], margin: float, closed: bool) -> None:

@@ -85,6 +85,11 @@ class Assemblage:
         return len(self.volume)
 
     @property
+    def coursed(self) -> BoolArray:
+        """Which stones (nb,) lie in a course that is known: voussoirs lie in none."""
+        return self.course >= 0
+
+    @property
     def weight(self) -> FloatArray:
         """Weight of each stone (nb,), N; ground weighs nothing."""
         return np.where(self.fixed, 0.0, self.volume * self.unit_weight)

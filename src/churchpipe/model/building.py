@@ -118,13 +118,21 @@ class BondRegion:
 
 @dataclass(frozen=True, slots=True)
 class Opening:
-    """A hole in a panel: outline (n, 2) m in chart coordinates, counter-clockwise."""
+    """A hole in a panel: outline (n, 2) m in chart coordinates, counter-clockwise.
+
+    kind: "rectangular", with upright and level edges, or "arched", with others. Through a curved wall the former is cut radially,
+    the latter as a prism along the normal in its middle. rings: names of the bond regions whose voussoirs surround it.
+    """
 
     name: str
     outline: FloatArray
+    kind: Literal["rectangular", "arched"] = "rectangular"
+    rings: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        store(self, outline=_outline(f"Opening {text('Opening.name', self.name)}", self.outline))
+        where = f"Opening {text('Opening.name', self.name)}"
+        one_of(f"{where}.kind", self.kind, "rectangular", "arched")
+        store(self, outline=_outline(where, self.outline), rings=tuple(listed(f"{where}.rings", self.rings, str)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,6 +186,12 @@ class Panel:
         names = [region.name for region in self.regions]
         if len(set(names)) != len(names):
             raise InputError(f"{where}.regions", "names are not unique", found=", ".join(names))
+        around = {region.name for region in self.regions if region.pattern == "voussoir"}
+        for opening in self.openings:
+            for ring in set(opening.rings) - around:
+                raise InputError(
+                    f"{where}: opening {opening.name}.rings", "no such ring", found=ring, expected=", ".join(sorted(around))
+                )
         for item in (*self.openings, *self.parts):
             low, high = item.outline.min(axis=0), item.outline.max(axis=0)
             if (low >= self.outline.max(axis=0)).any() or (high <= self.outline.min(axis=0)).any():

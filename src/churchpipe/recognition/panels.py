@@ -26,6 +26,7 @@ from churchpipe.geometry.planar import (
     total_extent,
     touching,
     united,
+    within,
 )
 from churchpipe.geometry.polygons import corners
 from churchpipe.model.arguments import check_kind, positive
@@ -122,7 +123,7 @@ def _panel(stones: Assemblage, wall: StoneWall, walls: Sequence[StoneWall], gap:
         wall.thickness,
         regions,
         material=str(materials[np.argmax(count)]),
-        openings=tuple(Opening(f"opening-{k}", _outline(hole, marks)) for k, hole in enumerate(openings, start=1)),
+        openings=tuple(_opening(f"opening-{k}", hole, marks, arches, gap) for k, hole in enumerate(openings, start=1)),
         runs_through=_parity(wall, walls, cell),
         parts=wall_parts(wall, walls, outline, 0.5 * cell.b),
     )
@@ -165,6 +166,13 @@ def _openings(region: Polygon) -> tuple[Region, list[Polygon]]:
     doors = [notch for notch, mouth in notches(whole, GRID) if mouth[3] < base + GRID]
     filled = pieces(united([whole, *doors], GRID))
     return (filled[0] if len(filled) == 1 else whole), [*doors, *map(polygon, inner)]
+
+
+def _opening(name: str, hole: Polygon, marks: FloatArray, rings: Sequence[BondRegion], gap: float) -> Opening:
+    outline = _outline(hole, marks)
+    around = tuple(ring.name for ring in rings if within(hole, polygon(ring.outline), gap))
+    edge = np.abs(np.roll(outline, -1, axis=0) - outline)
+    return Opening(name, outline, "arched" if around or edge.min(axis=1).max() > GRID else "rectangular", around)
 
 
 def _outline(region: Region, marks: FloatArray) -> FloatArray:

@@ -1,18 +1,13 @@
 """From the description of a building to its mid-surfaces as one conforming mesh of triangles."""
 
-import signal
-import threading
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from churchpipe.bond.count import check_count
 from churchpipe.bond.parts import part_names
 from churchpipe.bond.patterns import bond_of
-from churchpipe.errors import Extra, InputError
+from churchpipe.errors import InputError
 from churchpipe.geometry.charts import lift
 from churchpipe.geometry.clusters import NODE_TOLERANCE, clusters, components
 from churchpipe.geometry.planar import area
@@ -25,19 +20,12 @@ from churchpipe.model.shell import ShellModel
 from churchpipe.shell_mesh.midplanes import MidSurface, mid_surfaces
 from churchpipe.shell_mesh.self_weight import weight_factors
 from churchpipe.shell_mesh.subdivision import Subdivision, subdivide
+from churchpipe.shell_mesh.triangulation import Mesh, signed_areas, triangulated
 
 # The part of a mid-surface that its mesh may miss: rounding only.
 AREA_TOLERANCE = 1e-6
 # Far beyond what can be solved; a mesh of so many takes minutes and some gigabytes.
 MOST_ELEMENTS = 1_000_000
-
-
-@dataclass(frozen=True, slots=True)
-class _Mesh:
-    """Facets of one mid-surface: corners (nt, 3, 2) m in chart coordinates, counter-clockwise; bond (nt,) its region of each."""
-
-    corners: FloatArray
-    bond: IntArray
 
 
 def derive_shell(building: Building, element_size: float, sizes: Mapping[str, float] | None = None) -> ShellModel:
@@ -123,11 +111,10 @@ def _sizes(building: Building, element_size: float, sizes: Mapping[str, float]) 
     return out
 
 
-def _meshes(surfaces: Sequence[MidSurface], cuts: Sequence[Subdivision]) -> list[_Mesh]:
-    with _gmsh() as gmsh:
-        meshes = [_mesh(gmsh, cut, surface.panel.name) for cut, surface in zip(cuts, surfaces, strict=True)]
+def _meshes(surfaces: Sequence[MidSurface], cuts: Sequence[Subdivision]) -> list[Mesh]:
+    meshes = triangulated(cuts, [surface.panel.name for surface in surfaces])
     for mesh, surface in zip(meshes, surfaces, strict=True):
-        found, expected = float(_signed_areas(mesh.corners).sum()), area(surface.region)
+        found, expected = float(signed_areas(mesh.corners).sum()), area(surface.region)
         if abs(found - expected) > AREA_TOLERANCE * expected:
             raise InputError(
                 f"Panel {surface.panel.name}",
@@ -139,82 +126,7 @@ def _meshes(surfaces: Sequence[MidSurface], cuts: Sequence[Subdivision]) -> list
     return meshes
 
 
-@contextmanager
-def _gmsh() -> Iterator[Any]:
-    with Extra("the mesh of a shell"):
-        import gmsh
-
-    mine = not gmsh.isInitialized()
-    if mine:
-        gmsh.initialize(readConfigFiles=False, interruptible=False)
-        _keep_broken_pipes()
-    gmsh.option.setNumber("General.Terminal", 0)
-    try:
-        yield gmsh
-    finally:
-        if mine:
-            gmsh.finalize()
-
-
-def _keep_broken_pipes() -> None:
-    """Let writing to a closed pipe be an exception again: gmsh has it end the process. Only the main thread can."""
-    if not hasattr(signal, "SIGPIPE") or threading.current_thread() is not threading.main_thread():
-        return
-    handler = signal.getsignal(signal.SIGPIPE)
-    if handler is not None:
-        signal.signal(signal.SIGPIPE, handler)
-
-
-def _mesh(gmsh: Any, cut: Subdivision, name: str) -> _Mesh:
-    """Mesh the faces of one mid-surface, in its chart: walls share nodes because they divide shared edges alike."""
-    gmsh.model.add(name)
-    try:
-        geo = gmsh.model.geo
-        ends = cut.corners[cut.edges]
-        length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
-        pieces = np.maximum(np.ceil(length / cut.size - 1e-6), 1).astype(int)
-        size = np.full(len(cut.corners), np.inf)
-        np.minimum.at(size, cut.edges, np.broadcast_to((length / pieces)[:, None], cut.edges.shape))
-        for number, (s, t) in enumerate(cut.corners):
-            geo.addPoint(s, t, 0.0, size[number], number + 1)
-        for number, (start, stop) in enumerate(cut.edges):
-            geo.addLine(start + 1, stop + 1, number + 1)
-            geo.mesh.setTransfiniteCurve(number + 1, int(pieces[number]) + 1)
-        lines = {(int(start), int(stop)): number + 1 for number, (start, stop) in enumerate(cut.edges)}
-        for face, loops in enumerate(cut.loops):
-            rings = [
-                geo.addCurveLoop([_signed(lines, *pair) for pair in zip(ring, np.roll(ring, -1), strict=True)]) for ring in loops
-            ]
-            geo.addPlaneSurface(rings, face + 1)
-        geo.synchronize()
-        gmsh.model.mesh.generate(2)
-        tags, coordinates, _ = gmsh.model.mesh.getNodes()
-        place = np.zeros(int(tags.max()) + 1, dtype=np.int64)
-        place[tags.astype(np.int64)] = np.arange(len(tags))
-        nodes = np.asarray(coordinates).reshape(-1, 3)[:, :2]
-        facets = [gmsh.model.mesh.getElementsByType(2, face + 1)[1].astype(np.int64) for face in range(len(cut.loops))]
-    except InputError:
-        raise
-    except Exception as error:
-        raise InputError(f"Panel {name}", "its mid-surface cannot be meshed", found=error) from error
-    finally:
-        gmsh.model.remove()
-    corners = nodes[place[np.concatenate(facets)]].reshape(-1, 3, 2)
-    turned = _signed_areas(corners) < 0
-    corners[turned] = corners[turned][:, ::-1]
-    return _Mesh(corners, np.repeat(cut.bond, [len(facet) // 3 for facet in facets]))
-
-
-def _signed(lines: Mapping[tuple[int, int], int], start: int, stop: int) -> int:
-    return lines[start, stop] if start < stop else -lines[stop, start]
-
-
-def _signed_areas(corners: FloatArray) -> FloatArray:
-    first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    return 0.5 * (first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])
-
-
-def _merged(surfaces: Sequence[MidSurface], meshes: Sequence[_Mesh]) -> tuple[FloatArray, IntArray]:
+def _merged(surfaces: Sequence[MidSurface], meshes: Sequence[Mesh]) -> tuple[FloatArray, IntArray]:
     """Return the nodes of all mid-surfaces in space, those of the same place as one, and the triangles."""
     flat = [np.unique(mesh.corners.reshape(-1, 2), axis=0, return_inverse=True) for mesh in meshes]
     places = np.concatenate([lift(s.panel.chart, nodes) for s, (nodes, _) in zip(surfaces, flat, strict=True)])
@@ -225,7 +137,7 @@ def _merged(surfaces: Sequence[MidSurface], meshes: Sequence[_Mesh]) -> tuple[Fl
     return places[first], label[corner].reshape(-1, 3)
 
 
-def _axes(surface: MidSurface, mesh: _Mesh, facets: FloatArray) -> FloatArray:
+def _axes(surface: MidSurface, mesh: Mesh, facets: FloatArray) -> FloatArray:
     """Return the local axes (nt, 3, 3) of facets (nt, 3, 3) m: along the bed, up the courses, normal."""
     middle = mesh.corners.mean(axis=1)
     direction = np.empty_like(middle)
@@ -241,7 +153,7 @@ def _axes(surface: MidSurface, mesh: _Mesh, facets: FloatArray) -> FloatArray:
     return np.stack([bed, np.cross(normal, bed), normal], axis=1)
 
 
-def _thickness_carried(surface: MidSurface, mesh: _Mesh, facets: FloatArray) -> FloatArray:
+def _thickness_carried(surface: MidSurface, mesh: Mesh, facets: FloatArray) -> FloatArray:
     """Return for each facet the volume of stones it carries over its own area (nt,) m."""
     carried = surface.panel.thickness * weight_factors(surface, mesh.corners)
     chart = surface.panel.chart
@@ -251,7 +163,7 @@ def _thickness_carried(surface: MidSurface, mesh: _Mesh, facets: FloatArray) -> 
     # of angle x they fill sin(x) / x; and a facet is shorter than the arc whose stones it carries.
     angle = np.array([_sector(region, surface.panel.regions[0]) for region in surface.panel.regions])[mesh.bond] / chart.radius
     cross = np.cross(facets[:, 1] - facets[:, 0], facets[:, 2] - facets[:, 0])
-    return carried * np.sinc(angle / np.pi) * _signed_areas(mesh.corners) / (0.5 * np.linalg.norm(cross, axis=1))
+    return carried * np.sinc(angle / np.pi) * signed_areas(mesh.corners) / (0.5 * np.linalg.norm(cross, axis=1))
 
 
 def _sector(region: BondRegion, wall: BondRegion) -> float:

@@ -143,8 +143,8 @@ def _materials(panel: Panel, tiles: TileSet) -> list[str]:
 
 
 def _names(panel: Panel, tiles: TileSet) -> list[str]:
-    """Return "panel-course-number", numbered along the course; "panel-region-number" where there is no course."""
-    group = np.where(tiles.course >= 0, np.char.mod("%02d", tiles.course), tiles.region)
+    """Return "panel-course-number", numbered along the course; "panel-region-number" of voussoirs."""
+    group = np.where(tiles.voussoir, tiles.region, np.char.mod("%02d", tiles.course))
     start = np.append(True, group[1:] != group[:-1])
     number = np.arange(tiles.count) - np.maximum.accumulate(np.where(start, np.arange(tiles.count), 0))
     return [f"{panel.name}-{g}-{k:03d}" for g, k in zip(group, number, strict=True)]

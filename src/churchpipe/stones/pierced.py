@@ -1,6 +1,7 @@
 """Stones of curved walls with arched openings: bent solids, cut by the openings' prisms."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import manifold3d
 import numpy as np
@@ -33,22 +34,22 @@ def pierced_solids(panel: Panel, chart: CylinderChart, tiles: TileSet, voids: Se
     InputError: voussoirs around no opening, an opening that leaves two pieces of a stone or none.
     """
     stations = stations_of(chart, tiles)
-    view = [_view(panel, chart, tiles, int(number), voids) for number in np.flatnonzero(tiles.course < 0)]
+    of_void = {ring: void for void in voids for ring in void.rings}
+    view = {int(number): _view(panel, chart, tiles, int(number), of_void) for number in np.flatnonzero(tiles.voussoir)}
     base = _with_blanks(chart, tiles, view, stations)
     solids = thicken(chart, panel.thickness, base)
     bounded = bounds(base.polygons)
     out: list[tuple[FloatArray, list[IntArray]]] = []
-    of_ring = dict(zip(np.flatnonzero(tiles.course < 0).tolist(), view, strict=True))
     for number in range(tiles.count):
         points = solids.points[slice(*solids.block_point_ptr[number : number + 2])]
         faces = [
             solids.face_nodes[slice(*solids.face_ptr[face : face + 2])] - solids.block_point_ptr[number]
             for face in range(*solids.block_face_ptr[number : number + 2])
         ]
-        if number in of_ring:
-            void, outline = of_ring[number]
+        if number in view:
+            void, outline = view[number]
             points, faces = polyhedron(manifold(points, faces) ^ _prism(chart, void, outline))
-        for void in voids if number not in of_ring else ():
+        for void in voids if number not in view else ():
             if _meet(chart, void, bounded[number]):
                 left = manifold(points, faces) - _prism(chart, void, void.outer)
                 if len(left.decompose()) != 1:
@@ -74,33 +75,32 @@ def _meet(chart: CylinderChart, void: Void, bounded: FloatArray) -> bool:
     return bool(low_t < t1 and high_t > t0 and ((low_s + turns < stop) & (high_s + turns > start)).any())
 
 
-def _view(panel: Panel, chart: CylinderChart, tiles: TileSet, number: int, voids: Sequence[Void]) -> tuple[Void, FloatArray]:
-    """Return the opening that a voussoir belongs to, and its outline in the view of that."""
-    outline = tiles.corner[tiles.corner_ptr[number] : tiles.corner_ptr[number + 1]]
-    for void in voids:
-        x, t = to_view(chart, void.middle, outline).T
-        (x0, t0), (x1, t1) = void.outer.min(axis=0), void.outer.max(axis=0)
-        near = abs(outline[:, 0].mean() - void.middle) < chart.radius * np.pi / 2
-        if near and x0 - 1e-9 < x.min() and x.max() < x1 + 1e-9 and t0 - 1e-9 < t.min() and t.max() < t1 + 1e-9:
-            return void, np.stack([x, t], axis=1)
-    raise InputError(
-        f"Panel {panel.name}, {tiles.region[number]}",
-        "voussoirs of a curved wall around no opening",
-        expected="an opening within",
-    )
+def _view(
+    panel: Panel, chart: CylinderChart, tiles: TileSet, number: int, of_void: Mapping[str, Void]
+) -> tuple[Void, FloatArray]:
+    """Return the opening that a voussoir belongs to, and its outline in the view of that. of_void: ring -> its opening."""
+    ring = str(tiles.region[number])
+    if ring not in of_void:
+        raise InputError(
+            f"Panel {panel.name}, {ring}", "voussoirs of a curved wall around no opening", expected="an opening with this ring"
+        )
+    void = of_void[ring]
+    return void, to_view(chart, void.middle, tiles.corner[tiles.corner_ptr[number] : tiles.corner_ptr[number + 1]])
 
 
-def _with_blanks(chart: CylinderChart, tiles: TileSet, view: Sequence[tuple[Void, FloatArray]], stations: FloatArray) -> TileSet:
+def _with_blanks(
+    chart: CylinderChart, tiles: TileSet, view: Mapping[int, tuple[Void, FloatArray]], stations: FloatArray
+) -> TileSet:
     """Return the tiles, each voussoir replaced by the rectangle between stations that it is cut from."""
     blanks: list[FloatArray] = []
-    for void, outline in view:
+    for void, outline in view.values():
         start, stop = void.reach(chart.radius, (float(outline[:, 0].min()), float(outline[:, 0].max())))
         first = stations[max(np.searchsorted(stations, start - SPARE) - 1, 0)]
         last = stations[min(np.searchsorted(stations, stop + SPARE), len(stations) - 1)]
         blanks.append(np.array([first, outline[:, 1].min() - SPARE, last, outline[:, 1].max() + SPARE]))
     polygons = tiles.polygons
-    polygons[tiles.course < 0] = boxes(np.array(blanks).reshape(-1, 4))
-    return tiles_of(polygons, tiles.course, "")
+    polygons[tiles.voussoir] = boxes(np.array(blanks).reshape(-1, 4))
+    return replace(tiles_of(polygons, tiles.course, ""), voussoir=tiles.voussoir)
 
 
 def _prism(chart: CylinderChart, void: Void, outline: FloatArray) -> manifold3d.Manifold:

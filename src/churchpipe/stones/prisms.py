@@ -37,7 +37,7 @@ def stations_of(chart: Chart, tiles: TileSet) -> FloatArray:
 
     Joints between voussoirs do not count.
     """
-    laid = np.repeat(tiles.course >= 0, np.diff(tiles.corner_ptr))
+    laid = np.repeat(~tiles.voussoir, np.diff(tiles.corner_ptr))
     stations = np.unique(snap(tiles.corner[laid, 0]))
     if isinstance(chart, PlaneChart) or chart.sweep < 2 * np.pi:
         return stations

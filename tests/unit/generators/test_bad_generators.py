@@ -1,6 +1,7 @@
 """Parameters of the generators in Python: what is wrong is named where it is given, and what is given counts."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -125,3 +126,10 @@ def test_contacts_of_other_stones_are_refused() -> None:
     shell = cp.derive_shell(generators.wall(**WALL), 0.4)
     with pytest.raises(InputError, match="contacts: made for another assemblage"):
         cp.match_models(stones, others, shell)
+
+
+def test_openings_know_their_rings() -> None:
+    (front,) = (wall for wall in door(shape="circle", voussoirs=8, springing=2.0).panels if wall.name == "front")
+    assert [(opening.kind, opening.rings) for opening in front.openings] == [("arched", ("d-ring-1", "d-ring-2"))]
+    with pytest.raises(InputError, match=r"Panel front: opening d\.rings: no such ring; found d-ring-2; expected d-ring-1"):
+        replace(front, regions=front.regions[:-1])
