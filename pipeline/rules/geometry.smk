@@ -6,7 +6,6 @@ if config["drawing"]:
         input:
             code="code/drawing.txt",
             settings="geometry/{geometry}/settings.json",
-            drawing=config["drawing"],
         output:
             assemblage="geometry/{geometry}/assemblage.npz",
             vtu="geometry/{geometry}/stones.vtu",
@@ -15,10 +14,13 @@ if config["drawing"]:
         benchmark:
             "benchmark/drawing/{geometry}.tsv"
         threads: 1
+        params:
+            # The settings hold its checksum. As an input, or as a plain text, braces in its name would be wildcards.
+            drawing=lambda wildcards: config["drawing"],
         resources:
             mem_mb=MEMORY,
         shell:
-            STAGE + " drawing {wildcards.geometry:q} {input.settings:q} {input.drawing:q} {output.assemblage:q} {output.vtu:q}" + LOG
+            STAGE + " drawing {wildcards.geometry:q} {input.settings:q} {params.drawing:q} {output.assemblage:q} {output.vtu:q}" + LOG
 
 else:
 

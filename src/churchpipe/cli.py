@@ -116,6 +116,8 @@ def run(
     read = read_case(case, changes or ())
     if isinstance(read.source, Generated):
         read.building()
+    elif not read.source.path.resolve().is_relative_to(case.resolve().parent):
+        err.print(f"The drawing lies elsewhere: {read.source.path.resolve()}", markup=False, soft_wrap=True)
     folder = out_dir or Path("runs") / read.name
     if other := other_case(folder, case):
         if out_dir is None:

@@ -24,6 +24,10 @@ class InputError(ValueError):
         message = "; ".join(parts) + "."
         super().__init__(f"{message} {remedy}".strip())
 
+    def at(self, where: str) -> "InputError":
+        """Return the same error of another place."""
+        return InputError(where, self.problem, found=self.found, expected=self.expected, remedy=self.remedy)
+
 
 class Extra:
     """Around an import of what only `churchpipe[all]` installs: says so where it is missing.

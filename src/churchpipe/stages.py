@@ -4,6 +4,7 @@ A stage whose result is bad news (unstable, not converged, no shell to be had of
 JSON; only input that cannot be taken raises. What the shell refuses stops the shell alone: the rigid blocks go on.
 """
 
+import hashlib
 import importlib.metadata
 import platform
 from collections.abc import Callable, Sequence
@@ -48,8 +49,13 @@ def configure(case: str | Path, out: str | Path, overrides: Sequence[str] = ()) 
     out = Path(out)
     todo = plan(read_variants(case, overrides))
     drawing = todo.index["drawing"]
-    if drawing and not Path(drawing).is_file():
-        raise InputError(f"{case}: source.dxf", "no such drawing", found=drawing, remedy="Paths are relative to the case file.")
+    if drawing:
+        if not Path(drawing).is_file():
+            raise InputError(
+                f"{case}: source.dxf", "no such drawing", found=drawing, remedy="Paths are relative to the case file."
+            )
+        for table in todo.geometries.values():
+            table["drawing"] = hashlib.sha256(Path(drawing).read_bytes()).hexdigest()
     folders = {f"geometry/{name}": table for name, table in todo.geometries.items()}
     folders |= {f"shell/{name}": table for name, table in todo.shells.items()}
     folders |= {f"{todo.kinds[name]}/{name}": table for name, table in todo.analyses.items()}

@@ -338,6 +338,16 @@ def test_a_structure_that_falls_is_3_with_its_report(pristine: Copy, tmp_path: P
     assert pristine.call("churchpipe", "show", tmp_path / "run")[1] == out.replace(out.splitlines(keepends=True)[-1], "")
 
 
+def test_a_drawing_may_have_braces_in_its_name(pristine: Copy, tmp_path: Path) -> None:
+    shutil.copy(pristine.out / "geometry" / "base" / "stones.dxf", tmp_path / "a{b} c.dxf")
+    case = CASE[CASE.index("[material") :].replace(', "non-associative"', "")
+    (tmp_path / "drawn.toml").write_text(f'name = "drawn"\n[source]\ndxf = "a{{b}} c.dxf"\n{case}')
+    code, out, err = pristine.call("churchpipe", "run", tmp_path / "drawn.toml", "--out", tmp_path / "run")
+    assert code == 0, out + err
+    summary = json.loads((tmp_path / "run" / "summary.json").read_text())
+    assert summary["analyses"][0]["load_factor"] == pytest.approx(0.6, rel=1e-6)
+
+
 def wait_for(condition: Callable[[], bool]) -> None:
     stop = time.monotonic() + 60
     while not condition():

@@ -72,9 +72,9 @@ CHANGES = [
     ("source.generator={}", r"source\.generator: unknown generator; found \{\}"),
     (
         "source.mean_radius_m=1e30",
-        r"source\.mean_radius_mm: no length of a building; found 1e\+33 mm; expected from 0\.01 to 1e\+07",
+        r"source\.mean_radius_m: no length of a building; found 1e\+33 mm; expected from 0\.01 to 1e\+07",
     ),
-    ("source.thickness_m=1e-300", r"source\.thickness_mm: no length of a building"),
+    ("source.thickness_m=1e-300", r"source\.thickness_m: no length of a building"),
     ("source.voussoirs=1000000000000", r"source\.voussoirs: wrong value.*less than or equal to 1000000"),
     ("rigid=1", r"rigid: wrong value; found 1; expected a table\."),
     ("load=1", r"load: wrong value; found 1; expected a list in \[brackets\]"),
@@ -111,6 +111,22 @@ def test_changes_of_too_many_levels(change: str, tmp_path: Path) -> None:
         read_case(written(tmp_path, ARCH), [change])
 
 
+@pytest.mark.parametrize("name", ['"a\\u0000b.dxf"', '"a\\nb.dxf"', '""'])
+def test_a_drawing_has_a_name_that_can_be_printed(name: str, tmp_path: Path) -> None:
+    case = written(tmp_path, f"[source]\ndxf = {name}\n")
+    with pytest.raises(InputError, match=r"source\.dxf: wrong value.*expected the path of a file, in printable characters"):
+        read_case(case)
+
+
+def test_a_drawing_elsewhere_is_named(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    (tmp_path / "case").mkdir()
+    text = '[source]\ndxf = "../other.dxf"\n' + ARCH[ARCH.index("[material") :]
+    code, _, err = call(capsys, "run", written(tmp_path / "case", text), "--out", tmp_path / "run")
+    assert code == cli.FINDINGS
+    assert f"The drawing lies elsewhere: {tmp_path / 'other.dxf'}" in err
+    assert "no such drawing" in err
+
+
 def test_an_entry_of_an_empty_list_is_told_so(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"load\.0\.direction: no such entry; found 0; expected an entry, and the list is empty"):
         read_case(written(tmp_path, ARCH), ["load=[]", "load.0.direction=[1, 0, 0]"])
@@ -118,9 +134,9 @@ def test_an_entry_of_an_empty_list_is_told_so(tmp_path: Path) -> None:
 
 def test_lengths_in_nested_tables_have_a_scale_too(tmp_path: Path) -> None:
     chapel = written(tmp_path, sample_case("chapel"))
-    with pytest.raises(InputError, match=r"source\.openings\.2\.centre_mm\.1: no length of a building; found 5\.6e\+09 mm"):
+    with pytest.raises(InputError, match=r"source\.openings\.2\.centre_m\.1: no length of a building; found 5\.6e\+09 mm"):
         read_case(chapel, ["source.openings.2.centre_m=[2.4, 5.6e6]"])
-    with pytest.raises(InputError, match=r"source\.apse\.thickness_mm: no length of a building"):
+    with pytest.raises(InputError, match=r"source\.apse\.thickness_m: no length of a building"):
         read_case(chapel, ["source.apse.thickness_m=1e-9"])
 
 
@@ -208,8 +224,8 @@ def test_two_cases_of_one_name_do_not_share_a_folder(
     ("change", "said"),
     [
         ('load.0.panels=["arhc"]', 'load.0.panels: no such panel; found arhc; expected arch. Did you mean "arch"?'),
-        ("source.voussoirs=1", "arch.voussoirs: out of range; found 1; expected a whole number"),
-        ("source.half_angle_deg=170", "arch.half_angle: out of range"),
+        ("source.voussoirs=1", "source.voussoirs: out of range; found 1; expected a whole number"),
+        ("source.half_angle_deg=170", "--set, source.half_angle_deg: out of range"),
     ],
 )
 def test_a_run_begins_with_a_building_that_can_be_made(

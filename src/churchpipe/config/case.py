@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 from churchpipe.code_check import Site
 from churchpipe.config import overrides as changes
+from churchpipe.config.places import located
 from churchpipe.config.published import Published, read_published
 from churchpipe.config.schema import CaseTable, check
 from churchpipe.config.section import Section, nearest
@@ -77,7 +78,7 @@ class Case:
     shell: None for the rigid blocks alone. check: what the earthquake asks, None where the file does not say. published: load
     factors of others, for the report.
 
-    `table` is the checked file, as it is written, without its sweep.
+    `table` is the checked file, as it is written, without its sweep; overrides: what --set changed in it.
     """
 
     name: str
@@ -90,6 +91,7 @@ class Case:
     check: Site | None = None
     published: tuple[Published, ...] = ()
     variant: dict[str, Any] = field(default_factory=dict)
+    overrides: tuple[str, ...] = ()
     table: dict[str, Any] = field(default_factory=dict)
 
     def building(self) -> Building:
@@ -108,12 +110,16 @@ class Case:
             )
         from churchpipe.generators import generate
 
-        building = generate(self.source.generator, self.source.parameters, self.materials, self.name)
+        try:
+            building = generate(self.source.generator, self.source.parameters, self.materials, self.name)
+        except InputError as error:
+            raise located(error, self.path, self.overrides, self.source.generator) from error
         known = [name for panel in building.panels for name in (panel.name, *(part.name for part in panel.parts))]
         for number, load in enumerate(self.loads):
             for name in {*(load.panels or ())} - {*known}:
-                where = f"{self.path}: load.{number}.panels"
-                raise InputError(where, "no such panel", found=name, expected=", ".join(known), remedy=nearest(name, known))
+                where, expected = f"{self.path}: load.{number}.panels", ", ".join(known)
+                error = InputError(where, "no such panel", found=name, expected=expected, remedy=nearest(name, known))
+                raise located(error, self.path, self.overrides)
         return building
 
 
@@ -136,7 +142,10 @@ def read_variants(path: str | Path, overrides: Sequence[str] = ()) -> tuple[Case
     path = path_of("read_case: path", path)
     table = changes.apply_overrides(read_table(path), overrides)
     table.setdefault("name", path.stem)
-    return tuple(_case(path, changed, variant) for changed, variant in changes.variants(table))
+    try:
+        return tuple(_case(path, changed, variant, tuple(overrides)) for changed, variant in changes.variants(table))
+    except InputError as error:
+        raise located(error, path, overrides) from error
 
 
 def read_table(path: Path) -> dict[str, Any]:
@@ -175,7 +184,7 @@ def _too_deep(path: Path) -> InputError:
     return InputError(str(path), "not a case file", found="lists or tables too deep", expected=expected)
 
 
-def _case(path: Path, table: dict[str, Any], variant: dict[str, Any]) -> Case:
+def _case(path: Path, table: dict[str, Any], variant: dict[str, Any], overrides: tuple[str, ...]) -> Case:
     file = str(path)
     checked, source = check(table, file)
     _check_complete(checked, file)
@@ -198,6 +207,7 @@ def _case(path: Path, table: dict[str, Any], variant: dict[str, Any]) -> Case:
         check=read_site(file, checked.check) if checked.check else None,
         published=read_published(file, checked.published, [load.name for load in loads]),
         variant=variant,
+        overrides=overrides,
         table=checked.model_dump(exclude_none=True) | {"source": source.model_dump(exclude_none=True)},
     )
 

@@ -64,12 +64,17 @@ def set_key(table: Table, key: str, value: Any) -> None:
 def apply_overrides(table: Table, overrides: Sequence[str]) -> Table:
     """Return the table with overrides set; a key that is set is not swept any more."""
     table = copy.deepcopy(table)
+    override(table, overrides)
+    return table
+
+
+def override(table: Table, overrides: Sequence[str]) -> None:
+    """Set overrides in place, as `apply_overrides` does."""
     for key, value in map(parse_override, listed("overrides", overrides, str)):
         set_key(table, key, value)
         sweep = table.get("sweep")
-        if isinstance(sweep, dict) and not key.startswith("sweep."):
+        if isinstance(sweep, dict) and not key.startswith("sweep.") and key in flatten(sweep):
             table["sweep"] = {swept: values for swept, values in flatten(sweep).items() if swept != key}
-    return table
 
 
 def variants(table: Table) -> Iterator[tuple[Table, Table]]:

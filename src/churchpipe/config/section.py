@@ -1,7 +1,7 @@
 """Tables of the case file, and what is wrong with one in the user's words."""
 
 import difflib
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import Annotated, Any, TypeVar, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
@@ -34,6 +34,7 @@ _WANTED = {
     # The only pattern is that of names of files.
     "string_pattern_mismatch": "letters, digits, blanks and . + - _, beginning with a letter or a digit",
 }
+WRONG = "wrong value"
 Kind = TypeVar("Kind", bound=Section)
 
 
@@ -53,12 +54,18 @@ def validated(
         return None
 
 
-def gathered(file: str, problems: list[InputError]) -> InputError:
+class GatheredError(InputError):
+    """Several errors of one file."""
+
+    def __init__(self, file: str, problems: Sequence[InputError]) -> None:
+        self.problems = tuple(problems)
+        lines = "\n  ".join(str(problem).removeprefix(f"{file}: ") for problem in problems)
+        super().__init__(file, f"{len(problems)} errors:\n  {lines}".removesuffix("."))
+
+
+def gathered(file: str, problems: Sequence[InputError]) -> InputError:
     """Return one error that says all."""
-    if len(problems) == 1:
-        return problems[0]
-    lines = "\n  ".join(str(problem).removeprefix(f"{file}: ") for problem in problems)
-    return InputError(file, f"{len(problems)} errors:\n  {lines}".removesuffix("."))
+    return problems[0] if len(problems) == 1 else GatheredError(file, problems)
 
 
 def nearest(key: str, known: Iterable[str]) -> str:
@@ -80,7 +87,7 @@ def _translated(item: Any, kind: type[Section], place: str, file: str, spelled: 
                 where, "missing key", expected=_described(_section_at(kind, path).model_fields[str(last)].annotation)
             )
         case _:
-            return InputError(where, "wrong value", found=_short(item["input"]), expected=_wanted(item))
+            return InputError(where, WRONG, found=shortened(item["input"]), expected=_wanted(item))
 
 
 def _wanted(item: Any) -> str:
@@ -93,7 +100,8 @@ def _wanted(item: Any) -> str:
     return message.replace("String should have", "a text of")
 
 
-def _short(value: Any) -> str:
+def shortened(value: Any) -> str:
+    """Return a value as a message shows it."""
     text = repr(value)
     return text if len(text) <= 120 else f"{text[:100]} ... ({len(text)} characters)"
 

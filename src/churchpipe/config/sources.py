@@ -5,7 +5,7 @@ The keys are the fields of the generators' parameter classes with their unit; a 
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import AfterValidator, Field
 
 from churchpipe.config.church_sources import (
     ApseSource,
@@ -97,10 +97,18 @@ class BoxSource(Section):
     openings_y: list[OpeningTable] = Field(default_factory=list)
 
 
-class DrawingSource(Section):
-    """A DXF drawing, its path relative to the case file, and how it is read: see `churchpipe.dxf.reading.Reading`."""
+def _path(value: str) -> str:
+    """Return the name of a file, if it is one."""
+    if not value or not value.isprintable():
+        raise ValueError("the path of a file, in printable characters")
+    return value
 
-    dxf: Annotated[str, Field(min_length=1)]
+
+class DrawingSource(Section):
+    """A DXF drawing, and how it is read: see `churchpipe.dxf.reading.Reading`. Its path is relative to the case file, or absolute: a
+    case is trusted to name any file."""
+
+    dxf: Annotated[str, AfterValidator(_path)]
     units: str | None = None
     support: Literal["drawn", "base"] = "drawn"
     repair: bool = False

@@ -16,6 +16,11 @@ UNITS: dict[str, tuple[float, float]] = {
 }
 
 
+def bare(key: str) -> str:
+    """Return a key without its unit."""
+    return key.removesuffix(next((unit for unit in UNITS if key.endswith(unit)), ""))
+
+
 def in_si(table: dict[str, Any]) -> dict[str, Any]:
     """Return a table with units taken out of its keys and values in SI; nested tables too."""
     out: dict[str, Any] = {}

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from churchpipe.errors import InputError
 from churchpipe.generators.arched import ArchedOpening, Given
 from churchpipe.generators.church import church
 from churchpipe.generators.church_parts import Apse
@@ -44,10 +45,26 @@ class ChapelParameters:
         positive("chapel.length, less its walls", self.length - 2 * self.thickness)
 
 
+# Parameters of the church that a chapel is, and where a chapel has them.
+_PLACES = (
+    *((f"church.{wall}.", "chapel.") for wall in ("nave", "facade", "east")),
+    ("church.apses.0.", "chapel.apse."),
+    ("church.", "chapel."),
+)
+
+
 def chapel(*, name: str = "chapel", materials: tuple[Material, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
     """Return a chapel; keywords as in `ChapelParameters`, SI."""
     p = as_dataclass(ChapelParameters, "chapel", parameters)
     end = {"thickness": p.thickness, "ridge": p.ridge}
+    try:
+        return _church(p, end, name, materials)
+    except InputError as error:
+        theirs, ours = next((pair for pair in _PLACES if error.where.startswith(pair[0])), ("", ""))
+        raise error.at(ours + error.where.removeprefix(theirs)) from error
+
+
+def _church(p: ChapelParameters, end: dict[str, Any], name: str, materials: tuple[Material, ...]) -> Building:
     return church(
         name=name,
         materials=materials,

@@ -1,11 +1,15 @@
 """as-run.toml: the case as it was run runs again, from anywhere."""
 
+import tomllib
 from pathlib import Path
 
 import pytest
 
 from churchpipe.config import read_case, read_variants
 from churchpipe.config.asrun import as_run
+from churchpipe.config.case import read_table
+from churchpipe.config.overrides import apply_overrides
+from churchpipe.resources import sample_case, sample_names
 
 TEXT = """name = "mill"
 [source]   # or: dxf = "other.dxf"
@@ -33,7 +37,7 @@ def case(tmp_path: Path) -> Path:
 
 
 def elsewhere(tmp_path: Path, text: str) -> Path:
-    (tmp_path / "runs").mkdir()
+    (tmp_path / "runs").mkdir(exist_ok=True)
     path = tmp_path / "runs" / "as-run.toml"
     path.write_text(text)
     return path
@@ -44,6 +48,21 @@ def test_the_text_is_kept_and_the_drawing_found(case: Path, tmp_path: Path) -> N
     drawing = (case.parent / "walls" / "mill.dxf").as_posix()
     assert text == TEXT.replace("'walls/mill.dxf'", f'"{drawing}"')
     assert read_case(elsewhere(tmp_path, text)).source.path == Path(drawing)
+
+
+CHANGES = ["load.0.direction=[0, 0, 1]", "material.default.friction=0.55", "rigid.start=uniform", "shell.element_size_mm=250"]
+
+
+@pytest.mark.parametrize("name", sample_names())
+def test_it_says_what_the_case_with_its_changes_says(name: str, tmp_path: Path) -> None:
+    path = tmp_path / "case.toml"
+    path.write_text(sample_case(name).replace("name = ", "#name = ", 1))
+    for changes in ([], CHANGES, ["sweep={source.first_course=['x', 'y']}", *CHANGES]):
+        wanted = {"name": "case"} | apply_overrides(read_table(path), changes)
+        text = as_run(path, changes)
+        assert tomllib.loads(text) == wanted
+        # What people wrote beside their numbers stays.
+        assert text.count("#") >= path.read_text().count("#") - len(changes)
 
 
 def test_changes_are_part_of_it(case: Path, tmp_path: Path) -> None:
@@ -60,4 +79,5 @@ def test_changes_are_part_of_it(case: Path, tmp_path: Path) -> None:
 def test_a_case_without_a_name_keeps_its_own(tmp_path: Path) -> None:
     path = tmp_path / "parish.toml"
     path.write_text(TEXT.replace('name = "mill"\n', "", 1))
-    assert read_case(elsewhere(tmp_path, as_run(path, ["rigid.start=uniform"]))).name == "parish"
+    for changes in ([], ["rigid.start=uniform"]):
+        assert read_case(elsewhere(tmp_path, as_run(path, changes))).name == "parish"

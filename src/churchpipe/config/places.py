@@ -1,0 +1,99 @@
+"""Where in a case file a key stands: errors name it as the person wrote it, with its line."""
+
+import re
+import tomllib
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from churchpipe.config.overrides import apply_overrides, parse_override
+from churchpipe.config.section import WRONG, GatheredError, gathered, shortened
+from churchpipe.config.units import bare
+from churchpipe.errors import InputError
+
+
+def located(error: InputError, path: Path, overrides: Sequence[str], generator: str = "") -> InputError:
+    """Return an error with the key that the person wrote, and the line of the file or the --set where it stands.
+
+    Parameters
+    ----------
+    error: its place is "FILE: KEY", with the key as the schema or the generator has it.
+    generator: its name, for what it says of its parameters: "NAME.parameter".
+    """
+    if isinstance(error, GatheredError):
+        return gathered(str(path), [located(problem, path, overrides) for problem in error.problems])
+    key = error.where.removeprefix(f"{path}: ")
+    if generator and key.startswith(f"{generator}."):
+        key = "source" + key.removeprefix(generator)
+    elif key == error.where:
+        return error
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+        table = apply_overrides(tomllib.loads(text), overrides)
+    except (OSError, ValueError):
+        return error
+    parts = re.sub(r"\[(\d+)\]", r".\1", key).split(".")
+    written, value = _followed(table, parts)
+    missing = parts[len(written) :]
+    changed = [parse_override(change)[0].split(".") for change in overrides]
+    by_set = any(written[: len(change)] == change for change in changed)
+    place = "--set" if by_set else f"line {line_of(text, written)}"
+    where = f"{path}: {place}, {'.'.join([*written, *missing])}"
+    if error.problem != WRONG or missing:
+        return error.at(where)
+    # Lengths were converted on the way to their check.
+    return InputError(where, WRONG, found=shortened(value), expected=error.expected, remedy=error.remedy)
+
+
+def line_of(text: str, keys: Sequence[str]) -> int:
+    """Return the line on which a key of a TOML text stands, counted from one; a table's is that of its head.
+
+    The beginning of a text is TOML too, unless it ends inside a value: the first one that knows the key ends with it.
+    """
+    lines = text.splitlines(keepends=True)
+    without, within = 0, len(lines)
+    while True:
+        known = next(((stop, table) for stop in _order(without, within) if (table := _read(lines[:stop])) is not None), None)
+        if known is None:
+            return min(without + 1, len(lines))
+        stop, table = known
+        if len(_followed(table, keys)[0]) == len(keys):
+            within = stop
+        else:
+            without = stop
+
+
+def _order(low: int, high: int) -> Iterator[int]:
+    """Yield the numbers between two, from the middle on."""
+    middle = (low + high) // 2
+    yield from (number for number in (*range(middle, low, -1), *range(middle + 1, high)))
+
+
+def _read(lines: Sequence[str]) -> dict[str, Any] | None:
+    try:
+        return tomllib.loads("".join(lines))
+    except tomllib.TOMLDecodeError:
+        return None
+
+
+def _followed(table: Any, parts: Sequence[str]) -> tuple[list[str], Any]:
+    """Return the keys of a table, as they are written, that a path leads along as far as it exists, and the value there.
+
+    A part of the path may lack the unit of the key or have another one; names may hold dots.
+    """
+    written: list[str] = []
+    rest = list(parts)
+    while rest:
+        if isinstance(table, list) and rest[0].isdecimal() and int(rest[0]) < len(table):
+            written.append(rest[0])
+            table, rest = table[int(rest[0])], rest[1:]
+            continue
+        names = {".".join(rest[:count]): count for count in range(1, len(rest) + 1)} if isinstance(table, dict) else {}
+        key = next((key for key in table if key in names), None) if names else None
+        if key is None and names:
+            key = next((key for key in table if bare(key) == bare(rest[0])), None)
+        if key is None:
+            break
+        written.append(key)
+        table, rest = table[key], rest[names.get(key, 1) :]
+    return written, table

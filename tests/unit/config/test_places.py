@@ -1,0 +1,115 @@
+"""Errors name the key that the person wrote, and its line."""
+
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from case_texts import case_file
+from churchpipe.config import read_case
+from churchpipe.config.places import line_of
+from churchpipe.errors import InputError
+from churchpipe.resources import sample_case, sample_names
+
+TEXT = """# A comment
+name = "x"   # and = another
+[source]
+generator = "wall"
+
+openings = [
+    { start_mm = 1, width_mm = 2 },
+    # between
+    { start_mm = 3, width_mm = 4 },
+]
+note = '''
+[material.default]
+friction = 3
+'''
+[material."old brick"]
+friction = 0.5
+[material.default]
+elastic.block_nu = 0.2
+friction = 0.6
+[[load]]
+direction = [1, 0, 0]
+[[load]]
+direction = [0, 1, 0]
+"""
+
+
+@pytest.mark.parametrize(
+    ("keys", "line"),
+    [
+        (["name"], 2),
+        (["source"], 3),
+        (["source", "generator"], 4),
+        (["source", "openings", "1", "start_mm"], 6),
+        (["source", "note"], 11),
+        (["material", "old brick", "friction"], 16),
+        (["material", "default"], 17),
+        (["material", "default", "elastic", "block_nu"], 18),
+        (["material", "default", "friction"], 19),
+        (["load", "0", "direction"], 21),
+        (["load", "1"], 22),
+        (["load", "1", "direction", "2"], 23),
+    ],
+)
+def test_the_line_of_a_key(keys: list[str], line: int) -> None:
+    assert line_of(TEXT, keys) == line
+
+
+def leaves(table: Any, path: tuple[str, ...] = ()) -> list[tuple[str, ...]]:
+    """Paths of all keys at the ends of tables; lists are ends."""
+    if not isinstance(table, dict):
+        return [path]
+    return [leaf for key, value in table.items() for leaf in leaves(value, (*path, key))]
+
+
+@pytest.mark.parametrize("name", sample_names())
+def test_every_key_of_a_sample_is_found_on_a_line_that_names_it(name: str) -> None:
+    text = sample_case(name)
+    for path in leaves(tomllib.loads(text)):
+        assert path[-1] in text.splitlines()[line_of(text, path) - 1]
+
+
+CHAPEL = sample_case("chapel")
+
+
+def line(text: str) -> int:
+    """Number of the first line that begins so."""
+    return next(number for number, found in enumerate(CHAPEL.splitlines(), 1) if found.startswith(text))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        # A chapel is made as a church, whose nave is what does not fit.
+        (
+            "height_m = 5.0",
+            "height_m = 5.1",
+            rf"case\.toml: line {line('height_m')}, source\.height_m: .*whole number of courses",
+        ),
+        (
+            "height_m = 5.0",
+            "height_m = -5",
+            rf"line {line('height_m')}, source\.height_m: wrong value; found -5; expected greater",
+        ),
+        ("height_m = 5.0", "heigth_m = 5", rf'line {line("height_m")}, source\.heigth_m: unknown key.*mean "height_m"'),
+        ("height_m = 5.0", "", rf"line {line('[source]')}, source\.height_m: missing key"),
+        ("friction = 0.6", "friction = -1", rf"line {line('friction')}, material\.default\.friction: wrong value; found -1"),
+        ("inner_radius_m = 1.2", "inner_radius_m = 9", rf"line {line('apse =')}, source\.apse.*: "),
+    ],
+)
+def test_a_mistake_has_its_key_and_its_line(old: str, new: str, said: str, tmp_path: Path) -> None:
+    assert old in CHAPEL
+    with pytest.raises(InputError, match=said):
+        read_case(case_file(tmp_path, CHAPEL.replace(old, new, 1))).building()
+
+
+def test_what_was_set_has_no_line(tmp_path: Path) -> None:
+    path = case_file(tmp_path, CHAPEL)
+    with pytest.raises(InputError) as caught:
+        read_case(path, ["source.heigth_m=3", "material.default.friction=high"])
+    assert "\n  --set, source.heigth_m: unknown key" in str(caught.value)
+    assert "\n  --set, material.default.friction: wrong value; found 'high'" in str(caught.value)
