@@ -2,12 +2,15 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from churchpipe.code_check import GRAVITY
-from churchpipe.config.case import Case
 from churchpipe.model.assemblage import Assemblage
+
+if TYPE_CHECKING:
+    from churchpipe.config.case import Case
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +60,7 @@ LENGTH = Usual("the length of the structure", 0.05, 500.0, "models of tilting te
 STONE = Usual("the longest side of a stone", 0.005, 25.0, "bricks of models to the largest cut stones", "m")
 
 
-def questions(cases: Sequence[Case]) -> list[str]:
+def questions(cases: Sequence["Case"]) -> list[str]:
     """Return what to ask about materials and site of a case's variants, each once."""
     return list(dict.fromkeys(text for case in cases for text in _of_case(case) if text))
 
@@ -72,7 +75,7 @@ def size_questions(stones: Assemblage) -> list[str]:
     return list(dict.fromkeys(text for text in asked if text))
 
 
-def _of_case(case: Case) -> Iterator[str]:
+def _of_case(case: "Case") -> Iterator[str]:
     for material in case.materials:
         place = f"material.{material.name}."
         yield from (usual.question(getattr(material, name), place) for name, usual in MATERIAL.items())

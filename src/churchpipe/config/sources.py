@@ -105,8 +105,10 @@ def _path(value: str) -> str:
 
 
 class DrawingSource(Section):
-    """A DXF drawing, and how it is read: see `churchpipe.dxf.reading.Reading`. Its path is relative to the case file, or absolute: a
-    case is trusted to name any file."""
+    """A DXF drawing, and how it is read: see `churchpipe.dxf.reading.Reading`.
+
+    Its path is relative to the case file, or absolute: a case is trusted to name any file.
+    """
 
     dxf: Annotated[str, AfterValidator(_path)]
     units: str | None = None
