@@ -7,6 +7,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from churchpipe.generators.arch import arch
+from churchpipe.geometry.manifolds import manifold
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage, Polyhedron
 from churchpipe.stones.blocks import derive_blocks
@@ -63,8 +64,14 @@ def dome(*, sectors: int = 16, rings: int = 18, thickness: float = 0.06, oculus:
 
 
 def triangulated(stones: Assemblage) -> Assemblage:
-    """The same stones, every face cut into triangles from its first corner."""
-    return _changed(stones, lambda points, faces: (points, [[f[0], f[k], f[k + 1]] for f in faces for k in range(1, len(f) - 1)]))
+    """The same stones, every face cut into triangles."""
+
+    def cut(points: FloatArray, faces: list[list[int]]) -> Polyhedron:
+        mesh = manifold(points, [np.array(face) for face in faces]).to_mesh64()
+
+        return np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts, dtype=np.int64).tolist()
+
+    return _changed(stones, cut)
 
 
 def noisy(stones: Assemblage, noise: float, seed: int) -> Assemblage:

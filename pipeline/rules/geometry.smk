@@ -62,6 +62,7 @@ else:
 rule contacts:
     input:
         code="code/contacts.txt",
+        tolerances="geometry/{geometry}/tolerances.json",
         assemblage="geometry/{geometry}/assemblage.npz",
     output:
         contacts="geometry/{geometry}/contacts.npz",
@@ -73,4 +74,4 @@ rule contacts:
     resources:
         mem_mb=memory_by("fixed", 0.07),
     shell:
-        STAGE + " contacts {wildcards.geometry:q} {input.assemblage:q} {output.contacts:q}" + LOG
+        STAGE + " contacts {wildcards.geometry:q} {input.tolerances:q} {input.assemblage:q} {output.contacts:q}" + LOG

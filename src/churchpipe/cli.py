@@ -201,7 +201,8 @@ def import_dxf(
             markup=False,
             soft_wrap=True,
         )
-    out.print(done.shell, markup=False, soft_wrap=True)
+    for line in (*done.joints, done.shell):
+        out.print(line, markup=False, soft_wrap=True)
     for key in done.missing:
         out.print(f"Still to be filled in: {key}", markup=False, soft_wrap=True)
 
@@ -226,12 +227,14 @@ def check(
     from churchpipe.importing import check_drawing, record_findings
 
     try:
-        read = check_drawing(drawing, _reading(units, support, repair, thickness, plane, joint, joint_mode, mortar))
+        read, joints = check_drawing(drawing, _reading(units, support, repair, thickness, plane, joint, joint_mode, mortar))
     except FindingsError as error:
         if folder:
             record_findings(error.findings, folder, units or "m")
         raise
     _list(read.findings)
+    for line in joints:
+        out.print(line, markup=False, soft_wrap=True)
     if folder:
         record_findings(read.findings, folder, read.units)
     warnings = f"{len(read.findings)} warnings" if len(read.findings) else "nothing to report"

@@ -18,6 +18,7 @@ from churchpipe.model.results import LimitState, ShellLimitState
 from churchpipe.model.shell import ShellModel
 from churchpipe.model.swept import of_both
 from churchpipe.rigid_blocks.equilibrium import lateral_weight
+from churchpipe.stones.account import joints_lines, joints_record
 
 # What a load factor rests on; anything else is bad news that the command line reports with its exit code.
 GOOD = frozenset({"optimal", "converged", "unbounded"})
@@ -30,6 +31,7 @@ def figures(stones: Assemblage, contacts: Contacts) -> dict[str, Any]:
         "interfaces": len(contacts.blocks),
         "contact_points": len(contacts.point),
         "weight_kN": round(float(stones.weight.sum()) / 1e3, 6),
+        **joints_record(stones, contacts),
     }
 
 
@@ -113,6 +115,13 @@ def _reasons(records: Sequence[Mapping[str, Any]]) -> str:
     keys = {str(record.get("flow")) if record.get("model") == RIGID_BLOCKS else "shell" for record in records}
     keys |= {"planes" for record in records if record.get("planes") in OUTER}
     return "; ".join(reason for key, reason in _REASONS.items() if key in keys)
+
+
+def account_of_joints(summary: Mapping[str, Any]) -> list[str]:
+    """Return in sentences what was decided about joints and what nearly meets, of each geometry of a summary."""
+    sizes: Mapping[str, Mapping[str, Any]] = summary.get("geometries") or {"": summary}
+    found = {name: joints_lines(size) for name, size in sizes.items() if "near_misses" in size}
+    return list(dict.fromkeys(f"{name}: {line}" if name else line for name, lines in found.items() for line in lines))
 
 
 def bad_news(summary: Mapping[str, Any]) -> list[Mapping[str, Any]]:

@@ -20,6 +20,7 @@ from churchpipe.findings import Findings
 from churchpipe.io.atomic import write_text
 from churchpipe.model.loads import LoadCase, direction_name
 from churchpipe.model.materials import Elastic, Material
+from churchpipe.stones.account import joints_lines, joints_record
 from churchpipe.stones.contacts import find_contacts
 from churchpipe.stones.soundness import check_soundness
 
@@ -31,7 +32,7 @@ _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 @dataclass(frozen=True, slots=True)
 class Imported:
     """What an import made: the case file, how many stones, how many of them are fixed, the findings (warnings), the
-    keys of the case that nobody gave, and what is to be said of the shell."""
+    keys of the case that nobody gave, and what is to be said of the shell and of the joints."""
 
     case: Path
     stones: int
@@ -39,18 +40,20 @@ class Imported:
     findings: Findings
     missing: tuple[str, ...]
     shell: str
+    joints: tuple[str, ...]
 
 
-def check_drawing(path: Path, reading: Reading = AS_DRAWN, unit_weight: float | None = None) -> reader.Drawing:
-    """Read a drawing and look for stones that float or overlap.
+def check_drawing(path: Path, reading: Reading = AS_DRAWN, unit_weight: float | None = None) -> tuple[reader.Drawing, list[str]]:
+    """Read a drawing, look for stones that float or overlap, and say what was decided about its joints.
 
     Raises
     ------
     InputError: the drawing has errors, all of them listed.
     """
     drawing = reader.read_drawing(path, unit_weight=unit_weight, **asdict(reading))
-    check_soundness(drawing.stones, find_contacts(drawing.stones))
-    return drawing
+    contacts = find_contacts(drawing.stones)
+    check_soundness(drawing.stones, contacts)
+    return drawing, joints_lines(joints_record(drawing.stones, contacts))
 
 
 def import_drawing(
@@ -81,7 +84,7 @@ def import_drawing(
     case = folder / "case.toml"
     if case.exists():
         raise UsageError(str(case), "exists already", remedy="Choose another folder, or delete it first.")
-    drawing = check_drawing(path, reading, unit_weight)
+    drawing, joints = check_drawing(path, reading, unit_weight)
     copy = folder / path.name
     if copy.exists() and not copy.samefile(path):
         raise UsageError(str(copy), "exists already", remedy="Choose another folder, or delete it first.")
@@ -110,7 +113,7 @@ def import_drawing(
     write_text(case, text + "\n")
     record_findings(drawing.findings, folder, drawing.units)
     fixed = int(drawing.stones.fixed.sum())
-    return Imported(case, drawing.stones.count - fixed, fixed, drawing.findings, tuple(missing), shell.note)
+    return Imported(case, drawing.stones.count - fixed, fixed, drawing.findings, tuple(missing), shell.note, tuple(joints))
 
 
 def _flow(stones: int) -> str:

@@ -43,8 +43,9 @@ Progress = Callable[[str, float], None]
 def configure(case: str | Path, out: str | Path, overrides: Sequence[str] = ()) -> Path:
     """Write the plan of a run and the settings of each stage into `out`; a file whose content is unchanged is not touched.
 
-    Files: plan.json, as-run.toml (the case with what --set changed), settings.json of each stage: geometry/NAME, shell/NAME,
-    rigid/NAME, limit/NAME, pushover/NAME, and code/STAGE.txt. Returns the plan's path.
+    Files: plan.json, as-run.toml (the case with what --set changed), settings.json of each stage: geometry/NAME (with
+    tolerances.json, of its joints), shell/NAME, rigid/NAME, limit/NAME, pushover/NAME, and code/STAGE.txt. Returns the path of
+    plan.json.
     """
     out = Path(out)
     todo = plan(read_variants(case, overrides))
@@ -61,6 +62,8 @@ def configure(case: str | Path, out: str | Path, overrides: Sequence[str] = ()) 
     folders |= {f"{todo.kinds[name]}/{name}": table for name, table in todo.analyses.items()}
     for folder, table in folders.items():
         write_if_changed(out / folder / "settings.json", canonical_json(table))
+    for name, table in todo.contacts.items():
+        write_if_changed(out / "geometry" / name / "tolerances.json", canonical_json(table))
     for stage in STAGES:
         # The rules take it as an input: an edited module runs again what depends on it.
         write_if_changed(out / "code" / f"{stage}.txt", code_of(stage))
@@ -108,13 +111,13 @@ def drawing(settings: Path, dxf: Path, assemblage: Path, vtu: Path) -> None:
     write_npz(assemblage, drawn.stones)
 
 
-def contacts(assemblage: Path, contacts: Path, progress: Progress | None = None) -> None:
+def contacts(tolerances: Path, assemblage: Path, contacts: Path, progress: Progress | None = None) -> None:
     """Stones -> their interfaces; stones that float, lie twice in one place or overlap are named before any solve."""
     from churchpipe.stones.contacts import find_contacts
     from churchpipe.stones.soundness import check_soundness
 
     stones = read_npz(assemblage, Assemblage)
-    found = find_contacts(stones)
+    found = find_contacts(stones, **read_json(tolerances))
     check_soundness(stones, found, progress)
     write_npz(contacts, found)
 

@@ -158,8 +158,15 @@ def gate_lines(summary: Mapping[str, Any]) -> list[str]:
 
 
 def remarks(summary: Mapping[str, Any]) -> list[str]:
-    """Return what stands under the table: about the gate, which load factor to use and why they differ, doubtful input."""
-    return [*gate_lines(summary), *summary.get("guidance", ()), *(f"Question: {text}" for text in summary.get("questions", ()))]
+    """Return what stands under the table: joints and near misses, the gate, which load factor to use and why, doubtful input."""
+    from churchpipe.compare import account_of_joints
+
+    return [
+        *account_of_joints(summary),
+        *gate_lines(summary),
+        *summary.get("guidance", ()),
+        *(f"Question: {text}" for text in summary.get("questions", ())),
+    ]
 
 
 def findings_table(findings: Sequence[Finding]) -> Table:

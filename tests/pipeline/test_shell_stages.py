@@ -73,7 +73,7 @@ def make(case: Path, *overrides: str, spoil: Callable[[Path], None] | None = Non
     else:
         stages.source(settings, building)
         stages.blocks(building, stones, base / "stones.dxf", base / "stones.vtu")
-    stages.contacts(stones, contacts)
+    stages.contacts(base / "tolerances.json", stones, contacts)
     for mesh in index["shells"]:
         folder = out / "shell" / mesh["name"]
         stages.shell(folder / "settings.json", building, folder / "shell.npz")
@@ -132,8 +132,8 @@ def test_both_models_are_in_the_summary(case: Path) -> None:
     summary = make(case)
     run = case.parent / "run"
     assert list(summary) == [
-        *("case", "blocks", "interfaces", "contact_points", "weight_kN", "shell", "match", "analyses", "comparison"),
-        *("guidance", "questions"),
+        *("case", "blocks", "interfaces", "contact_points", "weight_kN", "near_misses", "joints"),
+        *("shell", "match", "analyses", "comparison", "guidance", "questions"),
     ]
     assert summary["guidance"][0].startswith("Load +y: use 0.2500 (rigid blocks, associative), the careful value")
     assert summary["guidance"][0] in html.unescape(page(case))

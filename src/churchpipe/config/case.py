@@ -46,13 +46,17 @@ class Drawing:
 
 @dataclass(frozen=True, slots=True)
 class RigidSettings:
-    """The rigid-block analyses: see `churchpipe.limit_analysis`."""
+    """The rigid-block analyses: see `churchpipe.limit_analysis`; contact_gap, contact_angle, overlap: see
+    `churchpipe.find_contacts`, None where the file does not say."""
 
     flow: tuple[Flow, ...] = ("associative",)
     solver: str = "auto"
     method: Literal["default", "paper"] = "default"
     start: tuple[Start, ...] | None = None
     gap_tolerance: float = 1e-5
+    contact_gap: float | None = None
+    contact_angle: float | None = None
+    overlap: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -202,6 +206,7 @@ def _case(path: Path, table: dict[str, Any], variant: dict[str, Any], overrides:
             method=rigid.method,
             start=tuple(rigid.start) if rigid.start else None,
             gap_tolerance=rigid.gap_tolerance,
+            **in_si(rigid.model_dump(include={"contact_gap_mm", "contact_angle_deg", "overlap_mm"}, exclude_none=True)),
         ),
         shell=_shell(file, checked),
         check=read_site(file, checked.check) if checked.check else None,

@@ -15,12 +15,14 @@ from churchpipe.model.loads import LoadCase
 class Plan:
     """What a run makes: `index` is the table of contents, the others the settings of each stage by the name of its folder.
 
-    geometries: settings of the stones. shells: of the meshes. analyses: of the analyses of both models; `kinds` has the kind of
-    each: "rigid", "limit" or "pushover". A name is a label, nobody parses it.
+    geometries: settings of the stones. contacts: the tolerances of their joints that the case gives, by the same names.
+    shells: of the meshes. analyses: of the analyses of both models; `kinds` has the kind of each: "rigid", "limit" or "pushover".
+    A name is a label, nobody parses it.
     """
 
     index: dict[str, Any]
     geometries: dict[str, dict[str, Any]]
+    contacts: dict[str, dict[str, Any]]
     shells: dict[str, dict[str, Any]]
     analyses: dict[str, dict[str, Any]]
 
@@ -34,6 +36,7 @@ def plan(cases: Sequence[Case]) -> Plan:
     """Return the plan of a case's variants. Variants that differ in friction alone share stones and mesh, those that differ in
     the element size alone share the stones and the rigid-block analyses."""
     geometries: dict[str, dict[str, Any]] = {}
+    contacts: dict[str, dict[str, Any]] = {}
     shells: dict[str, dict[str, Any]] = {}
     analyses: dict[str, dict[str, Any]] = {}
     entries: dict[str, dict[str, Any]] = {}
@@ -46,6 +49,8 @@ def plan(cases: Sequence[Case]) -> Plan:
     for case in cases:
         shape = {key: value for key, value in case.variant.items() if swept.changes_stones(key)}
         geometry = _keep(geometries, _words(shape) or ["base"], _geometry_settings(case))
+        tolerances = {key: getattr(case.rigid, key) for key in ("contact_gap", "contact_angle", "overlap")}
+        contacts[geometry] = {key: value for key, value in tolerances.items() if value is not None}
         of_stones = {key: value for key, value in case.variant.items() if not swept.of_shell(key)}
         of_shell = {key: value for key, value in case.variant.items() if not swept.of_rigid_blocks(key)}
         check = {"check": asdict(case.check)} if case.check else {}
@@ -73,7 +78,7 @@ def plan(cases: Sequence[Case]) -> Plan:
         "published": [asdict(value) for value in cases[0].published],
         "questions": questions(cases),
     }
-    return Plan(index, geometries, shells, analyses)
+    return Plan(index, geometries, contacts, shells, analyses)
 
 
 def _geometry_settings(case: Case) -> dict[str, Any]:

@@ -59,13 +59,16 @@ class LoadTable(Section):
 
 
 class RigidTable(Section):
-    """The rigid-block analyses."""
+    """The rigid-block analyses, and what stones may be apart and still make a joint."""
 
     flow: list[Flow] = Field(default_factory=lambda: ["associative"], min_length=1)
     solver: Annotated[str, AfterValidator(_known_solver)] = "auto"
     method: Literal["default", "paper"] = "default"
     start: Annotated[list[Start], Field(min_length=1), BeforeValidator(_listed)] | None = None
     gap_tolerance: Annotated[float, Field(gt=0, lt=1)] = 1e-5
+    contact_gap_mm: Positive | None = None
+    contact_angle_deg: Annotated[float, Field(gt=0, lt=90)] | None = None
+    overlap_mm: Positive | None = None
 
 
 class ShellTable(Section):

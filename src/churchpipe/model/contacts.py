@@ -49,7 +49,8 @@ class NearMisses:
     """Pairs of faces that face each other closely and are no joint.
 
     Fields: stones (n, 2); gap (n,) m, how far the faces are apart in the middle of what they share, negative where they
-    interpenetrate; angle (n,) rad between them; area (n,) m2 of what they share; place (n, 3) m, its middle.
+    interpenetrate; angle (n,) rad between them; area (n,) m2 of what they share; place (n, 3) m, its middle;
+    normal (n, 3) from the first stone to the second.
     """
 
     stones: IntArray = field(default_factory=_no_pairs)
@@ -57,6 +58,7 @@ class NearMisses:
     angle: FloatArray = field(default_factory=_none)
     area: FloatArray = field(default_factory=_none)
     place: FloatArray = field(default_factory=lambda: _none(3))
+    normal: FloatArray = field(default_factory=lambda: _none(3))
 
     def __post_init__(self) -> None:
         n = rows_of("NearMisses.stones", self.stones)
@@ -67,6 +69,7 @@ class NearMisses:
             angle=floats("NearMisses.angle", self.angle, (n,)),
             area=floats("NearMisses.area", self.area, (n,)),
             place=floats("NearMisses.place", self.place, (n, 3)),
+            normal=floats("NearMisses.normal", self.normal, (n, 3)),
         )
 
     def __len__(self) -> int:

@@ -2,14 +2,14 @@
 
 import re
 
-_STONES = re.compile(r"source\.|material\..+\.unit_weight_kN_m3$")
+_STONES = re.compile(r"source\.|material\..+\.unit_weight_kN_m3$|rigid\.(contact_gap_mm|contact_angle_deg|overlap_mm)$")
 _MESH = re.compile(r"shell\.element_size_mm$")
 _RIGID_BLOCKS = re.compile(r"rigid\.|check\.")
 _SHELL = re.compile(r"shell\.|material\..+\.elastic")
 
 
 def changes_stones(key: str) -> bool:
-    """Whether a key changes the stones, and with them everything."""
+    """Whether a key changes the stones or their joints, and with them everything."""
     return bool(_STONES.match(key))
 
 

@@ -26,6 +26,7 @@ from churchpipe.report.sensitivity import sensitivity_plots
 from churchpipe.report.shell_picture import shell_picture
 from churchpipe.report.shell_view import ShellState, joint_outlines, motion_of, shell_data
 from churchpipe.report.table import Record, Row, columns_for, figure, friction_text, rows_of, swept
+from churchpipe.stones.account import joints_lines, joints_record
 
 CARDS = 8
 
@@ -74,6 +75,7 @@ def write_report(
         name=summary.get("case", ""),
         facts=_facts(_sizes(summary, seen), stones),
         kinds=_interface_kinds(contacts),
+        joints=joints_lines(joints_record(stones, contacts)),
         cards=[_card(row, bool(of_shell)) for row in rows] if len(rows) <= CARDS else [],
         columns=columns,
         rows=[(row, [column.text(row) for column in columns]) for row in rows],

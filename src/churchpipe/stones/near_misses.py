@@ -48,6 +48,7 @@ def near_misses(facets: Facets, joints: Interfaces, limits: Limits) -> NearMisse
         angle=found.lean,
         area=found.area,
         place=place + level[:, None] * found.frame[:, 0],
+        normal=found.frame[:, 0],
     )
 
 

@@ -1,4 +1,4 @@
-"""Is the assemblage sound? Stones that float, lie twice in one place, or overlap."""
+"""Is the assemblage sound? Stones that float, lie twice in one place, overlap, or miss the joints that should hold them."""
 
 from collections.abc import Callable
 
@@ -12,13 +12,17 @@ from churchpipe.geometry.manifolds import manifold
 from churchpipe.model.arguments import check_kind
 from churchpipe.model.arrays import BoolArray, IntArray
 from churchpipe.model.assemblage import Assemblage
-from churchpipe.model.contacts import Contacts, check_contacts_of
+from churchpipe.model.contacts import TOUCHING, Contacts, check_contacts_of
 from churchpipe.model.polyhedra import face_normals
+from churchpipe.stones.account import near_miss_share, remedy_words, surface_account
 
-# Solids that share no more than a layer of this thickness, m, touch: coordinates are often rounded to six decimals.
-TOUCHING = 1e-6
 # A joint holds a stone from below when its normal rises by at least this much.
 LEAST_LIFT = 0.05
+# Near misses that are more than this share of all area that meets or nearly meets decide the result: an engineer must say whether
+# they are joints. A movement joint between two buildings, or a few open joints, are less.
+DECISIVE_SHARE = 0.1
+# Joints cover no more than all of a stone's surface, but for this share of it.
+COUNTED_TWICE = 0.02
 
 
 def floating_stones(stones: Assemblage, contacts: Contacts) -> IntArray:
@@ -73,7 +77,12 @@ def overlapping_stones(
 
 
 def check_soundness(stones: Assemblage, contacts: Contacts, progress: Callable[[str, float], None] | None = None) -> None:
-    """Raise `InputError` naming every stone that floats, lies twice in one place, or overlaps another."""
+    """Raise `InputError` naming stones that float, lie twice in one place or overlap, and near misses that matter.
+
+    Stones overlap that lie in each other by more than the contacts' own tolerance. Near misses matter where a stone has nothing
+    below it but one, and where they are more than `DECISIVE_SHARE` of all area that meets or nearly meets, unless somebody gave
+    the contact gap.
+    """
     check_kind("check_soundness: stones", stones, Assemblage)
     check_kind("check_soundness: contacts", contacts, Contacts)
     check_contacts_of(stones, contacts)
@@ -83,19 +92,48 @@ def check_soundness(stones: Assemblage, contacts: Contacts, progress: Callable[[
     if len(double):
         problems.append(f"{len(double)} drawn twice ({_name_pairs(stones, double)})")
         remedies.append("Delete one of each pair.")
-    overlap = overlapping_stones(stones, progress=progress)
+    overlap = overlapping_stones(stones, contacts.tolerances.overlap, progress)
     overlap = overlap[~(overlap[:, None] == double[None]).all(axis=2).any(axis=1)] if len(double) else overlap
     if len(overlap):
         problems.append(f"{len(overlap)} pairs overlap ({_name_pairs(stones, overlap)})")
         remedies.append("Trim or move the stones that overlap.")
     floating = floating_stones(stones, contacts)
+    loose = np.isin(contacts.near_misses.stones, floating).any(axis=1)
     if len(floating):
         problems.append(f"{len(floating)} without a path to a support ({_name(stones, floating)})")
-        remedies.append("Close the gaps to their neighbours, or fix a stone that rests on the ground.")
+        remedies.append("Close the gaps to their neighbours, or fix a stone that rests on the ground." if not loose.any() else "")
+    hung, below = _nearly_held(stones, contacts)
+    hung = np.setdiff1d(hung, floating)
+    if len(hung):
+        problems.append(f"{len(hung)} with nothing below but a gap ({_name(stones, hung)})")
+    share = near_miss_share(contacts)
+    decisive = share > DECISIVE_SHARE and "contact_gap" not in contacts.tolerances.given
+    if decisive:
+        near = contacts.near_misses
+        problems.append(f"{len(near)} pairs of faces nearly meet, {100 * share:.0f} % of all area that meets or nearly meets")
+        remedies.append(f"To leave them open give contact_gap_mm = {1e3 * contacts.tolerances.contact_gap:.2g} in [rigid].")
+    if len(rows := np.flatnonzero(loose | (below & np.isin(contacts.near_misses.stones, hung).any(axis=1)) | decisive)):
+        remedies.insert(0, remedy_words(stones, contacts, rows))
+    account = surface_account(stones, contacts)
+    if not problems and len(twice := np.flatnonzero(account.free < -COUNTED_TWICE * account.surface)):
+        problems.append(f"{len(twice)} with more joint than surface ({_name(stones, twice)})")
+        remedies.append("Find the contacts again: faces are joined twice.")
     if problems:
         raise InputError(
-            "stones", "; ".join(problems), expected="separate stones that all rest on a support", remedy=" ".join(remedies)
+            "stones",
+            "; ".join(problems),
+            expected="separate stones that all rest on a support",
+            remedy=" ".join(filter(None, remedies)),
         )
+
+
+def _nearly_held(stones: Assemblage, contacts: Contacts) -> tuple[IntArray, BoolArray]:
+    """Return the stones that nothing holds from below but that have a near miss there, and which near misses lie below one."""
+    near = contacts.near_misses
+    unheld = unsupported_stones(stones, contacts)
+    up = near.normal[:, 2]
+    held = np.stack([up < -LEAST_LIFT, up > LEAST_LIFT], axis=1) & np.isin(near.stones, unheld)
+    return np.unique(near.stones[held]), held[:, 0] | held[:, 1]
 
 
 def _name(stones: Assemblage, chosen: IntArray) -> str:

@@ -1,5 +1,6 @@
 """The [[published]] tables of a case, and the starts of its non-associative iteration."""
 
+import math
 from pathlib import Path
 
 import pytest
@@ -86,6 +87,17 @@ def test_the_church_cites_table_2() -> None:
         ("tower +x", "shell", None): 0.345,
     }
     assert all(read_variants(path) for path in cases.glob("*.toml"))
+
+
+def test_tolerances_of_joints_touch_the_contacts_alone(tmp_path: Path) -> None:
+    path = case_file(tmp_path, TWO_LOADS)
+    asked = ["rigid.contact_gap_mm=12", "rigid.contact_angle_deg=2", "rigid.overlap_mm=3"]
+    wide, proposed = plan(read_variants(path, asked)), plan(read_variants(path))
+    assert wide.contacts["base"] == pytest.approx({"contact_gap": 0.012, "contact_angle": math.radians(2), "overlap": 0.003})
+    assert proposed.contacts["base"] == {}
+    assert (wide.geometries, wide.analyses) == (proposed.geometries, proposed.analyses)
+    with pytest.raises(InputError, match=r"rigid\.contact_gap_mm"):
+        read_case(path, ["rigid.contact_gap_mm=0"])
 
 
 def test_starts_of_the_iteration(tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ from churchpipe.stones.soundness import (
     overlapping_stones,
     unsupported_stones,
 )
+from imprecise import corner
 from solids import box, moved, on_ground, prism
 
 CUBE = box((0, 1), (0, 1), (0, 1))
@@ -75,3 +76,39 @@ def test_a_face_that_begins_with_corners_on_a_line_raises_no_warning() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert overlapping_stones(on_ground(prism(outline, 1.0), box((0.5, 1.5), (0, 1), (0.5, 1.5)))).tolist() == [[1, 2]]
+
+
+def test_a_stone_that_floats_over_a_gap_is_named_with_the_gap_that_would_join_it() -> None:
+    stones = on_ground(CUBE, box((0, 1), (0, 1), (1.05, 2.05)))
+    with pytest.raises(InputError) as error:
+        check_soundness(stones, find_contacts(stones))
+    assert "without a path to a support (B2 at" in str(error.value)
+    assert "B1 and B2, 50 mm and 0 degrees, at (0.5, 0.5, 1.025) m" in str(error.value)
+    assert "contact_gap_mm = 50 in [rigid]" in str(error.value)
+    check_soundness(stones, find_contacts(stones, contact_gap=0.05))
+
+
+def test_a_stone_that_hangs_over_a_gap_is_named() -> None:
+    # B2 leans on B1 and has a gap below: friction alone would hold it.
+    stones = on_ground(box((0, 1), (0, 1), (0, 2)), box((1, 2), (0, 1), (0.05, 1)))
+    with pytest.raises(InputError, match=r"1 with nothing below but a gap \(B2 at .*contact_gap_mm = 50"):
+        check_soundness(stones, find_contacts(stones))
+
+
+def test_open_joints_that_decide_the_result_are_refused_until_somebody_decides() -> None:
+    stones = corner(head_gap=0.01)
+    with pytest.raises(InputError, match=r"48 pairs of faces nearly meet, 34 % of all area .* contact_gap_mm = 10 in \[rigid\]"):
+        check_soundness(stones, find_contacts(stones))
+    check_soundness(stones, find_contacts(stones, contact_gap=1e-3))
+    check_soundness(stones, find_contacts(stones, contact_gap=0.01))
+
+
+def test_overlaps_within_the_tolerance_are_joints_and_deeper_ones_are_refused() -> None:
+    shallow, deep = (on_ground(CUBE, box((0, 1), (0, 1), (1 - depth, 2))) for depth in (0.004, 0.05))
+    contacts = find_contacts(shallow)
+    check_soundness(shallow, contacts)
+    assert contacts.gap.min() == pytest.approx(-0.004)
+    with pytest.raises(InputError, match="1 pairs overlap"):
+        check_soundness(deep, find_contacts(deep))
+    with pytest.raises(InputError, match="1 pairs overlap"):
+        check_soundness(shallow, find_contacts(shallow, overlap=0.001))
