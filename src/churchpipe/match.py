@@ -5,9 +5,10 @@ from typing import Any
 
 import numpy as np
 
+from churchpipe.errors import InputError
 from churchpipe.geometry.clusters import components
 from churchpipe.geometry.locate import facet_at, inside_stones, interior_points
-from churchpipe.model.arguments import check_kind
+from churchpipe.model.arguments import check_kind, finite, text
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, NameArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts, check_contacts_of
@@ -36,6 +37,12 @@ class Figure:
     unit: str
     difference: float
     tolerance: float
+
+    def __post_init__(self) -> None:
+        text("Figure.name", self.name)
+        for key in ("stones", "shell", "difference", "tolerance"):
+            if finite(f"Figure {self.name}: {key}", getattr(self, key)) < 0 and key in ("difference", "tolerance"):
+                raise InputError(f"Figure {self.name}: {key}", "out of range", found=getattr(self, key), expected=">= 0")
 
     @property
     def passed(self) -> bool:

@@ -24,7 +24,7 @@ from churchpipe.errors import Extra, InputError
 from churchpipe.io.atomic import canonical_json, write_if_changed, write_json
 from churchpipe.io.building_json import read_building, write_building
 from churchpipe.io.npz import Absent, read_if_made, read_npz, write_npz
-from churchpipe.io.records import record_of, shell_record_of
+from churchpipe.io.records import LeftOut, read_record, record_of, shell_record_of, write_record
 from churchpipe.io.shell_vtu import write_shell_msh, write_shell_vtu
 from churchpipe.io.tables import read_json, write_table
 from churchpipe.io.vtu import write_vtu
@@ -211,21 +211,21 @@ def _analyse_shell(
     load, materials = load_of(table), materials_of(table)
     if not read_json(match)["passed"]:
         write_npz(state, Absent("the two models do not match"))
-        write_json(record, {"status": "left-out", "message": "the two models do not match"})
+        write_record(record, LeftOut("the two models do not match"))
         return
     mesh = read_npz(shell, ShellModel)
     used = [material for material in materials if material.name in mesh.material]
-    words = {"method": method, "planes": table["planes"]}
+    words: dict[str, Any] = {"method": method, "planes": table["planes"]}
     if progress:
         progress(f"{len(mesh.triangles)} elements", 0.0)
     try:
         found = work(mesh, load, materials)
     except InputError as error:
         write_npz(state, Absent(str(error)))
-        write_json(record, shell_record_of(None, load, used, **words, message=str(error)))
+        write_record(record, shell_record_of(str(error), load, used, **words))
         return
     write_npz(state, found)
-    write_json(record, shell_record_of(found, load, used, **words))
+    write_record(record, shell_record_of(found, load, used, **words))
 
 
 def rigid(settings: Path, assemblage: Path, contacts: Path, state: Path, record: Path, progress: Progress | None = None) -> None:
@@ -241,7 +241,7 @@ def rigid(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
     used = set(stones.material[~stones.fixed].tolist())
     found = limit_analysis(stones, joints, load, friction, cohesion, **options, progress=progress)
     write_npz(state, found)
-    write_json(record, record_of(found, load, [material for material in materials if material.name in used]))
+    write_record(record, record_of(found, load, [material for material in materials if material.name in used]))
 
 
 def compare(plan: Path, summary: Path, table: Path) -> None:
@@ -373,7 +373,9 @@ def _analysis(run: Path, entry: dict[str, Any], several: bool, shells: dict[str,
     place = {"geometry": entry["geometry"]} if several else {}
     mesh = {key: shells[entry["shell"]][key] for key in ("element_size_mm", "elements")} if "shell" in entry else {}
     variant = {"variant": entry["variant"]} if entry["variant"] else {}
-    return {"name": name, **read_json(run / kind / name / f"{kind}.json"), **mesh, **place, **variant}
+    record = read_record(run / kind / name / f"{kind}.json")
+    words = {"status": "left-out", "message": record.reason} if isinstance(record, LeftOut) else record.as_words()
+    return {"name": name, **words, **mesh, **place, **variant}
 
 
 # All arguments are paths; those in `LONG` take `progress` besides.

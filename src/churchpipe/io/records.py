@@ -1,97 +1,292 @@
-"""An analysis in the words of summary.json."""
+"""Records of analyses: what a stage hands to the comparison, JSON in SI; and the same in the words and units of summary.json."""
 
-import math
 from collections.abc import Sequence
-from typing import Any
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+from typing import Any, get_args
 
 import numpy as np
 
+from churchpipe.errors import InputError
+from churchpipe.io.atomic import write_json
+from churchpipe.io.tables import read_json
+from churchpipe.model.arguments import finite, one_of, text
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
-from churchpipe.model.names import RIGID_BLOCKS, SHELL
-from churchpipe.model.results import CapacityCurve, LimitState, ShellLimitState
+from churchpipe.model.names import RIGID_BLOCKS, SHELL, Planes, ShellMethod
+from churchpipe.model.results import CapacityCurve, LimitState, ShellLimitState, Status
 
 
-def record_of(state: LimitState, load: LoadCase, materials: Sequence[Material]) -> dict[str, Any]:
-    """Return the record of a rigid-block analysis. Friction and cohesion: one number, or one a material where they differ."""
-    words: dict[str, Any] = {
-        "model": RIGID_BLOCKS,
-        "flow": state.flow,
-        **_loading(load, materials),
-        "load_factor": state.load_factor,
-        "lower_bound": state.lower_bound,
-        "upper_bound": state.upper_bound,
-        "status": state.status,
-        "iterations": state.iterations,
-        "seconds": round(state.seconds, 3),
-        "solver": state.solver,
-        "equilibrium_residual": state.equilibrium_residual,
-        "cone_violation": state.cone_violation,
-        "message": state.message,
-    }
+@dataclass(frozen=True, slots=True)
+class Question:
+    """What an analysis was asked: name and direction (3,) of the load, friction and cohesion (Pa) by material.
+
+    Raises
+    ------
+    InputError: no name, a direction that is no vector, strength that is no number >= 0.
+    """
+
+    load: str
+    direction: tuple[float, ...]
+    friction: dict[str, float]
+    cohesion: dict[str, float]
+
+    def __post_init__(self) -> None:
+        text("record: load", self.load)
+        if len(self.direction) != 3:
+            raise InputError("record: direction", "wrong length", found=len(self.direction), expected="3 components")
+        for name, values in (("friction", self.friction), ("cohesion", self.cohesion)):
+            for material, value in values.items():
+                if finite(f"record: {name} of {material}", value) < 0:
+                    raise InputError(f"record: {name} of {material}", "out of range", found=value, expected=">= 0")
+
+    def as_words(self) -> dict[str, Any]:
+        """Return the keys of summary.json; friction and cohesion: one number, or one a material where they differ."""
+        cohesion = {name: value / 1e3 for name, value in self.cohesion.items()}
+        return {
+            "load": self.load,
+            "direction": list(self.direction),
+            "friction": _common(self.friction),
+            "cohesion_kPa": _common(cohesion),
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """How an analysis ended: NaN where there is no such number; residual over the weight, violation as of its state.
+
+    Raises
+    ------
+    InputError: an unknown status, a negative count or time.
+    """
+
+    status: Status
+    load_factor: float = np.nan
+    lower_bound: float = np.nan
+    upper_bound: float = np.nan
+    equilibrium_residual: float = np.nan
+    violation: float = np.nan
+    iterations: int = 0
+    seconds: float = 0.0
+    solver: str = ""
+    message: str = ""
+
+    def __post_init__(self) -> None:
+        one_of("record: status", self.status, *get_args(Status))
+        for name in ("iterations", "seconds"):
+            if finite(f"record: {name}", getattr(self, name)) < 0:
+                raise InputError(f"record: {name}", "out of range", found=getattr(self, name), expected=">= 0")
+
+
+@dataclass(frozen=True, slots=True)
+class Sliding:
+    """What a non-associative analysis has besides: see `LimitState`; history: its load factors."""
+
+    gap: float
+    interval: tuple[float, ...]
+    friction_violation: float
+    fixed_points: tuple[float, ...]
+    history: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class RigidRecord:
+    """A rigid-block analysis."""
+
+    question: Question
+    outcome: Outcome
+    flow: str
+    sliding: Sliding | None = None
+
+    def __post_init__(self) -> None:
+        one_of("record: flow", self.flow, "associative", "non-associative")
+
+    def as_words(self) -> dict[str, Any]:
+        """Return the record of summary.json."""
+        words = {"model": RIGID_BLOCKS, "flow": self.flow, **self.question.as_words(), **_ending(self.outcome, "cone_violation")}
+        return words | (asdict(self.sliding) if self.sliding else {})
+
+
+@dataclass(frozen=True, slots=True)
+class Curve:
+    """A capacity curve: the node that is followed, its displacement (ns,) m, load factors (ns,)."""
+
+    control_point: int
+    control: tuple[float, ...]
+    load_factors: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        if len(self.control) != len(self.load_factors):
+            counts = f"{len(self.control)} and {len(self.load_factors)}"
+            raise InputError("record: curve", "displacements without load factors", found=counts, expected="as many of each")
+
+
+@dataclass(frozen=True, slots=True)
+class ShellRecord:
+    """An analysis of the shell; curve: of a pushover."""
+
+    question: Question
+    outcome: Outcome
+    method: ShellMethod
+    planes: Planes
+    curve: Curve | None = None
+
+    def __post_init__(self) -> None:
+        one_of("record: method", self.method, *get_args(ShellMethod))
+        one_of("record: planes", self.planes, *get_args(Planes))
+
+    def as_words(self) -> dict[str, Any]:
+        """Return the record of summary.json."""
+        words = {"model": SHELL, "method": self.method, "planes": self.planes, **self.question.as_words()}
+        words |= _ending(self.outcome, "yield_violation")
+        if self.method == "pushover":
+            for key in ("lower_bound", "upper_bound", "solver"):
+                del words[key]
+        if self.curve:
+            words |= {"steps": len(self.curve.control), "control_point": self.curve.control_point}
+            words |= {"control_mm": [1e3 * place for place in self.curve.control], "load_factors": list(self.curve.load_factors)}
+        return words
+
+
+@dataclass(frozen=True, slots=True)
+class LeftOut:
+    """Stands for an analysis that was not made, and says why."""
+
+    reason: str
+
+
+Record = RigidRecord | ShellRecord | LeftOut
+_SCHEMAS: dict[str, type[Any]] = {
+    "churchpipe rigid-record 1": RigidRecord,
+    "churchpipe shell-record 1": ShellRecord,
+    "churchpipe left-out 1": LeftOut,
+}
+_PARTS = {"question": Question, "outcome": Outcome, "sliding": Sliding, "curve": Curve}
+
+
+def write_record(path: str | Path, record: Record) -> None:
+    """Write a record; numbers that are not finite become null."""
+    schema = next(name for name, kind in _SCHEMAS.items() if isinstance(record, kind))
+    write_json(path, {"schema": schema} | asdict(record))
+
+
+def read_record(path: str | Path) -> Record:
+    """Read a record.
+
+    Raises
+    ------
+    InputError: not such a file, one of another version, or values out of range.
+    """
+    stored: Any = read_json(path)
+    schema = stored.pop("schema", None) if isinstance(stored, dict) else None
+    remedy = "Delete the file and run the case again."
+    if schema not in _SCHEMAS:
+        raise InputError(str(path), "no record of an analysis", found=schema, expected=", ".join(_SCHEMAS), remedy=remedy)
+    try:
+        parts = {
+            key: _part(_PARTS[key], value) if key in _PARTS and value is not None else value for key, value in stored.items()
+        }
+        return _SCHEMAS[schema](**parts)
+    except (TypeError, AttributeError) as error:
+        raise InputError(str(path), "a damaged record", found=error, expected=schema, remedy=remedy) from error
+
+
+def _part(kind: type[Any], stored: dict[str, Any]) -> Any:
+    """Return a part of a record: lists are tuples, and null stands for a number that is none."""
+    numbers = {item.name for item in fields(kind) if item.type is float}
+    values = {key: tuple(np.nan if x is None else x for x in v) if isinstance(v, list) else v for key, v in stored.items()}
+    return kind(**{key: np.nan if value is None and key in numbers else value for key, value in values.items()})
+
+
+def question_of(load: LoadCase, materials: Sequence[Material]) -> Question:
+    """Return what an analysis of a structure of these materials is asked."""
+    return Question(
+        load.name,
+        tuple(load.direction.tolist()),
+        {material.name: material.friction for material in materials},
+        {material.name: material.cohesion for material in materials},
+    )
+
+
+def record_of(state: LimitState, load: LoadCase, materials: Sequence[Material]) -> RigidRecord:
+    """Return the record of a rigid-block analysis."""
+    outcome = Outcome(
+        state.status,
+        state.load_factor,
+        state.lower_bound,
+        state.upper_bound,
+        state.equilibrium_residual,
+        state.cone_violation,
+        state.iterations,
+        state.seconds,
+        state.solver,
+        state.message,
+    )
+    sliding = None
     if state.flow == "non-associative":
-        words["gap"] = state.gap
-        words["interval"] = list(state.interval)
-        words["friction_violation"] = state.friction_violation
-        words["fixed_points"] = list(state.fixed_points)
-        words["history"] = [step.load_factor for step in state.history]
-    return words
+        history = tuple(step.load_factor for step in state.history)
+        sliding = Sliding(state.gap, state.interval, state.friction_violation, state.fixed_points, history)
+    return RigidRecord(question_of(load, materials), outcome, state.flow, sliding)
 
 
 def shell_record_of(
-    result: ShellLimitState | CapacityCurve | None,
+    result: ShellLimitState | CapacityCurve | str,
     load: LoadCase,
     materials: Sequence[Material],
     *,
-    method: str,
-    planes: str,
-    message: str = "",
-) -> dict[str, Any]:
-    """Return the record of an analysis of the shell; result: None where it was refused, the message says why.
+    method: ShellMethod,
+    planes: Planes,
+) -> ShellRecord:
+    """Return the record of an analysis of the shell; result: a text where it was refused, and why.
 
     The load factor of a capacity curve is the largest one reached.
     """
-    words = {"model": SHELL, "method": method, "planes": planes, **_loading(load, materials)}
+    curve = None
     match result:
         case ShellLimitState():
-            return words | {
-                "load_factor": result.load_factor,
-                "lower_bound": result.lower_bound,
-                "upper_bound": result.upper_bound,
-                "status": result.status,
-                "iterations": result.iterations,
-                "seconds": round(result.seconds, 3),
-                "solver": result.solver,
-                "equilibrium_residual": result.equilibrium_residual,
-                "yield_violation": result.yield_violation,
-                "message": result.message,
-            }
+            outcome = Outcome(
+                result.status,
+                result.load_factor,
+                result.lower_bound,
+                result.upper_bound,
+                result.equilibrium_residual,
+                result.yield_violation,
+                result.iterations,
+                result.seconds,
+                result.solver,
+                result.message,
+            )
         case CapacityCurve():
-            return words | {
-                "load_factor": result.plateau if result.status in ("converged", "not-converged") else math.nan,
-                "status": result.status,
-                "iterations": sum(step.iterations for step in result.steps),
-                "seconds": round(result.seconds, 3),
-                "equilibrium_residual": max((step.residual for step in result.steps), default=math.nan),
-                "yield_violation": max((step.violation for step in result.steps), default=math.nan),
-                "steps": len(result.steps),
-                "control_point": int(result.control_point),
-                "control_mm": [1e3 * float(place) for place in result.control],
-                "load_factors": [float(factor) for factor in result.load_factor],
-                "message": result.message,
-            }
-    return words | {"load_factor": None, "status": "failed", "seconds": 0.0, "message": message}
+            outcome = Outcome(
+                result.status,
+                result.plateau if result.status in ("converged", "not-converged") else np.nan,
+                equilibrium_residual=max((step.residual for step in result.steps), default=np.nan),
+                violation=max((step.violation for step in result.steps), default=np.nan),
+                iterations=sum(step.iterations for step in result.steps),
+                seconds=result.seconds,
+                message=result.message,
+            )
+            curve = Curve(int(result.control_point), tuple(result.control.tolist()), tuple(result.load_factor.tolist()))
+        case str():
+            outcome = Outcome("failed", message=result)
+    return ShellRecord(question_of(load, materials), outcome, method, planes, curve)
 
 
-def _loading(load: LoadCase, materials: Sequence[Material]) -> dict[str, Any]:
+def _ending(outcome: Outcome, violation: str) -> dict[str, Any]:
     return {
-        "load": load.name,
-        "direction": load.direction.tolist(),
-        "friction": _common({material.name: material.friction for material in materials}),
-        "cohesion_kPa": _common({material.name: material.cohesion / 1e3 for material in materials}),
+        "load_factor": outcome.load_factor,
+        "lower_bound": outcome.lower_bound,
+        "upper_bound": outcome.upper_bound,
+        "status": outcome.status,
+        "iterations": outcome.iterations,
+        "seconds": round(outcome.seconds, 3),
+        "solver": outcome.solver,
+        "equilibrium_residual": outcome.equilibrium_residual,
+        violation: outcome.violation,
+        "message": outcome.message,
     }
 
 
 def _common(values: dict[str, float]) -> float | dict[str, float]:
-    distinct = np.unique(list(values.values()))
-    return float(distinct[0]) if len(distinct) == 1 else values
+    distinct = set(values.values())
+    return float(distinct.pop()) if len(distinct) == 1 else values

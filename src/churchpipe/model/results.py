@@ -1,10 +1,12 @@
 """What the analyses return."""
 
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
+from churchpipe.errors import InputError
+from churchpipe.model.arguments import one_of
 from churchpipe.model.arrays import FloatArray, floats, store
 
 Status = Literal["optimal", "converged", "not-converged", "unstable", "unbounded", "failed"]
@@ -70,6 +72,7 @@ class LimitState:
     message: str = ""
 
     def __post_init__(self) -> None:
+        one_of("LimitState.status", self.status, *get_args(Status))
         store(
             self,
             forces=floats("LimitState.forces", self.forces, (None, 3), finite=False),
@@ -103,6 +106,16 @@ class ShellLimitState:
     seconds: float = 0.0
     solver: str = "clarabel"
     message: str = ""
+
+    def __post_init__(self) -> None:
+        one_of("ShellLimitState.status", self.status, *get_args(Status))
+        store(
+            self,
+            stress=floats("ShellLimitState.stress", self.stress, (None, 6), finite=False),
+            velocities=floats("ShellLimitState.velocities", self.velocities, (None, 3), finite=False),
+            edge_rotation=floats("ShellLimitState.edge_rotation", self.edge_rotation, (None,), finite=False),
+            plastic=floats("ShellLimitState.plastic", self.plastic, (None, 6), finite=False),
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,6 +158,22 @@ class CapacityCurve:
     status: Status
     seconds: float = 0.0
     message: str = ""
+
+    def __post_init__(self) -> None:
+        one_of("CapacityCurve.status", self.status, *get_args(Status))
+        count = len(self.steps)
+        store(
+            self,
+            load_factor=floats("CapacityCurve.load_factor", self.load_factor, (count,)),
+            control=floats("CapacityCurve.control", self.control, (count,)),
+            displacement=floats("CapacityCurve.displacement", self.displacement, (None, 3), finite=False),
+            edge_rotation=floats("CapacityCurve.edge_rotation", self.edge_rotation, (None,), finite=False),
+            plastic=floats("CapacityCurve.plastic", self.plastic, (None, 6), finite=False),
+            multipliers=floats("CapacityCurve.multipliers", self.multipliers, (None, None), finite=False),
+        )
+        if not 0 <= int(self.control_point) < len(self.displacement):
+            expected = f"0 to {len(self.displacement) - 1}"
+            raise InputError("CapacityCurve.control_point", "no such node", found=int(self.control_point), expected=expected)
 
     @property
     def plateau(self) -> float:
