@@ -7,16 +7,16 @@ from typing import Any, Literal
 
 import numpy as np
 
-from churchpipe.generators.arched import ArchedOpening, Given, opening_of
+from churchpipe.generators.arched import ArchedOpening, Given
 from churchpipe.generators.checks import whole_courses
 from churchpipe.generators.curved import curved_panel
 from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
 from churchpipe.generators.layout import WallLayout, check_clear, wall_panels
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
 from churchpipe.generators.openings import rectangle
-from churchpipe.generators.wall_bonds import Bonding, WallBond, check_walls, wall_bond
+from churchpipe.generators.wall_bonds import Bonding, WallBond, bonding_of, check_walls
 from churchpipe.model.arguments import one_of, positive
-from churchpipe.model.building import Building, CylinderChart, Panel, UnitCell
+from churchpipe.model.building import Building, CylinderChart, Panel
 from churchpipe.model.materials import Material
 
 
@@ -59,9 +59,7 @@ def apse(*, name: str = "apse", materials: tuple[Material, ...] = (DEFAULT_MATER
     """Return an apse behind a wall; keywords as in `ApseParameters`, SI."""
     p = as_dataclass(ApseParameters, "apse", parameters)
     materials = materials_of("apse", materials)
-    openings = tuple(opening_of(f"apse.openings.{k}", opening) for k, opening in enumerate(p.openings))
-    bonds = tuple(wall_bond(f"apse.bonds.{k}", bond) for k, bond in enumerate(p.bonds))
-    bonding = Bonding(UnitCell(a=p.course, b=p.stone_length), p.joints, materials[0].name, openings, bonds)
+    bonding = bonding_of("apse", p, materials[0].name)
     check_walls(bonding, ["wall", "apse"], "apse")
     across, along = (0, 1) if p.first_course == "x" else (1, 0)
     half = p.wall_length / 2

@@ -10,7 +10,7 @@ import numpy as np
 from churchpipe.bond.count import MOST_VOUSSOIRS
 from churchpipe.bond.voussoir import ring_outline
 from churchpipe.errors import InputError
-from churchpipe.generators.fields import as_dataclass, coerce_fields
+from churchpipe.generators.fields import coerce_fields
 from churchpipe.model.arguments import one_of, positive, text, whole
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, Opening, UnitCell
@@ -88,11 +88,6 @@ class Hole:
     opening: Opening
     rings: tuple[BondRegion, ...]
     outer: tuple[float, float, float, float]
-
-
-def opening_of(where: str, value: ArchedOpening | Given) -> ArchedOpening:
-    """Return an opening that is given as such or as a mapping of its fields."""
-    return as_dataclass(ArchedOpening, where, value)
 
 
 def holes(openings: Iterable[ArchedOpening], wall: str) -> list[Hole]:

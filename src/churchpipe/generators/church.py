@@ -5,16 +5,16 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from churchpipe.generators.apse import apse_legs, apse_panel
-from churchpipe.generators.arched import ArchedOpening, Given, opening_of
+from churchpipe.generators.arched import ArchedOpening, Given
 from churchpipe.generators.checks import whole_courses
 from churchpipe.generators.church_parts import Apse, Chapel, Choir, CrossWall, Nave, Tower, Transept, part_of
 from churchpipe.generators.church_plan import Plan, church_walls, cross_walls
 from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
 from churchpipe.generators.layout import WallLayout, check_clear, wall_panels
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
-from churchpipe.generators.wall_bonds import Bonding, WallBond, check_walls, wall_bond
+from churchpipe.generators.wall_bonds import Bonding, WallBond, bonding_of, check_walls
 from churchpipe.model.arguments import one_of, positive
-from churchpipe.model.building import Building, Panel, UnitCell
+from churchpipe.model.building import Building, Panel
 from churchpipe.model.materials import Material
 
 
@@ -86,9 +86,7 @@ def church(*, name: str = "church", materials: tuple[Material, ...] = (DEFAULT_M
     p = as_dataclass(ChurchParameters, "church", parameters)
     materials = materials_of("church", materials)
     plan = p.plan
-    openings = tuple(opening_of(f"church.openings.{k}", opening) for k, opening in enumerate(p.openings))
-    bonds = tuple(wall_bond(f"church.bonds.{k}", bond) for k, bond in enumerate(p.bonds))
-    bonding = Bonding(UnitCell(a=p.course, b=p.stone_length), p.joints, materials[0].name, openings, bonds)
+    bonding = bonding_of("church", p, materials[0].name)
     walls = church_walls(plan)
     check_walls(bonding, [*(wall.name for wall in walls), *plan.apse_names], "church")
     apses, legs = _apses(plan, bonding, walls, p.course)

@@ -8,16 +8,16 @@ from typing import Any, Literal
 import numpy as np
 
 from churchpipe.errors import InputError
-from churchpipe.generators.arched import ArchedOpening, Given, opening_of
+from churchpipe.generators.arched import ArchedOpening, Given
 from churchpipe.generators.checks import whole_courses
 from churchpipe.generators.curved import curved_panel
 from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
 from churchpipe.generators.layout import WallLayout, wall_panels
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
 from churchpipe.generators.openings import rectangle
-from churchpipe.generators.wall_bonds import Bonding, WallBond, check_walls, wall_bond
+from churchpipe.generators.wall_bonds import Bonding, WallBond, bonding_of, check_walls
 from churchpipe.model.arguments import one_of, positive
-from churchpipe.model.building import Building, CylinderChart, Panel, UnitCell
+from churchpipe.model.building import Building, CylinderChart, Panel
 from churchpipe.model.materials import Material
 
 
@@ -71,9 +71,7 @@ def tower(*, name: str = "tower", materials: tuple[Material, ...] = (DEFAULT_MAT
     """Return a tower; keywords as in `TowerParameters`, SI."""
     p = as_dataclass(TowerParameters, "tower", parameters)
     materials = materials_of("tower", materials)
-    openings = tuple(opening_of(f"tower.openings.{k}", opening) for k, opening in enumerate(p.openings))
-    bonds = tuple(wall_bond(f"tower.bonds.{k}", bond) for k, bond in enumerate(p.bonds))
-    bonding = Bonding(UnitCell(a=p.course, b=p.stone_length), p.joints, materials[0].name, openings, bonds)
+    bonding = bonding_of("tower", p, materials[0].name)
     check_walls(bonding, ["round"] if p.plan == "round" else ["front", "back", "left", "right"], "tower")
     if p.plan == "round":
         return Building(name, (_round(p, bonding),), materials)

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Literal, Protocol
 
 from churchpipe.errors import InputError
 from churchpipe.generators.arched import ArchedOpening, Given
@@ -52,9 +52,30 @@ class Bonding:
         return BondRegion("bond", outline, own.pattern, cell, joints=self.joints, headers=own.headers)
 
 
-def wall_bond(where: str, value: WallBond | Given) -> WallBond:
-    """Return the bond of some walls that is given as such or as a mapping of its fields."""
-    return as_dataclass(WallBond, where, value)
+class Laid(Protocol):
+    """The parameters of a building that say how its walls are laid."""
+
+    @property
+    def course(self) -> float: ...
+    @property
+    def stone_length(self) -> float: ...
+    @property
+    def joints(self) -> Literal["grid", "bay"]: ...
+    @property
+    def openings(self) -> Sequence[ArchedOpening | Given]: ...
+    @property
+    def bonds(self) -> Sequence[WallBond | Given]: ...
+
+
+def bonding_of(where: str, parameters: Laid, material: str) -> Bonding:
+    """Return how the walls of a building are laid. where: its generator, for messages; material: its name."""
+    return Bonding(
+        UnitCell(a=parameters.course, b=parameters.stone_length),
+        parameters.joints,
+        material,
+        tuple(as_dataclass(ArchedOpening, f"{where}.openings.{k}", value) for k, value in enumerate(parameters.openings)),
+        tuple(as_dataclass(WallBond, f"{where}.bonds.{k}", value) for k, value in enumerate(parameters.bonds)),
+    )
 
 
 def check_walls(bonding: Bonding, known: Sequence[str], where: str) -> None:
