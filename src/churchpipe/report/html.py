@@ -19,7 +19,7 @@ from churchpipe.report import both, viewer
 from churchpipe.report.figures import Job, mechanism_picture, mechanism_pictures
 from churchpipe.report.motion import joint_opening, opened_joints, push_direction, viewpoint
 from churchpipe.report.notes import convergence_note, status_note
-from churchpipe.report.plots import convergence_svg
+from churchpipe.report.plots import convergence_svg, gaps_svg
 from churchpipe.report.published import published_rows
 from churchpipe.report.safety import CUT_OFF, check_table, part_overview, part_tables, safety_index, what_moves
 from churchpipe.report.sensitivity import sensitivity_plots
@@ -76,6 +76,7 @@ def write_report(
         facts=_facts(_sizes(summary, seen), stones),
         kinds=_interface_kinds(contacts),
         joints=joints_lines(joints_record(stones, contacts)),
+        gaps=gaps_svg(contacts),
         cards=[_card(row, bool(of_shell)) for row in rows] if len(rows) <= CARDS else [],
         columns=columns,
         rows=[(row, [column.text(row) for column in columns]) for row in rows],

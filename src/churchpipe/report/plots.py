@@ -7,8 +7,10 @@ from typing import Any
 import numpy as np
 
 from churchpipe.model.arrays import FloatArray
+from churchpipe.model.contacts import Contacts
 from churchpipe.model.results import LimitState, StartRun
 from churchpipe.report import colours
+from churchpipe.stones.histogram import angle_histogram, gap_histogram
 
 # One a start of the non-associative iteration.
 _RUN_COLOURS = ("#a8581a", colours.PUSH, "#4f7d4a")
@@ -66,6 +68,30 @@ def sensitivity_svg(curves: Sequence[tuple[str, FloatArray, FloatArray]], words:
     axes.set_ylabel("load factor")
     axes.set_ylim(bottom=0)
     legend_beside(axes)
+    return svg_of(figure)
+
+
+def gaps_svg(contacts: Contacts) -> str:
+    """Return an SVG of how far apart faces are that meet or nearly meet, and at which angle; "" where all joints are exact."""
+    given = contacts.tolerances
+    gaps, angles = gap_histogram(contacts), angle_histogram(contacts)
+    if not len(contacts.near_misses) and not gaps.joints[1:].any() and not angles.joints[1:].any():
+        return ""
+    figure, ((left, right),) = new_plot(1, (7.6, 2.8), columns=2)
+    panels = (
+        (left, gaps, 1e3, given.contact_gap, "gap, mm", "contact gap"),
+        (right, angles, np.degrees(1.0), given.contact_angle, "angle, degrees", "contact angle"),
+    )
+    for axes, found, unit, limit, words, name in panels:
+        edges, width = unit * found.edges[:-1], unit * np.diff(found.edges)
+        axes.bar(edges, found.joints, width, align="edge", color="#4f7d4a", label="joints")
+        axes.bar(edges, found.near_misses, width, align="edge", bottom=found.joints, color=colours.PUSH, label="near misses")
+        axes.axvline(unit * limit, color=colours.INK, lw=1, ls="--", label=f"{name}, {unit * limit:.3g}")
+        axes.set_xscale("log")
+        axes.set_yscale("symlog", linthresh=1)
+        axes.set_xlabel(words)
+        axes.legend(fontsize=7, frameon=False)
+    left.set_ylabel("pairs of faces")
     return svg_of(figure)
 
 

@@ -22,10 +22,11 @@ from churchpipe.report import write_report
 from churchpipe.report.figures import mechanism_picture
 from churchpipe.report.motion import camera_position, displaced_points, ground_plate, natural_amplitude, push_direction, viewpoint
 from churchpipe.report.notes import status_note
-from churchpipe.report.plots import convergence_svg
+from churchpipe.report.plots import convergence_svg, gaps_svg
 from churchpipe.report.surface import edges, triangles
 from churchpipe.report.table import Row, figure, small
 from churchpipe.stones.contacts import find_contacts
+from imprecise import corner
 from solids import box, on_ground, prism
 
 VERSIONS = {"churchpipe": "0.1.0", "clarabel": "0.11.1"}
@@ -533,3 +534,16 @@ def test_without_check_and_parts_there_are_no_such_sections(tmp_path: Path) -> N
     page = Page(report(tmp_path, [(record_of(state), state)]))
     assert "What moves" not in page.text
     assert "Safety check" not in page.text
+
+
+def test_report_tells_of_near_misses_and_pictures_the_gaps(tmp_path: Path) -> None:
+    exact, open_heads = corner(), corner(head_gap=0.01)
+    assert gaps_svg(find_contacts(exact)) == ""
+    path = tmp_path / "report.html"
+    summary = {"case": "corner", "analyses": []}
+    write_report(
+        path, summary=summary, stones=open_heads, contacts=find_contacts(open_heads), results=[], case_text="", versions={}
+    )
+    text = path.read_text(encoding="utf-8")
+    assert "Near misses: 48 pairs of faces" in text
+    assert "contact gap, 0.002" in text
