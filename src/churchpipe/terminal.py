@@ -1,5 +1,6 @@
 """What the command line shows: progress of a run, tables; and the news that stages send it."""
 
+import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TextIO
@@ -130,9 +131,9 @@ def results_table(summary: Mapping[str, Any]) -> Table:
             analysis_name(analysis.get("flow"), analysis.get("method"), analysis.get("planes")),
             _words(analysis.get("friction")),
             *(_words(analysis.get("variant", {}).get(key)) for key in swept),
-            _figure(analysis.get("load_factor")),
+            "no limit" if analysis["status"] == "unbounded" else _figure(analysis.get("load_factor")),
             _bounds(analysis),
-            *(f"{check[key]:.2f}" if key in check else "" for key in safety.values()),
+            *(_figure(check[key], 2) if key in check else "" for key in safety.values()),
             f"{analysis.get('seconds') or 0:.1f}",
             Text(analysis["status"], STATUS_STYLES.get(analysis["status"], "red")),
         )
@@ -182,11 +183,13 @@ def findings_table(findings: Sequence[Finding]) -> Table:
 
 def _bounds(analysis: Mapping[str, Any]) -> str:
     lower, upper = analysis.get("lower_bound"), analysis.get("upper_bound")
-    return f"{abs(upper - lower):.1e}" if lower is not None and upper is not None else ""
+    if lower is None or upper is None or not math.isfinite(upper - lower):
+        return ""
+    return f"{abs(upper - lower):.1e}"
 
 
-def _figure(value: float | None) -> str:
-    return "none" if value is None else f"{value:.6f}"
+def _figure(value: float | None, digits: int = 6) -> str:
+    return "none" if value is None or not math.isfinite(value) else f"{value:.{digits}f}"
 
 
 def _words(value: object) -> str:

@@ -344,6 +344,23 @@ def test_names_are_printed_as_they_are(
     assert f"{folder / 'out.dxf'}" in out
 
 
+def test_no_person_reads_nan(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    nan = float("nan")
+    check = {"zeta_e": nan, "zeta_e_stones": None}
+    numbers = {"load_factor": nan, "lower_bound": nan, "upper_bound": nan, "seconds": None, "check": check}
+    analyses = [
+        {"load": "+x", "flow": "associative", "status": "failed", **numbers},
+        {"load": "-x", "flow": "associative", "status": "unbounded", "load_factor": None, "seconds": 0.1},
+    ]
+    summary = {"case": "w", "blocks": 1, "interfaces": 1, "weight_kN": 1.0, "analyses": analyses}
+    (tmp_path / "summary.json").write_text(json.dumps(summary))
+    code, out, _ = call(capsys, "show", tmp_path)
+    assert code == 0
+    assert "nan" not in out.lower()
+    assert "none" in out
+    assert "no limit" in out
+
+
 def test_show_tells_both_models_apart(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     rigid = {
         "model": "rigid-block",

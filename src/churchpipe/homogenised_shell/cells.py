@@ -63,7 +63,7 @@ class CellCoupling(Coupling):
 class CellCompliance:
     """Compliances (Q + G^T W^-2 G)^-1 of the corner forces.
 
-    matrix (9, 9, count): seen through the nine sums. Of an elastic step: A (count, 12, 3, 3), rows (count, 36) in the order of
+    matrix (9, 9, count): as the nine sums see them. Of an elastic step: A (count, 12, 3, 3), rows (count, 36) in the order of
     their size, the six reflections (count, 6, 36) that make a triangle R of V, and the triangle T (count, 6, 6) with T^T T = I +
     R R^T.
     """
@@ -222,13 +222,13 @@ def _factor(
     matrix: FloatArray,
 ) -> None:
     count, size = sums.shape[0], 3 * CORNERS
-    seen, line = np.empty((9, size)), np.empty(size)
+    images, line = np.empty((9, size)), np.empty(size)
     bent, large = np.empty((size, 6)), np.empty(size)
     small, turns = np.empty((12, 6)), np.empty((6, 12))
     for k in range(count):
         _roots(corners, k, count, roots[k])
         for s in range(9):
-            _pull(roots[k], sums[k, s], seen[s])
+            _pull(roots[k], sums[k, s], images[s])
         if len(root):
             # Large rows first: rows of any size keep their digits.
             for a in range(6):
@@ -260,18 +260,18 @@ def _factor(
                     triangle[k, i, j] = small[i, j]
             for s in range(9):
                 for r in range(size):
-                    line[r] = seen[s, order[k, r]]
+                    line[r] = images[s, order[k, r]]
                 for j in range(6):
                     _turn(reflections[k], j, line)
                 _divide(triangle[k], line)
                 for r in range(size):
                     # Stress is a combination of the rows of V: the other reflected entries vanish but for rounding.
-                    seen[s, r] = line[r] if s >= 6 or r < 6 else 0.0
+                    images[s, r] = line[r] if s >= 6 or r < 6 else 0.0
         for s in range(9):
             for t in range(s + 1):
                 value = 0.0
                 for r in range(size):
-                    value += seen[s, r] * seen[t, r]
+                    value += images[s, r] * images[t, r]
                 matrix[s, t, k] = value
                 matrix[t, s, k] = value
 

@@ -83,8 +83,8 @@ def _factor(
     root: FloatArray, matrix: FloatArray, factor: FloatArray, triangle: FloatArray, column: IntArray, rows: FloatArray
 ) -> None:
     """Householder's triangle, the largest rows first and the largest column next: rows of any size keep their digits."""
-    lent, planes, d = root.shape[0], matrix.shape[0], matrix.shape[1]
-    total = lent + planes
+    elastic, planes, d = root.shape[0], matrix.shape[0], matrix.shape[1]
+    total = elastic + planes
     a, size, order = np.empty((total, d)), np.empty(total), np.empty(total, dtype=np.int64)
     scale = np.empty(d)
     wide = np.empty((total, d))
@@ -92,7 +92,7 @@ def _factor(
         for r in range(total):
             square = 0.0
             for i in range(d):
-                value = root[r, i, k] if r < lent else matrix[r - lent, i, k] / factor[r - lent, k]
+                value = root[r, i, k] if r < elastic else matrix[r - elastic, i, k] / factor[r - elastic, k]
                 wide[r, i] = value
                 square = max(square, abs(value))
             place = r
@@ -145,7 +145,7 @@ def _factor(
                 for r in range(i, total):
                     wide[r, j] -= along * a[r, i]
         for r in range(total):
-            row = order[r] - lent
+            row = order[r] - elastic
             if row >= 0:
                 for j in range(d):
                     rows[k, row, j] = wide[r, j] / factor[row, k]

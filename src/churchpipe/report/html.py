@@ -59,9 +59,9 @@ def write_report(
     """
     meshes = shells or {}
     rows = rows_of(summary, results, shell_results)
-    seen = [row for row in rows if row.state is not None]
+    of_blocks = [row for row in rows if row.state is not None]
     of_shell = [row for row in rows if row.shell is not None]
-    pictures, picture_problem = _pictures(stones, contacts, meshes, seen, of_shell, figures_dir)
+    pictures, picture_problem = _pictures(stones, contacts, meshes, of_blocks, of_shell, figures_dir)
     domain, domain_words = both.domain_plot(meshes, rows)
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(Path(__file__).parent / "templates"),
@@ -73,7 +73,7 @@ def write_report(
     columns = columns_for(rows)
     text = environment.get_template("report.html").render(
         name=summary.get("case", ""),
-        facts=_facts(_sizes(summary, seen), stones),
+        facts=_facts(_sizes(summary, of_blocks), stones),
         kinds=_interface_kinds(contacts),
         joints=joints_lines(joints_record(stones, contacts)),
         gaps=gaps_svg(contacts),
@@ -99,9 +99,9 @@ def write_report(
         non_associative=any(row.record.get("flow") == "non-associative" for row in rows),
         pictures=pictures,
         picture_problem=picture_problem,
-        choices=[f"{row.label}: {figure(row.value('load_factor'), 4)}" for row in seen],
-        shell_choices=[f"{row.label}: {figure(row.value('load_factor'), 4)}" for row in of_shell] if seen else [],
-        viewer_data=viewer.script_json(_viewer_data(stones, contacts, meshes, seen, of_shell)),
+        choices=[f"{row.label}: {figure(row.value('load_factor'), 4)}" for row in of_blocks],
+        shell_choices=[f"{row.label}: {figure(row.value('load_factor'), 4)}" for row in of_shell] if of_blocks else [],
+        viewer_data=viewer.script_json(_viewer_data(stones, contacts, meshes, of_blocks, of_shell)),
         import_map=viewer.import_map(),
         viewer_script=viewer.static_text("viewer.js"),
         three_licence=viewer.static_text("three/LICENSE"),
@@ -164,13 +164,13 @@ def _loading(row: Row) -> tuple[str, str, str]:
 
 
 def _viewer_data(
-    stones: Assemblage, contacts: Contacts, meshes: Mapping[str, ShellModel], seen: Sequence[Row], of_shell: Sequence[Row]
+    stones: Assemblage, contacts: Contacts, meshes: Mapping[str, ShellModel], of_blocks: Sequence[Row], of_shell: Sequence[Row]
 ) -> dict[str, Any]:
-    data = viewer.viewer_data(stones, [(dict(row.record), row.state, row.label) for row in seen if row.state])
-    if not of_shell or not seen:
+    data = viewer.viewer_data(stones, [(dict(row.record), row.state, row.label) for row in of_blocks if row.state])
+    if not of_shell or not of_blocks:
         return data
-    found = [(row.label, *row.shell, both.partner(row, seen)) for row in of_shell if row.shell]
-    velocities = [np.nan_to_num(row.state.velocities) for row in seen if row.state]
+    found = [(row.label, *row.shell, both.partner(row, of_blocks)) for row in of_shell if row.shell]
+    velocities = [np.nan_to_num(row.state.velocities) for row in of_blocks if row.state]
     return data | {"shell": shell_data(meshes, found, stones, contacts, velocities, viewer.origin_of(stones))}
 
 

@@ -108,11 +108,11 @@ def camera_position(points: FloatArray, toward: FloatArray, view_angle: float, a
     right /= np.linalg.norm(right)
     # axis_ac: axis a (right, up, towards the camera), component c.
     axis = np.stack([right, np.cross(toward, right), toward])
-    seen = points @ axis.T
-    centre = (seen.min(axis=0) + seen.max(axis=0)) / 2
-    reach = np.abs(seen - centre)
+    projected = points @ axis.T
+    centre = (projected.min(axis=0) + projected.max(axis=0)) / 2
+    reach = np.abs(projected - centre)
     slope = np.tan(np.deg2rad(view_angle) / 2)
-    distance = float((np.maximum(reach[:, 0] / aspect, reach[:, 1]) / slope + (seen - centre)[:, 2]).max())
+    distance = float((np.maximum(reach[:, 0] / aspect, reach[:, 1]) / slope + (projected - centre)[:, 2]).max())
     focus = centre @ axis
     return focus + 1.08 * distance * toward, focus
 

@@ -78,15 +78,15 @@ def part_overview(rows: Sequence[Row]) -> dict[str, Any] | None:
 
     headings (model and kind), loads; rows of cells of all that move under some load, "" where at rest; still: the others.
     """
-    seen = _first_of_each(rows)
-    if len(seen) < 2:
+    shown = _first_of_each(rows)
+    if len(shown) < 2:
         return None
-    motion = [{str(part["name"]): part["motion"] for part in row.record["parts"] if part["moving"] > 0} for row in seen]
+    motion = [{str(part["name"]): part["motion"] for part in row.record["parts"] if part["moving"] > 0} for row in shown]
     largest = {name: max(shares.get(name, 0.0) for shares in motion) for shares in motion for name in shares}
-    names = dict.fromkeys(str(part["name"]) for row in seen for part in row.record["parts"])
+    names = dict.fromkeys(str(part["name"]) for row in shown for part in row.record["parts"])
     return {
-        "headings": [("shell, " if row.of_shell else "") + row.kind for row in seen],
-        "loads": [row.load for row in seen],
+        "headings": [("shell, " if row.of_shell else "") + row.kind for row in shown],
+        "loads": [row.load for row in shown],
         "rows": [
             [name, *("" if name not in shares else _percent(shares[name]) for shares in motion)]
             for name in sorted(largest, key=lambda name: -largest[name])
@@ -97,8 +97,8 @@ def part_overview(rows: Sequence[Row]) -> dict[str, Any] | None:
 
 def what_moves(row: Row, share: float = 0.05) -> str:
     """Return the macro-elements that carry at least a share of the motion, with the most first; "" where none is known."""
-    told = [part for part in row.record.get("parts", ()) if part["motion"] >= share]
-    return ", ".join(f"{part['name']} {_percent(part['motion'])}" for part in told)
+    parts = [part for part in row.record.get("parts", ()) if part["motion"] >= share]
+    return ", ".join(f"{part['name']} {_percent(part['motion'])}" for part in parts)
 
 
 def _percent(share: float) -> str:

@@ -98,10 +98,10 @@ def columns_for(rows: Sequence[Row]) -> list[Column]:
     """Return the columns that at least one row has something to say in; the model only where there are two."""
     keys = list(dict.fromkeys(key for row in rows for key in swept(row)))
     variants = [Column(heading(key), key, lambda row, key=key: swept(row).get(key, "")) for key in keys]
-    told = [column for column in COLUMNS if any(column.text(row) not in ("", "none") for row in rows)]
+    columns = [column for column in COLUMNS if any(column.text(row) not in ("", "none") for row in rows)]
     if len({_model(row) for row in rows}) < 2:
-        told = [column for column in told if column.text is not _model]
-    return variants + told
+        columns = [column for column in columns if column.text is not _model]
+    return variants + columns
 
 
 def figure(value: object, digits: int = 6) -> str:
