@@ -34,7 +34,7 @@ def solve_clarabel(
     begin = perf_counter()
     layout = _Layout(program)
     # The largest single load is the unit of force inside: relative to the total weight, errors that matter look like zero.
-    scale = 1.0 / max(float(np.abs(program.constant).max()), float(np.abs(program.growth).max()))
+    scale = 1.0 / program.force
     solver = clarabel.DefaultSolver(
         layout.quadratic * scale, layout.cost * scale, layout.matrix, layout.right, layout.cones, settings or _settings(tolerance)
     )

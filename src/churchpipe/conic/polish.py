@@ -7,46 +7,63 @@ from churchpipe.conic.program import ConeProgram
 from churchpipe.conic.semidefinite import semidefinite_solver
 from churchpipe.model.arrays import FloatArray
 
+# What the metric gets on its diagonal, over the largest normal force: every force may move a little.
+_TRACE = 1e-10
+# The factor is exact up to what it needed on its diagonal: so many corrections at most, until the balance holds to rounding.
+_SWEEPS = 8
+_ROUNDING = 1e-14
 
-def restore_balance(program: ConeProgram, x: FloatArray, tau: float, sweeps: int = 3) -> tuple[FloatArray, float]:
+
+def restore_balance(program: ConeProgram, x: FloatArray, tau: float) -> tuple[FloatArray, float]:
     """Return forces (c, 3) and tau near the given ones that satisfy balance x + constant + tau growth = 0 to rounding.
 
     The correction is the smallest one in the metric of each cone's barrier at x (the Dikin ellipsoid, which lies inside
     the cone): a force near the boundary of its cone moves along it, one near zero hardly at all. What only the
     collapse mechanism could balance goes into tau.
     """
-    metric = _cone_metric(program, x)
-    solve = semidefinite_solver(sp.csc_matrix(program.balance @ metric @ program.balance.T))
-    out = x.ravel().copy()
+    if program.imbalance(x, tau) <= _ROUNDING:
+        return x, tau
+    root = _metric_root(program, x)
+    columns = sp.csc_matrix(program.balance @ root)
+    solve = semidefinite_solver(columns)
     lever = solve(program.growth)
     stiffness = float(program.growth @ lever) + (1.0 if tau < program.cap * (1 - 1e-6) else np.inf)
-    for _ in range(sweeps):
-        residual = program.balance @ out + program.constant + tau * program.growth
-        shift = solve(residual)
+    for _ in range(_SWEEPS):
+        shift = solve(program.residual(x, tau))
         step = float(program.growth @ shift) / stiffness
-        out -= metric @ (program.balance.T @ (shift - step * lever))
+        x = x - np.asarray(root @ (columns.T @ (shift - step * lever))).reshape(x.shape)
         tau -= step
-    return out.reshape(-1, 3), tau
+        if program.imbalance(x, tau) <= _ROUNDING:
+            break
+    return x, tau
 
 
-def _cone_metric(program: ConeProgram, x: FloatArray) -> sp.csc_matrix:
-    """Return the block-diagonal inverse Hessian (3c, 3c) of the cones' barrier at x, kept positive by a trace of identity."""
+def _metric_root(program: ConeProgram, x: FloatArray) -> sp.csc_matrix[np.float64]:
+    """Return a block-diagonal root R (3c, 3c) of the metric R R^T: the inverse Hessian of the cones' barrier at x.
+
+    The cone of s = (limit + slope n, t) alone has the root [[s0, t], [t, t t / (s0 + d) + d I]], d^2 = s0^2 - |t|^2, in which
+    nothing cancels; a trace of the identity is added. Where n >= 0 is a constraint of its own, v v^T / n^2 more in the
+    Hessian, v the first row of R, makes R (I - v v^T / (h (h + n))) of R, h^2 = n^2 + |v|^2. Without slope n and t have roots of
+    their own.
+    """
     n, shear = np.maximum(x[:, 0], 0.0), x[:, 1:]
+    trace = _TRACE * max(float(n.max(initial=0.0)), 1e-300)
     reach = np.maximum(program.limit + program.slope * n, 0.0)
-    slack = np.maximum(reach**2 - (shear**2).sum(axis=1), 0.0)
-    coulomb = (program.slope > 0) & (program.limit == 0)
-    slope = np.where(coulomb, program.slope, 1.0)
-    # metric_kij: for a Coulomb cone 2 s s^T - slack J in s = (mu n, t); elsewhere n and t on their own.
-    s = np.where(coulomb[:, None], np.column_stack([reach / slope, shear]), 0.0)
-    metric = 2.0 * s[:, :, None] * s[:, None, :]
-    metric[:, 0, 0] += np.where(coulomb, -slack / slope**2, n**2)
-    trace = 1e-10 * max(float(n.max(initial=0.0)), 1e-300)
-    metric[:, 1, 1] += slack + trace**2
-    metric[:, 2, 2] += slack + trace**2
-    metric[:, 0, 0] += trace**2
+    length = np.hypot(shear[:, 0], shear[:, 1])
+    slack = np.sqrt(np.maximum(reach - length, 0.0) * (reach + length))
+    sloped = program.slope != 0
+    root = np.zeros((len(x), 3, 3))
+    t = np.where(sloped[:, None], shear, 0.0)
+    root[:, 1:, 1:] = t[:, :, None] * t[:, None, :] / np.maximum(reach + slack, 1e-300)[:, None, None]
+    root[:, 0, 1:] = root[:, 1:, 0] = t
+    root[:, 0, 0] = np.where(sloped, reach, n)
+    root += np.eye(3) * (np.where([1.0, 0.0, 0.0], 0.0, slack[:, None]) + trace)[:, :, None]
+    root[:, 0] /= np.where(sloped, program.slope, 1.0)[:, None]
+    guarded = sloped & ~((program.slope > 0) & (program.limit == 0))
+    v = np.where(guarded[:, None], root[:, 0], 0.0)
+    h = np.sqrt((n + trace) ** 2 + (v**2).sum(axis=1))
+    root -= np.einsum("kij,kj,kl->kil", root, v / (h * (h + n + trace))[:, None], v)
     points = len(x)
     columns = np.broadcast_to(3 * np.arange(points)[:, None, None] + np.arange(3), (points, 3, 3))
-    matrix = sp.coo_matrix(
-        (metric.ravel(), (columns.transpose(0, 2, 1).ravel(), columns.ravel())), shape=(3 * points, 3 * points)
-    )
-    return sp.csc_matrix(matrix)
+    entries = (root.ravel(), (columns.transpose(0, 2, 1).ravel(), columns.ravel()))
+    return sp.csc_matrix(sp.coo_matrix(entries, shape=(3 * points, 3 * points)))

@@ -55,6 +55,21 @@ class ConeProgram:
         """Number of cones."""
         return len(self.limit)
 
+    @property
+    def force(self) -> float:
+        """The largest load of a row, the unit of force that errors are measured by; 1 when there is none."""
+        size = max(float(np.abs(self.constant).max(initial=0.0)), float(np.abs(self.growth).max(initial=0.0)))
+        return size if size > 0 else 1.0
+
+    def residual(self, x: FloatArray, tau: float) -> FloatArray:
+        """Return balance x + constant + tau growth (m,) of forces x (c, 3)."""
+        return np.asarray(self.balance @ x.ravel()) + self.constant + tau * self.growth
+
+    def imbalance(self, x: FloatArray, tau: float) -> float:
+        """Return the largest residual of forces x (c, 3) over the largest load; infinite where one is not a number."""
+        worst = float(np.abs(self.residual(x, tau)).max(initial=0.0)) / self.force
+        return worst if np.isfinite(worst) else np.inf
+
 
 @dataclass(frozen=True, slots=True)
 class ConeSolution:

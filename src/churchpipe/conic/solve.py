@@ -3,24 +3,31 @@
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from typing import Protocol
+from typing import Protocol, TypeAlias
 
 import numpy as np
 import scipy.sparse as sp
 
+from churchpipe.conic.polish import restore_balance
 from churchpipe.conic.program import ConeProgram, ConeSolution
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import text
+
+# Forces out of balance by more than this share of the largest load are no solution.
+_OUT_OF_BALANCE = 1e-5
+Proves: TypeAlias = Callable[[ConeSolution], bool]
+_Solver: TypeAlias = Callable[[ConeProgram, float | None], ConeSolution]
 
 
 class Solve(Protocol):
     """Solves programs of one balance."""
 
-    def __call__(self, program: ConeProgram, /, *, error: float | None = None) -> ConeSolution:
-        """Solve a program.
+    def __call__(self, program: ConeProgram, /, *, error: float | None = None, proves: Proves | None = None) -> ConeSolution:
+        """Solve a program; the forces of what is called solved balance to rounding (`restore_balance`).
 
         error: relative error of the objective that will do, for solvers that can stop early. Where it is given, the forces and
-        velocities matter too: of all optimal ones the most central are wanted.
+        velocities matter too: of all optimal ones the most central are wanted. proves: whether an answer proves what it claims;
+        where one does not, a solver that has a fallback turns to it.
         """
         ...
 
@@ -42,14 +49,14 @@ def solver_for(balance: sp.csc_matrix[np.float64], name: str = "auto") -> Solve:
     if family == "cvxpy":
         from churchpipe.conic.cvxpy import solve_cvxpy
 
-        return _checked(_whole(partial(solve_cvxpy, solver=backend or "CLARABEL")))
-    if name == "clarabel":
+        return _in_turn(_whole(partial(solve_cvxpy, solver=backend or "CLARABEL")))
+    if name in ("clarabel", "auto"):
         from churchpipe.conic.clarabel import solve_clarabel
 
-        return _checked(_whole(solve_clarabel))
-    if name in ("auto", "interior-point"):
-        own = _checked_own(balance)
-        return own if name == "interior-point" else _with_fallback(own, solver_for(balance, "clarabel"))
+        reference = _whole(solve_clarabel)
+        return _in_turn(reference) if name == "clarabel" else _in_turn(_own(balance), reference)
+    if name == "interior-point":
+        return _in_turn(_own(balance))
     raise InputError("solver", "unknown solver", found=name, expected=", ".join(SOLVERS))
 
 
@@ -58,18 +65,26 @@ def solve(program: ConeProgram, name: str = "auto") -> ConeSolution:
     return solver_for(program.balance, name)(program)
 
 
-def _with_fallback(first: Solve, second: Solve) -> Solve:
-    def solve(program: ConeProgram, /, *, error: float | None = None) -> ConeSolution:
-        answer = first(program, error=error)
-        if answer.outcome != "failed":
-            return answer
-        other = second(program, error=error)
-        return replace(other, message=f"{answer.solver} failed ({answer.message}); {other.solver}: {other.message}")
+def _in_turn(*solvers: _Solver) -> Solve:
+    """Return the solver that tries these one after another, until an answer stands and proves what it should."""
+
+    def solve(program: ConeProgram, /, *, error: float | None = None, proves: Proves | None = None) -> ConeSolution:
+        *others, last = solvers
+        failures: list[str] = []
+        for solver in others:
+            answer = _checked(program, solver(program, error))
+            if answer.outcome != "failed" and (proves is None or proves(answer)):
+                return answer
+            why = answer.message if answer.outcome == "failed" else "its answer proves nothing"
+            failures.append(f"{answer.solver} failed ({why})")
+        answer = _checked(program, last(program, error))
+        said = f"{answer.solver}: {answer.message}" if failures else answer.message
+        return replace(answer, message="; ".join([*failures, said]))
 
     return solve
 
 
-def _checked_own(balance: sp.csc_matrix[np.float64]) -> Solve:
+def _own(balance: sp.csc_matrix[np.float64]) -> _Solver:
     """Return our own solver, which stops as early as it may."""
     from churchpipe.conic.interior_point import InteriorPointSolver
     from churchpipe.conic.interior_point.settings import CENTRAL
@@ -79,10 +94,10 @@ def _checked_own(balance: sp.csc_matrix[np.float64]) -> Solve:
     def solve(program: ConeProgram, error: float | None) -> ConeSolution:
         return own.solve(program, None if error is None else replace(CENTRAL, error=error))
 
-    return _checked(solve)
+    return solve
 
 
-def _whole(solve: Callable[[ConeProgram], ConeSolution]) -> Callable[[ConeProgram, float | None], ConeSolution]:
+def _whole(solve: Callable[[ConeProgram], ConeSolution]) -> _Solver:
     """Return a solver that never stops early."""
 
     def whole(program: ConeProgram, _: float | None) -> ConeSolution:
@@ -91,17 +106,12 @@ def _whole(solve: Callable[[ConeProgram], ConeSolution]) -> Callable[[ConeProgra
     return whole
 
 
-def _checked(solve: Callable[[ConeProgram, float | None], ConeSolution]) -> Solve:
+def _checked(program: ConeProgram, answer: ConeSolution) -> ConeSolution:
     """Take a solver's word only when its forces balance: some call an infeasible program solved, with huge numbers."""
-
-    def checked(program: ConeProgram, /, *, error: float | None = None) -> ConeSolution:
-        answer = solve(program, error)
-        if answer.outcome != "solved":
-            return answer
-        residual = np.abs(program.balance @ answer.x.ravel() + program.constant + answer.tau * program.growth)
-        size = max(float(np.abs(program.constant).max()), float(np.abs(program.growth).max()))
-        if np.isfinite(residual).all() and residual.max() <= 1e-5 * size:
-            return answer
-        return replace(answer, outcome="failed", message=f"forces out of balance by {residual.max():.1e} after {answer.message}")
-
-    return checked
+    if answer.outcome != "solved":
+        return answer
+    residual = program.imbalance(answer.x, answer.tau)
+    if not residual <= _OUT_OF_BALANCE:
+        return replace(answer, outcome="failed", message=f"forces out of balance by {residual:.1e} after {answer.message}")
+    x, tau = restore_balance(program, answer.x, answer.tau)
+    return replace(answer, x=x, tau=tau)

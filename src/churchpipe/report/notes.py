@@ -19,6 +19,7 @@ def status_note(stones: Assemblage, row: Row) -> str:
     """Return what an engineer must know about an unusual end of an analysis; "" for a usual one."""
     if row.of_shell:
         return _shell_note(row)
+    message = f" In detail: {row.state.message}." if row.state and row.state.message else ""
     match row.status:
         case "unstable":
             return "The structure does not stand under its own weight, so there is no load factor. " + _fallen_stones(stones, row)
@@ -26,6 +27,7 @@ def status_note(stones: Assemblage, row: Row) -> str:
             return (
                 "No lateral load of this kind brings the structure down: friction and geometry hold at any load factor. "
                 "Check the direction, the loaded panels and the supports; a real structure would crush or slide elsewhere first."
+                f"{message}"
             )
         case "not-converged":
             return "The iteration did not reach a certified state without dilatancy. " + _unfinished(row)

@@ -50,12 +50,27 @@ class Certificate:
         )
 
     @property
-    def holds(self) -> bool:
-        """True when the bounds agree to 1e-6, the forces are balanced, and the flow is admissible to 1e-6."""
+    def lacks(self) -> tuple[str, ...]:
+        """What keeps it from being a proof: bounds that agree to 1e-6, balanced forces, a flow admissible to 1e-6."""
         # Load factors of zero are bounded absolutely: the weight is the unit.
         size = max(abs(self.upper_bound), 1e-3)
-        agree = abs(self.upper_bound - self.lower_bound) <= BOUND_TOLERANCE * size
-        return agree and self.balanced and self.flow_violation < FLOW_TOLERANCE
+        limits = (
+            ("distance of the bounds", abs(self.upper_bound - self.lower_bound) / size, BOUND_TOLERANCE),
+            ("equilibrium residual over the weight", self.equilibrium_residual, RESIDUAL_TOLERANCE),
+            ("force beyond friction over the weight", self.cone_violation, RESIDUAL_TOLERANCE),
+            ("residual of a stone over its load", self.stone_residual, BOUND_TOLERANCE),
+            ("overlap of stones over the fastest rate", self.flow_violation, FLOW_TOLERANCE),
+        )
+        return tuple(f"{what} {value:.1e}, allowed {allowed:.0e}" for what, value, allowed in limits if not value <= allowed)
+
+    @property
+    def holds(self) -> bool:
+        """True when nothing is lacking."""
+        return not self.lacks
+
+
+# Of an answer that is none.
+UNPROVED = Certificate(*[np.nan] * 6)
 
 
 def certify(balance: Equilibrium, strength: Strength, x: FloatArray, tau: float, y: FloatArray) -> Certificate:
@@ -64,8 +79,8 @@ def certify(balance: Equilibrium, strength: Strength, x: FloatArray, tau: float,
     lower (static): tau of forces in equilibrium, once projected onto the friction cones. upper (kinematic): velocities
     scaled to f_L . u = 1, alpha = -f_D . u + sum n max(0, mu |v_t| - v_n) + sum c |v_t|.
 
-    The forces must come from `conic.polish.restore_balance`: a mechanism's velocities multiply an equilibrium residual,
-    so that 2e-9 of the weight has hidden an error of 3e-6 in the load factor.
+    The forces must balance to rounding (`conic.polish.restore_balance`): a mechanism's velocities multiply an equilibrium
+    residual, so that 2e-9 of the weight has hidden an error of 3e-6 in the load factor.
     """
     inside = project_cone(x, strength)
     residual = balance.matrix @ inside.ravel() + balance.dead + tau * balance.live

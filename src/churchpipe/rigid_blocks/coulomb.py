@@ -11,9 +11,7 @@ and g = 0 exactly when (x, u) is a collapse state with zero dilatancy. One conve
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy.sparse as sp
 
-from churchpipe.conic.polish import restore_balance
 from churchpipe.conic.program import ConeProgram
 from churchpipe.conic.semidefinite import semidefinite_solver
 from churchpipe.conic.solve import Solve
@@ -141,12 +139,12 @@ def nearest_forces(
     answer = solve(program, error=error)
     if answer.outcome != "solved":
         return None
-    return restore_balance(program, answer.x, answer.tau)
+    return answer.x, answer.tau
 
 
 def dead_load_start(balance: Equilibrium) -> FloatArray:
     """Return the normal forces (nc,) >= 0 of the least-squares dead-load forces A^T (A A^T)^-1 (-f_D): the canonical start."""
-    solve = semidefinite_solver(sp.csc_matrix(balance.matrix @ balance.matrix.T))
+    solve = semidefinite_solver(balance.matrix)
     forces = -(balance.matrix.T @ solve(balance.dead))
     return np.maximum(forces[::3], 0.0)
 

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from churchpipe.conic.polish import restore_balance
 from churchpipe.conic.program import ConeProgram
 from churchpipe.conic.solve import Solve
 from churchpipe.rigid_blocks.certificate import Strength
@@ -49,9 +48,8 @@ def _end(balance: Equilibrium, strength: Strength, state: CoulombState, sign: fl
         answer = solve(program, error=error)
         if answer.outcome != "solved":
             break
-        x, multiplier = restore_balance(program, answer.x, answer.tau)
-        load_factor = multiplier if sign + price > 0 else -multiplier
-        found = bipotential_gap(balance, strength, x, state.y), sign * load_factor
+        load_factor = answer.tau if sign + price > 0 else -answer.tau
+        found = bipotential_gap(balance, strength, answer.x, state.y), sign * load_factor
         # The program's own error counts as much more as its objective is larger.
         bound = min(bound, found[1] + price * (allowed - found[0]) + error * abs(sign + price) * size)
         if found[0] > allowed:

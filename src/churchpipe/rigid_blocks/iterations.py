@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from churchpipe.conic.program import ConeProgram, ConeSolution
-from churchpipe.conic.solve import Solve
+from churchpipe.conic.solve import Proves, Solve
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.results import Iteration
 from churchpipe.rigid_blocks.certificate import Strength
@@ -225,9 +225,9 @@ class SolveCount:
         self._solve = solve
         self.solves = self.iterations = 0
 
-    def __call__(self, program: ConeProgram, /, *, error: float | None = None) -> ConeSolution:
+    def __call__(self, program: ConeProgram, /, *, error: float | None = None, proves: Proves | None = None) -> ConeSolution:
         """Solve a program, and count it."""
-        answer = self._solve(program, error=error)
+        answer = self._solve(program, error=error, proves=proves)
         self.solves += 1
         self.iterations += answer.iterations
         return answer

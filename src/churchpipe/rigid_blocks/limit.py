@@ -9,7 +9,6 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-from churchpipe.conic.polish import restore_balance
 from churchpipe.conic.program import ConeProgram, ConeSolution
 from churchpipe.conic.solve import Solve, solver_for
 from churchpipe.errors import InputError
@@ -19,12 +18,13 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.results import LimitState, Status
-from churchpipe.rigid_blocks.certificate import FLOW_TOLERANCE, Certificate, Strength, certify, project_cone
+from churchpipe.rigid_blocks.certificate import FLOW_TOLERANCE, UNPROVED, Certificate, Strength, certify, kinematic_bound
 from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
 from churchpipe.rigid_blocks.iterations import GAP_TOLERANCE
 from churchpipe.rigid_blocks.sliding import Method, SlidingOptions, Start, sliding_analysis
 
 Progress = Callable[[str, float], None]
+Standing = Literal["stable", "unstable", "failed"]
 Flow = Literal["associative", "non-associative"]
 # Dead load that is carried but for this share is carried.
 _CARRIED = 1e-6
@@ -79,16 +79,19 @@ def limit_analysis(
         progress("dead load", 0.0)
     solve = solver_for(balance.matrix, solver)
     standing, dead_answer = dead_load_analysis(balance, strength, solve)
-    if standing == "failed" and solver == "auto":
-        standing, dead_answer = dead_load_analysis(balance, strength, solver_for(balance.matrix, "clarabel"))
     if standing != "stable":
         return _fallen(balance, standing, dead_answer, flow, perf_counter() - begin)
     if progress:
         progress("associative", 0.1)
     state = associative_state(balance, strength, solve, begin)
-    if state.status == "failed" and solver == "auto":
-        state = associative_state(balance, strength, solver_for(balance.matrix, "clarabel"), begin)
-    if flow == "associative" or state.status != "optimal":
+    if flow == "associative":
+        return state
+    if state.status == "unbounded":
+        # Friction that dilates may wedge stones which slide past each other without dilatancy; geometry alone holds both.
+        ray = wedge(balance, replace(strength, friction=np.zeros_like(strength.friction)), solve)
+        if ray is not None:
+            return unbounded_state(balance, ray, perf_counter() - begin, flow)
+    elif state.status != "optimal":
         return replace(state, flow=flow)
     sliding = sliding_analysis(balance, strength, state, options, solve, progress)
     return replace(sliding, seconds=perf_counter() - begin)
@@ -116,51 +119,79 @@ def associative_program(balance: Equilibrium, strength: Strength) -> ConeProgram
     return ConeProgram(balance.matrix, balance.dead, balance.live, strength.cohesion, strength.friction, zero, zero)
 
 
-def dead_load_analysis(
-    balance: Equilibrium, strength: Strength, solve: Solve
-) -> tuple[Literal["stable", "unstable", "failed"], ConeSolution]:
-    """Say whether the structure carries its dead load, with the forces that do or the mechanism that falls.
+def dead_load_analysis(balance: Equilibrium, strength: Strength, solve: Solve) -> tuple[Standing, ConeSolution]:
+    """Say whether the structure carries its dead load, with the forces that do or the mechanism that falls."""
+    share = _ShareOfLoad(balance, strength, balance.dead)
+    answer = solve(share.program, proves=lambda answer: share.standing(answer) != "failed")
+    standing = share.standing(answer)
+    if standing == "failed":
+        answer = replace(
+            answer, message=f"share {answer.tau:.6g} of the dead load carried, neither all nor less; {answer.message}"
+        )
+    return standing, answer
 
-    The largest share tau <= 1 of the dead load that the contacts can carry is sought: always feasible, so the answer never
-    hangs on a certificate of infeasibility. tau = 1: stable, when the forces prove it; tau < 1: unstable, when the multipliers
-    do, the mechanism that falls; "failed" when neither.
-    """
-    zero = np.zeros(len(strength.friction))
-    program = ConeProgram(
-        balance.matrix, np.zeros_like(balance.dead), balance.dead, strength.cohesion, strength.friction, zero, zero, cap=1.0
-    )
-    answer = solve(program)
-    if answer.outcome != "solved":
-        return "failed", answer
-    x, tau = restore_balance(program, answer.x, answer.tau)
-    certificate = certify(replace(balance, dead=program.constant, live=program.growth), strength, x, tau, answer.y)
-    if tau > 1 - _CARRIED and certificate.balanced:
-        return "stable", answer
-    if certificate.upper_bound < 1 - _CARRIED and certificate.flow_violation < FLOW_TOLERANCE:
-        return "unstable", answer
-    return "failed", replace(answer, message=f"share {tau:.6g} found, at most {certificate.upper_bound:.6g}; {answer.message}")
+
+class _ShareOfLoad:
+    """The largest share tau <= 1 of a load that the contacts can carry: always feasible, so no answer hangs on a ray."""
+
+    def __init__(self, balance: Equilibrium, strength: Strength, load: FloatArray) -> None:
+        self._alone = replace(balance, dead=np.zeros_like(load), live=load)
+        self._strength = strength
+        self.program = replace(associative_program(self._alone, strength), cap=1.0)
+
+    def standing(self, answer: ConeSolution) -> Standing:
+        """Say "stable" when the forces prove that all is carried, "unstable" when the multipliers, a mechanism, deny it."""
+        if answer.outcome != "solved":
+            return "failed"
+        certificate = certify(self._alone, self._strength, answer.x, answer.tau, answer.y)
+        if answer.tau > 1 - _CARRIED and certificate.balanced:
+            return "stable"
+        # Where stones overlap, the whole weight might press: a stone that weighs next to nothing falls so fast that its speed
+        # alone is no measure of an overlap.
+        most, violation = kinematic_bound(self._alone, self._strength, np.ones_like(answer.x[:, 0]), answer.y)
+        return "unstable" if most < 1 - _CARRIED and violation < FLOW_TOLERANCE else "failed"
 
 
 def associative_state(balance: Equilibrium, strength: Strength, solve: Solve, begin: float) -> LimitState:
     """Solve eqs. (1)-(2) and turn the answer into a certified result; `begin`: when the analysis began (perf_counter)."""
-    program = associative_program(balance, strength)
-    answer = solve(program)
-    if answer.outcome == "solved":
-        x, tau = restore_balance(program, answer.x, answer.tau)
-        answer = replace(answer, x=x, tau=tau)
+
+    def certificate(answer: ConeSolution) -> Certificate:
+        return certify(balance, strength, answer.x, answer.tau, answer.y) if answer.outcome == "solved" else UNPROVED
+
+    answer = solve(
+        associative_program(balance, strength),
+        proves=lambda answer: answer.outcome == "unbounded" or certificate(answer).holds,
+    )
+    found = certificate(answer)
+    if found.holds:
+        return _state(balance, answer, "optimal", answer.tau, found, perf_counter() - begin)
+    wedged = wedge(balance, strength, solve) if answer.outcome != "solved" else None
     seconds = perf_counter() - begin
-    if answer.outcome == "unbounded":
-        ray = project_cone(answer.x, Strength(strength.friction, np.zeros_like(strength.cohesion)))
-        residual = float(np.abs(balance.matrix @ ray.ravel() + balance.live).max())
-        if residual < 1e-6:
-            return _state(
-                balance, answer, "unbounded", np.inf, Certificate(np.inf, np.inf, residual, 0.0, residual, 0.0), seconds
-            )
-    if answer.outcome != "solved":
-        return _state(balance, answer, "failed", np.nan, Certificate(*[np.nan] * 6), seconds)
-    certificate = certify(balance, strength, answer.x, answer.tau, answer.y)
-    status = "optimal" if certificate.holds else "failed"
-    return _state(balance, answer, status, answer.tau if certificate.holds else np.nan, certificate, seconds)
+    if wedged is not None:
+        return unbounded_state(balance, wedged, seconds)
+    lacks = "; ".join(found.lacks) if answer.outcome == "solved" else f"{answer.outcome}"
+    return _state(balance, answer, "failed", np.nan, found, seconds, message=f"{lacks}; {answer.solver}: {answer.message}")
+
+
+def wedge(balance: Equilibrium, strength: Strength, solve: Solve) -> ConeSolution | None:
+    """Return forces within friction that balance the lateral load alone, so that it may grow for ever, or None."""
+    uncohesive = replace(strength, cohesion=np.zeros_like(strength.cohesion))
+    share = _ShareOfLoad(balance, uncohesive, balance.live)
+    answer = solve(share.program, proves=lambda answer: share.standing(answer) != "failed")
+    return replace(answer, x=answer.x / answer.tau) if share.standing(answer) == "stable" else None
+
+
+def unbounded_state(balance: Equilibrium, ray: ConeSolution, seconds: float, flow: Flow = "associative") -> LimitState:
+    """Return the state of a structure that no lateral load of this kind brings down, with the forces that balance it."""
+    residual = float(np.abs(balance.matrix @ ray.x.ravel() + balance.live).max())
+    message = (
+        f"the stones are wedged: forces within friction balance the lateral load alone, residual {residual:.1e} of the weight"
+    )
+    if flow == "non-associative":
+        message += "; they need no friction"
+    still = replace(ray, y=np.full_like(ray.y, np.nan))
+    proof = Certificate(np.inf, np.inf, residual, 0.0, residual, 0.0)
+    return _state(balance, still, "unbounded", np.inf, proof, seconds, flow=flow, message=message)
 
 
 def _check_connected(stones: Assemblage, contacts: Contacts, balance: Equilibrium) -> None:
@@ -183,9 +214,8 @@ def _check_connected(stones: Assemblage, contacts: Contacts, balance: Equilibriu
 def _fallen(
     balance: Equilibrium, standing: Literal["unstable", "failed"], answer: ConeSolution, flow: Flow, seconds: float
 ) -> LimitState:
-    nothing = Certificate(*[np.nan] * 6)
     message = "the dead load alone brings it down" if standing == "unstable" else f"dead load not decided: {answer.message}"
-    return _state(balance, answer, standing, np.nan, nothing, seconds, flow=flow, message=message)
+    return _state(balance, answer, standing, np.nan, UNPROVED, seconds, flow=flow, message=message)
 
 
 def _state(

@@ -79,11 +79,16 @@ def sliding_analysis(
     No such load factor is unique: self-stress at sliding contacts is statically free, so it depends on the start. Every
     distinct value found is in `fixed_points`, and what became of each start in `starts`.
     """
+    starts: tuple[Start, ...] = options.starts
+    if associative.status != "optimal":
+        # Forces that balance the lateral load alone are no start.
+        others: list[Start] = [start for start in starts if start != "associative"]
+        starts = tuple(others) or ("dead-load",)
     normal = associative.forces[:, 0] / balance.force
     settings = SchemeSettings(gap=options.gap_tolerance)
     found: list[SlidingRun] = []
     ends: list[tuple[StartRun, SlidingRun, CoulombState | None]] = []
-    for start in options.starts:
+    for start in starts:
         n = _first_forces(start, normal, balance)
         if options.method == "default":
             run = certified_iteration(balance, strength, n, solve, settings, progress)

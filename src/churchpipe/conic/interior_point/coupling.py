@@ -66,13 +66,17 @@ class Coupling:
         np.maximum.at(out, self.blocks, np.abs(self.values).max(axis=1))
         return np.where(out > 0, out, 1.0).ravel()
 
-    def smallest(self, unit: FloatArray) -> FloatArray:
-        """Return the smallest over the blocks that a local problem touches of the largest unit (m,) in each block (count,)."""
-        out = np.full(self.count, np.inf)
-        np.minimum.at(
-            out, np.repeat(np.arange(self.count), np.diff(self.pointer)), unit.reshape(-1, self.block).max(axis=1)[self.blocks]
-        )
-        return np.where(np.isfinite(out), out, 1.0)
+    def touched_units(self, unit: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the smallest and the largest, over the blocks that a local problem touches, of the largest unit (m,) in each.
+
+        Both (count,), 1 for a local problem that touches none.
+        """
+        low, high = np.full(self.count, np.inf), np.zeros(self.count)
+        local = np.repeat(np.arange(self.count), np.diff(self.pointer))
+        touched = unit.reshape(-1, self.block).max(axis=1)[self.blocks]
+        np.minimum.at(low, local, touched)
+        np.maximum.at(high, local, touched)
+        return np.where(np.isfinite(low), low, 1.0), np.where(high > 0, high, 1.0)
 
     def passing(self, x: FloatArray) -> FloatArray:
         """Return the largest |x| among the local problems that touch the block of each row (m,)."""

@@ -35,7 +35,7 @@ class CoupledProblem:
         self.coupling = coupling
         self.constant, self.growth, self.reward, self.cap = constant, growth, reward, cap
         self._row_unit = np.ones(len(constant)) if row_unit is None else row_unit
-        self._unit = coupling.smallest(self._row_unit)
+        self._light, self._heavy = coupling.touched_units(self._row_unit)
         self.capped = bool(np.isfinite(cap))
         self.linear = local.linear.ravel()
         self.cone = ProductCone([*local.cones, Nonnegative(1, 1)] if self.capped else local.cones)
@@ -79,9 +79,9 @@ class CoupledProblem:
         """Return G^T z, without the cap."""
         return self.local.transpose(z[: len(self.local.right)]).ravel()
 
-    def interior(self, size: float) -> FloatArray:
-        """Return x inside all local cones, of about this size in the smallest unit of the rows that each touches."""
-        return self.local.interior(size * self._unit).ravel()
+    def interior(self, size: float, *, light: bool = False) -> FloatArray:
+        """Return x inside all local cones, of about this size in the largest unit that each touches, or `light`, the least."""
+        return self.local.interior(size * (self._light if light else self._heavy)).ravel()
 
 
 def largest(v: FloatArray) -> float:

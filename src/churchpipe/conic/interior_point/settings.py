@@ -15,7 +15,7 @@ class Settings:
     correctors: centrality correctors tried at an iteration (Gondzio 1996); spare: share of the cones that may block a step
     without counting when directions are judged; fraction: share of the way to the boundary;
     regularisation: of the normal matrix, relative to its diagonal; refinements: of each linear solve, at most;
-    force, rate: size of the starting forces (in the load of the lightest body that each touches) and of the multipliers (in those
+    force, rate: size of the starting forces (in the load of a body that each touches) and of the multipliers (in those
     that earn the reward).
     """
 

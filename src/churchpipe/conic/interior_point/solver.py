@@ -16,7 +16,6 @@ from churchpipe.conic.interior_point.normal import NormalMatrix
 from churchpipe.conic.interior_point.problem import CoupledProblem
 from churchpipe.conic.interior_point.settings import Settings
 from churchpipe.conic.interior_point.wrenches import as_wrenches
-from churchpipe.conic.polish import restore_balance
 from churchpipe.conic.program import ConeProgram, ConeSolution
 from churchpipe.errors import InputError
 from churchpipe.model.arrays import FloatArray
@@ -25,8 +24,6 @@ from churchpipe.model.arrays import FloatArray
 BLOCK = 6
 # A limit below this share of the largest load is no shear resistance at all: its cone has no interior in double precision.
 _NO_SHEAR = 1e-13
-# Imbalance, over the largest load on a body, that counts as rounding.
-_ROUNDED = 1e-12
 
 
 def solve_interior_point(
@@ -64,8 +61,7 @@ class InteriorPointSolver:
         settings = settings or Settings()
         if not _same(program.balance, self._balance):
             raise InputError("InteriorPointSolver.solve", "another balance", expected="the balance that the solver was made for")
-        force = max(float(np.abs(program.constant).max(initial=0.0)), float(np.abs(program.growth).max(initial=0.0)))
-        force = force if force > 0 else 1.0
+        force = program.force
         growth = _pad(program.growth / force, self._coupling.rows)
         # The work of a unit load on unit rates is the unit of the objective: rates are then of order one.
         reward = max(float(np.abs(growth).sum()), 1.0)
@@ -93,8 +89,17 @@ class InteriorPointSolver:
                 "interior-point",
                 "a body without contact",
             )
-        ending = solve_coupled(problem, self._normal, self._cholesky, interior_start(problem, settings), settings, progress)
-        answer = self._solution(program, ending, local, force, reward)
+        # Below a cap, which the load reaches, joints carry what stands on them; else perhaps as little as the lighter body.
+        light = not problem.capped
+        start = interior_start(problem, settings, light=light)
+        ending = solve_coupled(problem, self._normal, self._cholesky, start, settings, progress)
+        if ending.message:
+            # From the other size of forces; and the few multipliers that stop short save iterations, but now and then leave
+            # residuals that no later step removes.
+            start, patient = interior_start(problem, settings, light=not light), replace(settings, spare=0.0)
+            second = solve_coupled(problem, self._normal, self._cholesky, start, patient, progress)
+            ending = second if ending.status == "failed" or not second.message else ending
+        answer = self._solution(ending, local, force, reward)
         return replace(answer, seconds=perf_counter() - begin)
 
     def _row_unit(self, program: ConeProgram) -> FloatArray:
@@ -120,14 +125,10 @@ class InteriorPointSolver:
         """Return the number of stored entries of the last factor."""
         return self._cholesky.nonzeros()
 
-    def _solution(self, program: ConeProgram, ending: Ending, local: CoulombPoints, force: float, reward: float) -> ConeSolution:
+    def _solution(self, ending: Ending, local: CoulombPoints, force: float, reward: float) -> ConeSolution:
         at = ending.at
         unit = _unit(ending, at)
         x, load = local.inside(at.x.reshape(3, -1) / unit).T * force, at.load / unit
-        if ending.status == "solved" and _lack(program, x, load) > _ROUNDED * force:
-            # The last step went along more mechanisms than one load can balance: the nearest forces that do.
-            x, load = restore_balance(program, x, load)
-            x = local.inside(x.T / force).T * force
         return ConeSolution(
             x=np.ascontiguousarray(x),
             tau=load,
@@ -157,10 +158,6 @@ def _unsupported(problem: CoupledProblem) -> FloatArray | None:
     y = constant - (float(constant @ growth) / square * growth if square > 0 else 0.0)
     work = float(constant @ y)
     return y / work if work > 1e-12 * max(float(problem.constant @ problem.constant), 1e-300) else None
-
-
-def _lack(program: ConeProgram, x: FloatArray, load: float) -> float:
-    return float(np.abs(program.balance @ x.ravel() + program.constant + load * program.growth).max(initial=0.0))
 
 
 def _same(a: sp.csc_matrix[np.float64], b: sp.csc_matrix[np.float64]) -> bool:

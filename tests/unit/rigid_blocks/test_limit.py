@@ -1,0 +1,125 @@
+"""Statuses of a limit analysis: what is stable, wedged or undecided, and why."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import churchpipe as cp
+from churchpipe.conic.clarabel import solve_clarabel
+from churchpipe.conic.polish import restore_balance
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.loads import LoadCase
+from churchpipe.rigid_blocks.certificate import Certificate, certify
+from churchpipe.rigid_blocks.equilibrium import equilibrium
+from churchpipe.rigid_blocks.limit import associative_program, limit_analysis, point_strength
+from churchpipe.stones.contacts import find_contacts
+from solids import box, on_ground, prism
+from sound import laid
+
+PUSH = LoadCase((1, 0, 0))
+
+
+def lying_prism(outline: list[tuple[float, float]], z: tuple[float, float]) -> tuple[np.ndarray, list[list[int]]]:
+    """A prism: a polygon in the x-y plane between two heights, m."""
+    points, faces = prism(outline, 1.0)
+    return np.column_stack([points[:, 0], points[:, 2], z[0] + points[:, 1] * (z[1] - z[0])]), faces
+
+
+@pytest.mark.parametrize("solver", ["auto", "interior-point", "clarabel"])
+def test_forces_on_the_edge_of_friction_are_balanced(solver: str) -> None:
+    """A block over the notch of a U: it slides at mu exactly, and its corners press on few of the contact points."""
+    u = lying_prism([(0, 0), (3, 0), (3, 2), (2, 2), (2, 1), (1, 1), (1, 2), (0, 2)], (0, 1))
+    stones = on_ground(u, box((0.5, 2.5), (1.2, 1.8), (1, 2)), reach=9.0)
+    state = limit_analysis(stones, find_contacts(stones), LoadCase((0, -1, 0)), 0.6, solver=solver)
+    assert (state.status, state.load_factor) == ("optimal", pytest.approx(0.6, rel=1e-6))
+
+
+def test_balancing_keeps_cohesive_forces_in_their_cones() -> None:
+    rng = np.random.default_rng(2)
+    for _ in range(20):
+        stones = on_ground(*(box((s, s + 1), (0, 0.5), (0.4 * c, 0.4 * c + 0.4)) for c in range(4) for s in (0, 1, 2)))
+        contacts = find_contacts(stones)
+        balance = equilibrium(stones, contacts, PUSH)
+        strength = point_strength(contacts, 0.6, 500.0, balance.force)
+        program = associative_program(balance, strength)
+        answer = solve_clarabel(program, tolerance=1e-6)
+        noisy = answer.x * (1.0 + 1e-6 * rng.normal(size=answer.x.shape))
+        x, tau = restore_balance(program, noisy, answer.tau)
+        found = certify(balance, strength, x, tau, answer.y)
+        before = certify(balance, strength, noisy, answer.tau, answer.y)
+        assert np.abs(program.residual(x, tau)).max() < 1e-13
+        assert found.cone_violation <= 2.0 * before.cone_violation + 1e-12
+        assert tau == pytest.approx(answer.tau, rel=1e-5)
+
+
+def test_thick_walls_with_cohesion(tmp_path: Path) -> None:
+    """The ready chapel with walls of 1 m and a cohesion of 20 kPa: a few multipliers that stop short spoil all later steps."""
+    ready = (Path(__file__).parents[3] / "pipeline" / "cases" / "chapel.toml").read_text(encoding="utf-8")
+    (tmp_path / "chapel.toml").write_text(ready.replace("thickness_m = 0.7", "thickness_m = 1.0"), encoding="utf-8")
+    stones, contacts = laid(cp.read_case(tmp_path / "chapel.toml").building())
+    state = limit_analysis(stones, contacts, LoadCase((1, 0, 0), profile="linear"), 0.6, 20e3, solver="interior-point")
+    assert (state.status, state.load_factor) == ("optimal", pytest.approx(0.4177915, rel=1e-6)), state.message
+
+
+@pytest.mark.parametrize("ratio", [1e6, 1e11, 1e12, 1e14])
+def test_a_light_stone_between_heavy_ones(ratio: float) -> None:
+    """Five cubes, light and heavy in turn: the stack tips about its edge at b / h = 1 / 5 whatever they weigh, as its resultant
+    stands at half the height to within the share of the light ones."""
+    cubes = [box((0, 1), (0, 1), (i, i + 1)) for i in range(5)]
+    weights = 18e3 * np.array([1.0, 1.0, ratio, 1.0, ratio, 1.0])
+    stones = Assemblage.from_polyhedra([box((-9, 9), (-9, 9), (-1, 0)), *cubes], weights, fixed=[0])
+    state = limit_analysis(stones, find_contacts(stones), PUSH, 0.7, solver="interior-point")
+    assert (state.status, state.load_factor) == ("optimal", pytest.approx(0.2, rel=1e-5))
+
+
+@pytest.mark.parametrize(
+    ("weights", "expected"), [([1e12, 1], 0.7), ([1e9, 1], 0.7), ([1e12, 1, 1e12], 1 / 3), ([1, 1e12, 1], 1 / 3)]
+)
+def test_the_weights_above_a_joint_may_be_of_any_size(weights: list[float], expected: float) -> None:
+    """What passes a joint may be as light as the lighter of its stones or as heavy as what stands on them."""
+    cubes = [box((0, 1), (0, 1), (i, i + 1)) for i in range(len(weights))]
+    plate = box((-9, 9), (-9, 9), (-1, 0))
+    stones = Assemblage.from_polyhedra([plate, *cubes], 18e3 * np.array([1.0, *weights]), fixed=[0])
+    state = limit_analysis(stones, find_contacts(stones), PUSH, 0.7, solver="interior-point")
+    assert (state.status, state.load_factor) == ("optimal", pytest.approx(expected, rel=1e-6))
+
+
+def test_wedged_stones_say_so() -> None:
+    wall = box((1, 2), (0, 1), (0, 4))
+    stones = Assemblage.from_polyhedra([box((-9, 9), (-9, 9), (-1, 0)), wall, box((0, 1), (0, 1), (0, 2))], 18e3, fixed=[0, 1])
+    contacts = find_contacts(stones)
+    for flow in ("associative", "non-associative"):
+        state = limit_analysis(stones, contacts, PUSH, 0.7, flow=flow)
+        assert (state.status, state.load_factor, state.flow) == ("unbounded", np.inf, flow)
+        assert "wedged" in state.message
+        assert ("need no friction" in state.message) == (flow == "non-associative")
+        assert state.equilibrium_residual < 1e-8
+        # The certificate, again from the arrays: forces within friction that balance the push alone.
+        balance = equilibrium(stones, contacts, PUSH)
+        x = state.forces / balance.force
+        assert np.abs(balance.matrix @ x.ravel() + balance.live).max() < 1e-8
+        assert (np.hypot(x[:, 1], x[:, 2]) <= 0.7 * x[:, 0] + 1e-8).all()
+
+
+@pytest.mark.parametrize("taper", [0.2, 0.6])
+def test_a_wedge_of_friction_alone_slides_without_dilatancy(taper: float) -> None:
+    """A keystone drawn upwards out of its jaws: sliding that dilates is wedged (mu .5 beyond the taper), but without dilatancy
+    the faces only part, so that it leaves when the pull equals its weight."""
+    half = 1 + taper / 2
+    jaws = [prism([(-3, 0), (-1, 0), (-half, 1), (-3, 1)], 1), prism([(1, 0), (3, 0), (3, 1), (half, 1)], 1)]
+    key = prism([(-1, 0), (1, 0), (half, 1), (-half, 1)], 1)
+    stones = Assemblage.from_polyhedra([box((-9, 9), (-9, 9), (-1, 0)), *jaws, key], 18e3, fixed=[0, 1, 2])
+    contacts, lift = find_contacts(stones), LoadCase((0, 0, 1))
+    assert limit_analysis(stones, contacts, lift, 0.5).status == "unbounded"
+    state = limit_analysis(stones, contacts, lift, 0.5, flow="non-associative")
+    assert (state.status, state.load_factor) == ("converged", pytest.approx(1.0, rel=1e-4))
+    alone = limit_analysis(stones, contacts, lift, 0.5, flow="non-associative", start="associative")
+    assert [run.start for run in alone.starts] == ["dead-load"]
+
+
+def test_a_certificate_names_what_it_lacks() -> None:
+    found = Certificate(0.39659686, 0.39659687, 4.6e-10, 0.0, 4.3e-6, 2e-9)
+    assert not found.holds
+    assert found.lacks == ("residual of a stone over its load 4.3e-06, allowed 1e-06",)
+    assert len(Certificate(0.3, 0.4, 1.0, 1.0, 1.0, 1.0).lacks) == 5
