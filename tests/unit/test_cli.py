@@ -244,7 +244,7 @@ def test_an_imported_wall_gets_a_shell(capsys: pytest.CaptureFixture[str], tmp_p
     assert "3 walls fitted for the shell: main, partition-1, partition-2." in out
     shell = read_case(tmp_path / "s5" / "case.toml").shell
     assert shell is not None
-    assert (shell.element_size, shell.analyses) == (0.06, ("limit", "pushover"))
+    assert (shell.element_size, shell.analyses, shell.planes) == (0.06, ("limit", "pushover"), "cell")
     assert call(capsys, "import-dxf", samples / "arch.dxf", "-o", tmp_path / "arch")[0] == 0
     shell = read_case(tmp_path / "arch" / "case.toml").shell
     assert shell is not None

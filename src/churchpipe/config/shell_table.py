@@ -11,7 +11,7 @@ from churchpipe.model.building import SHELL_PATTERNS, Building
 from churchpipe.model.materials import Material
 from churchpipe.recognition.panels import fit_panels
 
-# Elements of a first mesh: enough to see the mechanism, solved in well under a minute.
+# Elements of a first mesh: enough to see the mechanism; a limit load takes half a minute, a capacity curve some minutes.
 ELEMENTS = 3000
 
 
