@@ -5,96 +5,15 @@ The keys are the fields of the generators' parameter classes with their unit; a 
 
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator
 
-from churchpipe.config.church_sources import (
-    ApseSource,
-    ArchPiersSource,
-    ChapelSource,
-    ChurchSource,
-    Headers,
-    Joints,
-    Pattern,
-    TowerSource,
-)
-from churchpipe.config.section import Count, NotNegative, Number, Positive, Section, Table, Vector, nearest, section_in, validated
+from churchpipe.config.section import Positive, Section, Table, nearest, section_in, validated
+from churchpipe.config.tables import table_of
 from churchpipe.errors import InputError
+from churchpipe.generators import GENERATORS
 
 # Lengths that are taken, mm: shorter ones are lost in the tolerances of the geometry.
 SHORTEST, LONGEST = 0.01, 1e7
-
-
-class OpeningTable(Section):
-    """A door or window with a lintel of one course; `start_mm` is measured along its wall."""
-
-    start_mm: NotNegative
-    width_mm: Positive
-    height_courses: Count
-    lintel_bearing_mm: NotNegative = 0.0
-    sill_courses: Annotated[int, Field(ge=0)] = 0
-
-
-class WallSource(Section):
-    """A free-standing straight wall."""
-
-    generator: Literal["wall"]
-    length_mm: Positive
-    brick_mm: Vector
-    courses: Count | None = None
-    height_mm: Positive | None = None
-    thickness_mm: Positive | None = None
-    pattern: Pattern = "running"
-    headers: Headers | None = None
-    joints: Joints = "grid"
-    through_offset_mm: Number = 0.0
-    cut_offset_mm: Number | None = None
-    openings: list[OpeningTable] = Field(default_factory=list)
-
-
-class ArchSource(Section):
-    """A free-standing circular arch between two skewbacks."""
-
-    generator: Literal["arch"]
-    mean_radius_mm: Positive
-    thickness_mm: Positive
-    width_mm: Positive
-    voussoirs: Count
-    half_angle_deg: Positive = 90.0
-
-
-class PrototypeSource(Section):
-    """A main wall with partitions behind it, as in the tilting tests."""
-
-    generator: Literal["prototype"]
-    brick_mm: Vector
-    partitions_x_mm: list[Number]
-    partition_length_mm: Positive
-    courses: Count
-    main_wall_bricks: Positive | None = None
-    main_wall_length_mm: Positive | None = None
-    opening: OpeningTable | None = None
-    joints: Joints = "grid"
-    first_course: Literal["main", "partitions"] = "main"
-    through_offset_mm: Number | None = None
-    cut_offset_mm: Number | None = None
-
-
-class BoxSource(Section):
-    """Four walls around a rectangle."""
-
-    generator: Literal["box"]
-    length_mm: Positive
-    width_mm: Positive
-    courses: Count
-    brick_mm: Vector
-    thickness_mm: Positive | None = None
-    pattern: Pattern = "running"
-    headers: Headers | None = None
-    joints: Joints = "grid"
-    through_offset_mm: Number | None = None
-    cut_offset_mm: Number | None = None
-    openings_x: list[OpeningTable] = Field(default_factory=list)
-    openings_y: list[OpeningTable] = Field(default_factory=list)
 
 
 def _path(value: str) -> str:
@@ -121,17 +40,7 @@ class DrawingSource(Section):
     mortar: Literal["counted", "ignored"] = "counted"
 
 
-GENERATED: dict[str, type[Section]] = {
-    "wall": WallSource,
-    "arch": ArchSource,
-    "arch_piers": ArchPiersSource,
-    "prototype": PrototypeSource,
-    "box": BoxSource,
-    "tower": TowerSource,
-    "apse": ApseSource,
-    "chapel": ChapelSource,
-    "church": ChurchSource,
-}
+GENERATED = {name: table_of(generator.parameters, name) for name, generator in GENERATORS.items()}
 
 
 def check_source(table: Table, file: str, problems: list[InputError]) -> Section | None:

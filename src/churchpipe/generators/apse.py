@@ -14,6 +14,7 @@ from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_
 from churchpipe.generators.layout import WallLayout, check_clear, wall_panels
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
 from churchpipe.generators.openings import rectangle
+from churchpipe.generators.quantities import Length
 from churchpipe.generators.wall_bonds import Bonding, WallBond, bonding_of, check_walls
 from churchpipe.model.arguments import one_of, positive
 from churchpipe.model.building import Building, CylinderChart, Panel
@@ -31,14 +32,14 @@ class ApseParameters:
     the apse (y).
     """
 
-    course: float
-    stone_length: float
-    inner_radius: float
-    thickness: float
-    height: float
-    wall_length: float
-    wall_thickness: float
-    wall_height: float
+    course: Length
+    stone_length: Length
+    inner_radius: Length
+    thickness: Length
+    height: Length
+    wall_length: Length
+    wall_thickness: Length
+    wall_height: Length
     openings: Sequence[ArchedOpening | Given] = ()
     bonds: Sequence[WallBond | Given] = ()
     joints: Literal["grid", "bay"] = "bay"

@@ -12,6 +12,7 @@ from churchpipe.bond.voussoir import ring_outline
 from churchpipe.errors import InputError
 from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
+from churchpipe.generators.quantities import Angle, Count, Length
 from churchpipe.geometry.planar import polygon
 from churchpipe.model.arguments import positive, whole
 from churchpipe.model.arrays import FloatArray
@@ -28,11 +29,11 @@ class ArchParameters:
     crown to each springing; pi/2 is the semicircle.
     """
 
-    mean_radius: float
-    thickness: float
-    width: float
-    voussoirs: int
-    half_angle: float = math.pi / 2
+    mean_radius: Length
+    thickness: Length
+    width: Length
+    voussoirs: Count
+    half_angle: Angle = math.pi / 2
 
     def __post_init__(self) -> None:
         coerce_fields(self, "arch.")

@@ -12,6 +12,7 @@ from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_
 from churchpipe.generators.layout import WallLayout, wall_panels
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
 from churchpipe.generators.openings import rectangle
+from churchpipe.generators.quantities import Count, Length
 from churchpipe.generators.wall_bonds import Bonding
 from churchpipe.model.arguments import one_of, positive
 from churchpipe.model.building import BondRegion, Building, UnitCell
@@ -28,17 +29,17 @@ class ArchPiersParameters:
     dry in the same courses; None: masonry as in the piers.
     """
 
-    course: float
-    stone_length: float
-    span: float
-    springing: float
-    pier_width: float
-    thickness: float
-    height: float
-    voussoirs: int
-    depth: float
+    course: Length
+    stone_length: Length
+    span: Length
+    springing: Length
+    pier_width: Length
+    thickness: Length
+    height: Length
+    voussoirs: Count
+    depth: Length
     shape: Literal["round", "segmental", "pointed"] = "round"
-    rise: float | None = None
+    rise: Length | None = None
     backfill: str | None = None
 
     def __post_init__(self) -> None:

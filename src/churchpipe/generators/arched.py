@@ -11,6 +11,7 @@ from churchpipe.bond.count import MOST_VOUSSOIRS
 from churchpipe.bond.voussoir import ring_outline
 from churchpipe.errors import InputError
 from churchpipe.generators.fields import coerce_fields
+from churchpipe.generators.quantities import Coordinate, Count, Distance, Length
 from churchpipe.model.arguments import one_of, positive, text, whole
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, Opening, UnitCell
@@ -32,14 +33,14 @@ class ArchedOpening:
 
     name: str
     wall: str | Sequence[str]
-    centre: float | Sequence[float]
-    width: float
-    springing: float
-    voussoirs: int
-    depth: float
-    sill: float = 0.0
+    centre: Coordinate | Sequence[Coordinate]
+    width: Length
+    springing: Length
+    voussoirs: Count
+    depth: Length
+    sill: Distance = 0.0
     shape: Shape = "round"
-    rise: float | None = None
+    rise: Length | None = None
 
     def __post_init__(self) -> None:
         where = f"opening {text('opening: name', self.name)}"

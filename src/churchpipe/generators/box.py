@@ -18,6 +18,7 @@ from churchpipe.generators.masonry import (
     thickness_of,
 )
 from churchpipe.generators.openings import OpeningLike
+from churchpipe.generators.quantities import Coordinate, Count, Length
 from churchpipe.model.arguments import one_of, positive, whole
 from churchpipe.model.building import Building, UnitCell
 from churchpipe.model.materials import Material
@@ -33,16 +34,16 @@ class BoxParameters:
     offsets as in the prototypes: half a brick on through courses where the brick is no longer than the walls are thick.
     """
 
-    length: float
-    width: float
-    courses: int
+    length: Length
+    width: Length
+    courses: Count
     brick: Brick
-    thickness: float | None = None
+    thickness: Length | None = None
     pattern: Pattern = "running"
     headers: Headers = "english"
     joints: Literal["grid", "bay"] = "grid"
-    through_offset: float | None = None
-    cut_offset: float | None = None
+    through_offset: Coordinate | None = None
+    cut_offset: Coordinate | None = None
     openings_x: Sequence[OpeningLike] = ()
     openings_y: Sequence[OpeningLike] = ()
 

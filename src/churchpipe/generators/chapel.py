@@ -10,6 +10,7 @@ from churchpipe.generators.church import church
 from churchpipe.generators.church_parts import Apse
 from churchpipe.generators.fields import as_dataclass, coerce_fields
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
+from churchpipe.generators.quantities import Length
 from churchpipe.generators.wall_bonds import WallBond
 from churchpipe.model.arguments import positive
 from churchpipe.model.building import Building
@@ -25,13 +26,13 @@ class ChapelParameters:
     in the middle, y in the middle of the facade's thickness. bonds, joints, first_course as for a church.
     """
 
-    course: float
-    stone_length: float
-    width: float
-    length: float
-    height: float
-    thickness: float
-    ridge: float | None = None
+    course: Length
+    stone_length: Length
+    width: Length
+    length: Length
+    height: Length
+    thickness: Length
+    ridge: Length | None = None
     apse: Apse | Given | None = None
     openings: Sequence[ArchedOpening | Given] = ()
     bonds: Sequence[WallBond | Given] = ()

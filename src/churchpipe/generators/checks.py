@@ -1,9 +1,10 @@
 """Checks of parameters that the generators share."""
 
 from churchpipe.errors import InputError
+from churchpipe.generators.quantities import Length
 from churchpipe.model.arguments import positive
 
-Brick = tuple[float, float, float]
+Brick = tuple[Length, Length, Length]
 
 
 def check_brick(where: str, brick: Brick) -> None:

@@ -12,6 +12,7 @@ from churchpipe.generators.church_plan import Plan, church_walls, cross_walls
 from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
 from churchpipe.generators.layout import WallLayout, check_clear, wall_panels
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
+from churchpipe.generators.quantities import Length
 from churchpipe.generators.wall_bonds import Bonding, WallBond, bonding_of, check_walls
 from churchpipe.model.arguments import one_of, positive
 from churchpipe.model.building import Building, Panel
@@ -28,8 +29,8 @@ class ChurchParameters:
     transept_right, choir_arch, east and tower_inner, as far as these stand; bonds: of those that are not laid in running bond.
     """
 
-    course: float
-    stone_length: float
+    course: Length
+    stone_length: Length
     nave: Nave | Given
     facade: CrossWall | Given | None = None
     triumphal_arch: CrossWall | Given | None = None

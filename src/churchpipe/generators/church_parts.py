@@ -4,6 +4,7 @@ from dataclasses import dataclass, fields
 from typing import Any, Literal
 
 from churchpipe.generators.fields import as_dataclass, coerce_fields
+from churchpipe.generators.quantities import Coordinate, Length
 from churchpipe.model.arguments import one_of, positive
 
 
@@ -12,10 +13,10 @@ class Nave:
     """Two side walls: width between their centrelines, length from the facade's centreline (y = 0) to that of the next cross
     wall, height of the eaves, thickness, m."""
 
-    width: float
-    length: float
-    height: float
-    thickness: float
+    width: Length
+    length: Length
+    height: Length
+    thickness: Length
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,8 +24,8 @@ class CrossWall:
     """A wall across the nave: thickness, m, and the height of the ridge of its gable, m (None: level with the eaves). Gables
     slope from the outer faces of the side walls."""
 
-    thickness: float
-    ridge: float | None = None
+    thickness: Length
+    ridge: Length | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,17 +33,17 @@ class Transept:
     """Two arms behind the triumphal wall: width over all, depth between the centrelines of the walls before and behind them,
     thickness of the outer walls, height of the arms' eaves (None: that of the nave), m."""
 
-    width: float
-    depth: float
-    thickness: float
-    height: float | None = None
+    width: Length
+    depth: Length
+    thickness: Length
+    height: Length | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Choir:
     """What lies behind the transept of a Latin cross: length from the wall before it to the end wall, centrelines, m."""
 
-    length: float
+    length: Length
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,9 +51,9 @@ class Tower:
     """A bell tower that rises out of one arm of the transept, whose walls are made higher: height, width over all, m (None: the
     whole arm, up to the inner face of the nave's side wall)."""
 
-    height: float
+    height: Length
     side: Literal["left", "right"] = "left"
-    width: float | None = None
+    width: Length | None = None
 
     def __post_init__(self) -> None:
         one_of("church.tower.side", self.side, "left", "right")
@@ -62,7 +63,7 @@ class Tower:
 class Chapel:
     """One arm of the transept with a height of its own, m."""
 
-    height: float
+    height: Length
     side: Literal["left", "right"] = "right"
 
     def __post_init__(self) -> None:
@@ -73,10 +74,10 @@ class Chapel:
 class Apse:
     """A half round of masonry behind the end wall: inner radius, thickness, height, x of its middle, m."""
 
-    inner_radius: float
-    thickness: float
-    height: float
-    centre: float = 0.0
+    inner_radius: Length
+    thickness: Length
+    height: Length
+    centre: Coordinate = 0.0
 
 
 def part_of(kind: type[Any], where: str, value: Any) -> Any:

@@ -8,6 +8,7 @@ import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.generators.fields import as_dataclass, coerce_fields
+from churchpipe.generators.quantities import Count, Distance, Length, Whole
 from churchpipe.model.arguments import positive, whole
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, Opening, UnitCell
@@ -18,11 +19,11 @@ class RectangularOpening:
     """A door or window: start and width along the wall, m; sill and height in courses; bearing of a lintel of one course
     on either side, m (0: no lintel)."""
 
-    start: float
-    width: float
-    height_courses: int
-    lintel_bearing: float = 0.0
-    sill_courses: int = 0
+    start: Distance
+    width: Length
+    height_courses: Count
+    lintel_bearing: Distance = 0.0
+    sill_courses: Whole = 0
 
     def __post_init__(self) -> None:
         coerce_fields(self, "opening.")

@@ -10,6 +10,7 @@ from churchpipe.generators.checks import Brick, check_brick
 from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
 from churchpipe.generators.masonry import DEFAULT_MATERIAL, Masonry, bonded_offset, straight_wall
 from churchpipe.generators.openings import OpeningLike
+from churchpipe.generators.quantities import Coordinate, Count, Length, Ratio
 from churchpipe.model.arguments import one_of, positive, whole
 from churchpipe.model.building import Building, UnitCell
 from churchpipe.model.materials import Material
@@ -27,16 +28,16 @@ class PrototypeParameters:
     """
 
     brick: Brick
-    partitions_x: Sequence[float]
-    partition_length: float
-    courses: int
-    main_wall_bricks: float | None = None
-    main_wall_length: float | None = None
+    partitions_x: Sequence[Coordinate]
+    partition_length: Length
+    courses: Count
+    main_wall_bricks: Ratio | None = None
+    main_wall_length: Length | None = None
     opening: OpeningLike | None = None
     joints: Literal["grid", "bay"] = "grid"
     first_course: Literal["main", "partitions"] = "main"
-    through_offset: float | None = None
-    cut_offset: float | None = None
+    through_offset: Coordinate | None = None
+    cut_offset: Coordinate | None = None
 
     def __post_init__(self) -> None:
         coerce_fields(self, "prototype.")

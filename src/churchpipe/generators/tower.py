@@ -15,6 +15,7 @@ from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_
 from churchpipe.generators.layout import WallLayout, wall_panels
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
 from churchpipe.generators.openings import rectangle
+from churchpipe.generators.quantities import Length
 from churchpipe.generators.wall_bonds import Bonding, WallBond, bonding_of, check_walls
 from churchpipe.model.arguments import one_of, positive
 from churchpipe.model.building import Building, CylinderChart, Panel
@@ -31,12 +32,12 @@ class TowerParameters:
     joints as in `BondRegion`. first_course: the walls that run through the corners on course 0, those along x or along y.
     """
 
-    course: float
-    stone_length: float
-    width: float
-    height: float
-    thickness: float
-    depth: float | None = None
+    course: Length
+    stone_length: Length
+    width: Length
+    height: Length
+    thickness: Length
+    depth: Length | None = None
     plan: Literal["rectangular", "round"] = "rectangular"
     openings: Sequence[ArchedOpening | Given] = ()
     bonds: Sequence[WallBond | Given] = ()

@@ -9,6 +9,7 @@ from churchpipe.generators.checks import Brick, check_brick
 from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
 from churchpipe.generators.masonry import DEFAULT_MATERIAL, Headers, Masonry, Pattern, check_bond, straight_wall, thickness_of
 from churchpipe.generators.openings import OpeningLike
+from churchpipe.generators.quantities import Coordinate, Count, Length
 from churchpipe.model.arguments import one_of, positive, whole
 from churchpipe.model.building import Building, UnitCell
 from churchpipe.model.materials import Material
@@ -23,16 +24,16 @@ class WallParameters:
     offsets are for even (through) and odd (cut) courses, m. openings: doors and windows, or mappings of their fields.
     """
 
-    length: float
+    length: Length
     brick: Brick
-    courses: int | None = None
-    height: float | None = None
-    thickness: float | None = None
+    courses: Count | None = None
+    height: Length | None = None
+    thickness: Length | None = None
     pattern: Pattern = "running"
     headers: Headers = "english"
     joints: Literal["grid", "bay"] = "grid"
-    through_offset: float = 0.0
-    cut_offset: float | None = None
+    through_offset: Coordinate = 0.0
+    cut_offset: Coordinate | None = None
     openings: Sequence[OpeningLike] = ()
 
     def __post_init__(self) -> None:

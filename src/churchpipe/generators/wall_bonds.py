@@ -8,6 +8,7 @@ from churchpipe.errors import InputError
 from churchpipe.generators.arched import ArchedOpening, Given
 from churchpipe.generators.fields import as_dataclass, coerce_fields
 from churchpipe.generators.masonry import Headers, Pattern, check_bond
+from churchpipe.generators.quantities import Length
 from churchpipe.model.arguments import positive
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, UnitCell
@@ -20,7 +21,7 @@ class WallBond:
     wall: str | Sequence[str]
     pattern: Pattern
     headers: Headers = "english"
-    stone_length: float | None = None
+    stone_length: Length | None = None
 
     def __post_init__(self) -> None:
         coerce_fields(self, "bond: ")

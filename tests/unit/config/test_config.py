@@ -11,18 +11,16 @@ import pytest
 import tomli_w
 
 from case_texts import case_file
-from churchpipe.config import Drawing, Generated, ShellSettings, church_sources, read_case, read_variants
+from churchpipe.config import Drawing, Generated, ShellSettings, read_case, read_variants
 from churchpipe.config.overrides import parse_override, set_key
 from churchpipe.config.plan import Plan, plan
 from churchpipe.config.section import Section, section_in
 from churchpipe.config.settings import load_of, materials_of, weights_of
-from churchpipe.config.sources import GENERATED, OpeningTable
-from churchpipe.config.units import UNITS, in_si
+from churchpipe.config.sources import GENERATED
+from churchpipe.config.units import bare, in_si
 from churchpipe.dxf.reading import Reading
 from churchpipe.errors import InputError, UsageError
-from churchpipe.generators import GENERATORS, church_parts, generate
-from churchpipe.generators.arched import ArchedOpening
-from churchpipe.generators.openings import RectangularOpening
+from churchpipe.generators import GENERATORS, generate
 from churchpipe.resources import pipeline_folder, sample_case, sample_names
 
 WALL = """
@@ -53,6 +51,7 @@ def test_a_case_is_in_si(tmp_path: Path) -> None:
             "brick": (0.4, 0.25, 0.2),
             "courses": 3,
             "pattern": "running",
+            "headers": "english",
             "joints": "grid",
             "through_offset": 0.0,
             "openings": (),
@@ -79,29 +78,12 @@ def test_millimetres_are_divided_not_multiplied() -> None:
     }
 
 
-@pytest.mark.parametrize("name", sorted(GENERATORS))
-def test_every_parameter_of_a_generator_has_a_key(name: str) -> None:
-    keys = {key for key in GENERATED[name].model_fields if key != "generator"}
-    bare = {key.removesuffix(next((u for u in UNITS if key.endswith(u)), "")) for key in keys}
-    assert bare == {field.name for field in dataclasses.fields(GENERATORS[name].parameters)}
-
-
-@pytest.mark.parametrize(
-    ("table", "kind"),
-    [
-        (OpeningTable, RectangularOpening),
-        (church_sources.ArchedOpeningTable, ArchedOpening),
-        (church_sources.NaveTable, church_parts.Nave),
-        (church_sources.CrossWallTable, church_parts.CrossWall),
-        (church_sources.TranseptTable, church_parts.Transept),
-        (church_sources.ChoirTable, church_parts.Choir),
-        (church_sources.ChurchTowerTable, church_parts.Tower),
-        (church_sources.ChurchChapelTable, church_parts.Chapel),
-        (church_sources.ChurchApseTable, church_parts.Apse),
-    ],
-)
-def test_every_key_of_a_part_is_known(table: Any, kind: Any) -> None:
-    assert {key.removesuffix("_mm") for key in table.model_fields} == {field.name for field in dataclasses.fields(kind)}
+def test_a_table_is_made_of_the_parameters_of_its_generator() -> None:
+    for name, generator in GENERATORS.items():
+        fields = [field.name for field in dataclasses.fields(generator.parameters)]
+        assert [bare(key) for key in GENERATED[name].model_fields] == ["generator", *fields]
+    assert GENERATED["arch"].model_fields["half_angle_deg"].default == 90
+    assert GENERATED["prototype"].model_fields["main_wall_bricks"].default is None
 
 
 def test_lengths_of_nested_tables_may_be_in_metres(tmp_path: Path) -> None:
