@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from churchpipe.bond.voids import Void, from_view, voids_of
+from churchpipe.bond.voids import Void, voids_of
 from churchpipe.geometry.charts import base_level, footprint, lift, normals
 from churchpipe.geometry.planar import Region, area, edges, less, level_section, polygon, united, vertices
 from churchpipe.geometry.polygons import TOLERANCE
@@ -26,7 +26,7 @@ def masonry_volume(
     of each, m. stations: s of the joints of each, m (curved walls are straight between joints).
     """
     voids = [voids_of(panel) for panel in panels]
-    solids = [_filled(panel, solid, own) for panel, solid, own in zip(panels, solids, voids, strict=True)]
+    solids = [_with_voids_filled(panel, solid) for panel, solid in zip(panels, solids, strict=True)]
     levels = [_levels(p, s, f) for p, s, f in zip(panels, solids, faces, strict=True)]
     levels += [_void_levels(p, j, v) for p, j, own in zip(panels, stations, voids, strict=True) for v in own]
     levels = np.unique(np.concatenate(levels))
@@ -48,12 +48,15 @@ def _levels(panel: Panel, solid: Region, faces: FloatArray) -> FloatArray:
     return np.concatenate(levels) + base_level(panel.chart)
 
 
-def _filled(panel: Panel, solid: Region, voids: Sequence[Void]) -> Region:
-    """Return a wall with its arched openings filled, where it is curved: they are prisms, not radial holes."""
-    chart = panel.chart
-    if not isinstance(chart, CylinderChart):
+def _with_voids_filled(panel: Panel, solid: Region) -> Region:
+    """Return a wall with its arched openings filled, where it is curved: they are prisms, not radial holes.
+
+    It is made of the outlines. Filling the holes of the finished region again can leave slits as narrow as rounding along their
+    edges, and a slit would put a bend into the wall where no joint is.
+    """
+    if not isinstance(panel.chart, CylinderChart):
         return solid
-    return united([solid, *(polygon(from_view(chart, void.middle, void.opening)) for void in voids)])
+    return less(polygon(panel.outline), [polygon(o.outline) for o in panel.openings if o.kind != "arched"])
 
 
 def _void_levels(panel: Panel, stations: FloatArray, void: Void) -> FloatArray:

@@ -132,6 +132,13 @@ def test_a_chapel_has_a_window_in_its_apse():
     assert (stones.panel[stones.course == -1] == "apse").sum() == 7
 
 
+def test_a_door_that_filled_again_leaves_a_slit_is_laid():
+    door = {"name": "d", "wall": "apse", "centre": -0.425, "width": 0.95, "shape": "segmental", "rise": 0.25, "depth": 0.45}
+    half_round = {"inner_radius": 1.6, "thickness": 0.388, "height": 3.575, "centre": 0.11}
+    size = {"course": 0.275, "stone_length": 0.57, "width": 5.917, "length": 4.695, "height": 4.95, "thickness": 0.374}
+    laid(chapel(**size, apse=half_round, openings=[door | {"springing": 2.675, "voussoirs": 19}]))
+
+
 @settings(max_examples=4, deadline=None, derandomize=True, phases=PHASES)
 @given(
     radius=st.floats(1.2, 3.0),
