@@ -104,7 +104,9 @@ class Finding:
     @property
     def kind(self) -> tuple[str, ...]:
         """What findings have in common that differ in names, numbers and places alone."""
-        return tuple(re.sub(r'"[^"]*"|\S*\d\S*', "#", text) for text in (self.code, self.found, self.expected, self.remedy))
+        return tuple(
+            re.sub(r'"[^"]*"|\(?#\w+\)?|\S*\d\S*', "#", text) for text in (self.code, self.found, self.expected, self.remedy)
+        )
 
     def in_metres(self, unit: float) -> "Finding":
         """Return the finding with its position and lengths in m; unit: the length of a drawing unit, m."""

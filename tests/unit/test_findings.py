@@ -1,8 +1,10 @@
 """Findings of a file: one line a kind, with count, first places and the remedy."""
 
 import json
+import re
+from pathlib import Path
 
-from churchpipe.findings import Finding, Findings, Place
+from churchpipe.findings import CODES, Finding, Findings, Place
 
 
 def test_findings_of_one_kind_are_one_line_with_count_first_places_and_remedy() -> None:
@@ -28,3 +30,8 @@ def test_records_hold_every_place_and_are_json() -> None:
     (record,) = json.loads(json.dumps(found.records()))
     assert (record["code"], record["severity"], record["count"]) == ("E11", "error", 9)
     assert [place["position"][2] for place in record["places"]] == list(range(9))
+
+
+def test_every_code_is_explained_in_the_docs() -> None:
+    text = (Path(__file__).parents[2] / "docs" / "drawings.md").read_text(encoding="utf-8")
+    assert [row.split(" | ")[0].strip("| ") for row in text.splitlines() if re.match(r"\| [EW]\d\d ", row)] == list(CODES)

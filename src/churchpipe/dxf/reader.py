@@ -171,7 +171,7 @@ def uniquely_named(stones: list[Stone], findings: list[Finding]) -> list[Stone]:
             number += 1
             name = f"{stone.name}~{number}"
         if name != stone.name:
-            findings.append(stone.place.finding("W15", f"the ID {stone.name} is taken; {name} is used"))
+            findings.append(stone.place.finding("W15", f'the ID "{stone.name}" is taken; "{name}" is used'))
         seen.add(name)
         out.append(replace(stone, name=name) if name != stone.name else stone)
     return out

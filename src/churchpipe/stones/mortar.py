@@ -16,7 +16,7 @@ Solid = tuple[FloatArray, Sequence[tuple[int, ...]]]
 
 # Faces look at each other when their normals are opposite within this angle, and joints are this much wider than their
 # nominal width at most, in the mean and at the wide end of a wedge.
-FACING_ANGLE = np.radians(20.0)
+FACING_ANGLE = np.radians(12.0)
 WIDEST_MEAN, WIDEST = 1.5, 2.5
 # An overlap smaller than this part of the smaller face is no joint; nor is a gap narrower than this part of the stones' size.
 LEAST_OVERLAP = 0.02
@@ -24,6 +24,11 @@ TOUCHING = 1e-6
 # The faces along a bed are moved into one plane when it leaves the middle of none of their joints by more than this part of the
 # joint's width; else each goes to the middle of its own joints.
 OUT_OF_LINE = 0.05
+# What a face looks at besides is no joint of it when its mid-surface leaves that of its main joint by more: the one
+# whose area over the square of its width is largest.
+ASTRAY = 0.25
+# The tip of a sharp corner moves farther than its sides, by up to this many joints.
+FARTHEST = 10.0
 # A joint is looked for as wide as this part of the stones' smallest dimension.
 WIDEST_OF_STONE = 0.35
 
@@ -131,11 +136,12 @@ def _joints(flat: _Faces, joint: float) -> Joints:
     pairs: list[tuple[int, int]] = []
     width: list[float] = []
     middle: list[FloatArray] = []
+    weight: list[float] = []
     for i, j in _candidates(flat, WIDEST * joint).tolist():
         found = _across(flat, i, j)
         if found is None:
             continue
-        gap, points = found
+        gap, points, size = found
         if gap.max() > WIDEST * joint or gap.mean() > WIDEST_MEAN * joint or gap.min() < -TOUCHING * flat.size:
             continue
         if gap.mean() <= TOUCHING * flat.size:
@@ -143,7 +149,24 @@ def _joints(flat: _Faces, joint: float) -> Joints:
         pairs.append((i, j))
         width.append(float(gap.mean()))
         middle.append(points)
-    return Joints(np.array(pairs, dtype=np.int64).reshape(-1, 2), np.array(width), tuple(middle))
+        weight.append(size / gap.mean() ** 2)
+    kept = _one_surface_a_face(pairs, middle, weight, ASTRAY * joint)
+    faces = np.array([pairs[k] for k in kept], dtype=np.int64).reshape(-1, 2)
+    return Joints(faces, np.array([width[k] for k in kept]), tuple(middle[k] for k in kept))
+
+
+def _one_surface_a_face(pairs: list[tuple[int, int]], middle: list[FloatArray], weight: list[float], off: float) -> list[int]:
+    """Return the pairs whose mid-surface is, for either face, within `off` of that of the joint of the face that weighs most."""
+    main: dict[int, int] = {}
+    for k in np.argsort(weight).tolist():
+        main |= dict.fromkeys(pairs[k], k)
+    surface = {k: _fitted([middle[k]]) for k in set(main.values())}
+    out: list[int] = []
+    for k, pair in enumerate(pairs):
+        planes = [surface[main[face]] for face in pair]
+        if all(np.abs(middle[k] @ normal - level).max() <= off for normal, level, _ in planes):
+            out.append(k)
+    return out
 
 
 def _candidates(flat: _Faces, reach: float) -> IntArray:
@@ -160,8 +183,8 @@ def _candidates(flat: _Faces, reach: float) -> IntArray:
     return np.stack([i[keep], j[keep]], axis=1)
 
 
-def _across(flat: _Faces, i: int, j: int) -> tuple[FloatArray, FloatArray] | None:
-    """Return the gap between two faces at the corners of what they have in common, and the points halfway there."""
+def _across(flat: _Faces, i: int, j: int) -> tuple[FloatArray, FloatArray, float] | None:
+    """Return the gap between two faces at the corners of what they have in common, the points halfway there, and its area."""
     n = flat.normal[i] - flat.normal[j]
     n /= np.linalg.norm(n)
     u = np.cross(n, [1.0, 0.0, 0.0] if abs(n[0]) < 0.7 else [0.0, 1.0, 0.0])
@@ -172,7 +195,7 @@ def _across(flat: _Faces, i: int, j: int) -> tuple[FloatArray, FloatArray] | Non
         return None
     place = np.unique(vertices(shared), axis=0) @ axes
     at = [(flat.level[f] - place @ flat.normal[f]) / (n @ flat.normal[f]) for f in (i, j)]
-    return at[1] - at[0], place + 0.5 * (at[0] + at[1])[:, None] * n
+    return at[1] - at[0], place + 0.5 * (at[0] + at[1])[:, None] * n, area(shared)
 
 
 def _mid_planes(flat: _Faces, joints: Joints, joint: float) -> dict[int, tuple[FloatArray, float]]:
@@ -196,7 +219,7 @@ def _mid_planes(flat: _Faces, joints: Joints, joint: float) -> dict[int, tuple[F
 
 
 def _fitted(parts: list[FloatArray]) -> tuple[FloatArray, float, float]:
-    """Return normal, level and largest distance of the plane that fits points best."""
+    """Return normal, level and main distance of the plane that fits points best."""
     points = np.concatenate(parts)
     centre = points.mean(axis=0)
     normal = np.linalg.svd(points - centre)[2][2]
@@ -213,6 +236,6 @@ def _shift(
         return np.zeros(3)
     for cut in (5e-3, 0.2):
         step = np.linalg.pinv(normal[around], rcond=cut) @ lacking
-        if np.linalg.norm(step) <= WIDEST * joint:
+        if np.linalg.norm(step) <= FARTHEST * joint:
             break
     return step

@@ -1,0 +1,71 @@
+"""A brick wall as people draw one: 1500 outlines with mortar left out, fifty not closed, six doubled, the unit wrong."""
+
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import pytest
+from brick_wall import BrickWall, Opening, brick_wall, joints_of, large_wall, write_wall
+
+from churchpipe.dxf.reader import Drawing, read_drawing
+from churchpipe.findings import FindingsError
+from churchpipe.model.loads import LoadCase
+from churchpipe.rigid_blocks.limit import limit_analysis
+from churchpipe.stones.contacts import find_contacts
+from churchpipe.stones.soundness import check_soundness
+
+READING: dict[str, Any] = {"thickness": 0.12, "joint": 0.010, "repair": True, "support": "base", "unit_weight": 18e3}
+
+
+def check_drawing(wall: BrickWall, path: Path, *, unclosed: int, tips: int = 0) -> Drawing:
+    """Assert that the drawing of a wall is read with exactly its findings, every stone kept and every joint found.
+
+    tips: sharp tips of bricks that reach over the next voussoir, too, once they are grown: joints that are not drawn.
+    """
+    write_wall(wall, path, unclosed=unclosed, doubled=6)
+    with pytest.raises(FindingsError) as caught:
+        read_drawing(path, **READING)
+    assert [finding.code for finding in caught.value.findings.errors] == ["E05"]
+    assert "--units m (" in str(caught.value)
+    drawing = read_drawing(path, units="m", **READING)
+    count = Counter(finding.code for finding in drawing.findings)
+    assert count == {"W04": 1, "W11": 6, "W12": 1, "W24": 1, "W25": unclosed, "W26": 1}
+    assert len(str(drawing.findings).splitlines()) == 7
+    stones = drawing.stones
+    assert int((~stones.fixed).sum()) == len(wall.outlines)
+    contacts = find_contacts(stones)
+    check_soundness(stones, contacts)
+    free = contacts.blocks[~stones.fixed[contacts.blocks].any(axis=1)]
+    order = {name: number for number, name in enumerate(stones.block_id[~stones.fixed])}
+    found = Counter(tuple(sorted(order[name] for name in stones.block_id[pair])) for pair in free)
+    drawn = Counter(tuple(sorted(pair)) for pair in joints_of(wall))
+    assert not drawn - found
+    first_voussoir = len(wall.outlines) - sum(len(ring) for _, ring in wall.arches)
+    assert [low < first_voussoir <= high for low, high in found - drawn] == [True] * tips
+    return drawing
+
+
+def check_analyses(drawing: Drawing, factor: float) -> None:
+    """Assert that both flow rules give a certified load factor in the plane of the wall, the first of them `factor`."""
+    contacts = find_contacts(drawing.stones)
+    load = LoadCase((1, 0, 0))
+    state = limit_analysis(drawing.stones, contacts, load, friction=0.6)
+    assert state.status == "optimal"
+    assert state.upper_bound - state.lower_bound < 1e-6
+    assert state.load_factor == pytest.approx(factor, rel=1e-5)
+    sliding = limit_analysis(drawing.stones, contacts, load, friction=0.6, flow="non-associative")
+    assert sliding.status == "converged"
+    assert 0.5 * factor < sliding.load_factor <= state.upper_bound
+
+
+def test_a_wall_with_two_arches(tmp_path: Path) -> None:
+    wall = brick_wall(12, 16, [Opening(2, 3, 0, 6), Opening(7, 3, 3, 4)])
+    # Computed with this code; nobody has published this wall.
+    check_analyses(check_drawing(wall, tmp_path / "wall.dxf", unclosed=7), 0.473695)
+
+
+@pytest.mark.slow
+def test_a_wall_of_1500_bricks(tmp_path: Path) -> None:
+    wall = large_wall()
+    assert len(wall.outlines) == 1500
+    check_analyses(check_drawing(wall, tmp_path / "wall.dxf", unclosed=50, tips=4), 0.526462)
