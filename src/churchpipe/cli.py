@@ -47,6 +47,9 @@ Thickness = Annotated[
 Plane = Annotated[str, typer.Option(help='What x-y is in a drawing of outlines: "xz", the elevation, or "xy", a plan.')]
 Joint = Annotated[str | None, typer.Option(help="Width of joints that are drawn open, with its unit: 10mm.", show_default=False)]
 JointMode = Annotated[str, typer.Option(help='"grow": stones meet in the middle of their joints; "keep": they stay as drawn.')]
+ContactGap = Annotated[
+    str | None, typer.Option(help="How far two faces of a joint may be apart, with its unit: 2mm.", show_default=False)
+]
 Mortar = Annotated[str, typer.Option(help='Weight of the mortar: "counted" as if it were stone, or "ignored".')]
 Repair = Annotated[bool, typer.Option("--repair", help="Drop duplicates and recompute wrong attributes; each is listed.")]
 Support = Annotated[str, typer.Option(help='"base" puts a support under the lowest faces; "drawn" takes the supports drawn.')]
@@ -181,9 +184,10 @@ def import_dxf(
     joint: Joint = None,
     joint_mode: JointMode = "grow",
     mortar: Mortar = "counted",
+    contact_gap: ContactGap = None,
 ) -> None:
     """Make a case of a drawing: FOLDER/case.toml and a copy of the drawing. All findings are listed."""
-    from churchpipe.importing import import_drawing
+    from churchpipe.importing import import_drawing, parse_length
 
     done = import_drawing(
         drawing,
@@ -192,6 +196,7 @@ def import_dxf(
         unit_weight=None if unit_weight is None else unit_weight * 1e3,
         friction=friction,
         loads=load or (),
+        contact_gap=parse_length("--contact-gap", contact_gap),
     )
     _list(done.findings)
     out.print(f"{done.stones} stones on {done.fixed} fixed ones: {done.case}", markup=False, soft_wrap=True)
@@ -218,16 +223,18 @@ def check(
     joint: Joint = None,
     joint_mode: JointMode = "grow",
     mortar: Mortar = "counted",
+    contact_gap: ContactGap = None,
     folder: Annotated[
         Path | None, typer.Option("--out", "-o", help="Folder for findings.json and findings.dxf.", show_default=False)
     ] = None,
 ) -> None:
     """List all findings in a drawing, and stones that float or overlap. Exit code 1 when there are errors."""
     from churchpipe.findings import FindingsError
-    from churchpipe.importing import check_drawing, record_findings
+    from churchpipe.importing import check_drawing, parse_length, record_findings
 
+    reading = _reading(units, support, repair, thickness, plane, joint, joint_mode, mortar)
     try:
-        read, joints = check_drawing(drawing, _reading(units, support, repair, thickness, plane, joint, joint_mode, mortar))
+        read, joints = check_drawing(drawing, reading, contact_gap=parse_length("--contact-gap", contact_gap))
     except FindingsError as error:
         if folder:
             record_findings(error.findings, folder, units or "m")

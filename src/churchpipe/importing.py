@@ -43,15 +43,19 @@ class Imported:
     joints: tuple[str, ...]
 
 
-def check_drawing(path: Path, reading: Reading = AS_DRAWN, unit_weight: float | None = None) -> tuple[reader.Drawing, list[str]]:
+def check_drawing(
+    path: Path, reading: Reading = AS_DRAWN, unit_weight: float | None = None, contact_gap: float | None = None
+) -> tuple[reader.Drawing, list[str]]:
     """Read a drawing, look for stones that float or overlap, and say what was decided about its joints.
+
+    contact_gap: as in `churchpipe.find_contacts`, m.
 
     Raises
     ------
     InputError: the drawing has errors, all of them listed.
     """
     drawing = reader.read_drawing(path, unit_weight=unit_weight, **asdict(reading))
-    contacts = find_contacts(drawing.stones)
+    contacts = find_contacts(drawing.stones, reading.open_joint if contact_gap is None else contact_gap)
     check_soundness(drawing.stones, contacts)
     return drawing, joints_lines(joints_record(drawing.stones, contacts))
 
@@ -64,6 +68,7 @@ def import_drawing(
     unit_weight: float | None = None,
     friction: float | None = None,
     loads: Sequence[str] = (),
+    contact_gap: float | None = None,
 ) -> Imported:
     """Write FOLDER/case.toml and a copy of the drawing beside it; findings.json and findings.dxf when there are any.
 
@@ -71,6 +76,7 @@ def import_drawing(
     ----------
     reading: how the drawing is read; the case keeps it.
     unit_weight: N/m3, of all stones; friction: of all joints; loads: directions. All override what the drawing stores.
+    contact_gap: how far two faces of a joint may be apart, m; the case keeps it.
 
     Raises
     ------
@@ -84,7 +90,7 @@ def import_drawing(
     case = folder / "case.toml"
     if case.exists():
         raise UsageError(str(case), "exists already", remedy="Choose another folder, or delete it first.")
-    drawing, joints = check_drawing(path, reading, unit_weight)
+    drawing, joints = check_drawing(path, reading, unit_weight, contact_gap)
     copy = folder / path.name
     if copy.exists() and not copy.samefile(path):
         raise UsageError(str(copy), "exists already", remedy="Choose another folder, or delete it first.")
@@ -103,7 +109,8 @@ def import_drawing(
             *(table for table, _ in tables),
             *map(_load_table, pushes),
             *([] if pushes else ["# [[load]]\n# direction = [1, 0, 0]"]),
-            f"[rigid]\n{_flow(drawing.stones.count)}",
+            f"[rigid]\n{_flow(drawing.stones.count)}"
+            + (f"\ncontact_gap_mm = {_number(1e3 * contact_gap)}" if contact_gap is not None else ""),
             *([shell.text] if shell.text else []),
         ]
     )

@@ -24,6 +24,7 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Elastic, Material
 from churchpipe.resources import sample_names
+from imprecise import corner
 from solids import box, on_ground, prism
 
 
@@ -466,3 +467,20 @@ def test_a_unit_weight_that_was_passed_is_not_asked_for(capsys: pytest.CaptureFi
     code, _, err = call(capsys, "import-dxf", outlines(tmp_path / "a.dxf", 0), "-o", tmp_path / "a", *given, "--joint", "10mm")
     assert code == 0
     assert "W19" not in err
+
+
+def test_a_drawing_with_open_joints_needs_a_decision(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    drawing = tmp_path / "corner.dxf"
+    write_dxf(corner(head_gap=0.01), drawing)
+    code, _, err = call(capsys, "check", drawing)
+    assert code == 1
+    assert "48 pairs of faces nearly meet" in err
+    assert "contact_gap_mm = 10 in [rigid]" in err
+    code, out, _ = call(capsys, "check", drawing, "--contact-gap", "10mm")
+    assert code == 0
+    assert "Joints closed across a gap: 48, up to 10 mm where widest; contact gap 10 mm, as asked for." in out
+    assert call(capsys, "check", drawing, "--joint", "10mm", "--joint-mode", "keep")[0] == 0
+    code, out, _ = call(capsys, "import-dxf", drawing, "-o", tmp_path / "corner", "--contact-gap", "1mm")
+    assert code == 0
+    assert "Near misses: 48 pairs of faces" in out
+    assert "contact_gap_mm = 1\n" in (tmp_path / "corner" / "case.toml").read_text(encoding="utf-8")

@@ -50,6 +50,8 @@ def plan(cases: Sequence[Case]) -> Plan:
         shape = {key: value for key, value in case.variant.items() if swept.changes_stones(key)}
         geometry = _keep(geometries, _words(shape) or ["base"], _geometry_settings(case))
         tolerances = {key: getattr(case.rigid, key) for key in ("contact_gap", "contact_angle", "overlap")}
+        if tolerances["contact_gap"] is None and isinstance(case.source, Drawing):
+            tolerances["contact_gap"] = case.source.reading.open_joint
         contacts[geometry] = {key: value for key, value in tolerances.items() if value is not None}
         of_stones = {key: value for key, value in case.variant.items() if not swept.of_shell(key)}
         of_shell = {key: value for key, value in case.variant.items() if not swept.of_rigid_blocks(key)}

@@ -46,5 +46,10 @@ class Reading:
             if getattr(self, name) is not None:
                 positive(name, getattr(self, name))
 
+    @property
+    def open_joint(self) -> float | None:
+        """Width of joints that stay open, m, across which stones touch all the same; None where there are none."""
+        return self.joint if self.joint_mode == "keep" else None
+
 
 AS_DRAWN = Reading()

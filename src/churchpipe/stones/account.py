@@ -65,7 +65,7 @@ def tolerances_that_join(contacts: Contacts, rows: IntArray) -> dict[str, float]
 def joints_record(stones: Assemblage, contacts: Contacts) -> dict[str, Any]:
     """Return the account in the words of summary.json."""
     near, now = contacts.near_misses, contacts.tolerances
-    widest, deepest = contacts.gap.max(axis=1, initial=0.0), -contacts.gap.min(axis=1, initial=0.0)
+    widest, deepest = contacts.gap.max(axis=1, initial=0.0), (-contacts.gap).max(axis=1, initial=0.0)
     largest = np.argsort(-near.area, kind="stable")[:NAMED]
     near_record: dict[str, Any] = {"count": len(near)}
     if len(near):
@@ -128,7 +128,10 @@ def remedy_words(stones: Assemblage, contacts: Contacts, rows: IntArray) -> str:
     named = "; ".join(near_miss_words(_near_miss(stones, contacts, row)) for row in order[:NAMED].tolist())
     more = f"; and {len(rows) - NAMED} more" if len(rows) > NAMED else ""
     wanted = _settings(tolerances_that_join(contacts, rows))
-    return f"Faces that nearly meet: {named}{more}. Close the gaps, or join them with {wanted} in [rigid] of the case."
+    return (
+        f"Faces that nearly meet: {named}{more}. Close the gaps, or join them with {wanted} in [rigid] of the case "
+        "(--contact-gap of check and import-dxf)."
+    )
 
 
 def _near_miss(stones: Assemblage, contacts: Contacts, row: int) -> dict[str, Any]:

@@ -31,13 +31,13 @@ TELLING_SHARE = 0.1
 class Limits:
     """The tolerances with what follows from the thickness of the stones.
 
-    Fields: tolerances; far_side, how far the facets of a joint may be apart where they are widest apart, m, infinite where the
+    Fields: tolerances; middle, how far the facets of a joint may be apart in the middle of what they share, m, infinite where the
     person gave the contact gap; noise, how far corners stray along the joints, m: narrower strips are none; thickness of each
     stone (nb,) m, and typical, of the median one, m.
     """
 
     tolerances: ContactTolerances
-    far_side: float
+    middle: float
     noise: float
     thickness: FloatArray
     typical: float
@@ -107,7 +107,7 @@ def limits_of(
             overlap=overlap or max(widest, gap),
             given=tuple(name for name, value in given.items() if value is not None),
         ),
-        far_side=2.0 * widest if contact_gap is None else np.inf,
+        middle=widest if contact_gap is None else np.inf,
         noise=_noise(near, NOISIEST * typical),
         thickness=thickness,
         typical=typical,

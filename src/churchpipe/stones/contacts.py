@@ -40,8 +40,8 @@ def find_contacts(
     ----------
     stones: the assemblage. contact_gap: how far two faces of a joint may be apart, m, at their nearest. contact_angle: how far
     they may be from parallel, rad. overlap: how deep two stones may lie in each other, m. Those left out are proposed from the
-    gaps and angles found, and are never wider than half the thinnest stone; then joints that open too far on one side are left
-    out as well. What is left out is among `Contacts.near_misses`.
+    gaps and angles found, and are never wider than half the thinnest stone; then wedges that gape in the middle are left out
+    as well. What is left out is among `Contacts.near_misses`.
 
     Raises
     ------
@@ -89,7 +89,7 @@ def _meet(facets: Facets, found: Overlaps, limits: Limits) -> BoolArray:
         (found.opening <= np.minimum(allowed.contact_gap + TOUCHING, half))
         & (found.penetration <= np.minimum(allowed.overlap + TOUCHING, half))
         & (found.angle <= allowed.contact_angle)
-        & (found.far_side <= limits.far_side)
+        & (found.middle - found.slack <= limits.middle)
     )
 
 

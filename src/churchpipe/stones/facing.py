@@ -54,11 +54,6 @@ class Overlaps:
         return np.maximum(self.gap[:, 0] - self.slack, 0.0)
 
     @property
-    def far_side(self) -> FloatArray:
-        """How far the facets are apart at their widest (n,) m, less what their warp explains."""
-        return np.maximum(self.gap[:, 1] - self.slack, 0.0)
-
-    @property
     def penetration(self) -> FloatArray:
         """How deep the facets lie in each other all over (n,) m, less what their warp explains."""
         return np.maximum(-self.gap[:, 1] - self.slack, 0.0)
