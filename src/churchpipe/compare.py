@@ -81,7 +81,7 @@ def guidance(analyses: Sequence[Mapping[str, Any]]) -> list[str]:
     """
     asked: dict[tuple[str, ...], list[Mapping[str, Any]]] = {}
     for record in analyses:
-        if record.get("status") in GOOD and _is_number(record.get("load_factor")):
+        if record.get("status") in GOOD and _is_number(record.get("load_factor")) and record.get("method") != "curve":
             asked.setdefault(_question(_place(record), record), []).append(record)
     several = [records for records in asked.values() if len(records) > 1]
     sentences = [_advice(records) for records in several]
@@ -139,7 +139,7 @@ def pairs(entries: Sequence[Mapping[str, Any]], records: Sequence[Mapping[str, A
     mine = [entry for entry in entries if entry["name"] in known]
     found: list[dict[str, Any]] = []
     for shell in (entry for entry in mine if "shell" in entry):
-        for blocks in (entry for entry in mine if "shell" not in entry):
+        for blocks in (entry for entry in mine if "shell" not in entry and entry["kind"] != "curve"):
             names = (blocks["name"], shell["name"])
             of_blocks, of_shell = (known[name] for name in names)
             if _question(blocks, of_blocks) == _question(shell, of_shell):

@@ -24,7 +24,7 @@ from churchpipe.errors import Extra, InputError
 from churchpipe.io.atomic import canonical_json, write_if_changed, write_json
 from churchpipe.io.building_json import read_building, write_building
 from churchpipe.io.npz import Absent, read_if_made, read_npz, write_npz
-from churchpipe.io.records import LeftOut, read_record, record_of, shell_record_of, write_record
+from churchpipe.io.records import LeftOut, curve_record_of, read_record, record_of, shell_record_of, write_record
 from churchpipe.io.shell_vtu import write_shell_msh, write_shell_vtu
 from churchpipe.io.tables import read_json, write_table
 from churchpipe.io.vtu import write_vtu
@@ -44,8 +44,8 @@ def configure(case: str | Path, out: str | Path, overrides: Sequence[str] = ()) 
     """Write the plan of a run and the settings of each stage into `out`; a file whose content is unchanged is not touched.
 
     Files: plan.json, as-run.toml (the case with what --set changed), settings.json of each stage: geometry/NAME (with
-    tolerances.json, of its joints), shell/NAME, rigid/NAME, limit/NAME, pushover/NAME, and code/STAGE.txt. Returns the path of
-    plan.json.
+    tolerances.json, of its joints), shell/NAME, rigid/NAME, curve/NAME, limit/NAME, pushover/NAME, and code/STAGE.txt. Returns
+    the path of plan.json.
     """
     out = Path(out)
     todo = plan(read_variants(case, overrides))
@@ -244,6 +244,22 @@ def rigid(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
     write_record(record, record_of(found, load, [material for material in materials if material.name in used]))
 
 
+def curve(settings: Path, assemblage: Path, contacts: Path, state: Path, record: Path, progress: Progress | None = None) -> None:
+    """One capacity curve of the stones -> the curve and its record for the summary."""
+    from churchpipe.large_displacements.pushover import block_pushover
+    from churchpipe.stones.joints import joint_strength
+
+    table = read_json(settings)
+    stones, joints = read_npz(assemblage, Assemblage), read_npz(contacts, Contacts)
+    load, materials = load_of(table), materials_of(table)
+    friction, _ = joint_strength(stones, joints, materials)
+    options = {key: table[key] for key in ("solver", "control", "step", "steps", "furthest") if key in table}
+    used = set(stones.material[~stones.fixed].tolist())
+    found = block_pushover(stones, joints, load, friction, **options, progress=progress)
+    write_npz(state, found)
+    write_record(record, curve_record_of(found, load, [material for material in materials if material.name in used]))
+
+
 def compare(plan: Path, summary: Path, table: Path) -> None:
     """All analyses of a plan -> summary.json and table.csv."""
     run, index = plan.parent, read_json(plan)
@@ -343,7 +359,7 @@ def _overlap(run: Path, index: dict[str, Any], blocks: str, shell: str) -> dict[
 
 def _mechanism(run: Path, entry: dict[str, Any], record: dict[str, Any]) -> dict[str, Any]:
     """Return what a record says of its mechanism: the macro-elements that move and, of the rigid blocks, the safety check."""
-    if record["status"] not in ("optimal", "converged") or entry["kind"] == "pushover":
+    if record["status"] not in ("optimal", "converged") or entry["kind"] in ("pushover", "curve"):
         return {}
     load = load_of(read_json(run / entry["kind"] / entry["name"] / "settings.json"))
     if entry["kind"] == "limit":
@@ -388,9 +404,10 @@ STAGES: dict[str, Callable[..., None]] = {
     "shell": shell,
     "match": match,
     "rigid": rigid,
+    "curve": curve,
     "limit": limit,
     "pushover": pushover,
     "compare": compare,
     "report": report,
 }
-LONG = frozenset({"contacts", "rigid", "limit", "pushover"})
+LONG = frozenset({"contacts", "rigid", "curve", "limit", "pushover"})

@@ -45,9 +45,19 @@ class Drawing:
 
 
 @dataclass(frozen=True, slots=True)
+class CurveSettings:
+    """The capacity curve of the stones: see `churchpipe.block_pushover`; lengths in m."""
+
+    step: float | None = None
+    steps: int = 400
+    furthest: float | None = None
+    control: tuple[float, ...] | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class RigidSettings:
     """The rigid-block analyses: see `churchpipe.limit_analysis`; contact_gap, contact_angle, overlap: see
-    `churchpipe.find_contacts`, None where the file does not say."""
+    `churchpipe.find_contacts`, None where the file does not say; curve: None where none is asked for."""
 
     flow: tuple[Flow, ...] = ("associative",)
     solver: str = "auto"
@@ -57,6 +67,7 @@ class RigidSettings:
     contact_gap: float | None = None
     contact_angle: float | None = None
     overlap: float | None = None
+    curve: CurveSettings | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -206,6 +217,7 @@ def _case(path: Path, table: dict[str, Any], variant: dict[str, Any], overrides:
             method=rigid.method,
             start=tuple(rigid.start) if rigid.start else None,
             gap_tolerance=rigid.gap_tolerance,
+            curve=CurveSettings(**in_si(rigid.curve.model_dump(exclude_none=True))) if rigid.curve else None,
             **in_si(rigid.model_dump(include={"contact_gap_mm", "contact_angle_deg", "overlap_mm"}, exclude_none=True)),
         ),
         shell=_shell(file, checked),

@@ -16,7 +16,8 @@ class Plan:
     """What a run makes: `index` is the table of contents, the others the settings of each stage by the name of its folder.
 
     geometries: settings of the stones. contacts: the tolerances of their joints that the case gives, by the same names.
-    shells: of the meshes. analyses: of the analyses of both models; `kinds` has the kind of each: "rigid", "limit" or "pushover".
+    shells: of the meshes. analyses: of the analyses of both models; `kinds` has the kind of each: "rigid", "curve", "limit" or
+    "pushover".
     A name is a label, nobody parses it.
     """
 
@@ -60,6 +61,8 @@ def plan(cases: Sequence[Case]) -> Plan:
             for flow in case.rigid.flow:
                 settings = _rigid_settings(case, geometry, load, flow)
                 add("rigid", [load.name, flow], of_stones, settings, geometry=geometry, **check)
+            if case.rigid.curve:
+                add("curve", [load.name, "curve"], of_stones, _curve_settings(case, geometry, load), geometry=geometry)
         if case.shell is None:
             continue
         meshed = {key: value for key, value in case.variant.items() if swept.changes_mesh(key)}
@@ -108,6 +111,12 @@ def _rigid_settings(case: Case, geometry: str, load: LoadCase, flow: str) -> dic
         return settings
     start = {"start": list(case.rigid.start)} if case.rigid.start else {}
     return settings | start | {"method": case.rigid.method, "gap_tolerance": case.rigid.gap_tolerance}
+
+
+def _curve_settings(case: Case, geometry: str, load: LoadCase) -> dict[str, Any]:
+    assert case.rigid.curve is not None
+    settings = {"geometry": geometry, "load": _load_settings(load), "material": _strength(case), "solver": case.rigid.solver}
+    return settings | {key: value for key, value in asdict(case.rigid.curve).items() if value is not None}
 
 
 def _shell_settings(case: Case, mesh: str, load: LoadCase, method: str) -> dict[str, Any]:

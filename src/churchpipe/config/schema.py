@@ -58,6 +58,15 @@ class LoadTable(Section):
     profile: Literal["uniform", "linear"] = "uniform"
 
 
+class CurveTable(Section):
+    """The capacity curve of the stones at large displacements, of each load."""
+
+    step_mm: Positive | None = None
+    steps: Count = 400
+    furthest_mm: Positive | None = None
+    control_mm: Vector | None = None
+
+
 class RigidTable(Section):
     """The rigid-block analyses, and what stones may be apart and still make a joint."""
 
@@ -69,6 +78,7 @@ class RigidTable(Section):
     contact_gap_mm: Positive | None = None
     contact_angle_deg: Annotated[float, Field(gt=0, lt=90)] | None = None
     overlap_mm: Positive | None = None
+    curve: CurveTable | None = None
 
 
 class ShellTable(Section):

@@ -14,6 +14,7 @@ import numpy as np
 from churchpipe.errors import InputError
 from churchpipe.io.atomic import replacing
 from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.block_curve import BlockCapacityCurve, FallenStones
 from churchpipe.model.contacts import Contacts, ContactTolerances, NearMisses
 from churchpipe.model.results import CapacityCurve, CapacityStep, Iteration, LimitState, ShellLimitState, StartRun
 from churchpipe.model.shell import ShellModel
@@ -34,6 +35,7 @@ SCHEMAS: dict[type, str] = {
     ShellModel: "churchpipe shell 1",
     ShellLimitState: "churchpipe shell-limit-state 1",
     CapacityCurve: "churchpipe capacity-curve 1",
+    BlockCapacityCurve: "churchpipe block-capacity-curve 1",
     Absent: "churchpipe absent 1",
 }
 
@@ -44,7 +46,12 @@ def _start_run(start: str, load_factor: float, settled: bool, gap: float, interv
 
 
 # Tuples of small records, by the name of their field, and how each is made of what lies in the file.
-_RECORDS: dict[str, Callable[..., Any]] = {"history": Iteration, "steps": CapacityStep, "starts": _start_run}
+_RECORDS: dict[str, Callable[..., Any]] = {
+    "history": Iteration,
+    "steps": CapacityStep,
+    "starts": _start_run,
+    "fallen": FallenStones,
+}
 
 # Fields that are dataclasses in turn; an array of theirs is stored as "field.name".
 _PARTS: dict[str, type] = {"near_misses": NearMisses, "tolerances": ContactTolerances}
@@ -55,11 +62,12 @@ DAMAGE = (
     *(NotImplementedError, RuntimeError, OverflowError, MemoryError),
 )
 
-Artifact = TypeVar("Artifact", Assemblage, Contacts, LimitState, ShellModel, ShellLimitState, CapacityCurve)
+Artifact = TypeVar("Artifact", Assemblage, Contacts, LimitState, ShellModel, ShellLimitState, CapacityCurve, BlockCapacityCurve)
 
 
 def write_npz(
-    path: str | Path, value: Assemblage | Contacts | LimitState | ShellModel | ShellLimitState | CapacityCurve | Absent
+    path: str | Path,
+    value: Assemblage | Contacts | LimitState | ShellModel | ShellLimitState | CapacityCurve | BlockCapacityCurve | Absent,
 ) -> None:
     """Write an artifact: arrays as arrays, everything else as one JSON text."""
     values = {field.name: getattr(value, field.name) for field in fields(value)}
@@ -69,7 +77,12 @@ def write_npz(
     rest = {name: item for name, item in values.items() if name not in arrays}
     rest |= {name: [astuple(record) for record in rest[name]] for name in _RECORDS if name in rest}
     with replacing(path) as part, part.open("wb") as file:
-        np.savez_compressed(file, schema=SCHEMAS[type(value)], fields=json.dumps(rest, default=np.generic.item), **arrays)
+        np.savez_compressed(file, schema=SCHEMAS[type(value)], fields=json.dumps(rest, default=_plain), **arrays)
+
+
+def _plain(value: Any) -> Any:
+    """Return a number or an array of NumPy as JSON has it."""
+    return value.tolist()
 
 
 def read_npz(path: str | Path, kind: type[Artifact]) -> Artifact:

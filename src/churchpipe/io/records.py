@@ -11,6 +11,7 @@ from churchpipe.errors import InputError
 from churchpipe.io.atomic import write_json
 from churchpipe.io.tables import read_json
 from churchpipe.model.arguments import finite, one_of, text
+from churchpipe.model.block_curve import CURVE_STATUSES, BlockCapacityCurve
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
 from churchpipe.model.names import RIGID_BLOCKS, SHELL, Planes, ShellMethod
@@ -149,19 +150,67 @@ class ShellRecord:
 
 
 @dataclass(frozen=True, slots=True)
+class BlockPath:
+    """The path of a capacity curve of the stones: see `BlockCapacityCurve`.
+
+    largest: m, of all displacements; fallen: number of stones; gap: the median over the steps.
+    """
+
+    ending: str
+    d0: float
+    displacement: tuple[float, ...]
+    load_factors: tuple[float, ...]
+    largest: float
+    fallen: int
+    gap: float
+
+    def __post_init__(self) -> None:
+        one_of("record: ending", self.ending, *CURVE_STATUSES)
+        if len(self.displacement) != len(self.load_factors):
+            counts = f"{len(self.displacement)} and {len(self.load_factors)}"
+            raise InputError("record: path", "displacements without load factors", found=counts, expected="as many of each")
+
+
+@dataclass(frozen=True, slots=True)
+class BlockCurveRecord:
+    """A capacity curve of the stones."""
+
+    question: Question
+    outcome: Outcome
+    path: BlockPath
+
+    def as_words(self) -> dict[str, Any]:
+        """Return the record of summary.json."""
+        words = {"model": RIGID_BLOCKS, "method": "curve", **self.question.as_words(), **_ending(self.outcome, "cone_violation")}
+        for key in ("lower_bound", "upper_bound", "solver", "iterations"):
+            del words[key]
+        return words | {
+            "ending": self.path.ending,
+            "d0_m": self.path.d0,
+            "displacement_m": list(self.path.displacement),
+            "load_factors": list(self.path.load_factors),
+            "largest_displacement_m": self.path.largest,
+            "fallen_stones": self.path.fallen,
+            "gap": self.path.gap,
+            "steps": len(self.path.displacement),
+        }
+
+
+@dataclass(frozen=True, slots=True)
 class LeftOut:
     """Stands for an analysis that was not made, and says why."""
 
     reason: str
 
 
-Record = RigidRecord | ShellRecord | LeftOut
+Record = RigidRecord | BlockCurveRecord | ShellRecord | LeftOut
 _SCHEMAS: dict[str, type[Any]] = {
     "churchpipe rigid-record 1": RigidRecord,
+    "churchpipe block-curve-record 1": BlockCurveRecord,
     "churchpipe shell-record 1": ShellRecord,
     "churchpipe left-out 1": LeftOut,
 }
-_PARTS = {"question": Question, "outcome": Outcome, "sliding": Sliding, "curve": Curve}
+_PARTS = {"question": Question, "outcome": Outcome, "sliding": Sliding, "curve": Curve, "path": BlockPath}
 
 
 def write_record(path: str | Path, record: Record) -> None:
@@ -227,6 +276,35 @@ def record_of(state: LimitState, load: LoadCase, materials: Sequence[Material]) 
         history = tuple(step.load_factor for step in state.history)
         sliding = Sliding(state.gap, state.interval, state.friction_violation, state.fixed_points, history)
     return RigidRecord(question_of(load, materials), outcome, state.flow, sliding)
+
+
+def curve_record_of(curve: BlockCapacityCurve, load: LoadCase, materials: Sequence[Material]) -> BlockCurveRecord:
+    """Return the record of a capacity curve of the stones; its load factor is that which starts the motion.
+
+    status: "converged" when all of its steps are proved, however it ends: `ending`.
+    """
+    lost = "cohesion, which opening joints lose, is left out" if any(material.cohesion for material in materials) else ""
+    status: Status = "converged" if curve.proved and curve.status != "not-converged" else "not-converged"
+    if curve.status in ("unstable", "failed") or (curve.status == "unbounded" and not len(curve.displacement)):
+        status = curve.status
+    outcome = Outcome(
+        status,
+        load_factor=curve.initial,
+        equilibrium_residual=float(curve.residual.max(initial=0.0)),
+        violation=float(curve.violation.max(initial=0.0)),
+        seconds=curve.seconds,
+        message="; ".join(said for said in (curve.message, lost) if said),
+    )
+    path = BlockPath(
+        ending=curve.status,
+        d0=curve.d0,
+        displacement=tuple(curve.displacement.tolist()),
+        load_factors=tuple(curve.load_factor.tolist()),
+        largest=float(curve.largest.max(initial=0.0)),
+        fallen=sum(len(part.stones) for part in curve.fallen),
+        gap=float(np.median(curve.gap)) if len(curve.gap) else np.nan,
+    )
+    return BlockCurveRecord(question_of(load, materials), outcome, path)
 
 
 def shell_record_of(

@@ -75,6 +75,12 @@ class BlockCapacityCurve:
             store(self, **{name: floats(f"BlockCapacityCurve.{name}", getattr(self, name), (steps, None, 3))})
 
     @property
+    def proved(self) -> bool:
+        """True when the forces of every step balance to 1e-8 of the weight, keep to their cones and bound its program to 1e-4."""
+        worst = (errors.max(initial=0.0) for errors in (self.residual, self.violation, 1e-4 * self.bound_gap))
+        return all(float(error) < 1e-8 for error in worst)
+
+    @property
     def initial(self) -> float:
         """The load factor that starts the motion, NaN where nothing was found."""
         return float(self.load_factor[0]) if len(self.load_factor) else float("nan")

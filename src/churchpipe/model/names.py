@@ -9,7 +9,7 @@ Planes = Literal["paper", "paper+torsion", "cell"]
 RIGID_BLOCKS: Model = "rigid-block"
 SHELL: Model = "homogenised-shell"
 MODELS: dict[str, str] = {RIGID_BLOCKS: "rigid blocks", SHELL: "shell"}
-METHODS: dict[str, str] = {"limit": "limit load", "pushover": "capacity curve"}
+METHODS: dict[str, str] = {"limit": "limit load", "pushover": "capacity curve", "curve": "capacity curve of the stones"}
 
 # Strength of the shell unless a case or a caller says otherwise: the exact one.
 STRENGTH: Planes = "cell"

@@ -1,0 +1,122 @@
+"""Capacity curves in a case: settings, artifact, record."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import churchpipe as cp
+from churchpipe import compare
+from churchpipe.config.plan import plan
+from churchpipe.errors import InputError
+from churchpipe.io.npz import read_npz, write_npz
+from churchpipe.io.records import curve_record_of
+from churchpipe.model.block_curve import BlockCapacityCurve, FallenStones
+from churchpipe.report.block_curves import block_curve_plots
+from solids import box, on_ground
+
+CASE = """
+name = "pier"
+[source]
+generator = "wall"
+length_mm = 600
+height_mm = 1800
+thickness_mm = 300
+brick_mm = [600, 300, 300]
+[material.default]
+unit_weight_kN_m3 = 18
+friction = 0.6
+[[load]]
+direction = [0, 1, 0]
+"""
+PUSH = cp.LoadCase((1, 0, 0))
+DRY = cp.Material("default", 18e3, 0.6)
+
+
+@pytest.fixture(scope="module")
+def curve() -> BlockCapacityCurve:
+    stones = on_ground(box((0, 0.5), (0, 1), (0, 2)))
+    return cp.block_pushover(stones, cp.find_contacts(stones), PUSH, 0.6, step=0.05)
+
+
+def read(tmp_path: Path, more: str) -> cp.config.Case:
+    path = tmp_path / "case.toml"
+    path.write_text(CASE + more, encoding="utf-8")
+    return cp.read_case(path)
+
+
+def test_a_case_asks_for_a_curve_of_each_load(tmp_path: Path) -> None:
+    case = read(tmp_path, "[rigid.curve]\nstep_mm = 20\ncontrol_mm = [0, 0, 1800]\n[[load]]\ndirection = [0, -1, 0]\n")
+    todo = plan([case])
+    assert [(entry["kind"], entry["name"]) for entry in todo.index["analyses"] if entry["kind"] == "curve"] == [
+        ("curve", "+y_curve"),
+        ("curve", "-y_curve"),
+    ]
+    settings = todo.analyses["+y_curve"]
+    assert (settings["step"], settings["steps"], settings["control"]) == (0.02, 400, (0.0, 0.0, 1.8))
+    assert "furthest" not in settings
+    assert not any(entry["kind"] == "curve" for entry in plan([read(tmp_path, "")]).index["analyses"])
+
+
+@pytest.mark.parametrize(
+    ("lines", "said"),
+    [("step_mm = 0", "rigid.curve.step_mm"), ("stpes = 3", "steps"), ("control_mm = [0, 0]", "rigid.curve.control_mm")],
+)
+def test_bad_keys(tmp_path: Path, lines: str, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        read(tmp_path, f"[rigid.curve]\n{lines}\n")
+
+
+def test_the_artifact_comes_back(tmp_path: Path, curve: BlockCapacityCurve) -> None:
+    whole = replace(curve, fallen=(FallenStones(0.1, np.array([1])),))
+    write_npz(tmp_path / "curve.npz", whole)
+    again = read_npz(tmp_path / "curve.npz", BlockCapacityCurve)
+    assert (again.status, again.d0, len(again.fallen)) == (curve.status, curve.d0, 1)
+    assert again.fallen[0].stones.tolist() == [1]
+    assert np.array_equal(again.position, curve.position)
+
+
+def test_the_record(curve: BlockCapacityCurve) -> None:
+    record = curve_record_of(curve, PUSH, [DRY]).as_words()
+    assert (record["model"], record["method"], record["status"], record["ending"]) == (
+        "rigid-block",
+        "curve",
+        "converged",
+        "vanished",
+    )
+    assert record["d0_m"] == pytest.approx(0.25, abs=1e-6)
+    assert record["load_factor"] == pytest.approx(0.25, abs=1e-6)
+    assert curve_record_of(curve, PUSH, [cp.Material("default", 18e3, 0.6, 1e3)]).outcome.message.startswith("cohesion")
+    # A step that is not proved, and stones that do not stand, are bad news.
+    doubtful = replace(curve, residual=curve.residual + 1e-3)
+    assert curve_record_of(doubtful, PUSH, [DRY]).outcome.status == "not-converged"
+    fallen = on_ground(box((0, 1), (0, 1), (0, 1)), box((0.6, 1.6), (0, 1), (1, 2)))
+    unstable = curve_record_of(cp.block_pushover(fallen, cp.find_contacts(fallen), PUSH), PUSH, [DRY])
+    assert unstable.outcome.status not in compare.GOOD
+
+
+def test_the_report_shows_each_load_once(curve: BlockCapacityCurve) -> None:
+    record = curve_record_of(curve, PUSH, [DRY]).as_words()
+    other = record | {"variant": {"material.default.friction": 0.5}, "d0_m": None, "ending": "unfinished", "fallen_stones": 3}
+    ((load, plot, sentences),) = block_curve_plots([record, other, {"method": "limit"}], None)
+    assert load == "+x"
+    assert plot.lstrip().startswith("<")
+    assert (
+        sentences[0]
+        == "friction 0.6: it starts at a load factor of 0.2500 and ends at 250 mm, where the load factor has vanished."
+    )
+    assert sentences[1].startswith("friction = 0.5")
+    assert sentences[1].endswith("not followed further; 3 stones have fallen on the way.")
+    assert block_curve_plots([record], "other") == []
+
+
+def test_curves_take_no_part_in_the_advice_nor_in_the_comparison(curve: BlockCapacityCurve) -> None:
+    record = curve_record_of(curve, PUSH, [DRY]).as_words() | {"name": "a", "variant": {}}
+    shell = record | {"name": "s", "model": "homogenised-shell", "method": "limit"}
+    assert compare.guidance([record, record | {"method": "curve", "load_factor": 0.1}]) == []
+    entries = [
+        {"name": "a", "kind": "curve", "geometry": "base", "variant": {}},
+        {"name": "s", "kind": "limit", "geometry": "base", "variant": {}, "shell": "base"},
+    ]
+    assert compare.pairs(entries, [record, shell]) == []
