@@ -135,11 +135,12 @@ def pairs(entries: Sequence[Mapping[str, Any]], records: Sequence[Mapping[str, A
 
     entries: those of the plan. Each pair: load, name of either analysis by model, and "ratio", shell over rigid blocks.
     """
-    known = {record["name"]: record for record in records if _is_number(record.get("load_factor"))}
+    comparable = [record for record in records if record.get("method") != "curve"]
+    known = {record["name"]: record for record in comparable if _is_number(record.get("load_factor"))}
     mine = [entry for entry in entries if entry["name"] in known]
     found: list[dict[str, Any]] = []
     for shell in (entry for entry in mine if "shell" in entry):
-        for blocks in (entry for entry in mine if "shell" not in entry and entry["kind"] != "curve"):
+        for blocks in (entry for entry in mine if "shell" not in entry):
             names = (blocks["name"], shell["name"])
             of_blocks, of_shell = (known[name] for name in names)
             if _question(blocks, of_blocks) == _question(shell, of_shell):
