@@ -5,6 +5,7 @@ solver (unstable, not converged, failed; the report is written all the same).
 """
 
 import importlib.metadata
+import json
 import os
 import signal
 import sys
@@ -228,7 +229,10 @@ def check(
         Path | None, typer.Option("--out", "-o", help="Folder for findings.json and findings.dxf.", show_default=False)
     ] = None,
 ) -> None:
-    """List all findings in a drawing, and stones that float or overlap. Exit code 1 when there are errors."""
+    """List all findings in a drawing, and stones that float or overlap; or what is wrong with a case. Exit code 1 for errors."""
+    if drawing.suffix.lower() == ".toml":
+        _check_case(drawing)
+        return
     from churchpipe.findings import FindingsError
     from churchpipe.importing import check_drawing, parse_length, record_findings
 
@@ -279,10 +283,24 @@ def generate(
         return
     if case.exists():
         raise UsageError(str(case), "exists already", remedy="Choose another name, or delete it first.")
+    from churchpipe.config.json_schema import FILE_NAME, REFERENCE, case_schema
     from churchpipe.io.atomic import write_text
 
-    write_text(case, text)
+    write_text(case, REFERENCE + text)
+    write_text(case.with_name(FILE_NAME), json.dumps(case_schema(), indent=1) + "\n")
     out.print(f"{case}: edit it, then churchpipe run {case}", soft_wrap=True)
+
+
+@app.command()
+def schema(
+    markdown: Annotated[bool, typer.Option("--markdown", help="The same as a page to read (docs/reference_case.md).")] = False,
+) -> None:
+    """Print the JSON schema of the case file, by which editors complete and check it."""
+    from churchpipe.config.json_schema import case_schema
+    from churchpipe.config.reference import reference_page
+
+    text = reference_page() if markdown else json.dumps(case_schema(), indent=1) + "\n"
+    out.print(text, markup=False, end="", soft_wrap=True)
 
 
 @app.command()
@@ -308,6 +326,23 @@ def stage(name: str, label: str, paths: list[Path]) -> None:
     takes_progress = name in stages.LONG
     code = Reporter(name, label, sys.stderr).run(stages.STAGES[name], *paths, takes_progress=takes_progress)
     raise typer.Exit(code)
+
+
+def _check_case(path: Path) -> None:
+    from churchpipe.config import Generated, read_variants
+    from churchpipe.config.plan import plan
+
+    variants = read_variants(path)
+    for case in variants:
+        if isinstance(case.source, Generated):
+            case.building()
+        elif not case.source.path.is_file():
+            raise InputError(f"{path}: source.dxf", "no such drawing", found=case.source.path)
+    todo = plan(variants)
+    counts = ((todo.geometries, "structures"), (todo.shells, "meshes"), (todo.analyses, "analyses"))
+    out.print(f"{path}: {', '.join(f'{len(made)} {name}' for made, name in counts if made)}.", markup=False, soft_wrap=True)
+    for question in todo.index["questions"]:
+        err.print(question, markup=False, soft_wrap=True)
 
 
 def _print_results(summary: dict[str, Any]) -> None:

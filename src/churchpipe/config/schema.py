@@ -73,7 +73,9 @@ class RigidTable(Section):
     flow: list[Flow] = Field(default_factory=lambda: ["associative"], min_length=1)
     solver: Annotated[str, AfterValidator(_known_solver)] = "auto"
     method: Literal["default", "paper"] = "default"
-    start: Annotated[list[Start], Field(min_length=1), BeforeValidator(_listed)] | None = None
+    start: (
+        Annotated[list[Start], Field(min_length=1), BeforeValidator(_listed, json_schema_input_type=list[Start] | Start)] | None
+    ) = None
     gap_tolerance: Annotated[float, Field(gt=0, lt=1)] = 1e-5
     contact_gap_mm: Positive | None = None
     contact_angle_deg: Annotated[float, Field(gt=0, lt=90)] | None = None

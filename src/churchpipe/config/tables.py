@@ -52,8 +52,11 @@ def _either(options: Sequence[Any]) -> tuple[Any, str]:
     """A thing, a mapping of its fields or nothing; or one of a kind or several."""
     kinds = [option for option in options if option is not NoneType and get_origin(option) is not Mapping]
     annotation, suffix = _written(kinds[-1])
-    several: Any = Annotated[annotation, BeforeValidator(_listed)] if len(kinds) == 2 else annotation
-    return (several | None if NoneType in options else several), suffix
+    if len(kinds) == 2:
+        either: Any = annotation | _written(kinds[0])[0]
+        annotation = Annotated[annotation, BeforeValidator(_listed, json_schema_input_type=either)]
+    optional: Any = annotation
+    return (optional | None if NoneType in options else annotation), suffix
 
 
 def _number(kind: type, quantity: Quantity) -> Any:
