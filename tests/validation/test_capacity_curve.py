@@ -251,7 +251,7 @@ def _thrust_line(stones: Assemblage, curve: BlockCapacityCurve, step: int, close
     return float(found.x[-1]) if found.status == 0 else float("nan")
 
 
-@pytest.mark.slow
+@pytest.mark.slow("docs/validation.md: S22 without dilatancy")
 @pytest.mark.parametrize(("step", "d0"), [(0.004, 0.0202), (0.002, 0.0202)])
 def test_s22(step: float, d0: float) -> None:
     stones, contacts = model("S22")

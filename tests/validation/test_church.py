@@ -29,7 +29,7 @@ def laid(name: str) -> tuple[cp.Assemblage, cp.Contacts]:
     return stones, cp.find_contacts(stones)
 
 
-@pytest.mark.slow
+@pytest.mark.slow("docs/church.md: Load factors, associative", "README.md: the church")
 @pytest.mark.parametrize(
     ("name", "load", "expected", "ours"),
     [
@@ -53,7 +53,7 @@ def test_load_factors(name: str, load: cp.LoadCase, expected: float, ours: float
 
 
 # Load factor from the canonical start, as docs/church.md gives it.
-@pytest.mark.slow
+@pytest.mark.slow("docs/church.md: Sliding without dilatancy")
 @pytest.mark.parametrize(
     ("load", "load_factor"),
     [

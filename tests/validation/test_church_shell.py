@@ -23,7 +23,7 @@ def meshed() -> tuple[cp.ShellModel, Case]:
     return cp.derive_shell(case.building(), element_size=1.0), case
 
 
-@pytest.mark.slow
+@pytest.mark.slow("docs/shell.md: The church")
 @pytest.mark.parametrize(
     ("name", "planes", "ours", "blocks"),
     [
@@ -43,7 +43,7 @@ def test_limit_loads(name: str, planes: str, ours: float, blocks: float) -> None
     assert 0.75 * blocks < state.load_factor < blocks
 
 
-@pytest.mark.slow
+@pytest.mark.slow("docs/shell.md: The church")
 def test_without_a_bound_on_the_twisting_moment_the_mechanism_along_x_is_missed() -> None:
     # .30 instead of .20: the side wall, held by the triumphal wall and dragged along by the facade, has to warp.
     shell, case = meshed()

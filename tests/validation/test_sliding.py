@@ -52,7 +52,7 @@ def test_canonical_start(test: str, first_course: str, reference: float, program
     assert cone_violation(run.x, strength) < 1e-8
 
 
-@pytest.mark.slow
+@pytest.mark.slow("docs/validation.md: both starts of S5")
 @pytest.mark.parametrize(("first_course", "reference"), [("main", 0.38644), ("partitions", 0.38969)])
 def test_both_starts_of_s5(first_course: str, reference: float) -> None:
     stones, contacts = model("S5", first_course=first_course)
