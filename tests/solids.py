@@ -30,14 +30,17 @@ def on_ground(*free: Polyhedron, unit_weight: float = 18e3, reach: float = 50.0)
     return Assemblage.from_polyhedra([plate, *free], unit_weight, fixed=[0])
 
 
-def moved(stones: Assemblage, rotation: FloatArray, shift: FloatArray, scale: float = 1.0) -> Assemblage:
-    """The same stones rotated, shifted and scaled."""
+def moved(
+    stones: Assemblage, rotation: FloatArray, shift: FloatArray, scale: float = 1.0, order: Sequence[int] | None = None
+) -> Assemblage:
+    """The same stones rotated, shifted and scaled, in the same order or another."""
     polyhedra = []
-    for i in range(stones.count):
+    chosen = np.arange(stones.count) if order is None else np.asarray(order)
+    for i in chosen:
         start, stop = stones.block_point_ptr[i : i + 2]
         faces = [
             (stones.face_nodes[stones.face_ptr[f] : stones.face_ptr[f + 1]] - start).tolist()
             for f in range(*stones.block_face_ptr[i : i + 2])
         ]
         polyhedra.append((scale * stones.points[start:stop] @ rotation.T + shift, faces))
-    return Assemblage.from_polyhedra(polyhedra, stones.unit_weight, np.flatnonzero(stones.fixed).tolist())
+    return Assemblage.from_polyhedra(polyhedra, stones.unit_weight[chosen], np.flatnonzero(stones.fixed[chosen]).tolist())

@@ -21,6 +21,8 @@ from churchpipe.rigid_blocks.equilibrium import Equilibrium
 
 # Error of programs whose forces or velocities are wanted as good as they come.
 EXACT = 1e-7
+# Shear beyond its limit, over the largest limit or load, with which P(n) is tried in turn.
+_SLACK = (0.0, 1e-6, 1e-4, 1e-2)
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +57,9 @@ def sliding_velocities(
 ) -> FloatArray | None:
     """Return the velocities (6 nf,) of P(n), or None when it is not solved.
 
+    Forces that hardly carry the dead load leave P(n) without an interior, or without forces at all. Shear may then exceed its
+    limit by `_SLACK` of the largest: velocities are velocities, and the gap is computed from the arrays.
+
     stressed: excess (nc,) >= 0 and forces x (nc, 3): what x adds to the gap at each point counts `excess` times more. It is
     linear in the openings and the slip, so that the program is P with a larger limit and another dead load.
     """
@@ -66,19 +71,20 @@ def sliding_velocities(
             constant=program.constant - balance.matrix @ (excess[:, None] * x).ravel(),
             limit=program.limit + excess * (strength.friction * np.maximum(x[:, 0], 0.0) + strength.cohesion),
         )
-    answer = solve(program, error=error)
-    return answer.y if answer.outcome == "solved" else None
+    size = max(float(program.limit.max(initial=0.0)), program.force)
+    for slack in _SLACK:
+        answer = solve(replace(program, limit=program.limit + slack * size), error=error)
+        if answer.outcome == "solved":
+            return answer.y
+    return None
 
 
 def coulomb_state(
     balance: Equilibrium, strength: Strength, x: FloatArray, load_factor: float, solve: Solve
 ) -> CoulombState | None:
     """Return the Coulomb state of forces x (nc, 3) with the velocities that fit them best, or None when P(n) is not solved."""
-    limit = strength.friction * np.maximum(x[:, 0], 0.0) + strength.cohesion
-    answer = solve(sliding_program(balance, limit), error=EXACT)
-    if answer.outcome != "solved":
-        return None
-    return CoulombState(x=x, load_factor=load_factor, y=answer.y, gap=bipotential_gap(balance, strength, x, answer.y))
+    y = sliding_velocities(balance, strength, np.maximum(x[:, 0], 0.0), solve)
+    return None if y is None else CoulombState(x, load_factor, y, bipotential_gap(balance, strength, x, y))
 
 
 def bipotential_gap(balance: Equilibrium, strength: Strength, x: FloatArray, y: FloatArray) -> float:
@@ -125,7 +131,9 @@ def nearest_forces(
     shear = strength.friction * n
     rate = (balance.matrix.T @ y).reshape(-1, 3)
     slip = np.hypot(rate[:, 1], rate[:, 2])
-    curvature = nearness / (len(n) * max(float(shear.mean()), 1e-12) ** 2) * strength.friction**2
+    curvature = (
+        nearness / (len(n) * max(float(shear.mean()), 1e-3 * float(np.abs(balance.dead).max())) ** 2) * strength.friction**2
+    )
     opened = 0.0 if excess is None else excess * np.maximum(rate[:, 0], 0.0)
     program = ConeProgram(
         balance=balance.matrix,

@@ -36,6 +36,10 @@ class Equilibrium:
         out[:, 3:] /= self.length
         return out
 
+    def multipliers(self, velocities: FloatArray) -> FloatArray:
+        """Return the multipliers (6 nf,) of velocities (nb, 6): the inverse of `velocities`."""
+        return (velocities[self.free] * np.repeat([1.0, self.length], 3)).ravel()
+
 
 def equilibrium(stones: Assemblage, contacts: Contacts, load: LoadCase) -> Equilibrium:
     """Return the scaled balance of an assemblage under a load case.

@@ -49,7 +49,8 @@ class SchemeSettings:
 
     stage_a, stage_b: steps of each, at most. violation, settled: stage A ends when no more than this share of the friction is
     overdrawn, or when the load factor changes by no more than this share. weight_a, weight_b: proximal weights; that of stage
-    B is at most `nearness` times the gap. cohesion: fictitious, in stage A, over the largest normal force.
+    B is at most `nearness` times the gap. cohesion: fictitious, in stage A, over the largest normal force; more_cohesion: over
+    the largest load, tried in turn where the start carries too little of the dead load.
     momentum: share of its last step that stage B goes on by, at most.
     slow: a weighted gap above this share of the last one is slow; lost: one above so many times the least is not gone on from.
     blamed: the points that add more than this share to a gap that is stuck count `stress` times more from then on.
@@ -67,6 +68,7 @@ class SchemeSettings:
     weight_b: float = 0.003
     nearness: float = 5.0
     cohesion: float = 1e-5
+    more_cohesion: tuple[float, ...] = (1e-3, 1e-1)
     momentum: float = 0.6
     slow: float = 0.9
     lost: float = 1.5
@@ -276,11 +278,14 @@ def _stage_a(
 ) -> tuple[FloatArray, Iteration] | None:
     mu = strength.friction
     shear = mu * n
-    mean = max(float(shear.mean()), 1e-12)
+    load = float(np.abs(balance.dead).max())
+    mean = max(float(shear.mean()), 1e-3 * load)
     curvature = settings.weight_a / (len(n) * mean * (shear + 0.1 * mean)) * mu**2
-    limit = shear + strength.cohesion + settings.cohesion * float(shear.max())
-    program = ConeProgram(balance.matrix, balance.dead, balance.live, limit, np.zeros_like(n), -curvature * n, curvature)
-    answer = solve(program, error=settings.roughest)
-    if answer.outcome != "solved":
-        return None
-    return np.maximum(answer.x[:, 0], 0.0), Iteration(answer.tau, friction_violation(strength, answer.x))
+    zero = np.zeros_like(n)
+    for cohesion in (settings.cohesion * float(shear.max()), *(load * share for share in settings.more_cohesion)):
+        limit = shear + strength.cohesion + cohesion
+        program = ConeProgram(balance.matrix, balance.dead, balance.live, limit, zero, -curvature * n, curvature)
+        answer = solve(program, error=settings.roughest)
+        if answer.outcome == "solved":
+            return np.maximum(answer.x[:, 0], 0.0), Iteration(answer.tau, friction_violation(strength, answer.x))
+    return None

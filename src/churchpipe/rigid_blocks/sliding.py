@@ -10,11 +10,13 @@ from churchpipe.conic.solve import Solve
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import finite, listed
 from churchpipe.model.arrays import FloatArray
-from churchpipe.model.results import LimitState, StartRun
+from churchpipe.model.results import Iteration, LimitState, StartRun
 from churchpipe.rigid_blocks.certificate import Strength, cone_violation
 from churchpipe.rigid_blocks.coulomb import (
     CoulombState,
     admissible,
+    bipotential_gap,
+    coulomb_state,
     coulomb_step,
     dead_load_start,
     friction_violation,
@@ -102,13 +104,28 @@ def sliding_analysis(
             found += runs
             ends.append((_start_run(start, run, balance, strength, state, solve), run, state))
     if not found:
-        return _nothing(associative)
+        if associative.status != "optimal":
+            return _nothing(associative)
+        # The associative forces are within friction as well: an estimate from above, with the gap that it leaves.
+        last = _associative_run(balance, strength, associative, solve)
+        state = _certificate(balance, strength, last, "default", solve)
+        found.append(last)
+        ends.append((_start_run("associative", last, balance, strength, state, solve), last, state))
     if options.method == "default":
         # The first start is the headline unless only another one was certified.
         chosen = next((end for end in ends if end[0].settled), ends[0])
     else:
         chosen = min(ends, key=lambda end: (not end[0].settled, end[0].load_factor))
     return _state(balance, strength, associative, chosen, [end[0] for end in ends], found)
+
+
+def _associative_run(balance: Equilibrium, strength: Strength, associative: LimitState, solve: Solve) -> SlidingRun:
+    """Return the associative forces as a run without a step, with the velocities that fit them best, or their own."""
+    x, load_factor = associative.forces / balance.force, associative.load_factor
+    state = coulomb_state(balance, strength, x, load_factor, solve)
+    y = balance.multipliers(associative.velocities) if state is None else state.y
+    gap = bipotential_gap(balance, strength, x, y)
+    return SlidingRun(x, load_factor, load_factor, y, False, (Iteration(load_factor, 0.0, gap / load_factor),), gap)
 
 
 def _first_forces(start: Start, normal: FloatArray, balance: Equilibrium) -> FloatArray:
@@ -199,6 +216,8 @@ def _cost(found: list[SlidingRun], associative: int) -> str:
 
 
 def _why(chosen: SlidingRun, certified: CoulombState | None, violation: float) -> str:
+    if not chosen.solves:
+        return f"no start gave a feasible step; the associative forces, with gap g {chosen.gap:.1e}, are an estimate from above"
     settled = "the iteration settled" if chosen.settled else "the iteration did not settle"
     if certified is None:
         return f"{settled}; no forces within friction were found near its last iterate"

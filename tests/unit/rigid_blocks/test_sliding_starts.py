@@ -1,0 +1,81 @@
+"""Where the search without dilatancy begins from forces that carry nothing, and where no start leads anywhere."""
+
+import numpy as np
+import pytest
+
+from churchpipe.conic.program import ConeProgram, ConeSolution
+from churchpipe.conic.solve import Proves, Solve, solver_for
+from churchpipe.model.contacts import Contacts
+from churchpipe.model.loads import LoadCase
+from churchpipe.rigid_blocks.certificate import Strength
+from churchpipe.rigid_blocks.coulomb import dead_load_start
+from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
+from churchpipe.rigid_blocks.iterations import certified_iteration
+from churchpipe.rigid_blocks.limit import associative_state, point_strength
+from churchpipe.rigid_blocks.sliding import SlidingOptions, sliding_analysis
+from churchpipe.stones.contacts import find_contacts
+from solids import box, moved, on_ground
+
+PUSH = LoadCase((1, 0, 0))
+
+
+def wall() -> tuple[Equilibrium, Strength, Contacts]:
+    stones = on_ground(
+        *(box((i + s, i + 1 + s), (0, 0.5), (z, z + 0.4)) for z, s in ((0, 0), (0.4, 0.5), (0.8, 0)) for i in range(3))
+    )
+    contacts = find_contacts(stones)
+    balance = equilibrium(stones, contacts, PUSH)
+    return balance, point_strength(contacts, 0.6, 0.0, balance.force), contacts
+
+
+@pytest.mark.parametrize("share", [0.0, 1e-3])
+def test_a_start_that_carries_nothing_finds_its_way(share: float) -> None:
+    balance, strength, contacts = wall()
+    n = np.full(len(contacts.point), share / len(contacts.point))
+    run = certified_iteration(balance, strength, n, solver_for(balance.matrix))
+    assert run is not None
+    assert run.settled
+    assert run.gap <= 1e-5 * run.load_factor
+
+
+class OnlyAssociative:
+    """A solver that fails wherever shear is limited whatever the normal force."""
+
+    def __init__(self, solve: Solve) -> None:
+        self._solve = solve
+
+    def __call__(self, program: ConeProgram, /, *, error: float | None = None, proves: Proves | None = None) -> ConeSolution:
+        if not program.slope.any() and program.limit.any():
+            nothing = np.full((program.points, 3), np.nan)
+            return ConeSolution(nothing, np.nan, np.full(len(program.constant), np.nan), "failed", 0, 0.0, "test")
+        return self._solve(program, error=error, proves=proves)
+
+
+def test_where_no_start_leads_anywhere_the_associative_forces_are_told() -> None:
+    balance, strength, _ = wall()
+    solve = OnlyAssociative(solver_for(balance.matrix))
+    associative = associative_state(balance, strength, solve, 0.0)
+    state = sliding_analysis(balance, strength, associative, SlidingOptions(), solve)
+    assert state.status == "not-converged"
+    assert state.load_factor == pytest.approx(associative.load_factor)
+    assert 0 < state.gap < np.inf
+    assert state.interval[0] <= state.load_factor <= state.interval[1]
+    assert "no start gave a feasible step" in state.message
+    assert state.equilibrium_residual < 1e-8
+
+
+@pytest.mark.parametrize("kind", ["turned", "shuffled", "thin", "enlarged"])
+def test_the_canonical_start_is_the_same_for_equal_models(kind: str) -> None:
+    """The least-squares dead-load forces of the points at one edge of a joint, sorted: to 1e-8 of the largest."""
+    bodies = [box((i + s, i + 1 + s), (0, 0.5), (z, z + 0.4)) for z, s in ((0, 0), (0.4, 0.4), (0.8, 0.1)) for i in range(3)]
+    stones, straight, still = on_ground(*bodies), np.eye(3), np.zeros(3)
+    turn = np.array([[np.cos(0.3), -np.sin(0.3), 0.0], [np.sin(0.3), np.cos(0.3), 0.0], [0.0, 0.0, 1.0]])
+    order = np.random.default_rng(3).permutation(stones.count).tolist()
+    same = {
+        "turned": moved(stones, turn, still),
+        "shuffled": moved(stones, straight, still, order=order),
+        "thin": moved(stones, np.diag([1.0, 0.2, 1.0]), still),
+        "enlarged": moved(stones, straight, still, 3.7),
+    }[kind]
+    first, second = (np.sort(dead_load_start(equilibrium(each, find_contacts(each), PUSH))) for each in (stones, same))
+    np.testing.assert_allclose(second, first, rtol=0, atol=1e-8 * first.max())
