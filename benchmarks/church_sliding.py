@@ -16,7 +16,7 @@ from church import LOADS
 import churchpipe as cp
 from churchpipe.conic.polish import restore_balance
 from churchpipe.conic.program import ConeProgram, ConeSolution
-from churchpipe.conic.solve import Solve, solver_for
+from churchpipe.conic.solve import Proves, Solve, solver_for
 from churchpipe.rigid_blocks.coulomb import CoulombState, dead_load_start
 from churchpipe.rigid_blocks.equilibrium import equilibrium
 from churchpipe.rigid_blocks.interval import mechanism_interval
@@ -30,11 +30,11 @@ def within(solve: Solve, seconds: float) -> Solve:
     """Return a solver that fails once so much processor time has been spent: the iteration then ends with what it has."""
     begin = process_time()
 
-    def limited(program: ConeProgram, /, *, error: float | None = None) -> ConeSolution:
+    def limited(program: ConeProgram, /, *, duality_gap: float | None = None, proves: Proves | None = None) -> ConeSolution:
         if process_time() - begin > seconds:
             forces, rates = np.full((program.points, 3), np.nan), np.full(len(program.constant), np.nan)
             return ConeSolution(forces, np.nan, rates, "failed", 0, 0.0, "", "out of time")
-        return solve(program, error=error)
+        return solve(program, duality_gap=duality_gap, proves=proves)
 
     return limited
 

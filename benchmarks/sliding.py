@@ -43,7 +43,7 @@ def main() -> None:
         balance, strength = problem(name)
         solve = solver_for(balance.matrix)
         # Solved like the programs of the scheme, so that iterations of one kind are compared.
-        associative = solve(associative_program(balance, strength), error=EXACT)
+        associative = solve(associative_program(balance, strength), duality_gap=EXACT)
         begin = process_time()
         run = certified_iteration(balance, strength, dead_load_start(balance), solve, SchemeSettings(gap=arguments.gap))
         seconds = process_time() - begin

@@ -237,7 +237,7 @@ def rigid(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
     stones, joints = read_npz(assemblage, Assemblage), read_npz(contacts, Contacts)
     load, materials = load_of(table), materials_of(table)
     friction, cohesion = joint_strength(stones, joints, materials)
-    options = {key: table[key] for key in ("flow", "solver", "method", "start", "gap_tolerance") if key in table}
+    options = {key: table[key] for key in ("flow", "solver", "method", "start", "bipotential_gap") if key in table}
     used = set(stones.material[~stones.fixed].tolist())
     found = limit_analysis(stones, joints, load, friction, cohesion, **options, progress=progress)
     write_npz(state, found)

@@ -210,7 +210,7 @@ OTHERS: list[tuple[Callable[[], Any], str]] = [
     (lambda: cp.Elastic(3.18e9, 0.5, *ELASTIC[2:]), r"elastic.block_poisson: out of range; found 0.5"),
     (lambda: cp.joint_strength(STONES, CONTACTS, TWICE), r"material default: given twice"),
     (lambda: cp.joint_strength(None, CONTACTS, [STONE]), r"joint_strength: stones: wrong kind; found None"),  # pyright: ignore
-    (lambda: cp.limit_analysis(STONES, CONTACTS, PUSH, gap_tolerance=None), r"gap_tolerance: not a number"),  # pyright: ignore
+    (lambda: cp.limit_analysis(STONES, CONTACTS, PUSH, bipotential_gap=None), r"bipotential_gap: not a number"),  # pyright: ignore
     (lambda: cp.limit_analysis(STONES, CONTACTS, PUSH, solver=None), r"solver: no name; found None"),  # pyright: ignore
     (lambda: cp.limit_analysis(STONES, CONTACTS, PUSH, start=False), r"start: wrong kind; found False"),  # pyright: ignore
     (lambda: cp.limit_analysis(STONES, CONTACTS, PUSH, method=[]), r"method: unknown method"),  # pyright: ignore

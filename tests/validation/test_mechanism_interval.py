@@ -68,7 +68,7 @@ def farthest(balance: Equilibrium, strength: Strength, state: CoulombState, sign
         linear=zero,
         quadratic=zero,
     )
-    answer = solve_clarabel(program, tolerance=1e-7)
+    answer = solve_clarabel(program, duality_gap=1e-7)
     assert answer.outcome == "solved"
     return sign * answer.tau
 

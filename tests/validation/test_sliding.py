@@ -32,7 +32,7 @@ def test_canonical_start(test: str, first_course: str, reference: float, program
     balance = equilibrium(stones, contacts, LOADS[test])
     strength = point_strength(contacts, 0.7, 0.0, balance.force)
     solve = solver_for(balance.matrix)
-    associative = solve(associative_program(balance, strength), error=EXACT)
+    associative = solve(associative_program(balance, strength), duality_gap=EXACT)
     n = dead_load_start(balance)
     # The last digit of the start decides on a third of the programs: the middle of three.
     noise = [np.zeros_like(n), *np.random.default_rng(1).normal(scale=1e-7, size=(2, len(n)))]
@@ -84,7 +84,7 @@ def test_box_of_a_thousand_stones() -> None:
 def test_a_looser_gap_is_never_called_converged() -> None:
     stones = wall(6)
     contacts = find_contacts(stones)
-    state = limit_analysis(stones, contacts, LOAD, friction=0.65, flow="non-associative", gap_tolerance=1e-3)
+    state = limit_analysis(stones, contacts, LOAD, friction=0.65, flow="non-associative", bipotential_gap=1e-3)
     relative = state.gap / state.load_factor
     assert relative <= 1e-3
     assert (state.status == "converged") == (relative <= 1e-5)
@@ -93,10 +93,10 @@ def test_a_looser_gap_is_never_called_converged() -> None:
 
 
 @pytest.mark.parametrize("tolerance", [0.0, -1e-5, 1.0, float("nan")])
-def test_gap_tolerance_out_of_range(tolerance: float) -> None:
+def test_bipotential_gap_out_of_range(tolerance: float) -> None:
     stones = wall(1)
-    with pytest.raises(InputError, match="gap_tolerance"):
-        limit_analysis(stones, find_contacts(stones), LOAD, flow="non-associative", gap_tolerance=tolerance)
+    with pytest.raises(InputError, match="bipotential_gap"):
+        limit_analysis(stones, find_contacts(stones), LOAD, flow="non-associative", bipotential_gap=tolerance)
 
 
 def test_each_start_says_what_became_of_it() -> None:

@@ -63,7 +63,7 @@ class RigidSettings:
     solver: str = "auto"
     method: Literal["default", "paper"] = "default"
     start: tuple[Start, ...] | None = None
-    gap_tolerance: float = 1e-5
+    bipotential_gap: float = 1e-5
     contact_gap: float | None = None
     contact_angle: float | None = None
     overlap: float | None = None
@@ -216,7 +216,7 @@ def _case(path: Path, table: dict[str, Any], variant: dict[str, Any], overrides:
             solver=rigid.solver,
             method=rigid.method,
             start=tuple(rigid.start) if rigid.start else None,
-            gap_tolerance=rigid.gap_tolerance,
+            bipotential_gap=rigid.bipotential_gap,
             curve=CurveSettings(**in_si(rigid.curve.model_dump(exclude_none=True))) if rigid.curve else None,
             **in_si(rigid.model_dump(include={"contact_gap_mm", "contact_angle_deg", "overlap_mm"}, exclude_none=True)),
         ),

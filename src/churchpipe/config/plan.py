@@ -110,7 +110,7 @@ def _rigid_settings(case: Case, geometry: str, load: LoadCase, flow: str) -> dic
         # It has no method and no start: changing them must not touch it.
         return settings
     start = {"start": list(case.rigid.start)} if case.rigid.start else {}
-    return settings | start | {"method": case.rigid.method, "gap_tolerance": case.rigid.gap_tolerance}
+    return settings | start | {"method": case.rigid.method, "bipotential_gap": case.rigid.bipotential_gap}
 
 
 def _curve_settings(case: Case, geometry: str, load: LoadCase) -> dict[str, Any]:

@@ -76,7 +76,7 @@ class RigidTable(Section):
     start: (
         Annotated[list[Start], Field(min_length=1), BeforeValidator(_listed, json_schema_input_type=list[Start] | Start)] | None
     ) = None
-    gap_tolerance: Annotated[float, Field(gt=0, lt=1)] = 1e-5
+    bipotential_gap: Annotated[float, Field(gt=0, lt=1)] = 1e-5
     contact_gap_mm: Positive | None = None
     contact_angle_deg: Annotated[float, Field(gt=0, lt=90)] | None = None
     overlap_mm: Positive | None = None

@@ -18,11 +18,11 @@ _OUTCOMES: dict[str, Outcome] = {
 
 
 def solve_clarabel(
-    program: ConeProgram, tolerance: float = 1e-9, settings: clarabel.DefaultSettings | None = None
+    program: ConeProgram, duality_gap: float = 1e-9, settings: clarabel.DefaultSettings | None = None
 ) -> ConeSolution:
-    """Solve a cone program with Clarabel, aiming at `tolerance`; a hundred times that is still accepted, no more.
+    """Solve a cone program with Clarabel, aiming at `duality_gap`; a hundred times that is still accepted, no more.
 
-    settings: Clarabel's own, instead of ours and of `tolerance`.
+    settings: Clarabel's own, instead of ours and of `duality_gap`.
 
     minimise  -constant . y + sum (limit r + p^2 / (2 quadratic)) + cap k
     over y, r >= |v_t|, p, k >= 0  s.t.  growth . y + k = 1,   v_n + linear - slope r + p >= 0,   v = balance^T y
@@ -36,7 +36,12 @@ def solve_clarabel(
     # The largest single load is the unit of force inside: relative to the total weight, errors that matter look like zero.
     scale = 1.0 / program.force
     solver = clarabel.DefaultSolver(
-        layout.quadratic * scale, layout.cost * scale, layout.matrix, layout.right, layout.cones, settings or _settings(tolerance)
+        layout.quadratic * scale,
+        layout.cost * scale,
+        layout.matrix,
+        layout.right,
+        layout.cones,
+        settings or _settings(duality_gap),
     )
     answer = solver.solve()
     status = str(answer.status)
@@ -53,12 +58,12 @@ def solve_clarabel(
     )
 
 
-def _settings(tolerance: float) -> clarabel.DefaultSettings:
+def _settings(duality_gap: float) -> clarabel.DefaultSettings:
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.max_threads = 1
-    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = tolerance
-    settings.reduced_tol_gap_abs = settings.reduced_tol_gap_rel = settings.reduced_tol_feas = 100 * tolerance
+    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = duality_gap
+    settings.reduced_tol_gap_abs = settings.reduced_tol_gap_rel = settings.reduced_tol_feas = 100 * duality_gap
     settings.max_iter = 300
     # The program comes well scaled; scaling it again has cost the last digits (thin arches).
     settings.equilibrate_enable = False

@@ -22,12 +22,14 @@ _Solver: TypeAlias = Callable[[ConeProgram, float | None], ConeSolution]
 class Solve(Protocol):
     """Solves programs of one balance."""
 
-    def __call__(self, program: ConeProgram, /, *, error: float | None = None, proves: Proves | None = None) -> ConeSolution:
+    def __call__(
+        self, program: ConeProgram, /, *, duality_gap: float | None = None, proves: Proves | None = None
+    ) -> ConeSolution:
         """Solve a program; the forces of what is called solved balance to rounding (`restore_balance`).
 
-        error: relative error of the objective that will do, for solvers that can stop early. Where it is given, the forces and
-        velocities matter too: of all optimal ones the most central are wanted. proves: whether an answer proves what it claims;
-        where one does not, a solver that has a fallback turns to it.
+        duality_gap: relative error of the objective that will do, for solvers that can stop early. Where it is given, the forces
+        and velocities matter too: of all optimal ones the most central are wanted. proves: whether an answer proves what it
+        claims; where one does not, a solver that has a fallback turns to it.
         """
         ...
 
@@ -68,16 +70,16 @@ def solve(program: ConeProgram, name: str = "auto") -> ConeSolution:
 def _in_turn(*solvers: _Solver) -> Solve:
     """Return the solver that tries these one after another, until an answer stands and proves what it should."""
 
-    def solve(program: ConeProgram, /, *, error: float | None = None, proves: Proves | None = None) -> ConeSolution:
+    def solve(program: ConeProgram, /, *, duality_gap: float | None = None, proves: Proves | None = None) -> ConeSolution:
         *others, last = solvers
         failures: list[str] = []
         for solver in others:
-            answer = _checked(program, solver(program, error))
+            answer = _checked(program, solver(program, duality_gap))
             if answer.outcome != "failed" and (proves is None or proves(answer)):
                 return answer
             why = answer.message if answer.outcome == "failed" else "its answer proves nothing"
             failures.append(f"{answer.solver} failed ({why})")
-        answer = _checked(program, last(program, error))
+        answer = _checked(program, last(program, duality_gap))
         said = f"{answer.solver}: {answer.message}" if failures else answer.message
         return replace(answer, message="; ".join([*failures, said]))
 
@@ -91,8 +93,8 @@ def _own(balance: sp.csc_matrix[np.float64]) -> _Solver:
 
     own = InteriorPointSolver(balance)
 
-    def solve(program: ConeProgram, error: float | None) -> ConeSolution:
-        return own.solve(program, None if error is None else replace(CENTRAL, error=error))
+    def solve(program: ConeProgram, duality_gap: float | None) -> ConeSolution:
+        return own.solve(program, None if duality_gap is None else replace(CENTRAL, duality_gap=duality_gap))
 
     return solve
 

@@ -74,5 +74,5 @@ def _check(name: str, value: float, good: bool, expected: str) -> None:
 
 SOLVER = SolverSettings()
 # The loop of a limit analysis aims below what its bounds must meet, a step of a curve further: errors of some twenty add up.
-LIMIT = replace(CENTRAL, error=1e-7, acceptable=SOLVER.duality_gap, residual=1e-9)
-STEP = replace(CENTRAL, error=1e-10, acceptable=SOLVER.duality_gap, residual=1e-10)
+LIMIT = replace(CENTRAL, duality_gap=1e-7, acceptable=SOLVER.duality_gap, residual=1e-9)
+STEP = replace(CENTRAL, duality_gap=1e-10, acceptable=SOLVER.duality_gap, residual=1e-10)

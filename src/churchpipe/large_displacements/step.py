@@ -11,7 +11,7 @@ from churchpipe.conic.solve import Solve
 from churchpipe.model.arrays import FloatArray
 
 # Error of the programs, whose velocities move the stones.
-_ERROR = 1e-7
+_DUALITY_GAP = 1e-7
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +68,7 @@ def solve_step(program: StepProgram, opening: FloatArray, closing: FloatArray, s
     """
     zero = np.zeros_like(opening)
     cone = ConeProgram(program.matrix, program.dead, program.live, zero, program.friction, opening, zero)
-    answer = solve(cone, error=_ERROR)
+    answer = solve(cone, duality_gap=_DUALITY_GAP)
     if answer.outcome != "solved":
         return StepAnswer(answer.outcome, answer.x, np.nan, answer.y, message=answer.message)
     x, tau = restore_balance(cone, answer.x, answer.tau)

@@ -52,7 +52,7 @@ def sliding_velocities(
     n: FloatArray,
     solve: Solve,
     *,
-    error: float = EXACT,
+    duality_gap: float = EXACT,
     stressed: tuple[FloatArray, FloatArray] | None = None,
 ) -> FloatArray | None:
     """Return the velocities (6 nf,) of P(n), or None when it is not solved.
@@ -73,7 +73,7 @@ def sliding_velocities(
         )
     size = max(float(program.limit.max(initial=0.0)), program.force)
     for slack in _SLACK:
-        answer = solve(replace(program, limit=program.limit + slack * size), error=error)
+        answer = solve(replace(program, limit=program.limit + slack * size), duality_gap=duality_gap)
         if answer.outcome == "solved":
             return answer.y
     return None
@@ -119,7 +119,7 @@ def nearest_forces(
     solve: Solve,
     *,
     nearness: float,
-    error: float = EXACT,
+    duality_gap: float = EXACT,
     excess: FloatArray | None = None,
 ) -> tuple[FloatArray, float] | None:
     """Return forces (nc, 3) in the true cones, near the normal forces n, that do the least work against sliding y.
@@ -144,7 +144,7 @@ def nearest_forces(
         linear=strength.friction * slip + opened - curvature * n,
         quadratic=curvature,
     )
-    answer = solve(program, error=error)
+    answer = solve(program, duality_gap=duality_gap)
     if answer.outcome != "solved":
         return None
     return answer.x, answer.tau

@@ -44,14 +44,14 @@ def _end(balance: Equilibrium, strength: Strength, state: CoulombState, sign: fl
     reach, bound, price = within[1], np.inf, _PRICE
     for _ in range(_PROGRAMS):
         program = _priced_program(balance, strength, state, sign, price)
-        error = min(max(1e-5 / price, 1e-7), 1e-6)
-        answer = solve(program, error=error)
+        duality_gap = min(max(1e-5 / price, 1e-7), 1e-6)
+        answer = solve(program, duality_gap=duality_gap)
         if answer.outcome != "solved":
             break
         load_factor = answer.tau if sign + price > 0 else -answer.tau
         found = bipotential_gap(balance, strength, answer.x, state.y), sign * load_factor
         # The program's own error counts as much more as its objective is larger.
-        bound = min(bound, found[1] + price * (allowed - found[0]) + error * abs(sign + price) * size)
+        bound = min(bound, found[1] + price * (allowed - found[0]) + duality_gap * abs(sign + price) * size)
         if found[0] > allowed:
             beyond = found
         elif found[1] > within[1]:

@@ -22,7 +22,7 @@ from churchpipe.rigid_blocks.coulomb import (
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
 
 # The gap g / alpha at which a state is certified.
-GAP_TOLERANCE = 1e-5
+BIPOTENTIAL_GAP = 1e-5
 # A point in the gap counts at most so many times more: the programs must keep their digits.
 _MOST_STRESS = 1e4
 Progress = Callable[[str, float], None]
@@ -55,7 +55,7 @@ class SchemeSettings:
     slow: a weighted gap above this share of the last one is slow; lost: one above so many times the least is not gone on from.
     blamed: the points that add more than this share to a gap that is stuck count `stress` times more from then on.
     gap: g / alpha at which the search ends.
-    Convex programs are solved to `share` of the gap that is left, at least to `roughest` and at most to `error`: the gap is
+    Convex programs are solved to `share` of the gap that is left, at least to `roughest` and at most to `duality_gap`: the gap is
     computed from the arrays, whatever made them.
     """
 
@@ -63,7 +63,7 @@ class SchemeSettings:
     stage_b: int = 60
     violation: float = 1e-4
     settled: float = 5e-3
-    gap: float = GAP_TOLERANCE
+    gap: float = BIPOTENTIAL_GAP
     weight_a: float = 0.3
     weight_b: float = 0.003
     nearness: float = 5.0
@@ -74,7 +74,7 @@ class SchemeSettings:
     lost: float = 1.5
     blamed: float = 0.03
     stress: float = 10.0
-    error: float = 1e-6
+    duality_gap: float = 1e-6
     share: float = 0.03
     roughest: float = 1e-3
 
@@ -127,7 +127,7 @@ def paper_iteration(
         mixed = settings.beta * n + (1 - settings.beta) * n_before
         limit = mixed * (1 + settings.slope) * mu + strength.cohesion + floor
         program = ConeProgram(balance.matrix, balance.dead, balance.live, limit, -settings.slope * mu, zero, zero)
-        answer = solve(program, error=EXACT)
+        answer = solve(program, duality_gap=EXACT)
         if answer.outcome != "solved":
             break
         latest = answer
@@ -217,7 +217,7 @@ def certified_iteration(
         last = base if stuck or lost else state
         before, n = n, np.maximum(last.x[:, 0], 0.0)
         ahead = n if first or slow or lost else np.maximum(n + momentum * (n - before), 0.0)
-    return None if best is None else _run(best, best.relative_gap <= GAP_TOLERANCE, history, count)
+    return None if best is None else _run(best, best.relative_gap <= BIPOTENTIAL_GAP, history, count)
 
 
 class SolveCount:
@@ -227,9 +227,11 @@ class SolveCount:
         self._solve = solve
         self.solves = self.iterations = 0
 
-    def __call__(self, program: ConeProgram, /, *, error: float | None = None, proves: Proves | None = None) -> ConeSolution:
+    def __call__(
+        self, program: ConeProgram, /, *, duality_gap: float | None = None, proves: Proves | None = None
+    ) -> ConeSolution:
         """Solve a program, and count it."""
-        answer = self._solve(program, error=error, proves=proves)
+        answer = self._solve(program, duality_gap=duality_gap, proves=proves)
         self.solves += 1
         self.iterations += answer.iterations
         return answer
@@ -252,13 +254,13 @@ def _stage_b(
 ) -> CoulombState | None:
     """Return the next state: velocities from P(n), then the forces that do the least work against them."""
     gap = np.inf if last is None else last.relative_gap
-    error = min(max(settings.error, settings.share * gap), settings.roughest)
+    duality_gap = min(max(settings.duality_gap, settings.share * gap), settings.roughest)
     stressed = None if last is None or not excess.any() else (excess, last.x)
-    y = sliding_velocities(balance, strength, n, solve, error=error, stressed=stressed)
+    y = sliding_velocities(balance, strength, n, solve, duality_gap=duality_gap, stressed=stressed)
     if y is None:
         return None
     nearness = min(settings.weight_b, settings.nearness * gap)
-    found = nearest_forces(balance, strength, n, y, solve, nearness=nearness, error=error, excess=excess)
+    found = nearest_forces(balance, strength, n, y, solve, nearness=nearness, duality_gap=duality_gap, excess=excess)
     if found is None:
         return None
     x, load_factor = found
@@ -285,7 +287,7 @@ def _stage_a(
     for cohesion in (settings.cohesion * float(shear.max()), *(load * share for share in settings.more_cohesion)):
         limit = shear + strength.cohesion + cohesion
         program = ConeProgram(balance.matrix, balance.dead, balance.live, limit, zero, -curvature * n, curvature)
-        answer = solve(program, error=settings.roughest)
+        answer = solve(program, duality_gap=settings.roughest)
         if answer.outcome == "solved":
             return np.maximum(answer.x[:, 0], 0.0), Iteration(answer.tau, friction_violation(strength, answer.x))
     return None

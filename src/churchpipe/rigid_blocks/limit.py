@@ -20,7 +20,7 @@ from churchpipe.model.loads import LoadCase
 from churchpipe.model.results import LimitState, Status
 from churchpipe.rigid_blocks.certificate import FLOW_TOLERANCE, UNPROVED, Certificate, Strength, certify, kinematic_bound
 from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
-from churchpipe.rigid_blocks.iterations import GAP_TOLERANCE
+from churchpipe.rigid_blocks.iterations import BIPOTENTIAL_GAP
 from churchpipe.rigid_blocks.sliding import Method, SlidingOptions, Start, sliding_analysis
 
 Progress = Callable[[str, float], None]
@@ -41,7 +41,7 @@ def limit_analysis(
     method: Method = "default",
     start: Start | Sequence[Start] | None = None,
     solver: str = "auto",
-    gap_tolerance: float = GAP_TOLERANCE,
+    bipotential_gap: float = BIPOTENTIAL_GAP,
     progress: Progress | None = None,
 ) -> LimitState:
     """Return the collapse load factor of an assemblage and its mechanism.
@@ -50,7 +50,7 @@ def limit_analysis(
     ----------
     friction: coefficient, scalar or one an interface (ni,). cohesion: Pa, scalar or (ni,).
     flow: "associative" (sliding dilates, eq. (1)) or "non-associative" (no dilatancy, by iteration, eq. (3)).
-    method, start (one or several), gap_tolerance: of the non-associative iteration, see `sliding.SlidingOptions`.
+    method, start (one or several), bipotential_gap: of the non-associative iteration, see `sliding.SlidingOptions`.
     solver: "auto" (our own interior point, Clarabel where that fails), "interior-point", "clarabel", "cvxpy", "cvxpy:MOSEK" ...
     progress: called with a text and the share done.
 
@@ -70,7 +70,7 @@ def limit_analysis(
     starts: list[Start] = [start] if isinstance(start, str) else []
     if not starts and start is not None:
         starts = listed("limit_analysis: start", start, str)
-    options = SlidingOptions(method, tuple(starts), gap_tolerance)
+    options = SlidingOptions(method, tuple(starts), bipotential_gap)
     begin = perf_counter()
     balance = equilibrium(stones, contacts, load)
     strength = point_strength(contacts, friction, cohesion, balance.force)
@@ -207,7 +207,7 @@ def _check_connected(stones: Assemblage, contacts: Contacts, balance: Equilibriu
             "no path of contacts to a support",
             found=shown,
             expected="every free stone connected to a fixed one",
-            remedy="Fix a stone that rests on the ground, or close the gaps between stones (gap_tolerance).",
+            remedy="Fix a stone that rests on the ground, or close the gaps between stones (contact_gap).",
         )
 
 

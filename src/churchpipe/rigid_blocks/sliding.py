@@ -24,7 +24,7 @@ from churchpipe.rigid_blocks.coulomb import (
 )
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
 from churchpipe.rigid_blocks.interval import mechanism_interval
-from churchpipe.rigid_blocks.iterations import GAP_TOLERANCE, SchemeSettings, SlidingRun, certified_iteration, paper_iteration
+from churchpipe.rigid_blocks.iterations import BIPOTENTIAL_GAP, SchemeSettings, SlidingRun, certified_iteration, paper_iteration
 
 Method = Literal["default", "paper"]
 Start = Literal["dead-load", "uniform", "associative"]
@@ -41,13 +41,13 @@ class SlidingOptions:
     starts: the normal forces to begin with, "dead-load" (the least-squares forces of the dead load, canonical), "uniform" (their
     mean at every point), "associative" (those of the associative solution); none given, the first and the last, with
     method "paper" the last.
-    gap_tolerance: g / alpha at which the certified scheme stops looking. More than 1e-5 saves time on large models, but only
+    bipotential_gap: g / alpha at which the certified scheme stops looking. More than 1e-5 saves time on large models, but only
     1e-5 is called "converged".
     """
 
     method: Method = "default"
     starts: tuple[Start, ...] = ()
-    gap_tolerance: float = GAP_TOLERANCE
+    bipotential_gap: float = BIPOTENTIAL_GAP
 
     def __post_init__(self) -> None:
         if not isinstance(self.method, str) or self.method not in _STARTS:
@@ -60,9 +60,9 @@ class SlidingOptions:
                     found=repr(start),
                     expected='"dead-load", "uniform" or "associative", or several',
                 )
-        if not 0 < finite("limit_analysis: gap_tolerance", self.gap_tolerance) < 1:
+        if not 0 < finite("limit_analysis: bipotential_gap", self.bipotential_gap) < 1:
             raise InputError(
-                "limit_analysis: gap_tolerance", "out of range", found=self.gap_tolerance, expected="between 0 and 1"
+                "limit_analysis: bipotential_gap", "out of range", found=self.bipotential_gap, expected="between 0 and 1"
             )
         if not self.starts:
             object.__setattr__(self, "starts", _STARTS[self.method])
@@ -87,7 +87,7 @@ def sliding_analysis(
         others: list[Start] = [start for start in starts if start != "associative"]
         starts = tuple(others) or ("dead-load",)
     normal = associative.forces[:, 0] / balance.force
-    settings = SchemeSettings(gap=options.gap_tolerance)
+    settings = SchemeSettings(gap=options.bipotential_gap)
     found: list[SlidingRun] = []
     ends: list[tuple[StartRun, SlidingRun, CoulombState | None]] = []
     for start in starts:
@@ -171,7 +171,7 @@ def _state(
     proven = (
         chosen.settled
         and certified is not None
-        and certified.relative_gap <= GAP_TOLERANCE
+        and certified.relative_gap <= BIPOTENTIAL_GAP
         and abs(certified.load_factor - chosen.load_factor) <= slack
         and admissible(balance, strength, certified)
         and chosen.load_factor <= associative.load_factor + slack
@@ -221,8 +221,8 @@ def _why(chosen: SlidingRun, certified: CoulombState | None, violation: float) -
     settled = "the iteration settled" if chosen.settled else "the iteration did not settle"
     if certified is None:
         return f"{settled}; no forces within friction were found near its last iterate"
-    if certified.relative_gap > GAP_TOLERANCE:
-        return f"{settled}; gap g/alpha {certified.relative_gap:.1e}, wanted {GAP_TOLERANCE:.0e}"
+    if certified.relative_gap > BIPOTENTIAL_GAP:
+        return f"{settled}; gap g/alpha {certified.relative_gap:.1e}, wanted {BIPOTENTIAL_GAP:.0e}"
     return (
         f"{settled} with {100 * violation:.2g} % of friction overdrawn; the nearest state within friction"
         f" has load factor {certified.load_factor:.4f} and gap g/alpha {certified.relative_gap:.1e}"

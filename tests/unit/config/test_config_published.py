@@ -104,17 +104,17 @@ def test_starts_of_the_iteration(tmp_path: Path) -> None:
     path = case_file(tmp_path, TWO_LOADS)
     assert read_case(path).rigid.start is None
     assert read_case(path, ["rigid.start=uniform"]).rigid.start == ("uniform",)
-    both = ['rigid.start=["associative", "uniform"]', "rigid.gap_tolerance=1e-4"]
+    both = ['rigid.start=["associative", "uniform"]', "rigid.bipotential_gap=1e-4"]
     assert read_case(path, both).rigid.start == ("associative", "uniform")
     settings = plan(read_variants(path, both)).analyses
     assert settings["+y_non-associative"]["start"] == ["associative", "uniform"]
-    assert settings["+y_non-associative"]["gap_tolerance"] == 1e-4
+    assert settings["+y_non-associative"]["bipotential_gap"] == 1e-4
     assert settings["+y_associative"] == plan(read_variants(path)).analyses["+y_associative"]
     for override, said in (
         ("rigid.start=cold", "rigid.start.0: wrong value; found 'cold'; expected 'dead-load', 'uniform' or 'associative'"),
         ("rigid.start=[]", "rigid.start: wrong value"),
-        ("rigid.gap_tolerance=0", "rigid.gap_tolerance: wrong value"),
-        ("rigid.gap_tolerance=1", "rigid.gap_tolerance: wrong value"),
+        ("rigid.bipotential_gap=0", "rigid.bipotential_gap: wrong value"),
+        ("rigid.bipotential_gap=1", "rigid.bipotential_gap: wrong value"),
     ):
         with pytest.raises(InputError) as error:
             read_case(path, [override])

@@ -60,7 +60,7 @@ def test_clarabel_agrees_with_cvxpy(options: dict[str, float]) -> None:
 
 def test_restored_forces_balance_to_rounding() -> None:
     stated = program()
-    answer = solve_clarabel(stated, tolerance=1e-6)
+    answer = solve_clarabel(stated, duality_gap=1e-6)
     x, tau = restore_balance(stated, answer.x, answer.tau)
     assert np.abs(stated.balance @ x.ravel() + stated.constant + tau * stated.growth).max() < 1e-14
     assert (np.hypot(x[:, 1], x[:, 2]) - 0.7 * x[:, 0]).max() < 1e-9

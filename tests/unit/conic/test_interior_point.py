@@ -88,7 +88,7 @@ def dual_value(program: ConeProgram, x: np.ndarray, y: np.ndarray) -> float:
 )
 def test_every_kind_of_point_agrees_with_clarabel(options: dict[str, float]) -> None:
     program = stated(three_stones(), **options)
-    ours, reference = solve_interior_point(program, Settings(error=1e-7)), solve_clarabel(program)
+    ours, reference = solve_interior_point(program, Settings(duality_gap=1e-7)), solve_clarabel(program)
     assert ours.outcome == reference.outcome == "solved"
 
     def value(answer: ConeSolution) -> float:
@@ -212,7 +212,7 @@ def test_program_survives_its_file(tmp_path: Path) -> None:
 
 def test_progress_ends_at_the_tolerance() -> None:
     seen: list[Info] = []
-    answer = solve_interior_point(stated(wall(5, 5), slope=0.6), Settings(error=1e-6), seen.append)
+    answer = solve_interior_point(stated(wall(5, 5), slope=0.6), Settings(duality_gap=1e-6), seen.append)
     assert [info.iteration for info in seen] == list(range(answer.iterations + 1))
     assert seen[-1].error <= 1e-6 < 1 < seen[0].error
 
@@ -223,8 +223,8 @@ def test_too_few_iterations_fail_honestly() -> None:
     assert "iteration limit" in answer.message
 
 
-@pytest.mark.parametrize("name", ["error", "fraction", "iterations", "regularisation"])
+@pytest.mark.parametrize("name", ["duality_gap", "fraction", "iterations", "regularisation"])
 def test_settings_out_of_range_are_refused(name: str) -> None:
-    bad = {"error": 0.0, "fraction": 1.0, "iterations": 0, "regularisation": 1.0}
+    bad = {"duality_gap": 0.0, "fraction": 1.0, "iterations": 0, "regularisation": 1.0}
     with pytest.raises(InputError, match=f"Settings.{name}"):
         Settings(**{name: bad[name]})  # pyright: ignore

@@ -43,7 +43,7 @@ def test_balancing_keeps_cohesive_forces_in_their_cones() -> None:
         balance = equilibrium(stones, contacts, PUSH)
         strength = point_strength(contacts, 0.6, 500.0, balance.force)
         program = associative_program(balance, strength)
-        answer = solve_clarabel(program, tolerance=1e-6)
+        answer = solve_clarabel(program, duality_gap=1e-6)
         noisy = answer.x * (1.0 + 1e-6 * rng.normal(size=answer.x.shape))
         x, tau = restore_balance(program, noisy, answer.tau)
         found = certify(balance, strength, x, tau, answer.y)

@@ -44,11 +44,13 @@ class OnlyAssociative:
     def __init__(self, solve: Solve) -> None:
         self._solve = solve
 
-    def __call__(self, program: ConeProgram, /, *, error: float | None = None, proves: Proves | None = None) -> ConeSolution:
+    def __call__(
+        self, program: ConeProgram, /, *, duality_gap: float | None = None, proves: Proves | None = None
+    ) -> ConeSolution:
         if not program.slope.any() and program.limit.any():
             nothing = np.full((program.points, 3), np.nan)
             return ConeSolution(nothing, np.nan, np.full(len(program.constant), np.nan), "failed", 0, 0.0, "test")
-        return self._solve(program, error=error, proves=proves)
+        return self._solve(program, duality_gap=duality_gap, proves=proves)
 
 
 def test_where_no_start_leads_anywhere_the_associative_forces_are_told() -> None:

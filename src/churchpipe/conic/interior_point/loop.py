@@ -92,7 +92,7 @@ def solve_coupled(
             message = "overflow"
             break
     at, info = best if best is not None else (start, _measure(problem, start, residuals(problem, start), settings, 0, 0.0, 0))
-    accepted = info.error <= max(settings.error, settings.acceptable) and info.residual <= max(
+    accepted = info.error <= max(settings.duality_gap, settings.acceptable) and info.residual <= max(
         settings.residual, settings.acceptable
     )
     return Ending("solved" if accepted else "failed", at, info, f"{message}; error {info.error:.1e}")
@@ -142,7 +142,7 @@ def _balanced(problem: CoupledProblem, kkt: KktSystem, at: Iterate) -> Iterate |
 
 def _distance(info: Info, settings: Settings) -> float:
     """Return how far an iterate is from the tolerances; at most 1 is solved."""
-    return max(info.error / settings.error, info.residual / settings.residual)
+    return max(info.error / settings.duality_gap, info.residual / settings.residual)
 
 
 def _measure(
@@ -158,7 +158,7 @@ def _measure(
     )
     error = max(work) / max(size, 1e-300)
     residual = problem.imbalance(found.y) / at.theta
-    if error <= settings.error and residual > settings.residual:
+    if error <= settings.duality_gap and residual > settings.residual:
         residual = problem.rounded_imbalance(found.y / at.theta, at.x / at.theta)
     return Info(
         iteration=iteration,
@@ -173,7 +173,7 @@ def _measure(
 
 
 def _status(problem: CoupledProblem, at: Iterate, found: Residuals, info: Info, settings: Settings) -> Status:
-    if info.error <= settings.error and info.residual <= settings.residual:
+    if info.error <= settings.duality_gap and info.residual <= settings.residual:
         return "solved"
     # A scale that has vanished says as much as the last digits of a certificate, which a singular matrix may spoil.
     vanished = at.theta <= _VANISHED * at.kappa

@@ -9,7 +9,7 @@ from churchpipe.errors import InputError
 class Settings:
     """How far to go, and how.
 
-    error: relative error of the objective aimed at (gap, complementarity and the work of residuals); acceptable: error at
+    duality_gap: relative error of the objective aimed at (gap, complementarity and the work of residuals); acceptable: error at
     which a solve that got stuck still counts as solved; residual: of the balance, relative to the loads on each body;
     certificate: residual of a certificate of infeasibility or of a ray, relative to what it proves; iterations: at most;
     correctors: centrality correctors tried at an iteration (Gondzio 1996); spare: share of the cones that may block a step
@@ -19,7 +19,7 @@ class Settings:
     that earn the reward).
     """
 
-    error: float = 5e-7
+    duality_gap: float = 5e-7
     acceptable: float = 5e-7
     residual: float = 1e-7
     certificate: float = 1e-7
@@ -33,7 +33,7 @@ class Settings:
     rate: float = 0.01
 
     def __post_init__(self) -> None:
-        positive = ("error", "acceptable", "residual", "certificate", "fraction", "force", "rate", "iterations")
+        positive = ("duality_gap", "acceptable", "residual", "certificate", "fraction", "force", "rate", "iterations")
         for name in positive:
             _check(name, getattr(self, name), getattr(self, name) > 0, "> 0")
         for name in ("correctors", "spare", "refinements", "regularisation"):
