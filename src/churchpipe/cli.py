@@ -111,6 +111,7 @@ def run(
     """Run a case: stones, contacts, load factors, report. What is up to date is not done again."""
     from churchpipe import engine, stages
     from churchpipe.compare import bad_news
+    from churchpipe.compilation import compiled
     from churchpipe.config import Generated, read_case
     from churchpipe.config.asrun import claim, other_case
     from churchpipe.io.tables import read_json
@@ -133,6 +134,8 @@ def run(
         stages.configure(case, folder, changes or ())
         claim(folder, case)
 
+    if not compiled():
+        err.print("First start: the solvers are compiled once, which takes some 10 to 20 s a model.", soft_wrap=True)
     try:
         with Display(err) as display:
             code = engine.run(folder, jobs or os.cpu_count() or 1, display.show, prepare)
