@@ -43,9 +43,10 @@ class CellCoupling(Coupling):
         """Return B^T y."""
         return np.einsum("aiq,aq->iq", self._sums, super().spread(y).reshape(9, -1)).ravel()
 
-    def smallest(self, unit: FloatArray) -> FloatArray:
-        """Return for each corner the smallest unit of the rows that its cell touches."""
-        return np.tile(super().smallest(unit), CORNERS)
+    def touched_units(self, unit: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return for each corner the smallest and the largest unit of the rows that its cell touches."""
+        smallest, largest = super().touched_units(unit)
+        return np.tile(smallest, CORNERS), np.tile(largest, CORNERS)
 
     def passing(self, x: FloatArray) -> FloatArray:
         """Return the largest stress or moment that passes each row."""

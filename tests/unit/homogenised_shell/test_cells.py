@@ -60,7 +60,7 @@ def test_the_coupling_is_its_matrix() -> None:
     np.testing.assert_allclose(coupling.spread(y), matrix.T @ y, atol=1e-12)
     stress = np.einsum("aiq,iq->aq", sums[:6], x.reshape(36, -1)).T.ravel()
     np.testing.assert_allclose(coupling.couple(x)[:7], equilibrium @ stress, atol=1e-12)
-    assert coupling.smallest(np.ones(coupling.rows)).shape == (local.count,)
+    assert [unit.shape for unit in coupling.touched_units(np.ones(coupling.rows))] == [(local.count,)] * 2
 
 
 def test_the_exact_cell_is_the_default_and_other_strengths_say_so() -> None:
