@@ -1,8 +1,8 @@
 """Capacity curves at large displacements against closed forms and independent rigid-body calculations written here.
 
 Rocking block (Housner 1963): alpha = (b/2 - d)/sqrt(R^2 - (b/2 - d)^2), R half the diagonal, d the displacement of the centroid,
-so that d0 = b/2. Two-block wall and arch: linkages, their load factor by virtual work in the displaced geometry. S22 and S5: no
-closed form; the certified load factors without dilatancy as drawn are those of test_sliding.py.
+so that d0 = b/2. Two-block wall and arch: linkages, their load factor by virtual work in the displaced geometry. S22: no closed
+form; where it starts is the certified load factor without dilatancy of test_sliding.py.
 """
 
 import itertools
@@ -251,13 +251,17 @@ def _thrust_line(stones: Assemblage, curve: BlockCapacityCurve, step: int, close
     return float(found.x[-1]) if found.status == 0 else float("nan")
 
 
-@pytest.mark.slow("docs/validation.md: S22 without dilatancy")
-@pytest.mark.parametrize(("step", "d0"), [(0.004, 0.0202), (0.002, 0.0202)])
-def test_s22(step: float, d0: float) -> None:
+@pytest.mark.slow("docs/capacity_curve.md: S22")
+@pytest.mark.parametrize("step", [0.004, 0.002])
+def test_s22(step: float) -> None:
     stones, contacts = model("S22")
     curve = block_pushover(stones, contacts, LOADS["S22"], 0.7, step=step)
     assert curve.status == "vanished"
-    assert curve.load_factor[0] == pytest.approx(0.18872, rel=2e-3)
-    assert curve.d0 == pytest.approx(d0, rel=3e-2)
+    # The interval of the certified load factor without dilatancy as drawn.
+    assert 0.1882 <= curve.load_factor[0] <= 0.1889
+    # Measured: .01935 m in steps of 4 mm, .01911 of 3 mm, .01930 of 2 mm.
+    assert curve.d0 == pytest.approx(0.0192, rel=2e-2)
     assert_certified(curve)
-    assert np.median(curve.gap) < 5e-3
+    assert np.median(curve.gap) < 2e-3
+    work, taken = energies(stones, curve)
+    assert work == pytest.approx(taken, rel=2e-2)

@@ -179,7 +179,10 @@ def without(model: MovingModel, step: PathStep) -> PathState:
 
 
 def may_go_on(model: MovingModel, step: PathStep) -> bool:
-    """True when the stones that fall may be spared."""
+    """True when the stones that fall may be spared: they are light, and something is left to push."""
+    left = ~(step.state.fallen | step.lost)
+    if isinstance(model.driven, TravellingLoads) and not (model.driven.force[left].any() or model.driven.moment[left].any()):
+        return False
     return float(model.stones.weight[step.lost].sum()) <= _spared(model, step.state)
 
 

@@ -14,7 +14,8 @@ class Record:
     def __init__(self, model: MovingModel, control: Control) -> None:
         self.model, self.control = model, control
         self.poses: list[Poses] = []
-        self.answers: list[PathStep] = []
+        self.proofs: list[tuple[float, float, float, float]] = []
+        self.friction_work = 0.0
         self.displacement: list[float] = []
         self.load_factor: list[float] = []
         self.largest: list[float] = []
@@ -25,11 +26,13 @@ class Record:
         """Add a step that was solved."""
         poses, standing = step.state.poses, ~step.state.fallen & ~self.model.stones.fixed
         gone = self.displacement[-1] + self.control.between(self.poses[-1], poses, standing) if self.poses else 0.0
-        done = self.work[-1] + self.answers[-1].friction_work * self.model.force if self.work else 0.0
+        # The work of a step is done when the next one is reached.
+        done = self.work[-1] + self.friction_work if self.work else 0.0
+        answer, self.friction_work = step.answer, step.friction_work * self.model.force
         self.poses.append(poses)
-        self.answers.append(step)
+        self.proofs.append((answer.residual, answer.violation, answer.bound_gap, answer.gap))
         self.displacement.append(gone)
-        self.load_factor.append(step.answer.load_factor)
+        self.load_factor.append(answer.load_factor)
         away = np.linalg.norm(poses.centroid - self.model.stones.centroid, axis=1)[standing]
         self.largest.append(float(away.max(initial=0.0)))
         self.work.append(done)
@@ -41,7 +44,7 @@ class Record:
 
     def curve(self, status: CurveStatus, message: str, seconds: float) -> BlockCapacityCurve:
         """Return the curve."""
-        answers = [step.answer for step in self.answers]
+        residual, violation, bound_gap, gap = np.array(self.proofs).reshape(-1, 4).T
         factor, count = self.load_factor, self.model.stones.count
         d0 = self.displacement[-1] if status == "collapsed" and factor else float("nan")
         if status == "vanished":
@@ -55,10 +58,10 @@ class Record:
             largest=np.array(self.largest),
             position=np.array([pose.centroid for pose in self.poses]).reshape(-1, count, 3),
             rotation=np.array([rotation_vectors(pose.rotation) for pose in self.poses]).reshape(-1, count, 3),
-            residual=np.array([answer.residual for answer in answers]),
-            violation=np.array([answer.violation for answer in answers]),
-            bound_gap=np.array([answer.bound_gap for answer in answers]),
-            gap=np.array([answer.gap for answer in answers]),
+            residual=residual,
+            violation=violation,
+            bound_gap=bound_gap,
+            gap=gap,
             dissipation=np.array(self.work),
             status=status,
             d0=d0,
