@@ -77,7 +77,10 @@ def mend(points: FloatArray, faces: Iterable[Sequence[int]], *, repair: bool) ->
 def signed_volume(points: FloatArray, faces: Sequence[Face]) -> float:
     """Return the volume (m3) inside faces, negative when they look inwards; of faces that close nothing, what they add up to."""
     triangles = np.array([(f[0], f[i], f[i + 1]) for f in faces for i in range(1, len(f) - 1)], dtype=np.int64).reshape(-1, 3)
-    return float(np.linalg.det(points[triangles] - points[triangles[0, 0]]).sum() / 6) if len(triangles) else 0.0
+    if not len(triangles):
+        return 0.0
+    a, b, c = (points[triangles] - points[triangles[0, 0]]).transpose(1, 0, 2)
+    return float(np.einsum("ij,ij->", np.cross(a, b), c) / 6)
 
 
 def flat(points: FloatArray, faces: Sequence[Face]) -> bool:

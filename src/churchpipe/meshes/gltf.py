@@ -27,8 +27,8 @@ def read_gltf(path: Path) -> Source:
         placed = [(node, *scene.graph[node]) for node in scene.graph.nodes_geometry]
     except (*BAD_SCENE, RecursionError) as error:
         raise _damaged(path, f"{type(error).__name__} {error}") from error
-    if len(geometry) < announced:
-        raise _damaged(path, f"{len(geometry)} of {announced} meshes in it can be read")
+    if len(placed) != announced:
+        raise _damaged(path, f"{announced} meshes stand in its nodes, {len(placed)} of them can be read in its scene")
     source = Source([], "gltf", unit="m", up="y", files=(path,))
     others: Counter[str] = Counter()
     for node, matrix, name in placed:
@@ -48,15 +48,17 @@ def read_gltf(path: Path) -> Source:
 
 
 def _announced(path: Path, data: bytes) -> int:
-    """Return how many primitives the meshes of the file have."""
+    """Return how many primitives the nodes of the file have."""
     try:
         if data.startswith(MAGIC):
             length = int.from_bytes(data[12:16], "little")
             if data[16:20] != JSON_CHUNK or int.from_bytes(data[8:12], "little") != len(data):
                 raise ValueError("its length is not the one that it announces")
             data = data[20 : 20 + length]
-        return sum(len(mesh["primitives"]) for mesh in json.loads(data).get("meshes", []))
-    except (ValueError, TypeError, AttributeError, KeyError, RecursionError) as error:
+        table = json.loads(data)
+        sizes = [len(mesh["primitives"]) for mesh in table.get("meshes", [])]
+        return sum(sizes[node["mesh"]] for node in table.get("nodes", []) if "mesh" in node)
+    except (ValueError, TypeError, AttributeError, LookupError, RecursionError) as error:
         raise _damaged(path, str(error)) from error
 
 

@@ -19,6 +19,7 @@ def read_obj(path: Path) -> Source:
     faces: list[Face] = []
     labels: list[tuple[str, str, str]] = []
     others: Counter[str] = Counter()
+    objects: set[str] = set()
     name = group = ""
     material = "default"
     row, line, word = 0, "", ""
@@ -47,6 +48,7 @@ def read_obj(path: Path) -> Source:
                 labels.append((name, group, material))
         elif word == "o":
             name = rest.strip()
+            objects.add(name)
         elif word == "g":
             group = rest.strip()
         elif word == "usemtl":
@@ -59,6 +61,7 @@ def read_obj(path: Path) -> Source:
     if used < len(points):
         found = f"no face has the last {len(points) - used} of {len(points)} vertices: the file is truncated"
         source.findings.append(Finding("E03", found, remedy="Export it again, or delete these vertices."))
+    others["objects without faces"] += len(objects - {label[0] for label in labels})
     others["vertices of no face"] += used - len({node for face in faces for node in face})
     source.findings += left_out(others)
     by_object = len({label[0] for label in labels}) >= len({label[1] for label in labels})
