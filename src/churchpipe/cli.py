@@ -33,8 +33,12 @@ app = typer.Typer(
 out = Console(highlight=False, markup=False, emoji=False, width=None if sys.stdout.isatty() else 120)
 err = Console(stderr=True, highlight=False, markup=False, emoji=False)
 
-Folder = Annotated[Path, typer.Option("--out", "-o", help="Folder to write to.", show_default=False)]
-Drawing = Annotated[Path, typer.Argument(help="A DXF drawing.", exists=True, dir_okay=False, show_default=False)]
+Folder = Annotated[
+    Path | None, typer.Option("--out", "-o", help="Folder to write to; default: the name of the file.", show_default=False)
+]
+StonesFile = Annotated[
+    Path, typer.Argument(metavar="FILE", help="A drawing, a mesh, or a folder of them.", exists=True, show_default=False)
+]
 CaseFile = Annotated[Path, typer.Argument(help="A case file (TOML).", exists=True, dir_okay=False, show_default=False)]
 RunFolder = Annotated[Path, typer.Argument(help="Folder of a run.", exists=True, file_okay=False, show_default=False)]
 Changes = Annotated[
@@ -52,6 +56,8 @@ ContactGap = Annotated[
     str | None, typer.Option(help="How far two faces of a joint may be apart, with its unit: 2mm.", show_default=False)
 ]
 Mortar = Annotated[str, typer.Option(help='Weight of the mortar: "counted" as if it were stone, or "ignored".')]
+UpAxis = Annotated[str | None, typer.Option("--up", help="Axis of a mesh that points up: z, y, x, -z, -y or -x.")]
+Scale = Annotated[float, typer.Option(help="Sizes in the building over sizes in the file, of a mesh at scale.")]
 Repair = Annotated[bool, typer.Option("--repair", help="Drop duplicates and recompute wrong attributes; each is listed.")]
 Support = Annotated[str, typer.Option(help='"base" puts a support under the lowest faces; "drawn" takes the supports drawn.')]
 
@@ -171,10 +177,11 @@ def show(folder: RunFolder) -> None:
     _print_results(read_summary(summary))
 
 
-@app.command("import-dxf")
-def import_dxf(
-    drawing: Drawing,
-    folder: Folder,
+@app.command("import-dxf", help="Make a case of a drawing: the same as import.")
+@app.command("import")
+def import_file(
+    file: StonesFile,
+    folder: Folder = None,
     units: Units = None,
     unit_weight: Annotated[float | None, typer.Option("--unit-weight-kN-m3", help="Of all stones.")] = None,
     friction: Annotated[float | None, typer.Option(help="Friction coefficient of all joints.")] = None,
@@ -189,14 +196,20 @@ def import_dxf(
     joint_mode: JointMode = "grow",
     mortar: Mortar = "counted",
     contact_gap: ContactGap = None,
+    up: UpAxis = None,
+    scale: Scale = 1.0,
 ) -> None:
-    """Make a case of a drawing: FOLDER/case.toml and a copy of the drawing. All findings are listed."""
+    """Make a case of a file of stones: FOLDER/case.toml and a copy of the file. All findings are listed.
+
+    DXF, OBJ, STL, PLY, GLB, 3MF, Rhino 3DM, COMPAS JSON, LMGC90 (BODIES.DAT), 3DEC, or a folder: docs/formats.md.
+    """
     from churchpipe.importing import import_drawing, parse_length
 
+    folder = folder or Path(file.stem)
     done = import_drawing(
-        drawing,
+        file,
         folder,
-        _reading(units, support, repair, thickness, plane, joint, joint_mode, mortar),
+        _reading(units, support, repair, thickness, plane, joint, joint_mode, mortar, up, scale),
         unit_weight=None if unit_weight is None else unit_weight * 1e3,
         friction=friction,
         loads=load or (),
@@ -218,7 +231,7 @@ def import_dxf(
 
 @app.command()
 def check(
-    drawing: Drawing,
+    file: StonesFile,
     units: Units = None,
     support: Support = "drawn",
     repair: Repair = False,
@@ -228,20 +241,22 @@ def check(
     joint_mode: JointMode = "grow",
     mortar: Mortar = "counted",
     contact_gap: ContactGap = None,
+    up: UpAxis = None,
+    scale: Scale = 1.0,
     folder: Annotated[
         Path | None, typer.Option("--out", "-o", help="Folder for findings.json and findings.dxf.", show_default=False)
     ] = None,
 ) -> None:
-    """List all findings in a drawing, and stones that float or overlap; or what is wrong with a case. Exit code 1 for errors."""
-    if drawing.suffix.lower() == ".toml":
-        _check_case(drawing)
+    """List all findings in a file of stones, and stones that float or overlap; or what is wrong with a case. Exit code 1 for errors."""
+    if file.suffix.lower() == ".toml":
+        _check_case(file)
         return
     from churchpipe.findings import FindingsError
     from churchpipe.importing import check_drawing, parse_length, record_findings
 
-    reading = _reading(units, support, repair, thickness, plane, joint, joint_mode, mortar)
+    reading = _reading(units, support, repair, thickness, plane, joint, joint_mode, mortar, up, scale)
     try:
-        read, joints = check_drawing(drawing, reading, contact_gap=parse_length("--contact-gap", contact_gap))
+        read, joints = check_drawing(file, reading, contact_gap=parse_length("--contact-gap", contact_gap))
     except FindingsError as error:
         if folder:
             record_findings(error.findings, folder, units or "m")
@@ -252,7 +267,7 @@ def check(
     if folder:
         record_findings(read.findings, folder, read.units)
     warnings = f"{len(read.findings)} warnings" if len(read.findings) else "nothing to report"
-    out.print(f"{drawing}: {int((~read.stones.fixed).sum())} stones, {warnings}.", markup=False, soft_wrap=True)
+    out.print(f"{file}: {int((~read.stones.fixed).sum())} stones, {warnings}.", markup=False, soft_wrap=True)
 
 
 @app.command("export-dxf")
@@ -365,6 +380,8 @@ def _reading(
     joint: str | None,
     joint_mode: str,
     mortar: str,
+    up: str | None,
+    scale: float,
 ) -> Any:
     """Return how a drawing is read from the options of the command line."""
     from churchpipe.dxf.reading import Reading
@@ -372,6 +389,7 @@ def _reading(
 
     lengths = {"thickness": parse_length("--thickness", thickness), "joint": parse_length("--joint", joint)}
     words: dict[str, Any] = {"support": support, "plane": plane, "joint_mode": joint_mode, "mortar": mortar}
+    words |= {"up": up, "scale": scale}
     try:
         return Reading(units=units, repair=repair, **lengths, **words)
     except InputError as error:

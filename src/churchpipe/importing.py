@@ -1,4 +1,4 @@
-"""From a drawing to a case file."""
+"""From a drawing, or another file of stones, to a case file."""
 
 import json
 import math
@@ -11,13 +11,14 @@ from pathlib import Path
 import numpy as np
 
 from churchpipe.config.shell_table import shell_table
-from churchpipe.dxf import reader
 from churchpipe.dxf.annotated import write_findings
+from churchpipe.dxf.reader import Drawing
 from churchpipe.dxf.reading import AS_DRAWN, Reading
 from churchpipe.dxf.schema import metres
 from churchpipe.errors import UsageError
 from churchpipe.findings import Findings
 from churchpipe.io.atomic import write_text
+from churchpipe.meshes.reader import files_of, read_file
 from churchpipe.model.loads import LoadCase, direction_name
 from churchpipe.model.materials import Elastic, Material
 from churchpipe.stones.account import joints_lines, joints_record
@@ -45,16 +46,16 @@ class Imported:
 
 def check_drawing(
     path: Path, reading: Reading = AS_DRAWN, unit_weight: float | None = None, contact_gap: float | None = None
-) -> tuple[reader.Drawing, list[str]]:
-    """Read a drawing, look for stones that float or overlap, and say what was decided about its joints.
+) -> tuple[Drawing, list[str]]:
+    """Read a file of stones, look for stones that float or overlap, and say what was decided about its joints.
 
     contact_gap: as in `churchpipe.find_contacts`, m.
 
     Raises
     ------
-    InputError: the drawing has errors, all of them listed.
+    InputError: the file has errors, all of them listed.
     """
-    drawing = reader.read_drawing(path, unit_weight=unit_weight, **asdict(reading))
+    drawing = read_file(path, unit_weight=unit_weight, **asdict(reading))
     contacts = find_contacts(drawing.stones, reading.open_joint if contact_gap is None else contact_gap)
     check_soundness(drawing.stones, contacts)
     return drawing, joints_lines(joints_record(drawing.stones, contacts))
@@ -70,7 +71,7 @@ def import_drawing(
     loads: Sequence[str] = (),
     contact_gap: float | None = None,
 ) -> Imported:
-    """Write FOLDER/case.toml and a copy of the drawing beside it; findings.json and findings.dxf when there are any.
+    """Write FOLDER/case.toml and a copy of the file beside it; findings.json and findings.dxf when there are any.
 
     Parameters
     ----------
@@ -91,16 +92,18 @@ def import_drawing(
     if case.exists():
         raise UsageError(str(case), "exists already", remedy="Choose another folder, or delete it first.")
     drawing, joints = check_drawing(path, reading, unit_weight, contact_gap)
-    copy = folder / path.name
-    if copy.exists() and not copy.samefile(path):
-        raise UsageError(str(copy), "exists already", remedy="Choose another folder, or delete it first.")
+    copies = _copies(path, folder)
+    for file, copy in copies.items():
+        if copy.exists() and not copy.samefile(file):
+            raise UsageError(str(copy), "exists already", remedy="Choose another folder, or delete it first.")
     stored = {material.name: material for material in drawing.materials}
     used = [str(name) for name in np.unique(drawing.stones.material[~drawing.stones.fixed])]
     names = [*used, *(name for name in stored if name not in used)]
     tables = [_material_table(name, stored.get(name), unit_weight, friction) for name in names]
     pushes = [LoadCase(direction) for direction in directions] or list(drawing.loads)
     missing = [key for _, keys in tables for key in keys] + ([] if pushes else ["[[load]] with its direction"])
-    source = [f"dxf = {_text(path.name)}", *_reading_lines(reading)]
+    key = "dxf" if path.suffix.lower() == ".dxf" else "file"
+    source = [f"{key} = {_text(path.name)}", *_reading_lines(reading)]
     shell = shell_table(drawing.stones, {name: stored[name].elastic is not None if name in stored else False for name in names})
     text = "\n\n".join(
         [
@@ -115,12 +118,21 @@ def import_drawing(
         ]
     )
     folder.mkdir(parents=True, exist_ok=True)
-    if not copy.exists():
-        shutil.copyfile(path, copy)
+    for file, copy in copies.items():
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        if not copy.exists():
+            shutil.copyfile(file, copy)
     write_text(case, text + "\n")
     record_findings(drawing.findings, folder, drawing.units)
     fixed = int(drawing.stones.fixed.sum())
     return Imported(case, drawing.stones.count - fixed, fixed, drawing.findings, tuple(missing), shell.note, tuple(joints))
+
+
+def _copies(path: Path, folder: Path) -> dict[Path, Path]:
+    """Return the files that a file or a folder is read from, and where each is copied to."""
+    root = path if path.is_dir() else path.parent
+    place = folder / path.name if path.is_dir() else folder
+    return {file: place / file.relative_to(root) for file in files_of(path)}
 
 
 def _flow(stones: int) -> str:
@@ -194,6 +206,8 @@ def _reading_lines(reading: Reading) -> list[str]:
             continue
         if isinstance(value, bool):
             lines.append(f"{field.name} = {str(value).lower()}")
+        elif field.name == "scale":
+            lines.append(f"scale = {_number(value)}")
         elif isinstance(value, str):
             lines.append(f"{field.name} = {_text(value)}")
         else:

@@ -51,12 +51,10 @@ def configure(case: str | Path, out: str | Path, overrides: Sequence[str] = ()) 
     todo = plan(read_variants(case, overrides))
     drawing = todo.index["drawing"]
     if drawing:
-        if not Path(drawing).is_file():
-            raise InputError(
-                f"{case}: source.dxf", "no such drawing", found=drawing, remedy="Paths are relative to the case file."
-            )
+        if not Path(drawing).exists():
+            raise InputError(f"{case}: source", "no such file", found=drawing, remedy="Paths are relative to the case file.")
         for table in todo.geometries.values():
-            table["drawing"] = hashlib.sha256(Path(drawing).read_bytes()).hexdigest()
+            table["drawing"] = _content_of(Path(drawing))
     folders = {f"geometry/{name}": table for name, table in todo.geometries.items()}
     folders |= {f"shell/{name}": table for name, table in todo.shells.items()}
     folders |= {f"{todo.kinds[name]}/{name}": table for name, table in todo.analyses.items()}
@@ -70,6 +68,16 @@ def configure(case: str | Path, out: str | Path, overrides: Sequence[str] = ()) 
     write_if_changed(out / "as-run.toml", as_run(Path(case), overrides))
     write_if_changed(out / "plan.json", canonical_json(todo.index))
     return out / "plan.json"
+
+
+def _content_of(drawing: Path) -> str:
+    """Return a digest of the files that a drawing, another file of stones or a folder of them is read from."""
+    from churchpipe.meshes.reader import files_of
+
+    digest = hashlib.sha256()
+    for file in files_of(drawing):
+        digest.update(file.name.encode() + b"\0" + file.read_bytes())
+    return digest.hexdigest()
 
 
 def source(settings: Path, building: Path) -> None:
@@ -91,17 +99,17 @@ def blocks(building: Path, assemblage: Path, dxf: Path, vtu: Path) -> None:
     write_npz(assemblage, stones)
 
 
-def drawing(settings: Path, dxf: Path, assemblage: Path, vtu: Path) -> None:
-    """Drawing -> its stones, exactly as drawn."""
-    from churchpipe.dxf.reader import read_drawing
+def drawing(settings: Path, file: Path, assemblage: Path, vtu: Path) -> None:
+    """Drawing, or another file of stones -> its stones, exactly as drawn."""
+    from churchpipe.meshes.reader import read_file
 
     table = read_json(settings)
     weights = {material.name: material.unit_weight for material in weights_of(table)}
-    drawn = read_drawing(dxf, **table["source"]["reading"], unit_weight=weights)
+    drawn = read_file(file, **table["source"]["reading"], unit_weight=weights)
     missing = [name for name in drawn.unweighted if name not in weights]
     if missing:
         raise InputError(
-            dxf.name,
+            file.name,
             "stones of materials that the case does not know",
             found=", ".join(missing),
             expected=", ".join(weights),

@@ -31,8 +31,9 @@ def as_run(case: Path, overrides: Sequence[str]) -> str:
     """Return the text of a case file with its name, the overrides and the absolute path of its drawing in it."""
     document = tomlkit.parse(case.read_text(encoding="utf-8-sig"))
     override(document, overrides)
-    if drawing := document["source"].get("dxf"):
-        document["source"]["dxf"] = (case.parent / drawing).resolve().as_posix()
+    for key in ("dxf", "file"):
+        if drawing := document["source"].get(key):
+            document["source"][key] = (case.parent / drawing).resolve().as_posix()
     # Without a name the file's own name would be taken, which is another one here.
     name = "" if "name" in document else tomlkit.dumps({"name": case.stem})
     return "".join(f"# --set {change}\n" for change in overrides) + name + tomlkit.dumps(document)

@@ -13,7 +13,7 @@ from churchpipe.config.published import Published, read_published
 from churchpipe.config.schema import CaseTable, check
 from churchpipe.config.section import Section, nearest
 from churchpipe.config.site import read_site
-from churchpipe.config.sources import DrawingSource
+from churchpipe.config.sources import DrawingSource, FileSource
 from churchpipe.config.units import in_si
 from churchpipe.dxf.reading import AS_DRAWN, Reading
 from churchpipe.errors import InputError
@@ -255,9 +255,10 @@ def _check_complete(checked: CaseTable, file: str) -> None:
 
 
 def _source(path: Path, source: Section) -> Generated | Drawing:
-    if isinstance(source, DrawingSource):
-        options = source.model_dump(exclude_none=True, exclude={"dxf"})
-        return Drawing(path.parent / source.dxf, Reading(**in_si(options)))
+    if isinstance(source, DrawingSource | FileSource):
+        place = source.dxf if isinstance(source, DrawingSource) else source.file
+        options = source.model_dump(exclude_none=True, exclude={"dxf", "file"})
+        return Drawing(path.parent / place, Reading(**in_si(options)))
     parameters = source.model_dump(exclude_none=True)
     return Generated(parameters.pop("generator"), in_si(parameters))
 

@@ -23,13 +23,9 @@ def _path(value: str) -> str:
     return value
 
 
-class DrawingSource(Section):
-    """A DXF drawing, and how it is read: see `churchpipe.dxf.reading.Reading`.
+class ReadSource(Section):
+    """How a file of stones is read: see `churchpipe.dxf.reading.Reading`."""
 
-    Its path is relative to the case file, or absolute: a case is trusted to name any file.
-    """
-
-    dxf: Annotated[str, AfterValidator(_path)]
     units: str | None = None
     support: Literal["drawn", "base"] = "drawn"
     repair: bool = False
@@ -40,19 +36,34 @@ class DrawingSource(Section):
     mortar: Literal["counted", "ignored"] = "counted"
 
 
+class DrawingSource(ReadSource):
+    """A DXF drawing; its path is relative to the case file, or absolute: a case is trusted to name any file."""
+
+    dxf: Annotated[str, AfterValidator(_path)]
+
+
+class FileSource(ReadSource):
+    """A file of stones in any format, or a folder of them, its path as in `DrawingSource`."""
+
+    file: Annotated[str, AfterValidator(_path)]
+    up: Literal["z", "y", "x", "-z", "-y", "-x"] | None = None
+    scale: Positive = 1.0
+
+
 GENERATED = {name: table_of(generator.parameters, name) for name, generator in GENERATORS.items()}
 
 
 def check_source(table: Table, file: str, problems: list[InputError]) -> Section | None:
     """Return the [source] table checked, or None and what is wrong with it among the problems."""
-    if ("generator" in table) == ("dxf" in table):
-        found = "both" if "dxf" in table else ", ".join(table) or "an empty table"
-        problems.append(
-            InputError(f"{file}: source", "no single source", found=found, expected='generator = "..." or dxf = "..."')
-        )
+    given = [key for key in ("generator", "dxf", "file") if key in table]
+    if len(given) != 1:
+        found = " and ".join(given) or ", ".join(table) or "an empty table"
+        expected = 'generator = "...", dxf = "..." or file = "..."'
+        problems.append(InputError(f"{file}: source", "no single source", found=found, expected=expected))
         return None
-    if "dxf" in table:
-        return validated(DrawingSource, _in_millimetres(table, DrawingSource), "source", file, problems)
+    if given != ["generator"]:
+        kind = DrawingSource if given == ["dxf"] else FileSource
+        return validated(kind, _in_millimetres(table, kind), "source", file, problems)
     name = table["generator"]
     if not isinstance(name, str) or name not in GENERATED:
         problems.append(

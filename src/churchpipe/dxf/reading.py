@@ -10,11 +10,12 @@ ElevationPlane = Literal["xz", "xy"]
 JointMode = Literal["grow", "keep"]
 Mortar = Literal["counted", "ignored"]
 Support = Literal["drawn", "base"]
+Up = Literal["z", "y", "x", "-z", "-y", "-x"]
 
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """How to read a drawing; every field has the meaning that a drawing needs most.
+    """How to read a file of stones; every field has the meaning that a drawing needs most.
 
     units: read it in this unit ("m", "mm", "cm", "in", ...) whatever it says itself.
     repair: drop stones drawn twice and recompute attributes that cannot be understood; each repair is a warning.
@@ -23,6 +24,8 @@ class Reading:
     plane: "xz" takes the x-y of a drawing of outlines for the elevation x-z, "xy" leaves it lying, a plan.
     joint: nominal width, m, of joints drawn open. joint_mode: "grow" lets stones meet in the middle of their joints, "keep"
     leaves them as drawn. mortar: whether its weight is "counted", as if it were stone, or "ignored".
+    up: the axis of the file that points up; None for what its format says, z where it says nothing. scale: sizes in the building
+    over sizes in the file, of models at scale. A DXF has neither of the two.
     """
 
     units: str | None = None
@@ -33,6 +36,8 @@ class Reading:
     joint: float | None = None
     joint_mode: JointMode = "grow"
     mortar: Mortar = "counted"
+    up: Up | None = None
+    scale: float = 1.0
 
     def __post_init__(self) -> None:
         if self.units is not None:
@@ -42,6 +47,9 @@ class Reading:
         one_of("plane", self.plane, "xz", "xy")
         one_of("joint_mode", self.joint_mode, "grow", "keep")
         one_of("mortar", self.mortar, "counted", "ignored")
+        if self.up is not None:
+            one_of("up", self.up, "z", "y", "x", "-z", "-y", "-x")
+        positive("scale", self.scale)
         for name in ("thickness", "joint"):
             if getattr(self, name) is not None:
                 positive(name, getattr(self, name))

@@ -30,7 +30,7 @@ def read_compas(path: Path) -> Source:
     """Read the meshes of a COMPAS file; of an assembly the nodes say which blocks are supports."""
     try:
         table = json.loads(read_bytes(path, "compas").decode("utf-8-sig"))
-        source = Source([], "compas", files=(path,))
+        source = Source([], "compas")
         supports = _old_supports(table)
         lost: Counter[str] = Counter()
         for around, mesh in _meshes(table, _Around()):

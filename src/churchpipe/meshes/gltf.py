@@ -29,7 +29,7 @@ def read_gltf(path: Path) -> Source:
         raise _damaged(path, f"{type(error).__name__} {error}") from error
     if len(placed) != announced:
         raise _damaged(path, f"{announced} meshes stand in its nodes, {len(placed)} of them can be read in its scene")
-    source = Source([], "gltf", unit="m", up="y", files=(path,))
+    source = Source([], "gltf", unit="m", up="y")
     others: Counter[str] = Counter()
     for node, matrix, name in placed:
         mesh = geometry[name]

@@ -32,11 +32,11 @@ class _Record:
 def read_lmgc90(path: Path) -> Source:
     """Read BODIES.DAT, or the folder that holds it; POLYR, POLYG, PLANx and JONCx are bodies, the last two ground."""
     path = path / "BODIES.DAT" if path.is_dir() else path
-    source = Source([], "lmgc90", files=(path,))
+    source = Source([], "lmgc90")
     others: Counter[str] = Counter()
     records = _bodies(path, source, others)
     displaced = _moves(path.with_name("DOF.INI"), source)
-    driven = _driven(path.with_name("DRV_DOF.DAT"), source, others)
+    driven = _driven(path.with_name("DRV_DOF.DAT"), others)
     source.flat = any(record.kind == "RBDY2" for record in records)
     if source.flat and any(record.kind == "RBDY3" for record in records):
         raise refused(path, "lmgc90", "E21", "bodies of the plane (RBDY2) and of space (RBDY3) in one file")
@@ -155,7 +155,6 @@ def _moves(path: Path, source: Source) -> dict[tuple[str, int], dict[str, float]
     """Return the displacement X and the axes a, b, g of each body of DOF.INI, if there is one."""
     out: dict[tuple[str, int], dict[str, float]] = {}
     if path.is_file():
-        source.files = (*source.files, path)
         current: dict[str, float] = {}
         for row, line in enumerate(read_lines(path, "lmgc90"), 1):
             if found := _RECORD.match(f" {line.lstrip()}"):
@@ -165,11 +164,10 @@ def _moves(path: Path, source: Source) -> dict[tuple[str, int], dict[str, float]
     return out
 
 
-def _driven(path: Path, source: Source, others: Counter[str]) -> set[tuple[str, int]]:
+def _driven(path: Path, others: Counter[str]) -> set[tuple[str, int]]:
     """Return the bodies of DRV_DOF.DAT whose velocity is given in every direction: the ground."""
     directions: dict[tuple[str, int], set[int]] = {}
     if path.is_file():
-        source.files = (*source.files, path)
         current: set[int] = set()
         for line in read_lines(path, "lmgc90"):
             words = line.split()

@@ -14,7 +14,7 @@ _LEFT_OUT = {"l": "lines", "p": "points", "curv": "curves", "curv2": "curves", "
 
 def read_obj(path: Path) -> Source:
     """Read an OBJ; bodies are its objects (o) or its groups (g), whichever are more; usemtl names materials."""
-    source = Source([], "obj", files=(path,))
+    source = Source([], "obj")
     points: list[tuple[float, float, float]] = []
     faces: list[Face] = []
     labels: list[tuple[str, str, str]] = []

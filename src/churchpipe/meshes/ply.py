@@ -62,7 +62,7 @@ def read_ply(path: Path) -> Source:
     wrong = [face for face in faces if len(face) < 3 or min(face) < 0 or max(face) >= len(points)]
     if wrong:
         raise _damaged(path, f"{len(wrong)} faces have fewer than 3 corners, or one beyond the {len(points)} vertices")
-    return Source([Body(points, faces, "mesh")] if faces else [], "ply", files=(path,))
+    return Source([Body(points, faces, "mesh")] if faces else [], "ply")
 
 
 def _header(path: Path, data: bytes) -> tuple[str, list[_Element], int]:

@@ -1,5 +1,6 @@
 """Rhino 3DM: meshes, and the render meshes of solids; block instances followed, layers as materials."""
 
+import re
 from collections import Counter
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,9 @@ from churchpipe.model.arrays import FloatArray
 UNITS = {"Millimeters": "mm", "Centimeters": "cm", "Decimeters": "dm", "Meters": "m", "Kilometers": "km"}
 UNITS |= {"Inches": "in", "Feet": "ft", "Yards": "yd"}
 DEEPEST = 50
+# The chunks of a file: a type of 4 bytes, then a length of 4, since version 50 of 8 bytes.
+HEADER, WIDE_SINCE, SHORT = 32, 50, 0x80000000
+OBJECT_TABLE, OBJECT_RECORD, END_OF_TABLE, END_OF_FILE = 0x10000013, 0x20008070, 0xFFFFFFFF, 0x00007FFF
 MESH_REMEDY = "Shade the view before you save, or turn it into a mesh with the command Mesh."
 
 
@@ -20,16 +24,57 @@ def read_3dm(path: Path) -> Source:
     """Read a 3DM: each mesh, solid and extrusion is a body by its name, its material the name of its layer."""
     import rhino3dm
 
-    read_bytes(path, "3dm")
-    model: Any = rhino3dm.File3dm.Read(str(path))
-    if model is None:
-        raise refused(path, "3dm", "E03", "the file is damaged or no 3DM", remedy="Open it in Rhino, audit it and save it again.")
+    announced = _announced(read_bytes(path, "3dm"))
+    model: Any = rhino3dm.File3dm.Read(str(path)) if announced is not None else None
+    if model is None or len(model.Objects) != announced:
+        held = f": {len(model.Objects)} of {announced} objects can be read" if model is not None else ", truncated or no 3DM"
+        raise refused(path, "3dm", "E03", f"the file is damaged{held}", remedy="Open it in Rhino, audit it and save it again.")
     unit = UNITS.get(str(model.Settings.ModelUnitSystem).rpartition(".")[2])
-    source = Source([], "3dm", unit=unit, files=(path,))
+    source = Source([], "3dm", unit=unit)
     others: Counter[str] = Counter()
     _Walk(source, model, others).visit([item for item in model.Objects if not _in_definition(item)], np.eye(4), 0)
     source.findings += left_out(others)
     return source
+
+
+def _announced(data: bytes) -> int | None:
+    """Return how many objects a file holds by its table of contents, None when its chunks do not fit together.
+
+    The library that reads it runs for ever on some damaged files, and leaves out objects of others without a word.
+    """
+    begin = re.match(rb"3D Geometry File Format +(\d+)", data[:HEADER])
+    if begin is None:
+        return None
+    wide = 8 if int(begin[1]) >= WIDE_SINCE else 4
+    count, position = 0, HEADER
+    while position + 4 + wide <= len(data):
+        kind = int.from_bytes(data[position : position + 4], "little")
+        size = int.from_bytes(data[position + 4 : position + 4 + wide], "little")
+        body = position + 4 + wide
+        if kind == END_OF_FILE:
+            return count if int.from_bytes(data[body : body + wide], "little") == len(data) else None
+        if kind == OBJECT_TABLE:
+            found = _records(data[body : body + size], wide)
+            if found is None:
+                return None
+            count += found
+        # The comment that begins a file and short chunks hold their value where others hold a length.
+        position = body + (0 if kind & SHORT else size)
+    return None
+
+
+def _records(table: bytes, wide: int) -> int | None:
+    """Return the number of object records in a table, None when it does not end as it should."""
+    count, position = 0, 0
+    while position + 4 + wide <= len(table):
+        kind = int.from_bytes(table[position : position + 4], "little")
+        if kind == END_OF_TABLE:
+            return count
+        if kind != OBJECT_RECORD:
+            return None
+        position += 4 + wide + int.from_bytes(table[position + 4 : position + 4 + wide], "little")
+        count += 1
+    return None
 
 
 class _Walk:

@@ -3,15 +3,14 @@
 import math
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 
+from churchpipe.dxf.reading import Up
 from churchpipe.findings import Finding, Findings, FindingsError, Place
 from churchpipe.model.arrays import FloatArray
 
 Face = tuple[int, ...]
-Up = Literal["z", "y", "x", "-z", "-y", "-x"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,14 +43,13 @@ class Body:
 class Source:
     """A file's bodies, in its order; unit: the name of its unit, None when it says none; up: the axis that points up.
 
-    files: all that were read. flat: the bodies are outlines, one face each, in the plane of x and z, that want a thickness.
+    flat: the bodies are outlines, one face each, in the plane of x and z, that want a thickness.
     """
 
     bodies: list[Body]
     reader: str
     unit: str | None = None
     up: Up = "z"
-    files: tuple[Path, ...] = ()
     findings: list[Finding] = field(default_factory=list)
     flat: bool = False
 

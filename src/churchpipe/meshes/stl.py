@@ -17,7 +17,7 @@ def read_stl(path: Path) -> Source:
     facets = int.from_bytes(data[HEADER - 4 : HEADER], "little")
     if len(data) >= HEADER and len(data) == HEADER + _FACET.itemsize * facets:
         corners = np.frombuffer(data, dtype=_FACET, offset=HEADER)["corner"].astype(np.float64)
-        return Source([_body(corners.reshape(-1, 3), "")] if facets else [], "stl", files=(path,))
+        return Source([_body(corners.reshape(-1, 3), "")] if facets else [], "stl")
     if re.match(rb"\s*solid\b", data) and b"\0" not in data:
         return _read_text(path)
     held = max(len(data) - HEADER, 0) / _FACET.itemsize
@@ -26,7 +26,7 @@ def read_stl(path: Path) -> Source:
 
 
 def _read_text(path: Path) -> Source:
-    source = Source([], "stl", files=(path,))
+    source = Source([], "stl")
     corners: list[tuple[float, float, float]] = []
     name, inside, before = "", False, 0
     for row, line in enumerate(read_lines(path, "stl"), 1):

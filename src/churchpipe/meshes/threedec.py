@@ -35,7 +35,7 @@ class _Block:
 
 def read_3dec(path: Path) -> Source:
     """Read the polyhedra of a 3DEC data file; `fix` makes ground of a region or group, `join` one stone of a region."""
-    source = Source([], "3dec", files=(path,))
+    source = Source([], "3dec")
     blocks: list[_Block] = []
     fixed: set[tuple[str, str]] = set()
     joined: set[str] = set()

@@ -46,7 +46,7 @@ def read_3mf(path: Path) -> Source:
     except BAD_ARCHIVE as error:
         raise _damaged(path, str(error)) from error
     unit = UNITS.get(roots[0].get("unit", "millimeter"), "")
-    source = Source([], "3mf", unit=unit or None, files=(path,))
+    source = Source([], "3mf", unit=unit or None)
     objects = {item.get("id", ""): item for root in roots for item in root.iter(f"{CORE}object")}
     others: Counter[str] = Counter()
     try:
