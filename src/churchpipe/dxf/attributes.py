@@ -4,11 +4,8 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import numpy as np
-
 from churchpipe.dxf import schema
 from churchpipe.findings import Finding, Place
-from churchpipe.model.arrays import FloatArray
 
 NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?")
 
@@ -66,12 +63,6 @@ def check_volume(text: str, volume: float, place: Place, repair: bool) -> list[F
     if abs(float(text) - volume) > schema.VOLUME_TOLERANCE * volume:
         return [place.finding("W14", found, expected=f"{volume:.6g} from the faces, which is used")]
     return []
-
-
-def body_volume(points: FloatArray, faces: tuple[tuple[int, ...], ...]) -> float:
-    """Return the volume of a closed body with outward faces (n, 3), as tetrahedra from one of its corners."""
-    triangles = np.array([(f[0], f[i], f[i + 1]) for f in faces for i in range(1, len(f) - 1)])
-    return float(np.linalg.det(points[triangles] - points[0]).sum() / 6)
 
 
 def _course(text: str, place: Place, repair: bool) -> tuple[int, list[Finding]]:

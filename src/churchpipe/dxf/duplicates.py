@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from churchpipe.dxf.attributes import body_volume
 from churchpipe.dxf.stones import Stone
 from churchpipe.findings import Finding
+from churchpipe.geometry.mending import signed_volume
 from churchpipe.model.arrays import FloatArray
 
 # Stones whose boxes, corner means and volumes agree to this part of the median stone are one stone drawn twice.
@@ -54,5 +54,5 @@ def coinciding(stones: list[Stone]) -> list[tuple[int, int]]:
 def _mark(stone: Stone) -> FloatArray:
     """Return box, mean of the face corners (which tells two halves of one box apart) and volume (10,), drawing units."""
     corners = stone.points[[node for face in stone.faces for node in face]]
-    volume = body_volume(stone.points, stone.faces)
+    volume = signed_volume(stone.points, stone.faces)
     return np.concatenate([corners.min(axis=0), corners.max(axis=0), corners.mean(axis=0), [volume]])

@@ -9,11 +9,12 @@ from ezdxf.entities.insert import Insert
 from ezdxf.math import Vec3
 
 from churchpipe.dxf import schema
-from churchpipe.dxf.attributes import body_volume, read_labels
+from churchpipe.dxf.attributes import read_labels
 from churchpipe.dxf.bodies import BAD_ENTITY, NOT_SANE, Faces, ground_plate, is_sane
 from churchpipe.dxf.definitions import Definition, Matrix, read_content, read_definition, transformed, warped
 from churchpipe.dxf.traces import KINDS, Trace, traces_of
 from churchpipe.findings import Finding, Place
+from churchpipe.geometry.mending import signed_volume
 from churchpipe.model.arrays import FloatArray
 
 IDENTITY: Matrix = (np.eye(3), np.zeros(3))
@@ -347,7 +348,7 @@ def _add_stone(found: Survey, content: Definition, texts: dict[str, str], branch
         content.constants,
         content.defaults,
         place,
-        volume=body_volume(points, faces) if schema.VOLUME in texts else 0.0,
+        volume=signed_volume(points, faces) if schema.VOLUME in texts else 0.0,
         required=content.tagged,
         repair=found.repair,
     )

@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 
 from churchpipe.dxf import schema
-from churchpipe.dxf.attributes import body_volume
 from churchpipe.dxf.stones import Stone
 from churchpipe.findings import Finding
+from churchpipe.geometry.mending import signed_volume
 
 
 def find_unit(document: Any, stones: list[Stone], flawed: list[float], units: str | None, findings: list[Finding]) -> str | None:
@@ -49,7 +49,7 @@ def declared_unit(document: Any) -> str | None:
 
 def median_size(stones: list[Stone], flawed: list[float]) -> float | None:
     """Return the median cube root of the volume of free stones, those with flaws included, drawing units; None without any."""
-    sizes = [stone.size or np.cbrt(body_volume(stone.points, stone.faces)) for stone in stones if not stone.fixed]
+    sizes = [stone.size or np.cbrt(signed_volume(stone.points, stone.faces)) for stone in stones if not stone.fixed]
     sizes += [size for size in flawed if size > 0]
     return float(np.median(sizes)) if sizes else None
 

@@ -155,7 +155,7 @@ MISTAKES = [
         "source.generator=walls",
         r'unknown generator; found \'walls\'; expected wall, arch, arch_piers, prototype, box.*Did you mean "wall"\?',
     ),
-    ("source.dxf=a.dxf", r"source: no single source; found both"),
+    ("source.dxf=a.dxf", r"source: no single source; found generator and dxf"),
     ("source={}", r"source: no single source"),
     ("source=wall", r"source: wrong value"),
     ("load.0.direction=[0,0,0]", r"load\.0: no direction"),

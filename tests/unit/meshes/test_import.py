@@ -1,0 +1,72 @@
+"""From a file in any format to a case that runs."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from churchpipe import stages
+from churchpipe.config import read_case
+from churchpipe.dxf.reading import Reading
+from churchpipe.errors import InputError, UsageError
+from churchpipe.findings import FindingsError
+from churchpipe.importing import check_drawing, import_drawing
+from churchpipe.io.npz import read_npz
+from churchpipe.io.tables import read_json
+from churchpipe.model.assemblage import Assemblage
+from mesh_files import WRITERS, fuzz_wall, write_obj
+
+
+@pytest.mark.parametrize("name", ["obj-triangles", "glb", "lmgc90", "3dec", "folder"])
+def test_a_case_of_an_imported_file_reads_its_stones_again(name: str, tmp_path: Path) -> None:
+    stones = fuzz_wall()
+    path = WRITERS[name](stones, tmp_path)
+    done = import_drawing(path, tmp_path / "case", unit_weight=18e3, friction=0.6, loads=["+x"])
+    assert (done.stones, done.fixed, done.missing) == (12, 1, ())
+    # The case does not need the file it was made of.
+    for file in [path, *path.parent.glob("*.INI")] if path.is_file() else path.iterdir():
+        file.unlink()
+    run = tmp_path / "run"
+    index = read_json(stages.configure(done.case, run))
+    assert index["files"]
+    assert all(Path(file).is_file() for file in index["files"])
+    folder = run / "geometry" / "base"
+    stages.drawing(folder / "settings.json", Path(index["drawing"]), folder / "assemblage.npz", folder / "stones.vtu")
+    read = read_npz(folder / "assemblage.npz", Assemblage)
+    np.testing.assert_allclose(np.sort(read.weight), np.sort(stones.weight), rtol=1e-9)
+
+
+def test_the_case_keeps_how_the_file_was_read(tmp_path: Path) -> None:
+    free = Assemblage.from_polyhedra([(points / 50.0, faces) for points, faces in _bricks()], 1.0)
+    path = write_obj(free, tmp_path / "model.obj")
+    reading = Reading(scale=50.0, support="base", units="m")
+    done = import_drawing(path, tmp_path / "case", reading, unit_weight=18e3, friction=0.6, loads=["+x"])
+    source = read_case(done.case).source
+    assert source.reading == reading  # type: ignore[union-attr]
+    assert check_drawing(path, reading, 18e3).stones.weight.sum() == pytest.approx(fuzz_wall().weight.sum())
+
+
+def _bricks() -> list:
+    from mesh_files import solids
+
+    return [(points, faces) for _, points, faces, fixed in solids(fuzz_wall()) if not fixed]
+
+
+def test_what_cannot_be_read_leaves_nothing_behind(tmp_path: Path) -> None:
+    path = tmp_path / "wall.obj"
+    path.write_text("v 0 0 0\nf 1 2 3\n")
+    with pytest.raises(FindingsError):
+        import_drawing(path, tmp_path / "case")
+    assert not (tmp_path / "case").exists()
+    with pytest.raises(InputError, match="no such option for a DXF"):
+        check_drawing(tmp_path / "wall.dxf", Reading(up="y"))
+
+
+def test_a_case_names_one_source(tmp_path: Path) -> None:
+    path = write_obj(fuzz_wall(), tmp_path / "wall.obj")
+    done = import_drawing(path, tmp_path / "case", unit_weight=18e3, friction=0.6, loads=["+x"])
+    done.case.write_text(done.case.read_text().replace('file = "wall.obj"', 'file = "wall.obj"\ndxf = "wall.dxf"'))
+    with pytest.raises(InputError, match="no single source; found dxf and file"):
+        read_case(done.case)
+    with pytest.raises(UsageError, match="exists already"):
+        import_drawing(path, tmp_path / "case")
