@@ -7,12 +7,14 @@ from pathlib import Path
 
 import numpy as np
 
+from churchpipe.findings import Finding
 from churchpipe.meshes.source import Body, Face, Source, damaged, left_out, number, read_lines, refused
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.polyhedra import solid_properties
 
 # "coo1=", "ver2=", "a(1)=", "nb_vertex=": a word, then a number in columns or not.
 _VALUE = re.compile(r"([a-zA-Z_]+\(?\d*\)?)\s*=\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?)(?=\s|$)")
+END = "$$$$$$"
 _RECORD = re.compile(r"\s(RBDY[23])\s+(\d+)")
 _BOX = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
 
@@ -36,6 +38,10 @@ def read_lmgc90(path: Path) -> Source:
     others: Counter[str] = Counter()
     records = _bodies(path, source, others)
     displaced = _moves(path.with_name("DOF.INI"), source)
+    lost = [record for record in records if displaced and (record.kind, record.index) not in displaced]
+    if lost:
+        found = f"DOF.INI has no place for {len(lost)} bodies, the first {lost[0].kind} {lost[0].index}"
+        source.findings.append(Finding("E03", found, remedy="Take the DOF.INI of this model, or delete it."))
     driven = _driven(path.with_name("DRV_DOF.DAT"), others)
     source.flat = any(record.kind == "RBDY2" for record in records)
     if source.flat and any(record.kind == "RBDY3" for record in records):
@@ -56,6 +62,10 @@ def _bodies(path: Path, source: Source, others: Counter[str]) -> list[_Record]:
     records: list[_Record] = []
     lines = [line for line in enumerate(read_lines(path, "lmgc90"), 1) if line[1].strip() and line[1].lstrip()[0] not in "!#"]
     position, section = 0, ""
+    ends = sum(line.strip() == END for _, line in lines)
+    if (begins := sum(line.split()[0] == "$bdyty" for _, line in lines)) != ends:
+        found = f"{begins} bodies begin and {ends} end"
+        source.findings.append(Finding("E03", f"the file is damaged: {found}", f"{END} after each", "Export it again."))
     while position < len(lines):
         row, line = lines[position]
         position += 1
@@ -64,7 +74,7 @@ def _bodies(path: Path, source: Source, others: Counter[str]) -> list[_Record]:
             section = words[0].strip("$")
         elif found := _RECORD.match(f" {line.lstrip()}"):
             records.append(_Record(found[1], int(found[2])))
-        elif not records:
+        elif not records or section == "bdyty":
             source.findings.append(damaged(row, line, "RBDY2 or RBDY3 with a number before the body"))
         elif section == "blmty" and "behav" in words[:-1]:
             records[-1].material = words[words.index("behav") + 1]

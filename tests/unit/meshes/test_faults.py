@@ -262,3 +262,9 @@ def test_a_damaged_obj_is_named(change: Callable[[str], str], tmp_path: Path) ->
     path.write_text(change(path.read_text()))
     with pytest.raises(FindingsError):
         cp.read_stones(path)
+
+
+def test_a_model_cut_after_the_name_of_a_body_is_truncated(tmp_path: Path) -> None:
+    stone = record(1, polyr(LOW, triangles(LOW, BOX_FACES)))
+    with pytest.raises(FindingsError, match="2 bodies begin and 1 end"):
+        cp.read_stones(lmgc90(tmp_path, stone, "$bdyty\n RBDY3"), support="base")
