@@ -124,7 +124,7 @@ def test_a_drawing_elsewhere_is_named(capsys: pytest.CaptureFixture[str], tmp_pa
     code, _, err = call(capsys, "run", written(tmp_path / "case", text), "--out", tmp_path / "run")
     assert code == cli.FINDINGS
     assert f"The drawing lies elsewhere: {tmp_path / 'other.dxf'}" in err
-    assert "no such drawing" in err
+    assert "no such file" in err
 
 
 def test_an_entry_of_an_empty_list_is_told_so(tmp_path: Path) -> None:
