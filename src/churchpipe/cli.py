@@ -247,7 +247,10 @@ def check(
         Path | None, typer.Option("--out", "-o", help="Folder for findings.json and findings.dxf.", show_default=False)
     ] = None,
 ) -> None:
-    """List all findings in a file of stones, and stones that float or overlap; or what is wrong with a case. Exit code 1 for errors."""
+    """List all findings in a file of stones, and stones that float or overlap; or what is wrong with a case.
+
+    Exit code 1 for errors.
+    """
     if file.suffix.lower() == ".toml":
         _check_case(file)
         return

@@ -29,7 +29,7 @@ class _Around:
 def read_compas(path: Path) -> Source:
     """Read the meshes of a COMPAS file; of an assembly the nodes say which blocks are supports."""
     try:
-        table = json.loads(read_bytes(path, "compas").decode("utf-8-sig"))
+        table = json.loads(read_bytes(path, "compas").decode("utf-8-sig"), object_pairs_hook=_once)
         source = Source([], "compas")
         supports = _old_supports(table)
         lost: Counter[str] = Counter()
@@ -49,6 +49,15 @@ def read_compas(path: Path) -> Source:
         expected = "vertices with x, y, z and faces of their keys"
         raise refused(path, "compas", "E03", found, expected=expected, remedy="Export it again.")
     return source
+
+
+def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Return a table; of keys given twice JSON would take the last without a word."""
+    table = dict(pairs)
+    if len(table) < len(pairs):
+        keys = [key for key, _ in pairs]
+        raise json.JSONDecodeError(f'the key "{next(key for key in keys if keys.count(key) > 1)}" is given twice', "", 0)
+    return table
 
 
 def _meshes(value: Any, around: _Around) -> Iterator[tuple[_Around, dict[str, Any]]]:

@@ -197,6 +197,10 @@ def _driven(path: Path, others: Counter[str]) -> set[tuple[str, int]]:
 def _values(row: int, line: str, source: Source) -> dict[str, float]:
     """Return the values of a line; a finding where a = has no number behind it."""
     found = _VALUE.findall(line)
-    if len(found) != line.count("="):
-        source.findings.append(damaged(row, line, "a number behind each ="))
-    return {key: number(text) for key, text in found}
+    try:
+        if len(found) == line.count("="):
+            return {key: number(text) for key, text in found}
+    except ValueError:
+        pass
+    source.findings.append(damaged(row, line, "a number behind each ="))
+    return {}

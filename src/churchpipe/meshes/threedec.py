@@ -12,6 +12,7 @@ from churchpipe.meshes.source import Body, Face, Source, damaged, left_out, numb
 
 _CREATE = re.compile(r"\s*(block\s+create\s+)?poly(hedron)?\b", re.IGNORECASE)
 _OTHERS = re.compile(r"\s*(block\s+create\s+|poly\s+)(brick|prism|tunnel|tetrahedron|cube)\b", re.IGNORECASE)
+_NEW = re.compile(r"\s*block\s+cr", re.IGNORECASE)
 _FACE = re.compile(r"\bface[\s(]+[-+.\d]", re.IGNORECASE)
 _FIX = re.compile(r"\s*(block\s+)?fix\b", re.IGNORECASE)
 _JOIN = re.compile(r"\s*(block\s+)?join\b", re.IGNORECASE)
@@ -49,6 +50,8 @@ def read_3dec(path: Path) -> Source:
                 source.findings.append(damaged(row, line, _SHAPE))
             else:
                 blocks.append(block)
+        elif _NEW.match(line):
+            others["blocks that are no polyhedra"] += 1
         elif _FACE.search(line):
             source.findings.append(damaged(row, line, "poly or block create polyhedron before its faces"))
         elif _FIX.match(line) and (region or group):

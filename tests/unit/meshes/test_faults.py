@@ -268,3 +268,16 @@ def test_a_model_cut_after_the_name_of_a_body_is_truncated(tmp_path: Path) -> No
     stone = record(1, polyr(LOW, triangles(LOW, BOX_FACES)))
     with pytest.raises(FindingsError, match="2 bodies begin and 1 end"):
         cp.read_stones(lmgc90(tmp_path, stone, "$bdyty\n RBDY3"), support="base")
+
+
+def test_a_number_beyond_all_numbers_is_named_by_its_line(tmp_path: Path) -> None:
+    stone = record(1, polyr(LOW, triangles(LOW, BOX_FACES))).replace("D+00", "D99999999", 20)
+    with pytest.raises(FindingsError, match=r"lmgc90/E03 BODIES.DAT: .*a number behind each ="):
+        cp.read_stones(lmgc90(tmp_path, stone), support="base")
+
+
+def test_a_key_given_twice_in_json_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "wall.json"
+    path.write_text('{"vertex": {}, "face": {}, "vertex": {}}')
+    with pytest.raises(FindingsError, match='the key "vertex" is given twice'):
+        cp.read_stones(path)
