@@ -23,6 +23,8 @@ SUPPORTED = 0.02
 MEAN_ANGLE = 3.0
 # A stone whose bed differs by more than this (degrees) is turned; part of the stones' volume that may be.
 TURNED, TURNED_SHARE = 20.0, 0.001
+# A joint crosses the line through a voussoir where the sine of their angle is at least this.
+LEAST_CROSSING = 0.4
 # Tells a normal from its opposite: no wall of a drawing lies along it.
 SLANT = np.array([0.8367, 0.5476, 0.0123])
 
@@ -224,17 +226,18 @@ def boundary_edges(shell: ShellModel) -> tuple[IntArray, IntArray]:
 def _beds(stones: Assemblage, contacts: Contacts, shell: ShellModel, facet: IntArray) -> tuple[Figure, Figure]:
     """Compare the bed of each stone with the bed direction of the facet at its centroid; means weighed by volume."""
     found = facet >= 0
-    normal = shell.axes[facet, 2]
+    across, along, normal = (shell.axes[facet, row] for row in (1, 0, 2))
     # In courses beds are level. Elsewhere (voussoirs) they are the joints with the largest area.
-    bed = np.cross([0.0, 0.0, 1.0], normal)
+    level = np.cross([0.0, 0.0, 1.0], normal)
+    length = np.linalg.norm(level, axis=1)
+    cosine = np.abs(np.einsum("ij,ij->i", level, along)) / np.where(length > 0, length, 1.0)
+    angle = np.where(length > 0.5, np.degrees(np.arccos(np.minimum(cosine, 1.0))), np.nan)
     loose = found & ~stones.coursed
-    bed[loose] = np.cross(normal, _joint_normal(stones, contacts, normal))[loose]
-    length = np.linalg.norm(bed, axis=1)
-    known = found & (length > 0.5)
+    angle[loose] = _angle_to_joints(stones, contacts, along, across)[loose]
+    known = found & np.isfinite(angle)
     if not known.any():
         return _bed_figures(np.array([90.0]), np.ones(1))
-    cosine = np.abs(np.einsum("ij,ij->i", bed, shell.axes[facet, 0]))[known] / length[known]
-    return _bed_figures(np.degrees(np.arccos(np.minimum(cosine, 1.0))), stones.volume[known])
+    return _bed_figures(angle[known], stones.volume[known])
 
 
 def _bed_figures(angle: FloatArray, volume: FloatArray) -> tuple[Figure, Figure]:
@@ -245,30 +248,63 @@ def _bed_figures(angle: FloatArray, volume: FloatArray) -> tuple[Figure, Figure]
     )
 
 
-def _joint_normal(stones: Assemblage, contacts: Contacts, normal: FloatArray) -> FloatArray:
-    """Return the axis (nb, 3) that the joints of each stone are most at right angles to, within the plane of its wall.
+def _angle_to_joints(stones: Assemblage, contacts: Contacts, along: FloatArray, across: FloatArray) -> FloatArray:
+    """Return how far the bed direction lies outside the directions of each stone's bed joints (nb,), degrees; nan without any.
 
-    Of a stone without a course the joints with others without one lead, where it has such, its neighbours in the ring; what lies
-    more across than along them, the extrados, does not count.
+    The joints of a voussoir are not parallel: inside it the bed direction turns from one joint to the other, so any direction
+    between the two fits. Its bed joints are those with its neighbours in the ring, stones without a course like itself. The last
+    voussoir of a ring has one such neighbour; the joint opposite, with a stone of a pier, counts too. A stone with more
+    neighbours, or with none, lies in a wall drawn without courses or stands alone: there the joints count that are within
+    45 degrees of the mean by area, and head joints do not.
+
+    Parameters
+    ----------
+    along, across: unit vectors (nb, 3) in the plane of each stone's wall: the bed direction, and that at right angles to it.
     """
+    owner = contacts.blocks.ravel()
+    normal, area = np.repeat(contacts.frame[:, 0], 2, axis=0), np.repeat(contacts.area, 2)
+    # A joint is at right angles to its normal. What faces the front or back of the wall has no direction within it.
+    up, level = np.einsum("kc,kc->k", normal, across[owner]), np.einsum("kc,kc->k", normal, along[owner])
+    share, turn = np.hypot(up, level), np.arctan2(-level, up)
     loose = ~stones.coursed & ~stones.fixed
-    in_ring = np.asarray(loose[contacts.blocks].all(axis=1))
-    ringed = np.isin(np.arange(stones.count), contacts.blocks[in_ring])
-    everywhere = _mean_axis(stones.count, contacts, normal, np.ones(contacts.blocks.shape, dtype=np.bool_))
-    first = np.where(
-        ringed[:, None], _mean_axis(stones.count, contacts, normal, np.stack([in_ring, in_ring], axis=1)), everywhere
-    )
-    along = np.abs(np.einsum("nc,nsc->ns", contacts.frame[:, 0], first[contacts.blocks])) > np.sqrt(0.5)
-    return np.where(ringed[:, None], _mean_axis(stones.count, contacts, normal, along), everywhere)
+    in_ring = np.repeat(loose[contacts.blocks].all(axis=1), 2) & (share > 0.5)
+    neighbours = np.bincount(owner[in_ring], minlength=stones.count)
+    voussoir = np.isin(neighbours, (1, 2))
+    leading = np.where((neighbours > 0)[owner], in_ring, share > 0.5)
+    leading |= (neighbours == 1)[owner] & _runs_across(stones, contacts, in_ring, along, across, turn) & (share > 0.5)
+    mean = _mean_direction(stones.count, owner, turn, np.where(leading, area * share**2, 0.0))
+    off = _half_turn(turn - mean[owner])
+    beds = np.where(voussoir[owner], leading, (np.abs(off) < np.pi / 4) & (share > 0.5))
+    low, high = np.full(stones.count, np.inf), np.full(stones.count, -np.inf)
+    np.minimum.at(low, owner[beds], off[beds])
+    np.maximum.at(high, owner[beds], off[beds])
+    field = _half_turn(-mean)
+    outside = np.maximum(np.maximum(low - field, field - high), 0.0)
+    return np.degrees(np.where(np.isfinite(low), np.minimum(outside, np.pi - outside), np.nan))
 
 
-def _mean_axis(count: int, contacts: Contacts, normal: FloatArray, counts: BoolArray) -> FloatArray:
-    """Return the mean axis (nb, 3) of the joints of each stone by area; counts (ni, 2): those that count for either stone."""
-    tensor = np.zeros((count, 3, 3))
-    n = contacts.frame[:, 0]
-    weighed = contacts.area[:, None, None] * n[:, :, None] * n[:, None, :]
-    for side in (0, 1):
-        chosen = counts[:, side]
-        np.add.at(tensor, contacts.blocks[chosen, side], weighed[chosen])
-    flat = np.eye(3) - normal[:, :, None] * normal[:, None, :]
-    return np.linalg.eigh(flat @ tensor @ flat)[1][:, :, 2]
+def _runs_across(
+    stones: Assemblage, contacts: Contacts, in_ring: BoolArray, along: FloatArray, across: FloatArray, turn: FloatArray
+) -> BoolArray:
+    """Return which joints (2 ni,) of a stone cross the line from its joint in a ring to its centroid: the extrados does not.
+
+    in_ring (2 ni,), turn (2 ni,) rad from the bed direction: of each joint as seen from its first stone, then from its second.
+    """
+    owner = contacts.blocks.ravel()
+    count = np.diff(contacts.point_ptr)
+    place = np.repeat(np.add.reduceat(contacts.point, contacts.point_ptr[:-1], axis=0) / count[:, None], 2, axis=0)
+    inwards = np.zeros((stones.count, 3))
+    inwards[owner[in_ring]] = stones.centroid[owner[in_ring]] - place[in_ring]
+    line = np.arctan2(np.einsum("bc,bc->b", inwards, across), np.einsum("bc,bc->b", inwards, along))
+    return np.abs(np.sin(turn - line[owner])) > LEAST_CROSSING
+
+
+def _mean_direction(count: int, owner: IntArray, turn: FloatArray, weight: FloatArray) -> FloatArray:
+    """Return the mean direction (count,) rad. Directions repeat after half a turn, so their doubles are averaged as angles."""
+    sine, cosine = (np.bincount(owner, weight * part(2 * turn), minlength=count) for part in (np.sin, np.cos))
+    return 0.5 * np.arctan2(sine, cosine)
+
+
+def _half_turn(angle: FloatArray) -> FloatArray:
+    """Return angles, rad, less whole half turns: from -pi/2 to pi/2."""
+    return np.mod(angle + 0.5 * np.pi, np.pi) - 0.5 * np.pi

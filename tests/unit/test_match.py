@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from churchpipe.bond.voussoir import ring_outline
-from churchpipe.generators import arch, box, prototype, wall
+from churchpipe.generators import arch, arch_piers, box, prototype, wall
 from churchpipe.geometry.locate import facet_at, inside_stones
 from churchpipe.match import match_models
 from churchpipe.model.assemblage import Assemblage
@@ -122,6 +122,29 @@ def test_a_turned_course_over_the_doors_fails():
     match = match_models(*blocks_of(building), all_turned)
     assert {"angle between beds, mean", "stones turned by more than 20 degrees"} == failed(match)
     assert {f.name: f for f in match.figures}["angle between beds, mean"].shell == pytest.approx(90)
+
+
+STEEP = {"shape": "pointed", "rise": 4.2, "voussoirs": 12, "height": 6.75}
+
+
+def arch_on_piers(**ring):
+    size = {"course": 0.25, "stone_length": 0.5, "span": 3.0, "springing": 1.25, "pier_width": 1.25, "thickness": 0.5}
+    return arch_piers(**size, depth=0.45, **ring)
+
+
+@pytest.mark.parametrize("ring", [STEEP, STEEP | {"voussoirs": 4}, {"voussoirs": 3, "height": 3.75}], ids=["12", "4", "3"])
+def test_a_bed_may_have_any_direction_between_the_joints_of_its_voussoir(ring):
+    building = arch_on_piers(**ring)
+    assert not failed(compare(building, building, 0.2))
+
+
+def test_level_beds_in_a_ring_on_piers_fail():
+    building = arch_on_piers(**STEEP)
+    (panel,) = building.panels
+    openings = tuple(replace(opening, rings=()) for opening in panel.openings)
+    regions = tuple(replace(region, pattern="running") for region in panel.regions)
+    level = with_wall(building, 0, openings=openings, regions=regions)
+    assert "stones turned by more than 20 degrees" in failed(compare(building, level, 0.2))
 
 
 def test_level_beds_in_an_arch_fail():
