@@ -83,6 +83,7 @@ def limits_of(
     contact_angle: float | None,
     overlap: float | None,
     least: FloatArray,
+    exact: int,
 ) -> Limits:
     """Return the tolerances given, and those proposed in their stead.
 
@@ -90,7 +91,7 @@ def limits_of(
     long as the next is no more than `STEP` times as large, so it ends in the empty band between the joints, however imprecise,
     and those that are meant to be open. Angles likewise. Nothing is wider than half the thinnest stone.
 
-    least (n,): area of the smaller facet of each overlap, m2.
+    least (n,): area of the smaller facet of each overlap, m2. exact: number of joints in one plane besides.
     """
     thickness = thicknesses(stones)
     typical, thinnest = typical_thickness(stones, thickness)
@@ -108,7 +109,7 @@ def limits_of(
             given=tuple(name for name, value in given.items() if value is not None),
         ),
         middle=widest if contact_gap is None else np.inf,
-        noise=_noise(near, NOISIEST * typical),
+        noise=_noise(near, exact, NOISIEST * typical),
         thickness=thickness,
         typical=typical,
     )
@@ -125,12 +126,15 @@ def _proposed(values: FloatArray, least: float, sure: float, most: float) -> flo
     return min(STEP * last, most)
 
 
-def _noise(joints: Overlaps, most: float) -> float:
-    """Return how far corners stray, m: as far along the joints as the gaps, the tilts and the warps show them to across."""
+def _noise(joints: Overlaps, exact: int, most: float) -> float:
+    """Return how far corners stray, m: as far along the joints as the gaps, the tilts and the warps show them to across.
+
+    exact: number of joints besides that have none of these, so that a few open joints say nothing of a drawing that fits.
+    """
     if not len(joints):
         return TOUCHING
-    middle = float(np.median(joints.middle))
-    shift = 4.0 * float(np.quantile(np.abs(joints.middle - middle), 0.95))
-    tilt = 2.0 * float(np.quantile(np.abs(joints.gap - middle).max(axis=1), 0.95))
-    warp = 2.0 * float(np.median(joints.slack))
+    middle, none = float(np.median(joints.middle)), np.zeros(exact)
+    shift = 4.0 * float(np.quantile(np.concatenate([np.abs(joints.middle - middle), none]), 0.95))
+    tilt = 2.0 * float(np.quantile(np.concatenate([np.abs(joints.gap - middle).max(axis=1), none]), 0.95))
+    warp = 2.0 * float(np.median(np.concatenate([joints.slack, none])))
     return min(max(shift, tilt, warp, TOUCHING), most)

@@ -19,7 +19,7 @@ from churchpipe.stones.near_misses import near_misses
 
 # A facet whose exact joints leave no more than this share of it is covered.
 COVERED = 1e-6
-# One interface in a plane stands for a pair of facets unless they share more than this share besides.
+# Interfaces in one plane stand for a pair of facets unless these share more than this share besides.
 SAME_AREA = 1e-4
 # Strips narrower than the noise of the corners are no joints, unless they are this share of the narrower facet's width.
 NARROW_SHARE = 0.25
@@ -58,7 +58,7 @@ def find_contacts(
     open_facets = covered < (1.0 - COVERED) * facets.area
     found = facing(facets, open_facets, search_reach(stones, contact_gap, overlap), contact_angle or MOST_ANGLE)
     found = found[~np.isin(_pair(facets, found.side), _pair(facets, exact.side[sure]))]
-    limits = limits_of(stones, found, contact_gap, contact_angle, overlap, facets.area[found.side].min(axis=1))
+    limits = limits_of(stones, found, contact_gap, contact_angle, overlap, facets.area[found.side].min(axis=1), int(sure.sum()))
     wide = _wide_enough(facets, found.side, widths(found.polygon), limits.noise)
     found = found[_meet(facets, found, limits) & wide]
     exact, found = _one_of_both(facets, exact, sure, found)
@@ -115,8 +115,8 @@ def _one_of_both(facets: Facets, exact: Interfaces, sure: BoolArray, found: Over
     mine, theirs = row[: len(of_exact)], row[len(of_exact) :]
     count, area = np.bincount(mine, minlength=len(pairs)), np.bincount(mine, exact.area, minlength=len(pairs))
     shared = np.bincount(theirs, found.area, minlength=len(pairs))
-    alone = (shared == 0) | ((count == 1) & (shared <= (1.0 + SAME_AREA) * area))
-    return chosen(exact, np.flatnonzero(sure | alone[mine])), found[~((count > 0) & alone)[theirs]]
+    enough = shared <= (1.0 + SAME_AREA) * area
+    return chosen(exact, np.flatnonzero(sure | enough[mine])), found[~((count > 0) & enough)[theirs]]
 
 
 def _interfaces(found: Overlaps, noise: float) -> Interfaces:

@@ -139,7 +139,7 @@ def test_a_face_without_area_is_left_out() -> None:
     assert len(find_contacts(on_ground((points, faces), box((1, 2), (0, 1), (0, 1)))).blocks) == 3
 
 
-@pytest.mark.parametrize("name", ["s22", "arch_piers", "tower"])
+@pytest.mark.parametrize("name", ["s22", "church", "apse_window", "round_tower"])
 def test_exact_stones_give_the_joints_in_one_plane_to_the_last_bit(name: str) -> None:
     stones = derive_blocks(read_case(CASES / f"{name}.toml").building())
     faces = np.ones(len(stones.face_ptr) - 1, dtype=np.bool_)
@@ -213,3 +213,18 @@ def test_what_a_nearer_stone_hides_is_no_joint() -> None:
     behind = (found.blocks == [1, 3]).all(axis=1)
     assert found.area[behind].tolist() == pytest.approx([0.25 * 0.25])
     assert np.abs(found.point[found.point_ptr[:-1][behind][0] :][:4, 0]).min() == pytest.approx(0.25)
+
+
+@pytest.mark.parametrize(("below", "above"), [(20, 20), (20, 29), (24, 31)])
+def test_a_curved_joint_meshed_differently_on_both_sides(below: int, above: int) -> None:
+    def arc(pieces: int) -> list[tuple[float, float]]:
+        return [(math.cos(a), math.sin(a)) for a in np.linspace(0.25 * math.pi, 0.75 * math.pi, pieces + 1)]
+
+    side = math.sqrt(0.5)
+    lower, upper = (
+        prism([*arc(below), (-side, 0.2), (side, 0.2)], 0.5),
+        prism([*arc(above)[::-1], (side, 1.4), (-side, 1.4)], 0.5),
+    )
+    found = find_contacts(triangulated(Assemblage.from_polyhedra([lower, upper], 18e3, fixed=[0])))
+    assert found.area.sum() == pytest.approx(0.5 * math.pi * 0.5, rel=0.005)
+    assert not len(found.near_misses)
