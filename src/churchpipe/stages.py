@@ -100,8 +100,9 @@ def blocks(building: Path, assemblage: Path, dxf: Path, vtu: Path) -> None:
 
 
 def drawing(settings: Path, file: Path, assemblage: Path, vtu: Path) -> None:
-    """Drawing, or another file of stones -> its stones, exactly as drawn."""
+    """Drawing, or another file of stones -> its stones, exactly as drawn; those of no wall get the names of walls fitted."""
     from churchpipe.meshes.reader import read_file
+    from churchpipe.recognition.panels import wall_names
 
     table = read_json(settings)
     weights = {material.name: material.unit_weight for material in weights_of(table)}
@@ -115,8 +116,13 @@ def drawing(settings: Path, file: Path, assemblage: Path, vtu: Path) -> None:
             expected=", ".join(weights),
             remedy=f"Add [material.{missing[0]}] with unit_weight_kN_m3 and friction to the case.",
         )
-    write_vtu(vtu, drawn.stones)
-    write_npz(assemblage, drawn.stones)
+    stones = replace(drawn.stones, panel=wall_names(drawn.stones))
+    known = sorted(set(stones.panel[~stones.fixed].tolist()) - {""})
+    unknown = [name for name in table["panels"] if name not in known]
+    if unknown:
+        raise InputError("load: panels", "no such panel", found=", ".join(unknown), expected=", ".join(known) or "no panels")
+    write_vtu(vtu, stones)
+    write_npz(assemblage, stones)
 
 
 def contacts(tolerances: Path, assemblage: Path, contacts: Path, progress: Progress | None = None) -> None:

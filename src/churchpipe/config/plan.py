@@ -95,7 +95,13 @@ def _geometry_settings(case: Case) -> dict[str, Any]:
         "name": case.name,
         "source": source,
         "unit_weight": {material.name: material.unit_weight for material in case.materials},
+        **({"panels": _named_panels(case)} if isinstance(case.source, Drawing) else {}),
     }
+
+
+def _named_panels(case: Case) -> list[str]:
+    """Return the panels that the loads of a case name: those of a drawing are known when it is read."""
+    return sorted({panel for load in case.loads for panel in load.panels or ()})
 
 
 def _rigid_settings(case: Case, geometry: str, load: LoadCase, flow: str) -> dict[str, Any]:

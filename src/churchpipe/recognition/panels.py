@@ -96,6 +96,16 @@ def fit_panels(
     return FittedBuilding(building, stones.block_id[unfit], panel.astype(str))
 
 
+def wall_names(stones: Assemblage) -> NameArray:
+    """Return the panel of each stone (nb,): its own, or that of the wall fitted to it where the stones name none at all."""
+    if (stones.panel != "").any():
+        return stones.panel
+    try:
+        return fit_panels(stones, tuple(Material(str(name), 1.0, 0.0) for name in np.unique(stones.material))).panel
+    except InputError:
+        return stones.panel
+
+
 def _support(stones: Assemblage, block: int) -> Support:
     start, stop = stones.block_point_ptr[block : block + 2]
     faces = np.arange(*stones.block_face_ptr[block : block + 2])
