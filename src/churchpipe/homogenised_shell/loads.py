@@ -4,7 +4,7 @@ import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.model.arrays import FloatArray
-from churchpipe.model.loads import LoadCase
+from churchpipe.model.loads import LoadCase, pushed_share
 from churchpipe.model.shell import ShellModel
 
 
@@ -22,19 +22,8 @@ def live_pressure(shell: ShellModel, load: LoadCase) -> FloatArray:
     """
     if load.dead is not None or load.live is not None:
         raise InputError(f"load {load.name}", "extra wrenches act on stones", expected="no dead or live wrenches for a shell")
-    pushed = np.ones(len(shell.triangles), dtype=bool)
-    if load.panels is not None:
-        unknown = np.setdiff1d(load.panels, shell.panel)
-        if len(unknown):
-            known = ", ".join(np.unique(shell.panel))
-            raise InputError(f"load {load.name}: panels", "no such panel", found=str(unknown[0]), expected=known)
-        pushed = np.isin(shell.panel, load.panels)
-    weight = np.where(pushed, shell.weight, 0.0)
-    share = np.where(pushed, shell.surface_weight, 0.0)
-    if load.profile == "linear":
-        height = shell.points[shell.triangles, 2].mean(axis=1) - shell.points[:, 2].min()
-        moment = float(weight @ height)
-        share = share * height * (weight.sum() / moment if moment > 0 else 0.0)
+    height = shell.points[shell.triangles, 2].mean(axis=1) - shell.points[:, 2].min()
+    share = pushed_share(load, shell.panel, shell.weight, height) * shell.surface_weight
     if not share.any():
         raise InputError(f"load {load.name}", "nothing to push", expected="panels with weight")
     return share[:, None] * load.direction

@@ -117,9 +117,9 @@ def cell_limit(
 
 def _proved(program: ConeProgram) -> tuple[ConeSolution, Outcome]:
     """Solve to 1e-8, and again to 1e-9 where that proves nothing: so small a program may end a little short of either."""
-    answer = solve_clarabel(program, tolerance=1e-8)
+    answer = solve_clarabel(program, duality_gap=1e-8)
     if answer.outcome == "failed" or (answer.outcome == "solved" and _doubt(program, answer) > 1e-6):
-        answer = solve_clarabel(program, tolerance=1e-9)
+        answer = solve_clarabel(program, duality_gap=1e-9)
     doubtful = answer.outcome == "solved" and _doubt(program, answer) > 1e-6
     return answer, "failed" if doubtful else answer.outcome
 

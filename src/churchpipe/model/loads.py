@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import listed, one_of, text
-from churchpipe.model.arrays import FloatArray, floats, store
+from churchpipe.model.arrays import FloatArray, NameArray, floats, store
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,3 +73,25 @@ def direction_name(direction: FloatArray) -> str:
     if abs(abs(direction[axis]) - 1) < 1e-9:
         return ("+" if direction[axis] > 0 else "-") + "xyz"[axis]
     return "(" + ", ".join(f"{c:.3g}" for c in direction) + ")"
+
+
+def pushed_share(load: LoadCase, panel: NameArray, weight: FloatArray, height: FloatArray) -> FloatArray:
+    """Return what share of the weight of each item (n,) the load factor multiplies, by the panels and the profile of a load.
+
+    panel, weight (N) and height (m, above the lowest point) of the stones or facets that weigh: one rule for both models.
+
+    Raises
+    ------
+    InputError: a panel that none of them belongs to.
+    """
+    share = np.ones(len(weight))
+    if load.panels is not None:
+        known = np.unique(panel).tolist()
+        missing = sorted(set(load.panels) - set(known))
+        if missing:
+            raise InputError(f"load {load.name}: panels", "no such panel", found=", ".join(missing), expected=", ".join(known))
+        share = np.isin(panel, load.panels).astype(np.float64)
+    if load.profile == "linear":
+        moment = float((share * weight) @ height)
+        share = share * height * (float(share @ weight) / moment if moment > 0 else 0.0)
+    return share

@@ -6,10 +6,10 @@ import numpy as np
 import scipy.sparse as sp
 
 from churchpipe.errors import InputError
-from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
+from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts, check_contacts_of
-from churchpipe.model.loads import LoadCase
+from churchpipe.model.loads import LoadCase, pushed_share
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,26 +74,12 @@ def equilibrium(stones: Assemblage, contacts: Contacts, load: LoadCase) -> Equil
 
 def lateral_weight(stones: Assemblage, load: LoadCase) -> FloatArray:
     """Return the weight (nb,) N that the load factor multiplies, by the load's panels and profile."""
-    pushed = pushed_stones(stones, load)
-    weight = np.where(pushed, stones.weight, 0.0)
-    if load.profile == "linear":
-        ground = stones.points[np.repeat(~stones.fixed, np.diff(stones.block_point_ptr)), 2].min()
-        height = stones.centroid[:, 2] - ground
-        return weight * height * weight.sum() / (weight @ height)
+    free = ~stones.fixed
+    ground = stones.points[np.repeat(free, np.diff(stones.block_point_ptr)), 2].min()
+    weight = np.zeros(stones.count)
+    own, height = stones.weight[free], stones.centroid[free, 2] - ground
+    weight[free] = own * pushed_share(load, stones.panel[free], own, height)
     return weight
-
-
-def pushed_stones(stones: Assemblage, load: LoadCase) -> BoolArray:
-    """Return True (nb,) for the free stones that a load case pushes."""
-    if load.panels is None:
-        return ~stones.fixed
-    known = np.unique(stones.panel[~stones.fixed])
-    missing = sorted(set(load.panels) - set(known.tolist()))
-    if missing:
-        raise InputError(
-            f"load {load.name}: panels", "no such panel", found=", ".join(missing), expected=", ".join(known.tolist())
-        )
-    return np.isin(stones.panel, load.panels) & ~stones.fixed
 
 
 def _extra(name: str, wrench: FloatArray | None, count: int) -> FloatArray:

@@ -197,12 +197,12 @@ def _status(problem: CoupledProblem, at: Iterate, found: Residuals, info: Info, 
     return "running"
 
 
-def interior_start(problem: CoupledProblem, settings: Settings, *, light: bool = False) -> Iterate:
+def interior_start(problem: CoupledProblem, settings: Settings, *, heavy: bool = False) -> Iterate:
     """Return a start without load: local interior points, and multipliers that make all complementarity products equal.
 
-    light: with forces in the load of the lightest body that each touches, instead of the heaviest.
+    heavy: with forces in the load of the heaviest body that each touches, instead of the lightest.
     """
-    x = problem.interior(settings.force, light=light)
+    x = problem.interior(settings.force, heavy=heavy)
     s = problem.right - problem.constrain(x, 0.0)
     product = settings.rate * settings.force * max(abs(problem.reward), 1.0)
     return Iterate(x, 0.0, np.zeros(problem.rows), s, product * problem.cone.inverse(s), 1.0, product)

@@ -79,9 +79,9 @@ class CoupledProblem:
         """Return G^T z, without the cap."""
         return self.local.transpose(z[: len(self.local.right)]).ravel()
 
-    def interior(self, size: float, *, light: bool = False) -> FloatArray:
-        """Return x inside all local cones, of about this size in the largest unit that each touches, or `light`, the least."""
-        return self.local.interior(size * (self._light if light else self._heavy)).ravel()
+    def interior(self, size: float, *, heavy: bool = False) -> FloatArray:
+        """Return x inside all local cones, of about this size in the least unit that each touches, or `heavy`, the largest."""
+        return self.local.interior(size * (self._heavy if heavy else self._light)).ravel()
 
 
 def largest(v: FloatArray) -> float:

@@ -90,13 +90,13 @@ class InteriorPointSolver:
                 "a body without contact",
             )
         # Below a cap, which the load reaches, joints carry what stands on them; else perhaps as little as the lighter body.
-        light = not problem.capped
-        start = interior_start(problem, settings, light=light)
+        heavy = problem.capped
+        start = interior_start(problem, settings, heavy=heavy)
         ending = solve_coupled(problem, self._normal, self._cholesky, start, settings, progress)
         if ending.message:
             # From the other size of forces; and the few multipliers that stop short save iterations, but now and then leave
             # residuals that no later step removes.
-            start, patient = interior_start(problem, settings, light=not light), replace(settings, spare=0.0)
+            start, patient = interior_start(problem, settings, heavy=not heavy), replace(settings, spare=0.0)
             second = solve_coupled(problem, self._normal, self._cholesky, start, patient, progress)
             ending = second if ending.status == "failed" or not second.message else ending
         answer = self._solution(ending, local, force, reward)
