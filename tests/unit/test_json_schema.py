@@ -29,6 +29,7 @@ def test_every_sample_is_taken(name: str) -> None:
 
 def test_a_drawing_and_a_case_without_strengths_are_taken() -> None:
     assert messages({"source": {"dxf": "plan.dxf", "support": "base"}, "material": {"tuff": {}}}) == []
+    assert messages({"source": {"file": "wall.obj", "up": "y", "scale": 10}, "material": {"tuff": {}}}) == []
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ from typing import Any
 from pydantic.json_schema import models_json_schema
 
 from churchpipe.config.schema import CaseTable
-from churchpipe.config.sources import GENERATED, DrawingSource
+from churchpipe.config.sources import GENERATED, DrawingSource, FileSource
 
 # Beside a case; its first line names it for editors.
 FILE_NAME = "case.schema.json"
@@ -16,7 +16,7 @@ IN_METRES = "in metres"
 
 def case_schema() -> dict[str, Any]:
     """Return the JSON schema of a case file. A length of a source is taken in _mm or in _m."""
-    sources = [*GENERATED.values(), DrawingSource]
+    sources = [*GENERATED.values(), DrawingSource, FileSource]
     names, schema = models_json_schema([(kind, "validation") for kind in (CaseTable, *sources)], ref_template="#/$defs/{model}")
     kinds = {kind: reference["$ref"].removeprefix("#/$defs/") for (kind, _), reference in names.items()}
     tables = schema["$defs"]
@@ -46,7 +46,7 @@ def _in_both_units(table: dict[str, Any]) -> dict[str, Any]:
     for millimetres, metres in pairs.items():
         keys[metres] = keys[millimetres] | {"title": IN_METRES}
     needed = table.get("required", [])
-    required = [key for key in needed if key in ("generator", "dxf")]
+    required = [key for key in needed if key in ("generator", "dxf", "file")]
     never = [{"not": {"required": list(pair)}} for pair in pairs.items()]
     return table | {"properties": keys, "required": required, "x-needed": needed} | ({"allOf": never} if never else {})
 
