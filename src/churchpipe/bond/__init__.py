@@ -1,1 +1,1 @@
-"""How stones lie: bonds, junctions and voussoirs in flat chart coordinates, and their lift into space."""
+"""How stones lie in a wall: bonds, junctions and voussoirs, in the flat coordinates of the wall's chart."""

@@ -5,14 +5,16 @@ import numpy as np
 from churchpipe.errors import InputError
 from churchpipe.model.building import BondRegion, Building
 
-# They take three gigabytes (6.4 kB a stone) before the first solve.
+# The model of a building of this size takes about three gigabytes of memory before the first solve.
 MOST_STONES = 500_000
-# Of one ring. The largest masonry arches have some hundreds.
+# In one ring. The largest masonry arches have some hundreds of voussoirs.
 MOST_VOUSSOIRS = 1_000
 
 
 def check_count(building: Building) -> None:
-    """Raise InputError for a building of too many stones, counted from the size of its walls before any is laid."""
+    """Raise InputError for a building of too many stones. Their number is estimated from the size of the walls before any is
+    laid.
+    """
     counts = {panel.name: sum(map(_stones_about, panel.regions)) for panel in building.panels}
     total = sum(counts.values())
     if total > MOST_STONES:

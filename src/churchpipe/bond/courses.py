@@ -38,12 +38,13 @@ from churchpipe.model.building import UnitCell
 def lay_courses(field: Field, cell: UnitCell, joints: Callable[[int], FloatArray]) -> TileSet:
     """Return the stones of a field laid in courses of height `cell.a`, counted from t = 0.
 
-    Cells (course x joint interval) are cut by the field's outline; slivers are merged into a neighbour. Stones beside the arched
-    openings of a curved wall are returned uncut, with the whole of their cells.
+    A course and the interval between two head joints bound one cell. The outline of the field cuts the cells, and pieces that
+    are too small (slivers) are merged into a neighbour. Stones beside the arched openings of a curved wall are returned as whole
+    cells; `stones.pierced` cuts them as solids.
 
     Parameters
     ----------
-    field: what is to be filled. cell: course height and stone length. joints: course -> s of its head joints, m.
+    field: what is to be filled. cell: course height and stone length. joints: function from a course to s of its head joints, m.
     """
     _, low, _, high = extent(field.solid)
     first, last = int(np.floor(low / cell.a + TOLERANCE)), int(np.ceil(high / cell.a - TOLERANCE))
@@ -64,7 +65,7 @@ def lay_courses(field: Field, cell: UnitCell, joints: Callable[[int], FloatArray
     cells = np.concatenate(rows)
     whole, course = boxes(cells[:, :4]), cells[:, 4].astype(np.int64)
     if field.voids:
-        # What a junction or the end of the wall cuts off stays cut off; only openings are cut out of stones later.
+        # Junctions and the end of the wall cut the cells here. Arched openings cut the stones later, as solids.
         whole, course = cut(whole, course, united([field.solid, *(void.filling for void in field.voids)]), field.name)
     polygons, course = cut(whole, course, field.solid, field.name)
     pieces = polygons
@@ -73,18 +74,19 @@ def lay_courses(field: Field, cell: UnitCell, joints: Callable[[int], FloatArray
     polygons, course = merge_slivers(polygons, course, cell, field.name)
     if field.voids:
         if field.closed:
-            # A stone over the seam lies before the start.
+            # A stone that crosses the seam is given at the start of the wall, with s below its first value.
             pieces, whole = (np.concatenate([p, _shifted(p, field.span[0] - field.span[1])]) for p in (pieces, whole))
         polygons = _uncut(polygons, pieces, whole)
     return tiles_of(polygons, course, field.name)
 
 
 def clear_of_voids(field: Field, cell: UnitCell, course: tuple[float, float], joints: FloatArray) -> FloatArray:
-    """Return the joints of one course of a curved wall that leave room beside arched openings, s in m.
+    """Return the head joints of one course of a curved wall that leave room beside arched openings, s in m.
 
-    A radial joint that runs into the parallel sides of an opening, or ends nearer to them than a quarter of a stone, would leave
-    a wedge without thickness: it is left out, unless it lies wholly above or below and is of a fair height there. Where the
-    opening takes up the whole course, or nearly so, what lies to its left and to its right is divided in its middle plane.
+    Head joints of a curved wall are radial, the sides of an opening are parallel. A joint that runs into such a side, or ends
+    nearer to it than a quarter of a stone, would leave a wedge whose thickness tapers to nothing, so it is left out. It stays
+    where the masonry above or below the opening is high enough there. Where the opening takes up all of the course, or nearly
+    so, the masonry to its left and to its right is divided by a joint in the middle plane of the opening.
 
     Parameters
     ----------
@@ -122,7 +124,7 @@ def _shifted(polygons: Polygons, by: float) -> Polygons:
 
 
 def _uncut(polygons: Polygons, pieces: Polygons, cells: Polygons) -> Polygons:
-    """Return the tiles, those beside an opening with the whole of the cells that they are pieces of."""
+    """Return the tiles. Those with a piece cut by an opening are made of the whole cells that their pieces come from."""
     inner = inner_points(pieces)
     owner = np.array([distances_to(cells, point).argmin() for point in inner])
     was_cut = areas(pieces) < (1 - TOLERANCE) * areas(cells[owner])
@@ -137,7 +139,7 @@ def _uncut(polygons: Polygons, pieces: Polygons, cells: Polygons) -> Polygons:
 def _joined_at_seam(
     polygons: Polygons, course: IntArray, field: Field, joints: Callable[[int], FloatArray]
 ) -> tuple[Polygons, IntArray]:
-    """Return the tiles of a closed wall, the first and last one of a course joined where it has no joint at the seam."""
+    """Return the tiles of a closed wall. In courses without a joint at the seam the first and the last tile are joined."""
     start, stop = field.span
     low, _, high, _ = bounds(polygons).T
     kept = np.ones(len(polygons), dtype=np.bool_)

@@ -1,4 +1,4 @@
-"""What a bond is asked to fill, and what a bond is."""
+"""The part of a wall that a bond fills, and what a bond must provide."""
 
 from dataclasses import dataclass
 from dataclasses import field as dataclass_field
@@ -15,12 +15,12 @@ from churchpipe.model.building import UnitCell
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """The part of a wall that one bond fills, in chart coordinates.
+    """The part of a wall that one bond fills, in chart coordinates (s along the wall, t upwards, m).
 
-    name: for messages. solid: what is to be filled, m2. span: the ends of the wall, s in m. through: parity of the courses
-    on which the wall runs through its junctions. zones (nz, 2) m: its junctions, disjoint and sorted along s. lost (nl, 4) m:
-    rectangles s0, t0, s1, t1 of the zones that belong to other walls. closed: whether the wall's end is its start, as of a
-    round tower. voids: arched openings of a curved wall, radius: of its mid-surface, m.
+    name: for messages. solid: the region to fill. span: s of the two ends of the wall. through: the courses, even (0) or odd
+    (1), on which the wall runs through its junctions. zones (nz, 2): s of the faces of its junctions, disjoint and sorted. lost
+    (nl, 4): rectangles s0, t0, s1, t1 of the junctions whose stones belong to other walls. closed: whether the wall ends where
+    it starts, as the wall of a round tower does. voids: arched openings of a curved wall. radius: of its mid-surface, m.
     """
 
     name: str
@@ -42,11 +42,11 @@ class Field:
 
 
 class Bond(Protocol):
-    """A way of laying stones: it gives the stones their joints and the shell its bed direction and unit cell."""
+    """A pattern of stones. It gives the stones their joints, and the shell its bed direction and unit cell."""
 
     @property
     def cell(self) -> UnitCell:
-        """Course height and stone length of eq. (7)."""
+        """Course height a and stone length b, m: the unit cell of Malena et al. (2019), eq. (7)."""
         ...
 
     def tiles(self, field: Field) -> TileSet:

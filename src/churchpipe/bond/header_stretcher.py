@@ -15,20 +15,25 @@ from churchpipe.geometry.polygons import TOLERANCE
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, Panel, PlaneChart, UnitCell
 
-# A piece of the stretch across a junction, as a share of the stone it is made of; a lap, as a share of it, that is enough.
+# Across a junction: least and greatest length of a piece, as shares of a stone, and the lap over the joints of the next course
+# that is enough, as a share of a piece.
 LEAST, MOST, ENOUGH = 0.5, 1.25, 0.25
 NO_HEADERS = np.empty((0, 2))
 
 
 @dataclass(frozen=True, slots=True)
 class HeaderStretcherBond:
-    """Courses of height a; stretchers of length b, each in one half of the wall's thickness; headers b/2 wide through all of it.
+    """Courses of height a. Stretchers, b long, fill one half of the wall's thickness; headers, b/2 wide, go through all of it.
 
-    headers: "english", courses of stretchers and of headers in turn, "flemish", stretcher and header in turn in each course, or
-    "none", two leaves in running bond. Vertical joints of one course stay b/4 clear of those of the next, b/2 without headers.
-    Where courses run through junctions they do so in stretchers; next to other walls and at free ends lie headers 3/4 b wide,
-    so that no closer of b/4 is needed. Offsets, m, are for rule "grid": a stretcher begins there on through courses, a header on
-    cut ones (without headers: a stretcher); the far end of the wall takes what is left, with a header there or without.
+    headers: "english", courses of stretchers and courses of headers in turn; "flemish", a stretcher and a header in turn in each
+    course; "none", two leaves in running bond. The vertical joints of one course are at least b/4 away from those of the next,
+    b/2 without headers.
+
+    Courses run through a junction as stretchers. Headers next to other walls and at free ends are 3/4 b wide, so that no closer
+    of b/4 is needed.
+
+    The offsets, m, are for the rule "grid": where a stretcher begins on courses that run through, and where a header begins on
+    the others (without headers, a stretcher). What is left at the far end of the wall is filled with or without a header.
     """
 
     cell: UnitCell
@@ -107,7 +112,7 @@ class HeaderStretcherBond:
 
 
 def check_leaves(panel: Panel, region: BondRegion) -> None:
-    """Raise InputError unless a wall is straight, and its thickness goes with its stones."""
+    """Raise InputError unless the wall is straight and as thick as two of its stones side by side."""
     b = region.cell.b
     if not isinstance(panel.chart, PlaneChart):
         raise InputError(
@@ -131,8 +136,8 @@ def check_leaves(panel: Panel, region: BondRegion) -> None:
 def _across(zone: FloatArray, start: float, stop: float, piece: float) -> FloatArray:
     """Return the joints that divide the stretch across a junction evenly, s in m.
 
-    They keep away from the joints of the crossing wall in the courses below and above, at its two faces and between its leaves:
-    by a quarter of a piece (m), or else as far as pieces of half to 5/4 of that allow.
+    They stay a quarter of a piece (m) away from the joints that the crossing wall has in the courses below and above: at its two
+    faces and between its leaves. Where that is impossible they stay as far away as pieces of 1/2 to 5/4 of a stone allow.
     """
     length = stop - start
     if length <= TOLERANCE:

@@ -9,7 +9,7 @@ from churchpipe.geometry.planar import distances
 from churchpipe.geometry.polygons import TOLERANCE
 from churchpipe.model.arrays import BoolArray, FloatArray
 
-# A wall reaches beyond a junction if there is masonry this far from its face, m.
+# A wall continues beyond a junction if there is masonry at this distance from the face of the junction, m.
 END = 1e-6
 
 
@@ -23,10 +23,11 @@ def grid_joints(field: Field, b: float, offset: float) -> FloatArray:
 def bay_joints(field: Field, b: float, through: bool, height: float) -> FloatArray:
     """Return the joints of one course when each clear bay between junctions is divided evenly, s in m.
 
-    A bay of length L takes m = round(L / b) stones of b' = L / m. Cut courses have joints at face + k b'; through courses
-    at face + (k + 1/2) b', and the stretch across a junction that the wall owns, from the last joint before to the first
-    one behind it, or to the end of the wall at this height, is divided evenly into a stone for each begun stone length of the
-    junction: no straight joints at the returns.
+    A bay of length L takes m = round(L / b) stones of length b' = L / m. With k a whole number, courses that are cut by the
+    crossing walls have joints at face + k b', courses that run through at face + (k + 1/2) b'. A course that runs through also
+    crosses the junction itself. That stretch reaches from the last joint before the junction to the first one behind it, or to
+    the end of the wall at this height. It is divided evenly, into the junction's length over b stones, rounded up, so that no
+    straight joint rises at the corner.
 
     Parameters
     ----------
@@ -46,13 +47,13 @@ def bay_joints(field: Field, b: float, through: bool, height: float) -> FloatArr
 def joints_by_bay(
     field: Field, height: float, inside: Callable[[float], FloatArray], across: Callable[[FloatArray, float, float], FloatArray]
 ) -> FloatArray:
-    """Return the joints of one course, s in m: those inside the clear bays and those across the junctions that the wall owns.
+    """Return the joints of one course, s in m: those inside the clear bays, and those across the junctions that the wall owns.
 
     Parameters
     ----------
-    field: the wall. height: t in mid-course, m. inside: length of a bay -> its joints, from its start. across: faces of a
-    junction, the last joint before it and the first behind it -> joints between these two; a wall that ends at the junction at
-    this height ends there.
+    field: the wall. height: t in mid-course, m. inside: function from the length of a bay to its joints, measured from its start.
+    across: function from the two faces of a junction, the last joint before it and the first one behind it to the joints between
+    these two. Where the wall ends at the junction at this height, its end takes the place of the missing joint.
     """
     joints: list[FloatArray] = []
     before, behind = field.zones[:, 0].copy(), field.zones[:, 1].copy()
@@ -65,7 +66,7 @@ def joints_by_bay(
             behind[bay - 1] = own[0]
         if bay < len(before):
             before[bay] = own[-1]
-    # A wall that ends at the zone at this height (a tower above the roof) has no joint to reach to.
+    # A wall that ends at the junction at this height, as a tower does above the roof, has no joint on its other side.
     before = np.where(_masonry(field, field.zones[:, 0] - END, height), before, field.zones[:, 0])
     behind = np.where(_masonry(field, field.zones[:, 1] + END, height), behind, field.zones[:, 1])
     for zone in np.flatnonzero(~_lost(field, height)):
@@ -80,8 +81,8 @@ def bays(field: Field) -> FloatArray:
 
 
 def stones_in(length: float, b: float) -> int:
-    """Return how many stones of about b m a length takes, one at least."""
-    # Half a stone rounds up always, not to the even number.
+    """Return how many stones of about b m fit into a length; at least one."""
+    # Half a stone always rounds up; Python's round would take the even number.
     return max(1, int(np.floor(length / b + 0.5 + TOLERANCE)))
 
 

@@ -38,10 +38,11 @@ class Crossing:
 
 
 def crossings(panels: Sequence[Panel], solids: Sequence[Region]) -> list[Crossing]:
-    """Return the crossings of walls in pairs, derived from the footprints: corners, T and crossings; one for each leg of an apse.
+    """Return the crossings of walls in pairs, found from their footprints: corners, T-junctions, X-junctions, legs of an apse.
 
-    Where both walls exist, a wall with `runs_through` None owns the zone, then the wall whose parity is that of the course,
-    then the one listed first; where only one fills the whole zone, that one owns it.
+    Where both walls exist at a height, the stones of the junction belong to one of them, its owner: a wall with `runs_through`
+    None, else the wall whose parity is that of the course, else the one listed first. Where only one wall fills the whole
+    junction, it is the owner.
 
     Parameters
     ----------
@@ -49,7 +50,7 @@ def crossings(panels: Sequence[Panel], solids: Sequence[Region]) -> list[Crossin
 
     Raises
     ------
-    InputError: walls that cross at a slant or only in part, toothed walls whose courses do not line up, a zone that
+    InputError: walls that cross at a slant or only in part, toothed walls whose courses do not line up, a junction that
         neither wall fills.
     """
     plans = [footprint(p.chart, p.thickness, p.outline[:, 0].min(), p.outline[:, 0].max()) for p in panels]
@@ -81,7 +82,7 @@ def crossings(panels: Sequence[Panel], solids: Sequence[Region]) -> list[Crossin
 
 
 def wall_junctions(panels: Sequence[Panel], solids: Sequence[Region]) -> list[WallJunctions]:
-    """Return the junctions of each wall: its zones, and what of them belongs to others; parameters and errors as `crossings`."""
+    """Return the junctions of each wall: their extent, and which parts belong to other walls. Arguments as for `crossings`."""
     zones: list[list[FloatArray]] = [[] for _ in panels]
     lost: list[list[FloatArray]] = [[] for _ in panels]
     for crossing in crossings(panels, solids):

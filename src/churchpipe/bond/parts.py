@@ -9,9 +9,10 @@ from churchpipe.model.building import Panel
 
 
 def part_names(panel: Panel, points: FloatArray) -> NameArray:
-    """Return for points (n, 2) m, chart coordinates, the name of the part that they lie in, else the panel's own (n,).
+    """Return for points (n, 2) m, chart coordinates, the name of the part of the wall that each lies in, else the panel's name
+    (n,).
 
-    Of parts that share a border the first one listed takes it.
+    A point on the border of two parts belongs to the one listed first.
     """
     width = max(len(name) for name in (panel.name, *(part.name for part in panel.parts)))
     names = np.full(len(points), panel.name, dtype=f"<U{width}")

@@ -1,4 +1,4 @@
-"""The bond that a region asks for."""
+"""The bond of a region, by the name of its pattern."""
 
 from churchpipe.bond.field import Bond
 from churchpipe.bond.header_stretcher import HeaderStretcherBond

@@ -10,7 +10,7 @@ from churchpipe.geometry.polygons import TOLERANCE, corners
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.building import UnitCell
 
-# Smallest stone, as shares of the unit cell: width / b, height / a, area / (a b).
+# Smallest stone, as shares of the course height a and the stone length b: width / b, height / a, area / (a b).
 LEAST_WIDTH, LEAST_HEIGHT, LEAST_AREA = 0.25, 0.3, 0.3
 
 
@@ -29,13 +29,13 @@ class _Flaws:
 def merge_slivers(polygons: Polygons, course: IntArray, cell: UnitCell, where: str) -> tuple[Polygons, IntArray]:
     """Return the tiles with every sliver merged into a neighbour, and their courses.
 
-    A sliver is narrower than b/4, lower than 0.3 a or smaller than 0.3 a b. It joins the neighbour with which it shares the
-    longest edge, one of its own course if that mends it. A stone that fills its course alone, between two ends or openings,
-    stays as it is unless it is narrower than b/4.
+    A sliver is narrower than b/4, lower than 0.3 a or smaller than 0.3 a b, with a the course height and b the stone length. It
+    is merged with the neighbour with which it shares the longest edge; a neighbour in its own course comes first if the sum is
+    large enough. A stone alone in its course between two ends or openings stays unless it is narrower than b/4.
 
     Raises
     ------
-    InputError: a sliver that no neighbour can take.
+    InputError: a sliver without a neighbour that it can be merged with.
     """
     polygons, course = polygons.copy(), course.copy()
     flaws = _flaws(polygons, cell)

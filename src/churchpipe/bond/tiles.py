@@ -1,4 +1,4 @@
-"""The stones of a wall as flat polygons that reach some way through it."""
+"""The stones of a wall as flat polygons, each with the part of the wall's thickness that it fills."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -78,7 +78,7 @@ def tiles_of(polygons: Polygons, course: IntArray, region: str, *, voussoir: boo
 
 
 def leaves_of(tiles: TileSet, split: BoolArray) -> TileSet:
-    """Return the tiles, those marked in split (nt,) as two that share the thickness of the wall."""
+    """Return the tiles; those marked in split (nt,) become two, which fill one half of the wall's thickness each."""
     twice = np.repeat(np.arange(tiles.count), 1 + split)
     second = np.append(False, twice[1:] == twice[:-1])
     reach = tiles.reach[twice]
@@ -100,14 +100,14 @@ def join(sets: Sequence[TileSet]) -> TileSet:
 
 
 def sorted_by_course(tiles: TileSet) -> TileSet:
-    """Return the tiles course by course and along s, those in one place as they come; voussoirs last, as they come."""
+    """Return the tiles ordered by course and then by s, voussoirs last. Tiles at the same place keep their order."""
     along = np.where(tiles.voussoir, np.arange(tiles.count), tiles.corner[tiles.corner_ptr[:-1], 0])
     order = np.lexsort((along, tiles.course, tiles.voussoir))
     return _picked(tiles, order, tiles.reach[order])
 
 
 def _picked(tiles: TileSet, chosen: IntArray, reach: FloatArray) -> TileSet:
-    """Return some of the tiles, in that order, with a reach of their own."""
+    """Return the tiles with these numbers, in this order, with another reach."""
     counts = np.diff(tiles.corner_ptr)[chosen]
     return TileSet(
         tiles.corner[ragged_indices(tiles.corner_ptr[:-1][chosen], counts)],

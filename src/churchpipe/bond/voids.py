@@ -1,4 +1,7 @@
-"""Arched openings in curved walls: prisms that go straight through, along the wall's normal in their middle."""
+"""Arched openings in curved walls.
+
+Such an opening is a prism: its sides run straight through the wall, parallel to the wall's normal in the middle of the opening.
+"""
 
 from dataclasses import dataclass
 
@@ -10,17 +13,18 @@ from churchpipe.geometry.polygons import corners
 from churchpipe.model.arrays import BoolArray, FloatArray, floats, store
 from churchpipe.model.building import CylinderChart, Panel
 
-# Widest view of an opening with its voussoirs, as a share of the inner radius to either side: 60 degrees.
+# Greatest half width of an opening with its voussoirs, as a share of the inner radius: the sine of 60 degrees.
 WIDEST = np.sqrt(0.75)
 
 
 @dataclass(frozen=True, slots=True)
 class Void:
-    """An arched opening of a curved wall, seen along its middle normal: x is the distance from its middle plane, t height, m.
+    """An arched opening of a curved wall, seen along the wall's normal in the middle of the opening.
 
-    rings: names of the bond regions of its voussoirs. middle: s of the middle, m. opening (n, 2), outer (m, 2): outlines,
-    counter-clockwise, of the opening and of that with its voussoirs. filling: the latter in chart coordinates. radii: of the
-    inner and of the outer face, m.
+    In this view x is the distance from the middle plane of the opening and t the height, m. rings: names of the bond regions of
+    its voussoirs. middle: s of the middle, m. opening (n, 2), outer (m, 2): outlines x, t, counter-clockwise, of the opening
+    alone and together with its voussoirs. filling: the region inside `outer`, in chart coordinates. radii: of the inner and of
+    the outer face of the wall, m.
     """
 
     rings: tuple[str, ...]
@@ -38,38 +42,39 @@ class Void:
         )
 
     def faces(self, s: FloatArray, radius: float) -> BoolArray:
-        """Return which places s (n,) m of a wall lie on the side of its axis that the opening is on."""
+        """Return which places s (n,) m are on the same side of the wall's axis as the opening."""
         return np.cos((s - self.middle) / radius) > 0
 
     def x_at(self, s: float, radius: float) -> tuple[float, float]:
-        """Return the least and the greatest x that the upright joint at s passes, m."""
+        """Return the least and the greatest x of the radial head joint at s, m, from one face of the wall to the other."""
         across = [float(r * np.sin((s - self.middle) / radius)) for r in self.radii]
         return min(across), max(across)
 
     def reach(self, radius: float, x: tuple[float, float]) -> tuple[float, float]:
-        """Return the least and the greatest s, m, where a prism from x to x lies in the wall."""
+        """Return the least and the greatest s, m, of the masonry between the two given values of x."""
         angle = [np.arcsin(value / r) for value in x for r in self.radii]
         return self.middle + radius * float(min(angle)), self.middle + radius * float(max(angle))
 
 
 def to_view(chart: CylinderChart, middle: float, points: FloatArray) -> FloatArray:
-    """Return points (n, 2) of the mid-surface as they are seen along the normal at s = middle: x, t in m."""
+    """Return the coordinates x, t (n, 2) m of points (n, 2) m of the chart, seen along the normal at s = middle."""
     return np.stack([chart.radius * np.sin((points[:, 0] - middle) / chart.radius), points[:, 1]], axis=1)
 
 
 def from_view(chart: CylinderChart, middle: float, points: FloatArray) -> FloatArray:
-    """Return the chart coordinates (n, 2) of points x, t (n, 2) that are seen along the normal at s = middle, m."""
+    """Return the chart coordinates (n, 2) m of points x, t (n, 2) m that are seen along the normal at s = middle."""
     return np.stack([middle + chart.radius * np.arcsin(points[:, 0] / chart.radius), points[:, 1]], axis=1)
 
 
 def voids_of(panel: Panel) -> tuple[Void, ...]:
-    """Return the arched openings of a curved wall.
+    """Return the arched openings of a curved wall; none of a plane one.
 
-    Their corners lie on the mid-surface, their edges are straight in the view; so are those of the rings beside them.
+    The corners of an opening lie on the mid-surface. Between them its edges, and those of its voussoirs, are straight in the
+    view along the normal, so that they bound plane joints.
 
     Raises
     ------
-    InputError: one that takes more than 60 degrees of the inner circle to either side.
+    InputError: an opening that reaches more than 60 degrees of the inner circle to either side.
     """
     chart = panel.chart
     if not isinstance(chart, CylinderChart):
@@ -101,7 +106,10 @@ def voids_of(panel: Panel) -> tuple[Void, ...]:
 
 
 def check_width(where: str, half: float, inner: float) -> None:
-    """Raise InputError for an opening, `half` m to either side with its voussoirs, that is too wide for an inner radius, m."""
+    """Raise InputError for an opening that is too wide for its curved wall.
+
+    half: half its width with its voussoirs, m. inner: inner radius of the wall, m.
+    """
     if half > WIDEST * inner:
         raise InputError(
             where,

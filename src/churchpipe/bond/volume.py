@@ -17,13 +17,14 @@ def masonry_volume(
 ) -> float:
     """Return the volume of the union of the walls, m3.
 
-    The area of the horizontal section is integrated over the height by Gauss' rule with two points, exact while it is at
-    most cubic: between the levels at which an outline turns or a sloping edge passes the face of a crossing wall.
+    The area of the horizontal section is integrated over the height, by Gauss' rule with two points. The heights are divided at
+    every level at which an outline turns or a sloping edge passes the face of a crossing wall. Between two such levels the area
+    is at most a cubic function of the height, for which the rule is exact.
 
     Parameters
     ----------
     panels: the walls, upright. solids: outline less openings of each, chart coordinates. faces: s of the junction faces
-    of each, m. stations: s of the joints of each, m (curved walls are straight between joints).
+    of each, m. stations: s of the head joints of each, m; a curved wall is straight from one to the next.
     """
     voids = [voids_of(panel) for panel in panels]
     solids = [_with_voids_filled(panel, solid) for panel, solid in zip(panels, solids, strict=True)]
@@ -49,10 +50,11 @@ def _levels(panel: Panel, solid: Region, faces: FloatArray) -> FloatArray:
 
 
 def _with_voids_filled(panel: Panel, solid: Region) -> Region:
-    """Return a wall with its arched openings filled, where it is curved: they are prisms, not radial holes.
+    """Return a wall with its arched openings filled, if it is curved. These openings are prisms and are subtracted from the
+    section.
 
-    It is made of the outlines. Filling the holes of the finished region again can leave slits as narrow as rounding along their
-    edges, and a slit would put a bend into the wall where no joint is.
+    The region is made of the outlines. Uniting a finished region with its openings can leave slits as narrow as rounding along
+    their edges, and each slit would be taken for a joint, at which the wall bends.
     """
     if not isinstance(panel.chart, CylinderChart):
         return solid
@@ -60,7 +62,7 @@ def _with_voids_filled(panel: Panel, solid: Region) -> Region:
 
 
 def _void_levels(panel: Panel, stations: FloatArray, void: Void) -> FloatArray:
-    """Return z of the corners of an opening and of the points where its edges pass a bend of one of the wall's faces, m."""
+    """Return z of the corners of an opening, and of the points where its edges pass a bend in a face of the wall, m."""
     chart = panel.chart
     assert isinstance(chart, CylinderChart)
     turn = (stations - void.middle) / chart.radius
@@ -88,7 +90,7 @@ def _section_area(
 
 
 def _strip(chart: Chart, void: Void, start: float, stop: float) -> Region:
-    """Return in plan what an opening takes at one level, from x = start to x = stop, m, and from the axis outwards."""
+    """Return in plan what an opening removes at one level: from x = start to x = stop, m, and from the wall's axis outwards."""
     middle = np.array([[void.middle, 0.0]])
     normal = normals(chart, middle)[0, :2]
     across = np.array([-normal[1], normal[0]])

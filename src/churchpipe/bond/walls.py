@@ -28,11 +28,11 @@ def wall_region(panel: Panel) -> Region:
 
 
 def lay_wall(panel: Panel, solid: Region, junctions: WallJunctions) -> TileSet:
-    """Return the stones of one wall in chart coordinates: what is its own of the junctions, region by region.
+    """Return the stones of one wall in chart coordinates, region by region, without the junctions that belong to other walls.
 
     Parameters
     ----------
-    panel: the wall. solid: its outline less openings. junctions: its zones, and what of them belongs to others.
+    panel: the wall. solid: its outline less openings. junctions: its zones, and the rectangles of them that other walls own.
     """
     own = less(solid, boxes(junctions.lost))
     span = (float(panel.outline[:, 0].min()), float(panel.outline[:, 0].max()))

@@ -9,7 +9,7 @@ from churchpipe.geometry.polygons import TOLERANCE
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import Chart, CylinderChart, PlaneChart
 
-# Chords of a curved wall whose joints are not known yet.
+# Angle of each chord of a curved wall whose head joints are not known yet.
 PLAN_STEP = np.radians(2.0)
 
 
@@ -33,7 +33,7 @@ def lift(chart: Chart, points: FloatArray, offset: npt.ArrayLike = 0.0) -> Float
 
 
 def _on_arc(chart: CylinderChart, s: FloatArray) -> FloatArray:
-    """Return s (n,) m, that of points on a leg replaced by the arc's end."""
+    """Return s (n,) m. The straight legs at the ends of an arc have the s of the arc's end."""
     return np.clip(s, 0.0, chart.radius * chart.sweep) if chart.sweep < 2 * np.pi else s
 
 
@@ -69,7 +69,7 @@ def footprint(chart: Chart, thickness: float, start: float, stop: float, station
         s = np.unique(np.concatenate((s, stations[(stations > start) & (stations < stop)])))
     line = np.stack([s, np.zeros(len(s))], axis=1)
     near, far = (lift(chart, line, side * 0.5 * thickness)[:, :2] for side in (-1.0, 1.0))
-    # One quadrilateral a chord: a ring that closes upon itself is no polygon.
+    # One quadrilateral for each chord: the outline of a closed ring would touch itself.
     chords = np.stack([near[:-1], near[1:], far[1:], far[:-1]], axis=1)
     return united(polygons_of(chords.reshape(-1, 2), 4 * np.arange(len(s))))
 
@@ -80,7 +80,7 @@ def along(chart: Chart, plan: FloatArray) -> FloatArray:
         return (plan - chart.origin[:2]) @ chart.s_axis[:2]
     spoke = plan - chart.centre[:2]
     turn = np.mod(np.arctan2(spoke[:, 1], spoke[:, 0]) - chart.start + TOLERANCE, 2 * np.pi) - TOLERANCE
-    # Beyond the arc: on the leg that is nearer.
+    # Points beyond the arc belong to the nearer leg.
     last = turn - chart.sweep < 2 * np.pi - turn
     end = np.where(last, chart.sweep, 0.0)
     tangent = np.stack([-np.sin(chart.start + end), np.cos(chart.start + end)], axis=1)

@@ -1,4 +1,4 @@
-"""Points that lie together, and nodes that are linked."""
+"""Clusters of points that are close to each other, and connected parts of a graph."""
 
 import numpy as np
 import scipy.sparse
@@ -7,7 +7,7 @@ from scipy.spatial import cKDTree
 
 from churchpipe.model.arrays import FloatArray, IntArray
 
-# Points closer than this are one node, m: walls reach the same place by different sums.
+# Points closer than this are one node, m. Two walls compute the same place by different sums, so it differs by rounding.
 NODE_TOLERANCE = 4e-6
 
 

@@ -1,4 +1,4 @@
-"""Coplanar faces of solids merged to one face each: a triangulated stone gets the faces of the clean one."""
+"""Coplanar faces of solids merged into one, so that a triangulated stone gets the faces it was drawn with."""
 
 import numpy as np
 
@@ -70,7 +70,7 @@ def _flat_groups(points: FloatArray, nodes: IntArray, face_ptr: IntArray, owner:
 
 
 def _in_plane(corner: FloatArray, owner: IntArray, area: FloatArray, group: IntArray) -> IntArray:
-    """Take groups apart whose corners do not lie in one plane."""
+    """Divide groups whose corners do not lie in one plane."""
     count, member = int(group.max(initial=-1)) + 1, group[owner]
     total, mean, extent, warp = np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count), np.zeros(count)
     np.add.at(total, group, area)

@@ -1,4 +1,4 @@
-"""Which stone a point lies in, and on which facet of a shell a point lies."""
+"""In which stone a point lies, and on which facet of a shell."""
 
 import numpy as np
 import shapely
@@ -10,7 +10,7 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.polyhedra import face_normals
 from churchpipe.model.shell import ShellModel
 
-# Points looked at in one go: bounds the memory.
+# Number of points treated at once. It bounds the memory.
 CHUNK = 20_000
 # Faces of a straight stone without a notch.
 PRISM = 6
@@ -19,14 +19,18 @@ NEIGHBOURS = 16
 
 
 def inside_stones(stones: Assemblage, points: FloatArray) -> BoolArray:
-    """Return which points (n, 3) m lie in a free stone: the winding numbers of the stones' surfaces add up to one there."""
+    """Return which points (n, 3) m lie in a free stone.
+
+    The winding numbers of the surfaces of all free stones add up to one inside a stone, and to zero outside.
+    """
     free = np.flatnonzero(~stones.fixed)
     count = np.diff(stones.block_point_ptr)[free]
     owned = stones.points[ragged_indices(stones.block_point_ptr[free], count)]
     start = np.cumsum(count) - count
     low, high = np.minimum.reduceat(owned, start), np.maximum.reduceat(owned, start)
     triangles, pointer = _surface_triangles(stones, free)
-    # Seen along a slanting direction walls along x and along y both spread out.
+    # Projected along a slanting direction, walls along x and walls along y both have a large area, so the tree of boxes separates
+    # their stones well.
     slant = np.array([np.cos(0.6), np.sin(0.6)])
     tree = shapely.STRtree(shapely.box(low[:, :2] @ slant, low[:, 2], high[:, :2] @ slant, high[:, 2]))
     inside = np.zeros(len(points), dtype=np.bool_)
@@ -44,7 +48,7 @@ def inside_stones(stones: Assemblage, points: FloatArray) -> BoolArray:
 
 
 def interior_points(stones: Assemblage) -> FloatArray:
-    """Return a point (nb, 3) m inside each stone: its centroid, or beside it where a notch takes that away."""
+    """Return a point (nb, 3) m inside each stone: the centroid, or a point near it if a notch of the stone contains that."""
     out = _beside_notches(stones)
     for stone in np.flatnonzero((np.diff(stones.block_face_ptr) > PRISM) & ~stones.fixed):
         out[stone] = _inside(stones, int(stone), out[stone])
@@ -95,8 +99,10 @@ def _inside(stones: Assemblage, stone: int, place: FloatArray) -> FloatArray:
 
 
 def facet_at(shell: ShellModel, points: FloatArray, panel: str) -> tuple[IntArray, FloatArray]:
-    """Return for points (n, 3) m the facet of a panel that each lies on, looking along the facet's normal, and how far outside
-    of it, m (0 inside)."""
+    """Return for points (n, 3) m the facet of a panel that each lies over, seen along the facet's normal.
+
+    Also returned is how far outside of that facet the point lies, m; 0 inside.
+    """
     members = np.flatnonzero(shell.panel == panel)
     corner = shell.points[shell.triangles[members]]
     near = cKDTree(corner.mean(axis=1)).query(points, k=min(NEIGHBOURS, len(members)))[1].reshape(len(points), -1)

@@ -1,4 +1,4 @@
-"""Polyhedra with polygonal faces to manifold3d and back: the one door to solid booleans."""
+"""Polyhedra with polygonal faces to manifold3d and back. Boolean operations on solids are done through this module alone."""
 
 from collections.abc import Sequence
 

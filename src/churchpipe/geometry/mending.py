@@ -1,4 +1,4 @@
-"""Bodies as files have them, mended to solids; every change is counted, and what no mending helps is named."""
+"""Bodies of a file mended to closed solids. Changes are counted, and a body that cannot be mended is named with its fault."""
 
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Sequence
@@ -15,30 +15,31 @@ from churchpipe.model.surfaces import DOUBLED, SurfaceFault, coincident, edges, 
 
 Face = tuple[int, ...]
 
-# What leaves the shape as it is, and is always done.
+# Changes that leave the shape as it is. They are always made.
 WELDED: Final = "vertices at one place were welded"
 TURNED: Final = "faces were turned to run like their neighbours"
 OUTWARD: Final = "the body was inside out and was turned"
 SPLIT: Final = "warped faces were split into triangles"
-# What is done when asked for.
+# Changes of the shape. They are made on request only.
 DROPPED: Final = "faces given more than once were dropped"
 CLOSE: Final = "vertices that nearly met were joined"
 JOINED: Final = "corners on an edge of a neighbour were put into it"
 FILLED: Final = "holes of one face were closed"
 REPAIRS: Final = (DROPPED, CLOSE, JOINED, FILLED)
 
-# Vertices within this part of the body's size nearly meet.
+# Vertices closer than this share of the body's size nearly meet.
 NEARLY = 1e-5
 NOTHING = SurfaceFault("it has no faces", "nothing with an area", 0, "faces that close a solid")
 
 
 @dataclass(frozen=True, slots=True)
 class Mended:
-    """A body: points (n, 3), outward faces; changes: what was done -> how often.
+    """A mended body: points (n, 3) and outward faces.
 
-    volume_before: of the faces as given, which of an open or doubled body is what the sum over its faces says; volume: of the
-    result; both in the unit of the points cubed. warp: how far the worst face was warped. fault: what keeps it from being a
-    solid, None when nothing does; mendable: whether `repair` would help.
+    changes: how often each kind of change was made. volume_before: volume inside the faces as given; of an open or doubled body,
+    the value of the same sum over its faces. volume: that of the result. Both are in the unit of the points cubed. warp: the
+    largest distance of a corner from the plane of its face. fault: what keeps the body from being a solid, None if nothing does.
+    mendable: whether `repair` would mend it.
     """
 
     points: FloatArray
@@ -75,7 +76,7 @@ def mend(points: FloatArray, faces: Iterable[Sequence[int]], *, repair: bool) ->
 
 
 def signed_volume(points: FloatArray, faces: Sequence[Face]) -> float:
-    """Return the volume (m3) inside faces, negative when they look inwards; of faces that close nothing, what they add up to."""
+    """Return the volume (m3) inside faces, negative when they point inwards. For open faces it is the value of the same sum."""
     triangles = np.array([(f[0], f[i], f[i + 1]) for f in faces for i in range(1, len(f) - 1)], dtype=np.int64).reshape(-1, 3)
     if not len(triangles):
         return 0.0
@@ -84,14 +85,14 @@ def signed_volume(points: FloatArray, faces: Sequence[Face]) -> float:
 
 
 def flat(points: FloatArray, faces: Sequence[Face]) -> bool:
-    """Do all faces lie in one plane?"""
+    """Return whether all faces lie in one plane."""
     corners = points[sorted({node for face in faces for node in face})]
     spread = np.linalg.svd(corners - corners.mean(axis=0), compute_uv=False)
     return bool(spread[-1] <= NEARLY * spread[0])
 
 
 def _welded(points: FloatArray, faces: list[Face], changes: Counter[str]) -> tuple[FloatArray, list[Face]]:
-    """Weld a body that is not closed as it is, or that welding shows to be closed twice over."""
+    """Join equal vertices of a body that is not closed, or that proves to be two equal closed bodies once they are joined."""
     if not len(coincident(points, np.zeros(len(points), dtype=np.int64))):
         return points, faces
     welded = weld(points, faces)
@@ -108,7 +109,7 @@ def _outward(points: FloatArray, faces: list[Face], changes: Counter[str]) -> li
     if any(len(sharing) > 2 for sharing in users.values()):
         return faces
     closed = surface_fault(faces) is None
-    # The shells of a sound body are turned together: one of them may be the wall of a hollow.
+    # The separate surfaces of a sound body are turned together, because one of them may bound a hollow.
     out = list(faces)
     for shell in [range(len(faces))] if closed else _shells(out, users):
         if signed_volume(points, [out[k] for k in shell]) < 0:
@@ -153,7 +154,7 @@ def _users(faces: Sequence[Face]) -> dict[tuple[int, int], list[int]]:
 
 
 def _repaired(points: FloatArray, faces: list[Face], changes: Counter[str]) -> tuple[FloatArray, list[Face]]:
-    """Take the steps that may change a shape, each only while the body is no solid."""
+    """Make the changes that may alter the shape, one after another, until the body is a solid."""
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
     faces = _once(faces, changes)
     if surface_fault(_alike(faces)):
@@ -174,7 +175,9 @@ def _alike(faces: list[Face]) -> list[Face]:
 
 
 def _once(faces: list[Face], changes: Counter[str]) -> list[Face]:
-    """Keep one of the faces that have the same corners; none of an even number of them inside a body that closes without."""
+    """Keep one of several faces with the same corners. An even number of them inside a body that is closed without them is
+    dropped.
+    """
     groups: defaultdict[frozenset[int], list[int]] = defaultdict(list)
     for number, face in enumerate(faces):
         groups[frozenset(face)].append(number)

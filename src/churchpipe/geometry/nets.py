@@ -1,4 +1,4 @@
-"""Lines in a plane: the meshes of a net of them, and outlines without idle corners."""
+"""Lines in a plane: the areas that they enclose, and outlines without superfluous corners."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,19 +8,19 @@ import shapely
 
 from churchpipe.model.arrays import FloatArray
 
-# Lines of a net meet where they are closer than this part of its median line.
+# Lines meet where they are closer than this share of the length of the median line.
 SNAP = 1e-3
-# Corners within this part of the size of an outline of the line through their neighbours are none.
+# A corner closer to the line through its neighbours than this share of the outline's size is superfluous.
 STRAIGHT = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
 class Net:
-    """What lines make of each other.
+    """The areas that lines enclose, and the lines that enclose none.
 
-    meshes: corners (n, 2) of the areas between them, each with the index of the line that most of its longest side is part of;
-    alone: indices of the lines that meet no other; loose: of those that end in the open; borders: of the outlines that are part
-    of the net, as lines of it end on them.
+    meshes: corners (n, 2) of each area, with the index of the line that covers most of its longest side. alone: indices of the
+    lines that meet no other. loose: indices of the lines with a free end. borders: indices of the closed outlines on which lines
+    end.
     """
 
     meshes: list[tuple[int, FloatArray]]
@@ -49,7 +49,7 @@ def net_of(lines: Sequence[FloatArray], outlines: Sequence[FloatArray]) -> Net:
     found, _, dangles, _ = shapely.polygonize_full(shapely.get_parts(shapely.union_all(sources)))
     meshes: list[tuple[int, FloatArray]] = []
     for mesh in shapely.get_parts(found):
-        # Between two lines that were meant to be one there is no stone.
+        # The sliver between two lines that were meant to be one is no stone.
         if mesh.area > reach * mesh.length:
             corners = shapely.get_coordinates(mesh.exterior)[:-1]
             side = np.roll(corners, -1, axis=0) - corners
@@ -71,7 +71,7 @@ def without_idle_corners(corners: FloatArray) -> FloatArray:
         off = np.abs(chord[:, 0] * offset[:, 1] - chord[:, 1] * offset[:, 0])
         between = np.einsum("ij,ij->i", offset, chord) * np.einsum("ij,ij->i", corners - after, chord) <= 0
         none = (off <= STRAIGHT * size * length) & between | (np.linalg.norm(offset, axis=1) <= STRAIGHT * size)
-        # Never two neighbours at once: of two corners at one place one must stay.
+        # Two neighbours are never dropped at once: of two corners at one place one must stay.
         none &= ~np.roll(none, 1) | (np.arange(len(none)) == 0)
         if not none.any():
             break

@@ -1,5 +1,5 @@
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
-"""Lines and regions that nearly meet: faces between lines, pieces joined over gaps, notches of an outline."""
+"""Lines and regions that nearly meet: faces between lines, union of polygons across gaps, notches of an outline."""
 
 from collections.abc import Sequence
 
@@ -36,9 +36,9 @@ def joined_over_gaps(polygons: Polygons, gap: float, grid: float) -> list[shapel
 
 
 def notches(region: shapely.Polygon, grid: float) -> list[tuple[shapely.Polygon, FloatArray]]:
-    """Return the pieces that a region lacks of its convex hull, with the rectangle s0, t0, s1, t1 about the open side of each.
+    """Return the regions between a region and its convex hull, each with the rectangle s0, t0, s1, t1 around its open side.
 
-    grid: pieces whose open side is shorter, m, are left out.
+    grid: notches whose open side is shorter than this, m, are left out.
     """
     hull = shapely.convex_hull(region)
     found: list[tuple[shapely.Polygon, FloatArray]] = []

@@ -1,5 +1,5 @@
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
-"""Plane regions and polygons: the one door to shapely, whose stubs leave keywords untyped."""
+"""Plane regions and polygons. Shapely, whose type stubs leave keywords untyped, is used through this module."""
 
 from collections.abc import Sequence
 
@@ -12,7 +12,7 @@ from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 Polygons = npt.NDArray[np.object_]
 Polygon = shapely.Polygon
 Region = shapely.Polygon | shapely.MultiPolygon
-# Coordinates rounded to this, m, for intersections that fail with the exact ones; boxes overlap by this much, m, where they do.
+# Grid, m, to which coordinates are rounded where an intersection fails with the exact ones. Boxes overlap if by more than this.
 GRID = 1e-9
 DOUBTFUL = 1e-6
 
@@ -181,7 +181,7 @@ def hull_corners(polygons: Polygons, tolerance: FloatArray) -> tuple[FloatArray,
     corner, owner = shapely.get_coordinates(ring, return_index=True)
     last = np.append(owner[1:] != owner[:-1], True) if len(owner) else np.zeros(0, dtype=bool)
     corner, owner = corner[~last], owner[~last]
-    # Never two neighbours at once: of two corners that rounding has split one must stay.
+    # Two neighbours are never dropped at once: of two corners that rounding has split one must stay.
     straight = np.ones(len(owner), dtype=bool)
     while straight.any():
         start = np.searchsorted(owner, np.arange(len(polygons)))
@@ -285,7 +285,7 @@ def shared_edges(polygons: Polygons, other: shapely.Polygon) -> FloatArray:
 
 
 def level_section(region: Region, t: float) -> FloatArray:
-    """Return the intervals s0, s1 (n, 2) in which a level line cuts a region."""
+    """Return the intervals s0, s1 (n, 2) of a region along the level line at t."""
     low, _, high, _ = extent(region)
     line = shapely.LineString([(low - 1.0, t), (high + 1.0, t)])
     spans = shapely.bounds(shapely.get_parts(shapely.intersection(line, region))).reshape(-1, 4)[:, [0, 2]]

@@ -5,9 +5,9 @@ import numpy as np
 from churchpipe.geometry.planar import Polygons, all_coordinates, moved, outer_rings, simple_parts
 from churchpipe.model.arrays import FloatArray, IntArray
 
-# Coordinates closer than this are one and the same, m.
+# Coordinates closer than this are taken as equal, m.
 TOLERANCE = 1e-9
-# A corner this close to the line through its neighbours lies on it, m: too little for the check of volumes to notice.
+# A corner this close to the line through its neighbours, m, is left out. The check of volumes does not notice the difference.
 STRAIGHT = 1e-10
 
 
@@ -36,9 +36,9 @@ def snap_onto(values: FloatArray, marks: FloatArray) -> FloatArray:
 
 
 def snap_polygons(polygons: Polygons) -> tuple[Polygons, IntArray]:
-    """Return the polygons with nearly equal s and nearly equal t coordinates made equal, and which (n,) each was part of.
+    """Return the polygons with nearly equal s and nearly equal t coordinates made equal, and the polygon (n,) each comes from.
 
-    A neck narrower than the tolerance closes: the polygon falls into two that touch in a point.
+    Where a polygon is narrower than the tolerance it falls into two that touch in a point.
     """
     point = all_coordinates(polygons)
     return simple_parts(moved(polygons, np.stack([snap(point[:, 0]), snap(point[:, 1])], axis=1)))

@@ -1,4 +1,4 @@
-"""Anybody's polyhedra mended to solids that `Assemblage.from_polyhedra` takes."""
+"""Polyhedra from any source mended to solids that `Assemblage.from_polyhedra` accepts."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -10,7 +10,9 @@ from churchpipe.model.assemblage import Polyhedron, checked_polyhedron, checked_
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """What was done to one polyhedron: its index, what, how often, and its volume before and after all that was done, m3."""
+    """One kind of change of one polyhedron: its index, the kind, how often it was made, and the volume before and after all
+    changes, m3.
+    """
 
     polyhedron: int
     what: str
@@ -24,11 +26,11 @@ class Change:
 
 
 def repair_polyhedra(polyhedra: Iterable[Polyhedron]) -> tuple[list[Polyhedron], tuple[Change, ...]]:
-    """Mend polyhedra and say what was changed.
+    """Mend polyhedra and report what was changed.
 
-    Vertices that meet are welded, faces given more than once dropped, corners of neighbours put into the edges that they lie
-    on, holes of one face closed, faces turned to look outwards, and warped ones split into triangles. A polyhedron that needs
-    nothing is returned as it is.
+    Vertices that meet are joined. Faces given more than once are dropped. Corners of neighbouring faces are inserted into the
+    edges that they lie on. Holes that one face closes are closed. Faces are turned outwards, and warped ones split into
+    triangles. A polyhedron without a fault is returned as it is.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Faces that are not planar, split into triangles: both of two stones that share such a face get the same ones."""
+"""Warped faces split into triangles. Two stones that share such a face get the same triangles."""
 
 from collections.abc import Iterable, Sequence
 
@@ -48,7 +48,7 @@ def triangles(points: FloatArray, face: Sequence[int]) -> list[tuple[int, ...]]:
 
 
 def _diagonal(points: FloatArray, start: int, stop: int) -> tuple[float, ...]:
-    """Return what orders diagonals: length first, rounded so that equal ones are equal from both sides; then the ends."""
+    """Return the key by which diagonals are ordered: the length, rounded so that it is equal from both sides, then the ends."""
     ends = sorted((points[start].tolist(), points[stop].tolist()))
     return (float(f"{np.linalg.norm(points[start] - points[stop]):.9g}"), *ends[0], *ends[1])
 
@@ -59,7 +59,7 @@ def _normal(corners: FloatArray) -> FloatArray:
 
 
 def _is_ear(points: FloatArray, ring: list[int], k: int, normal: FloatArray) -> bool:
-    """Does the corner turn outwards, and does no other corner lie in the triangle that cutting it off takes away?"""
+    """Return whether a corner is convex and no other corner lies in the triangle that would be cut off there."""
     a, b, c = (points[ring[i]] for i in (k - 1, k, (k + 1) % len(ring)))
     if np.cross(b - a, c - b) @ normal <= 0:
         return False
