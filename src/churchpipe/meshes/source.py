@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from churchpipe.dxf.reading import Up
+from churchpipe.dxf.schema import LARGEST_COORDINATE
 from churchpipe.findings import Finding, Findings, FindingsError, Place
 from churchpipe.model.arrays import FloatArray
 
@@ -34,7 +35,7 @@ class Body:
     @property
     def place(self) -> Place:
         """Where it is, as findings say it."""
-        sound = len(self.points) > 0 and bool(np.isfinite(self.points).all())
+        sound = len(self.points) > 0 and bool((np.abs(self.points) <= LARGEST_COORDINATE).all())
         x, y, z = self.points.mean(axis=0).tolist() if sound else (math.nan, math.nan, math.nan)
         return Place(self.entity, "", self.name, (x, y, z) if sound else None)
 
