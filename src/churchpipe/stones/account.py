@@ -1,4 +1,4 @@
-"""An account of joints: what of the stones' surface meets, nearly meets or is free, and what was decided for the person."""
+"""Where the surface of the stones is in joints, nearly meets another stone or is free, and which tolerances decided that."""
 
 import math
 from collections.abc import Mapping
@@ -12,13 +12,13 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import TOUCHING, Contacts
 from churchpipe.model.polyhedra import face_normals
 
-# Of many, so many are named.
+# How many stones, or pairs of stones, a message names.
 NAMED = 8
 
 
 @dataclass(frozen=True, slots=True)
 class SurfaceAccount:
-    """The surface of each stone (nb,) m2: all of it, what is in joints, what nearly meets another stone."""
+    """The surface of each stone (nb,) m2: the total, the part in joints, and the part that nearly meets another stone."""
 
     surface: FloatArray
     joint: FloatArray
@@ -26,7 +26,7 @@ class SurfaceAccount:
 
     @property
     def free(self) -> FloatArray:
-        """What faces nothing (nb,) m2; negative where joints were counted twice."""
+        """The surface that faces no other stone (nb,) m2; negative where joints were counted twice."""
         return self.surface - self.joint - self.near_miss
 
 
@@ -52,10 +52,13 @@ def near_miss_share(contacts: Contacts) -> float:
 
 
 def tolerances_that_join(contacts: Contacts, rows: IntArray) -> dict[str, float]:
-    """Return contact_gap_mm, contact_angle_deg and overlap_mm, where they must change, that make joints of some near misses."""
+    """Return the values of contact_gap_mm, contact_angle_deg and overlap_mm that would make joints of some near misses.
+
+    The gap is always among them, the others only where they must change.
+    """
     near, now = contacts.near_misses, contacts.tolerances
     gap, angle, deep = near.gap[rows].max(initial=0.0), near.angle[rows].max(initial=0.0), -near.gap[rows].min(initial=0.0)
-    # A gap that is given counts at the nearest place of a joint, a proposed one at its widest too.
+    # A gap that is given is compared with the least distance of two faces, a proposed one with the greatest distance too.
     wanted = {"contact_gap_mm": 1e3 * max(gap, now.contact_gap)}
     wanted |= {"contact_angle_deg": math.degrees(angle)} if angle > now.contact_angle else {}
     wanted |= {"overlap_mm": 1e3 * deep} if deep > now.overlap else {}
@@ -63,7 +66,7 @@ def tolerances_that_join(contacts: Contacts, rows: IntArray) -> dict[str, float]
 
 
 def joints_record(stones: Assemblage, contacts: Contacts) -> dict[str, Any]:
-    """Return the account in the words of summary.json."""
+    """Return the surfaces, near misses and tolerances under the keys of summary.json."""
     near, now = contacts.near_misses, contacts.tolerances
     widest, deepest = contacts.gap.max(axis=1, initial=0.0), (-contacts.gap).max(axis=1, initial=0.0)
     largest = np.argsort(-near.area, kind="stable")[:NAMED]
@@ -91,7 +94,7 @@ def joints_record(stones: Assemblage, contacts: Contacts) -> dict[str, Any]:
 
 
 def joints_lines(record: Mapping[str, Any]) -> list[str]:
-    """Return in sentences what a `joints_record` holds; nothing of stones that fit exactly."""
+    """Return a `joints_record` as sentences. There are none for stones that fit exactly."""
     now, near = record["joints"], record["near_misses"]
     closed, deep = now["closed"], now["interpenetrating"]
     origin = "as asked for" if "contact_gap" in now["given"] else "proposed from the gaps of the stones"
@@ -115,14 +118,14 @@ def joints_lines(record: Mapping[str, Any]) -> list[str]:
 
 
 def near_miss_words(item: Mapping[str, Any]) -> str:
-    """Return a near miss of a record as words."""
+    """Return one near miss of a record as text."""
     first, second = item["stones"]
     place = ", ".join(f"{x:g}" for x in item["place_m"])
     return f"{first} and {second}, {item['gap_mm']:g} mm and {item['angle_deg']:g} degrees, at ({place}) m"
 
 
 def remedy_words(stones: Assemblage, contacts: Contacts, rows: IntArray) -> str:
-    """Return which faces nearly meet, and what would join them, for an error."""
+    """Return as text, for an error, which faces nearly meet and which tolerances would join them."""
     near = contacts.near_misses
     order = rows[np.argsort(-near.area[rows], kind="stable")]
     named = "; ".join(near_miss_words(_near_miss(stones, contacts, row)) for row in order[:NAMED].tolist())
@@ -153,6 +156,6 @@ def _figure(value: float, digits: int = 3) -> float:
 
 
 def _above(value: float) -> float:
-    """Return a value rounded upwards to two digits, but for what rounding has added to it."""
+    """Return a value rounded up to two digits. An excess as small as rounding is not rounded up."""
     step = 10.0 ** (math.floor(math.log10(max(value, 1e-6))) - 1)
     return _figure(math.ceil(value / step - 1e-6) * step, 6)

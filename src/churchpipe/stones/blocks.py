@@ -28,10 +28,11 @@ GROUND = "ground"
 
 
 def derive_blocks(building: Building) -> Assemblage:
-    """Return the stones of a building: fixed bodies first (ground plate, supports), then the walls' stones, panel by panel.
+    """Return the stones of a building: first the fixed bodies (ground plate, supports), then the stones of the walls, panel by
+    panel.
 
-    Stones are named "panel-course-number", numbered along the course; voussoirs "panel-region-number". The union
-    of the stones is checked against the volume of the walls.
+    Stones are named "panel-course-number", numbered along the course; voussoirs "panel-region-number". The volume of the stones
+    is checked against that of the walls.
 
     Raises
     ------
@@ -116,7 +117,7 @@ def _assemble(building: Building, tiles: Sequence[TileSet], bodies: Sequence[Sol
     )
     names = [name for p, t in zip(building.panels, tiles, strict=True) for name in _names(p, t)]
     return assemble(
-        # Walls reach the same corner by different sums: one pass makes equal what is equal.
+        # Two walls compute the same corner by different sums. This makes coordinates equal that differ by rounding.
         points=np.stack([snap(points[:, axis]) for axis in range(3)], axis=1),
         face_nodes=np.concatenate([body.face_nodes + o for body, o in zip(bodies, point_offset[:-1], strict=True)]),
         face_ptr=_chained([body.face_ptr for body in bodies], node_offset),

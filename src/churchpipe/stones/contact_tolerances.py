@@ -13,27 +13,28 @@ from churchpipe.model.contacts import TOUCHING, ContactTolerances
 from churchpipe.model.polyhedra import face_normals
 from churchpipe.stones.facing import Overlaps
 
-# Shares of the median stone's thickness. Under a hairline everything is a joint; no proposal is wider than the widest; no noise
-# of corners along the joint is taken for larger than the third.
+# Shares of the median stone's thickness. A gap below the first is always a joint. No wider gap than the second is proposed. The
+# third bounds the estimate of how far corners are displaced along the joints.
 HAIRLINE = 0.008
 WIDEST = 0.02
 NOISIEST = 0.04
 # Proposed angles are between these, rad.
 LEAST_ANGLE = math.radians(3.0)
 MOST_ANGLE = math.radians(5.0)
-# Gaps, or angles, sorted: one more than this times as large as the last begins another kind, joints that are meant to be open.
+# Gaps (or angles) are sorted. One more than this many times as large as the one before it begins another group: joints that are
+# meant to be open.
 STEP = 2.0
-# Faces that share less than this part of the smaller one say nothing of the gaps.
+# Pairs of faces that share less than this part of the smaller one are not used to estimate the gaps.
 TELLING_SHARE = 0.1
 
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """The tolerances with what follows from the thickness of the stones.
+    """The tolerances, and lengths that follow from the thickness of the stones.
 
-    Fields: tolerances; middle, how far the facets of a joint may be apart in the middle of what they share, m, infinite where the
-    person gave the contact gap; noise, how far corners stray along the joints, m: narrower strips are none; thickness of each
-    stone (nb,) m, and typical, of the median one, m.
+    tolerances: of joints. middle: how far apart the facets of a joint may be in the middle of their overlap, m; infinite where
+    the contact gap was given. noise: how far corners are displaced along the joints, m; overlaps narrower than that are no
+    joints. thickness: of each stone (nb,) m. typical: of the median stone, m.
     """
 
     tolerances: ContactTolerances
@@ -44,7 +45,9 @@ class Limits:
 
 
 def thicknesses(stones: Assemblage) -> FloatArray:
-    """Return the thickness of each stone (nb,) m: volume over its largest shadow along x, y, z or its largest face's normal."""
+    """Return the thickness of each stone (nb,) m: its volume over the largest area of its projections along x, y, z and the
+    normal of its largest face.
+    """
     vector, normal, _ = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
     stone = np.repeat(np.arange(stones.count), np.diff(stones.block_face_ptr))
     area = np.linalg.norm(vector, axis=1)
@@ -62,13 +65,13 @@ def typical_thickness(stones: Assemblage, thickness: FloatArray) -> tuple[float,
 
 
 def search_reach(stones: Assemblage, contact_gap: float | None, overlap: float | None) -> float:
-    """Return how far from each other facets are looked at for joints, m."""
+    """Return up to which distance facets are examined for joints, m."""
     typical, _ = typical_thickness(stones, thicknesses(stones))
     return max(2.0 * WIDEST * typical if contact_gap is None else contact_gap, overlap or WIDEST * typical)
 
 
 def given_or_none(name: str, value: float | None, most: float = np.inf) -> float | None:
-    """Return a tolerance that somebody gave, checked."""
+    """Return a tolerance that was given, after checking it, or None."""
     if value is None:
         return None
     if not 0 < finite(f"find_contacts: {name}", value) < most:
@@ -85,13 +88,14 @@ def limits_of(
     least: FloatArray,
     exact: int,
 ) -> Limits:
-    """Return the tolerances given, and those proposed in their stead.
+    """Return the tolerances that were given, and proposals for the others.
 
-    The openings of facets that face each other are sorted. From the largest one under a hairline the proposal goes on upward as
-    long as the next is no more than `STEP` times as large, so it ends in the empty band between the joints, however imprecise,
-    and those that are meant to be open. Angles likewise. Nothing is wider than half the thinnest stone.
+    The gaps between facets that face each other are sorted. All gaps up to a hairline belong to joints. The proposal is then
+    raised from gap to gap as long as the next is no more than `STEP` times as large. It ends where a range of sizes is empty:
+    between the joints, however imprecise, and the gaps that are meant to be open. Angles are treated alike. No proposal exceeds
+    half the thickness of the thinnest stone.
 
-    least (n,): area of the smaller facet of each overlap, m2. exact: number of joints in one plane besides.
+    least (n,): area of the smaller facet of each overlap, m2.
     """
     thickness = thicknesses(stones)
     typical, thinnest = typical_thickness(stones, thickness)
@@ -127,9 +131,8 @@ def _proposed(values: FloatArray, least: float, sure: float, most: float) -> flo
 
 
 def _noise(joints: Overlaps, exact: int, most: float) -> float:
-    """Return how far corners stray, m: as far along the joints as the gaps, the tilts and the warps show them to across.
-
-    exact: number of joints besides that have none of these, so that a few open joints say nothing of a drawing that fits.
+    """Return how far corners are displaced, m. They are taken to be as inexact along the joints as gaps, tilts and warps show
+    across.
     """
     if not len(joints):
         return TOUCHING

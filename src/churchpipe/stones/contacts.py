@@ -17,31 +17,33 @@ from churchpipe.stones.facing import Overlaps, facing
 from churchpipe.stones.interfaces import Interfaces, chosen, contacts_of, joined
 from churchpipe.stones.near_misses import near_misses
 
-# A facet whose exact joints leave no more than this share of it is covered.
+# A facet is covered when its exact joints leave no more than this share of its area free.
 COVERED = 1e-6
-# Interfaces in one plane stand for a pair of facets unless these share more than this share besides.
+# Exact interfaces are all that two facets share, unless the rest of their overlap is more than this share of it.
 SAME_AREA = 1e-4
-# Strips narrower than the noise of the corners are no joints, unless they are this share of the narrower facet's width.
+# Overlaps narrower than the corners are exact are no joints, unless they are this share of the narrower facet's width.
 NARROW_SHARE = 0.25
 
 
 def find_contacts(
     stones: Assemblage, contact_gap: float | None = None, contact_angle: float | None = None, overlap: float | None = None
 ) -> Contacts:
-    """Return the interfaces of an assemblage and their contact points, with the near misses and the tolerances.
+    """Return the interfaces of an assemblage with their contact points, the near misses, and the tolerances used.
 
-    Opposite faces in one plane are joints, exactly as drawn. Faces left over, triangles and strips of one surface taken together,
-    are joints where they face each other within the tolerances: on the plane midway between them, with the points of what they
-    share. A face has one neighbour at each place, the nearest. The contact points are the corners of the overlap, those on a
-    straight edge left out; the points of a non-convex overlap are those of its convex hull, which carries the same forces.
-    Stones that overlap or float are not looked for: `check_soundness` does.
+    First, opposite faces in one plane become joints, exactly as drawn. The faces that remain are then taken as facets:
+    neighbouring triangles and strips of one nearly plane surface count as one. Two facets that face each other within the
+    tolerances become a joint in the plane midway between them. At each place a face is joined to its nearest neighbour only.
+
+    The contact points are the corners of the overlap, without those on a straight edge. Where the overlap is not convex they are
+    the corners of its convex hull, which can carry the same forces. Stones that overlap or float are found by `check_soundness`,
+    not here.
 
     Parameters
     ----------
-    stones: the assemblage. contact_gap: how far two faces of a joint may be apart, m, at their nearest. contact_angle: how far
-    they may be from parallel, rad. overlap: how deep two stones may lie in each other, m. Those left out are proposed from the
-    gaps and angles found, and are never wider than half the thinnest stone; then wedges that gape in the middle are left out
-    as well. What is left out is among `Contacts.near_misses`.
+    stones: the assemblage. contact_gap: greatest distance of the two faces of a joint where they are nearest, m. contact_angle:
+    greatest angle between them, rad. overlap: greatest depth to which two stones may interpenetrate, m. A tolerance that is
+    not given is proposed from the gaps and angles of the stones, and is at most half the thickness of the thinnest one. Joints
+    that are too wide in the middle are then rejected as well. What is rejected is among `Contacts.near_misses`.
 
     Raises
     ------
@@ -109,7 +111,7 @@ def _widths(found: Interfaces) -> FloatArray:
 
 
 def _one_of_both(facets: Facets, exact: Interfaces, sure: BoolArray, found: Overlaps) -> tuple[Interfaces, Overlaps]:
-    """Return both lists without the same joint twice: the faces of a facet in one plane may have met one by one."""
+    """Return both lists without joints that are in both: faces of one facet may already have met one by one."""
     of_exact, of_found = _pair(facets, exact.side), _pair(facets, found.side)
     pairs, row = np.unique(np.concatenate([of_exact, of_found]), return_inverse=True)
     mine, theirs = row[: len(of_exact)], row[len(of_exact) :]

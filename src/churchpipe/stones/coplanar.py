@@ -12,17 +12,17 @@ from churchpipe.stones.interfaces import Interfaces, frames
 # Faces count as parallel within this angle (rad); an overlap smaller than this share of the smaller face is no contact.
 ANGLE_TOLERANCE = 1e-5
 AREA_TOLERANCE = 1e-6
-# Coordinates are rounded: a joint as wide as the gap asked for is up to this much wider, m.
+# Added to the gap asked for, m, because rounded coordinates make a joint up to this much wider.
 ROUNDING = 1e-9
-# A face no wider than this, m, has no plane of its own: its corners lie on a line.
+# A face no wider than this, m, has no plane of its own, because its corners are nearly on a line.
 NARROW = 1e-9
 
 
 def coplanar_interfaces(stones: Assemblage, faces: BoolArray, gap: float) -> Interfaces:
-    """Return the interfaces of faces that lie in one plane, to the gap, m, and to `ANGLE_TOLERANCE`.
+    """Return the interfaces of faces that lie in one plane, to within the gap, m, and `ANGLE_TOLERANCE`.
 
-    Faces are bucketed by plane; in each bucket a tree of bounding boxes proposes pairs, whose polygons are intersected
-    all at once. faces (nf,): those to look at.
+    Faces are grouped by plane. In each group a tree of bounding boxes proposes pairs of faces, whose polygons are intersected
+    all at once. faces (nf,): those to examine.
     """
     area_vector, normal, mean = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
     block = np.repeat(np.arange(stones.count), np.diff(stones.block_face_ptr))
@@ -61,9 +61,9 @@ def _cluster(label: IntArray, value: FloatArray, tolerance: float) -> IntArray:
 
 
 def _planes(normal: FloatArray, mean: FloatArray, gap: float, size: float) -> tuple[IntArray, FloatArray, BoolArray]:
-    """Return for each face its bucket of (nearly) coplanar faces, that bucket's axes (nf, 3, 3) and the side it looks to."""
-    # Opposite normals meet in one half-space; its pole is the one of many that no normal comes near to lying across,
-    # so that rounding never sends two parallel faces to different sides.
+    """Return for each face its group of (nearly) coplanar faces, the group's axes (nf, 3, 3), and to which side it faces."""
+    # Normals are turned into one half-space, so that opposite faces have equal normals. Of many half-spaces the one is taken
+    # whose border is farthest from all normals: rounding then never puts two parallel faces on different sides of it.
     poles = np.random.default_rng(0).normal(size=(64, 3))
     margin = np.abs(np.unique(np.round(normal, 9), axis=0) @ (poles / np.linalg.norm(poles, axis=1, keepdims=True)).T).min(axis=0)
     sign = np.where(normal @ poles[np.argmax(margin)] > 0, 1.0, -1.0)
@@ -93,11 +93,11 @@ def _face_polygons(flat: FloatArray, face_ptr: IntArray) -> np.ndarray:
 
 
 def _pairs(polygon: np.ndarray, bucket: IntArray, front: BoolArray, block: IntArray) -> tuple[IntArray, IntArray]:
-    """Return pairs (first, second) of faces of different stones in one bucket that face each other, boxes overlapping."""
+    """Return pairs (first, second) of faces of different stones in one group that face each other and whose boxes overlap."""
     out, into = np.flatnonzero(front), np.flatnonzero(~front)
     if not len(out) or not len(into):
         return out[:0], into[:0]
-    # One tree serves all buckets: each bucket is moved to a place of its own along a line.
+    # One tree of boxes serves all groups, because each group is moved to a place of its own along a line.
     bounds = shapely.bounds(polygon)
     reach = 2.0 * np.abs(bounds).max() + 1.0
     shift = bucket * (2.0 * reach)

@@ -1,4 +1,4 @@
-"""One face, one neighbour: what a nearer stone hides is no joint with one behind it."""
+"""Joints hidden by nearer ones: at each place a face is joined to one neighbour, the nearest."""
 
 import numpy as np
 
@@ -8,15 +8,16 @@ from churchpipe.stones.facets import Facets
 from churchpipe.stones.facing import Overlaps, measured
 from churchpipe.stones.interfaces import Interfaces, frames
 
-# A facet whose joints cover it more than this often is looked at; a hidden part smaller than this share of a joint stays.
+# A facet is examined if the area of its joints exceeds its own by this factor. A hidden part is kept if it is less than this
+# share of its joint.
 COVERED = 1.001
 HIDDEN = 0.02
 
 
 def uncovered(facets: Facets, exact: Interfaces, found: Overlaps, noise: float) -> Overlaps:
-    """Return the overlaps without what nearer joints hide of them.
+    """Return the overlaps without the parts that nearer joints hide.
 
-    exact: the joints of facets in one plane, which nothing hides. Strips narrower than the noise, m, are not looked at.
+    exact: the joints of facets in one plane, which are never hidden. Hidden strips narrower than the noise, m, are ignored.
     """
     sides = np.concatenate([exact.side, found.side])
     shared = np.concatenate([exact.area, found.area])

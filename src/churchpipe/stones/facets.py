@@ -1,4 +1,4 @@
-"""Facets: the faces of stones, triangles and strips of one nearly plane surface taken together."""
+"""Facets: neighbouring faces of a stone, triangles or strips, that together are one nearly plane surface."""
 
 import heapq
 import math
@@ -13,11 +13,11 @@ from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, ragged_indi
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.polyhedra import face_normals
 
-# The faces of a facet lean no further than this from its plane, rad; their corners are no further from it than this share of the
-# root of its area. So much do the triangles of a warped quadrilateral differ, and less than two neighbouring sides of a stone.
+# Greatest angle between a face of a facet and the facet's plane, rad, and greatest distance of its corners from that plane, as a
+# share of the root of its area. Triangles of a warped quadrilateral are within both; two neighbouring sides of a stone are not.
 LEAN = math.radians(5.0)
 FLATNESS = 0.02
-# A triangle no higher than this, m, has no direction of its own: it fills a seam between others.
+# A triangle no higher than this, m, has no reliable normal. It fills a seam between others.
 SLIVER = 1e-5
 
 
@@ -83,7 +83,7 @@ def facets_of(stones: Assemblage) -> Facets:
     smooth = of_pair[(of_pair[:, 0] != of_pair[:, 1]) & ~sliver[linked].any(axis=1)]
     twist = plane.twist.copy()
     for side in (0, 1):
-        # Cut out of a smooth surface somewhere: another cut gives another plane.
+        # A facet cut out of a smooth surface: another cut would give another plane.
         np.maximum.at(twist, smooth[:, side], _angle(plane.normal[smooth[:, 0]], plane.normal[smooth[:, 1]]))
     stone_of_face = np.repeat(np.arange(stones.count), np.diff(stones.block_face_ptr))
     stone = np.zeros(len(twist), dtype=np.int64)
@@ -157,7 +157,9 @@ def _grow(
     area: FloatArray,
     sliver: BoolArray,
 ) -> IntArray:
-    """Return the labels with curved sets cut into facets: each grows from the largest face left over, nearest in size first."""
+    """Return the labels with curved sets cut into facets. Each facet starts from the largest face left over and takes its
+    neighbours in.
+    """
     faces = np.flatnonzero(curved[label])
     if not len(faces):
         return label

@@ -14,19 +14,20 @@ from churchpipe.stones.interfaces import frames
 
 # An overlap smaller than this share of the smaller facet is none.
 LEAST_SHARE = 1e-6
-# Facets of curved surfaces are looked for within this angle more, rad, at most.
+# For facets of curved surfaces the angle of the search is larger, by at most this, rad.
 MOST_TWIST = math.radians(10.0)
 
 
 @dataclass(frozen=True, slots=True)
 class Overlaps:
-    """What pairs of facets share, seen along the normal of their mean plane.
+    """What pairs of facets share, seen along the normal of the plane midway between them (their mean plane).
 
-    Fields: side (n, 2), the facets; frame (n, 3, 3), rows n, t1, t2, n from the first to the second; origin (n, 3) m, on the mean
-    plane; polygon (n,) in t1, t2; area (n,) m2; height (n, 3), a, b, c: midway between both facets lies a + b t1 + c t2 along n;
-    middle (n,) m, the distance between the facets at the polygon's centroid, negative where they interpenetrate; gap (n, 2) m,
-    the least and the greatest distance over the polygon; slack (n,) m, how far both facets' corners are from their planes;
-    lean (n,) rad, the angle between the facets; bend (n,) rad, what of it their own twist explains.
+    side (n, 2): the facets. frame (n, 3, 3): rows n, t1, t2, with n from the first facet to the second. origin (n, 3) m: on the
+    mean plane. polygon (n,): the shared region in t1, t2. area (n,) m2. height (n, 3): a, b, c of the surface midway between
+    both facets, a + b t1 + c t2 along n. middle (n,) m: distance between the facets at the polygon's centroid, negative where
+    they interpenetrate. gap (n, 2) m: least and greatest distance over the polygon. slack (n,) m: how far the corners of both
+    facets are from their planes. lean (n,) rad: angle between the facets. bend (n,) rad: the part of that angle that the twist
+    of the facets explains.
     """
 
     side: IntArray
@@ -55,7 +56,7 @@ class Overlaps:
 
     @property
     def penetration(self) -> FloatArray:
-        """How deep the facets lie in each other all over (n,) m, less what their warp explains."""
+        """How deep the facets interpenetrate at their shallowest place (n,) m, less what their warp explains."""
         return np.maximum(-self.gap[:, 1] - self.slack, 0.0)
 
     @property
@@ -119,7 +120,7 @@ def outlines(facets: Facets, chosen: IntArray, frame: FloatArray, origin: FloatA
 
 
 def _pairs(facets: Facets, chosen: BoolArray, reach: float, angle: float) -> IntArray:
-    """Return pairs (n, 2) of facets of different stones that look at each other and whose boxes, grown, overlap."""
+    """Return pairs (n, 2) of facets of different stones that face each other and whose boxes, enlarged, overlap."""
     rows = np.flatnonzero(chosen & (facets.area > 0))
     if not len(rows):
         return np.zeros((0, 2), dtype=np.int64)

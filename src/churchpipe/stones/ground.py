@@ -1,4 +1,4 @@
-"""A support under stones that were given without one."""
+"""A support below stones that were given without one."""
 
 from collections.abc import Sequence
 
@@ -8,9 +8,9 @@ from churchpipe.model.arrays import FloatArray
 
 Solid = tuple[FloatArray, tuple[tuple[int, ...], ...]]
 
-# Faces whose corners are within this part of the stones' size of the lowest level stand on the ground.
+# A face stands on the ground if its corners are within this share of the stones' size of the lowest level.
 LEVEL = 1e-3
-# Depth and margin of the support as parts of the stones' size; it bears, nothing else of it counts.
+# Depth and margin of the support, as shares of the stones' size. They have no influence on the results.
 DEPTH, MARGIN = 0.5, 0.5
 
 

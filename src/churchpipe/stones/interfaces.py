@@ -1,4 +1,4 @@
-"""Interfaces while contacts are looked for: which two faces, where, and how far apart."""
+"""Interfaces while contacts are searched: the two faces, the place, and the gap between them."""
 
 import math
 from collections.abc import Sequence
@@ -10,7 +10,7 @@ from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, ragged_indi
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts, ContactTolerances, NearMisses
 
-# Stones that are not exact stand no more upright than this, rad: a joint within it of level or upright is one.
+# A joint within this angle of level, or of upright, counts as level or upright, rad: stones of a survey are no more exact.
 UPRIGHT = math.radians(1.0)
 
 

@@ -1,4 +1,4 @@
-"""Stones with mortar between them: faces that look at each other across a joint, and stones grown to meet in its middle."""
+"""Stones with mortar between them: the joints between their faces, and stones grown to meet in the middle of the mortar."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,18 +18,18 @@ Solid = tuple[FloatArray, Sequence[tuple[int, ...]]]
 # nominal width at most, in the mean and at the wide end of a wedge.
 FACING_ANGLE = np.radians(12.0)
 WIDEST_MEAN, WIDEST = 1.5, 2.5
-# An overlap smaller than this part of the smaller face is no joint; nor is a gap narrower than this part of the stones' size.
+# An overlap smaller than this share of the smaller face is no joint, nor is a gap narrower than this share of the stones' size.
 LEAST_OVERLAP = 0.02
 TOUCHING = 1e-6
-# The faces along a bed are moved into one plane when it leaves the middle of none of their joints by more than this part of the
-# joint's width; else each goes to the middle of its own joints.
+# The faces along a bed are moved into one common plane if it is within this share of the joint's width of the middle of every
+# joint. Otherwise each face is moved to the middle of its own joints.
 OUT_OF_LINE = 0.05
-# What a face looks at besides is no joint of it when its mid-surface leaves that of its main joint by more: the one
-# whose area over the square of its width is largest.
+# The main joint of a face is the one with the largest area over the square of its width. Another joint is dropped if its
+# mid-surface is farther from that of the main joint than this.
 ASTRAY = 0.25
 # The tip of a sharp corner moves farther than its sides, by up to this many joints.
 FARTHEST = 10.0
-# A joint is looked for as wide as this part of the stones' smallest dimension.
+# Joints are searched up to a width of this share of the stones' smallest dimension.
 WIDEST_OF_STONE = 0.35
 
 
@@ -173,7 +173,7 @@ def _candidates(flat: _Faces, reach: float) -> IntArray:
     """Return pairs (k, 2) of faces of different solids with opposite normals and boxes closer than `reach`."""
     low = np.array([c.min(axis=0) for c in flat.corners]) - 0.5 * reach
     high = np.array([c.max(axis=0) for c in flat.corners]) + 0.5 * reach
-    # The tree sees two dimensions: those in which the stones spread most.
+    # The tree of boxes has two dimensions: those in which the stones spread most.
     a, b = np.argsort(np.ptp(np.concatenate([low, high]), axis=0))[1:]
     i, j = overlapping(np.column_stack([low[:, a], low[:, b], high[:, a], high[:, b]])).T
     keep = flat.solid[i] != flat.solid[j]

@@ -1,4 +1,4 @@
-"""Faces that face each other closely and are no joint."""
+"""Faces that face each other at a small distance without being a joint."""
 
 import math
 
@@ -12,26 +12,27 @@ from churchpipe.stones.facets import Facets
 from churchpipe.stones.facing import Overlaps, facing
 from churchpipe.stones.interfaces import Interfaces, frames
 
-# Facets are looked at within ten times the contact gap, or this share of the median stone's thickness, but not beyond the second.
+# Near misses are searched up to ten times the contact gap or the first share of the median stone's thickness, whichever is more,
+# but no farther than the second share.
 NEAR = 0.25
 FAR = 0.5
 TIMES = 10.0
-# No more than this from parallel, rad.
+# Greatest angle between the two faces of a near miss, rad.
 LEAN = math.radians(20.0)
-# Facets are looked at that are free over more than this share of their area; what they share is more than this of the smaller
-# one's area, and no joint over more than half of it.
+# A facet is examined if more than this share of its area is free. The overlap of two must be more than this share of the smaller
+# one, and more than half of it must be free of joints.
 FREE = 0.05
 SHARED = 0.05
 
 
 def reach_of(limits: Limits) -> float:
-    """Return how far apart faces are near misses, m."""
+    """Return up to which distance two faces are a near miss, m."""
     widest = TIMES * max(limits.tolerances.contact_gap, HAIRLINE * limits.typical)
     return max(min(max(NEAR * limits.typical, widest), FAR * limits.typical), limits.tolerances.contact_gap)
 
 
 def near_misses(facets: Facets, joints: Interfaces, limits: Limits) -> NearMisses:
-    """Return what the facets' free parts nearly meet; joints: all of them, by their facets."""
+    """Return the pairs of facets whose free parts nearly meet. joints: all joints, by their facets."""
     covered = np.bincount(joints.side.ravel(), np.repeat(joints.area, 2), minlength=len(facets))
     loose = covered < (1.0 - FREE) * facets.area
     found = facing(facets, loose, reach_of(limits), LEAN)

@@ -1,4 +1,4 @@
-"""Stones of curved walls with arched openings: bent solids, cut by the openings' prisms."""
+"""Stones of curved walls with arched openings: solids of the curved wall, cut by the prisms of the openings."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -16,18 +16,19 @@ from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.building import CylinderChart, Panel
 from churchpipe.stones.prisms import Solids, solids_of, stations_of, thicken
 
-# Faces of a prism are numbered from here on, those of a stone from 0.
+# Number of the first face of a prism. The faces of a stone are numbered from 0.
 OF_PRISM = 1_000_000
-# What a voussoir is cut from is larger by this on all sides, m: faces in common with it would come out in pieces.
+# A voussoir is cut from a solid that is larger by this on all sides, m. Faces that both have in common would be cut into pieces.
 SPARE = 1e-3
 
 
 def pierced_solids(panel: Panel, chart: CylinderChart, tiles: TileSet, voids: Sequence[Void]) -> Solids:
-    """Return one closed solid a tile of a curved wall with arched openings.
+    """Return one closed solid for each tile of a curved wall with arched openings.
 
-    The sides of openings and voussoirs are planes along the normal in the middle of their opening, not radial ones: mapped
-    from the developed surface they would be twisted. Stones of the wall are laid as without the opening and cut by the prism of
-    its extrados; voussoirs are what their own prisms cut out of the wall.
+    The sides of openings and voussoirs are planes parallel to the wall's normal in the middle of their opening. Sides that
+    follow the radius at each place, as the developed surface would give them, would be twisted. Stones of the wall are laid as
+    if there were no opening, and the prism of the opening with its voussoirs is subtracted. Each voussoir is the intersection of
+    the wall with its own prism.
 
     Raises
     ------
@@ -70,7 +71,7 @@ def _meet(chart: CylinderChart, void: Void, bounded: FloatArray) -> bool:
     low_s, low_t, high_s, high_t = bounded
     (x0, t0), (x1, t1) = void.outer.min(axis=0), void.outer.max(axis=0)
     start, stop = void.reach(chart.radius, (float(x0), float(x1)))
-    # A stone over the seam of a ring lies before its start.
+    # A stone that crosses the seam of a ring is given at its start, with s below the first value.
     turns = 2 * np.pi * chart.radius * np.array([0.0, 1.0])
     return bool(low_t < t1 and high_t > t0 and ((low_s + turns < stop) & (high_s + turns > start)).any())
 

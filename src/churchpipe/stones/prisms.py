@@ -1,4 +1,4 @@
-"""Tiles thickened into closed solids."""
+"""Flat tiles of a wall thickened into closed solids."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -26,16 +26,16 @@ class Solids:
 
 
 def thicken(chart: Chart, thickness: float, tiles: TileSet) -> Solids:
-    """Return one closed solid a tile, as far through a wall of this thickness (m) as the tile reaches."""
+    """Return one closed solid for each tile, over its share of the wall's thickness (m)."""
     if isinstance(chart, PlaneChart):
         return _prisms(chart, thickness, tiles)
     return _bent_prisms(chart, thickness, tiles)
 
 
 def stations_of(chart: Chart, tiles: TileSet) -> FloatArray:
-    """Return the s of all joints of a curved wall, between which it is straight, m; of a circle, on both sides of the seam.
+    """Return s of all head joints of a curved wall, m. The wall is straight from one to the next.
 
-    Joints between voussoirs do not count.
+    For a full circle they are repeated on both sides of the seam. Joints between voussoirs do not count.
     """
     laid = np.repeat(~tiles.voussoir, np.diff(tiles.corner_ptr))
     stations = np.unique(snap(tiles.corner[laid, 0]))
@@ -71,7 +71,7 @@ def _prisms(chart: Chart, thickness: float, tiles: TileSet) -> Solids:
 
 
 def _bent_prisms(chart: Chart, thickness: float, tiles: TileSet) -> Solids:
-    """Stones of a curved wall: straight between all joints of the wall, so that courses fit face to face."""
+    """Return the stones of a curved wall. Each is bent at all head joints of the wall, so that courses fit face to face."""
     stations = stations_of(chart, tiles)
     stones: list[tuple[FloatArray, list[IntArray]]] = []
     for number in range(tiles.count):

@@ -1,4 +1,4 @@
-"""Is the assemblage sound? Stones that float, lie twice in one place, overlap, or miss the joints that should hold them."""
+"""Checks of an assemblage: stones that float, that coincide or overlap, and that lack the joints that should hold them."""
 
 from collections.abc import Callable
 
@@ -18,10 +18,10 @@ from churchpipe.stones.account import near_miss_share, remedy_words, surface_acc
 
 # A joint holds a stone from below when its normal rises by at least this much.
 LEAST_LIFT = 0.05
-# Near misses that are more than this share of all area that meets or nearly meets decide the result: an engineer must say whether
-# they are joints. A movement joint between two buildings, or a few open joints, are less.
+# Near misses with more than this share of the area of all joints and near misses would decide the result, so an engineer must say
+# whether they are joints. A movement joint between two buildings, or a few open joints, are below it.
 DECISIVE_SHARE = 0.1
-# Joints cover no more than all of a stone's surface, but for this share of it.
+# The joints of a stone may exceed its surface by this share at most; more means that joints were counted twice.
 COUNTED_TWICE = 0.02
 
 
@@ -58,8 +58,9 @@ def overlapping_stones(
 ) -> IntArray:
     """Return pairs (k, 2) of stones whose solids overlap by more than the tolerance, m.
 
-    Bounding boxes that overlap propose pairs; separating planes spare most of them; a boolean of the solids decides the rest.
-    The depth of an overlap is the mean thickness of the shared solid, twice its volume over its surface.
+    Bounding boxes that overlap propose pairs. Most of these are excluded by a plane that separates the two stones; for the
+    others the intersection of the solids is computed. The depth of an overlap is the mean thickness of the intersection: twice
+    its volume over its surface.
     """
     pairs = _close_boxes(stones, 0.5 * tolerance)
     pairs = pairs[~_separated(stones, pairs, tolerance)]
@@ -77,11 +78,11 @@ def overlapping_stones(
 
 
 def check_soundness(stones: Assemblage, contacts: Contacts, progress: Callable[[str, float], None] | None = None) -> None:
-    """Raise `InputError` naming stones that float, lie twice in one place or overlap, and near misses that matter.
+    """Raise `InputError` naming stones that float, coincide or overlap, and near misses that matter.
 
-    Stones overlap that lie in each other by more than the contacts' own tolerance. Near misses matter where a stone has nothing
-    below it but one, and where they are more than `DECISIVE_SHARE` of all area that meets or nearly meets, unless somebody gave
-    the contact gap.
+    Stones overlap if they interpenetrate by more than the contacts' own tolerance. A near miss matters where it is all that a
+    stone has below it. All near misses matter together where they are more than `DECISIVE_SHARE` of the area of joints and near
+    misses, unless the contact gap was given.
     """
     check_kind("check_soundness: stones", stones, Assemblage)
     check_kind("check_soundness: contacts", contacts, Contacts)
