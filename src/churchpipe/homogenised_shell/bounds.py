@@ -1,4 +1,4 @@
-"""What a limit analysis of a shell proves: a stress field below, a velocity field above."""
+"""The bounds that a limit analysis of a shell proves: a lower one by its stresses, an upper one by its velocities."""
 
 from dataclasses import dataclass
 
@@ -13,9 +13,10 @@ from churchpipe.model.arrays import FloatArray
 class Bounds:
     """Bounds of a load factor and the arrays that prove them.
 
-    stress (nq, 6) N/m and N; motion (m,): the unknowns that are free, f . u = 1 per total weight. lintels: the part of the upper
-    bound that parts which do not yield dissipate, since their strength is large but finite (`point_strength`). residual of
-    equilibrium over the weight, violation over the unit of stress.
+    stress (nq, 6) N/m and N, at nq points. motion (m,): velocities of the free unknowns, scaled so that the load does unit work
+    per total weight. lintels: the part of the upper bound that is dissipated where the shell does not yield; the strength there
+    is large but finite (`point_strength`). residual: of equilibrium, over the weight. violation: of the strength, over the unit
+    of stress.
     """
 
     lower: float
@@ -43,12 +44,13 @@ class Bounds:
 def proved_bounds(condensed: CondensedShell, state: StressState, dead: FloatArray, live: FloatArray) -> Bounds:
     """Return the bounds that a solution proves.
 
-    Upper bound: virtual work of the velocities, what the strength dissipates in their strain (of lintels, too), and the largest
-    work that the stresses found could do on strain which no flow explains: that is rounding.
+    The upper bound is the dissipation of the strength in the strain of the velocities (lintels included), less the work of the
+    dead load, plus the largest work that the stresses could do on strain which no flow rule explains. That last part is due to
+    rounding.
     """
     motion = state.motion[~condensed.elements.clamped]
     earned = float(live @ motion)
-    # Loads that earn nothing bound nothing: where the load reaches its cap no motion is needed.
+    # A motion on which the live load does no work bounds nothing. The load then reaches its cap without any motion.
     scale = 1.0 / earned if earned > 0 else 1.0
     law = condensed.strength
     doubt = float((np.abs(state.unexplained) * np.abs(state.x)).sum())

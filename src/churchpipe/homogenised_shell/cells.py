@@ -1,8 +1,11 @@
-"""Points of a shell with the strength of the exact cell, as local problems of the interior-point loop.
+"""Points of a shell with the strength of the exact unit cell, as local problems of the interior-point solver.
 
-Variables are the forces at the twelve corners of a cell. Everything else sees them through nine sums, the stress and the moments
-on a stone, so equilibrium is assembled from matrices of nine rows, and the elastic energy of a step is of rank six:
-(Q + G^T W^-2 G)^-1 = A (I + V V^T)^-1 A^T with A A^T the compliances of the corners, in closed form, and V = A^T (root of Q)^T.
+The variables are the forces at the twelve corners of a cell. Equilibrium depends on them only through nine sums: the stress and
+the moments on a stone. It is therefore assembled from matrices of nine rows, and the elastic energy of a step, Q, has rank six.
+
+Notation: G x are the cone values of the forces x, and W is the scaling of the cones at the current iterate. A A^T is the
+compliance (G^T W^-2 G)^-1 of the corners, known in closed form, and V = A^T (root of Q)^T. Then (Q + G^T W^-2 G)^-1 = A (I + V
+V^T)^-1 A^T.
 """
 
 from collections.abc import Sequence
@@ -44,7 +47,7 @@ class CellCoupling(Coupling):
         return np.einsum("aiq,aq->iq", self._sums, super().spread(y).reshape(9, -1)).ravel()
 
     def touched_units(self, unit: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return for each corner the smallest and the largest unit of the rows that its cell touches."""
+        """Return for each corner the smallest and the largest unit of the equilibrium rows that its cell enters."""
         smallest, largest = super().touched_units(unit)
         return np.tile(smallest, CORNERS), np.tile(largest, CORNERS)
 
@@ -62,11 +65,11 @@ class CellCoupling(Coupling):
 
 @dataclass(frozen=True, slots=True)
 class CellCompliance:
-    """Compliances (Q + G^T W^-2 G)^-1 of the corner forces.
+    """Compliances (Q + G^T W^-2 G)^-1 of the corner forces, in the notation of the module.
 
-    matrix (9, 9, count): as the nine sums see them. Of an elastic step: A (count, 12, 3, 3), rows (count, 36) in the order of
-    their size, the six reflections (count, 6, 36) that make a triangle R of V, and the triangle T (count, 6, 6) with T^T T = I +
-    R R^T.
+    matrix (9, 9, count): seen through the nine sums. The rest exists in an elastic step only. A (count, 12, 3, 3). rows (count,
+    36): in the order of their size. Six reflections (count, 6, 36): they turn V into a triangle R. T (count, 6, 6): a triangle
+    with T^T T = I + R R^T.
     """
 
     corners: CoulombCompliance
@@ -231,7 +234,7 @@ def _factor(
         for s in range(9):
             _pull(roots[k], sums[k, s], images[s])
         if len(root):
-            # Large rows first: rows of any size keep their digits.
+            # Large rows come first. Small rows then keep their digits beside them.
             for a in range(6):
                 _pull(roots[k], root[k, a], line)
                 for r in range(size):
@@ -306,7 +309,7 @@ def _reflect_in_order(a: FloatArray, vectors: FloatArray) -> None:
 
 @numba.njit(cache=True, error_model="numpy")
 def _comply(roots: FloatArray, order: IntArray, reflections: FloatArray, triangle: FloatArray, force: FloatArray) -> None:
-    """Replace the force (count, 36) by S force."""
+    """Replace the force (count, 36) by the compliance S times the force."""
     size = force.shape[1]
     row, line = np.empty(size), np.empty(size)
     for k in range(len(force)):

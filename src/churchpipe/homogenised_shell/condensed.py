@@ -1,7 +1,9 @@
-"""A shell as local problems in the stresses of its points, which meet in the equilibrium of its unknowns.
+"""A shell as local problems in the stresses of its points, which are coupled by the equilibrium of its unknowns.
 
-The form that the interior-point core takes: eliminating the stresses leaves one positive definite matrix with the pattern of the
-stiffness matrix, K = sum B^T (Q + G^T D G)^-1 B, analysed once for dead load, limit load and every step of a path.
+This is the form that the interior-point solver takes. Eliminating the stresses leaves one positive definite matrix with the
+pattern of the stiffness matrix, K = sum B^T (Q + G^T D G)^-1 B over the points: B the strain of the unknowns, Q the elastic
+compliance, G the rows of the strength and D their weights at the current iterate. Its symbolic analysis is done once, for the
+dead load, the limit load and every step of a capacity curve.
 """
 
 from collections.abc import Sequence
@@ -61,7 +63,7 @@ class StressState:
 
     @property
     def holds(self) -> bool:
-        """True when solved and proved by its own arrays; almost is not enough."""
+        """True when solved and proved by its own arrays; the status "almost solved" is not enough."""
         return self.status == "solved" and max(self.residual, self.violation, self.gap) <= SOLVER.duality_gap
 
 
@@ -117,10 +119,10 @@ class CondensedShell:
             iterations += ending.info.iteration
             if ending.status not in ("running", "failed"):
                 break
-            # The regularisation of the next may be too little to come so far.
+            # The next, smaller regularisation may be too small to get this far from its own start.
             start = ending.at if ending.info.error <= SOLVER.near else None
         outcome = "failed" if ending.status == "running" else ending.status
-        # A certificate of infeasibility is a mechanism: as long as its largest entry allows.
+        # A certificate of infeasibility is a mechanism. It is scaled by its largest entry.
         theta = ending.at.theta if outcome != "infeasible" else float(np.abs(ending.at.y).max())
         return self._state(problem, ending.at, theta, outcome, ending.info.error, iterations, ending.message)
 
@@ -211,7 +213,8 @@ class CondensedShell:
         slack = law.right - np.einsum("riq,iq->rq", law.matrix, x)
         free = ~self.elements.clamped
         motion = np.zeros(self.elements.unknowns)
-        # The loop's own multipliers carry the rounding of z over s, which grows without bound towards the solution.
+        # The solver's own multipliers z carry the rounding of z over the slacks s, which grows without bound towards the
+        # solution.
         elastic = problem.local.quadratic(problem.local_view(at.x)) + problem.local.linear * at.theta
         plastic = -(problem.local_view(problem.spread(at.y)) + elastic).reshape(law.inner.shape) / theta
         multipliers, unexplained = plastic_flow(law, plastic, (at.z[: slack.size] / theta).reshape(slack.shape))

@@ -1,4 +1,4 @@
-"""Limit analysis of a shell by Clarabel, all stresses at once: the reference, for meshes of a few thousand facets."""
+"""Limit analysis of a shell by Clarabel, with all stresses as variables: the reference for meshes of a few thousand facets."""
 
 import clarabel
 import numpy as np
@@ -12,14 +12,14 @@ from churchpipe.conic.program import Outcome
 from churchpipe.model.arrays import IntArray
 
 _OUTCOMES: dict[str, Outcome] = {"Solved": "solved", "DualInfeasible": "unbounded", "PrimalInfeasible": "infeasible"}
-# With less regularisation quadratic membranes end "almost solved".
+# With a smaller regularisation Clarabel ends "almost solved" for quadratic membranes.
 _SETTINGS = {"verbose": False, "max_threads": 1, "max_iter": 300, "static_regularization_constant": 1e-7}
 
 
 def solve_directly(problem: CoupledProblem, matrix: sp.csr_matrix[np.float64]) -> tuple[Iterate, Outcome, int, str]:
-    """Return the solution of a linear problem, its outcome (almost solved is failed), iterations and Clarabel's word.
+    """Return the solution of a linear problem, its outcome, the number of iterations and Clarabel's status.
 
-    matrix: G of all local problems, rows in the order of the cones.
+    "Almost solved" counts as failed. matrix: G of all local problems, rows in the order of the cones.
     """
     columns, rows = problem.coupling.dimension * problem.coupling.count, problem.rows
     order, kinds = _order(problem)

@@ -1,10 +1,13 @@
-"""The flat facet: quadratic (LST) or constant-strain (CST) membrane and Morley bending.
+"""The flat facet: membrane with linear strain (LST) or constant strain (CST), and Morley's triangle in bending.
 
-Unknowns: three translations per node; one rotation per edge about the edge's own axis (from its lower to its higher node), a
-scalar that any number of facets share at any angle; and with LST the translation of each mid-side relative to the mean of its
-ends. The last has a component normal to the surface at folds only. Bending does not see it, so in a plate nothing would resist
-it, and in a curved roof of facets it would relax the membrane: Scordelis and Lo's comes out 22 % too soft.
-Morley: L. S. D. Morley (1968), Aeronautical Quarterly 19; LST: B. Fraeijs de Veubeke (1965).
+Unknowns: three translations of each node. One rotation of each edge about its own axis, from its lower to its higher node; it is
+a scalar that any number of facets share at any angle. With LST also the translation of each mid-side relative to the mean of its
+two ends.
+
+A mid-side translation has a component normal to the surface at folds only. Bending does not depend on it: in a plate nothing
+would resist it, and in a curved roof made of facets it would make the membrane too soft (docs/development.md).
+
+Sources: L. S. D. Morley (1968), Aeronautical Quarterly 19; B. Fraeijs de Veubeke (1965) for the LST.
 """
 
 from dataclasses import dataclass
@@ -20,13 +23,14 @@ from churchpipe.model.shell import ShellModel
 
 Membrane = Literal["LST", "CST"]
 Stations = Literal["inner", "corners"]
-# Barycentric coordinates (q, 3) of the points where strain is taken, of equal weight.
+# Barycentric coordinates (q, 3) of the points at which strain is evaluated, all with the same weight.
 _STATIONS = {
     ("LST", "inner"): (np.ones((3, 3)) + 3 * np.eye(3)) / 6,
     ("LST", "corners"): np.eye(3),
     ("CST", "inner"): np.ones((1, 3)) / 3,
 }
-# Sine of the angle between facets from which an edge is a fold: corners of walls are, facets of an apse are not.
+# An edge is a fold if the sine of the angle between its facets is at least this. Corners of walls are folds, the edges between
+# the facets of an apse are not.
 _FOLD = 0.5
 
 
@@ -79,11 +83,11 @@ class ShellElements:
 
 
 def shell_elements(shell: ShellModel, membrane: Membrane = "LST", stations: Stations = "inner") -> ShellElements:
-    """Cut a shell into elements.
+    """Divide a shell into elements.
 
-    stations: where the strain of an LST is taken. "inner" makes elastic energy exact and load factors most accurate; with
-    "corners" a linear strain that flows at the corners flows everywhere, so load factors in the plane are upper bounds (as
-    those of a CST are anyhow), further from the truth.
+    stations: where the strain of an LST is evaluated. With "inner" the elastic energy is exact and load factors are most
+    accurate. With "corners" a linear strain that obeys the flow rule at the corners obeys it everywhere, so load factors in the
+    plane of a wall are upper bounds, at the price of a larger error. Those of a CST are upper bounds in any case.
 
     Raises
     ------
@@ -116,14 +120,15 @@ def shell_elements(shell: ShellModel, membrane: Membrane = "LST", stations: Stat
 def surface_load(elements: ShellElements, pressure: FloatArray) -> FloatArray:
     """Return the work-conjugate forces (n,), N and Nm, of a load per area on each facet (nt, 3), N/m2.
 
-    In the plane consistent with the membrane; across it a third on each corner.
+    In the plane of the facet they are consistent with the membrane; normal to it each corner takes a third.
     """
     shell = elements.shell
     third = pressure * shell.area[:, None] / 3
     nodes = np.zeros((len(shell.points), 3))
     np.add.at(nodes, shell.triangles, third[:, None, :])
     in_plane = third - np.einsum("fc,fc->f", third, shell.axes[:, 2])[:, None] * shell.axes[:, 2]
-    # The mid-side function 4 lambda_i lambda_j has the integral A / 3, over and above the corners' own share of A / 3 each.
+    # The mid-side function 4 lambda_i lambda_j (lambda: barycentric coordinates) has the integral A / 3 over the area A. It
+    # comes on top of A / 3 for each corner.
     sides = np.zeros((len(elements.edges.nodes), 3))
     np.add.at(sides, elements.edges.of_facet, in_plane[:, None, :])
     bubbles = np.einsum("bc,bc->b", sides[elements.bubble_edge], elements.bubble_direction)
@@ -214,8 +219,9 @@ def _symmetric(axes: FloatArray, first: FloatArray, second: FloatArray) -> Float
 def _bending(shell: ShellModel, edges: Edges, slope: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the Morley curvature of the corner translations (nt, 3, 3, 3) and of the edge rotations (nt, 3, 3).
 
-    chi = -1/A sum over edges [L dw/dm m m + (w_j - w_i) s m]_sym, m the outward normal, s from corner i to j; L m = -2 A g with
-    g the gradient of the barycentric coordinate of the opposite corner.
+    With A the area, w the displacement normal to the facet, dw/dm its slope at mid-edge, L the length of an edge, m its outward
+    normal and s its direction from corner i to corner j, chi = -1/A sum over edges [L dw/dm m m + (w_j - w_i) s m]_sym. L m = -2
+    A g, with g the gradient of the barycentric coordinate of the opposite corner.
     """
     normal = shell.axes[:, 2]
     corners = shell.points[shell.triangles]

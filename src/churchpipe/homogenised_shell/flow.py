@@ -6,14 +6,15 @@ from churchpipe.conic.interior_point.nonnegative import Nonnegative
 from churchpipe.homogenised_shell.points import LocalStrength
 from churchpipe.model.arrays import FloatArray
 
-# Planes that nearly coincide take many sweeps; what moves less in a round than this share of the largest rate has settled.
+# The sweeps end when no multiplier changes by more than this share of the largest rate. Planes that nearly coincide need many.
 _SWEEPS, _ROUNDS, _SETTLED = 50, 40, 1e-13
 
 
 def plastic_flow(law: LocalStrength, rate: FloatArray, start: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return multipliers in the cones (rows, nq) with G^T z as near to a strain rate (d, nq) as can be, and what is left of it.
+    """Return multipliers z in the cones (rows, nq) for which G^T z is nearest to a strain rate (d, nq), and the remainder.
 
-    Planes: Hildreth's sweeps from `start`. Cones of the exact cell: one row a variable, so the nearest point of each cone.
+    For planes, Hildreth's sweeps from `start`. For the cones of the exact cell each variable has a row of its own, so the
+    nearest point of each cone is the answer.
     """
     if isinstance(law.cones[0], Nonnegative):
         return _by_planes(law.matrix, rate, start)

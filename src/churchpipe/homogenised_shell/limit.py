@@ -67,8 +67,8 @@ def shell_limit_analysis(
 
 def _analysed(condensed: CondensedShell, method: str) -> ShellLimitState:
     dead, live = condensed.loads.dead, condensed.loads.live
-    # All points together start with about the work that a unit load does, whatever their number: each of a hundred thousand with
-    # as much, the steps to the solution grew too short to end.
+    # At the start the work of all points together is about that of a unit load, whatever the number of points. If each point
+    # started with that much, the steps of large models would become too short to reach the solution.
     settings = replace(LIMIT, rate=1.0 / (LIMIT.force * len(condensed.elements.facet)))
     if method == "clarabel":
         found = condensed.solve_directly(None, dead, cap=1.0)
@@ -83,7 +83,7 @@ def _analysed(condensed: CondensedShell, method: str) -> ShellLimitState:
 
 def _verdict(elements: ShellElements, standing: Bounds) -> ShellLimitState | None:
     """Return the state of a shell that does not stand, or None when the dead load is carried."""
-    # Where the load reaches its cap nothing need move, and there may be no upper bound but a rounding error over another.
+    # Where the load reaches its cap nothing has to move. The upper bound may then be one rounding error divided by another.
     stands = standing.lower >= 1 - SOLVER.standing
     if standing.admissible and stands:
         return None

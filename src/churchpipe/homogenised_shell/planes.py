@@ -1,4 +1,7 @@
-"""Points of a shell whose strength is bounded by planes, as local problems of the interior-point loop, to the last digits."""
+"""Points of a shell whose strength is bounded by planes, as local problems of the interior-point solver.
+
+The compliance of a point is kept as a triangular factor, so that no digits are lost near the solution.
+"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -14,11 +17,14 @@ from churchpipe.model.arrays import FloatArray, IntArray
 
 @dataclass(frozen=True, slots=True)
 class PlaneCompliance:
-    """Compliances S = (A^T A)^-1, A_ri the rows (root of Q; W^-1 G) of a point, by A P = O R with columns in the order P.
+    """Compliances S = (A^T A)^-1 of the points. A has the rows of the root of Q and of W^-1 G.
 
-    triangle_kij: R (count, d, d); column (count, d): the order P; rows_kri: W^-1 times the part of O that belongs to the planes
-    (count, planes, d). As a matrix, S carries rounding errors of its largest entries, which are along flowing planes, into the
-    directions across them, where it is 1e20 times smaller; with R they stay along the planes.
+    Q is the elastic energy, G the planes and W their scaling. The factorisation A P = O R has columns in the order P,
+    orthonormal columns O and a triangle R. triangle_kij: R (count, d, d). column (count, d): the order P. rows_kri: W^-1 times
+    the part of O that belongs to the planes (count, planes, d).
+
+    Why a factor: along planes that flow S is up to 1e20 times larger than across them. In S as a matrix the rounding errors of
+    the large entries would spoil the small ones; with R they stay in the direction where they arise.
     """
 
     triangle: FloatArray
@@ -68,7 +74,7 @@ class PlanePoints(DenseProblems):
         return out
 
     def balanced(self, force: FloatArray, rough: Callable[[], FloatArray]) -> FloatArray:
-        """Return `rough` with what it lacks of G^T z = force added in the metric of the last scaling."""
+        """Return `rough`, corrected so that G^T z = force; the correction is the smallest in the metric of the last scaling."""
         z = rough()
         if self._last is None:
             return z
@@ -82,7 +88,7 @@ class PlanePoints(DenseProblems):
 def _factor(
     root: FloatArray, matrix: FloatArray, factor: FloatArray, triangle: FloatArray, column: IntArray, rows: FloatArray
 ) -> None:
-    """Householder's triangle, the largest rows first and the largest column next: rows of any size keep their digits."""
+    """Factorise by Householder reflections. The largest rows and columns come first, so that small rows keep their digits."""
     elastic, planes, d = root.shape[0], matrix.shape[0], matrix.shape[1]
     total = elastic + planes
     a, size, order = np.empty((total, d)), np.empty(total), np.empty(total, dtype=np.int64)

@@ -1,4 +1,4 @@
-"""Strength of each point of a shell, that of its facet: a running bond, or a lintel's."""
+"""Strength at each point of a shell, that of the point's facet: of a running bond or of a lintel."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -15,9 +15,10 @@ from churchpipe.model.materials import Material, by_name
 
 
 def point_strength(elements: ShellElements, materials: Sequence[Material], planes: PlaneSet, unit: FloatArray) -> Planes | Cones:
-    """Return the strength of all points (nq,); unit (nq, 6): of stress, N/m and N.
+    """Return the strength of all points (nq,). unit (nq, 6): of stress, N/m and N.
 
-    Facets that do not yield have that of a running bond with the friction and tension of `settings.SOLVER`, N11 and N22 alike.
+    Facets that do not yield, such as lintels, get the strength of a running bond with the friction and tension of
+    `settings.SOLVER`, the same in N11 and in N22.
 
     Raises
     ------

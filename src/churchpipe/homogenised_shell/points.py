@@ -1,4 +1,4 @@
-"""Strength of the points of a shell as the interior-point core takes it: rows and cones of one local problem each."""
+"""Strength of the points of a shell in the form of the interior-point solver: rows and cones of one local problem each."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,12 +1,15 @@
 """Capacity curve of a shell: dead load, then lateral load in steps of displacement (Haar and von Karman, eq. 10).
 
-Each step is one convex program for the whole structure: of all stresses in equilibrium and within the strength, those nearest
-in elastic energy to the ones before, while the load earns the prescribed displacement d = f_L . u / W as its multiplier,
+Each step is one convex program for the whole structure. Its unknowns are the stresses t and the load factor lambda. Prescribed
+is the step dd of the displacement d = f_L . u / W, with f_L the live load, u the displacements and W the weight. Among all
+stresses in equilibrium and within the strength, f(t) <= 0, it finds those nearest in elastic energy to the stresses t_n before
+the step, while the load does as much work on dd as possible:
 
     minimise  1/2 sum A (t - t_n) C^-1 (t - t_n) - lambda dd    s.t.  H t = f_D + lambda f_L,  f(t) <= 0.
 
-The multipliers of equilibrium are the displacements of the step, those of the strength its plastic strains. No step is too long
-for it, and no cohesion is needed.
+A is the area of a point, C the stiffness, H equilibrium, f_D the dead load. The multipliers of equilibrium are the displacements
+of the step, those of the strength its plastic strains. The program has a solution for steps of any length, and needs no
+cohesion.
 """
 
 from collections.abc import Callable, Sequence
@@ -48,7 +51,7 @@ def pushover(
     steps: int = 40,
     progress: Progress | None = None,
 ) -> CapacityCurve:
-    """Push a shell sideways until its load factor stays.
+    """Push a shell sideways until its load factor stays constant.
 
     Parameters
     ----------
@@ -58,8 +61,8 @@ def pushover(
 
     Returns
     -------
-    CapacityCurve: status "converged" on a plateau: the last step made the path half as long again or more, and the load factor
-    rose by less than 5e-4 of itself. "not-converged": the steps were used up. "failed": a step was not solved even when
+    CapacityCurve: status "converged" on a plateau: the last step lengthened the path by at least half, and the load factor rose
+    by less than 5e-4 of itself. "not-converged": the steps were used up. "failed": a step was not solved even when
     shortened. "unstable": under dead load alone; displacement is then the falling mechanism, f_D . u = 1 per total weight.
 
     Raises
@@ -87,7 +90,7 @@ def pushover(
 
 
 class _Path:
-    """Where a pushover stands: stresses, displacements and what was done to get there."""
+    """The state of a pushover so far: stresses, displacements and the record of its steps."""
 
     def __init__(self, condensed: CondensedShell, stiffness: FloatArray) -> None:
         elements, loads = condensed.elements, condensed.loads
@@ -121,7 +124,7 @@ class _Path:
         return "converged", ""
 
     def push(self, most: int, progress: Progress | None) -> tuple[Status, str]:
-        """Push until the load factor stays."""
+        """Push until the load factor stays constant."""
         loads = self._condensed.loads
         length, longest = SOLVER.first_step, np.inf
         travelled = factor = 0.0

@@ -1,4 +1,4 @@
-"""The limit analysis of a shell and a step of its path, stated in cvxpy as close to the formulas as they can be written."""
+"""The limit analysis of a shell and a step of its capacity curve in cvxpy, written as close to the formulas as possible."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Numbers that the solvers of the shell go by, each with its reason, checked."""
+"""Constants of the solvers of the shell, checked. How they were chosen: docs/development.md."""
 
 from dataclasses import dataclass, fields, replace
 
@@ -11,31 +11,30 @@ class SolverSettings:
     """Tolerances and lengths of limit analysis and capacity curve. Shares are relative unless a unit is given.
 
     Proof of a limit load:
-    duality_gap: how far the bounds may be apart, as a share of the load factor, or of `least_load_factor` if that is larger, so
-        that a structure that nearly falls by itself can be decided; residual of equilibrium over the weight, and excess over the
-        strength in units of stress, may be as large.
-    standing: share of the dead load that may be missing of a shell that stands; a hundred times what solves reach.
-    lintel_dissipation: from this share of the dissipation in parts that do not yield nothing else limits the load.
-    clarabel_facets: meshes beyond take Clarabel minutes, so it is no fallback there.
+        duality_gap: greatest distance of the bounds, as a share of the load factor, or of `least_load_factor` if that is larger,
+        so that a structure that nearly falls under its own weight can be decided. The residual of equilibrium over the weight,
+        and the excess over the strength in units of stress, may be as large.
+        standing: greatest share of the dead load that may be missing for a shell to count as standing.
+        lintel_dissipation: if this share of the dissipation or more is in parts that do not yield, nothing else limits the load.
+        clarabel_facets: on larger meshes Clarabel takes minutes, so it is no fallback there.
 
     Parts that do not yield:
-    lintel_tension: in units of stress (weight over the longest side of the shell, N/m); with no limit a wall of fine facets
-        jams at the corner of a lintel. lintel_friction: of the running bond that has this tension. Tuned on S22 alone: 100 units
-        give 2e-4 less than 300 there (docs/shell.md).
+        lintel_tension: their tensile strength in units of stress (weight over the longest side of the shell, N/m). With infinite
+        strength a wall of fine facets could not move at the corner of a lintel. lintel_friction: their friction.
 
-    Regularisation of a limit analysis with planes, which nothing holds in M12 and far from all planes; it adds a compliance to
-    the steps and leaves no trace in the solution:
-    by_area: of the whole shell, shared out by area, tuned on S22 from 500 to 60 000 facets; by_point: of each point, tried where
-        that fails, tuned on the church at .2 m; by_point_last: from where that ends, for the last digits.
-    near: error up to which a failed attempt is the start of the next.
+    Regularisation of a limit analysis with planes. The planes do not bound M12, and points far from all planes have no compliance
+        of their own; the steps of the solver get a small one, which does not change the solution.
+        by_area: compliance of the whole shell, distributed by area. by_point: of each point, tried where the first fails.
+        by_point_last: of each point, started from the end of the second, for the last digits.
+        near: up to this error a failed attempt is used as the start of the next.
 
-    Capacity curve:
-    first_step: in displacements that a load factor of one would cause if nothing yielded. rise: by which share of itself a step
-        should raise the load factor; growth: of a step over the one before, at most. plateau: a step that makes the path longer
-        by `longer` and raises the load factor by less than this share has reached it. shrink: of a step that was not solved;
-        shortest: share of the first step below which none is tried. They set the number of points on the curve, no result.
-    correctors: centrality correctors at an iteration of a step with the exact cell, whose linear solves cost more than the
-        factorisation: with 2 instead of 12 the curve of S5 takes 14 % more iterations and 30 % less time.
+    Capacity curve (these set the number of points on the curve, not the result):
+        first_step: as a share of the displacement that a load factor of one would cause if nothing yielded. rise: by which share
+        of itself a step should raise the load factor. growth: greatest ratio of a step to the one before. plateau, longer: the
+        plateau is reached by a step that makes the path longer by the factor `longer` and raises the load factor by less than
+        `plateau`. shrink: factor on a step that was not solved. shortest: as a share of the first step, no shorter one is tried.
+        correctors: centrality correctors in an iteration of a step with the exact cell, where linear solves cost more than the
+        factorisation.
     """
 
     duality_gap: float = 1e-6
@@ -73,6 +72,7 @@ def _check(name: str, value: float, good: bool, expected: str) -> None:
 
 
 SOLVER = SolverSettings()
-# The loop of a limit analysis aims below what its bounds must meet, a step of a curve further: errors of some twenty add up.
+# The solver of a limit analysis aims at a smaller gap than its bounds must meet. The steps of a curve aim at a smaller one still,
+# because the errors of about twenty steps add up.
 LIMIT = replace(CENTRAL, duality_gap=1e-7, acceptable=SOLVER.duality_gap, residual=1e-9)
 STEP = replace(CENTRAL, duality_gap=1e-10, acceptable=SOLVER.duality_gap, residual=1e-10)

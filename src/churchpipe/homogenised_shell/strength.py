@@ -1,9 +1,10 @@
-"""Strength of a running bond as a wall: the eight planes of eq. (6), corrected, or the exact cones of the unit cell.
+"""Strength of a wall in running bond: the eight planes of eq. (6), corrected, or the exact cones of the unit cell.
 
-As printed, the planes f7-8 are inadmissible: they lack N11, without which head joints interpenetrate, and their signs break the
-symmetry of the mid-plane. The planes here are admissible mechanisms of the cell, so they hold the exact domain inside. They are
-exact for M11 with M22, and for membrane forces while friction 2 a / b <= 1 (beyond, stones rock in the plane before they
-slide); mixed states lie outside it. M12 is bounded by the optional pair f9-10 alone, exact for N11 = N22.
+As printed, planes f7 and f8 are inadmissible: they lack N11, without which head joints interpenetrate, and their signs break the
+symmetry of the mid-plane. Each plane here is an admissible mechanism of the cell, so the planes enclose the exact domain. They
+are exact for M11 with M22, and for membrane forces while friction 2 a / b <= 1 (a course height, b stone length; beyond, stones
+rock in the plane before they slide). For other combinations they lie outside the exact domain. M12 is bounded only by the
+optional pair f9 and f10, which is exact for N11 = N22.
 """
 
 from dataclasses import dataclass
@@ -21,7 +22,7 @@ from churchpipe.model.names import Planes as PlaneSet
 
 @dataclass(frozen=True, slots=True)
 class Planes:
-    """Linear strength: normal_...pi stress_i <= limit_...p, stress (N11, N22, N12, M11, M22, M12) in N/m and N."""
+    """Linear strength: normal_...pi stress_i <= limit_...p, with stress (N11, N22, N12, M11, M22, M12) in N/m and N."""
 
     normal: FloatArray
     limit: FloatArray
@@ -115,8 +116,8 @@ def paper_planes(
     ]
     if torsion:
         n11 = mu / 4 * np.hypot(h, a)
-        # Bed joints twist, open, and slide by half the opening of the head joints, which the twist takes back at the corners
-        # that would interpenetrate first.
+        # Bed joints twist, open, and slide by half the opening of the head joints. At the corners that would interpenetrate first
+        # the twist cancels that sliding.
         slide, twist, roll = n11 * b / 2, h * a / 4, a * b / 8
         first, last = mu * np.hypot(slide - twist, roll) + h * b / 8, mu * np.hypot(slide + twist, roll) - h * b / 8
         pairs.append(([n11, np.maximum(first, last) / a, zero, zero, zero, zero], [zero, zero, zero, zero, zero, one]))
@@ -126,7 +127,7 @@ def paper_planes(
 
 
 def with_warning(message: str, planes: PlaneSet) -> str:
-    """Return the message of a result, with what a reader must know of a strength that is not exact."""
+    """Return the message of a result, with a warning where the strength is not exact."""
     return "; ".join(part for part in (message, OUTER.get(planes, "")) if part)
 
 

@@ -1,10 +1,14 @@
-"""The running-bond cell: one rigid block and the Coulomb joints around it, the exact source of the shell's strength.
+"""The unit cell of running bond: one rigid block and the Coulomb joints around it. The shell's strength is derived from it.
 
-A block of length b and height a in a wall of thickness h meets one neighbour across a head joint and two across half bed joints;
-the other three joints are their images. Blocks follow the plate, translations E x and -1/2 x chi x, rotations chi x, up to
-one rotation omega that all blocks share. A joint is rigid on both sides, so it is admissible when its four corners are:
-12 second-order cones in 9 variables. Axis 1 runs along the bed joint, 2 up the courses; strain at depth x3 is E + x3 chi.
-Strains are ordered (E11, E22, 2 E12, chi11, chi22, 2 chi12), stresses (N11, N22, N12, M11, M22, M12), N/m and N.
+A block of length b and height a in a wall of thickness h meets one neighbour across a head joint and two across half bed joints.
+The other three joints are periodic images of these.
+
+With x the place of a block in the wall, blocks are displaced like the plate: translations E x and -1/2 x chi x, rotations chi x,
+and one rotation omega that all blocks share. E is the membrane strain, chi the curvature. A joint is rigid on both sides, so it
+is admissible when its four corners are. That makes 12 second-order cones in 9 variables.
+
+Axis 1 runs along the bed joint, axis 2 up the courses; the strain at depth x3 is E + x3 chi. Strains are ordered (E11, E22, 2
+E12, chi11, chi22, 2 chi12), stresses (N11, N22, N12, M11, M22, M12), N/m and N.
 """
 
 from dataclasses import dataclass
@@ -93,7 +97,7 @@ def cell_limit(
     shift = cohesion_shift(h, friction, cohesion)
     closing = joint_closing(a, b, h)
     growth, start = floats("direction", direction, (6,)), floats("base", base, (6,)) - shift
-    # Membrane forces count as they are, moments over h, rotations times h.
+    # Scaling: membrane forces as they are, moments divided by h, rotations multiplied by h.
     unit = np.array([1, 1, 1, h, h, h])
     size = float(np.abs(growth / unit).max())
     if size == 0:
@@ -116,7 +120,7 @@ def cell_limit(
 
 
 def _proved(program: ConeProgram) -> tuple[ConeSolution, Outcome]:
-    """Solve to 1e-8, and again to 1e-9 where that proves nothing: so small a program may end a little short of either."""
+    """Solve to 1e-8, and again to 1e-9 if the bounds do not agree: the solver may end slightly short of either."""
     answer = solve_clarabel(program, duality_gap=1e-8)
     if answer.outcome == "failed" or (answer.outcome == "solved" and _doubt(program, answer) > 1e-6):
         answer = solve_clarabel(program, duality_gap=1e-9)
@@ -125,7 +129,7 @@ def _proved(program: ConeProgram) -> tuple[ConeSolution, Outcome]:
 
 
 def _doubt(program: ConeProgram, answer: ConeSolution) -> float:
-    """Return how far forces and mechanism are from proving the factor: balance, both cones, and the two bounds."""
+    """Return the largest error of forces and mechanism as a proof of the factor: balance, both cones, and the two bounds."""
     forces, closing = answer.x, np.asarray(program.balance.T @ answer.y).reshape(-1, 3)
     balance = program.balance @ forces.ravel() + program.constant + answer.tau * program.growth
     static = np.hypot(forces[:, 1], forces[:, 2]) - program.slope * forces[:, 0]
@@ -138,7 +142,7 @@ def _doubt(program: ConeProgram, answer: ConeSolution) -> float:
 
 
 def cohesion_shift(h: npt.ArrayLike, friction: npt.ArrayLike, cohesion: npt.ArrayLike) -> FloatArray:
-    """Return the stress (..., 6) at the apex of the domain: cohesion moves N11 and N22 by h c / friction, and nothing else.
+    """Return the stress (..., 6) at the apex of the domain. Cohesion c moves N11 and N22 by h c / friction and nothing else.
 
     Raises
     ------

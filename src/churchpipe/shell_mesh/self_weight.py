@@ -1,10 +1,10 @@
-"""What each part of a mid-surface weighs, so that the shell weighs what the stones weigh.
+"""The weight carried by each part of a mid-surface, chosen so that the shell weighs what the stones weigh.
 
-Walls that meet overlap on their mid-planes, or leave a corner uncovered; and the stones of a junction belong to one wall on
-some courses and to the other on the rest. The convention: between the faces of a crossing wall, a mid-surface carries the
-stones that the wall owns there, spread evenly over its area in the junction. A wall that owns no course of a junction
-weighs nothing inside it; at a tooth of alternate courses each of two walls that cross carries half; at a corner, where each
-mid-surface covers only half of the zone, each carries all of its half. Total and weight per wall are exact in plane walls.
+Mid-planes of walls that meet overlap, or leave a corner uncovered. The stones of a junction belong to one wall on some courses
+and to the other on the rest. Convention: between the faces of a crossing wall, a mid-surface carries the stones that its own
+wall has there, spread evenly over its area in the junction. A wall without stones in a junction weighs nothing there. Where
+courses of two crossing walls alternate, each carries half. At a corner, where each mid-surface covers only half of the junction,
+each carries its half of the stones on that smaller area. The weight in all and of each wall is exact for plane walls.
 """
 
 from itertools import pairwise
@@ -34,7 +34,7 @@ def weight_factors(surface: MidSurface, corners: FloatArray) -> FloatArray:
 
 
 def _junction_shares(surface: MidSurface) -> list[tuple[FloatArray, float]]:
-    """Return rectangles s0, t0, s1, t1 and in each the stones' area over that of the mid-surface."""
+    """Return rectangles s0, t0, s1, t1, and for each the area of the wall's stones over that of its mid-surface."""
     owned = less(surface.solid, boxes(surface.lost))
     shares: list[tuple[FloatArray, float]] = []
     for span in _merged(surface.zones):

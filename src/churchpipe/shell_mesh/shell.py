@@ -22,9 +22,9 @@ from churchpipe.shell_mesh.self_weight import weight_factors
 from churchpipe.shell_mesh.subdivision import Subdivision, subdivide
 from churchpipe.shell_mesh.triangulation import Mesh, signed_areas, triangulated
 
-# The part of a mid-surface that its mesh may miss: rounding only.
+# Share of a mid-surface that its mesh may miss, for rounding only.
 AREA_TOLERANCE = 1e-6
-# Far beyond what can be solved; a mesh of so many takes minutes and some gigabytes.
+# Far more than can be solved. Such a mesh takes minutes and some gigabytes.
 MOST_ELEMENTS = 1_000_000
 
 
@@ -98,7 +98,7 @@ def _sizes(building: Building, element_size: float, sizes: Mapping[str, float]) 
             raise InputError(
                 f"element size of {name}", "out of range", found=size, expected=f"> 0 and at most the longest wall, {longest:g} m"
             )
-    # Two triangles to each square of that size.
+    # Two triangles fill a square of that size.
     count = sum(2 * float(np.ptp(p.outline, axis=0).prod()) / size**2 for p, size in zip(building.panels, out, strict=True))
     if count > MOST_ELEMENTS:
         raise InputError(
@@ -146,7 +146,8 @@ def _axes(surface: MidSurface, mesh: Mesh, facets: FloatArray) -> FloatArray:
         direction[inside] = bond_of(region).bed_direction(middle[inside])
     normal = np.cross(facets[:, 1] - facets[:, 0], facets[:, 2] - facets[:, 0])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    # Level and rising directions of the facet itself: a facet of a curved wall leans a little against its chart.
+    # The level and the rising direction are those of the facet itself: a facet of a curved wall is slightly inclined to its
+    # chart.
     level = np.cross([0.0, 0.0, 1.0], normal)
     level /= np.linalg.norm(level, axis=1, keepdims=True)
     bed = direction[:, :1] * level + direction[:, 1:] * np.cross(normal, level)

@@ -14,7 +14,7 @@ from churchpipe.geometry.planar import Polygon, all_coordinates, contains, exten
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.shell_mesh.midplanes import MidSurface, line_plan
 
-# Coordinates are rounded to this grid while lines are cut, m, so that lines that nearly meet do.
+# Grid to which coordinates are rounded while lines are cut, m, so that lines that nearly meet do meet.
 GRID = 1e-6
 
 
@@ -34,8 +34,10 @@ class Subdivision:
 
 
 def subdivide(surfaces: Sequence[MidSurface], sizes: Sequence[float]) -> list[Subdivision]:
-    """Return the faces of all mid-surfaces: cut along the borders of bond regions and parts and along the mid-planes of crossing
-    walls; every corner that one wall has on a shared upright line, all walls on that line have.
+    """Return the faces of all mid-surfaces.
+
+    They are cut along the borders of bond regions and parts and along the mid-planes of crossing walls. Walls that meet on an
+    upright line have the same corners on it.
 
     Parameters
     ----------
@@ -77,7 +79,7 @@ def _faces(surface: MidSurface) -> list[Polygon]:
 
 
 def _onto(values: FloatArray, marks: FloatArray) -> FloatArray:
-    """Return the values, those that the grid has moved put back onto their marks."""
+    """Return the values. Those that the grid has moved away from a mark get the value of that mark again."""
     ordered = np.unique(marks)
     place = np.clip(np.searchsorted(ordered, values), 1, len(ordered) - 1)
     nearest = np.where(values - ordered[place - 1] < ordered[place] - values, ordered[place - 1], ordered[place])
@@ -130,7 +132,7 @@ def _with_levels(face: Polygon, s: float, levels: FloatArray) -> Polygon:
 def _numbered(faces: Sequence[Polygon], bond: IntArray, stations: FloatArray, finest: FloatArray, size: float) -> Subdivision:
     outlines = [[ring[:-1] for ring in rings(face)] for face in faces]
     flat = [ring for face in outlines for ring in face]
-    # Rounded once more: a mesh must not hang on the last digits of equal buildings from different sources.
+    # Rounded once more, so that equal buildings from different sources get the same mesh in spite of different last digits.
     corners, number = np.unique(np.round(np.concatenate(flat), 11) + 0.0, axis=0, return_inverse=True)
     loops = np.split(number.ravel(), np.cumsum([len(ring) for ring in flat])[:-1])
     ends = np.concatenate([np.stack([loop, np.roll(loop, -1)], axis=1) for loop in loops])

@@ -1,4 +1,4 @@
-"""Mid-surfaces divided into triangles by gmsh, which is imported here alone."""
+"""Mid-surfaces divided into triangles by gmsh. No other module imports gmsh."""
 
 import signal
 import threading
@@ -59,7 +59,9 @@ def _gmsh() -> Iterator[Any]:
 
 
 def _keep_broken_pipes() -> None:
-    """Let writing to a closed pipe be an exception again: gmsh has it end the process. Only the main thread can."""
+    """Make writing to a closed pipe raise an exception again. Gmsh makes it end the process. Only the main thread can change
+    that.
+    """
     if not hasattr(signal, "SIGPIPE") or threading.current_thread() is not threading.main_thread():
         return
     handler = signal.getsignal(signal.SIGPIPE)
