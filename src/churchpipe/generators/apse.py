@@ -23,13 +23,12 @@ from churchpipe.model.materials import Material
 
 @dataclass(frozen=True, slots=True)
 class ApseParameters:
-    """An apse behind a wall along x with its middle at x = 0: inner radius, thickness and height of the apse, length, thickness
-    and height of the wall, m.
+    """An apse behind a wall along x with its middle at x = 0.
 
-    course, stone_length: m. openings: in the walls `wall` and `apse`, there with the
-    centre measured along half the thickness from its middle, towards -x. bonds: of walls that are not laid in
-    running bond. first_course: what runs through on course 0, the wall (x) or
-    the apse (y).
+    inner_radius, thickness, height: of the apse, m. wall_length, wall_thickness, wall_height: of the wall, m. course,
+    stone_length: m. openings: in the walls `wall` and `apse`. In the apse their centre is measured along its mid-surface, from
+    its middle towards -x. bonds: of walls that are not laid in running bond. joints: as in `BondRegion`. first_course: what runs
+    through the junctions on course 0, the wall ("x") or the apse ("y").
     """
 
     course: Length
@@ -87,7 +86,7 @@ def apse_panel(
     legs: float,
     runs_through: Literal[0, 1],
 ) -> Panel:
-    """Return a half round that bulges towards +y, its ends running on straight as legs into the wall before it.
+    """Return a half round that bulges towards +y. Its ends continue straight, as legs, into the wall in front of it.
 
     Parameters
     ----------
@@ -112,7 +111,7 @@ def apse_panel(
 def apse_legs(
     name: str, centre: tuple[float, float], inner_radius: float, thickness: float, height: float, legs: float
 ) -> list[WallLayout]:
-    """Return the places that the legs of an apse take up, as walls that nothing may reach into; parameters as `apse_panel`."""
+    """Return the places of the legs of an apse as walls that no opening may reach into. Parameters as for `apse_panel`."""
     top = ((centre[1] - legs, height), (centre[1], height))
     offset = inner_radius + thickness / 2
     return [WallLayout(name, "y", centre[0] + side * offset, thickness, top, 0) for side in (-1.0, 1.0)]

@@ -16,7 +16,7 @@ from churchpipe.model.arguments import one_of, positive, text, whole
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, Opening, UnitCell
 
-# An opening or a part of a building as a table of its fields.
+# An opening, or a part of a building, given as a mapping of its fields.
 Given = Mapping[str, Any]
 Shape = Literal["round", "segmental", "pointed", "circle"]
 
@@ -83,8 +83,10 @@ class ArchedOpening:
 
 @dataclass(frozen=True, slots=True)
 class Hole:
-    """One opening of one wall, in chart coordinates: the opening and the rings around it. outer: s0, t0, s1, t1 of all that
-    with its rings, m."""
+    """One opening of one wall, in chart coordinates: the opening and the rings around it.
+
+    outer: s0, t0, s1, t1 of the rectangle around the opening and its rings, m.
+    """
 
     opening: Opening
     rings: tuple[BondRegion, ...]
@@ -151,7 +153,7 @@ def _pointed(opening: ArchedOpening, centre: float) -> list[tuple[FloatArray, tu
     away = radius - half
     stop = math.atan2(rise, away)
     right = ring_outline((centre - away, level), radius, outer, 0.0, stop, pieces)
-    # The extrados goes on to the middle.
+    # The last corner of the extrados is on the middle line.
     right[pieces] = [centre, level + math.sqrt(outer**2 - away**2)]
     right[pieces + 1] = [centre, level + rise]
     left = right * [-1.0, 1.0] + [2 * centre, 0.0]

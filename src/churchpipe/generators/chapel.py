@@ -46,7 +46,7 @@ class ChapelParameters:
         positive("chapel.length, less its walls", self.length - 2 * self.thickness)
 
 
-# Parameters of the church that a chapel is, and where a chapel has them.
+# Prefixes of the parameters of a church in messages, and those of the same parameters of a chapel.
 _PLACES = (
     *((f"church.{wall}.", "chapel.") for wall in ("nave", "facade", "east")),
     ("church.apses.0.", "chapel.apse."),

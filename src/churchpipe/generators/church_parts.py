@@ -1,4 +1,4 @@
-"""The parts of a church as an engineer lists them."""
+"""The parts of a church, described as an engineer would list them."""
 
 from dataclasses import dataclass, fields
 from typing import Any, Literal

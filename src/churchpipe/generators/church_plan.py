@@ -82,7 +82,7 @@ class Plan:
         return ["apse"] if len(self.apses) == 1 else [f"apse_{number}" for number, _ in enumerate(self.apses, start=1)]
 
     def arm(self, side: str) -> tuple[str, float]:
-        """Return the macro-element that an arm of the transept is, and the height of its walls, m."""
+        """Return the name of the macro-element that an arm of the transept forms, and the height of its walls, m."""
         if self.tower and self.tower.side == side:
             return "tower", self.tower.height
         if self.chapel and self.chapel.side == side:

@@ -1,4 +1,4 @@
-"""Walls on a circle with arched openings, which are laid as they are seen from their middle."""
+"""Walls on a circle with arched openings. The openings are designed in the view along the wall's normal in their middle."""
 
 import math
 from dataclasses import replace
@@ -28,13 +28,13 @@ def curved_panel(
     middle: float,
     runs_through: Literal[0, 1] = 0,
 ) -> Panel:
-    """Return a curved wall with its openings, whose `centre` is the way along the mid-surface from s = middle, m.
+    """Return a curved wall with its openings. Their `centre` is a length along the mid-surface from s = middle, m.
 
-    On a full circle it may go either way and round more than once.
+    On a full circle it may be negative, or longer than the circle.
 
     Raises
     ------
-    InputError: an opening too wide for the curve, beyond the arc or the top, over the seam of a full circle; two that overlap.
+    InputError: an opening too wide for the curve, beyond the arc or the top, across the seam of a full circle; two that overlap.
     """
     closed = closes(chart, float(outline[:, 0].min()), float(outline[:, 0].max()))
     found = [_bent(hole, name, chart, thickness, middle, closed) for hole in holes(bonding.openings, name)]
@@ -53,7 +53,7 @@ def curved_panel(
 
 
 def _bent(hole: Hole, wall: str, chart: CylinderChart, thickness: float, middle: float, closed: bool) -> Hole:
-    """Return an opening of a straight wall bent onto a curved one: its middle stays, its width is that of the view."""
+    """Return an opening of a straight wall transferred to a curved one. Its middle stays, and its width is that of the view."""
     s0, t0, s1, t1 = hole.outer
     centre = 0.5 * (s0 + s1)
     if closed:

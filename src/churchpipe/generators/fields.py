@@ -1,4 +1,4 @@
-"""Fields of parameter classes against their annotations, so that a mistake is named where it is given."""
+"""Fields of parameter classes checked against their annotations, so that an error names the field as it was given."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import MISSING, fields, is_dataclass
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 _Kind = TypeVar("_Kind", bound="DataclassInstance")
 
-# A length beyond it, m, is in another unit.
+# A longer length, m, must have been given in another unit.
 _MOST = 1e5
 
 

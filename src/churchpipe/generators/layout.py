@@ -1,4 +1,4 @@
-"""Straight walls from their place in plan and the line of their tops: what towers and churches are put together of."""
+"""Straight walls, given by their place in plan and the line of their tops. Towers and churches are made of them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -85,7 +85,7 @@ def top_at(layout: WallLayout, s: float) -> float:
 
 
 def check_clear(leg: WallLayout, end: WallLayout, others: Sequence[WallLayout], where: str) -> None:
-    """Raise InputError unless the leg of an apse has its place in the wall `end`, clear of the walls that cross it."""
+    """Raise InputError unless the leg of an apse fits into the wall `end`, clear of the walls that cross it."""
     low, high = leg.at - leg.thickness / 2, leg.at + leg.thickness / 2
     start, stop = end.span
     for other in others:

@@ -1,4 +1,4 @@
-"""The masonry that a generator lays, and the straight walls made of it."""
+"""The masonry of a building, and straight walls made of it."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ DEFAULT_MATERIAL = Material("default", unit_weight=28.6e3, friction=0.7)
 
 @dataclass(frozen=True, slots=True)
 class Masonry:
-    """What the walls of one building have in common.
+    """What all walls of one building have in common.
 
     cell: course height and stone length, m. courses: their number. thickness: m. material: its name. The rest is as in
     `BondRegion`.
@@ -87,9 +87,11 @@ def straight_wall(
 
 
 def bonded_offset(brick: Brick, thickness: float) -> float:
-    """Return the joint offset of through courses, m: half a brick where the brick is no longer than the wall is thick, else 0.
+    """Return the joint offset of courses that run through, m: half a brick where the brick is no longer than the wall is thick,
+    else 0.
 
-    A header no longer than the wall is thick ends flush with the wall it crosses, and the corner above loses its bond.
+    With offset 0 such a brick would end in the face of the wall that it crosses, and the corner would have no bond with the
+    course above.
     """
     return brick[0] / 2 if brick[0] <= thickness * (1 + 1e-9) else 0.0
 

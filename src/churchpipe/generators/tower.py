@@ -106,7 +106,7 @@ def _round(p: TowerParameters, bonding: Bonding) -> Panel:
 
 
 def _seam(openings: Sequence[ArchedOpening], radius: float) -> float:
-    """Return where a ring wall may begin: in the middle of the widest gap between the middles of openings, m along it from +x."""
+    """Return where the wall of a round tower begins: in the middle of the widest gap between openings, m along it from +x."""
     if not openings:
         return 0.0
     girth = 2 * math.pi * radius

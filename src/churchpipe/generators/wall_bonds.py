@@ -1,4 +1,4 @@
-"""The bonds of a building's walls: one for all, others for walls that are listed."""
+"""The bonds of a building's walls: one for all walls, and others for the walls that are listed."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
@@ -38,7 +38,9 @@ class WallBond:
 
 @dataclass(frozen=True, slots=True)
 class Bonding:
-    """How the walls of a building are laid: unit cell, rule of the joints, material, openings; running bond but for `bonds`."""
+    """How the walls of a building are laid: unit cell, rule of the joints, material, openings. Walls not in `bonds` are in
+    running bond.
+    """
 
     cell: UnitCell
     joints: Literal["grid", "bay"] = "bay"
@@ -80,7 +82,7 @@ def bonding_of(where: str, parameters: Laid, material: str) -> Bonding:
 
 
 def check_walls(bonding: Bonding, known: Sequence[str], where: str) -> None:
-    """Raise InputError for an opening in a wall that is not there, and for a wall without a bond or with two."""
+    """Raise InputError for an opening in, or a bond of, a wall that does not exist, and for a second bond of one wall."""
     for name, walls in [(f"opening {o.name}", o.walls) for o in bonding.openings] + [("bonds", b.walls) for b in bonding.bonds]:
         for wall in walls:
             if wall not in known:

@@ -1,1 +1,1 @@
-"""From the stones of a drawing to the walls they stand in."""
+"""From the stones of a drawing to the walls that they belong to."""

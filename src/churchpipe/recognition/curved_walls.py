@@ -1,4 +1,4 @@
-"""Walls on an upright cylinder, known by wedge stones: the joints of each turn about one axis."""
+"""Walls on an upright cylinder. They are recognised by wedge stones, whose two head joints turn about one axis."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -14,19 +14,19 @@ from churchpipe.model.polyhedra import face_normals
 
 # Faces and corners that differ by less than this are on one plane or cylinder, m, and normals in one direction, rad.
 TOLERANCE = 1e-4
-# Axes of single stones that differ by less than this are one, m: short joints fix them badly.
+# Axes found from single stones are taken as one if they differ by less than this, m. Short joints determine them only roughly.
 AXIS_TOLERANCE = 1e-3
-# Fewer stones than this make no wall.
+# Least number of stones of a wall.
 LEAST_STONES = 3
-# A name of which no more than this share of its volume stands on the cylinder is no curved wall.
+# The stones of one panel name are a curved wall only if more than this share of their volume is on the cylinder.
 LEAST_SHARE = 0.5
-# A gap between joints this many times as wide as most is an opening of the ring, not a stone.
+# If the distance of two neighbouring joints is this many times the usual one, an opening is between them, not a stone.
 OPEN = 3.0
 
 
 @dataclass(frozen=True, slots=True)
 class CurvedWall:
-    """A wall on a cylinder: its name, "" for stones without one, its stones (n,), chart and thickness m."""
+    """A wall on a cylinder: its name ("" for stones without one), its stones (n,), chart and thickness m."""
 
     name: str
     stones: IntArray
@@ -44,10 +44,10 @@ class _Joints:
 
 
 def curved_walls(stones: Assemblage, base: float) -> list[CurvedWall]:
-    """Return the walls on cylinders among the free stones: by panel name, stones without one by their axis.
+    """Return the walls on cylinders among the free stones, by panel name; stones without a name are grouped by their axis.
 
-    A wall reaches round the arc on whose two circles the corners of its wedge stones lie, and straight on along the tangents as
-    far as stones of its thickness do. base: height of t = 0, m.
+    A wall extends along the arc between the two circles on which the corners of its wedge stones lie. It continues straight
+    along the tangents as far as there are stones of its thickness. base: height of t = 0, m.
     """
     joints = _turning_joints(stones)
     found: list[CurvedWall] = []
@@ -119,7 +119,7 @@ def _cylinder(stones: Assemblage, joints: _Joints, wedges: IntArray, base: float
     near, far = float(np.median(radius[~outside])), float(np.median(radius[outside]))
     if np.abs(radius - np.where(outside, far, near)).max() > TOLERANCE:
         return None, 0.0
-    # A stone that runs on into a leg has one joint through the axis, too.
+    # A stone that continues into a straight leg has one joint through the axis, too.
     radial = joints.stone[np.abs(joints.normal @ centre - joints.offset) < TOLERANCE]
     ringed = np.unique(radial[stones.panel[radial] == stones.panel[wedges[0]]])
     spoke = _corners(stones, ringed)[0][:, :2] - centre

@@ -1,4 +1,4 @@
-"""Stones seen from the front of their wall, and cut by the mid-plane of another."""
+"""The outlines of stones seen from the front of their wall, and their sections with the mid-plane of another wall."""
 
 import numpy as np
 
@@ -40,7 +40,7 @@ def _bent_front(chart: CylinderChart, points: FloatArray, middle: FloatArray, th
     ring, distance = curved_coordinates(chart, points)
     if (np.abs(distance - 0.5 * thickness) > ON_FACE).any():
         return []
-    # Of a full circle: the seam's own corners go with the face they are of.
+    # On a full circle a corner on the seam gets the s of the side on which its face lies.
     girth = 2 * np.pi * chart.radius
     centre = curved_coordinates(chart, middle[None])[0][0, 0]
     ring[:, 0] -= girth * np.round((ring[:, 0] - centre) / girth) if chart.sweep > 2 * np.pi - ON_FACE else 0.0

@@ -39,17 +39,18 @@ from churchpipe.recognition.rings import voussoir_rings
 from churchpipe.recognition.stone_walls import StoneWall, stone_walls, stretches
 from churchpipe.recognition.wall_parts import junction_spans, wall_parts
 
-# A lone stone over an opening is a lintel if it is longer than this many stones of the wall.
+# A single stone over an opening is a lintel if it is longer than this many stones of the wall.
 LINTEL = 1.25
 GRID = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
 class FittedBuilding:
-    """Panels fitted to stones, and the ids of the free stones that fit no panel: they are missing from the shell.
+    """Panels fitted to stones, and the ids of the free stones that fit no panel; these are missing from the shell.
 
-    panel (nb,): the panel each stone went to, or its part; what the gate compares the shell with. A name that no stone was
-    fitted by stays, so that the gate tells what is missing; other stones without a panel have "".
+    panel (nb,): the panel of each stone, or the part of a panel, with which the match gate compares the shell. If none of the
+    stones of a name could be fitted they keep that name, so that the gate reports what is missing. Other stones without a panel
+    have "".
     """
 
     building: Building
@@ -60,13 +61,15 @@ class FittedBuilding:
 def fit_panels(
     stones: Assemblage, materials: tuple[Material, ...], *, gap: float = 1e-3, name: str = "drawing"
 ) -> FittedBuilding:
-    """Return the building whose mid-surfaces are those of the given stones; all walls upright, plane or on a circle in plan.
+    """Return the building whose mid-surfaces are those of the given stones. All walls are upright, plane or on a circle in plan.
 
-    Outline and openings are the union of the stones cut at the mid-plane, closed over joints, junctions with crossing walls
-    included. Unit cell: the height and length that most stones (by volume) have. Lintels (long stones over an opening) are
-    regions of one stone; voussoirs, known by their turning beds, are rings. Fixed stones are the supports. The courses of a
-    crossing decide which wall runs through. Stones of several names in one plane that touch are one wall, the names its
-    parts. The places of the head joints are not fitted: the stones remain the drawing's.
+    Outline and openings: the union of the sections of the stones with the mid-plane, across joints, with the junctions of
+    crossing walls included. Unit cell: the height and length of most stones, by volume. A long single stone over an opening is a
+    lintel, and voussoirs, recognised by beds that turn from stone to stone, form rings. Fixed stones are the supports. Which
+    wall runs through a junction follows from the courses there. Stones of several names that touch in one plane are one wall,
+    and the names are its parts.
+
+    The places of the head joints are not fitted: the rigid blocks are the stones of the drawing in any case.
 
     Parameters
     ----------
@@ -140,9 +143,9 @@ def _panel(stones: Assemblage, wall: StoneWall, walls: Sequence[StoneWall], gap:
 
 
 def _beside(stones: Assemblage, wall: StoneWall, walls: Sequence[StoneWall], gap: float) -> Polygons:
-    """Return the sections of all other stones with the plane stretches of a wall, as far as it reaches.
+    """Return the sections of all other stones with the plane stretches of a wall, within the extent of the wall.
 
-    In a junction the wall is as high as its own stones in it or beside it: a crossing wall that is higher there rises alone.
+    In a junction the wall is as high as its own stones in it or beside it. What is higher there belongs to the crossing wall.
     """
     others = np.setdiff1d(np.flatnonzero(~stones.fixed), wall.stones)
     _, bottom, _, top = total_extent(wall.elevations)
@@ -164,12 +167,12 @@ def _box(s0: float, t0: float, s1: float, t1: float) -> Polygon:
 
 
 def _closed(polygons: Polygons, own: Polygons, gap: float) -> Polygon:
-    """Return the union closed over joints: the part of it that holds most of the wall's own stones."""
+    """Return the union closed across joints: the connected part that contains most of the wall's own stones."""
     return max(joined_over_gaps(polygons, gap, GRID), key=lambda part: float(common_areas(own, part).sum()))
 
 
 def _openings(region: Polygon) -> tuple[Region, list[Polygon]]:
-    """Return the wall without openings, and the openings: holes, and doors, which are notches in the base only."""
+    """Return the wall without its openings, and the openings: holes, and notches in the base, which are doors."""
     outer, *inner = rings(region)
     whole = polygon(outer)
     base = float(outer[:, 1].min())
@@ -186,7 +189,9 @@ def _opening(name: str, hole: Polygon, marks: FloatArray, rings: Sequence[BondRe
 
 
 def _outline(region: Region, marks: FloatArray) -> FloatArray:
-    """Return the corners of a region, counter-clockwise, those that the grid has moved put back onto the stones' corners."""
+    """Return the corners of a region, counter-clockwise. Corners that rounding to the grid has moved are put back onto the
+    stones' own.
+    """
     outline = corners(np.array([region], dtype=np.object_))[0]
     apart, nearest = cKDTree(marks).query(outline)
     return np.where(np.asarray(apart)[:, None] < 2 * GRID, marks[nearest], outline)
@@ -217,7 +222,7 @@ def _lintels(elevations: Polygons, openings: Sequence[Region], cell: UnitCell) -
 
 
 def _pattern(elevations: Polygons, cell: UnitCell) -> Literal["running", "stack"]:
-    """Return "stack" where most head joints go on in the next course, else "running"."""
+    """Return "stack" where most head joints continue in the next course, else "running"."""
     start, bottom = bounds(elevations).T[:2]
     course = np.round(bottom / cell.a).astype(np.int64)
     inner = start > start.min() + 0.1 * cell.b

@@ -1,4 +1,4 @@
-"""Rings of voussoirs found among the stones of a wall by their turning beds."""
+"""Rings of voussoirs among the stones of a wall, recognised by beds that turn from stone to stone."""
 
 import numpy as np
 from scipy.spatial import cKDTree

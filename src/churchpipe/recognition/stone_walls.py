@@ -1,4 +1,4 @@
-"""The walls that stones stand in, plane and curved, with their charts; stones of several names in one plane are one wall."""
+"""The walls that stones belong to, plane and curved, with their charts. Stones of several names in one plane are one wall."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -34,10 +34,11 @@ def junction_spans(wall: StoneWall, walls: Sequence[StoneWall]) -> list[tuple[fl
 
 
 def wall_parts(wall: StoneWall, walls: Sequence[StoneWall], outline: FloatArray, near: float) -> tuple[Part, ...]:
-    """Return the parts of a wall: the boxes about the stones of each other name, from border to border.
+    """Return the parts of a wall: for each other name of stones in it the box around these stones, from border to border.
 
-    A border is the upright (or, of parts one above the other, level) line beside which either part has as much as the other: the
-    mean of a toothed one. It is moved to a step of the outline or the face of a crossing wall that lies within `near` m.
+    The border of two parts is an upright line, or a level one if they are above each other. It lies so that each part has as
+    much area beyond it as the other; for a toothed border that is the mean. It is moved to a step of the outline or to the face
+    of a crossing wall within `near` m.
     """
     names = [name for name in dict.fromkeys(wall.tag.tolist()) if name != wall.name]
     if not names:
@@ -67,7 +68,7 @@ def _middle(polygons: Polygons) -> FloatArray:
 
 
 def _border(low: Polygons, high: Polygons, axis: int) -> float:
-    """Return the line at which as much of the lower part lies above it as of the higher part below."""
+    """Return the line beyond which both parts have the same area."""
     extent = total_extent(np.concatenate([low, high]))
     stop, start = float(total_extent(low)[2 + axis]), float(total_extent(high)[axis])
     if stop <= start + TOUCH:

@@ -1,4 +1,4 @@
-"""Which plane wall each stone belongs to, and the plane that wall stands in."""
+"""Which plane wall each stone belongs to, and the mid-plane of that wall."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,11 +13,11 @@ from churchpipe.model.polyhedra import face_normals
 
 # Faces whose normals or places differ by less than this are of one plane (rad, m).
 PLANE_TOLERANCE = 1e-4
-# Fewer stones than this make no wall.
+# Least number of stones of a wall.
 LEAST_STONES = 3
-# A name whose stones lie across no plane by more than this share of their volume is no plane wall.
+# The stones of one name are a plane wall only if more than this share of their volume lies across one plane.
 LEAST_SHARE = 0.5
-# Stones behind one another, of this share of their wall's volume, are a leaf of it.
+# If stones behind one another have at least this share of the volume of their wall, the wall has leaves.
 LEAST_LEAF = 0.2
 
 
@@ -35,8 +35,9 @@ class WallPlane:
 def wall_planes(stones: Assemblage, free: BoolArray) -> list[WallPlane]:
     """Return the plane walls among the stones marked in free (nb,).
 
-    Stones of one panel name are one wall, in the plane that most of them (by volume) lie across; stones without a name go to
-    the plane that gathers most, and so on. A stone lies across a plane that is midway between two of its upright faces.
+    A stone lies across a plane that is midway between two of its upright faces. The stones of one panel name are one wall, in
+    the plane that most of them, by volume, lie across. Of the stones without a name those across the plane with the largest
+    volume are the next wall, and so on.
 
     Raises
     ------
