@@ -1,4 +1,4 @@
-"""Sparse Cholesky of one pattern, many times: CHOLMOD, ordered on the graph of blocks."""
+"""Sparse Cholesky factorisation of many matrices with one pattern, by CHOLMOD. The order is found on the graph of blocks."""
 
 from importlib.util import find_spec
 

@@ -1,4 +1,4 @@
-"""Port to Clarabel: the kinematic (dual) form of a cone program, velocities as unknowns, forces as multipliers."""
+"""Clarabel as a solver of cone programs, in their kinematic (dual) form: velocities as unknowns, forces as multipliers."""
 
 from time import perf_counter
 
@@ -33,7 +33,7 @@ def solve_clarabel(
     """
     begin = perf_counter()
     layout = _Layout(program)
-    # The largest single load is the unit of force inside: relative to the total weight, errors that matter look like zero.
+    # The unit of force is the largest single load. Relative to the total weight, errors that matter would look like zero.
     scale = 1.0 / program.force
     solver = clarabel.DefaultSolver(
         layout.quadratic * scale,
@@ -65,7 +65,7 @@ def _settings(duality_gap: float) -> clarabel.DefaultSettings:
     settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = duality_gap
     settings.reduced_tol_gap_abs = settings.reduced_tol_gap_rel = settings.reduced_tol_feas = 100 * duality_gap
     settings.max_iter = 300
-    # The program comes well scaled; scaling it again has cost the last digits (thin arches).
+    # The program is well scaled already. Scaling it again loses the last digits of thin arches.
     settings.equilibrate_enable = False
     return settings
 

@@ -1,4 +1,4 @@
-"""Reference statement in cvxpy, as close to the formulas as it can be written; the door to MOSEK and other solvers."""
+"""The cone program in cvxpy, written as close to the formulas as possible: a reference, and the way to MOSEK and others."""
 
 from time import perf_counter
 from typing import Any

@@ -7,9 +7,10 @@ from churchpipe.conic.program import ConeProgram
 from churchpipe.conic.semidefinite import semidefinite_solver
 from churchpipe.model.arrays import FloatArray
 
-# What the metric gets on its diagonal, over the largest normal force: every force may move a little.
+# Added to the diagonal of the metric, over the largest normal force, so that every force can change a little.
 _TRACE = 1e-10
-# The factor is exact up to what it needed on its diagonal: so many corrections at most, until the balance holds to rounding.
+# The factor is inexact by what was added to its diagonal. At most so many corrections follow, until the balance holds to
+# rounding.
 _SWEEPS = 8
 _ROUNDING = 1e-14
 

@@ -1,4 +1,4 @@
-"""The cone program that every limit analysis becomes, and what a solver answers."""
+"""The cone program to which every limit analysis is reduced, and the solution that a solver returns."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -57,7 +57,7 @@ class ConeProgram:
 
     @property
     def force(self) -> float:
-        """The largest load of a row, the unit of force that errors are measured by; 1 when there is none."""
+        """The largest load of a row, the unit of force for errors; 1 when there is none."""
         size = max(float(np.abs(self.constant).max(initial=0.0)), float(np.abs(self.growth).max(initial=0.0)))
         return size if size > 0 else 1.0
 

@@ -1,4 +1,4 @@
-"""Solve with one positive semidefinite sparse matrix, as large as a building."""
+"""Solution of linear systems with a positive semidefinite sparse matrix of the size of a building."""
 
 from collections.abc import Callable
 

@@ -13,7 +13,7 @@ from churchpipe.conic.program import ConeProgram, ConeSolution
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import text
 
-# Forces out of balance by more than this share of the largest load are no solution.
+# Forces whose imbalance exceeds this share of the largest load are no solution.
 _OUT_OF_BALANCE = 1e-5
 Proves: TypeAlias = Callable[[ConeSolution], bool]
 _Solver: TypeAlias = Callable[[ConeProgram, float | None], ConeSolution]
@@ -68,7 +68,7 @@ def solve(program: ConeProgram, name: str = "auto") -> ConeSolution:
 
 
 def _in_turn(*solvers: _Solver) -> Solve:
-    """Return the solver that tries these one after another, until an answer stands and proves what it should."""
+    """Return the solver that tries these one after another, until a solution is found and proves what it should."""
 
     def solve(program: ConeProgram, /, *, duality_gap: float | None = None, proves: Proves | None = None) -> ConeSolution:
         *others, last = solvers
@@ -109,7 +109,7 @@ def _whole(solve: Callable[[ConeProgram], ConeSolution]) -> _Solver:
 
 
 def _checked(program: ConeProgram, answer: ConeSolution) -> ConeSolution:
-    """Take a solver's word only when its forces balance: some call an infeasible program solved, with huge numbers."""
+    """Accept a solver's status only when its forces balance. Some report an infeasible program as solved, with huge numbers."""
     if answer.outcome != "solved":
         return answer
     residual = program.imbalance(answer.x, answer.tau)

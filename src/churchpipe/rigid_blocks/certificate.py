@@ -1,4 +1,4 @@
-"""Certificates: what an analysis claims, computed again from its own arrays."""
+"""Certificates: the claims of an analysis, verified from its own arrays alone."""
 
 from dataclasses import dataclass
 
@@ -10,9 +10,9 @@ from churchpipe.rigid_blocks.equilibrium import Equilibrium
 
 BOUND_TOLERANCE = 1e-6
 RESIDUAL_TOLERANCE = 1e-8
-# A flow may leave its cone, or stones overlap, by this share of the fastest rate.
+# Rates that leave the cone of the flow rule, or make stones overlap, are tolerated up to this share of the fastest rate.
 FLOW_TOLERANCE = 1e-6
-# No residual below this share of the forces that pass a stone survives rounding.
+# A residual below this share of the forces that act on a stone is rounding.
 _PASSING = 1e-6
 
 
@@ -52,7 +52,7 @@ class Certificate:
     @property
     def lacks(self) -> tuple[str, ...]:
         """What keeps it from being a proof: bounds that agree to 1e-6, balanced forces, a flow admissible to 1e-6."""
-        # Load factors of zero are bounded absolutely: the weight is the unit.
+        # The bounds of a load factor near zero are compared absolutely, with the weight as the unit.
         size = max(abs(self.upper_bound), 1e-3)
         limits = (
             ("distance of the bounds", abs(self.upper_bound - self.lower_bound) / size, BOUND_TOLERANCE),
@@ -69,7 +69,7 @@ class Certificate:
         return not self.lacks
 
 
-# Of an answer that is none.
+# The certificate of a solver that found nothing.
 UNPROVED = Certificate(*[np.nan] * 6)
 
 

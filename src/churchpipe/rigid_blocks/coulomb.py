@@ -19,9 +19,9 @@ from churchpipe.model.arrays import FloatArray
 from churchpipe.rigid_blocks.certificate import FLOW_TOLERANCE, Strength, cone_violation
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
 
-# Error of programs whose forces or velocities are wanted as good as they come.
+# Duality gap of programs whose forces or velocities are needed as exactly as possible.
 EXACT = 1e-7
-# Shear beyond its limit, over the largest limit or load, with which P(n) is tried in turn.
+# Excess of shear over its limit, as shares of the largest limit or load, with which P(n) is tried one after another.
 _SLACK = (0.0, 1e-6, 1e-4, 1e-2)
 
 
@@ -57,11 +57,11 @@ def sliding_velocities(
 ) -> FloatArray | None:
     """Return the velocities (6 nf,) of P(n), or None when it is not solved.
 
-    Forces that hardly carry the dead load leave P(n) without an interior, or without forces at all. Shear may then exceed its
-    limit by `_SLACK` of the largest: velocities are velocities, and the gap is computed from the arrays.
+    If the forces barely carry the dead load, P(n) has no interior, or no solution. Shear may then exceed its limit by `_SLACK`
+    of the largest. That does not spoil the result: any velocities are allowed, and the gap is computed from the arrays.
 
-    stressed: excess (nc,) >= 0 and forces x (nc, 3): what x adds to the gap at each point counts `excess` times more. It is
-    linear in the openings and the slip, so that the program is P with a larger limit and another dead load.
+    stressed: a pair, excess (nc,) >= 0 and forces x (nc, 3). What x adds to the gap at each point counts `excess` times more. It
+    is linear in the openings and the slip, so the program is P with a larger limit and another dead load.
     """
     program = sliding_program(balance, strength.friction * n + strength.cohesion)
     if stressed is not None:
@@ -95,7 +95,7 @@ def bipotential_gap(balance: Equilibrium, strength: Strength, x: FloatArray, y: 
 def gap_shares(balance: Equilibrium, strength: Strength, x: FloatArray, y: FloatArray) -> FloatArray:
     """Return what each point adds to the gap (nc,).
 
-    Each term is zero or more by itself, so that nothing cancels; penetration is charged like an opening.
+    Each term is nonnegative by itself, so that nothing cancels. Penetration counts as much as an opening.
     """
     rate = (balance.matrix.T @ (y / (balance.live @ y))).reshape(-1, 3)
     slip = np.hypot(rate[:, 1], rate[:, 2])
@@ -158,7 +158,7 @@ def dead_load_start(balance: Equilibrium) -> FloatArray:
 
 
 def friction_violation(strength: Strength, x: FloatArray, allowance: float = 0.0) -> float:
-    """Return sum max(0, |t| - mu n - c - allowance) / sum mu n: the share of the friction that is overdrawn."""
+    """Return sum max(0, |t| - mu n - c - allowance) / sum mu n: the share by which shear exceeds the friction available."""
     shear = np.hypot(x[:, 1], x[:, 2])
     over = np.maximum(0.0, shear - strength.friction * x[:, 0] - strength.cohesion - allowance)
     return float(over.sum() / max(float((strength.friction * x[:, 0]).sum()), 1e-300))
@@ -167,7 +167,7 @@ def friction_violation(strength: Strength, x: FloatArray, allowance: float = 0.0
 def admissible(balance: Equilibrium, strength: Strength, state: CoulombState) -> bool:
     """True when the forces are in equilibrium and in their cones to 1e-8 W, and no stones overlap (to 1e-6 of the fastest rate).
 
-    The gap charges overlap to the normal force there: where none acts, it costs nothing.
+    Overlap is checked because the gap weighs it by the normal force there: where that is zero, overlap does not add to the gap.
     """
     rate = (balance.matrix.T @ state.y).reshape(-1, 3)
     if -float(rate[:, 0].min(initial=0.0)) > FLOW_TOLERANCE * float(np.abs(rate).max(initial=0.0)):

@@ -15,7 +15,7 @@ _MORE_GAP = 1e-5
 _AGREE = 1e-4
 _NARROW = 1e-6
 _PROGRAMS = 10
-# The first price of the gap, and what it is divided by while it keeps states within the gap allowed.
+# The first weight (price) of the gap, and the divisor by which it is reduced as long as the states stay within the gap allowed.
 _PRICE = 2.0
 _CHEAPER = 8.0
 
@@ -50,7 +50,7 @@ def _end(balance: Equilibrium, strength: Strength, state: CoulombState, sign: fl
             break
         load_factor = answer.tau if sign + price > 0 else -answer.tau
         found = bipotential_gap(balance, strength, answer.x, state.y), sign * load_factor
-        # The program's own error counts as much more as its objective is larger.
+        # The error of the program is relative to its objective, which is larger than the load factor.
         bound = min(bound, found[1] + price * (allowed - found[0]) + duality_gap * abs(sign + price) * size)
         if found[0] > allowed:
             beyond = found

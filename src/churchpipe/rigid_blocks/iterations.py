@@ -23,7 +23,7 @@ from churchpipe.rigid_blocks.equilibrium import Equilibrium
 
 # The gap g / alpha at which a state is certified.
 BIPOTENTIAL_GAP = 1e-5
-# A point in the gap counts at most so many times more: the programs must keep their digits.
+# Greatest factor by which a point of the gap may count more. Beyond it the programs would lose digits.
 _MOST_STRESS = 1e4
 Progress = Callable[[str, float], None]
 
@@ -83,8 +83,8 @@ class SchemeSettings:
 class SlidingRun:
     """One run of an iteration from one start: its last forces x (nc, 3), load factor, velocities y (6 nf,), history.
 
-    carried: the load factor that the forces balance, `load_factor` unless that is a mean. settled: certified, or come to rest.
-    solves: convex programs solved; iterations: interior-point iterations in all of them.
+    carried: the load factor that the forces balance; it is `load_factor` unless that is a mean. settled: whether the run was
+    certified or came to rest. solves: convex programs solved; iterations: interior-point iterations in all of them.
     """
 
     x: FloatArray
@@ -109,13 +109,12 @@ def paper_iteration(
 ) -> SlidingRun | None:
     """Iterate eq. (3) from normal forces n0 (nc,) and n_before (nc,) at iteration -1; None when the first step is infeasible.
 
-    |t_k| <= c_k - xi mu n_k with c_k = (beta n + (1 - beta) n_before) (1 + xi) mu + c0 max(n). The printed stop test lacks
-    the absolute value; it must hold twice running here, after three iterations at the least. An iteration that does not
-    settle reports the mean of its last ten load factors.
+    |t_k| <= c_k - xi mu n_k with c_k = (beta n + (1 - beta) n_before) (1 + xi) mu + c0 max(n). The stop test as printed lacks
+    the absolute value. Here it must hold twice in succession, after at least three iterations. An iteration that does not settle
+    reports the mean of its last ten load factors.
 
-    The forces of a step are not unique, and the result hangs on which the solver returns: an interior point ends at the
-    analytic centre of the optimal ones, which reproduces the published values. One redundant constraint in the program
-    moves that centre (wall 2 of Ferris and Tin-Loi by 0.6 %), a least-squares selection makes S22 swing from .155 to .182.
+    The forces of a step are not unique, and the result depends on which of them the solver returns. An interior-point method
+    returns the analytic centre of the optimal ones, which reproduces the published values (docs/development.md).
     """
     settings = settings or PaperSettings()
     mu, n, zero = strength.friction, n0, np.zeros_like(n0)
@@ -155,18 +154,20 @@ def certified_iteration(
     settings: SchemeSettings | None = None,
     progress: Progress | None = None,
 ) -> SlidingRun | None:
-    """Search for a zero-dilatancy collapse state from normal forces n (nc,), until the gap certifies it.
+    """Search for a collapse state without dilatancy from normal forces n (nc,), until the gap certifies it.
 
-    Stage A walks to forces that hardly overdraw friction: maximise alpha - 1/2 sum R_k (mu n - mu n_hat)^2 with shear limited
-    by mu n_hat. Stage B closes the gap: velocities from P(n), then forces in the true cones that do the least work
-    against their sliding. By itself it creeps along a valley of the gap, so each step goes on by a share of the one before
-    (heavy ball, Polyak 1964). After a slow step the next is plain; the share is halved when the gap grows, and doubled, up
-    to the first one, when it falls.
+    Stage A approaches forces that hardly exceed friction: it maximises alpha - 1/2 sum R_k (mu n - mu n_hat)^2 with shear
+    limited by mu n_hat, where alpha is the load factor, n_hat are the normal forces of the step before and R_k proximal weights.
 
-    The gap is concave in the forces alone, so that stage B also comes to rest where a few joints hold what is left of it: a
-    hinge, say, whose force cannot reach its edge. When a plain step is slow, what those add to the gap counts more from then
-    on, until they give way (breakout, Morris 1993). It is the weighted gap that the programs lower, so that steps are
-    judged by it: one that frees a joint may raise the gap itself. A gap of zero is zero with any such weights.
+    Stage B closes the gap. A step finds the velocities of P(n), then the forces in the true cones that do the least work against
+    their sliding. Such steps alone converge slowly, so each is extended by a share of the one before (heavy ball, Polyak 1964).
+    After a slow step the next is not extended. The share is halved when the gap grows, and doubled, up to its first value, when
+    it falls.
+
+    The gap is concave in the forces alone, so that stage B can come to rest at a local minimum where a few joints keep what is
+    left of it: a hinge, for instance, whose force cannot reach its edge. When a step without extension is slow, the share of
+    these joints in the gap is given a larger weight from then on (breakout, Morris 1993). The programs lower this weighted gap,
+    so steps are judged by it; a step that frees a joint may raise the gap itself. A gap of zero is zero with any such weights.
     """
     settings = settings or SchemeSettings()
     count = SolveCount(solve)
@@ -182,7 +183,7 @@ def certified_iteration(
             break
     best: CoulombState | None = None
     last: CoulombState | None = None
-    # The state with the least weighted gap: where the search goes back to.
+    # The state with the least weighted gap. The search returns to it.
     base: CoulombState | None = None
     ahead, excess, momentum = n, np.zeros_like(n), settings.momentum
     for pair in range(settings.stage_b):
@@ -193,7 +194,7 @@ def certified_iteration(
         if state is None and plain:
             break
         if state is None:
-            # So far on, no velocities may fit: back to the forces that were found.
+            # After a long step there may be no velocities that fit. The search then returns to the forces that were found.
             ahead, momentum = n, 0.5 * momentum
             continue
         history.append(Iteration(state.load_factor, 0.0, state.relative_gap))

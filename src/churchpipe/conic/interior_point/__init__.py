@@ -1,4 +1,4 @@
-"""A primal-dual interior-point method for many small local problems that meet in coupling rows."""
+"""A primal-dual interior-point method for many small local problems that are coupled by common rows."""
 
 from churchpipe.conic.interior_point.info import Info
 from churchpipe.conic.interior_point.settings import Settings

@@ -1,4 +1,4 @@
-"""What the loop tells about each iteration, and how it ends."""
+"""The record of each iteration of the interior-point loop, and how the loop ends."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

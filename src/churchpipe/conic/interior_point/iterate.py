@@ -1,4 +1,4 @@
-"""Where the loop stands: the variables of the homogeneous embedding, and a step of them."""
+"""The state of the interior-point loop: the variables of the homogeneous embedding, and steps between such states."""
 
 from dataclasses import dataclass
 

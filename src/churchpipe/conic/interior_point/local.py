@@ -1,4 +1,4 @@
-"""What the loop asks of the small problems that meet only in the coupling rows."""
+"""The interface of the local problems of the interior-point loop, which are coupled only by the coupling rows."""
 
 from collections.abc import Callable, Sequence
 from typing import Protocol

@@ -8,7 +8,7 @@ from churchpipe.conic.interior_point.local import LocalProblems
 from churchpipe.conic.interior_point.nonnegative import Nonnegative
 from churchpipe.model.arrays import FloatArray
 
-# Forces that pass a row count as a load of this share of theirs: no smaller residual survives rounding.
+# The unit of a row is at least this share of the forces in it. Smaller residuals are rounding.
 _PASSING = 1e-6
 
 
@@ -51,7 +51,10 @@ class CoupledProblem:
         return largest(rows / self._row_unit)
 
     def rounded_imbalance(self, rows: FloatArray, x: FloatArray) -> float:
-        """Return the same, in units of at least a millionth of the forces x that pass: a wafer under a tower has no other."""
+        """Return the same, in units of at least a millionth of the forces x that act on each body.
+
+        A very light body under a heavy one cannot be balanced more exactly than that.
+        """
         return largest(rows / np.maximum(self._row_unit, _PASSING * self.coupling.passing(x)))
 
     def couple(self, x: FloatArray) -> FloatArray:

@@ -89,7 +89,8 @@ class InteriorPointSolver:
                 "interior-point",
                 "a body without contact",
             )
-        # Below a cap, which the load reaches, joints carry what stands on them; else perhaps as little as the lighter body.
+        # With a cap, which the load reaches, joints carry what stands on them. Without one they may carry as little as the
+        # lighter body.
         heavy = problem.capped
         start = interior_start(problem, settings, heavy=heavy)
         ending = solve_coupled(problem, self._normal, self._cholesky, start, settings, progress)

@@ -1,4 +1,4 @@
-"""Coupling of forces on rigid bodies: products from axes and arms, a fifth of the numbers of the matrix itself."""
+"""Coupling of forces on rigid bodies. Products use axes and arms, which are a fifth of the numbers in the matrix itself."""
 
 from typing import NamedTuple
 
