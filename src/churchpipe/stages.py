@@ -19,12 +19,12 @@ from churchpipe.config.asrun import as_run
 from churchpipe.config.case import read_variants
 from churchpipe.config.plan import plan
 from churchpipe.config.plausible import size_questions
-from churchpipe.config.settings import load_of, materials_of, site_of, weights_of
+from churchpipe.config.settings import load_of, materials_of, weights_of
 from churchpipe.errors import Extra, InputError
 from churchpipe.io.atomic import canonical_json, write_if_changed, write_json
 from churchpipe.io.building_json import read_building, write_building
 from churchpipe.io.npz import Absent, read_if_made, read_npz, write_npz
-from churchpipe.io.records import LeftOut, curve_record_of, read_record, record_of, shell_record_of, write_record
+from churchpipe.io.records import LeftOut, curve_record_of, record_of, shell_record_of, write_record
 from churchpipe.io.shell_vtu import write_shell_msh, write_shell_vtu
 from churchpipe.io.tables import read_json, write_table
 from churchpipe.io.vtu import write_vtu
@@ -34,8 +34,9 @@ from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
 from churchpipe.model.names import MODELS
-from churchpipe.model.results import CapacityCurve, CapacityStep, LimitState, ShellLimitState
+from churchpipe.model.results import CapacityCurve, CapacityStep, ShellLimitState
 from churchpipe.model.shell import ShellModel
+from churchpipe.run_folder import read_run
 
 Progress = Callable[[str, float], None]
 
@@ -276,18 +277,15 @@ def curve(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
 
 def compare(plan: Path, summary: Path, table: Path) -> None:
     """All analyses of a plan -> summary.json and table.csv."""
-    run, index = plan.parent, read_json(plan)
-    sizes = {name: results.figures(*_stones(run, name)) for name in index["geometries"]}
-    shells = {mesh["name"]: _shell_figures(run, mesh["name"], mesh["geometry"], index["drawing"]) for mesh in index["shells"]}
-    records = [_analysis(run, entry, len(sizes) > 1, shells) for entry in index["analyses"]]
-    records = [record | _mechanism(run, entry, record) for entry, record in zip(index["analyses"], records, strict=True)]
-    analyses = [record for record in records if record["status"] != "left-out"]
-    pairs = results.pairs(index["analyses"], analyses)
-    compared = [pair | _overlap(run, index, *(pair[model] for model in MODELS)) for pair in pairs]
+    run = read_run(plan)
+    sizes = {name: results.figures(*run.stones(name)) for name in run.index["geometries"]}
+    shells = {mesh["name"]: run.shell_figures(mesh["name"], mesh["geometry"]) for mesh in run.index["shells"]}
+    analyses = [record for entry in run.index["analyses"] if (record := run.record(entry, shells))["status"] != "left-out"]
+    compared = [pair | run.overlap(*(pair[model] for model in MODELS)) for pair in results.pairs(run.index["analyses"], analyses)]
     write_table(table, analyses)
-    stones = [_stones(run, name)[0] for name in index["geometries"]]
-    asked = dict.fromkeys([*index["questions"], *(text for one in stones for text in size_questions(one))])
-    write_json(summary, results.summary(index["case"], sizes, shells, analyses, compared, list(asked)))
+    stones = [run.stones(name)[0] for name in run.index["geometries"]]
+    asked = dict.fromkeys([*run.index["questions"], *(text for one in stones for text in size_questions(one))])
+    write_json(summary, results.summary(run.index["case"], sizes, shells, analyses, compared, list(asked)))
 
 
 def report(plan: Path, summary: Path, assemblage: Path, contacts: Path, html: Path) -> None:
@@ -295,22 +293,18 @@ def report(plan: Path, summary: Path, assemblage: Path, contacts: Path, html: Pa
     with Extra("the report"):
         from churchpipe.report.html import write_report
 
-    run, index, geometry = plan.parent, read_json(plan), assemblage.parent.name
+    run, geometry = read_run(plan), assemblage.parent.name
     stones = read_npz(assemblage, Assemblage)
     records = {record["name"]: record for record in read_json(summary)["analyses"]}
-    mine = [entry for entry in index["analyses"] if entry["geometry"] == geometry]
-    states = {e["name"]: read_npz(run / "rigid" / e["name"] / "rigid.npz", LimitState) for e in mine if e["kind"] == "rigid"}
+    mine = [entry for entry in run.index["analyses"] if entry["geometry"] == geometry]
+    states = {entry["name"]: run.block_state(entry) for entry in mine if entry["kind"] == "rigid"}
     for name, state in states.items():
-        write_vtu(run / "rigid" / name / "mechanism.vtu", stones, state.velocities)
-    places = {
-        mesh["name"]: run / "shell" / mesh["name"] / "shell.npz" for mesh in index["shells"] if mesh["geometry"] == geometry
-    }
-    made = {name: read_if_made(path, ShellModel) for name, path in places.items()}
+        write_vtu(run.path / "rigid" / name / "mechanism.vtu", stones, state.velocities)
+    made = {mesh["name"]: run.shell(mesh["name"]) for mesh in run.index["shells"] if mesh["geometry"] == geometry}
     meshes = {name: mesh for name, mesh in made.items() if isinstance(mesh, ShellModel)}
     found: list[tuple[dict[str, Any], str, ShellLimitState | CapacityCurve]] = []
     for entry in (entry for entry in mine if "shell" in entry):
-        mechanism = run / entry["kind"] / entry["name"] / "mechanism.vtu"
-        state = _shell_state(run, entry)
+        mechanism, state = run.folder(entry) / "mechanism.vtu", run.shell_state(entry)
         if isinstance(state, Absent):
             mechanism.unlink(missing_ok=True)
             continue
@@ -324,65 +318,11 @@ def report(plan: Path, summary: Path, assemblage: Path, contacts: Path, html: Pa
         results=[(records[name], state) for name, state in states.items()],
         shells=meshes,
         shell_results=found,
-        published=index["published"],
-        case_text=(run / "as-run.toml").read_text(encoding="utf-8"),
-        versions=versions(),
+        published=run.index["published"],
+        case_text=(run.path / "as-run.toml").read_text(encoding="utf-8"),
+        versions=_versions(),
         figures_dir=html.parent / "figures",
     )
-
-
-def _stones(run: Path, geometry: str) -> tuple[Assemblage, Contacts]:
-    folder = run / "geometry" / geometry
-    return read_npz(folder / "assemblage.npz", Assemblage), read_npz(folder / "contacts.npz", Contacts)
-
-
-def _fitted(run: Path, geometry: str, drawing: str | None) -> Path:
-    """Return the stones by the names of the shell's panels."""
-    return run / "geometry" / geometry / ("fitted.npz" if drawing else "assemblage.npz")
-
-
-def _shell_figures(run: Path, name: str, geometry: str, drawing: str | None) -> dict[str, Any]:
-    gate = read_json(run / "shell" / name / "match.json")
-    if drawing:
-        fit = read_json(run / "geometry" / geometry / "fit.json")
-        gate |= {"unfit": fit["unfit"], "message": fit["message"] or gate["message"]}
-    size = read_json(run / "shell" / name / "settings.json")["element_size"]
-    mesh = read_if_made(run / "shell" / name / "shell.npz", ShellModel)
-    return results.shell_figures(None if isinstance(mesh, Absent) else mesh, gate, geometry, size)
-
-
-def _shell_state(run: Path, entry: dict[str, Any]) -> ShellLimitState | CapacityCurve | Absent:
-    folder = run / entry["kind"] / entry["name"]
-    if entry["kind"] == "limit":
-        return read_if_made(folder / "limit.npz", ShellLimitState)
-    return read_if_made(folder / "pushover.npz", CapacityCurve)
-
-
-def _overlap(run: Path, index: dict[str, Any], blocks: str, shell: str) -> dict[str, Any]:
-    """Return how far the mechanisms of two analyses, by name, are the same."""
-    entries = {entry["name"]: entry for entry in index["analyses"]}
-    state = _shell_state(run, entries[shell])
-    if isinstance(state, Absent):
-        return {}
-    mesh = read_npz(run / "shell" / entries[shell]["shell"] / "shell.npz", ShellModel)
-    stones = read_npz(_fitted(run, entries[shell]["geometry"], index["drawing"]), Assemblage)
-    moved = read_npz(run / "rigid" / blocks / "rigid.npz", LimitState).velocities
-    motion = state.velocities if isinstance(state, ShellLimitState) else state.displacement
-    return {"overlap": results.overlap(stones, moved, mesh, motion)}
-
-
-def _mechanism(run: Path, entry: dict[str, Any], record: dict[str, Any]) -> dict[str, Any]:
-    """Return what a record says of its mechanism: the macro-elements that move and, of the rigid blocks, the safety check."""
-    if record["status"] not in ("optimal", "converged") or entry["kind"] in ("pushover", "curve"):
-        return {}
-    load = load_of(read_json(run / entry["kind"] / entry["name"] / "settings.json"))
-    if entry["kind"] == "limit":
-        mesh = read_npz(run / "shell" / entry["shell"] / "shell.npz", ShellModel)
-        return results.shell_parts(mesh, read_npz(run / "limit" / entry["name"] / "limit.npz", ShellLimitState), load)
-    stones = read_npz(run / "geometry" / entry["geometry"] / "assemblage.npz", Assemblage)
-    state = read_npz(run / "rigid" / entry["name"] / "rigid.npz", LimitState)
-    site = site_of(entry["check"]) if "check" in entry else None
-    return results.stone_parts(stones, state, load) | {"check": results.safety(stones, state, load, site)}
 
 
 def _write_shell_mechanism(path: Path, mesh: ShellModel, state: ShellLimitState | CapacityCurve) -> None:
@@ -391,21 +331,10 @@ def _write_shell_mechanism(path: Path, mesh: ShellModel, state: ShellLimitState 
     write_shell_vtu(path, mesh, motion | strain)
 
 
-def versions() -> dict[str, str]:
+def _versions() -> dict[str, str]:
     """Return the versions that a result depends on."""
     packages = ("churchpipe", "numpy", "scipy", "shapely", "clarabel", "ezdxf", "manifold3d", "gmsh")
     return {"python": platform.python_version()} | {name: importlib.metadata.version(name) for name in packages}
-
-
-def _analysis(run: Path, entry: dict[str, Any], several: bool, shells: dict[str, dict[str, Any]]) -> dict[str, Any]:
-    """Return the record of an analysis, with its name, what was swept, its geometry where there are several, and its mesh."""
-    kind, name = entry["kind"], entry["name"]
-    place = {"geometry": entry["geometry"]} if several else {}
-    mesh = {key: shells[entry["shell"]][key] for key in ("element_size_mm", "elements")} if "shell" in entry else {}
-    variant = {"variant": entry["variant"]} if entry["variant"] else {}
-    record = read_record(run / kind / name / f"{kind}.json")
-    words = {"status": "left-out", "message": record.reason} if isinstance(record, LeftOut) else record.as_words()
-    return {"name": name, **words, **mesh, **place, **variant}
 
 
 # All arguments are paths; those in `LONG` take `progress` besides.

@@ -95,6 +95,10 @@ def test_the_solves_know_neither_cases_nor_generators() -> None:
     assert any(name.startswith("report/static/") for name in names(code_of("report")))
 
 
+def test_what_reads_the_folder_of_a_run_decides_the_results_alone() -> None:
+    assert {stage for stage in STAGES if "run_folder.py" in modules(stage)} == {"compare", "report"}
+
+
 def test_every_stage_that_the_rules_name_has_its_code() -> None:
     rules = "".join(path.read_text() for path in (Path(churchpipe.__file__).parents[2] / "pipeline" / "rules").glob("*.smk"))
     assert all(f'code="code/{stage}.txt"' in rules for stage in STAGES)

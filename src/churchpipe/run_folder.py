@@ -1,0 +1,99 @@
+"""What the stages of a run have left in its folder: stones, meshes, states and records, by the names of the plan."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from churchpipe import compare
+from churchpipe.config.settings import load_of, site_of
+from churchpipe.io.npz import Absent, read_if_made, read_npz
+from churchpipe.io.records import LeftOut, read_record
+from churchpipe.io.tables import read_json
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.contacts import Contacts
+from churchpipe.model.results import CapacityCurve, LimitState, ShellLimitState
+from churchpipe.model.shell import ShellModel
+
+
+@dataclass(frozen=True, slots=True)
+class RunFolder:
+    """The folder of a run, and the content of its plan.json. An `entry` is one of the plan's analyses."""
+
+    path: Path
+    index: dict[str, Any]
+
+    def folder(self, entry: dict[str, Any]) -> Path:
+        """Return where the settings and results of an analysis lie."""
+        return self.path / entry["kind"] / entry["name"]
+
+    def stones(self, geometry: str) -> tuple[Assemblage, Contacts]:
+        """Return the stones of a geometry and their joints."""
+        folder = self.path / "geometry" / geometry
+        return read_npz(folder / "assemblage.npz", Assemblage), read_npz(folder / "contacts.npz", Contacts)
+
+    def shell(self, name: str) -> ShellModel | Absent:
+        """Return a mesh, or why there is none."""
+        return read_if_made(self._mesh(name), ShellModel)
+
+    def _mesh(self, name: str) -> Path:
+        return self.path / "shell" / name / "shell.npz"
+
+    def block_state(self, entry: dict[str, Any]) -> LimitState:
+        """Return the state of a limit analysis of the stones."""
+        return read_npz(self.folder(entry) / "rigid.npz", LimitState)
+
+    def shell_state(self, entry: dict[str, Any]) -> ShellLimitState | CapacityCurve | Absent:
+        """Return the state of an analysis of the shell; of a capacity curve, its last step's."""
+        if entry["kind"] == "limit":
+            return read_if_made(self.folder(entry) / "limit.npz", ShellLimitState)
+        return read_if_made(self.folder(entry) / "pushover.npz", CapacityCurve)
+
+    def shell_figures(self, name: str, geometry: str) -> dict[str, Any]:
+        """Return the size of a mesh and its gate; of a drawing, also the stones that no panel fits."""
+        gate = read_json(self.path / "shell" / name / "match.json")
+        if self.index["drawing"]:
+            fit = read_json(self.path / "geometry" / geometry / "fit.json")
+            gate |= {"unfit": fit["unfit"], "message": fit["message"] or gate["message"]}
+        size = read_json(self.path / "shell" / name / "settings.json")["element_size"]
+        mesh = self.shell(name)
+        return compare.shell_figures(None if isinstance(mesh, Absent) else mesh, gate, geometry, size)
+
+    def record(self, entry: dict[str, Any], shells: dict[str, dict[str, Any]]) -> dict[str, Any]:
+        """Return the record of an analysis, with its name, what was swept, its geometry where there are several, its mesh and
+        what is known of its mechanism. shells: figures of all meshes, by name."""
+        place = {"geometry": entry["geometry"]} if len(self.index["geometries"]) > 1 else {}
+        mesh = {key: shells[entry["shell"]][key] for key in ("element_size_mm", "elements")} if "shell" in entry else {}
+        variant = {"variant": entry["variant"]} if entry["variant"] else {}
+        found = read_record(self.folder(entry) / f"{entry['kind']}.json")
+        words = {"status": "left-out", "message": found.reason} if isinstance(found, LeftOut) else found.as_words()
+        return {"name": entry["name"], **words, **mesh, **place, **variant} | self._mechanism(entry, words["status"])
+
+    def _mechanism(self, entry: dict[str, Any], status: str) -> dict[str, Any]:
+        """Return the macro-elements that move and, of the rigid blocks, the safety check."""
+        if status not in ("optimal", "converged") or entry["kind"] in ("pushover", "curve"):
+            return {}
+        load = load_of(read_json(self.folder(entry) / "settings.json"))
+        if entry["kind"] == "limit":
+            mesh = read_npz(self._mesh(entry["shell"]), ShellModel)
+            return compare.shell_parts(mesh, read_npz(self.folder(entry) / "limit.npz", ShellLimitState), load)
+        stones, state = self.stones(entry["geometry"])[0], self.block_state(entry)
+        site = site_of(entry["check"]) if "check" in entry else None
+        return compare.stone_parts(stones, state, load) | {"check": compare.safety(stones, state, load, site)}
+
+    def overlap(self, blocks: str, shell: str) -> dict[str, Any]:
+        """Return how far the mechanisms of two analyses, by name, are the same."""
+        entries = {entry["name"]: entry for entry in self.index["analyses"]}
+        state = self.shell_state(entries[shell])
+        if isinstance(state, Absent):
+            return {}
+        mesh = read_npz(self._mesh(entries[shell]["shell"]), ShellModel)
+        # The stones by the names of the shell's panels.
+        file = "fitted.npz" if self.index["drawing"] else "assemblage.npz"
+        stones = read_npz(self.path / "geometry" / entries[shell]["geometry"] / file, Assemblage)
+        motion = state.velocities if isinstance(state, ShellLimitState) else state.displacement
+        return {"overlap": compare.overlap(stones, self.block_state(entries[blocks]).velocities, mesh, motion)}
+
+
+def read_run(plan: Path) -> RunFolder:
+    """Return the run of a plan.json."""
+    return RunFolder(plan.parent, read_json(plan))
