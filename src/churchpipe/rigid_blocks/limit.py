@@ -132,7 +132,7 @@ def dead_load_analysis(balance: Equilibrium, strength: Strength, solve: Solve) -
 
 
 class _ShareOfLoad:
-    """The largest share tau <= 1 of a load that the contacts can carry: always feasible, so no answer hangs on a ray."""
+    """The largest share tau <= 1 of a load that the contacts can carry. It is always feasible, so no result depends on a ray."""
 
     def __init__(self, balance: Equilibrium, strength: Strength, load: FloatArray) -> None:
         self._alone = replace(balance, dead=np.zeros_like(load), live=load)

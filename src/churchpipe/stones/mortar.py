@@ -14,7 +14,7 @@ from churchpipe.model.polyhedra import face_normals
 
 Solid = tuple[FloatArray, Sequence[tuple[int, ...]]]
 
-# Faces look at each other when their normals are opposite within this angle, and joints are this much wider than their
+# Two faces are opposite when their normals are, within this angle. Joints are this much wider than their
 # nominal width at most, in the mean and at the wide end of a wedge.
 FACING_ANGLE = np.radians(12.0)
 WIDEST_MEAN, WIDEST = 1.5, 2.5
@@ -35,7 +35,7 @@ WIDEST_OF_STONE = 0.35
 
 @dataclass(frozen=True, slots=True)
 class Joints:
-    """Pairs of faces that look at each other: faces (k, 2), indices into all faces in their order; width (k,), the mean of each
+    """Pairs of faces that face each other: faces (k, 2), indices into all faces in their order; width (k,), the mean of each
     joint; middle: points (m, 3) of its mid-surface for each."""
 
     faces: IntArray
@@ -61,8 +61,8 @@ class Closed:
 def close_joints(solids: Sequence[Solid], joint: float) -> Closed:
     """Grow stones until they meet in the middle of the joints between them.
 
-    Each face that looks at another across a joint is moved to the mid-surface: half of the mortar goes to either stone. Wedge
-    joints have theirs between the two faces. A face that looks at no other stays where it is.
+    Each face with another opposite across a joint is moved to the mid-surface of the joint, so that each stone gets half of the
+    mortar. The mid-surface of a wedge-shaped joint lies between its two faces. A face with no other opposite stays where it is.
 
     Parameters
     ----------

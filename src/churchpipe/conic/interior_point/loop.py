@@ -17,7 +17,7 @@ from churchpipe.conic.interior_point.settings import Settings
 # Centrality correctors aim at a step this much longer, and count when they win this share of it (Gondzio 1996).
 _REACH = 0.5
 _WIN = 0.01
-# Centring beyond this only lengthens a solve whose correctors keep the products together.
+# More centring than this only makes a solve longer, because the correctors keep the complementarity products together.
 _MOST_CENTRING = 0.03
 _TARGET = 0.3
 # A corrector is added with the weight that reaches farthest (Colombo and Gondzio 2008).
@@ -82,7 +82,7 @@ def solve_coupled(
             message = "no further progress"
             break
         try:
-            # Overflow ends the loop below; it is no reason to warn.
+            # Overflow ends the loop below, so no warning is needed.
             with np.errstate(all="ignore"):
                 at, step_length, correctors = _advance(problem, kkt, at, found, settings, step_length if iteration else 1.0)
         except NotDefiniteError:
@@ -148,7 +148,7 @@ def _distance(info: Info, settings: Settings) -> float:
 def _measure(
     problem: CoupledProblem, at: Iterate, found: Residuals, settings: Settings, iteration: int, step: float, correctors: int
 ) -> Info:
-    # A load of a thousandth of the reward's unit is the least that an objective is measured by.
+    # Errors of the objective are relative to it, or to a thousandth of the reward's unit if that is larger.
     size = max(abs(found.primal), abs(found.dual), 1e-3 * abs(problem.reward)) * at.theta**2
     work = (
         abs(found.primal - found.dual) * at.theta**2,
@@ -175,7 +175,7 @@ def _measure(
 def _status(problem: CoupledProblem, at: Iterate, found: Residuals, info: Info, settings: Settings) -> Status:
     if info.error <= settings.duality_gap and info.residual <= settings.residual:
         return "solved"
-    # A scale that has vanished says as much as the last digits of a certificate, which a singular matrix may spoil.
+    # A scale that has vanished is as good a sign as the last digits of a certificate, which a singular matrix may spoil.
     vanished = at.theta <= _VANISHED * at.kappa
     allowed = max(settings.certificate, _ROUGH) if vanished else settings.certificate
     # What is left of each residual without the terms of theta is the error of a certificate.

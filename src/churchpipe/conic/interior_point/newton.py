@@ -46,7 +46,8 @@ class NewtonSystem:
     def __init__(self, problem: CoupledProblem, kkt: KktSystem, at: Iterate, found: Residuals, settings: Settings) -> None:
         self._problem, self._kkt, self._at, self._found, self._settings = problem, kkt, at, found, settings
         self.scaling = problem.cone.scaling(at.s, at.z)
-        # A vanishing scale announces a certificate: the matrix may be singular then, and its null space is wanted.
+        # A vanishing scale is the sign of a certificate. The matrix may be singular then, and the certificate lies in its null
+        # space.
         singular = at.theta <= 1e-4 * at.kappa
         kkt.update(self.scaling, settings.regularisation * (1e4 if singular else 1.0))
         self._allowed = _REFINED * problem.imbalance(found.y) + _ROUNDING
