@@ -16,7 +16,9 @@ from .model.building import Building as Building
 from .model.contacts import Contacts as Contacts
 from .model.loads import LoadCase as LoadCase
 from .model.materials import Elastic as Elastic
+from .model.materials import JointStrength as JointStrength
 from .model.materials import Material as Material
+from .model.materials import UnitWeight as UnitWeight
 from .model.results import CapacityCurve as CapacityCurve
 from .model.results import LimitState as LimitState
 from .model.results import ShellLimitState as ShellLimitState

@@ -19,7 +19,7 @@ from churchpipe.config.asrun import as_run
 from churchpipe.config.case import read_variants
 from churchpipe.config.plan import plan
 from churchpipe.config.plausible import size_questions
-from churchpipe.config.settings import load_of, materials_of, weights_of
+from churchpipe.config.settings import load_of, strengths_of, weights_of
 from churchpipe.errors import Extra, InputError
 from churchpipe.io.atomic import canonical_json, write_if_changed, write_json
 from churchpipe.io.building_json import read_building, write_building
@@ -32,7 +32,7 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import Building
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
-from churchpipe.model.materials import Material
+from churchpipe.model.materials import JointStrength
 from churchpipe.model.names import MODELS
 from churchpipe.model.results import CapacityCurve, CapacityStep, ShellLimitState
 from churchpipe.model.shell import ShellModel
@@ -106,7 +106,7 @@ def drawing(settings: Path, file: Path, assemblage: Path, vtu: Path) -> None:
     from churchpipe.recognition.panels import wall_names
 
     table = read_json(settings)
-    weights = {material.name: material.unit_weight for material in weights_of(table)}
+    weights: dict[str, float] = table["unit_weight"]
     drawn = read_file(file, **table["source"]["reading"], unit_weight=weights)
     missing = [name for name in drawn.unweighted if name not in weights]
     if missing:
@@ -147,13 +147,14 @@ def panels(settings: Path, assemblage: Path, building: Path, fitted: Path, fit: 
     table, stones = read_json(settings), read_npz(assemblage, Assemblage)
     materials = tuple(weights_of(table))
     try:
-        found = fit_panels(stones, materials, name=table["name"])
+        found = fit_panels(stones)
+        made = found.building(materials, table["name"])
     except InputError as error:
         write_building(building, Building(table["name"], (), materials))
         write_npz(fitted, stones)
         write_json(fit, {"unfit": stones.block_id[~stones.fixed].tolist(), "message": str(error)})
         return
-    write_building(building, found.building)
+    write_building(building, made)
     write_npz(fitted, replace(stones, panel=found.panel))
     write_json(fit, {"unfit": found.unfit.tolist(), "message": ""})
 
@@ -207,7 +208,7 @@ def pushover(settings: Path, shell: Path, match: Path, state: Path, record: Path
         if progress:
             progress(f"load factor {step.load_factor:.4f}, {step.displacement * 1e3:.3g} mm", 0.0)
 
-    def work(mesh: ShellModel, load: LoadCase, materials: list[Material]) -> CapacityCurve:
+    def work(mesh: ShellModel, load: LoadCase, materials: list[JointStrength]) -> CapacityCurve:
         return pushover(mesh, load, materials, **options, progress=tell)
 
     _analyse_shell("pushover", table, shell, match, state, record, work, progress)
@@ -223,7 +224,7 @@ def _analyse_shell(
     work: Callable[..., ShellLimitState | CapacityCurve],
     progress: Progress | None,
 ) -> None:
-    load, materials = load_of(table), materials_of(table)
+    load, materials = load_of(table), strengths_of(table)
     if not read_json(match)["passed"]:
         write_npz(state, Absent("the two models do not match"))
         write_record(record, LeftOut("the two models do not match"))
@@ -250,7 +251,7 @@ def rigid(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
 
     table = read_json(settings)
     stones, joints = read_npz(assemblage, Assemblage), read_npz(contacts, Contacts)
-    load, materials = load_of(table), materials_of(table)
+    load, materials = load_of(table), strengths_of(table)
     friction, cohesion = joint_strength(stones, joints, materials)
     options = {key: table[key] for key in ("flow", "solver", "method", "start", "bipotential_gap") if key in table}
     used = set(stones.material[~stones.fixed].tolist())
@@ -266,7 +267,7 @@ def curve(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
 
     table = read_json(settings)
     stones, joints = read_npz(assemblage, Assemblage), read_npz(contacts, Contacts)
-    load, materials = load_of(table), materials_of(table)
+    load, materials = load_of(table), strengths_of(table)
     friction, _ = joint_strength(stones, joints, materials)
     options = {key: table[key] for key in ("solver", "control", "step", "steps", "furthest") if key in table}
     used = set(stones.material[~stones.fixed].tolist())

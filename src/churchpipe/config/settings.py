@@ -6,12 +6,12 @@ from typing import Any
 
 from churchpipe.code_check import Floor, Site
 from churchpipe.model.loads import LoadCase
-from churchpipe.model.materials import Elastic, Material
+from churchpipe.model.materials import Elastic, JointStrength, UnitWeight
 
 
-def weights_of(settings: Mapping[str, Any]) -> list[Material]:
-    """Return the materials of a geometry: their unit weights, and no strength."""
-    return [Material(name, weight, 0.0) for name, weight in settings["unit_weight"].items()]
+def weights_of(settings: Mapping[str, Any]) -> list[UnitWeight]:
+    """Return the unit weights of the materials of a geometry."""
+    return [UnitWeight(name, weight) for name, weight in settings["unit_weight"].items()]
 
 
 def load_of(settings: Mapping[str, Any]) -> LoadCase:
@@ -19,10 +19,10 @@ def load_of(settings: Mapping[str, Any]) -> LoadCase:
     return LoadCase(**settings["load"])
 
 
-def materials_of(settings: Mapping[str, Any]) -> list[Material]:
-    """Return the materials of an analysis, without unit weight, which the models have."""
+def strengths_of(settings: Mapping[str, Any]) -> list[JointStrength]:
+    """Return what the joints of each material of an analysis bear."""
     return [
-        Material(name, 0.0, values["friction"], values["cohesion"], Elastic(**values["elastic"]) if "elastic" in values else None)
+        JointStrength(name, values["friction"], values["cohesion"], Elastic(**values["elastic"]) if "elastic" in values else None)
         for name, values in settings["material"].items()
     ]
 

@@ -1,14 +1,13 @@
 """The [shell] table of an imported drawing."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from churchpipe.errors import InputError
 from churchpipe.geometry.planar import area, polygon
 from churchpipe.model.assemblage import Assemblage
-from churchpipe.model.building import SHELL_PATTERNS, Building
-from churchpipe.model.materials import Material
+from churchpipe.model.building import SHELL_PATTERNS, Panel
 from churchpipe.recognition.panels import fit_panels
 
 # Elements of a first mesh: enough to see the mechanism; a limit load takes half a minute, a capacity curve some minutes.
@@ -30,33 +29,32 @@ def shell_table(stones: Assemblage, elastic: Mapping[str, bool]) -> ShellTable:
     Bonds whose strength is not derived have no shell.
     """
     try:
-        fitted = fit_panels(stones, tuple(Material(name, 1.0, 0.0) for name in elastic))
+        fitted = fit_panels(stones)
     except InputError as error:
         return ShellTable("", f"No shell: {error.problem}; the rigid blocks stand alone. {error.remedy}")
-    building = fitted.building
-    size = element_size(building)
-    for panel in building.panels:
+    size = element_size(fitted.panels)
+    for panel in fitted.panels:
         for region in panel.regions:
             if region.pattern not in SHELL_PATTERNS:
                 bond = f"{region.pattern} bond ({panel.name})"
                 return ShellTable("", f"No shell: the strength of {bond} is not derived; the rigid blocks stand alone.")
-    used = {panel.material for panel in building.panels}
+    used = {panel.material for panel in fitted.panels}
     lines = ["[shell]", f"element_size_mm = {1e3 * size:g}"]
     if all(elastic[name] for name in used):
         lines.append('analyses = ["limit", "pushover"]')
     else:
         lines.append('analyses = ["limit"]    # "pushover" besides: give each material its elastic constants')
-    note = f"{len(building.panels)} walls fitted for the shell: {', '.join(panel.name for panel in building.panels)}."
+    note = f"{len(fitted.panels)} walls fitted for the shell: {', '.join(panel.name for panel in fitted.panels)}."
     if len(fitted.unfit):
         few = ", ".join(fitted.unfit[:8])
         note += f" {len(fitted.unfit)} stones fit none: {few}{' ...' if len(fitted.unfit) > 8 else ''}."
     return ShellTable("\n".join(lines), note)
 
 
-def element_size(building: Building) -> float:
+def element_size(panels: Sequence[Panel]) -> float:
     """Return the size of elements, m, to begin with: three quarters of a stone, or more where the walls are large."""
-    covered = sum(area(polygon(panel.outline)) for panel in building.panels)
-    stone = min(region.cell.b for panel in building.panels for region in panel.regions)
+    covered = sum(area(polygon(panel.outline)) for panel in panels)
+    stone = min(region.cell.b for panel in panels for region in panel.regions)
     size = max(0.75 * stone, math.sqrt(3 * covered / ELEMENTS))
     digits = 1 - math.floor(math.log10(size))
     return round(size, digits)

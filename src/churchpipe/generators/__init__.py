@@ -14,7 +14,7 @@ from churchpipe.generators.prototype import PrototypeParameters, prototype
 from churchpipe.generators.tower import TowerParameters, tower
 from churchpipe.generators.wall import WallParameters, wall
 from churchpipe.model.building import Building
-from churchpipe.model.materials import Material
+from churchpipe.model.materials import UnitWeight
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +54,6 @@ __all__ = [
 ]
 
 
-def generate(generator: str, parameters: Mapping[str, Any], materials: Iterable[Material], name: str) -> Building:
+def generate(generator: str, parameters: Mapping[str, Any], materials: Iterable[UnitWeight], name: str) -> Building:
     """Return the building that a generator makes of its parameters, SI."""
     return GENERATORS[generator].build(**parameters, name=name, materials=tuple(materials))

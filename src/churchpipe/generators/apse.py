@@ -18,7 +18,7 @@ from churchpipe.generators.quantities import Length
 from churchpipe.generators.wall_bonds import Bonding, WallBond, bonding_of, check_walls
 from churchpipe.model.arguments import one_of, positive
 from churchpipe.model.building import Building, CylinderChart, Panel
-from churchpipe.model.materials import Material
+from churchpipe.model.materials import UnitWeight
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +55,7 @@ class ApseParameters:
             whole_courses(f"apse.{key}", getattr(self, key), self.course)
 
 
-def apse(*, name: str = "apse", materials: tuple[Material, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
+def apse(*, name: str = "apse", materials: tuple[UnitWeight, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
     """Return an apse behind a wall; keywords as in `ApseParameters`, SI."""
     p = as_dataclass(ApseParameters, "apse", parameters)
     materials = materials_of("apse", materials)

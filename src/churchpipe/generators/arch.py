@@ -17,7 +17,7 @@ from churchpipe.geometry.planar import polygon
 from churchpipe.model.arguments import positive, whole
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, Building, Panel, PlaneChart, Support, UnitCell
-from churchpipe.model.materials import Material
+from churchpipe.model.materials import UnitWeight
 from churchpipe.stones.prisms import thicken
 
 
@@ -48,7 +48,7 @@ class ArchParameters:
             raise InputError("arch.half_angle", "out of range", found=self.half_angle, expected="0 < half angle <= 3/4 pi rad")
 
 
-def arch(*, name: str = "arch", materials: tuple[Material, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
+def arch(*, name: str = "arch", materials: tuple[UnitWeight, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
     """Return an arch on two fixed skewbacks; keywords as in `ArchParameters`, SI."""
     p = as_dataclass(ArchParameters, "arch", parameters)
     materials = materials_of("arch", materials)

@@ -16,7 +16,7 @@ from churchpipe.generators.quantities import Count, Length
 from churchpipe.generators.wall_bonds import Bonding
 from churchpipe.model.arguments import one_of, positive
 from churchpipe.model.building import BondRegion, Building, UnitCell
-from churchpipe.model.materials import Material
+from churchpipe.model.materials import UnitWeight
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +59,9 @@ class ArchPiersParameters:
             )
 
 
-def arch_piers(*, name: str = "arch_piers", materials: tuple[Material, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
+def arch_piers(
+    *, name: str = "arch_piers", materials: tuple[UnitWeight, ...] = (DEFAULT_MATERIAL,), **parameters: Any
+) -> Building:
     """Return an arch on piers; keywords as in `ArchPiersParameters`, SI."""
     p = as_dataclass(ArchPiersParameters, "arch_piers", parameters)
     materials = materials_of("arch_piers", materials)

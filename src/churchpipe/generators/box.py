@@ -21,7 +21,7 @@ from churchpipe.generators.openings import OpeningLike
 from churchpipe.generators.quantities import Coordinate, Count, Length
 from churchpipe.model.arguments import one_of, positive, whole
 from churchpipe.model.building import Building, UnitCell
-from churchpipe.model.materials import Material
+from churchpipe.model.materials import UnitWeight
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +67,7 @@ class BoxParameters:
         return thickness_of("box", self.pattern, self.brick, self.thickness)
 
 
-def box(*, name: str = "box", materials: tuple[Material, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
+def box(*, name: str = "box", materials: tuple[UnitWeight, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
     """Return a box of four walls; keywords as in `BoxParameters`, SI. Walls along x run through on even courses."""
     p = as_dataclass(BoxParameters, "box", parameters)
     materials = materials_of("box", materials)

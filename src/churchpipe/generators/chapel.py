@@ -14,7 +14,7 @@ from churchpipe.generators.quantities import Length
 from churchpipe.generators.wall_bonds import WallBond
 from churchpipe.model.arguments import positive
 from churchpipe.model.building import Building
-from churchpipe.model.materials import Material
+from churchpipe.model.materials import UnitWeight
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +54,7 @@ _PLACES = (
 )
 
 
-def chapel(*, name: str = "chapel", materials: tuple[Material, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
+def chapel(*, name: str = "chapel", materials: tuple[UnitWeight, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
     """Return a chapel; keywords as in `ChapelParameters`, SI."""
     p = as_dataclass(ChapelParameters, "chapel", parameters)
     end = {"thickness": p.thickness, "ridge": p.ridge}
@@ -65,7 +65,7 @@ def chapel(*, name: str = "chapel", materials: tuple[Material, ...] = (DEFAULT_M
         raise error.at(ours + error.where.removeprefix(theirs)) from error
 
 
-def _church(p: ChapelParameters, end: dict[str, Any], name: str, materials: tuple[Material, ...]) -> Building:
+def _church(p: ChapelParameters, end: dict[str, Any], name: str, materials: tuple[UnitWeight, ...]) -> Building:
     return church(
         name=name,
         materials=materials,

@@ -16,7 +16,7 @@ from churchpipe.generators.quantities import Length
 from churchpipe.generators.wall_bonds import Bonding, WallBond, bonding_of, check_walls
 from churchpipe.model.arguments import one_of, positive
 from churchpipe.model.building import Building, Panel
-from churchpipe.model.materials import Material
+from churchpipe.model.materials import UnitWeight
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +77,7 @@ class ChurchParameters:
         return plan
 
 
-def church(*, name: str = "church", materials: tuple[Material, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
+def church(*, name: str = "church", materials: tuple[UnitWeight, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
     """Return a church; keywords as in `ChurchParameters`, SI.
 
     Raises

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar, Union, cast, get_args, 
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import check_kind, describe, finite, listed, one_of
 from churchpipe.model.arrays import store
-from churchpipe.model.materials import Material
+from churchpipe.model.materials import UnitWeight
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -54,11 +54,11 @@ def coerce_fields(instance: "DataclassInstance", prefix: str) -> None:
     store(instance, **values)
 
 
-def materials_of(where: str, value: Any) -> tuple[Material, ...]:
+def materials_of(where: str, value: Any) -> tuple[UnitWeight, ...]:
     """Return the materials of a building, one at least."""
-    materials = tuple(listed(f"{where}.materials", value, Material))
+    materials = tuple(listed(f"{where}.materials", value, UnitWeight))
     if not materials:
-        raise InputError(f"{where}.materials", "no material", expected="at least one Material")
+        raise InputError(f"{where}.materials", "no material", expected="at least one Material, or UnitWeight")
     return materials
 
 

@@ -13,7 +13,7 @@ from churchpipe.generators.openings import OpeningLike
 from churchpipe.generators.quantities import Coordinate, Count, Length, Ratio
 from churchpipe.model.arguments import one_of, positive, whole
 from churchpipe.model.building import Building, UnitCell
-from churchpipe.model.materials import Material
+from churchpipe.model.materials import UnitWeight
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,7 +79,7 @@ class PrototypeParameters:
         )
 
 
-def prototype(*, name: str = "prototype", materials: tuple[Material, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
+def prototype(*, name: str = "prototype", materials: tuple[UnitWeight, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
     """Return a prototype of the tilting tests; keywords as in `PrototypeParameters`, SI."""
     p = as_dataclass(PrototypeParameters, "prototype", parameters)
     materials = materials_of("prototype", materials)

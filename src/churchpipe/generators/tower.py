@@ -19,7 +19,7 @@ from churchpipe.generators.quantities import Length
 from churchpipe.generators.wall_bonds import Bonding, WallBond, bonding_of, check_walls
 from churchpipe.model.arguments import one_of, positive
 from churchpipe.model.building import Building, CylinderChart, Panel
-from churchpipe.model.materials import Material
+from churchpipe.model.materials import UnitWeight
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +68,7 @@ class TowerParameters:
         return self.width if self.depth is None else self.depth
 
 
-def tower(*, name: str = "tower", materials: tuple[Material, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
+def tower(*, name: str = "tower", materials: tuple[UnitWeight, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
     """Return a tower; keywords as in `TowerParameters`, SI."""
     p = as_dataclass(TowerParameters, "tower", parameters)
     materials = materials_of("tower", materials)

@@ -12,7 +12,7 @@ from churchpipe.generators.openings import OpeningLike
 from churchpipe.generators.quantities import Coordinate, Count, Length
 from churchpipe.model.arguments import one_of, positive, whole
 from churchpipe.model.building import Building, UnitCell
-from churchpipe.model.materials import Material
+from churchpipe.model.materials import UnitWeight
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +71,7 @@ class WallParameters:
         return count
 
 
-def wall(*, name: str = "wall", materials: tuple[Material, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
+def wall(*, name: str = "wall", materials: tuple[UnitWeight, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
     """Return a free-standing wall; keywords as in `WallParameters`, SI."""
     p = as_dataclass(WallParameters, "wall", parameters)
     materials = materials_of("wall", materials)

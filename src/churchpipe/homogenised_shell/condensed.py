@@ -34,7 +34,7 @@ from churchpipe.homogenised_shell.settings import SOLVER, STEP
 from churchpipe.homogenised_shell.strength import PlaneSet
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.loads import LoadCase
-from churchpipe.model.materials import Material
+from churchpipe.model.materials import JointStrength
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +82,7 @@ class CondensedShell:
     Units inside: forces over `weight`, N; stresses over `unit` (nq, 6), N/m and N; lengths m.
     """
 
-    def __init__(self, elements: ShellElements, load: LoadCase, materials: Sequence[Material], planes: PlaneSet) -> None:
+    def __init__(self, elements: ShellElements, load: LoadCase, materials: Sequence[JointStrength], planes: PlaneSet) -> None:
         """Raise InputError as `program.load_vectors` and `strength.strength`."""
         self.elements = elements
         self.loads = load_vectors(elements, load)

@@ -15,7 +15,7 @@ from churchpipe.homogenised_shell.settings import LIMIT, SOLVER
 from churchpipe.homogenised_shell.strength import PlaneSet, with_warning
 from churchpipe.model.arguments import check_kind, listed
 from churchpipe.model.loads import LoadCase
-from churchpipe.model.materials import Material
+from churchpipe.model.materials import JointStrength
 from churchpipe.model.names import STRENGTH
 from churchpipe.model.results import ShellLimitState, Status
 from churchpipe.model.shell import ShellModel
@@ -31,7 +31,7 @@ FALLS = (
 def shell_limit_analysis(
     shell: ShellModel,
     load: LoadCase,
-    materials: Sequence[Material],
+    materials: Sequence[JointStrength],
     *,
     planes: PlaneSet = STRENGTH,
     membrane: Membrane = "LST",
@@ -51,7 +51,7 @@ def shell_limit_analysis(
     """
     check_kind("shell_limit_analysis: shell", shell, ShellModel)
     check_kind("shell_limit_analysis: load", load, LoadCase)
-    materials = listed("shell_limit_analysis: materials", materials, Material)
+    materials = listed("shell_limit_analysis: materials", materials, JointStrength)
     if solver not in get_args(Solver):
         raise InputError("solver", "unknown solver", found=solver, expected=", ".join(get_args(Solver)))
     begin = perf_counter()

@@ -11,10 +11,12 @@ from churchpipe.homogenised_shell.element import ShellElements
 from churchpipe.homogenised_shell.settings import SOLVER
 from churchpipe.homogenised_shell.strength import Cones, Planes, PlaneSet, strength
 from churchpipe.model.arrays import FloatArray
-from churchpipe.model.materials import Material, by_name
+from churchpipe.model.materials import JointStrength, by_name
 
 
-def point_strength(elements: ShellElements, materials: Sequence[Material], planes: PlaneSet, unit: FloatArray) -> Planes | Cones:
+def point_strength(
+    elements: ShellElements, materials: Sequence[JointStrength], planes: PlaneSet, unit: FloatArray
+) -> Planes | Cones:
     """Return the strength of all points (nq,). unit (nq, 6): of stress, N/m and N.
 
     Facets that do not yield, such as lintels, get the strength of a running bond with the friction and tension of
@@ -37,7 +39,7 @@ def point_strength(elements: ShellElements, materials: Sequence[Material], plane
     return replace(law, apex=np.where(lintel[:, None], apex, law.apex))
 
 
-def by_facet(names: npt.NDArray[np.str_], materials: Sequence[Material]) -> tuple[FloatArray, FloatArray]:
+def by_facet(names: npt.NDArray[np.str_], materials: Sequence[JointStrength]) -> tuple[FloatArray, FloatArray]:
     """Return friction (nt,) and cohesion (nt,)."""
     known = by_name(materials)
     used, which = np.unique(names, return_inverse=True)

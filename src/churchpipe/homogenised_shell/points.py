@@ -12,7 +12,7 @@ from churchpipe.homogenised_shell.element import ShellElements
 from churchpipe.homogenised_shell.point_strength import point_strength
 from churchpipe.homogenised_shell.strength import Planes, PlaneSet
 from churchpipe.model.arrays import FloatArray
-from churchpipe.model.materials import Material
+from churchpipe.model.materials import JointStrength
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +35,9 @@ class LocalStrength:
     size: FloatArray
 
 
-def local_strength(elements: ShellElements, materials: Sequence[Material], planes: PlaneSet, unit: FloatArray) -> LocalStrength:
+def local_strength(
+    elements: ShellElements, materials: Sequence[JointStrength], planes: PlaneSet, unit: FloatArray
+) -> LocalStrength:
     """Return the strength of all points; unit (nq, 6). Raises as `point_strength`."""
     law = point_strength(elements, materials, planes, unit)
     nq = len(elements.facet)

@@ -13,7 +13,7 @@ from churchpipe.homogenised_shell.point_strength import by_facet
 from churchpipe.homogenised_shell.strength import Planes, PlaneSet, strength
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.loads import LoadCase
-from churchpipe.model.materials import Material
+from churchpipe.model.materials import JointStrength
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +53,7 @@ class LoadVectors:
     weight: float
 
 
-def shell_program(elements: ShellElements, load: LoadCase, materials: Sequence[Material], planes: PlaneSet) -> ShellProgram:
+def shell_program(elements: ShellElements, load: LoadCase, materials: Sequence[JointStrength], planes: PlaneSet) -> ShellProgram:
     """State the limit analysis of a shell.
 
     Raises
@@ -113,7 +113,7 @@ class _Local:
     friction: FloatArray
 
 
-def _local_strength(elements: ShellElements, materials: Sequence[Material], planes: PlaneSet, unit: FloatArray) -> _Local:
+def _local_strength(elements: ShellElements, materials: Sequence[JointStrength], planes: PlaneSet, unit: FloatArray) -> _Local:
     shell = elements.shell
     friction, cohesion = by_facet(shell.material, materials)
     yields = np.flatnonzero(shell.yields[elements.facet])

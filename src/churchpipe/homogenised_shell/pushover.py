@@ -31,7 +31,7 @@ from churchpipe.homogenised_shell.strength import PlaneSet, with_warning
 from churchpipe.model.arguments import check_kind, describe, listed
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.loads import LoadCase
-from churchpipe.model.materials import Material
+from churchpipe.model.materials import JointStrength
 from churchpipe.model.names import STRENGTH
 from churchpipe.model.results import CapacityCurve, CapacityStep, Status
 from churchpipe.model.shell import ShellModel
@@ -42,7 +42,7 @@ Progress = Callable[[CapacityStep], None]
 def pushover(
     shell: ShellModel,
     load: LoadCase,
-    materials: Sequence[Material],
+    materials: Sequence[JointStrength],
     *,
     planes: PlaneSet = STRENGTH,
     membrane: Membrane = "LST",
@@ -73,7 +73,7 @@ def pushover(
     begin = perf_counter()
     check_kind("pushover: shell", shell, ShellModel)
     check_kind("pushover: load", load, LoadCase)
-    materials = listed("pushover: materials", materials, Material)
+    materials = listed("pushover: materials", materials, JointStrength)
     if isinstance(steps, bool) or not isinstance(steps, Integral):
         raise InputError("steps", "not a whole number", found=describe(steps), expected=">= 1")
     if steps < 1:

@@ -8,7 +8,7 @@ import numpy.typing as npt
 from churchpipe.errors import InputError
 from churchpipe.homogenised_shell.unit_cell import positive
 from churchpipe.model.arrays import FloatArray
-from churchpipe.model.materials import Elastic, Material, by_name
+from churchpipe.model.materials import Elastic, JointStrength, by_name
 from churchpipe.model.shell import ShellModel
 
 
@@ -40,7 +40,7 @@ def wall_stiffness(pattern: str, a: npt.ArrayLike, b: npt.ArrayLike, h: npt.Arra
     return np.asarray(np.linalg.inv(compliance), dtype=np.float64)
 
 
-def facet_stiffness(shell: ShellModel, materials: Sequence[Material]) -> FloatArray:
+def facet_stiffness(shell: ShellModel, materials: Sequence[JointStrength]) -> FloatArray:
     """Return the stiffness (nt, 6, 6) of each facet: running bond where it yields, one stone where it does not.
 
     Raises

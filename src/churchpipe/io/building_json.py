@@ -3,21 +3,21 @@
 import json
 from dataclasses import fields, is_dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.io.atomic import write_json
 from churchpipe.model.arguments import check_kind
-from churchpipe.model.building import BondRegion, Building, CylinderChart, Opening, Panel, Part, PlaneChart, Support, UnitCell
-from churchpipe.model.materials import Elastic, Material
+from churchpipe.model.building import BondRegion, Building, Chart, Opening, Panel, Part, Support, UnitCell
+from churchpipe.model.materials import Elastic, Material, UnitWeight
 
 SCHEMA = "churchpipe building 1"
 
 _TYPES = {
     kind.__name__: kind
-    for kind in (Building, Panel, Part, BondRegion, UnitCell, Opening, PlaneChart, CylinderChart, Support, Material, Elastic)
+    for kind in (Building, Panel, Part, BondRegion, UnitCell, Opening, *get_args(Chart), Support, UnitWeight, Material, Elastic)
 }
 
 

@@ -13,7 +13,7 @@ from churchpipe.io.tables import read_json
 from churchpipe.model.arguments import finite, one_of, text
 from churchpipe.model.block_curve import CURVE_STATUSES, BlockCapacityCurve
 from churchpipe.model.loads import LoadCase
-from churchpipe.model.materials import Material
+from churchpipe.model.materials import JointStrength
 from churchpipe.model.names import RIGID_BLOCKS, SHELL, Planes, ShellMethod
 from churchpipe.model.results import CapacityCurve, LimitState, ShellLimitState, Status
 
@@ -247,7 +247,7 @@ def _part(kind: type[Any], stored: dict[str, Any]) -> Any:
     return kind(**{key: np.nan if value is None and key in numbers else value for key, value in values.items()})
 
 
-def question_of(load: LoadCase, materials: Sequence[Material]) -> Question:
+def question_of(load: LoadCase, materials: Sequence[JointStrength]) -> Question:
     """Return what an analysis of a structure of these materials is asked."""
     return Question(
         load.name,
@@ -257,7 +257,7 @@ def question_of(load: LoadCase, materials: Sequence[Material]) -> Question:
     )
 
 
-def record_of(state: LimitState, load: LoadCase, materials: Sequence[Material]) -> RigidRecord:
+def record_of(state: LimitState, load: LoadCase, materials: Sequence[JointStrength]) -> RigidRecord:
     """Return the record of a rigid-block analysis."""
     outcome = Outcome(
         state.status,
@@ -278,7 +278,7 @@ def record_of(state: LimitState, load: LoadCase, materials: Sequence[Material]) 
     return RigidRecord(question_of(load, materials), outcome, state.flow, sliding)
 
 
-def curve_record_of(curve: BlockCapacityCurve, load: LoadCase, materials: Sequence[Material]) -> BlockCurveRecord:
+def curve_record_of(curve: BlockCapacityCurve, load: LoadCase, materials: Sequence[JointStrength]) -> BlockCurveRecord:
     """Return the record of a capacity curve of the stones; its load factor is that which starts the motion.
 
     status: "converged" when all of its steps are proved, however it ends: `ending`.
@@ -310,7 +310,7 @@ def curve_record_of(curve: BlockCapacityCurve, load: LoadCase, materials: Sequen
 def shell_record_of(
     result: ShellLimitState | CapacityCurve | str,
     load: LoadCase,
-    materials: Sequence[Material],
+    materials: Sequence[JointStrength],
     *,
     method: ShellMethod,
     planes: Planes,

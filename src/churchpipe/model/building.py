@@ -8,7 +8,7 @@ import numpy as np
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import check_kind, describe, finite, listed, one_of, positive, text, whole
 from churchpipe.model.arrays import FloatArray, flags, floats, indices, store
-from churchpipe.model.materials import Material
+from churchpipe.model.materials import UnitWeight
 
 Pattern = Literal["running", "stack", "header-stretcher", "voussoir", "single"]
 Headers = Literal["english", "flemish", "none"]
@@ -226,11 +226,12 @@ class Support:
 
 @dataclass(frozen=True, slots=True)
 class Building:
-    """Panels, materials, the height of the ground plane in m (None: no ground plane) and further fixed bodies."""
+    """Panels, the unit weights of their materials (a `Material` has one), the height of the ground plane in m (None: no ground
+    plane) and further fixed bodies."""
 
     name: str
     panels: tuple[Panel, ...]
-    materials: tuple[Material, ...]
+    materials: tuple[UnitWeight, ...]
     ground: float | None = 0.0
     supports: tuple[Support, ...] = ()
 
@@ -239,7 +240,7 @@ class Building:
         store(
             self,
             panels=tuple(listed(f"{where}.panels", self.panels, Panel)),
-            materials=tuple(listed(f"{where}.materials", self.materials, Material)),
+            materials=tuple(listed(f"{where}.materials", self.materials, UnitWeight)),
             supports=tuple(listed(f"{where}.supports", self.supports, Support)),
         )
         if self.ground is not None:

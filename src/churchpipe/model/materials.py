@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import TypeVar
 
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import check_kind, finite, text
@@ -35,43 +36,84 @@ class Elastic:
                 raise InputError(f"elastic.{key}", "out of range", found=value, expected="-1 < value < 0.5")
 
 
-@dataclass(frozen=True, slots=True)
-class Material:
-    """One masonry: unit weight N/m3, friction coefficient, cohesion Pa; `elastic` is only needed by the shell.
+@dataclass(frozen=True)
+class UnitWeight:
+    """What stones of one material weigh, N/m3: all that the geometry of a model asks of it.
 
     Raises
     ------
-    InputError: no number; not zero and outside 1e-6 to 1e9 N/m3, 1e-6 to 1000, 1e-6 to 1e12 Pa.
+    InputError: no number; not zero and outside 1e-6 to 1e9 N/m3.
     """
 
     name: str
     unit_weight: float
+
+    def __post_init__(self) -> None:
+        text("material: name", self.name)
+        _check_field(self, "unit_weight")
+
+
+@dataclass(frozen=True)
+class JointStrength:
+    """What joints of one masonry bear, all that an analysis asks of it: friction coefficient, cohesion Pa.
+
+    elastic: how it deforms; only needed by the shell.
+
+    Raises
+    ------
+    InputError: no number; not zero and outside 1e-6 to 1000, 1e-6 to 1e12 Pa.
+    """
+
+    name: str
     friction: float
     cohesion: float = 0.0
     elastic: Elastic | None = None
 
     def __post_init__(self) -> None:
         text("material: name", self.name)
-        for key, (low, high) in _RANGES.items():
-            if finite(f"material {self.name}: {key}", getattr(self, key)) != 0:
-                _check_range(f"material {self.name}: {key}", getattr(self, key), low, high, "0, or ")
+        _check_field(self, "friction")
+        _check_field(self, "cohesion")
         if self.elastic is not None:
             check_kind(f"material {self.name}: elastic", self.elastic, Elastic)
 
 
-def by_name(materials: Iterable[Material]) -> dict[str, Material]:
+# Fields in the order of its bases from the last: name, unit_weight, friction, cohesion, elastic.
+@dataclass(frozen=True)
+class Material(JointStrength, UnitWeight):
+    """One masonry: unit weight N/m3, friction coefficient, cohesion Pa; `elastic` is only needed by the shell.
+
+    Raises
+    ------
+    InputError: as `UnitWeight` and `JointStrength`.
+    """
+
+    def __post_init__(self) -> None:
+        UnitWeight.__post_init__(self)
+        JointStrength.__post_init__(self)
+
+
+_Named = TypeVar("_Named", bound=UnitWeight | JointStrength)
+
+
+def by_name(materials: Iterable[_Named]) -> dict[str, _Named]:
     """Return materials by their names.
 
     Raises
     ------
     InputError: two of one name.
     """
-    known: dict[str, Material] = {}
+    known: dict[str, _Named] = {}
     for material in materials:
         if material.name in known:
             raise InputError(f"material {material.name}", "given twice", expected="each name once")
         known[material.name] = material
     return known
+
+
+def _check_field(material: UnitWeight | JointStrength, key: str) -> None:
+    where, value = f"material {material.name}: {key}", getattr(material, key)
+    if finite(where, value) != 0:
+        _check_range(where, value, *_RANGES[key], other="0, or ")
 
 
 def _check_range(where: str, value: object, low: float, high: float, other: str = "") -> None:

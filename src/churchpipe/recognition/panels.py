@@ -33,7 +33,7 @@ from churchpipe.model.arguments import check_kind, positive
 from churchpipe.model.arrays import FloatArray, NameArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import BondRegion, Building, Opening, Panel, Support, UnitCell
-from churchpipe.model.materials import Material
+from churchpipe.model.materials import UnitWeight
 from churchpipe.recognition.elevations import sections
 from churchpipe.recognition.rings import voussoir_rings
 from churchpipe.recognition.stone_walls import StoneWall, stone_walls, stretches
@@ -45,27 +45,36 @@ GRID = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
-class FittedBuilding:
-    """Panels fitted to stones, and the ids of the free stones that fit no panel; these are missing from the shell.
+class FittedPanels:
+    """Panels fitted to stones, their supports, which are the fixed stones, and the ids of the free stones that fit no panel;
+    these are missing from the shell.
 
     panel (nb,): the panel of each stone, or the part of a panel, with which the match gate compares the shell. If none of the
     stones of a name could be fitted they keep that name, so that the gate reports what is missing. Other stones without a panel
     have "".
     """
 
-    building: Building
+    panels: tuple[Panel, ...]
+    supports: tuple[Support, ...]
     unfit: NameArray
     panel: NameArray
 
+    def building(self, materials: tuple[UnitWeight, ...], name: str = "drawing") -> Building:
+        """Return the building of these panels; materials: those of the stones.
 
-def fit_panels(
-    stones: Assemblage, materials: tuple[Material, ...], *, gap: float = 1e-3, name: str = "drawing"
-) -> FittedBuilding:
-    """Return the building whose mid-surfaces are those of the given stones. All walls are upright, plane or on a circle in plan.
+        Raises
+        ------
+        InputError: a panel of another material.
+        """
+        return Building(name, self.panels, materials, ground=None, supports=self.supports)
+
+
+def fit_panels(stones: Assemblage, *, gap: float = 1e-3) -> FittedPanels:
+    """Return the panels whose mid-surfaces are those of the given stones. All walls are upright, plane or on a circle in plan.
 
     Outline and openings: the union of the sections of the stones with the mid-plane, across joints, with the junctions of
     crossing walls included. Unit cell: the height and length of most stones, by volume. A long single stone over an opening is a
-    lintel, and voussoirs, recognised by beds that turn from stone to stone, form rings. Fixed stones are the supports. Which
+    lintel, and voussoirs, recognised by beds that turn from stone to stone, form rings. Which
     wall runs through a junction follows from the courses there. Stones of several names that touch in one plane are one wall,
     and the names are its parts.
 
@@ -73,7 +82,7 @@ def fit_panels(
 
     Parameters
     ----------
-    stones: as drawn. materials: theirs. gap: widest joint that is closed, m.
+    stones: as drawn. gap: widest joint that is closed, m.
 
     Raises
     ------
@@ -90,13 +99,12 @@ def fit_panels(
             remedy="Tag the stones of each wall with PANEL, or run the rigid blocks alone.",
         )
     panels = tuple(_panel(stones, wall, walls, gap) for wall in walls)
-    fixed = np.flatnonzero(stones.fixed)
-    building = Building(name, panels, materials, ground=None, supports=tuple(_support(stones, int(block)) for block in fixed))
     known = [name for wall in walls for name in np.unique(wall.tag)]
     panel = np.where(stones.fixed | np.isin(stones.panel, known), "", stones.panel).astype(np.object_)
     for wall in walls:
         panel[wall.stones] = wall.tag
-    return FittedBuilding(building, stones.block_id[unfit], panel.astype(str))
+    supports = tuple(_support(stones, int(block)) for block in np.flatnonzero(stones.fixed))
+    return FittedPanels(panels, supports, stones.block_id[unfit], panel.astype(str))
 
 
 def wall_names(stones: Assemblage) -> NameArray:
@@ -104,7 +112,7 @@ def wall_names(stones: Assemblage) -> NameArray:
     if (stones.panel != "").any():
         return stones.panel
     try:
-        return fit_panels(stones, tuple(Material(str(name), 1.0, 0.0) for name in np.unique(stones.material))).panel
+        return fit_panels(stones).panel
     except InputError:
         return stones.panel
 

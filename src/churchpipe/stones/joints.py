@@ -9,10 +9,10 @@ from churchpipe.model.arguments import check_kind, listed
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts, check_contacts_of
-from churchpipe.model.materials import Material, by_name
+from churchpipe.model.materials import JointStrength, by_name
 
 
-def joint_strength(stones: Assemblage, contacts: Contacts, materials: Sequence[Material]) -> tuple[FloatArray, FloatArray]:
+def joint_strength(stones: Assemblage, contacts: Contacts, materials: Sequence[JointStrength]) -> tuple[FloatArray, FloatArray]:
     """Return friction coefficient (ni,) and cohesion (ni,) Pa of each interface.
 
     Where two materials meet the weaker one rules; on the ground that of the stone.
@@ -25,7 +25,7 @@ def joint_strength(stones: Assemblage, contacts: Contacts, materials: Sequence[M
     check_kind("joint_strength: contacts", contacts, Contacts)
     check_contacts_of(stones, contacts)
     used = np.unique(stones.material[~stones.fixed])
-    known = by_name(listed("joint_strength: materials", materials, Material))
+    known = by_name(listed("joint_strength: materials", materials, JointStrength))
     unknown = [str(name) for name in used if name not in known]
     if unknown:
         raise InputError(

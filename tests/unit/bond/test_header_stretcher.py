@@ -184,7 +184,7 @@ def test_no_panel_is_fitted_to_leaves(headers, named):
     if not named:
         stones = replace(stones, panel=np.full_like(stones.panel, ""))
     with pytest.raises(InputError, match="they lie behind one another, as in header-and-stretcher bond"):
-        fit_panels(stones, (STONE,))
+        fit_panels(stones)
 
 
 def test_the_shell_knows_no_strength_and_no_stiffness_of_it():

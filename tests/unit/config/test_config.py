@@ -15,7 +15,7 @@ from churchpipe.config import Drawing, Generated, ShellSettings, read_case, read
 from churchpipe.config.overrides import parse_override, set_key
 from churchpipe.config.plan import Plan, plan
 from churchpipe.config.section import Section, section_in
-from churchpipe.config.settings import load_of, materials_of, weights_of
+from churchpipe.config.settings import load_of, strengths_of, weights_of
 from churchpipe.config.sources import GENERATED
 from churchpipe.config.units import bare, in_si
 from churchpipe.dxf.reading import Reading
@@ -363,7 +363,7 @@ def test_settings_give_back_the_case(tmp_path: Path) -> None:
     np.testing.assert_array_equal(building.panels[0].outline, case.building().panels[0].outline)
     assert [(material.name, material.unit_weight) for material in building.materials] == [("default", 18e3)]
     settings = todo.analyses["+y_non-associative"]
-    load, materials = load_of(settings), materials_of(settings)
+    load, materials = load_of(settings), strengths_of(settings)
     np.testing.assert_array_equal(load.direction, case.loads[0].direction)
     assert (load.name, load.profile, load.panels) == ("+y", "uniform", None)
     assert [(m.name, m.friction, m.cohesion) for m in materials] == [("default", 0.6, 2.5e3)]
