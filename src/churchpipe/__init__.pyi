@@ -24,6 +24,7 @@ from .model.results import LimitState as LimitState
 from .model.results import ShellLimitState as ShellLimitState
 from .model.settlement import SettlementState as SettlementState
 from .model.shell import ShellModel as ShellModel
+from .model.ties import Tie as Tie
 from .rigid_blocks.limit import limit_analysis as limit_analysis
 from .shell_mesh.shell import derive_shell as derive_shell
 from .stones.blocks import derive_blocks as derive_blocks

@@ -9,7 +9,7 @@ from churchpipe.model.loads import LoadCase
 from churchpipe.rigid_blocks.equilibrium import lateral_weight
 from churchpipe.rigid_blocks.limit import limit_analysis
 from churchpipe.stones.contacts import find_contacts
-from solids import box
+from solids import box, on_ground
 
 PLATE = box((-5, 5), (-5, 5), (-1, 0))
 CUBES = Assemblage.from_polyhedra(
@@ -69,3 +69,23 @@ def test_refusals() -> None:
     loose = Assemblage.from_polyhedra([PLATE, box((0, 1), (0, 1), (3, 4))], 20e3, fixed=[0])
     with pytest.raises(InputError, match="no path of contacts to a support; found B1"):
         limit_analysis(loose, find_contacts(loose), LoadCase((1, 0, 0)))
+
+
+def test_nothing_but_live_is_pushed() -> None:
+    # A pull of 1 N at the top of a block 1 x 4 m: it overturns under W b / 2 h.
+    stones = on_ground(box((0, 1), (0, 1), (0, 4)))
+    live = np.zeros((2, 6))
+    live[1] = [1, 0, 0, 0, 2, 0]
+    load = LoadCase(live=live)
+    assert load.name == "live"
+    state = limit_analysis(stones, find_contacts(stones), load, friction=0.7)
+    assert state.status == "optimal"
+    assert state.load_factor == pytest.approx(4 * 18e3 / 8, rel=1e-6)
+
+
+def test_live_on_the_ground_alone_pushes_nothing() -> None:
+    stones = on_ground(box((0, 1), (0, 1), (0, 4)))
+    live = np.zeros((2, 6))
+    live[0, 0] = 1.0
+    with pytest.raises(InputError, match="load live: nothing is pushed; expected a load on at least one free stone"):
+        limit_analysis(stones, find_contacts(stones), LoadCase(live=live))

@@ -10,6 +10,8 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.polyhedra import face_normals
 from churchpipe.model.shell import ShellModel
 
+# A point at this share of a stone's size from its surface touches it.
+TOUCHING = 1e-6
 # Number of points treated at once. It bounds the memory.
 CHUNK = 20_000
 # Faces of a straight stone without a notch.
@@ -45,6 +47,27 @@ def inside_stones(stones: Assemblage, points: FloatArray) -> BoolArray:
         winding = np.bincount(owner, angle, minlength=len(part)) / (4 * np.pi)
         inside[first : first + CHUNK] = winding > 0.5
     return inside
+
+
+def stones_at(stones: Assemblage, point: FloatArray) -> IntArray:
+    """Return the stones (n,) that contain a point (3,) m, or that it touches to a millionth of their size."""
+    low, high = (edge.reduceat(stones.points, stones.block_point_ptr[:-1], axis=0) for edge in (np.minimum, np.maximum))
+    reach = TOUCHING * np.linalg.norm(high - low, axis=1)
+    near = np.flatnonzero(((point >= low - reach[:, None]) & (point <= high + reach[:, None])).all(axis=1))
+    return near[[_holds_or_touches(stones, int(stone), point, float(reach[stone])) for stone in near]]
+
+
+def _holds_or_touches(stones: Assemblage, stone: int, point: FloatArray, reach: float) -> bool:
+    triangles = _surface_triangles(stones, np.array([stone]))[0] - point
+    if abs(_solid_angles(triangles).sum()) > 2 * np.pi:
+        return True
+    for face in range(*stones.block_face_ptr[stone : stone + 2]):
+        corners = stones.points[stones.face_nodes[stones.face_ptr[face] : stones.face_ptr[face + 1]]] - point
+        _, (normal,), _ = face_normals(corners, np.arange(len(corners)), np.array([0, len(corners)]))
+        across = np.linalg.svd(normal[None])[2][1:]
+        if abs(corners[0] @ normal) <= reach and shapely.Polygon(corners @ across.T).distance(shapely.Point(0, 0)) <= reach:
+            return True
+    return False
 
 
 def interior_points(stones: Assemblage) -> FloatArray:

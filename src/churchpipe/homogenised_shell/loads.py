@@ -18,7 +18,7 @@ def live_pressure(shell: ShellModel, load: LoadCase) -> FloatArray:
 
     Raises
     ------
-    InputError: unknown panels, nothing to push, wrenches (they belong to stones).
+    InputError: unknown panels, nothing to push, wrenches: they belong to stones, as a load without a direction does.
     """
     if load.dead is not None or load.live is not None:
         raise InputError(f"load {load.name}", "extra wrenches act on stones", expected="no dead or live wrenches for a shell")

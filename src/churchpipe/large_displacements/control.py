@@ -58,6 +58,8 @@ def control_of(stones: Assemblage, load: LoadCase, control: npt.ArrayLike | None
         if not force.any():
             raise InputError(where, "nothing is pushed by a force", expected="a control point (x, y, z) m")
         return MeanDisplacement(force)
+    if not load.direction.any():
+        raise InputError(where, "the load has no direction to measure a point along", found=control, expected="None")
     point = floats(where, control, (3,))
     owner = np.repeat(np.arange(stones.count), np.diff(stones.block_point_ptr))
     free = np.flatnonzero(~stones.fixed[owner])

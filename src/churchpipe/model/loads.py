@@ -15,10 +15,11 @@ from churchpipe.model.arrays import FloatArray, NameArray, floats, store
 class LoadCase:
     """A lateral load proportional to weight, multiplied by the load factor.
 
-    direction (3,) is normalised; `name` defaults to the direction ("+x", "-y", "(0.5, 0.866, 0)"); `panels`: names of the
-    panels that are pushed, None = all; profile "uniform", or "linear": f_i = W_i z_i (sum W) / (sum W z), z above the lowest
-    free point, so that the load factor stays base shear over weight of the loaded part. `dead` and `live` are extra wrenches
-    (nb, 6) N and Nm about the centroids: dead ones act always, live ones grow with the load factor.
+    direction (3,) is normalised; None, kept as zeros: no weight is pushed, nothing grows but `live`. `name` defaults to the
+    direction ("+x", "-y", "(0.5, 0.866, 0)") or to "live"; `panels`: names of the panels that are pushed, None = all; profile
+    "uniform", or "linear": f_i = W_i z_i (sum W) / (sum W z), z above the lowest free point, so that the load factor stays base
+    shear over weight of the loaded part. `dead` and `live` are extra wrenches (nb, 6) N and Nm about the centroids: dead ones
+    act always, live ones grow with the load factor.
     """
 
     direction: FloatArray
@@ -30,7 +31,7 @@ class LoadCase:
 
     def __init__(
         self,
-        direction: npt.ArrayLike,
+        direction: npt.ArrayLike | None = None,
         name: str = "",
         panels: "tuple[str, ...] | list[str] | None" = None,
         profile: Literal["uniform", "linear"] = "uniform",
@@ -41,26 +42,36 @@ class LoadCase:
             raise InputError(
                 "LoadCase.direction", "a text", found=repr(direction), expected='a vector, such as [1, 0, 0] for "+x"'
             )
-        vector = floats("LoadCase.direction", direction, (3,))
-        # Scaled first: squares of very large or small components would overflow or vanish.
-        vector = vector / (np.abs(vector).max() or 1.0)
-        length = float(np.linalg.norm(vector))
-        if length == 0:
-            raise InputError("LoadCase.direction", "no direction", found=vector.tolist(), expected="a vector of length > 0")
+        unit = np.zeros(3) if direction is None else _unit(direction)
         pushed = None if panels is None else tuple(listed("LoadCase.panels", panels, str))
         if pushed is not None and not pushed:
             raise InputError("LoadCase.panels", "nothing is pushed", expected="names of panels, or None for all")
         one_of("LoadCase.profile", profile, "uniform", "linear")
-        unit = floats("LoadCase.direction", vector / length, (3,))
+        grows = None if live is None else floats("LoadCase.live", live, (None, 6))
+        if direction is None and (grows is None or not grows.any()):
+            found = "no live wrenches" if grows is None else "live wrenches that are all zero"
+            raise InputError("LoadCase", "nothing is pushed", found=found, expected="a direction, or live wrenches (nb, 6)")
+        if direction is None and (pushed is not None or profile != "uniform"):
+            raise InputError("LoadCase", "no weight is pushed", found="panels or a profile", expected="a direction with them")
         store(
             self,
-            direction=unit,
+            direction=floats("LoadCase.direction", unit, (3,)),
             name=_named(name, unit),
             panels=pushed,
             profile=profile,
             dead=None if dead is None else floats("LoadCase.dead", dead, (None, 6)),
-            live=None if live is None else floats("LoadCase.live", live, (None, 6)),
+            live=grows,
         )
+
+
+def _unit(direction: npt.ArrayLike) -> FloatArray:
+    vector = floats("LoadCase.direction", direction, (3,))
+    # Scaled first: squares of very large or small components would overflow or vanish.
+    vector = vector / (np.abs(vector).max() or 1.0)
+    length = float(np.linalg.norm(vector))
+    if length == 0:
+        raise InputError("LoadCase.direction", "no direction", found=vector.tolist(), expected="a vector of length > 0")
+    return np.asarray(vector / length)
 
 
 def _named(name: object, direction: FloatArray) -> str:
@@ -68,7 +79,9 @@ def _named(name: object, direction: FloatArray) -> str:
 
 
 def direction_name(direction: FloatArray) -> str:
-    """Return "+x", "-y" ... for a direction along an axis, else its components."""
+    """Return "+x", "-y" ... for a direction along an axis, "live" for none, else its components."""
+    if not direction.any():
+        return "live"
     axis = int(np.argmax(np.abs(direction)))
     if abs(abs(direction[axis]) - 1) < 1e-9:
         return ("+" if direction[axis] > 0 else "-") + "xyz"[axis]

@@ -12,6 +12,10 @@ from churchpipe.model.arrays import FloatArray, floats, store
 Status = Literal["optimal", "converged", "not-converged", "unstable", "unbounded", "failed"]
 
 
+def _none() -> FloatArray:
+    return np.zeros(0)
+
+
 @dataclass(frozen=True, slots=True)
 class Iteration:
     """One step of the non-associative iteration: load factor, relative friction violation, and gap g / alpha if computed."""
@@ -48,7 +52,11 @@ class LimitState:
     mechanism; friction_violation: sum of |t| beyond the cone over sum of mu n. fixed_points: every distinct load factor
     that the starts of the iteration led to; starts: how each start got there.
 
-    Load factor and velocities of moving parts are meaningful; single point forces are not unique.
+    tie_forces (nt,) N, the tensions; tie_sensitivity (nt,) d load_factor / d strength, 1/N: the rate at which the mechanism
+    lengthens the tie (without dilatancy, for normal forces held as they are), NaN where there is no load factor.
+
+    Load factor and velocities of moving parts are meaningful; single point forces are not unique, nor is the tension of a tie
+    that the mechanism neither lengthens nor shortens.
     """
 
     load_factor: float
@@ -70,6 +78,8 @@ class LimitState:
     fixed_points: tuple[float, ...] = field(default=())
     starts: tuple[StartRun, ...] = field(default=())
     message: str = ""
+    tie_forces: FloatArray = field(default_factory=_none)
+    tie_sensitivity: FloatArray = field(default_factory=_none)
 
     def __post_init__(self) -> None:
         one_of("LimitState.status", self.status, *get_args(Status))
@@ -77,6 +87,8 @@ class LimitState:
             self,
             forces=floats("LimitState.forces", self.forces, (None, 3), finite=False),
             velocities=floats("LimitState.velocities", self.velocities, (None, 6), finite=False),
+            tie_forces=floats("LimitState.tie_forces", self.tie_forces, (None,), finite=False),
+            tie_sensitivity=floats("LimitState.tie_sensitivity", self.tie_sensitivity, (len(self.tie_forces),), finite=False),
         )
 
 

@@ -98,7 +98,7 @@ def certify(balance: Equilibrium, strength: Strength, x: FloatArray, tau: float,
 def _stone_residual(balance: Equilibrium, residual: FloatArray, x: FloatArray) -> float:
     """Return the largest residual (6 nf,) over the load of its stone and the lever of its row, or a share of the forces there."""
     size = sp.csr_matrix(abs(balance.matrix))
-    load = np.maximum(np.abs(balance.dead), np.abs(balance.live)).reshape(-1, 6).max(axis=1)
+    load = np.maximum(np.abs(balance.own), np.abs(balance.live)).reshape(-1, 6).max(axis=1)
     lever = np.asarray(size.max(axis=1).todense()).ravel()
     unit = np.maximum(np.repeat(load, 6) * lever, _PASSING * (size @ np.abs(x.ravel())))
     return float((np.abs(residual) / np.maximum(unit, 1e-300)).max())

@@ -42,8 +42,7 @@ class CoulombState:
 
 def sliding_program(balance: Equilibrium, limit: FloatArray) -> ConeProgram:
     """Return P: shear at each point at most `limit` (nc,) whatever the normal force, so that sliding does not dilate."""
-    zero = np.zeros(len(limit))
-    return ConeProgram(balance.matrix, balance.dead, balance.live, limit, zero, zero, zero)
+    return balance.program(limit, np.zeros(len(limit)))
 
 
 def sliding_velocities(
@@ -135,15 +134,8 @@ def nearest_forces(
         nearness / (len(n) * max(float(shear.mean()), 1e-3 * float(np.abs(balance.dead).max())) ** 2) * strength.friction**2
     )
     opened = 0.0 if excess is None else excess * np.maximum(rate[:, 0], 0.0)
-    program = ConeProgram(
-        balance=balance.matrix,
-        constant=balance.dead,
-        growth=balance.live,
-        limit=strength.cohesion,
-        slope=strength.friction,
-        linear=strength.friction * slip + opened - curvature * n,
-        quadratic=curvature,
-    )
+    linear = strength.friction * slip + opened - curvature * n
+    program = balance.program(strength.cohesion, strength.friction, linear, curvature)
     answer = solve(program, duality_gap=duality_gap)
     if answer.outcome != "solved":
         return None
@@ -151,9 +143,12 @@ def nearest_forces(
 
 
 def dead_load_start(balance: Equilibrium) -> FloatArray:
-    """Return the normal forces (nc,) >= 0 of the least-squares dead-load forces A^T (A A^T)^-1 (-f_D): the canonical start."""
-    solve = semidefinite_solver(balance.matrix)
-    forces = -(balance.matrix.T @ solve(balance.dead))
+    """Return the normal forces (nc,) >= 0 of the least-squares dead-load forces A^T (A A^T)^-1 (-f_D): the canonical start.
+
+    Ties are left slack.
+    """
+    matrix = balance.matrix[:, : 3 * balance.contacts]
+    forces = -(matrix.T @ semidefinite_solver(matrix)(balance.own))
     return np.maximum(forces[::3], 0.0)
 
 

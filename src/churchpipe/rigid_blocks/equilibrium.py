@@ -1,10 +1,11 @@
 """Equilibrium of the free stones: A c + f_D + alpha f_L = 0, eq. (1)."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import scipy.sparse as sp
 
+from churchpipe.conic.program import ConeProgram
 from churchpipe.errors import InputError
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
@@ -18,7 +19,8 @@ class Equilibrium:
 
     The unit of force is the total weight of the free stones, the unit of length the mean size of a stone: any other choice
     hides errors in relative residuals. matrix (6 nf, 3 nc) of the forces (n, t1, t2) on wrenches (force, moment about the
-    centroid); dead, live (6 nf,); free (nf,) stones; count nb; force N and length m are the units.
+    centroid); dead, live (6 nf,); free (nf,) stones; count nb; force N and length m are the units. Ties follow the contacts as
+    points of their own (`ties.with_ties`); tension (nt,): half the strength of each, which is part of the dead load.
     """
 
     matrix: sp.csc_matrix
@@ -28,6 +30,30 @@ class Equilibrium:
     count: int
     force: float
     length: float
+    tension: FloatArray = field(default_factory=lambda: np.zeros(0))
+
+    @property
+    def contacts(self) -> int:
+        """Number of contact points."""
+        return self.matrix.shape[1] // 3 - len(self.tension)
+
+    @property
+    def own(self) -> FloatArray:
+        """The dead load (6 nf,) without the forces of ties."""
+        return np.asarray(self.dead - self.matrix[:, 3 * self.contacts + 1 :: 3] @ self.tension)
+
+    def program(
+        self, limit: FloatArray, slope: FloatArray, linear: FloatArray | None = None, quadratic: FloatArray | None = None
+    ) -> ConeProgram:
+        """Return the cone program of this balance with these limits, slopes and costs of the points (nc + nt,), no cost if None.
+
+        The normal force of a tie acts on nothing. It gets a price, so that it is zero.
+        """
+        cost = np.zeros(len(limit)) if linear is None else linear.copy()
+        cost[self.contacts :] = 1.0
+        return ConeProgram(
+            self.matrix, self.dead, self.live, limit, slope, cost, np.zeros(len(limit)) if quadratic is None else quadratic
+        )
 
     def velocities(self, y: FloatArray) -> FloatArray:
         """Return velocities (nb, 6) of all stones from multipliers (6 nf,) of the balance: f_L . u is 1 m per total weight."""
@@ -60,6 +86,8 @@ def equilibrium(stones: Assemblage, contacts: Contacts, load: LoadCase) -> Equil
     live = np.zeros((stones.count, 6))
     live[:, :3] = lateral_weight(stones, load)[:, None] * load.direction
     live += _extra("LoadCase.live", load.live, stones.count)
+    if not live[free].any():
+        raise InputError(f"load {load.name}", "nothing is pushed", expected="a load on at least one free stone")
     unit = np.array([force] * 3 + [force * length] * 3)
     return Equilibrium(
         matrix=contact_matrix(stones, contacts, free, length),

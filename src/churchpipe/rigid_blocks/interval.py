@@ -1,5 +1,7 @@
 """The interval of a mechanism: the load factors of all Coulomb states that fit given velocities."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from churchpipe.conic.program import ConeProgram
@@ -79,12 +81,6 @@ def _priced_program(balance: Equilibrium, strength: Strength, state: CoulombStat
     rate = (balance.matrix.T @ (state.y / (balance.live @ state.y))).reshape(-1, 3)
     slip = np.hypot(rate[:, 1], rate[:, 2])
     reward = sign + price
-    return ConeProgram(
-        balance=balance.matrix,
-        constant=balance.dead,
-        growth=balance.live if reward > 0 else -balance.live,
-        limit=strength.cohesion,
-        slope=strength.friction,
-        linear=price / abs(reward) * (strength.friction * slip + 2.0 * np.maximum(-rate[:, 0], 0.0)),
-        quadratic=np.zeros_like(slip),
-    )
+    linear = price / abs(reward) * (strength.friction * slip + 2.0 * np.maximum(-rate[:, 0], 0.0))
+    program = balance.program(strength.cohesion, strength.friction, linear)
+    return replace(program, growth=np.sign(reward) * balance.live)

@@ -117,7 +117,7 @@ def paper_iteration(
     returns the analytic centre of the optimal ones, which reproduces the published values (docs/development.md).
     """
     settings = settings or PaperSettings()
-    mu, n, zero = strength.friction, n0, np.zeros_like(n0)
+    mu, n = strength.friction, n0
     history: list[Iteration] = []
     latest = None
     calm = spent = 0
@@ -125,8 +125,7 @@ def paper_iteration(
         floor = settings.cohesion * float(n.max())
         mixed = settings.beta * n + (1 - settings.beta) * n_before
         limit = mixed * (1 + settings.slope) * mu + strength.cohesion + floor
-        program = ConeProgram(balance.matrix, balance.dead, balance.live, limit, -settings.slope * mu, zero, zero)
-        answer = solve(program, duality_gap=EXACT)
+        answer = solve(balance.program(limit, -settings.slope * mu), duality_gap=EXACT)
         if answer.outcome != "solved":
             break
         latest = answer
@@ -284,10 +283,9 @@ def _stage_a(
     load = float(np.abs(balance.dead).max())
     mean = max(float(shear.mean()), 1e-3 * load)
     curvature = settings.weight_a / (len(n) * mean * (shear + 0.1 * mean)) * mu**2
-    zero = np.zeros_like(n)
     for cohesion in (settings.cohesion * float(shear.max()), *(load * share for share in settings.more_cohesion)):
         limit = shear + strength.cohesion + cohesion
-        program = ConeProgram(balance.matrix, balance.dead, balance.live, limit, zero, -curvature * n, curvature)
+        program = balance.program(limit, np.zeros_like(n), -curvature * n, curvature)
         answer = solve(program, duality_gap=settings.roughest)
         if answer.outcome == "solved":
             return np.maximum(answer.x[:, 0], 0.0), Iteration(answer.tau, friction_violation(strength, answer.x))

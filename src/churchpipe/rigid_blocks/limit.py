@@ -18,10 +18,12 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.results import LimitState, Status
+from churchpipe.model.ties import Tie
 from churchpipe.rigid_blocks.certificate import FLOW_TOLERANCE, UNPROVED, Certificate, Strength, certify, kinematic_bound
 from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
 from churchpipe.rigid_blocks.iterations import BIPOTENTIAL_GAP
 from churchpipe.rigid_blocks.sliding import Method, SlidingOptions, Start, sliding_analysis
+from churchpipe.rigid_blocks.ties import point_forces, with_ties
 
 Progress = Callable[[str, float], None]
 Standing = Literal["stable", "unstable", "failed"]
@@ -40,6 +42,7 @@ def limit_analysis(
     flow: Flow = "associative",
     method: Method = "default",
     start: Start | Sequence[Start] | None = None,
+    ties: Sequence[Tie] = (),
     solver: str = "auto",
     bipotential_gap: float = BIPOTENTIAL_GAP,
     progress: Progress | None = None,
@@ -51,6 +54,7 @@ def limit_analysis(
     friction: coefficient, scalar or one an interface (ni,). cohesion: Pa, scalar or (ni,).
     flow: "associative" (sliding dilates, eq. (1)) or "non-associative" (no dilatancy, by iteration, eq. (3)).
     method, start (one or several), bipotential_gap: of the non-associative iteration, see `sliding.SlidingOptions`.
+    ties: bars that pull stones together; the result has their tensions and what their strength adds.
     solver: "auto" (our own interior point, Clarabel where that fails), "interior-point", "clarabel", "cvxpy", "cvxpy:MOSEK" ...
     progress: called with a text and the share done.
 
@@ -61,7 +65,7 @@ def limit_analysis(
 
     Raises
     ------
-    InputError: arguments out of range, stones without a path to a support.
+    InputError: arguments out of range, stones without a path to a support, ties that are anchored in no stone.
     """
     for name, value, kind in (("stones", stones, Assemblage), ("contacts", contacts, Contacts), ("load", load, LoadCase)):
         check_kind(f"limit_analysis: {name}", value, kind)
@@ -74,6 +78,7 @@ def limit_analysis(
     begin = perf_counter()
     balance = equilibrium(stones, contacts, load)
     strength = point_strength(contacts, friction, cohesion, balance.force)
+    balance, strength = with_ties(balance, strength, stones, listed("limit_analysis: ties", ties, Tie))
     _check_connected(stones, contacts, balance)
     if progress:
         progress("dead load", 0.0)
@@ -115,13 +120,12 @@ def point_strength(contacts: Contacts, friction: npt.ArrayLike, cohesion: npt.Ar
 
 def associative_program(balance: Equilibrium, strength: Strength) -> ConeProgram:
     """Return eqs. (1)-(2) as a cone program."""
-    zero = np.zeros(len(strength.friction))
-    return ConeProgram(balance.matrix, balance.dead, balance.live, strength.cohesion, strength.friction, zero, zero)
+    return balance.program(strength.cohesion, strength.friction)
 
 
 def dead_load_analysis(balance: Equilibrium, strength: Strength, solve: Solve) -> tuple[Standing, ConeSolution]:
     """Say whether the structure carries its dead load, with the forces that do or the mechanism that falls."""
-    share = _ShareOfLoad(balance, strength, balance.dead)
+    share = _ShareOfLoad(balance, strength, balance.own)
     answer = solve(share.program, proves=lambda answer: share.standing(answer) != "failed")
     standing = share.standing(answer)
     if standing == "failed":
@@ -132,10 +136,10 @@ def dead_load_analysis(balance: Equilibrium, strength: Strength, solve: Solve) -
 
 
 class _ShareOfLoad:
-    """The largest share tau <= 1 of a load that the contacts can carry. It is always feasible, so no result depends on a ray."""
+    """The largest share tau <= 1 of a load that contacts and ties carry. It is always feasible, so no result depends on a ray."""
 
     def __init__(self, balance: Equilibrium, strength: Strength, load: FloatArray) -> None:
-        self._alone = replace(balance, dead=np.zeros_like(load), live=load)
+        self._alone = replace(balance, dead=balance.dead - balance.own, live=load)
         self._strength = strength
         self.program = replace(associative_program(self._alone, strength), cap=1.0)
 
@@ -176,9 +180,14 @@ def associative_state(balance: Equilibrium, strength: Strength, solve: Solve, be
 def wedge(balance: Equilibrium, strength: Strength, solve: Solve) -> ConeSolution | None:
     """Return forces within friction that balance the lateral load alone, so that it may grow for ever, or None."""
     uncohesive = replace(strength, cohesion=np.zeros_like(strength.cohesion))
-    share = _ShareOfLoad(balance, uncohesive, balance.live)
+    share = _ShareOfLoad(_slack(balance), uncohesive, balance.live)
     answer = solve(share.program, proves=lambda answer: share.standing(answer) != "failed")
     return replace(answer, x=answer.x / answer.tau) if share.standing(answer) == "stable" else None
+
+
+def _slack(balance: Equilibrium) -> Equilibrium:
+    """Return the balance with ties that carry nothing."""
+    return replace(balance, dead=balance.own, tension=np.zeros_like(balance.tension))
 
 
 def unbounded_state(balance: Equilibrium, ray: ConeSolution, seconds: float, flow: Flow = "associative") -> LimitState:
@@ -191,7 +200,7 @@ def unbounded_state(balance: Equilibrium, ray: ConeSolution, seconds: float, flo
         message += "; they need no friction"
     still = replace(ray, y=np.full_like(ray.y, np.nan))
     proof = Certificate(np.inf, np.inf, residual, 0.0, residual, 0.0)
-    return _state(balance, still, "unbounded", np.inf, proof, seconds, flow=flow, message=message)
+    return _state(_slack(balance), still, "unbounded", np.inf, proof, seconds, flow=flow, message=message)
 
 
 def _check_connected(stones: Assemblage, contacts: Contacts, balance: Equilibrium) -> None:
@@ -229,12 +238,15 @@ def _state(
     flow: Flow = "associative",
     message: str = "",
 ) -> LimitState:
+    found = point_forces(balance, answer.x, answer.y if np.isfinite(load_factor) else np.full_like(answer.y, np.nan))
     return LimitState(
         load_factor=load_factor,
         status=status,
         lower_bound=certificate.lower_bound,
         upper_bound=certificate.upper_bound,
-        forces=answer.x * balance.force,
+        forces=found.contacts,
+        tie_forces=found.ties,
+        tie_sensitivity=found.sensitivity,
         velocities=balance.velocities(answer.y) if np.isfinite(answer.y).all() else np.zeros((balance.count, 6)),
         equilibrium_residual=certificate.equilibrium_residual,
         cone_violation=certificate.cone_violation,

@@ -25,6 +25,7 @@ from churchpipe.rigid_blocks.coulomb import (
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
 from churchpipe.rigid_blocks.interval import mechanism_interval
 from churchpipe.rigid_blocks.iterations import BIPOTENTIAL_GAP, SchemeSettings, SlidingRun, certified_iteration, paper_iteration
+from churchpipe.rigid_blocks.ties import all_forces, point_forces
 
 Method = Literal["default", "paper"]
 Start = Literal["dead-load", "uniform", "associative"]
@@ -87,11 +88,12 @@ def sliding_analysis(
         others: list[Start] = [start for start in starts if start != "associative"]
         starts = tuple(others) or ("dead-load",)
     normal = associative.forces[:, 0] / balance.force
+    slack = np.zeros(len(balance.tension))
     settings = SchemeSettings(gap=options.bipotential_gap)
     found: list[SlidingRun] = []
     ends: list[tuple[StartRun, SlidingRun, CoulombState | None]] = []
     for start in starts:
-        n = _first_forces(start, normal, balance)
+        n = np.concatenate([_first_forces(start, normal, balance), slack])
         if options.method == "default":
             run = certified_iteration(balance, strength, n, solve, settings, progress)
             runs = [] if run is None else [run]
@@ -121,7 +123,7 @@ def sliding_analysis(
 
 def _associative_run(balance: Equilibrium, strength: Strength, associative: LimitState, solve: Solve) -> SlidingRun:
     """Return the associative forces as a run without a step, with the velocities that fit them best, or their own."""
-    x, load_factor = associative.forces / balance.force, associative.load_factor
+    x, load_factor = all_forces(balance, associative), associative.load_factor
     state = coulomb_state(balance, strength, x, load_factor, solve)
     y = balance.multipliers(associative.velocities) if state is None else state.y
     gap = bipotential_gap(balance, strength, x, y)
@@ -183,12 +185,15 @@ def _state(
         last = load_factor
     residual = balance.matrix @ x.ravel() + balance.dead + last * balance.live
     overdrawn = friction_violation(strength, x)
+    forces = point_forces(balance, x, y)
     return LimitState(
         load_factor=load_factor,
         status="converged" if proven else "not-converged",
         lower_bound=np.nan,
         upper_bound=np.nan,
-        forces=x * balance.force,
+        forces=forces.contacts,
+        tie_forces=forces.ties,
+        tie_sensitivity=forces.sensitivity,
         velocities=balance.velocities(y / max(float(balance.live @ y), 1e-300)),
         equilibrium_residual=float(np.abs(residual).max()),
         cone_violation=cone_violation(x, strength),
@@ -237,6 +242,8 @@ def _nothing(associative: LimitState) -> LimitState:
         upper_bound=np.nan,
         forces=associative.forces,
         velocities=associative.velocities,
+        tie_forces=associative.tie_forces,
+        tie_sensitivity=associative.tie_sensitivity,
         flow="non-associative",
         solver=associative.solver,
         message="no start of the non-associative iteration gave a feasible step",

@@ -61,6 +61,8 @@ def state(count: int, points: int) -> LimitState:
             StartRun("associative", 0.26, False, np.nan, (np.nan, np.nan), ()),
         ),
         message="späte Konvergenz",
+        tie_forces=np.array([PI, 0.0]),
+        tie_sensitivity=np.array([ROOT2, np.nan]),
     )
 
 

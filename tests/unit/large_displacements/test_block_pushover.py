@@ -22,6 +22,7 @@ PUSH = cp.LoadCase((1, 0, 0))
         ({"furthest": -1.0}, "block_pushover: furthest: out of range"),
         ({"control": (0, 0)}, "block_pushover: control: wrong shape"),
         ({"control": (0, 0, 9)}, "block_pushover: control: a point outside the free stones"),
+        ({"control": (0, 0, 1), "load": cp.LoadCase(live=np.eye(2, 6, k=-1))}, "control: the load has no direction"),
         ({"friction": -1.0}, "friction: out of range"),
         ({"load": 3}, "load: wrong kind"),
     ],

@@ -1,0 +1,108 @@
+"""Ties in the balance of rigid blocks: one more point each, whose force is bounded on both sides."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy.sparse as sp
+
+from churchpipe.errors import InputError
+from churchpipe.geometry.locate import stones_at
+from churchpipe.model.arrays import FloatArray
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.results import LimitState
+from churchpipe.model.ties import Tie
+from churchpipe.rigid_blocks.certificate import Strength
+from churchpipe.rigid_blocks.equilibrium import Equilibrium
+
+
+def with_ties(balance: Equilibrium, strength: Strength, stones: Assemblage, ties: Sequence[Tie]) -> tuple[Equilibrium, Strength]:
+    """Return balance and strength of the contact points with one more point for each tie.
+
+    With B the wrench of a unit tension, the forces (n, t1, t2) of such a point act by the columns (0, B, 0). Its friction is 0,
+    its cohesion half the strength of the tie, and B times that half acts always: the tension is strength / 2 + t1.
+
+    Raises
+    ------
+    InputError: an anchor without a stone or with several, both ends on one stone, or on stones that cannot move.
+    """
+    if not ties:
+        return balance, strength
+    half = np.array([tie.strength for tie in ties]) / (2.0 * balance.force)
+    wrench = np.zeros((len(ties), stones.count, 6))
+    for row, tie in enumerate(ties):
+        for stone, anchor, force in zip(_anchored(stones, tie), (tie.start, tie.end), (tie.axis, -tie.axis), strict=True):
+            arm = (anchor - stones.centroid[stone]) / balance.length
+            wrench[row, stone] = np.concatenate([force, np.cross(arm, force)])
+    columns = np.zeros((6 * len(balance.free), len(ties), 3))
+    columns[:, :, 1] = wrench[:, balance.free].reshape(len(ties), -1).T
+    flat = columns.reshape(len(columns), -1)
+    tied = replace(
+        balance,
+        matrix=sp.csc_matrix(sp.hstack([balance.matrix, sp.csc_matrix(flat)])),
+        dead=balance.dead + columns[:, :, 1] @ half,
+        tension=half,
+    )
+    friction = np.concatenate([strength.friction, np.zeros(len(ties))])
+    return tied, Strength(friction, np.concatenate([strength.cohesion, half]))
+
+
+def _anchored(stones: Assemblage, tie: Tie) -> tuple[int, int]:
+    where = f"tie {tie.name}"
+    if tie.stones is None:
+        i, j = (_stone_at(stones, where, end, anchor) for end, anchor in (("start", tie.start), ("end", tie.end)))
+    else:
+        i, j = tie.stones
+    if max(i, j) >= stones.count:
+        raise InputError(f"{where}: stones", "no such stone", found=max(i, j), expected=f"indices < {stones.count}")
+    if i == j:
+        raise InputError(where, "both ends on one stone", found=stones.block_id[i], expected="anchors on two stones")
+    if stones.fixed[[i, j]].all():
+        found = f"{stones.block_id[i]} and {stones.block_id[j]}"
+        raise InputError(where, "both ends on fixed stones", found=found, expected="at least one free stone")
+    return i, j
+
+
+def _stone_at(stones: Assemblage, where: str, end: str, anchor: FloatArray) -> int:
+    found = stones_at(stones, anchor).tolist()
+    place = f"{anchor.round(4).tolist()} m"
+    if not found:
+        raise InputError(f"{where}: {end}", "no stone at the anchor", found=place, expected="a point in or on a stone")
+    if len(found) > 1:
+        raise InputError(
+            f"{where}: {end}",
+            "several stones at the anchor",
+            found=f"{', '.join(f'{stones.block_id[i]} ({i})' for i in found)} at {place}",
+            expected="one stone",
+            remedy="Move the anchor into one of them, or give the tie's stones=(i, j).",
+        )
+    return int(found[0])
+
+
+@dataclass(frozen=True, slots=True)
+class PointForces:
+    """The forces of a solution by what they act in: contacts (nc, 3) N; ties (nt,) N; what a tie's strength adds (nt,) 1/N."""
+
+    contacts: FloatArray
+    ties: FloatArray
+    sensitivity: FloatArray
+
+
+def point_forces(balance: Equilibrium, x: FloatArray, y: FloatArray) -> PointForces:
+    """Return the forces of a solution x (nc + nt, 3) and what the strength of each tie adds to the load factor.
+
+    By virtual work that is the rate at which the mechanism y (6 nf,), f_L . u = 1, lengthens the tie. It is zero for a tie that
+    the mechanism does not lengthen, and NaN where there is no mechanism of the lateral load.
+    """
+    first = balance.contacts
+    power = float(balance.live @ y)
+    shortening = np.asarray(balance.matrix.T @ y).reshape(-1, 3)[first:, 1] / (power if power > 0 else np.nan)
+    tension = np.clip(balance.tension + x[first:, 1], 0.0, 2.0 * balance.tension)
+    return PointForces(x[:first] * balance.force, tension * balance.force, np.maximum(-shortening, 0.0) / balance.force)
+
+
+def all_forces(balance: Equilibrium, state: LimitState) -> FloatArray:
+    """Return the forces x (nc + nt, 3) of contacts and ties that a state has."""
+    ties = np.zeros((len(balance.tension), 3))
+    ties[:, 1] = state.tie_forces / balance.force - balance.tension
+    return np.concatenate([state.forces / balance.force, ties])
