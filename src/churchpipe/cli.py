@@ -5,7 +5,6 @@ solver (unstable, not converged, failed; the report is written all the same).
 """
 
 import importlib.metadata
-import json
 import os
 import signal
 import sys
@@ -294,11 +293,9 @@ def generate(
         return
     if case.exists():
         raise UsageError(str(case), "exists already", remedy="Choose another name, or delete it first.")
-    from churchpipe.config.json_schema import FILE_NAME, REFERENCE, case_schema
-    from churchpipe.io.atomic import write_text
+    from churchpipe.config.json_schema import write_case
 
-    write_text(case, REFERENCE + text)
-    write_text(case.with_name(FILE_NAME), json.dumps(case_schema(), indent=1) + "\n")
+    write_case(case, text)
     out.print(f"{case}: edit it, then churchpipe run {case}", soft_wrap=True)
 
 
@@ -307,11 +304,10 @@ def schema(
     markdown: Annotated[bool, typer.Option("--markdown", help="The same as a page to read (docs/reference_case.md).")] = False,
 ) -> None:
     """Print the JSON schema of the case file, by which editors complete and check it."""
-    from churchpipe.config.json_schema import case_schema
+    from churchpipe.config.json_schema import schema_text
     from churchpipe.config.reference import reference_page
 
-    text = reference_page() if markdown else json.dumps(case_schema(), indent=1) + "\n"
-    out.print(text, markup=False, end="", soft_wrap=True)
+    out.print(reference_page() if markdown else schema_text(), markup=False, end="", soft_wrap=True)
 
 
 @app.command()

@@ -5,11 +5,11 @@ import math
 import re
 import shutil
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
-import numpy as np
-
+from churchpipe.config.imported import imported_case, material_names
+from churchpipe.config.json_schema import write_case
 from churchpipe.config.shell_table import shell_table
 from churchpipe.dxf.annotated import write_findings
 from churchpipe.dxf.reader import Drawing
@@ -19,14 +19,11 @@ from churchpipe.errors import UsageError
 from churchpipe.findings import Findings
 from churchpipe.io.atomic import write_text
 from churchpipe.meshes.reader import files_of, read_file
-from churchpipe.model.loads import LoadCase, direction_name
-from churchpipe.model.materials import Elastic, Material
+from churchpipe.model.loads import LoadCase
 from churchpipe.stones.account import joints_lines, joints_record
 from churchpipe.stones.contacts import find_contacts
 from churchpipe.stones.soundness import check_soundness
 
-# Above this many the non-associative analysis is left to who asks for it.
-MANY_STONES = 3000
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
@@ -71,7 +68,7 @@ def import_drawing(
     loads: Sequence[str] = (),
     contact_gap: float | None = None,
 ) -> Imported:
-    """Write FOLDER/case.toml and a copy of the file beside it; findings.json and findings.dxf when there are any.
+    """Write FOLDER/case.toml, its schema and a copy of the file beside it; findings.json and findings.dxf when there are any.
 
     Parameters
     ----------
@@ -96,33 +93,24 @@ def import_drawing(
     for file, copy in copies.items():
         if copy.exists() and not copy.samefile(file):
             raise UsageError(str(copy), "exists already", remedy="Choose another folder, or delete it first.")
-    stored = {material.name: material for material in drawing.materials}
-    used = [str(name) for name in np.unique(drawing.stones.material[~drawing.stones.fixed])]
-    names = [*used, *(name for name in stored if name not in used)]
-    tables = [_material_table(name, stored.get(name), unit_weight, friction) for name in names]
-    pushes = [LoadCase(direction) for direction in directions] or list(drawing.loads)
-    missing = [key for _, keys in tables for key in keys] + ([] if pushes else ["[[load]] with its direction"])
-    key = "dxf" if path.suffix.lower() == ".dxf" else "file"
-    source = [f"{key} = {_text(path.name)}", *_reading_lines(reading)]
-    shell = shell_table(drawing.stones, {name: stored[name].elastic is not None if name in stored else False for name in names})
-    text = "\n\n".join(
-        [
-            f'# Imported from {path.name}.\nname = "{re.sub(r"[^A-Za-z0-9_.+-]+", "-", path.stem).strip("-.+") or "drawing"}"',
-            "[source]\n" + "\n".join(source),
-            *(table for table, _ in tables),
-            *map(_load_table, pushes),
-            *([] if pushes else ["# [[load]]\n# direction = [1, 0, 0]"]),
-            f"[rigid]\n{_flow(drawing.stones.count)}"
-            + (f"\ncontact_gap_mm = {_number(1e3 * contact_gap)}" if contact_gap is not None else ""),
-            *([shell.text] if shell.text else []),
-        ]
+    elastic = {material.name: material.elastic is not None for material in drawing.materials}
+    shell = shell_table(drawing.stones, {name: elastic.get(name, False) for name in material_names(drawing)})
+    text, missing = imported_case(
+        path,
+        drawing,
+        reading,
+        unit_weight=unit_weight,
+        friction=friction,
+        loads=[LoadCase(direction) for direction in directions] or drawing.loads,
+        contact_gap=contact_gap,
+        shell=shell,
     )
     folder.mkdir(parents=True, exist_ok=True)
     for file, copy in copies.items():
         copy.parent.mkdir(parents=True, exist_ok=True)
         if not copy.exists():
             shutil.copyfile(file, copy)
-    write_text(case, text + "\n")
+    write_case(case, text)
     record_findings(drawing.findings, folder, drawing.units)
     fixed = int(drawing.stones.fixed.sum())
     return Imported(case, drawing.stones.count - fixed, fixed, drawing.findings, tuple(missing), shell.note, tuple(joints))
@@ -133,13 +121,6 @@ def _copies(path: Path, folder: Path) -> dict[Path, Path]:
     root = path if path.is_dir() else path.parent
     place = folder / path.name if path.is_dir() else folder
     return {file: place / file.relative_to(root) for file in files_of(path)}
-
-
-def _flow(stones: int) -> str:
-    """Return which flow rules a case asks for: both, unless the second would take most of an hour a load."""
-    if stones <= MANY_STONES:
-        return 'flow = ["associative", "non-associative"]'
-    return 'flow = ["associative"]                # "non-associative" takes some hundred times longer for so many stones'
 
 
 def _directions(texts: Sequence[str]) -> list[tuple[float, float, float]]:
@@ -195,77 +176,3 @@ def record_findings(findings: Findings, folder: Path, units: str) -> None:
     record = {"file": findings.file, "findings": findings.records()}
     write_text(folder / "findings.json", json.dumps(record, indent=1, ensure_ascii=False) + "\n")
     write_findings(findings, folder / "findings.dxf", units)
-
-
-def _reading_lines(reading: Reading) -> list[str]:
-    """Return the keys of [source] that read a drawing the same way again."""
-    lines: list[str] = []
-    for field in fields(reading):
-        value = getattr(reading, field.name)
-        if value == field.default:
-            continue
-        if isinstance(value, bool):
-            lines.append(f"{field.name} = {str(value).lower()}")
-        elif field.name == "scale":
-            lines.append(f"scale = {_number(value)}")
-        elif isinstance(value, str):
-            lines.append(f"{field.name} = {_text(value)}")
-        else:
-            lines.append(f"{field.name}_mm = {_number(1e3 * value)}")
-    return lines
-
-
-def _material_table(
-    name: str, stored: Material | None, unit_weight: float | None, friction: float | None
-) -> tuple[str, list[str]]:
-    """Return the table of a material and the keys that nobody gave, which stand in it as comments."""
-    values = {
-        "unit_weight_kN_m3": (unit_weight, stored.unit_weight if stored else None, 1e3),
-        "friction": (friction, stored.friction if stored else None, 1.0),
-        "cohesion_kPa": (None, stored.cohesion if stored else 0.0, 1e3),
-    }
-    lines, missing = [f"[material.{_key(name)}]"], []
-    for key, (given, drawn, factor) in values.items():
-        value = drawn if given is None else given
-        if value is None:
-            lines.append(f"# {key} =    # not in the drawing: fill it in")
-            missing.append(f"material.{_key(name)}.{key}")
-        else:
-            lines.append(f"{key} = {_number(value / factor)}")
-    if stored and stored.elastic:
-        lines.append(f"elastic = {_elastic(stored.elastic)}")
-    return "\n".join(lines), missing
-
-
-def _elastic(elastic: Elastic) -> str:
-    values = {
-        "block_E_GPa": elastic.block_modulus / 1e9,
-        "block_nu": elastic.block_poisson,
-        "joint_E_GPa": elastic.joint_modulus / 1e9,
-        "joint_nu": elastic.joint_poisson,
-        "joint_thickness_mm": elastic.joint_thickness * 1e3,
-    }
-    return "{ " + ", ".join(f"{key} = {_number(value)}" for key, value in values.items()) + " }"
-
-
-def _load_table(load: LoadCase) -> str:
-    lines = ["[[load]]", f"direction = [{', '.join(map(_number, load.direction))}]"]
-    lines += [f"name = {_text(load.name)}"] if load.name != direction_name(load.direction) else []
-    lines += [f"panels = [{', '.join(map(_text, load.panels))}]"] if load.panels is not None else []
-    lines += [f'profile = "{load.profile}"'] if load.profile != "uniform" else []
-    return "\n".join(lines)
-
-
-def _number(value: float) -> str:
-    # One unit in the last place hides that 0.001 has no exact binary form; nothing else is rounded.
-    short = f"{value:.15g}"
-    return short if abs(float(short) - value) <= 2**-52 * abs(value) else repr(float(value))
-
-
-def _text(value: str) -> str:
-    # The strings of JSON are strings of TOML.
-    return json.dumps(value, ensure_ascii=False)
-
-
-def _key(name: str) -> str:
-    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else _text(name)

@@ -260,7 +260,7 @@ def test_a_large_drawing_is_not_asked_for_both_flow_rules(
     write_dxf(two_cubes, tmp_path / "a.dxf")
     given = ("--unit-weight-kN-m3", 18, "--friction", 0.65, "--load", "-y")
     for folder, many, flow in (("few", 3000, ("associative", "non-associative")), ("many", 1, ("associative",))):
-        monkeypatch.setattr("churchpipe.importing.MANY_STONES", many)
+        monkeypatch.setattr("churchpipe.config.imported.MANY_STONES", many)
         assert call(capsys, "import-dxf", tmp_path / "a.dxf", "-o", tmp_path / folder, *given)[0] == 0
         assert read_case(tmp_path / folder / "case.toml").rigid.flow == flow
 

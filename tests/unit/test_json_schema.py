@@ -2,17 +2,22 @@
 
 import json
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import jsonschema
+import numpy as np
 import pytest
 from test_cli import call
 
+from churchpipe import generators
 from churchpipe.config.json_schema import case_schema
 from churchpipe.config.overrides import apply_overrides
 from churchpipe.config.reference import reference_page
+from churchpipe.dxf.writer import write_dxf
 from churchpipe.resources import sample_case, sample_names
+from churchpipe.stones.blocks import derive_blocks
 
 SCHEMA = jsonschema.Draft7Validator(case_schema())
 PAGE = Path(__file__).parents[2] / "docs" / "reference_case.md"
@@ -57,6 +62,23 @@ def test_a_written_case_names_the_schema_beside_it(capsys: pytest.CaptureFixture
     assert json.loads((tmp_path / "case.schema.json").read_text()) == case_schema()
     code, out, _ = call(capsys, "schema")
     assert (code, json.loads(out)) == (0, case_schema())
+
+
+def test_an_imported_case_names_the_schema_and_stands_up_to_it(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    odd = 'granite "A" [x]'
+    wall = derive_blocks(generators.wall(length=0.4, courses=1, brick=(0.2, 0.1, 0.1)))
+    stones = replace(wall, material=np.full(wall.count, odd))
+    write_dxf(stones, tmp_path / "a.dxf")
+    assert call(capsys, "import-dxf", tmp_path / "a.dxf", "-o", tmp_path / "a", "--load", "+x")[0] == 0
+    text = (tmp_path / "a" / "case.toml").read_text()
+    assert text.splitlines()[0] == "#:schema ./case.schema.json"
+    assert json.loads((tmp_path / "a" / "case.schema.json").read_text()) == case_schema()
+    table = tomllib.loads(text)
+    assert table["material"] == {odd: {"cohesion_kPa": 0}}
+    for key in ("unit_weight_kN_m3", "friction"):
+        assert f"# {key} =    # not in the drawing: fill it in\n" in text
+    table["material"][odd] |= {"unit_weight_kN_m3": 20, "friction": 0.6}
+    assert not messages(table)
 
 
 def test_the_reference_page_is_up_to_date() -> None:

@@ -1,17 +1,31 @@
 """The JSON schema of a case file, for editors that complete and check TOML."""
 
+import json
+from pathlib import Path
 from typing import Any
 
 from pydantic.json_schema import models_json_schema
 
 from churchpipe.config.schema import CaseTable
 from churchpipe.config.sources import GENERATED, DrawingSource, FileSource
+from churchpipe.io.atomic import write_text
 
 # Beside a case; its first line names it for editors.
 FILE_NAME = "case.schema.json"
 REFERENCE = f"#:schema ./{FILE_NAME}\n"
 # The title of a length that stands in the schema twice.
 IN_METRES = "in metres"
+
+
+def schema_text() -> str:
+    """Return the JSON schema of a case file as text."""
+    return json.dumps(case_schema(), indent=1) + "\n"
+
+
+def write_case(path: Path, text: str) -> None:
+    """Write a case file whose first line names the schema, and the schema beside it."""
+    write_text(path.with_name(FILE_NAME), schema_text())
+    write_text(path, REFERENCE + text)
 
 
 def case_schema() -> dict[str, Any]:

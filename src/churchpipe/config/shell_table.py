@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from churchpipe.errors import InputError
 from churchpipe.geometry.planar import area, polygon
@@ -16,10 +17,11 @@ ELEMENTS = 3000
 
 @dataclass(frozen=True, slots=True)
 class ShellTable:
-    """The text of a [shell] table ("" when no wall fits the stones), and what the user should know about it."""
+    """The keys of a [shell] table (none when no wall fits the stones), what the user should know, a comment on `analyses`."""
 
-    text: str
+    keys: Mapping[str, Any]
     note: str
+    comment: str = ""
 
 
 def shell_table(stones: Assemblage, elastic: Mapping[str, bool]) -> ShellTable:
@@ -31,24 +33,22 @@ def shell_table(stones: Assemblage, elastic: Mapping[str, bool]) -> ShellTable:
     try:
         fitted = fit_panels(stones)
     except InputError as error:
-        return ShellTable("", f"No shell: {error.problem}; the rigid blocks stand alone. {error.remedy}")
+        return ShellTable({}, f"No shell: {error.problem}; the rigid blocks stand alone. {error.remedy}")
     size = element_size(fitted.panels)
     for panel in fitted.panels:
         for region in panel.regions:
             if region.pattern not in SHELL_PATTERNS:
                 bond = f"{region.pattern} bond ({panel.name})"
-                return ShellTable("", f"No shell: the strength of {bond} is not derived; the rigid blocks stand alone.")
+                return ShellTable({}, f"No shell: the strength of {bond} is not derived; the rigid blocks stand alone.")
     used = {panel.material for panel in fitted.panels}
-    lines = ["[shell]", f"element_size_mm = {1e3 * size:g}"]
-    if all(elastic[name] for name in used):
-        lines.append('analyses = ["limit", "pushover"]')
-    else:
-        lines.append('analyses = ["limit"]    # "pushover" besides: give each material its elastic constants')
+    complete = all(elastic[name] for name in used)
+    keys = {"element_size_mm": float(f"{1e3 * size:g}"), "analyses": ["limit", "pushover"] if complete else ["limit"]}
+    comment = "" if complete else '"pushover" besides: give each material its elastic constants'
     note = f"{len(fitted.panels)} walls fitted for the shell: {', '.join(panel.name for panel in fitted.panels)}."
     if len(fitted.unfit):
         few = ", ".join(fitted.unfit[:8])
         note += f" {len(fitted.unfit)} stones fit none: {few}{' ...' if len(fitted.unfit) > 8 else ''}."
-    return ShellTable("\n".join(lines), note)
+    return ShellTable(keys, note, comment)
 
 
 def element_size(panels: Sequence[Panel]) -> float:

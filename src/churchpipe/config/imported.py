@@ -1,0 +1,154 @@
+"""The case file of an imported drawing, or of another file of stones."""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import tomlkit
+from tomlkit.items import InlineTable, Item, Table
+
+from churchpipe.config.shell_table import ShellTable
+from churchpipe.dxf.reader import Drawing
+from churchpipe.dxf.reading import Reading
+from churchpipe.model.loads import LoadCase, direction_name
+from churchpipe.model.materials import Elastic, Material
+
+# Above this many the non-associative analysis is left to who asks for it.
+MANY_STONES = 3000
+
+
+def imported_case(
+    path: Path,
+    drawing: Drawing,
+    reading: Reading,
+    *,
+    unit_weight: float | None,
+    friction: float | None,
+    loads: Sequence[LoadCase],
+    contact_gap: float | None,
+    shell: ShellTable,
+) -> tuple[str, list[str]]:
+    """Return the text of a case file and the keys that nobody gave, which stand in it as comments.
+
+    Parameters
+    ----------
+    path: of the file, whose copy lies beside the case. drawing, reading: what was read of it, and how.
+    unit_weight: N/m3, of all stones; friction: of all joints; None: as the drawing stores them. loads: those of the case.
+    contact_gap: m; None: the default. shell: its table.
+    """
+    case = tomlkit.document()
+    case.add(tomlkit.comment(f"Imported from {path.name}."))
+    case["name"] = re.sub(r"[^A-Za-z0-9_.+-]+", "-", path.stem).strip("-.+") or "drawing"
+    case["source"] = _table({"dxf" if path.suffix.lower() == ".dxf" else "file": path.name, **_reading_keys(reading)})
+    materials, missing = tomlkit.table(is_super_table=True), list[str]()
+    stored = {material.name: material for material in drawing.materials}
+    for name in material_names(drawing):
+        materials[name], absent = _material_table(stored.get(name), unit_weight, friction)
+        missing += [f"material.{tomlkit.key(name).as_string()}.{key}" for key in absent]
+    case["material"] = materials
+    case.add(tomlkit.nl())
+    if loads:
+        case["load"] = tomlkit.aot()
+        for load in loads:
+            case["load"].append(_load_table(load))
+    else:
+        for line in ("[[load]]", "direction = [1, 0, 0]"):
+            case.add(tomlkit.comment(line))
+        case.add(tomlkit.nl())
+        missing.append("[[load]] with its direction")
+    case["rigid"] = _rigid_table(drawing.stones.count, contact_gap)
+    if shell.keys:
+        case["shell"] = _table(shell.keys)
+        if shell.comment:
+            case["shell"]["analyses"].comment(shell.comment)
+    return tomlkit.dumps(case), missing
+
+
+def material_names(drawing: Drawing) -> list[str]:
+    """Return the names of the materials of free stones, and then those of others that the drawing stores."""
+    used = np.unique(drawing.stones.material[~drawing.stones.fixed]).tolist()
+    return list(dict.fromkeys([*used, *(material.name for material in drawing.materials)]))
+
+
+def _reading_keys(reading: Reading) -> dict[str, Any]:
+    """Return the keys of [source] that read a drawing the same way again."""
+    keys: dict[str, Any] = {}
+    for field in fields(reading):
+        value = getattr(reading, field.name)
+        if value == field.default:
+            continue
+        if isinstance(value, bool | str):
+            keys[field.name] = value
+        elif field.name == "scale":
+            keys["scale"] = float(value)
+        else:
+            keys[f"{field.name}_mm"] = 1e3 * value
+    return keys
+
+
+def _material_table(stored: Material | None, unit_weight: float | None, friction: float | None) -> tuple[Table, list[str]]:
+    """Return the table of a material and the keys that nobody gave."""
+    values = {
+        "unit_weight_kN_m3": (unit_weight, stored.unit_weight if stored else None, 1e3),
+        "friction": (friction, stored.friction if stored else None, 1.0),
+        "cohesion_kPa": (None, stored.cohesion if stored else 0.0, 1e3),
+    }
+    table, missing = tomlkit.table(), list[str]()
+    for key, (given, drawn, factor) in values.items():
+        value = drawn if given is None else given
+        if value is None:
+            table.add(tomlkit.comment(f"{key} =    # not in the drawing: fill it in"))
+            missing.append(key)
+        else:
+            table[key] = _number(value / factor)
+    if stored and stored.elastic:
+        table["elastic"] = _elastic(stored.elastic)
+    return table, missing
+
+
+def _elastic(elastic: Elastic) -> InlineTable:
+    table = tomlkit.inline_table()
+    table["block_E_GPa"] = _number(elastic.block_modulus / 1e9)
+    table["block_nu"] = _number(elastic.block_poisson)
+    table["joint_E_GPa"] = _number(elastic.joint_modulus / 1e9)
+    table["joint_nu"] = _number(elastic.joint_poisson)
+    table["joint_thickness_mm"] = _number(elastic.joint_thickness * 1e3)
+    return table
+
+
+def _load_table(load: LoadCase) -> Table:
+    table = _table({"direction": [_number(value) for value in load.direction]})
+    if load.name != direction_name(load.direction):
+        table["name"] = load.name
+    if load.panels is not None:
+        table["panels"] = list(load.panels)
+    if load.profile != "uniform":
+        table["profile"] = load.profile
+    return table
+
+
+def _rigid_table(stones: int, contact_gap: float | None) -> Table:
+    """Return which flow rules a case asks for: both, unless the second would take most of an hour a load."""
+    few = stones <= MANY_STONES
+    table = _table({"flow": ["associative", "non-associative"] if few else ["associative"]})
+    if not few:
+        table["flow"].comment('"non-associative" takes some hundred times longer for so many stones')
+    if contact_gap is not None:
+        table["contact_gap_mm"] = _number(1e3 * contact_gap)
+    return table
+
+
+def _table(keys: Mapping[str, Any]) -> Table:
+    table = tomlkit.table()
+    for key, value in keys.items():
+        table[key] = _number(value) if isinstance(value, float) else value
+    return table
+
+
+def _number(value: float) -> Item:
+    # One unit in the last place hides that 0.001 has no exact binary form; nothing else is rounded.
+    short = f"{value:.15g}"
+    return tomlkit.value(short if abs(float(short) - value) <= 2**-52 * abs(value) else repr(float(value)))
