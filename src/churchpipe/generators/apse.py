@@ -16,7 +16,6 @@ from churchpipe.generators.masonry import DEFAULT_MATERIAL
 from churchpipe.generators.openings import rectangle
 from churchpipe.generators.quantities import Length
 from churchpipe.generators.wall_bonds import Bonding, WallBond, bonding_of, check_walls
-from churchpipe.model.arguments import one_of, positive
 from churchpipe.model.building import Building, CylinderChart, Panel
 from churchpipe.model.materials import UnitWeight
 
@@ -46,11 +45,6 @@ class ApseParameters:
 
     def __post_init__(self) -> None:
         coerce_fields(self, "apse.")
-        keys = ("course", "stone_length", "inner_radius", "thickness", "height", "wall_length", "wall_thickness", "wall_height")
-        for key in keys:
-            positive(f"apse.{key}", getattr(self, key))
-        one_of("apse.joints", self.joints, "grid", "bay")
-        one_of("apse.first_course", self.first_course, "x", "y")
         for key in ("height", "wall_height"):
             whole_courses(f"apse.{key}", getattr(self, key), self.course)
 

@@ -14,7 +14,7 @@ from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
 from churchpipe.generators.quantities import Angle, Count, Length
 from churchpipe.geometry.planar import polygon
-from churchpipe.model.arguments import positive, whole
+from churchpipe.model.arguments import whole
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, Building, Panel, PlaneChart, Support, UnitCell
 from churchpipe.model.materials import UnitWeight
@@ -37,14 +37,12 @@ class ArchParameters:
 
     def __post_init__(self) -> None:
         coerce_fields(self, "arch.")
-        for key in ("mean_radius", "thickness", "width"):
-            positive(f"arch.{key}", getattr(self, key))
         whole("arch.voussoirs", self.voussoirs, least=2, most=MOST_VOUSSOIRS)
         if self.thickness >= 2 * self.mean_radius:
             raise InputError(
                 "arch.thickness", "no opening is left", found=self.thickness, expected=f"< {2 * self.mean_radius:g} m"
             )
-        if not 0 < self.half_angle <= 0.75 * math.pi:
+        if self.half_angle > 0.75 * math.pi:
             raise InputError("arch.half_angle", "out of range", found=self.half_angle, expected="0 < half angle <= 3/4 pi rad")
 
 

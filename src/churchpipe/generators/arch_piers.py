@@ -14,7 +14,6 @@ from churchpipe.generators.masonry import DEFAULT_MATERIAL
 from churchpipe.generators.openings import rectangle
 from churchpipe.generators.quantities import Count, Length
 from churchpipe.generators.wall_bonds import Bonding
-from churchpipe.model.arguments import one_of, positive
 from churchpipe.model.building import BondRegion, Building, UnitCell
 from churchpipe.model.materials import UnitWeight
 
@@ -44,9 +43,6 @@ class ArchPiersParameters:
 
     def __post_init__(self) -> None:
         coerce_fields(self, "arch_piers.")
-        for key in ("course", "stone_length", "span", "springing", "pier_width", "thickness", "height", "depth"):
-            positive(f"arch_piers.{key}", getattr(self, key))
-        one_of("arch_piers.shape", self.shape, "round", "segmental", "pointed")
         for key in ("height", "springing"):
             whole_courses(f"arch_piers.{key}", getattr(self, key), self.course)
         beside = self.pier_width - self.depth

@@ -12,7 +12,7 @@ from churchpipe.bond.voussoir import ring_outline
 from churchpipe.errors import InputError
 from churchpipe.generators.fields import coerce_fields
 from churchpipe.generators.quantities import Coordinate, Count, Distance, Length
-from churchpipe.model.arguments import one_of, positive, text, whole
+from churchpipe.model.arguments import text, whole
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, Opening, UnitCell
 
@@ -48,10 +48,6 @@ class ArchedOpening:
         for key, places in (("wall", self.walls), ("centre", self.centres)):
             if not places:
                 raise InputError(f"{where}: {key}", "the opening is nowhere", expected="at least one")
-        one_of(f"{where}: shape", self.shape, "round", "segmental", "pointed", "circle")
-        for key in ("width", "depth", "springing"):
-            positive(f"{where}: {key}", getattr(self, key))
-        positive(f"{where}: sill", self.sill, allow_zero=True)
         whole(f"{where}: voussoirs", self.voussoirs, least=8 if self.shape == "circle" else 2, most=MOST_VOUSSOIRS)
         if self.shape in ("pointed", "circle") and self.voussoirs % 2:
             raise InputError(f"{where}: voussoirs", "odd", found=self.voussoirs, expected="an even number: two equal halves")

@@ -19,7 +19,6 @@ from churchpipe.generators.masonry import (
 )
 from churchpipe.generators.openings import OpeningLike
 from churchpipe.generators.quantities import Coordinate, Count, Length
-from churchpipe.model.arguments import one_of, positive, whole
 from churchpipe.model.building import Building, UnitCell
 from churchpipe.model.materials import UnitWeight
 
@@ -50,12 +49,8 @@ class BoxParameters:
     def __post_init__(self) -> None:
         coerce_fields(self, "box.")
         check_brick("box.brick", self.brick)
-        whole("box.courses", self.courses, least=1)
         check_bond("box", self.pattern, self.headers)
-        one_of("box.joints", self.joints, "grid", "bay")
-        positive("box.thickness", self.wall_thickness)
         for key in ("length", "width"):
-            positive(f"box.{key}", getattr(self, key))
             if not getattr(self, key) > 2 * self.wall_thickness:
                 raise InputError(
                     f"box.{key}", "no room inside", found=getattr(self, key), expected=f"> {2 * self.wall_thickness:g} m"

@@ -41,8 +41,6 @@ class ChapelParameters:
 
     def __post_init__(self) -> None:
         coerce_fields(self, "chapel.")
-        for key in ("width", "length", "height", "thickness"):
-            positive(f"chapel.{key}", getattr(self, key))
         positive("chapel.length, less its walls", self.length - 2 * self.thickness)
 
 

@@ -2,17 +2,14 @@
 
 from churchpipe.errors import InputError
 from churchpipe.generators.quantities import Length
-from churchpipe.model.arguments import positive
 
 Brick = tuple[Length, Length, Length]
 
 
 def check_brick(where: str, brick: Brick) -> None:
-    """Raise InputError unless a brick has three positive dimensions: length, thickness, height, m."""
+    """Raise InputError unless a brick has three dimensions: length, thickness, height, m."""
     if len(brick) != 3:
         raise InputError(where, "wrong number of dimensions", found=len(brick), expected="3: length, thickness, height")
-    for value in brick:
-        positive(where, value)
 
 
 def whole_courses(where: str, height: float, course: float) -> None:

@@ -14,7 +14,6 @@ from churchpipe.generators.layout import WallLayout, check_clear, wall_panels
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
 from churchpipe.generators.quantities import Length
 from churchpipe.generators.wall_bonds import Bonding, WallBond, bonding_of, check_walls
-from churchpipe.model.arguments import one_of, positive
 from churchpipe.model.building import Building, Panel
 from churchpipe.model.materials import UnitWeight
 
@@ -48,10 +47,6 @@ class ChurchParameters:
 
     def __post_init__(self) -> None:
         coerce_fields(self, "church.")
-        positive("church.course", self.course)
-        positive("church.stone_length", self.stone_length)
-        one_of("church.joints", self.joints, "grid", "bay")
-        one_of("church.first_course", self.first_course, "x", "y")
 
     @property
     def plan(self) -> Plan:

@@ -1,11 +1,10 @@
 """The parts of a church, described as an engineer would list them."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any, Literal
 
 from churchpipe.generators.fields import as_dataclass, coerce_fields
 from churchpipe.generators.quantities import Coordinate, Length
-from churchpipe.model.arguments import one_of, positive
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,9 +54,6 @@ class Tower:
     side: Literal["left", "right"] = "left"
     width: Length | None = None
 
-    def __post_init__(self) -> None:
-        one_of("church.tower.side", self.side, "left", "right")
-
 
 @dataclass(frozen=True, slots=True)
 class Chapel:
@@ -65,9 +61,6 @@ class Chapel:
 
     height: Length
     side: Literal["left", "right"] = "right"
-
-    def __post_init__(self) -> None:
-        one_of("church.chapel.side", self.side, "left", "right")
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,13 +74,9 @@ class Apse:
 
 
 def part_of(kind: type[Any], where: str, value: Any) -> Any:
-    """Return a part that is given as such or as a mapping of its fields, its lengths checked; None for None."""
+    """Return a part that is given as such or as a mapping of its fields, its fields checked; None for None."""
     if value is None:
         return None
     value = as_dataclass(kind, where, value)
     coerce_fields(value, f"{where}.")
-    for item in fields(value):
-        length = getattr(value, item.name)
-        if isinstance(length, float | int) and item.name != "centre":
-            positive(f"{where}.{item.name}", length)
     return value

@@ -5,10 +5,11 @@ from dataclasses import MISSING, fields, is_dataclass
 from functools import lru_cache
 from numbers import Real
 from types import NoneType, UnionType
-from typing import TYPE_CHECKING, Any, Literal, TypeVar, Union, cast, get_args, get_origin, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
 from churchpipe.errors import InputError
-from churchpipe.model.arguments import check_kind, describe, finite, listed, one_of
+from churchpipe.generators.quantities import Quantity
+from churchpipe.model.arguments import check_kind, describe, finite, listed, one_of, positive, whole
 from churchpipe.model.arrays import store
 from churchpipe.model.materials import UnitWeight
 
@@ -64,7 +65,7 @@ def materials_of(where: str, value: Any) -> tuple[UnitWeight, ...]:
 
 @lru_cache
 def _hints(kind: type[Any]) -> dict[str, Any]:
-    return get_type_hints(kind)
+    return get_type_hints(kind, include_extras=True)
 
 
 def _fitted(where: str, value: Any, hint: Any) -> Any:
@@ -76,18 +77,23 @@ def _fitted(where: str, value: Any, hint: Any) -> Any:
         return value
     if origin is tuple or origin is Sequence:
         return tuple(_fitted(f"{where}[{number}]", item, options[0]) for number, item in enumerate(_items(where, value)))
-    if hint is float:
-        number = finite(where, value)
-        if abs(number) > _MOST:
-            raise InputError(where, "out of range", found=value, expected=f"at most {_MOST:g} m")
-        return number
-    if hint is int:
-        number = finite(where, value)
-        if number != int(number):
-            raise InputError(where, "out of range", found=value, expected="a whole number")
-        return int(number)
+    if origin is Annotated:
+        return _number(where, value, options[0], options[1])
     check_kind(where, value, hint if origin is None else origin)
     return value
+
+
+def _number(where: str, value: Any, kind: type, quantity: Quantity) -> float | int:
+    """Return a number within the range that its quantity declares."""
+    if kind is int:
+        whole(where, value, least=int(quantity.low or 0), most=None if quantity.high is None else int(quantity.high))
+        return int(value)
+    if quantity.low is not None:
+        positive(where, value, allow_zero=not quantity.above)
+    number = finite(where, value)
+    if abs(number) > _MOST:
+        raise InputError(where, "out of range", found=value, expected=f"at most {_MOST:g} m")
+    return number
 
 
 def _one_of_kinds(where: str, value: Any, options: Sequence[Any]) -> Any:
@@ -102,9 +108,8 @@ def _one_of_kinds(where: str, value: Any, options: Sequence[Any]) -> Any:
         if not isinstance(value, (table, Mapping)):
             raise InputError(where, "wrong kind", found=describe(value), expected=f"{table.__name__}, or a mapping of its fields")
         return cast("Any", value)
-    single = next(kind for kind in kinds if get_origin(kind) is None)
-    alone = isinstance(value, Real if single is float else single)
-    return _fitted(where, value, single if alone else next(kind for kind in kinds if kind is not single))
+    several, single = sorted(kinds, key=lambda kind: get_origin(kind) is not Sequence)
+    return _fitted(where, value, single if isinstance(value, str if single is str else Real) else several)
 
 
 def _items(where: str, value: Any) -> list[Any]:

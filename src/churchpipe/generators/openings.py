@@ -9,7 +9,6 @@ import numpy as np
 from churchpipe.errors import InputError
 from churchpipe.generators.fields import as_dataclass, coerce_fields
 from churchpipe.generators.quantities import Count, Distance, Length, Whole
-from churchpipe.model.arguments import positive, whole
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, Opening, UnitCell
 
@@ -27,11 +26,6 @@ class RectangularOpening:
 
     def __post_init__(self) -> None:
         coerce_fields(self, "opening.")
-        positive("opening.start", self.start, allow_zero=True)
-        positive("opening.width", self.width)
-        whole("opening.height_courses", self.height_courses, least=1)
-        positive("opening.lintel_bearing", self.lintel_bearing, allow_zero=True)
-        whole("opening.sill_courses", self.sill_courses, least=0)
 
 
 OpeningLike = RectangularOpening | Mapping[str, Any]

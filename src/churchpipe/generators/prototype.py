@@ -11,7 +11,7 @@ from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_
 from churchpipe.generators.masonry import DEFAULT_MATERIAL, Masonry, bonded_offset, straight_wall
 from churchpipe.generators.openings import OpeningLike
 from churchpipe.generators.quantities import Coordinate, Count, Length, Ratio
-from churchpipe.model.arguments import one_of, positive, whole
+from churchpipe.model.arguments import positive
 from churchpipe.model.building import Building, UnitCell
 from churchpipe.model.materials import UnitWeight
 
@@ -42,9 +42,6 @@ class PrototypeParameters:
     def __post_init__(self) -> None:
         coerce_fields(self, "prototype.")
         check_brick("prototype.brick", self.brick)
-        whole("prototype.courses", self.courses, least=1)
-        one_of("prototype.joints", self.joints, "grid", "bay")
-        one_of("prototype.first_course", self.first_course, "main", "partitions")
         length, thickness, places = self.length, self.brick[1], sorted(self.partitions_x)
         positive("prototype.main_wall_length", length)
         for left in places:

@@ -1,4 +1,7 @@
-"""What the parameters of the generators are: declared once, with unit and range, for Python (SI) and for the case file."""
+"""What the parameters of the generators are: declared once, with unit and range, for Python (SI) and for the case file.
+
+`fields.coerce_fields` holds parameters to it, `config.tables` the keys of a case file.
+"""
 
 from dataclasses import dataclass
 from typing import Annotated

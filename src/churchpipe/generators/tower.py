@@ -17,7 +17,6 @@ from churchpipe.generators.masonry import DEFAULT_MATERIAL
 from churchpipe.generators.openings import rectangle
 from churchpipe.generators.quantities import Length
 from churchpipe.generators.wall_bonds import Bonding, WallBond, bonding_of, check_walls
-from churchpipe.model.arguments import one_of, positive
 from churchpipe.model.building import Building, CylinderChart, Panel
 from churchpipe.model.materials import UnitWeight
 
@@ -46,12 +45,6 @@ class TowerParameters:
 
     def __post_init__(self) -> None:
         coerce_fields(self, "tower.")
-        for key in ("course", "stone_length", "width", "height", "thickness"):
-            positive(f"tower.{key}", getattr(self, key))
-        positive("tower.depth", self.length)
-        one_of("tower.plan", self.plan, "rectangular", "round")
-        one_of("tower.joints", self.joints, "grid", "bay")
-        one_of("tower.first_course", self.first_course, "x", "y")
         whole_courses("tower.height", self.height, self.course)
         if self.plan == "round" and self.length != self.width:
             raise InputError("tower.plan", "a round tower has no depth of its own", expected='plan = "rectangular"')

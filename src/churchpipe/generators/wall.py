@@ -10,7 +10,7 @@ from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_
 from churchpipe.generators.masonry import DEFAULT_MATERIAL, Headers, Masonry, Pattern, check_bond, straight_wall, thickness_of
 from churchpipe.generators.openings import OpeningLike
 from churchpipe.generators.quantities import Coordinate, Count, Length
-from churchpipe.model.arguments import one_of, positive, whole
+from churchpipe.model.arguments import whole
 from churchpipe.model.building import Building, UnitCell
 from churchpipe.model.materials import UnitWeight
 
@@ -38,11 +38,8 @@ class WallParameters:
 
     def __post_init__(self) -> None:
         coerce_fields(self, "wall.")
-        positive("wall.length", self.length)
         check_brick("wall.brick", self.brick)
         check_bond("wall", self.pattern, self.headers)
-        one_of("wall.joints", self.joints, "grid", "bay")
-        positive("wall.thickness", self.wall_thickness)
         whole("wall.courses", self.course_count, least=1)
 
     @property
@@ -57,7 +54,6 @@ class WallParameters:
             raise InputError("wall", "its height is given twice or not at all", expected='either "courses" or "height"')
         if self.height is None:
             return self.courses or 0
-        positive("wall.height", self.height)
         ratio = self.height / self.brick[2]
         count = max(1, round(ratio))
         if abs(ratio - count) > 1e-6:

@@ -9,7 +9,6 @@ from churchpipe.generators.arched import ArchedOpening, Given
 from churchpipe.generators.fields import as_dataclass, coerce_fields
 from churchpipe.generators.masonry import Headers, Pattern, check_bond
 from churchpipe.generators.quantities import Length
-from churchpipe.model.arguments import positive
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, UnitCell
 
@@ -25,10 +24,7 @@ class WallBond:
 
     def __post_init__(self) -> None:
         coerce_fields(self, "bond: ")
-        where = f"bond of {', '.join(self.walls)}"
-        check_bond(where, self.pattern, self.headers)
-        if self.stone_length is not None:
-            positive(f"{where}: stone_length", self.stone_length)
+        check_bond(f"bond of {', '.join(self.walls)}", self.pattern, self.headers)
 
     @property
     def walls(self) -> tuple[str, ...]:

@@ -1,8 +1,8 @@
 """Parameters of the generators in Python: what is wrong is named where it is given, and what is given counts."""
 
-from collections.abc import Callable
-from dataclasses import replace
-from typing import Any
+from collections.abc import Callable, Sequence
+from dataclasses import MISSING, Field, fields, replace
+from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 import numpy as np
 import pytest
@@ -12,6 +12,7 @@ from churchpipe import generators
 from churchpipe.errors import InputError
 from churchpipe.generators.arched import ArchedOpening
 from churchpipe.generators.openings import RectangularOpening
+from churchpipe.generators.quantities import Quantity
 from churchpipe.model.building import BondRegion, Opening, Panel, Part, PlaneChart, UnitCell
 
 nan = float("nan")
@@ -25,6 +26,14 @@ NAVE: dict[str, Any] = {"width": 3.0, "length": 5.0, "height": 3.0, "thickness":
 TUFF = cp.Material("default", 18e3, 0.6)
 ONE = np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
 CELL = UnitCell(0.2, 0.4)
+
+
+def declared(kind: type) -> list[tuple[Field[Any], Quantity]]:
+    """Return the fields of a parameter class that are one number, and what they are declared as."""
+    hints = get_type_hints(kind, include_extras=True)
+    alone = [item for item in fields(kind) if get_origin(hints[item.name]) not in (tuple, Sequence)]
+    found = [(item, [hints[item.name], *get_args(hints[item.name])]) for item in alone]
+    return [(item, hint.__metadata__[0]) for item, options in found for hint in options if get_origin(hint) is Annotated]
 
 
 def door(**changed: Any) -> cp.Building:
@@ -45,6 +54,12 @@ CALLS: list[tuple[Callable[[], object], str]] = [
     (lambda: generators.wall(**WALL | {"length": "1"}), r"wall\.length: not a number; found '1'"),
     (lambda: generators.wall(**WALL | {"courses": 2.5}), r"wall\.courses: out of range; found 2\.5; expected a whole number"),
     (lambda: generators.wall(**WALL | {"brick": None}), r"wall\.brick: not a list; found None"),
+    (lambda: generators.wall(**WALL | {"brick": (0.4, 0, 0.2)}), r"wall\.brick\[1\]: out of range; found 0"),
+    (lambda: generators.wall(**WALL | {"brick": (0.4, 0.2)}), r"wall\.brick: wrong number of dimensions; found 2"),
+    (lambda: generators.wall(**WALL, joints="best"), r'wall\.joints: unknown value; found best; expected "grid" or "bay"'),
+    (lambda: generators.wall(**WALL, pattern="opus"), r'wall\.pattern: unknown value; found opus; expected "running"'),
+    (lambda: generators.arch(**ARCH, half_angle=3), r"arch\.half_angle: out of range; found 3"),
+    (lambda: generators.church(**CHURCH, nave=NAVE | {"width": 0}), r"church\.nave\.width: out of range; found 0"),
     (lambda: generators.wall(**WALL, openings=3), r"wall\.openings: not a list; found 3"),
     (lambda: generators.wall(**WALL, openings=[None]), r"wall\.openings\[0\]: wrong kind; found None; .* mapping of its fields"),
     (lambda: generators.wall(**WALL, materials=()), r"wall\.materials: no material"),
@@ -78,6 +93,24 @@ CALLS: list[tuple[Callable[[], object], str]] = [
 def test_parameters(call: Callable[[], object], said: str) -> None:
     with pytest.raises(InputError, match=said):
         call()
+
+
+RANGES = [
+    (name, item.name, quantity)
+    for name in ("wall", "arch", "arch_piers", "prototype", "box", "tower", "apse", "chapel", "church")
+    for item, quantity in declared(generators.GENERATORS[name].parameters)
+    if quantity.low is not None
+]
+
+
+@pytest.mark.parametrize(("name", "key", "quantity"), RANGES)
+def test_every_declared_range_holds_in_python(name: str, key: str, quantity: Quantity) -> None:
+    kind = generators.GENERATORS[name].parameters
+    sound = {item.name: 1 for item, _ in declared(kind)} | {"brick": (1, 1, 1), "partitions_x": (), "backfill": None}
+    needed = {item.name for item in fields(kind) if item.default is MISSING and item.default_factory is MISSING}
+    given = {item: sound.get(item, {}) for item in needed} | {key: quantity.low - (not quantity.above)}
+    with pytest.raises(InputError, match=rf"^{name}\.{key}: out of range; found"):
+        kind(**given)
 
 
 @pytest.mark.parametrize(

@@ -54,7 +54,7 @@ def test_every_generator_takes_its_parameters_a_name_and_materials(name):
         (wall, WALL | {"length": 0.0}, r"wall\.length: out of range; found 0\.0"),
         (wall, WALL | {"length": math.inf}, r"wall\.length: out of range"),
         (wall, WALL | {"brick": (0.08, 0.04)}, r"wall\.brick: wrong number of dimensions; found 2"),
-        (wall, WALL | {"brick": (0.08, -0.04, 0.03)}, r"wall\.brick: out of range; found -0\.04"),
+        (wall, WALL | {"brick": (0.08, -0.04, 0.03)}, r"wall\.brick\[1\]: out of range; found -0\.04"),
         (wall, WALL | {"pattern": "flemish"}, r'wall\.pattern: unknown value; found flemish; expected "running" or "stack"'),
         (wall, WALL | {"courses": 2.5}, r"wall\.courses: out of range; found 2\.5"),
         (wall, WALL | {"height": 0.15}, "its height is given twice"),
