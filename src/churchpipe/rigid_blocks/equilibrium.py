@@ -1,6 +1,7 @@
 """Equilibrium of the free stones: A c + f_D + alpha f_L = 0, eq. (1)."""
 
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 import scipy.sparse as sp
@@ -11,6 +12,9 @@ from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts, check_contacts_of
 from churchpipe.model.loads import LoadCase, pushed_share
+from churchpipe.rigid_blocks.torsion import friction_points
+
+ContactModel = Literal["corners", "torsion"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,8 +71,8 @@ class Equilibrium:
         return (velocities[self.free] * np.repeat([1.0, self.length], 3)).ravel()
 
 
-def equilibrium(stones: Assemblage, contacts: Contacts, load: LoadCase) -> Equilibrium:
-    """Return the scaled balance of an assemblage under a load case.
+def equilibrium(stones: Assemblage, contacts: Contacts, load: LoadCase, contact_model: ContactModel = "corners") -> Equilibrium:
+    """Return the scaled balance of an assemblage under a load case; contact_model: where friction acts, see `limit_analysis`.
 
     Raises
     ------
@@ -78,6 +82,7 @@ def equilibrium(stones: Assemblage, contacts: Contacts, load: LoadCase) -> Equil
     if not len(free):
         raise InputError("stones", "every stone is fixed", expected="at least one free stone")
     check_contacts_of(stones, contacts)
+    friction = friction_points(contacts) if contact_model == "torsion" else contacts.point
     force = float(stones.weight.sum())
     length = float(np.cbrt(stones.volume[free].mean()))
     dead = np.zeros((stones.count, 6))
@@ -90,7 +95,7 @@ def equilibrium(stones: Assemblage, contacts: Contacts, load: LoadCase) -> Equil
         raise InputError(f"load {load.name}", "nothing is pushed", expected="a load on at least one free stone")
     unit = np.array([force] * 3 + [force * length] * 3)
     return Equilibrium(
-        matrix=contact_matrix(stones, contacts, free, length),
+        matrix=contact_matrix(stones, contacts, free, length, friction),
         dead=(dead / unit)[free].ravel(),
         live=(live / unit)[free].ravel(),
         free=free,
@@ -118,8 +123,15 @@ def _extra(name: str, wrench: FloatArray | None, count: int) -> FloatArray:
     return wrench
 
 
-def contact_matrix(stones: Assemblage, contacts: Contacts, free: IntArray, length: float) -> sp.csc_matrix:
-    """Return the matrix (6 nf, 3 nc) of point forces (n, t1, t2) on wrenches of these stones (nf,), moments over length, m."""
+def contact_matrix(
+    stones: Assemblage, contacts: Contacts, free: IntArray, length: float, friction: FloatArray | None = None
+) -> sp.csc_matrix:
+    """Return the matrix (6 nf, 3 nc) of point forces (n, t1, t2) on wrenches of these stones (nf,), moments over length, m.
+
+    friction (nc, 3) m: where t1 and t2 act, None: where n does.
+    """
+    sliding = contacts.point if friction is None else friction
+    place = np.stack([contacts.point, sliding, sliding], axis=1)
     row_of = np.full(stones.count, -1, dtype=np.int64)
     row_of[free] = np.arange(len(free))
     interface = contacts.interface_of_point
@@ -128,9 +140,9 @@ def contact_matrix(stones: Assemblage, contacts: Contacts, free: IntArray, lengt
     for side, sign in ((0, -1.0), (1, 1.0)):
         block = contacts.blocks[interface, side]
         chosen = np.flatnonzero(row_of[block] >= 0)
-        arm = (contacts.point[chosen] - stones.centroid[block[chosen]]) / length
+        arm = (place[chosen] - stones.centroid[block[chosen]][:, None]) / length
         # wrench_iac: axis a of point i, component c of force and moment.
-        wrench = np.concatenate([axes[chosen], np.cross(arm[:, None, :], axes[chosen])], axis=2) * sign
+        wrench = np.concatenate([axes[chosen], np.cross(arm, axes[chosen])], axis=2) * sign
         data.append(wrench.ravel())
         rows.append(np.broadcast_to((6 * row_of[block[chosen]])[:, None, None] + np.arange(6), wrench.shape).ravel())
         columns.append(np.broadcast_to((3 * chosen)[:, None, None] + np.arange(3)[:, None], wrench.shape).ravel())

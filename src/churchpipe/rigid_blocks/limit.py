@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from time import perf_counter
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -12,7 +12,7 @@ import scipy.sparse as sp
 from churchpipe.conic.program import ConeProgram, ConeSolution
 from churchpipe.conic.solve import Solve, solver_for
 from churchpipe.errors import InputError
-from churchpipe.model.arguments import check_kind, listed
+from churchpipe.model.arguments import check_kind, listed, one_of
 from churchpipe.model.arrays import FloatArray, array_of
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
@@ -20,7 +20,7 @@ from churchpipe.model.loads import LoadCase
 from churchpipe.model.results import LimitState, Status
 from churchpipe.model.ties import Tie
 from churchpipe.rigid_blocks.certificate import FLOW_TOLERANCE, UNPROVED, Certificate, Strength, certify, kinematic_bound
-from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
+from churchpipe.rigid_blocks.equilibrium import ContactModel, Equilibrium, equilibrium
 from churchpipe.rigid_blocks.iterations import BIPOTENTIAL_GAP
 from churchpipe.rigid_blocks.sliding import Method, SlidingOptions, Start, sliding_analysis
 from churchpipe.rigid_blocks.ties import point_forces, with_ties
@@ -43,6 +43,7 @@ def limit_analysis(
     method: Method = "default",
     start: Start | Sequence[Start] | None = None,
     ties: Sequence[Tie] = (),
+    contact_model: ContactModel = "corners",
     solver: str = "auto",
     bipotential_gap: float = BIPOTENTIAL_GAP,
     progress: Progress | None = None,
@@ -55,6 +56,8 @@ def limit_analysis(
     flow: "associative" (sliding dilates, eq. (1)) or "non-associative" (no dilatancy, by iteration, eq. (3)).
     method, start (one or several), bipotential_gap: of the non-associative iteration, see `sliding.SlidingOptions`.
     ties: bars that pull stones together; the result has their tensions and what their strength adds.
+    contact_model: "corners", friction acts at the corners of an interface, which overrates its resistance to torsion; "torsion",
+        it acts so near to the middle that uniform pressure resists torsion exactly.
     solver: "auto" (our own interior point, Clarabel where that fails), "interior-point", "clarabel", "cvxpy", "cvxpy:MOSEK" ...
     progress: called with a text and the share done.
 
@@ -74,9 +77,10 @@ def limit_analysis(
     starts: list[Start] = [start] if isinstance(start, str) else []
     if not starts and start is not None:
         starts = listed("limit_analysis: start", start, str)
+    one_of("limit_analysis: contact_model", contact_model, *get_args(ContactModel))
     options = SlidingOptions(method, tuple(starts), bipotential_gap)
     begin = perf_counter()
-    balance = equilibrium(stones, contacts, load)
+    balance = equilibrium(stones, contacts, load, contact_model)
     strength = point_strength(contacts, friction, cohesion, balance.force)
     balance, strength = with_ties(balance, strength, stones, listed("limit_analysis: ties", ties, Tie))
     _check_connected(stones, contacts, balance)

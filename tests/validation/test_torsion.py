@@ -1,0 +1,113 @@
+"""Torsion of joints under uniform pressure: rectangles in closed form, other polygons by integration, buildings that twist."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import churchpipe as cp
+from churchpipe.errors import InputError
+from churchpipe.rigid_blocks.torsion import friction_points, mean_distance
+from models import TILTING_LOADS, tilting_test
+from solids import box, on_ground
+
+MU = 0.7
+
+
+def twisted(stones: cp.Assemblage, contact_model: str, **options: str) -> cp.LimitState:
+    """A torque of as many newton metres as the stones weigh newtons, about the vertical axis of the last one."""
+    live = np.zeros((stones.count, 6))
+    live[-1, 5] = stones.weight.sum()
+    contacts = cp.find_contacts(stones)
+    return cp.limit_analysis(stones, contacts, cp.LoadCase(live=live), MU, contact_model=contact_model, **options)
+
+
+@pytest.mark.parametrize("solver", ["auto", "clarabel"])
+@pytest.mark.parametrize(("b", "h", "printed"), [(1, 1, 0.267819), (2, 1, 0.415263), (4, 1, 0.742546)])
+def test_pure_torque_on_a_rectangle(b: float, h: float, printed: float, solver: str) -> None:
+    diagonal = np.hypot(b, h)
+    arm = diagonal / 6 + b**2 / (12 * h) * np.arcsinh(h / b) + h**2 / (12 * b) * np.arcsinh(b / h)
+    state = twisted(on_ground(box((0, b), (0, h), (0, 1))), "torsion", solver=solver)
+    assert state.status == "optimal"
+    assert state.load_factor == pytest.approx(MU * arm, rel=1e-6)
+    assert state.load_factor == pytest.approx(printed, abs=1e-6)
+    assert state.upper_bound - state.lower_bound <= 1e-6 * state.load_factor
+
+
+def test_corners_overrate_a_square() -> None:
+    state = twisted(on_ground(box((0, 1), (0, 1), (0, 1))), "corners")
+    assert state.load_factor == pytest.approx(MU * np.sqrt(0.5), rel=1e-6)
+
+
+def test_pure_torque_without_dilatancy() -> None:
+    state = twisted(on_ground(box((0, 2), (0, 1), (0, 1))), "torsion", flow="non-associative")
+    assert state.status == "converged"
+    assert state.load_factor == pytest.approx(0.415263, rel=1e-4)
+
+
+@pytest.mark.parametrize("b", [0.2, 0.5])
+def test_overturning_and_sliding_are_untouched(b: float) -> None:
+    stones = on_ground(box((0, b), (0, 1), (0, 0.5)))
+    contacts = cp.find_contacts(stones)
+    state = cp.limit_analysis(stones, contacts, cp.LoadCase((1, 0, 0)), MU, contact_model="torsion")
+    assert state.load_factor == pytest.approx(min(MU, b / 0.5), rel=1e-6)
+
+
+POLYGONS = {
+    "triangle": [(0, 0), (3, 0), (1, 2)],
+    "kite": [(0, -1), (2, 0), (0, 1), (-1, 0)],
+    "notched": [(0, 0), (3, 0), (3, 1), (1, 1), (1, 3), (0, 3)],
+    "clockwise": [(1, 2), (3, 0), (0, 0)],
+}
+
+
+def contains(corners: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Which points lie in a polygon: a ray to the right crosses its edges an odd number of times."""
+    inside = np.zeros(len(points), dtype=bool)
+    for (x1, y1), (x2, y2) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        if y1 != y2:
+            spans = (points[:, 1] >= min(y1, y2)) & (points[:, 1] < max(y1, y2))
+            inside ^= spans & (x1 + (points[:, 1] - y1) * (x2 - x1) / (y2 - y1) > points[:, 0])
+    return inside
+
+
+@pytest.mark.parametrize("name", POLYGONS)
+@pytest.mark.parametrize("centre", [(0.9, 0.4), (0.0, 0.0), (-2.0, 5.0)])
+def test_mean_distance_of_a_polygon(name: str, centre: tuple[float, float]) -> None:
+    corners = np.array(POLYGONS[name], dtype=float)
+    low, size, cells = corners.min(axis=0), np.ptp(corners, axis=0), 1200
+    middle = (np.arange(cells) + 0.5) / cells
+    grid = low + size * np.stack(np.meshgrid(middle, middle), axis=-1).reshape(-1, 2)
+    inside = grid[contains(corners, grid)]
+    after = np.roll(np.arange(len(corners)), -1)
+    exact = mean_distance(corners - centre, after, np.array([0]))
+    assert exact == pytest.approx([np.hypot(*(inside - centre).T).mean()], rel=2e-4)
+
+
+def test_friction_of_a_square_acts_at_54_hundredths() -> None:
+    contacts = cp.find_contacts(on_ground(box((1, 2), (3, 4), (0, 1))))
+    arm = friction_points(contacts) - [1.5, 3.5, 0]
+    assert np.linalg.norm(arm, axis=1) == pytest.approx(np.full(4, 0.267819 / MU), abs=1e-6)
+    assert arm[:, 2] == pytest.approx(np.zeros(4), abs=1e-12)
+
+
+@pytest.mark.parametrize(("test", "expected"), [("S5", 0.4185), ("S22", 0.206539)])
+def test_tilting_tests(test: str, expected: float) -> None:
+    stones, contacts = tilting_test(test)
+    state = cp.limit_analysis(stones, contacts, TILTING_LOADS[test], MU, contact_model="torsion")
+    assert state.status == "optimal"
+    assert state.solver == "interior-point"
+    assert state.upper_bound - state.lower_bound <= 1e-6 * state.load_factor
+    assert state.load_factor == pytest.approx(expected, abs=6e-5 if test == "S5" else 1e-6)
+
+
+def test_bad_arguments() -> None:
+    stones = on_ground(box((0, 1), (0, 1), (0, 1)))
+    contacts, load = cp.find_contacts(stones), cp.LoadCase((1, 0, 0))
+    with pytest.raises(InputError, match="limit_analysis: contact_model: unknown value; found twist"):
+        cp.limit_analysis(stones, contacts, load, MU, contact_model="twist")
+    crossed = replace(contacts, point=contacts.point[[0, 2, 1, 3]])
+    line = replace(contacts, point=contacts.point[:2], point_ptr=np.array([0, 2]))
+    for wrong, found in ((crossed, "they enclose 0 m2; expected 1 m2"), (line, "2 points; expected 3 or more")):
+        with pytest.raises(InputError, match=f"contacts: interface 0: its points are not its corners in order; found {found}"):
+            cp.limit_analysis(stones, wrong, load, MU, contact_model="torsion")
