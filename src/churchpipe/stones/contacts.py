@@ -23,6 +23,9 @@ COVERED = 1e-6
 SAME_AREA = 1e-4
 # Overlaps narrower than the corners are exact are no joints, unless they are this share of the narrower facet's width.
 NARROW_SHARE = 0.25
+# Facets that are parallel enough only because their surfaces are curved share at least this part of the smaller one: the tip of
+# a stone cut to two chords of an arch touches the next voussoir, and does not rest on it.
+BENT_SHARE = 0.05
 
 
 def find_contacts(
@@ -91,6 +94,7 @@ def _meet(facets: Facets, found: Overlaps, limits: Limits) -> BoolArray:
         (found.opening <= np.minimum(allowed.contact_gap + TOUCHING, half))
         & (found.penetration <= np.minimum(allowed.overlap + TOUCHING, half))
         & (found.angle <= allowed.contact_angle)
+        & ((found.lean <= allowed.contact_angle) | (found.area > BENT_SHARE * facets.area[found.side].min(axis=1)))
         & (found.middle - found.slack <= limits.middle)
     )
 
