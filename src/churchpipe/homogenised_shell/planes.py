@@ -10,7 +10,6 @@ import numba
 import numpy as np
 
 from churchpipe.conic.interior_point.cones import Scaling
-from churchpipe.conic.interior_point.dense import DenseProblems
 from churchpipe.conic.interior_point.nonnegative import Nonnegative, NonnegativeScaling
 from churchpipe.model.arrays import FloatArray, IntArray
 
@@ -46,8 +45,13 @@ class PlaneCompliance:
         return out
 
 
-class PlanePoints(DenseProblems):
-    """Local problems whose rows are all planes; quadratic, linear, matrix, right, inner, proximal: as in `DenseProblems`."""
+class PlanePoints:
+    """Local problems whose rows are all planes: `LocalProblems` of the interior-point solver.
+
+    quadratic_ijk (d, d, count): Q, positive semidefinite; linear (d, count); matrix_rik (rows, d, count): G; right (rows, count).
+    inner (d, count) is an interior point. proximal (count,) is added to the diagonal of Q in the steps alone. With it
+    Q + G^T D G must be positive definite for every positive diagonal D.
+    """
 
     def __init__(
         self,
@@ -58,8 +62,28 @@ class PlanePoints(DenseProblems):
         inner: FloatArray,
         proximal: FloatArray,
     ) -> None:
-        super().__init__(quadratic, linear, matrix, right, (Nonnegative(len(right), linear.shape[1]),), inner, proximal)
+        self.quadratic_matrix, self._matrix, self._inner = quadratic, matrix, inner
+        self.linear, self.right, self.cones = linear, right.ravel(), (Nonnegative(len(right), linear.shape[1]),)
+        self.dimension, self.count = linear.shape
+        self.curved = bool(quadratic.any())
+        self._root = _root(quadratic + np.eye(self.dimension)[:, :, None] * proximal)
         self._last: PlaneCompliance | None = None
+
+    def quadratic(self, x: FloatArray) -> FloatArray:
+        """Return Q x."""
+        return np.einsum("ijk,jk->ik", self.quadratic_matrix, x) if self.curved else np.zeros_like(x)
+
+    def apply(self, x: FloatArray) -> FloatArray:
+        """Return G x."""
+        return np.einsum("rik,ik->rk", self._matrix, x).ravel()
+
+    def transpose(self, z: FloatArray) -> FloatArray:
+        """Return G^T z."""
+        return np.einsum("rik,rk->ik", self._matrix, z.reshape(-1, self.count))
+
+    def interior(self, _size: FloatArray) -> FloatArray:
+        """Return the given interior point, whatever the size."""
+        return self._inner
 
     def compliance(self, scalings: Sequence[Scaling]) -> PlaneCompliance:
         """Return (Q + proximal + G^T W^-2 G)^-1."""
@@ -82,6 +106,13 @@ class PlanePoints(DenseProblems):
         more = np.empty((len(self._matrix), self.count))
         _push(self._last.triangle, self._last.column, self._last.rows, lack, more)
         return z + more.ravel()
+
+
+def _root(quadratic: FloatArray) -> FloatArray:
+    """Return R_rik (rows, d, count) with R^T R = Q, without the rows that vanish in all problems."""
+    values, vectors = np.linalg.eigh(np.moveaxis(quadratic, 2, 0))
+    root = np.moveaxis(np.sqrt(np.maximum(values, 0.0))[:, :, None] * np.swapaxes(vectors, 1, 2), 0, 2)
+    return np.ascontiguousarray(root[np.abs(root).max(axis=(1, 2)) > 0])
 
 
 @numba.njit(cache=True, error_model="numpy")
