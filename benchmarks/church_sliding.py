@@ -20,8 +20,9 @@ from churchpipe.conic.solve import Proves, Solve, solver_for
 from churchpipe.rigid_blocks.coulomb import CoulombState, dead_load_start
 from churchpipe.rigid_blocks.equilibrium import equilibrium
 from churchpipe.rigid_blocks.interval import mechanism_interval
-from churchpipe.rigid_blocks.iterations import SchemeSettings, certified_iteration
+from churchpipe.rigid_blocks.iterations import certified_iteration
 from churchpipe.rigid_blocks.limit import associative_program, point_strength
+from churchpipe.rigid_blocks.settings import SchemeSettings
 
 FRICTION = 0.6
 

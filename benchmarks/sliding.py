@@ -11,8 +11,9 @@ from churchpipe.conic.solve import solver_for
 from churchpipe.model.loads import LoadCase
 from churchpipe.rigid_blocks.coulomb import EXACT, dead_load_start
 from churchpipe.rigid_blocks.equilibrium import equilibrium
-from churchpipe.rigid_blocks.iterations import SchemeSettings, certified_iteration
+from churchpipe.rigid_blocks.iterations import certified_iteration
 from churchpipe.rigid_blocks.limit import associative_program, point_strength
+from churchpipe.rigid_blocks.settings import SchemeSettings
 from churchpipe.stones.contacts import find_contacts
 from models import FERRIS_TIN_LOI_LOAD, TILTING_LOADS, box_building, ferris_tin_loi_wall, tilting_test
 

@@ -20,63 +20,11 @@ from churchpipe.rigid_blocks.coulomb import (
     sliding_velocities,
 )
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
+from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP, PaperSettings, SchemeSettings
 
-# The gap g / alpha at which a state is certified.
-BIPOTENTIAL_GAP = 1e-5
 # Greatest factor by which a point of the gap may count more. Beyond it the programs would lose digits.
 _MOST_STRESS = 1e4
 Progress = Callable[[str, float], None]
-
-
-@dataclass(frozen=True, slots=True)
-class PaperSettings:
-    """Constants of eq. (3): mixing beta, fictitious cohesion c0 (share of the largest n), fictitious slope xi, tolerance.
-
-    The paper prints c0 = 1e-4 and xi up to 1e-2; these are as robust and ten times less biased. xi caps compression at
-    c / (xi mu), so that c0 / xi must stay at 1e-2 or more.
-    """
-
-    beta: float = 0.6
-    cohesion: float = 1e-5
-    slope: float = 1e-3
-    tolerance: float = 1e-3
-    iterations: int = 40
-
-
-@dataclass(frozen=True, slots=True)
-class SchemeSettings:
-    """Constants of the certified scheme.
-
-    stage_a, stage_b: steps of each, at most. violation, settled: stage A ends when no more than this share of the friction is
-    overdrawn, or when the load factor changes by no more than this share. weight_a, weight_b: proximal weights; that of stage
-    B is at most `nearness` times the gap. cohesion: fictitious, in stage A, over the largest normal force; more_cohesion: over
-    the largest load, tried in turn where the start carries too little of the dead load.
-    momentum: share of its last step that stage B goes on by, at most.
-    slow: a weighted gap above this share of the last one is slow; lost: one above so many times the least is not gone on from.
-    blamed: the points that add more than this share to a gap that is stuck count `stress` times more from then on.
-    gap: g / alpha at which the search ends.
-    Convex programs are solved to `share` of the gap that is left, at least to `roughest` and at most to `duality_gap`: the gap is
-    computed from the arrays, whatever made them.
-    """
-
-    stage_a: int = 15
-    stage_b: int = 60
-    violation: float = 1e-4
-    settled: float = 5e-3
-    gap: float = BIPOTENTIAL_GAP
-    weight_a: float = 0.3
-    weight_b: float = 0.003
-    nearness: float = 5.0
-    cohesion: float = 1e-5
-    more_cohesion: tuple[float, ...] = (1e-3, 1e-1)
-    momentum: float = 0.6
-    slow: float = 0.9
-    lost: float = 1.5
-    blamed: float = 0.03
-    stress: float = 10.0
-    duality_gap: float = 1e-6
-    share: float = 0.03
-    roughest: float = 1e-3
 
 
 @dataclass(frozen=True, slots=True)

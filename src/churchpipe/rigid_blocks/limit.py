@@ -21,7 +21,7 @@ from churchpipe.model.results import LimitState, Status
 from churchpipe.model.ties import Tie
 from churchpipe.rigid_blocks.certificate import FLOW_TOLERANCE, UNPROVED, Certificate, Strength, certify, kinematic_bound
 from churchpipe.rigid_blocks.equilibrium import ContactModel, Equilibrium, equilibrium
-from churchpipe.rigid_blocks.iterations import BIPOTENTIAL_GAP
+from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP
 from churchpipe.rigid_blocks.sliding import Method, SlidingOptions, Start, sliding_analysis
 from churchpipe.rigid_blocks.ties import point_forces, with_ties
 

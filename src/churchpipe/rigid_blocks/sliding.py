@@ -24,7 +24,8 @@ from churchpipe.rigid_blocks.coulomb import (
 )
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
 from churchpipe.rigid_blocks.interval import mechanism_interval
-from churchpipe.rigid_blocks.iterations import BIPOTENTIAL_GAP, SchemeSettings, SlidingRun, certified_iteration, paper_iteration
+from churchpipe.rigid_blocks.iterations import SlidingRun, certified_iteration, paper_iteration
+from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP, SchemeSettings
 from churchpipe.rigid_blocks.ties import all_forces, point_forces
 
 Method = Literal["default", "paper"]

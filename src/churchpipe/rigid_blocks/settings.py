@@ -1,0 +1,100 @@
+"""Constants of the analyses without dilatancy, checked. How they were chosen: docs/development.md."""
+
+from dataclasses import dataclass, fields
+
+from churchpipe.errors import InputError
+
+# The gap g / alpha at which a state is certified.
+BIPOTENTIAL_GAP = 1e-5
+
+
+@dataclass(frozen=True, slots=True)
+class PaperSettings:
+    """Constants of the paper's iteration, its eq. (3).
+
+    beta: share of the newest normal forces in the mixture that limits friction. cohesion: fictitious, c0, as a share of the
+    largest normal force; slope: fictitious friction, xi. The paper prints c0 = 1e-4 and xi up to 1e-2; the values here are as
+    robust and ten times less biased. xi caps compression at c / (xi mu), so c0 / xi must be 1e-2 or more. tolerance: change of
+    the load factor, relative, at which the iteration ends. iterations: at most.
+
+    Raises
+    ------
+    InputError: a constant that is not positive, beta or slope of one or more, c0 / xi below 1e-2.
+    """
+
+    beta: float = 0.6
+    cohesion: float = 1e-5
+    slope: float = 1e-3
+    tolerance: float = 1e-3
+    iterations: int = 40
+
+    def __post_init__(self) -> None:
+        _check_positive(self)
+        _check_below_one(self, "beta", "slope", "tolerance")
+        if self.cohesion / self.slope < 0.01 * (1.0 - 1e-9):
+            found = f"{self.cohesion:g} / {self.slope:g}"
+            raise InputError(
+                "PaperSettings.cohesion", "compression would be capped", found=found, expected="cohesion / slope >= 0.01"
+            )
+
+
+@dataclass(frozen=True, slots=True)
+class SchemeSettings:
+    """Constants of the certified scheme.
+
+    Stage A looks for normal forces that hardly overdraw friction. stage_a: its steps, at most. violation, settled: it ends when
+        no more than this share of the friction is overdrawn, or when the load factor changes by no more than this share.
+        weight_a: its proximal weight, which keeps a step near the forces before it. cohesion: fictitious, over the largest
+        normal force; more_cohesion: over the largest load, tried in turn where the start carries too little of the dead load.
+    Stage B alternates between velocities and forces. stage_b: its steps, at most. weight_b: its proximal weight, at most
+        `nearness` times the gap, so that keeping near costs less than what is left to gain. momentum: share of its last step
+        that a step goes on by, at most. slow: a weighted gap above this share of the last one is slow. lost: above so many
+        times the least gap the search returns to where that was found. blamed, stress: points that add more than this share to
+        a gap that is stuck count so many times more from then on.
+    Convex programs are solved to `share` of the gap that is left, at least to `roughest` and at most to `duality_gap`: the gap
+        is computed from the arrays, whatever made them.
+    gap: g / alpha at which the search ends.
+
+    stage_b, momentum, weight_a, weight_b, blamed, stress and nearness were chosen on S5, S22, the walls of Ferris and Tin-Loi
+    and the church. `tests/validation/test_untuned_models.py` holds the scheme on models that had no part in the choice.
+
+    Raises
+    ------
+    InputError: a constant that is not positive, or a share of one or more.
+    """
+
+    stage_a: int = 15
+    stage_b: int = 60
+    violation: float = 1e-4
+    settled: float = 5e-3
+    gap: float = BIPOTENTIAL_GAP
+    weight_a: float = 0.3
+    weight_b: float = 0.003
+    nearness: float = 5.0
+    cohesion: float = 1e-5
+    more_cohesion: tuple[float, ...] = (1e-3, 1e-1)
+    momentum: float = 0.6
+    slow: float = 0.9
+    lost: float = 1.5
+    blamed: float = 0.03
+    stress: float = 10.0
+    duality_gap: float = 1e-6
+    share: float = 0.03
+    roughest: float = 1e-3
+
+    def __post_init__(self) -> None:
+        _check_positive(self)
+        _check_below_one(self, "violation", "settled", "gap", "momentum", "slow", "blamed", "duality_gap", "share", "roughest")
+
+
+def _check_positive(settings: PaperSettings | SchemeSettings) -> None:
+    for field in fields(settings):
+        value = getattr(settings, field.name)
+        if not all(item > 0 for item in (value if isinstance(value, tuple) else (value,))):
+            raise InputError(f"{type(settings).__name__}.{field.name}", "out of range", found=value, expected="> 0")
+
+
+def _check_below_one(settings: PaperSettings | SchemeSettings, *names: str) -> None:
+    for name in names:
+        if getattr(settings, name) >= 1:
+            raise InputError(f"{type(settings).__name__}.{name}", "out of range", found=getattr(settings, name), expected="< 1")
