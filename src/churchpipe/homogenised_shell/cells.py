@@ -159,8 +159,36 @@ def _pull(roots: FloatArray, row: FloatArray, out: FloatArray) -> None:
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _reflect(a: FloatArray, vectors: FloatArray) -> None:
-    """Make a triangle of a (rows, columns) by Householder's reflections I - v v^T, the longest column left first."""
+def _reflect(a: FloatArray, j: int, vectors: FloatArray) -> None:
+    """Clear column j of a (rows, columns) below its diagonal by a reflection I - v v^T of the rows from j on; v: vectors[j]."""
+    rows, columns = a.shape
+    square = 0.0
+    for r in range(j, rows):
+        square += a[r, j] * a[r, j]
+    length = -np.sqrt(square) if a[j, j] > 0 else np.sqrt(square)
+    for r in range(rows):
+        vectors[j, r] = a[r, j] if r >= j else 0.0
+    vectors[j, j] -= length
+    square = 0.0
+    for r in range(j, rows):
+        square += vectors[j, r] * vectors[j, r]
+    scale = np.sqrt(2.0 / square) if square > 0 else 0.0
+    for r in range(j, rows):
+        vectors[j, r] *= scale
+    for i in range(j + 1, columns):
+        along = 0.0
+        for r in range(j, rows):
+            along += vectors[j, r] * a[r, i]
+        for r in range(j, rows):
+            a[r, i] -= along * vectors[j, r]
+    a[j, j] = length
+    for r in range(j + 1, rows):
+        a[r, j] = 0.0
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _reflect_longest_first(a: FloatArray, vectors: FloatArray) -> None:
+    """Make a triangle of a (rows, columns), the longest column left first."""
     rows, columns = a.shape
     for j in range(columns):
         best, longest = j, -1.0
@@ -173,25 +201,7 @@ def _reflect(a: FloatArray, vectors: FloatArray) -> None:
         if best != j:
             for r in range(rows):
                 a[r, j], a[r, best] = a[r, best], a[r, j]
-        length = -np.sqrt(longest) if a[j, j] > 0 else np.sqrt(longest)
-        for r in range(rows):
-            vectors[j, r] = a[r, j] if r >= j else 0.0
-        vectors[j, j] -= length
-        square = 0.0
-        for r in range(j, rows):
-            square += vectors[j, r] * vectors[j, r]
-        scale = np.sqrt(2.0 / square) if square > 0 else 0.0
-        for r in range(j, rows):
-            vectors[j, r] *= scale
-        for i in range(j + 1, columns):
-            along = 0.0
-            for r in range(j, rows):
-                along += vectors[j, r] * a[r, i]
-            for r in range(j, rows):
-                a[r, i] -= along * vectors[j, r]
-        a[j, j] = length
-        for r in range(j + 1, rows):
-            a[r, j] = 0.0
+        _reflect(a, j, vectors)
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract"})
@@ -253,12 +263,13 @@ def _factor(
                     line[r] = bent[r, a]
                 for r in range(size):
                     bent[r, a] = line[order[k, r]]
-            _reflect(bent, reflections[k])
+            _reflect_longest_first(bent, reflections[k])
             for i in range(6):
                 for j in range(6):
                     small[i, j] = bent[j, i]
                     small[6 + i, j] = 1.0 if i == j else 0.0
-            _reflect_in_order(small, turns)
+            for j in range(6):
+                _reflect(small, j, turns)
             for i in range(6):
                 for j in range(6):
                     triangle[k, i, j] = small[i, j]
@@ -278,33 +289,6 @@ def _factor(
                     value += images[s, r] * images[t, r]
                 matrix[s, t, k] = value
                 matrix[t, s, k] = value
-
-
-@numba.njit(cache=True, error_model="numpy")
-def _reflect_in_order(a: FloatArray, vectors: FloatArray) -> None:
-    """Make a triangle of a (rows, columns), its columns as they stand."""
-    rows, columns = a.shape
-    for j in range(columns):
-        square = 0.0
-        for r in range(j, rows):
-            square += a[r, j] * a[r, j]
-        length = -np.sqrt(square) if a[j, j] > 0 else np.sqrt(square)
-        for r in range(j, rows):
-            vectors[j, r] = a[r, j]
-        vectors[j, j] -= length
-        square = 0.0
-        for r in range(j, rows):
-            square += vectors[j, r] * vectors[j, r]
-        for i in range(j + 1, columns):
-            along = 0.0
-            for r in range(j, rows):
-                along += vectors[j, r] * a[r, i]
-            along *= 2.0 / square
-            for r in range(j, rows):
-                a[r, i] -= along * vectors[j, r]
-        a[j, j] = length
-        for r in range(j + 1, rows):
-            a[r, j] = 0.0
 
 
 @numba.njit(cache=True, error_model="numpy")
