@@ -135,13 +135,6 @@ def surface_load(elements: ShellElements, pressure: FloatArray) -> FloatArray:
     return np.concatenate([nodes.ravel(), np.zeros(len(elements.edges.nodes)), bubbles])
 
 
-def rigid_motion(elements: ShellElements, translation: FloatArray, rotation: FloatArray) -> FloatArray:
-    """Return the unknowns (n,) of a rigid motion: translation (3,) m of the origin, small rotation (3,) rad about it."""
-    points = elements.shell.points
-    turn = elements.edges.directions(points) @ rotation
-    return np.concatenate([(translation + np.cross(rotation, points)).ravel(), turn, np.zeros(len(elements.bubble_edge))])
-
-
 def _bubbles(shell: ShellModel, edges: Edges) -> tuple[IntArray, FloatArray]:
     """Return edges (nb,) and directions (nb, 3) of the mid-side unknowns: along the edge, across it, and normal at folds."""
     along, own = edges.directions(shell.points), shell.axes[:, None, 2]

@@ -8,9 +8,16 @@ from scipy.sparse.linalg import spsolve
 
 from churchpipe.errors import InputError
 from churchpipe.homogenised_shell.edges import find_edges
-from churchpipe.homogenised_shell.element import Membrane, ShellElements, rigid_motion, shell_elements, surface_load
+from churchpipe.homogenised_shell.element import Membrane, ShellElements, shell_elements, surface_load
 from churchpipe.model.shell import ShellModel
 from shell_meshes import grid, joined_walls, plate_points, shell, wall_points
+
+
+def rigid_motion(elements: ShellElements, translation: np.ndarray, rotation: np.ndarray) -> np.ndarray:
+    """Return the unknowns (n,) of a rigid motion: translation (3,) m of the origin, small rotation (3,) rad about it."""
+    points = elements.shell.points
+    turn = elements.edges.directions(points) @ rotation
+    return np.concatenate([(translation + np.cross(rotation, points)).ravel(), turn, np.zeros(len(elements.bubble_edge))])
 
 
 def corner_of_walls() -> ShellModel:
