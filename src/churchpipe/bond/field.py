@@ -56,3 +56,13 @@ class Bond(Protocol):
     def bed_direction(self, points: FloatArray) -> FloatArray:
         """Return unit vectors (n, 2) along the bed joint at points (n, 2), chart coordinates."""
         ...
+
+
+class HorizontalBeds:
+    """Part of a bond whose beds are level: all but a ring of voussoirs."""
+
+    __slots__ = ()
+
+    def bed_direction(self, points: FloatArray) -> FloatArray:
+        """Return the horizontal direction (1, 0) at points (n, 2)."""
+        return np.tile([1.0, 0.0], (len(points), 1))

@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 
 from churchpipe.bond.courses import lay_courses
-from churchpipe.bond.field import Field
+from churchpipe.bond.field import Field, HorizontalBeds
 from churchpipe.bond.joints import bays, grid_joints, joints_by_bay, stones_in
 from churchpipe.bond.tiles import TileSet, leaves_of
 from churchpipe.errors import InputError
@@ -22,7 +22,7 @@ NO_HEADERS = np.empty((0, 2))
 
 
 @dataclass(frozen=True, slots=True)
-class HeaderStretcherBond:
+class HeaderStretcherBond(HorizontalBeds):
     """Courses of height a. Stretchers, b long, fill one half of the wall's thickness; headers, b/2 wide, go through all of it.
 
     headers: "english", courses of stretchers and courses of headers in turn; "flemish", a stretcher and a header in turn in each
@@ -52,10 +52,6 @@ class HeaderStretcherBond:
             start, stop = self._headers(field, int(course)).T
             header[own] = ((start < middle[own, None]) & (middle[own, None] < stop)).any(axis=1)
         return leaves_of(faces, ~header)
-
-    def bed_direction(self, points: FloatArray) -> FloatArray:
-        """Return the horizontal direction (1, 0) at points (n, 2)."""
-        return np.tile([1.0, 0.0], (len(points), 1))
 
     def _joints(self, field: Field, course: int) -> FloatArray:
         through = course % 2 == field.through

@@ -3,10 +3,8 @@
 from dataclasses import dataclass
 from typing import Literal
 
-import numpy as np
-
 from churchpipe.bond.courses import lay_courses
-from churchpipe.bond.field import Field
+from churchpipe.bond.field import Field, HorizontalBeds
 from churchpipe.bond.joints import bay_joints, grid_joints
 from churchpipe.bond.tiles import TileSet
 from churchpipe.model.arrays import FloatArray
@@ -14,7 +12,7 @@ from churchpipe.model.building import UnitCell
 
 
 @dataclass(frozen=True, slots=True)
-class RunningBond:
+class RunningBond(HorizontalBeds):
     """Courses of height a, stones of length b; offsets of the joints on through and on cut courses, m (rule "grid")."""
 
     cell: UnitCell
@@ -32,7 +30,3 @@ class RunningBond:
             return grid_joints(field, self.cell.b, self.through_offset if through else self.cut_offset)
 
         return lay_courses(field, self.cell, joints)
-
-    def bed_direction(self, points: FloatArray) -> FloatArray:
-        """Return the horizontal direction (1, 0) at points (n, 2)."""
-        return np.tile([1.0, 0.0], (len(points), 1))

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from churchpipe.bond.field import Field
+from churchpipe.bond.field import Field, HorizontalBeds
 from churchpipe.bond.tiles import TileSet, tiles_of
 from churchpipe.errors import InputError
 from churchpipe.geometry.planar import area, polygon
@@ -14,7 +14,7 @@ from churchpipe.model.building import UnitCell
 
 
 @dataclass(frozen=True, slots=True)
-class SingleStone:
+class SingleStone(HorizontalBeds):
     """A single stone with the given outline (n, 2) m; `cell.a` is the height of the courses around it."""
 
     cell: UnitCell
@@ -42,7 +42,3 @@ class SingleStone:
             )
         course = int(np.floor(self.outline[:, 1].min() / self.cell.a + TOLERANCE))
         return tiles_of(np.array([whole], dtype=np.object_), np.array([course], dtype=np.int64), field.name)
-
-    def bed_direction(self, points: FloatArray) -> FloatArray:
-        """Return the horizontal direction (1, 0) at points (n, 2)."""
-        return np.tile([1.0, 0.0], (len(points), 1))
