@@ -6,6 +6,7 @@ solver (unstable, not converged, failed; the report is written all the same).
 
 import importlib.metadata
 import os
+import shlex
 import signal
 import sys
 from pathlib import Path
@@ -119,6 +120,8 @@ def run(
     elif not read.source.path.resolve().is_relative_to(case.resolve().parent):
         err.print(f"The drawing lies elsewhere: {read.source.path.resolve()}", markup=False, soft_wrap=True)
     folder = out_dir or Path("runs") / read.name
+    if folder.exists() and not folder.is_dir():
+        raise UsageError(str(folder), "a file, where the folder of the run would be", remedy="Choose another folder with --out.")
     if other := other_case(folder, case):
         if out_dir is None:
             remedy = "Give one of them another name, or a folder of its own with --out."
@@ -296,7 +299,7 @@ def generate(
     from churchpipe.config.json_schema import write_case
 
     write_case(case, text)
-    out.print(f"{case}: edit it, then churchpipe run {case}", soft_wrap=True)
+    out.print(f"{case}: edit it, then churchpipe run {shlex.quote(str(case))}", soft_wrap=True)
 
 
 @app.command()
@@ -343,8 +346,8 @@ def _check_case(path: Path) -> None:
     for case in variants:
         if isinstance(case.source, Generated):
             case.building()
-        elif not case.source.path.is_file():
-            raise InputError(f"{path}: source.dxf", "no such drawing", found=case.source.path)
+        elif not case.source.path.exists():
+            raise InputError(f"{path}: source", "no such file of stones", found=case.source.path)
     todo = plan(variants)
     counts = ((todo.geometries, "structures"), (todo.shells, "meshes"), (todo.analyses, "analyses"))
     out.print(f"{path}: {', '.join(f'{len(made)} {name}' for made, name in counts if made)}.", markup=False, soft_wrap=True)

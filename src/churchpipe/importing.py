@@ -88,6 +88,7 @@ def import_drawing(
     case = folder / "case.toml"
     if case.exists():
         raise UsageError(str(case), "exists already", remedy="Choose another folder, or delete it first.")
+    contact_gap = reading.open_joint if contact_gap is None else contact_gap
     drawing, joints = check_drawing(path, reading, unit_weight, contact_gap)
     copies = _copies(path, folder)
     for file, copy in copies.items():

@@ -216,6 +216,7 @@ OTHERS: list[tuple[Callable[[], Any], str]] = [
     (lambda: cp.limit_analysis(STONES, CONTACTS, PUSH, bipotential_gap=None), r"bipotential_gap: not a number"),  # pyright: ignore
     (lambda: cp.limit_analysis(STONES, CONTACTS, PUSH, solver=None), r"solver: no name; found None"),  # pyright: ignore
     (lambda: cp.limit_analysis(STONES, CONTACTS, PUSH, start=False), r"start: wrong kind; found False"),  # pyright: ignore
+    (lambda: cp.block_pushover(STONES, CONTACTS, PUSH, 0.6, ties=None), r"block_pushover: ties: wrong kind"),  # pyright: ignore
     (lambda: cp.limit_analysis(STONES, CONTACTS, PUSH, method=[]), r"method: unknown method"),  # pyright: ignore
 ]
 

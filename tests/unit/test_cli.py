@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import churchpipe
+from case_texts import WALL, case_file
 from churchpipe import cli, engine
 from churchpipe.config import read_case
 from churchpipe.config.case import Drawing
@@ -409,8 +410,54 @@ def test_a_place_that_cannot_be_written_to_is_named(capsys: pytest.CaptureFixtur
     taken.write_text("a file, not a folder")
     code, _, err = call(capsys, "run", Path(__file__).parents[2] / "pipeline" / "cases" / "wall.toml", "--out", taken)
     assert code == cli.USAGE
-    assert "Not a directory" in err.replace("\n", " ")
+    assert "taken: a file, where the folder of the run would be" in err.replace("\n", " ")
     assert taken.read_text() == "a file, not a folder"
+
+
+def test_joints_kept_open_are_reached_across_however_wide_each_was_drawn(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    drawing, given = outlines(tmp_path / "a.dxf", 12), ("--thickness", "0.12m", "--support", "base")
+    given += ("--joint", "10mm", "--joint-mode", "keep")
+    code, out, _ = call(capsys, "import", drawing, "-o", tmp_path / "a", *given, "--unit-weight-kN-m3", 18, "--friction", 0.6)
+    assert code == 0
+    # Three joints of 10 mm, and four of 12 mm between the courses.
+    assert "Joints closed across a gap: 7, up to 12 mm where widest; contact gap 15 mm" in out
+    assert "contact_gap_mm = 15\n" in (tmp_path / "a" / "case.toml").read_text(encoding="utf-8")
+
+
+def test_a_joint_wider_than_the_stones_is_a_slip_of_the_pen(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    drawing = outlines(tmp_path / "a.dxf", 10)
+    code, _, err = call(capsys, "check", drawing, "--thickness", "0.12m", "--support", "base", "--joint", "1m")
+    assert code == 1
+    assert "E26 a.dxf: a joint of 1 m between stones whose smallest dimension is 0.065 m: 0.13 m at most can be closed" in err
+    given = ("--thickness", "0.12m", "--support", "base", "--joint", "4cm")
+    code, _, err = call(capsys, "check", outlines(tmp_path / "b.dxf", 40), *given, "--joint-mode", "keep")
+    assert code == 1
+    assert "wide ones take --joint-mode grow" in err
+
+
+def test_a_case_of_a_folder_of_stones_is_checked(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    folder = tmp_path / "stones"
+    folder.mkdir()
+    text = WALL.replace('generator = "wall"\nlength_m = 1.2\nbrick_mm = [400, 250, 200]\ncourses = 3', 'file = "stones"')
+    assert call(capsys, "check", case_file(tmp_path, text))[0] == 0
+    folder.rmdir()
+    code, _, err = call(capsys, "check", case_file(tmp_path, text))
+    assert code == 1
+    assert "case.toml: source: no such file of stones" in err
+
+
+def test_a_drawing_given_for_a_case_is_to_be_imported(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    code, _, err = call(capsys, "run", outlines(tmp_path / "a.dxf", 10))
+    assert code == 1
+    assert "churchpipe import makes a case" in err
+
+
+def test_the_command_to_run_a_case_can_be_copied(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    code, out, _ = call(capsys, "generate", "wall", "-o", tmp_path / "my [1] case.toml")
+    assert code == 0
+    assert f"churchpipe run '{tmp_path}/my [1] case.toml'" in out
 
 
 def outlines(path: Path, gap: float) -> Path:

@@ -128,13 +128,13 @@ class Case:
         try:
             building = generate(self.source.generator, self.source.parameters, self.materials, self.name)
         except InputError as error:
-            raise located(error, self.path, self.overrides, self.source.generator) from error
+            raise located(error, self.path, self.overrides, self.source.generator, swept=self.variant) from error
         known = [name for panel in building.panels for name in (panel.name, *(part.name for part in panel.parts))]
         for number, load in enumerate(self.loads):
             for name in {*(load.panels or ())} - {*known}:
                 where, expected = f"{self.path}: load.{number}.panels", ", ".join(known)
                 error = InputError(where, "no such panel", found=name, expected=expected, remedy=nearest(name, known))
-                raise located(error, self.path, self.overrides)
+                raise located(error, self.path, self.overrides, swept=self.variant)
         return building
 
 
@@ -157,10 +157,15 @@ def read_variants(path: str | Path, overrides: Sequence[str] = ()) -> tuple[Case
     path = path_of("read_case: path", path)
     table = changes.apply_overrides(read_table(path), overrides)
     table.setdefault("name", path.stem)
+    cases: list[Case] = []
+    variant: dict[str, Any] = {}
     try:
-        return tuple(_case(path, changed, variant, tuple(overrides)) for changed, variant in changes.variants(table))
+        for changed, variant in changes.variants(table):
+            cases.append(_case(path, changed, variant, tuple(overrides)))
     except InputError as error:
-        raise located(error, path, overrides) from error
+        named = error if error.where.startswith(str(path)) else error.at(f"{path}: {error.where}")
+        raise located(named, path, overrides, swept=variant) from error
+    return tuple(cases)
 
 
 def read_table(path: Path) -> dict[str, Any]:
@@ -187,8 +192,12 @@ def read_table(path: Path) -> dict[str, Any]:
         ) from error
     except RecursionError as error:
         raise _too_deep(path) from error
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(str(path), "not TOML", found=error, remedy="Text needs quotes; tables stand in [brackets].") from error
+    except ValueError as error:
+        # TOMLDecodeError is one; a number of thousands of digits is refused by Python itself.
+        remedy = "Text needs quotes; tables stand in [brackets]."
+        if path.suffix.lower() != ".toml":
+            remedy = "Of a drawing or a mesh, churchpipe import makes a case."
+        raise InputError(str(path), "not TOML", found=error, remedy=remedy) from error
     if changes.depth(table) > changes.DEEPEST:
         raise _too_deep(path)
     return table
@@ -209,7 +218,7 @@ def _case(path: Path, table: dict[str, Any], variant: dict[str, Any], overrides:
         name=checked.name,
         path=path,
         source=_source(path, source),
-        materials=tuple(_material(name, section.model_dump()) for name, section in checked.material.items()),
+        materials=tuple(_material(file, name, section.model_dump()) for name, section in checked.material.items()),
         loads=loads,
         rigid=RigidSettings(
             flow=tuple(rigid.flow),
@@ -258,15 +267,21 @@ def _source(path: Path, source: Section) -> Generated | Drawing:
     if isinstance(source, DrawingSource | FileSource):
         place = source.dxf if isinstance(source, DrawingSource) else source.file
         options = source.model_dump(exclude_none=True, exclude={"dxf", "file"})
-        return Drawing(path.parent / place, Reading(**in_si(options)))
+        try:
+            return Drawing(path.parent / place, Reading(**in_si(options)))
+        except InputError as error:
+            raise error.at(f"{path}: source.{error.where}") from error
     parameters = source.model_dump(exclude_none=True)
     return Generated(parameters.pop("generator"), in_si(parameters))
 
 
-def _material(name: str, table: dict[str, Any]) -> Material:
+def _material(file: str, name: str, table: dict[str, Any]) -> Material:
     elastic = table.pop("elastic")
     si = in_si(table)
-    return Material(name, si["unit_weight"], si["friction"], si["cohesion"], _elastic(in_si(elastic)) if elastic else None)
+    try:
+        return Material(name, si["unit_weight"], si["friction"], si["cohesion"], _elastic(in_si(elastic)) if elastic else None)
+    except InputError as error:
+        raise error.at(f"{file}: material.{name}.{error.where.rpartition(': ')[2]}") from error
 
 
 def _elastic(si: dict[str, float]) -> Elastic:

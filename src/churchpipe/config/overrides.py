@@ -25,10 +25,11 @@ def parse_override(text: str) -> tuple[str, Any]:
         raise UsageError(f"--set {text}", "not an override", expected="key=value, such as --set rigid.solver=clarabel")
     try:
         read = tomllib.loads(f"value = {value}")["value"]
-    except tomllib.TOMLDecodeError:
-        read = value.strip()
     except RecursionError:
         read = None
+    except ValueError:
+        # No TOML, or a number of thousands of digits.
+        read = value.strip()
     if read is None or key.count(".") + depth(read) > DEEPEST:
         short = text if len(text) <= 60 else f"{text[:60]} ..."
         raise UsageError(f"--set {short}", "too many levels", expected=f"at most {DEEPEST}")

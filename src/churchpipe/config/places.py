@@ -2,42 +2,54 @@
 
 import re
 import tomllib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
-from churchpipe.config.overrides import apply_overrides, parse_override
+from churchpipe.config.overrides import apply_overrides, parse_override, set_key
 from churchpipe.config.section import WRONG, GatheredError, gathered, shortened
 from churchpipe.config.units import bare
 from churchpipe.errors import InputError
 
+EMPTY: Mapping[str, Any] = MappingProxyType({})
 
-def located(error: InputError, path: Path, overrides: Sequence[str], generator: str = "") -> InputError:
-    """Return an error with the key that the person wrote, and the line of the file or the --set where it stands.
+
+def located(
+    error: InputError, path: Path, overrides: Sequence[str], generator: str = "", *, swept: Mapping[str, Any] = EMPTY
+) -> InputError:
+    """Return an error with the key that the person wrote, and the line of the file, the --set or the [sweep] where it stands.
 
     Parameters
     ----------
     error: its place is "FILE: KEY", with the key as the schema or the generator has it.
     generator: its name, for what it says of its parameters: "NAME.parameter".
+    swept: values of the variant at fault, by their dotted keys.
     """
     if isinstance(error, GatheredError):
-        return gathered(str(path), [located(problem, path, overrides) for problem in error.problems])
+        return gathered(str(path), [located(problem, path, overrides, swept=swept) for problem in error.problems])
     key = error.where.removeprefix(f"{path}: ")
-    if generator and key.startswith(f"{generator}."):
+    if generator and f"{key}.".startswith(f"{generator}."):
         key = "source" + key.removeprefix(generator)
     elif key == error.where:
         return error
     try:
         text = path.read_text(encoding="utf-8-sig")
         table = apply_overrides(tomllib.loads(text), overrides)
+        for swept_key, swept_value in swept.items():
+            set_key(table, swept_key, swept_value)
     except (OSError, ValueError):
         return error
     parts = re.sub(r"\[(\d+)\]", r".\1", key).split(".")
     written, value = _followed(table, parts)
     missing = parts[len(written) :]
     changed = [parse_override(change)[0].split(".") for change in overrides]
-    by_set = any(written[: len(change)] == change for change in changed)
-    place = "--set" if by_set else f"line {line_of(text, written)}"
+    if any(written[: len(change)] == change for change in changed):
+        place = "--set"
+    elif any(written[: len(change)] == change for change in (name.split(".") for name in swept)):
+        place = "[sweep]"
+    else:
+        place = f"line {line_of(text, written)}"
     where = f"{path}: {place}, {'.'.join([*written, *missing])}"
     if error.problem != WRONG or missing:
         return error.at(where)
@@ -72,7 +84,7 @@ def _order(low: int, high: int) -> Iterator[int]:
 def _read(lines: Sequence[str]) -> dict[str, Any] | None:
     try:
         return tomllib.loads("".join(lines))
-    except tomllib.TOMLDecodeError:
+    except ValueError:
         return None
 
 

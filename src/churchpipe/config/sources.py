@@ -61,9 +61,15 @@ def check_source(table: Table, file: str, problems: list[InputError]) -> Section
         expected = 'generator = "...", dxf = "..." or file = "..."'
         problems.append(InputError(f"{file}: source", "no single source", found=found, expected=expected))
         return None
+    for key in (key for key in table if key.endswith("_m") and f"{key}m" in table):
+        found = f"{key} and {key}m"
+        problems.append(InputError(f"{file}: source.{key}", "a length given twice", found=found, expected="one of them"))
+        return None
     if given != ["generator"]:
         kind = DrawingSource if given == ["dxf"] else FileSource
-        return validated(kind, _in_millimetres(table, kind), "source", file, problems)
+        reading = validated(kind, _in_millimetres(table, kind), "source", file, problems)
+        problems += _out_of_scale(reading.model_dump(exclude_none=True), f"{file}: source") if reading else []
+        return reading
     name = table["generator"]
     if not isinstance(name, str) or name not in GENERATED:
         problems.append(

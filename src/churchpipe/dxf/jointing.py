@@ -7,12 +7,16 @@ import numpy as np
 
 from churchpipe.dxf.reading import JointMode, Mortar
 from churchpipe.dxf.stones import Stone
+from churchpipe.dxf.units import plausible
 from churchpipe.findings import Finding
 from churchpipe.model.arrays import FloatArray
 from churchpipe.stones.mortar import close_joints, open_joints
 
 # Open joints are a matter of the whole drawing when there are this many for each stone.
 MANY = 0.25
+# Joints wider than this many times the smallest dimension of the median stone are a slip of the pen; contacts reach across joints
+# that are kept open up to half of it.
+WIDEST_GROWN, WIDEST_KEPT = 2.0, 0.5
 
 
 def jointed(
@@ -23,6 +27,14 @@ def jointed(
     joint: nominal width, drawing units; unit: a drawing unit, m, for the volumes in the findings. With `mode` "keep" stones are
     left as they are: then it is the contacts that reach across.
     """
+    size = float(np.median([np.ptp(stone.points, axis=0).min() for stone in stones]))
+    widest = (WIDEST_KEPT if mode == "keep" else WIDEST_GROWN) * size
+    # In a wrong unit everything is too wide or too thin: then it is the unit that is named.
+    if joint > widest and plausible(size * unit):
+        what = "a joint of {} between stones whose smallest dimension is {}: {} at most can be closed"
+        remedy = "Give the width of one joint, with its unit" + ("; wide ones take --joint-mode grow." if mode == "keep" else ".")
+        findings.append(Finding("E26", what, remedy=remedy, lengths=(joint, size, widest)))
+        return stones, np.ones(len(stones))
     closed = close_joints([(stone.points, stone.faces) for stone in stones], joint)
     count, share = len(closed.joints.width), closed.volume_before / closed.volume
     if not count:

@@ -5,6 +5,7 @@ from typing import Literal
 
 from churchpipe.dxf import schema
 from churchpipe.model.arguments import check_kind, one_of, positive
+from churchpipe.stones.mortar import WIDEST_MEAN
 
 ElevationPlane = Literal["xz", "xy"]
 JointMode = Literal["grow", "keep"]
@@ -56,8 +57,8 @@ class Reading:
 
     @property
     def open_joint(self) -> float | None:
-        """Width of joints that stay open, m, across which stones touch all the same; None where there are none."""
-        return self.joint if self.joint_mode == "keep" else None
+        """Contact gap, m, that reaches across joints that stay open, the widest of them too; None where there are none."""
+        return WIDEST_MEAN * self.joint if self.joint is not None and self.joint_mode == "keep" else None
 
 
 AS_DRAWN = Reading()

@@ -25,7 +25,7 @@ from churchpipe.large_displacements.renewal import first_joints, pair_friction
 from churchpipe.large_displacements.sizes import REACH, STEP, thinnest
 from churchpipe.large_displacements.travelling import dead_loads, live_loads
 from churchpipe.mechanism import moving_stones, stone_speed
-from churchpipe.model.arguments import positive, whole
+from churchpipe.model.arguments import check_kind, positive, whole
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.block_curve import BlockCapacityCurve, CurveStatus
 from churchpipe.model.contacts import Contacts
@@ -98,7 +98,7 @@ def block_pushover(
     poses = start_poses(stones)
     first = first_state(first_joints(contacts, stones, poses, model.reach), poses, model.step)
     record = Record(model, measure)
-    status, message = _follow(model, first, record, steps, furthest, progress)
+    status, message = _follow(model, first, record, int(steps), furthest, progress)
     return record.curve(status, message, perf_counter() - begin)
 
 
@@ -135,6 +135,7 @@ def _follow(
 
 
 def _check(ties: Sequence[object], step: float | None, steps: int, furthest: float | None) -> None:
+    check_kind("block_pushover: ties", ties, Sequence)
     if len(ties):
         raise InputError("block_pushover: ties", "not yet followed at large displacements", found=len(ties), expected="none")
     whole("block_pushover: steps", steps, least=1)

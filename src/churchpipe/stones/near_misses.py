@@ -13,7 +13,8 @@ from churchpipe.stones.facing import Overlaps, facing
 from churchpipe.stones.interfaces import Interfaces, frames
 
 # Near misses are searched up to ten times the contact gap or the first share of the median stone's thickness, whichever is more,
-# but no farther than the second share.
+# but no farther than the second share, or than a wider contact gap reaches: no tolerance joins stones that are farther apart than
+# half their thickness.
 NEAR = 0.25
 FAR = 0.5
 TIMES = 10.0
@@ -28,7 +29,10 @@ SHARED = 0.05
 def reach_of(limits: Limits) -> float:
     """Return up to which distance two faces are a near miss, m."""
     widest = TIMES * max(limits.tolerances.contact_gap, HAIRLINE * limits.typical)
-    return max(min(max(NEAR * limits.typical, widest), FAR * limits.typical), limits.tolerances.contact_gap)
+    return max(
+        min(max(NEAR * limits.typical, widest), FAR * limits.typical),
+        min(limits.tolerances.contact_gap, 0.5 * float(limits.thickness.max())),
+    )
 
 
 def near_misses(facets: Facets, joints: Interfaces, limits: Limits) -> NearMisses:

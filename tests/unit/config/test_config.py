@@ -165,11 +165,17 @@ MISTAKES = [
     ("load.3.direction=[1,0,0]", r"load\.3\.direction: no such entry; found 3; expected a number from 0 to 0"),
     ("name.first=x", r"name\.first: name is not a table"),
     ("sweep.name=x", r"sweep\.name: nothing to sweep; found x"),
-    ("sweep=3", r"sweep: not a table"),
+    ("sweep=3", r"case\.toml: --set, sweep: not a table"),
+    ("source.length_mm=1200", r"source\.length_m: a length given twice; found length_m and length_mm; expected one of them"),
+    ("material.default.friction=1e300", r"case\.toml: --set, material\.default\.friction: out of range"),
+    ('source={dxf="a.dxf", units="furlong"}', r"case\.toml: --set, source\.units: unknown unit; found 'furlong'"),
+    ('source={dxf="a.dxf", thickness_mm=1e300}', r"case\.toml: --set, source\.thickness_mm: no length of a building"),
+    ('source={dxf="a.dxf", joint_mm=1e-9}', r"case\.toml: --set, source\.joint_mm: no length of a building"),
+    (f"source.courses={'9' * 5000}", r"source\.courses: wrong value; found '999"),
 ]
 
 
-@pytest.mark.parametrize(("override", "said"), MISTAKES, ids=[override for override, _ in MISTAKES])
+@pytest.mark.parametrize(("override", "said"), MISTAKES, ids=[override[:60] for override, _ in MISTAKES])
 def test_a_mistake_is_named(override: str, said: str, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=said):
         read_case(case_file(tmp_path, 'name = "w"' + WALL), [override])
@@ -195,7 +201,12 @@ def test_what_an_import_left_out_is_listed(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("text", "said"),
-    [("a = = 1", "not TOML.*line 1"), ("", "source: missing key"), ("name = 3", "name: wrong value; found 3")],
+    [
+        ("a = = 1", "not TOML.*line 1"),
+        pytest.param(f"a = {'9' * 5000}", "not TOML", id="digits"),
+        ("", "source: missing key"),
+        ("name = 3", "name: wrong value; found 3"),
+    ],
 )
 def test_a_file_that_is_no_case(text: str, said: str, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=said):

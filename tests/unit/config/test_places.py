@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from case_texts import case_file
-from churchpipe.config import read_case
+from case_texts import WALL, case_file
+from churchpipe.config import read_case, read_variants
 from churchpipe.config.places import line_of
 from churchpipe.errors import InputError
 from churchpipe.resources import sample_case, sample_names
@@ -113,3 +113,22 @@ def test_what_was_set_has_no_line(tmp_path: Path) -> None:
         read_case(path, ["source.heigth_m=3", "material.default.friction=high"])
     assert "\n  --set, source.heigth_m: unknown key" in str(caught.value)
     assert "\n  --set, material.default.friction: wrong value; found 'high'" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("swept", "said"),
+    [
+        ("source.courses = [3, 3.5]", r"\[sweep\], source\.courses: wrong value; found 3\.5; expected a whole number"),
+        ('"material.default.friction" = [0.5, nan]', r"\[sweep\], material\.default\.friction: wrong value; found nan;"),
+        ('"rigid.frow" = [1, 2]', r"\[sweep\], rigid\.frow: unknown key"),
+    ],
+)
+def test_what_was_swept_is_named_with_its_value(swept: str, said: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=said):
+        read_variants(case_file(tmp_path, f"{WALL}[sweep]\n{swept}\n"))
+
+
+def test_what_no_single_parameter_is_to_blame_for_is_said_of_the_source(tmp_path: Path) -> None:
+    case = read_case(case_file(tmp_path, WALL), ["source.height_m=0.6"])
+    with pytest.raises(InputError, match=r"case\.toml: line 2, source: its height is given twice"):
+        case.building()

@@ -81,7 +81,7 @@ def test_progress_and_the_largest_displacement() -> None:
     assert curve.status == "unfinished"
     assert 0.1 <= curve.largest[-1] <= 0.13
     assert told == sorted(told)
-    few = cp.block_pushover(BLOCK, cp.find_contacts(BLOCK), PUSH, 0.7, step=0.02, steps=3)
+    few = cp.block_pushover(BLOCK, cp.find_contacts(BLOCK), PUSH, 0.7, step=0.02, steps=3.0)  # pyright: ignore
     assert (few.status, len(few.displacement)) == ("unfinished", 3)
     assert "3 steps" in few.message
 

@@ -228,3 +228,10 @@ def test_a_curved_joint_meshed_differently_on_both_sides(below: int, above: int)
     found = find_contacts(triangulated(Assemblage.from_polyhedra([lower, upper], 18e3, fixed=[0])))
     assert found.area.sum() == pytest.approx(0.5 * math.pi * 0.5, rel=0.005)
     assert not len(found.near_misses)
+
+
+def test_a_contact_gap_wider_than_the_stones_finds_no_near_misses_through_them() -> None:
+    stones = on_ground(box((0, 1), (0, 1), (0, 2)), box((0, 1), (0, 1), (2, 4)))
+    contacts = find_contacts(stones, contact_gap=100.0)
+    assert len(contacts.blocks) == 2
+    assert len(contacts.near_misses) == 0
