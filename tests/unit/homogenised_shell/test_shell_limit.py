@@ -170,7 +170,7 @@ def test_what_cannot_be_analysed_is_named() -> None:
         shell_limit_analysis(None, ASKEW, MASONRY)
     with pytest.raises(InputError, match="load: wrong kind"):
         shell_limit_analysis(wall(), (1, 1, 0), MASONRY)
-    with pytest.raises(InputError, match="materials: wrong kind; found Material; expected a list of Material"):
+    with pytest.raises(InputError, match="materials: wrong kind; found Material; expected a list of JointStrength"):
         shell_limit_analysis(wall(), ASKEW, MASONRY[0])
     with pytest.raises(InputError, match="no weight"):
         shell_limit_analysis(wall(surface_weight=np.zeros(36)), ASKEW, MASONRY)
