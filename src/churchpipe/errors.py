@@ -8,10 +8,14 @@ class InputError(ValueError):
 
     Parameters
     ----------
-    where: the file, key, stone or argument at fault.
-    problem: what is wrong there.
-    found, expected: the value met and the value wanted (left out of the message when empty).
-    remedy: what the user can do about it.
+    where
+        The file, key, stone or argument at fault.
+    problem
+        What is wrong there.
+    found, expected
+        The value met and the value wanted (left out of the message when empty).
+    remedy
+        What the user can do about it.
     """
 
     def __init__(self, where: str, problem: str, *, found: object = "", expected: str = "", remedy: str = "") -> None:

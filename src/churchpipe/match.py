@@ -81,7 +81,8 @@ def match_models(stones: Assemblage, contacts: Contacts, shell: ShellModel) -> M
 
     Parameters
     ----------
-    stones, contacts, shell: the two models, by the same panel names.
+    stones, contacts, shell
+        The two models, by the same panel names.
     """
     for name, value, kind in (("stones", stones, Assemblage), ("contacts", contacts, Contacts), ("shell", shell, ShellModel)):
         check_kind(f"match_models: {name}", value, kind)

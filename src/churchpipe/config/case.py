@@ -143,11 +143,15 @@ def read_case(path: str | Path, overrides: Sequence[str] = ()) -> Case:
 
     Parameters
     ----------
-    overrides: changes "a.b.c=value" to keys of the file.
+    path
+        The case file, TOML.
+    overrides
+        Changes "a.b.c=value" to keys of the file.
 
     Raises
     ------
-    InputError: everything that is wrong with the file: key, found, expected, remedy.
+    InputError
+        Everything that is wrong with the file: key, found, expected, remedy.
     """
     return read_variants(path, overrides)[0]
 

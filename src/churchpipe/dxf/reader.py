@@ -49,7 +49,17 @@ class Drawing:
 def read_dxf(
     path: str | os.PathLike[str], *, unit_weight: float | Mapping[str, float] | None = None, **options: Any
 ) -> tuple[Assemblage, Findings]:
-    """Read the stones of a drawing; parameters and errors as in `read_drawing`."""
+    """Read the stones of a DXF drawing, and what is wrong with it; errors as in `read_stones`.
+
+    Parameters
+    ----------
+    path
+        The drawing.
+    unit_weight
+        N/m3, for all stones or by material name; overrides what the drawing stores.
+    options
+        As in `read_stones`, but for up and scale.
+    """
     drawing = read_drawing(path, unit_weight=unit_weight, **options)
     return drawing.stones, drawing.findings
 
@@ -63,13 +73,19 @@ def read_drawing(
 
     Parameters
     ----------
-    unit_weight: N/m3, for all stones or by material name; overrides what the drawing stores.
-    options: the fields of `churchpipe.dxf.reading.Reading`: units, repair, support, thickness, plane, joint, joint_mode, mortar.
+    path
+        The file.
+    unit_weight
+        N/m3, for all stones or by material name; overrides what the drawing stores.
+    options
+        Fields of `churchpipe.dxf.reading.Reading`: units, repair, support, thickness, plane, joint, joint_mode, mortar.
 
     Raises
     ------
-    FindingsError: the drawing has errors; its `findings` list all of them, warnings included.
-    InputError: an argument that cannot be taken.
+    FindingsError
+        The drawing has errors; its `findings` list all of them, warnings included.
+    InputError
+        An argument that cannot be taken.
     """
     reading = Reading(**options)
     weights_given = given_weights(unit_weight)

@@ -35,11 +35,21 @@ def write_dxf(
 
     Parameters
     ----------
-    units: length unit of the drawing.
+    assemblage
+        The stones.
+    path
+        The drawing to write.
+    materials
+        Unit weight and strength of what the stones are made of.
+    loads
+        Load cases that travel with the drawing.
+    units
+        Length unit of the drawing.
 
     Raises
     ------
-    InputError: a name that a drawing cannot hold, a unit weight that contradicts its material, a file that cannot be written.
+    InputError
+        A name that a drawing cannot hold, a unit weight that contradicts its material, a file that cannot be written.
     """
     check_kind("write_dxf: assemblage", assemblage, Assemblage, "derive_blocks(building) makes one.")
     path = path_of("write_dxf: path", path)

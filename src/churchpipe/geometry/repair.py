@@ -34,7 +34,8 @@ def repair_polyhedra(polyhedra: Iterable[Polyhedron]) -> tuple[list[Polyhedron],
 
     Parameters
     ----------
-    polyhedra: pairs (vertices (n, 3) m, faces: lists of vertex indices).
+    polyhedra
+        Pairs (vertices (n, 3) m, faces: lists of vertex indices).
 
     Returns
     -------
@@ -42,7 +43,8 @@ def repair_polyhedra(polyhedra: Iterable[Polyhedron]) -> tuple[list[Polyhedron],
 
     Raises
     ------
-    InputError: a polyhedron that stays open or folded, with its index and the place.
+    InputError
+        A polyhedron that stays open or folded, with its index and the place.
     """
     out: list[Polyhedron] = []
     changes: list[Change] = []

@@ -40,14 +40,30 @@ def shell_limit_analysis(
 ) -> ShellLimitState:
     """Return the collapse load factor of a shell and its mechanism, dead load first.
 
-    planes: "cell", the exact strength; "paper" and "paper+torsion" are outer approximations, see `strength.strength`.
-    membrane, stations: see `element.shell_elements`.
-    solver: "interior-point", condensed to the unknowns of the mesh; "clarabel", all stresses at once, for a few thousand facets;
-    "auto", the first, and the second where that fails on a mesh that it can take. Bounds are proved to 1e-6 at worst.
+    Bounds are proved to 1e-6 at worst.
+
+    Parameters
+    ----------
+    shell
+        The mid-surfaces, from `derive_shell`.
+    load
+        What the load factor multiplies.
+    materials
+        Strength of the joints of each masonry, by name.
+    planes
+        Strength of the unit cell: "cell" is exact; "paper" and "paper+torsion" are outer approximations.
+    membrane
+        "LST", triangles of linear membrane strain, or "CST", of constant strain, cheaper and too strong.
+    stations
+        Where the strain of an LST is evaluated: "inner" points, most often the more accurate, or the "corners".
+    solver
+        "interior-point", condensed to the unknowns of the mesh; "clarabel", all stresses at once, for a few thousand facets;
+        "auto", the first, and the second where that fails on a mesh that it can take.
 
     Raises
     ------
-    InputError: arguments of the wrong kind, values out of range, materials or panels unknown.
+    InputError
+        Arguments of the wrong kind, values out of range, materials or panels unknown.
     """
     check_kind("shell_limit_analysis: shell", shell, ShellModel)
     check_kind("shell_limit_analysis: load", load, LoadCase)

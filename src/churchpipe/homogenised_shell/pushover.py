@@ -55,20 +55,28 @@ def pushover(
 
     Parameters
     ----------
-    planes, membrane, stations: as in `limit.shell_limit_analysis`.
-    control_point: number of a node, or a point (3,) m whose nearest node is taken; by default the node that moves furthest along
-        the load at the end. steps: at most this many, dead load not counted. progress: called after every step.
+    shell, load, materials, planes, membrane, stations
+        As in `shell_limit_analysis`; the materials have elastic constants.
+    control_point
+        Number of a node, or a point (3,) m whose nearest node is taken; by default the node that moves furthest along the
+        load at the end.
+    steps
+        At most this many, dead load not counted.
+    progress
+        Called after every step.
 
     Returns
     -------
-    CapacityCurve: status "converged" on a plateau: the last step lengthened the path by at least half, and the load factor rose
-    by less than 5e-4 of itself. "not-converged": the steps were used up. "failed": a step was not solved even when
-    shortened. "unstable": under dead load alone; displacement is then the falling mechanism, f_D . u = 1 per total weight.
+    CapacityCurve
+        Status "converged" on a plateau: the last step lengthened the path by at least half, and the load factor rose by less
+        than 5e-4 of itself. "not-converged": the steps were used up. "failed": a step was not solved even when shortened.
+        "unstable": under dead load alone; displacement is then the falling mechanism, f_D . u = 1 per total weight.
 
     Raises
     ------
-    InputError: arguments of the wrong kind, values out of range, materials or panels unknown, no elastic constants, a mesh that
-    is not held.
+    InputError
+        Arguments of the wrong kind, values out of range, materials or panels unknown, no elastic constants, a mesh that is
+        not held.
     """
     begin = perf_counter()
     check_kind("pushover: shell", shell, ShellModel)

@@ -58,19 +58,39 @@ def block_pushover(
 
     Parameters
     ----------
-    control: point (3,) m of the drawing whose displacement along the load the curve is drawn against; None: the mean
-        displacement of the pushed stones, weighed by their load.
-    step: m, the largest displacement of a step; None: a tenth of the thinnest side of the stones that move.
-    steps, furthest: where to stop, after so many steps or when a stone has gone so far, m.
-    progress: called with a text and the share done.
+    stones
+        The assemblage.
+    contacts
+        Its joints, from `find_contacts`.
+    load
+        What pushes.
+    friction
+        Coefficient, a number or one an interface (ni,).
+    ties
+        Ties; none can be given as yet.
+    control
+        Point (3,) m of the drawing whose displacement along the load the curve is drawn against; None: the mean displacement
+        of the pushed stones, weighed by their load.
+    step
+        Largest displacement of a step, m; None: a tenth of the thinnest side of the stones that move.
+    steps
+        Where to stop, after so many steps.
+    furthest
+        Where to stop, when a stone has gone so far, m.
+    solver
+        As in `limit_analysis`.
+    progress
+        Called with a text and the share done.
 
     Returns
     -------
-    BlockCapacityCurve: status "unstable", "unbounded" or "failed", with no steps, where there is no first load factor.
+    BlockCapacityCurve
+        Status "unstable", "unbounded" or "failed", with no steps, where there is no first load factor.
 
     Raises
     ------
-    InputError: arguments out of range, stones without a path to a support.
+    InputError
+        Arguments out of range, stones without a path to a support.
     """
     begin = perf_counter()
     _check(ties, step, steps, furthest)

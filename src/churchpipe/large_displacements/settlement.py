@@ -47,14 +47,30 @@ def settlement_analysis(
 
     Parameters
     ----------
-    support: indices of fixed stones that move as one body. direction: of the movement, or of its axis, right-handed, where
-        `about`, a point (3,) m of it, is given. dead: (nb, 6) N and Nm, wrenches about the centroids that act beside the weight.
-    friction: coefficient, a number or one an interface. flow: "associative", the least reaction of all, its bounds proved; or
-        "non-associative", stones that slide without dilating, as they move in `settlement_path`.
+    stones
+        The assemblage.
+    contacts
+        Its joints, from `find_contacts`.
+    support
+        Indices of fixed stones that move as one body.
+    direction
+        Direction (3,) of the movement; of its axis, right-handed, where `about` is given.
+    about
+        A point (3,) m of the axis about which the support turns; None: it is shifted.
+    dead
+        Wrenches (nb, 6) N and Nm about the centroids that act beside the weight.
+    friction
+        Coefficient, a number or one an interface.
+    flow
+        "associative", the least reaction of all, its bounds proved; or "non-associative", stones that slide without dilating,
+        as they move in `settlement_path`.
+    solver
+        As in `limit_analysis`.
 
     Raises
     ------
-    InputError: a support that is not there, not fixed or bears nothing, no direction, arguments out of range.
+    InputError
+        A support that is not there, not fixed or bears nothing, no direction, arguments out of range.
     """
     begin = perf_counter()
     one_of("settlement_analysis: flow", flow, "associative", "non-associative")

@@ -51,26 +51,40 @@ GROUND = "a body that the file fixes, or one named ground, support or foundation
 def read_stones(
     path: str | os.PathLike[str], *, unit_weight: float | Mapping[str, float] | None = None, **options: Any
 ) -> tuple[Assemblage, Findings]:
-    """Read the stones of a file in any format; parameters and errors as in `read_file`."""
+    """Return the stones of a file, and what is wrong with it.
+
+    Formats: DXF, OBJ, STL, PLY, GLB, 3MF, Rhino 3DM, COMPAS JSON, LMGC90, 3DEC, or a folder of files.
+
+    Parameters
+    ----------
+    path
+        The file, or a folder of files of one stone each.
+    unit_weight
+        N/m3, for all stones or by material name; overrides what the file stores.
+    options
+        How to read it, by keywords.
+        units: read it in "m", "mm", "in" ... whatever it says itself.
+        repair: mend what may change a shape (faces given twice, vertices that nearly meet, corners on edges, holes of one face),
+        drop stones given twice; each repair is a warning.
+        support: "drawn" or "base", a fixed support under the lowest faces where the file has no ground.
+        thickness: of stones drawn as outlines, m. plane: "xz", the drawing is an elevation, or "xy", a plan.
+        joint: nominal width, m, of joints drawn open. joint_mode: "grow" lets stones meet in the middle of their joints, "keep"
+        leaves them as drawn. mortar: its weight is "counted", as if it were stone, or "ignored".
+        up: the axis of the file that points up. scale: sizes in the building over sizes in the file. A DXF has neither.
+
+    Raises
+    ------
+    FindingsError
+        The file has errors; its `findings` list all of them, warnings included.
+    InputError
+        An argument that cannot be taken.
+    """
     read = read_file(path, unit_weight=unit_weight, **options)
     return read.stones, read.findings
 
 
 def read_file(path: str | os.PathLike[str], *, unit_weight: float | Mapping[str, float] | None = None, **options: Any) -> Drawing:
-    """Read a file of stones: DXF, OBJ, STL, PLY, GLB, 3MF, Rhino 3DM, COMPAS JSON, LMGC90, 3DEC, or a folder of them.
-
-    Parameters
-    ----------
-    unit_weight: N/m3, for all stones or by material name.
-    options: the fields of `churchpipe.dxf.reading.Reading`: units, repair, support, thickness, plane, joint, joint_mode, mortar,
-        up, scale. With `repair`, what may change a shape is mended besides: faces given twice, vertices that nearly meet, corners
-        on edges, holes of one face; each repair is a warning.
-
-    Raises
-    ------
-    FindingsError: the file has errors; its `findings` list all of them, warnings included.
-    InputError: an argument that cannot be taken.
-    """
+    """Read a file of stones in any format, with what a drawing says beside them; see `read_stones`."""
     path = path_of("read_stones: path", path)
     reading = Reading(**options)
     if path.suffix.lower() == ".dxf" and not path.is_dir():

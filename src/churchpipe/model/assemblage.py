@@ -116,16 +116,21 @@ class Assemblage:
 
         Parameters
         ----------
-        polyhedra: pairs (vertices (n, 3) m, faces: lists of vertex indices). Faces are planar, closed and consistently
-            oriented; a solid with all faces inward is turned inside out, and one that is closed only when vertices at one
-            place are one vertex gets them welded. `churchpipe.repair_polyhedra` mends other solids.
-        unit_weight: N/m3, scalar or one a stone.
-        fixed: indices of the stones that are ground, or a flag for each stone.
-        material, panel, course, block_id: one value for all or one a stone; ids default to "B0", "B1", ...
+        polyhedra
+            Pairs (vertices (n, 3) m, faces: lists of vertex indices). Faces are planar, closed and consistently oriented; a
+            solid with all faces inward is turned inside out, and one that is closed only when vertices at one place are one
+            vertex gets them welded. `churchpipe.repair_polyhedra` mends other solids.
+        unit_weight
+            N/m3, scalar or one a stone.
+        fixed
+            Indices of the stones that are ground, or a flag for each stone.
+        material, panel, course, block_id
+            One value for all or one a stone; ids default to "B0", "B1", ...
 
         Raises
         ------
-        InputError: a solid that is open, flat or not planar, with its index.
+        InputError
+            A solid that is open, flat or not planar, with its index.
         """
         points: list[FloatArray] = []
         nodes: list[int] = []

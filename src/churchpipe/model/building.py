@@ -227,7 +227,8 @@ class Support:
 @dataclass(frozen=True, slots=True)
 class Building:
     """Panels, the unit weights of their materials (a `Material` has one), the height of the ground plane in m (None: no ground
-    plane) and further fixed bodies."""
+    plane) and further fixed bodies.
+    """
 
     name: str
     panels: tuple[Panel, ...]

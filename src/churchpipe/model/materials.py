@@ -18,7 +18,8 @@ class Elastic:
 
     Raises
     ------
-    InputError: no number, moduli outside 1e-3 Pa to 1e21 Pa, thickness outside 1e-9 m to 100 m, Poisson's ratio outside (-1, .5).
+    InputError
+        No number, moduli outside 1e-3 Pa to 1e21 Pa, thickness outside 1e-9 m to 100 m, Poisson's ratio outside (-1, .5).
     """
 
     block_modulus: float
@@ -42,7 +43,8 @@ class UnitWeight:
 
     Raises
     ------
-    InputError: no number; not zero and outside 1e-6 to 1e9 N/m3.
+    InputError
+        No number; not zero and outside 1e-6 to 1e9 N/m3.
     """
 
     name: str
@@ -61,7 +63,8 @@ class JointStrength:
 
     Raises
     ------
-    InputError: no number; not zero and outside 1e-6 to 1000, 1e-6 to 1e12 Pa.
+    InputError
+        No number; not zero and outside 1e-6 to 1000, 1e-6 to 1e12 Pa.
     """
 
     name: str
@@ -84,7 +87,8 @@ class Material(JointStrength, UnitWeight):
 
     Raises
     ------
-    InputError: as `UnitWeight` and `JointStrength`.
+    InputError
+        As `UnitWeight` and `JointStrength`.
     """
 
     def __post_init__(self) -> None:

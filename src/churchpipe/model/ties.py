@@ -14,12 +14,23 @@ from churchpipe.model.arrays import FloatArray, floats, indices, store
 class Tie:
     """A bar without weight between two anchors: it pulls with 0 <= T <= strength, and never pushes.
 
-    start, end (3,) m: the anchors; stones (i, j): the stones that they pull on, None: those that contain or touch the anchors;
-    strength: N, the least of yield, punching of the wall and bearing under the plates. The bar is ductile.
+    The bar is ductile.
+
+    Parameters
+    ----------
+    name
+        What messages and results call it.
+    start, end
+        The anchors, points (3,) m.
+    stones
+        Indices (i, j) of the stones that they pull on; None: those that contain or touch the anchors.
+    strength
+        N, the least of yield, punching of the wall and bearing under the plates.
 
     Raises
     ------
-    InputError: no name, no length, a strength that is no number >= 0, both ends on one stone.
+    InputError
+        No name, no length, a strength that is no number >= 0, both ends on one stone.
     """
 
     name: str

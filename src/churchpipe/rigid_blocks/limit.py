@@ -52,23 +52,45 @@ def limit_analysis(
 
     Parameters
     ----------
-    friction: coefficient, scalar or one an interface (ni,). cohesion: Pa, scalar or (ni,).
-    flow: "associative" (sliding dilates, eq. (1)) or "non-associative" (no dilatancy, by iteration, eq. (3)).
-    method, start (one or several), bipotential_gap: of the non-associative iteration, see `sliding.SlidingOptions`.
-    ties: bars that pull stones together; the result has their tensions and what their strength adds.
-    contact_model: "corners", friction acts at the corners of an interface, which overrates its resistance to torsion; "torsion",
-        it acts so near to the middle that uniform pressure resists torsion exactly.
-    solver: "auto" (our own interior point, Clarabel where that fails), "interior-point", "clarabel", "cvxpy", "cvxpy:MOSEK" ...
-    progress: called with a text and the share done.
+    stones
+        The assemblage.
+    contacts
+        Its joints, from `find_contacts`.
+    load
+        What the load factor multiplies, and what acts beside the weight.
+    friction
+        Coefficient, scalar or one an interface (ni,).
+    cohesion
+        Pa, scalar or one an interface (ni,).
+    flow
+        "associative" (sliding dilates, eq. (1)) or "non-associative" (no dilatancy, by iteration, eq. (3)).
+    method
+        Of the non-associative analysis: "default" seeks a certified state, "paper" is the iteration of the paper.
+    start
+        Where the non-associative analysis begins: "dead-load", "associative" or "uniform", one or several; the lowest
+        certified load factor leads.
+    bipotential_gap
+        Gap over load factor at which a non-associative state is certified.
+    ties
+        Bars that pull stones together; the result has their tensions and what their strength adds.
+    contact_model
+        "corners", friction acts at the corners of an interface, which overrates its resistance to torsion; "torsion", it acts
+        so near to the middle that uniform pressure resists torsion exactly.
+    solver
+        "auto" (our own interior point, Clarabel where that fails), "interior-point", "clarabel", "cvxpy", "cvxpy:MOSEK" ...
+    progress
+        Called with a text and the share done.
 
     Returns
     -------
-    LimitState: status "unstable" when dead load alone brings the structure down (velocities: how it falls), "unbounded"
-    when no lateral load of this kind does, "failed" when no certified answer was found.
+    LimitState
+        Status "unstable" when dead load alone brings the structure down (velocities: how it falls), "unbounded" when no
+        lateral load of this kind does, "failed" when no certified answer was found.
 
     Raises
     ------
-    InputError: arguments out of range, stones without a path to a support, ties that are anchored in no stone.
+    InputError
+        Arguments out of range, stones without a path to a support, ties that are anchored in no stone.
     """
     for name, value, kind in (("stones", stones, Assemblage), ("contacts", contacts, Contacts), ("load", load, LoadCase)):
         check_kind(f"limit_analysis: {name}", value, kind)

@@ -38,12 +38,18 @@ def derive_shell(building: Building, element_size: float, sizes: Mapping[str, fl
 
     Parameters
     ----------
-    building: panels upright. element_size: largest edge of an element, m, about. sizes: the same for single panels, by name.
+    building
+        Panels upright.
+    element_size
+        Largest edge of an element, m, about.
+    sizes
+        The same for single panels, by name.
 
     Raises
     ------
-    InputError: a wall that cannot be meshed, a size out of range or of an unknown panel, a wall that rests on nothing, a region
-    in stack bond that yields.
+    InputError
+        A wall that cannot be meshed, a size out of range or of an unknown panel, a wall that rests on nothing, a region in
+        stack bond that yields.
     """
     check_kind("derive_shell: building", building, Building, "read_case(...).building() makes one.")
     if not building.panels:

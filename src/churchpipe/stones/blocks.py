@@ -34,9 +34,15 @@ def derive_blocks(building: Building) -> Assemblage:
     Stones are named "panel-course-number", numbered along the course; voussoirs "panel-region-number". The volume of the stones
     is checked against that of the walls.
 
+    Parameters
+    ----------
+    building
+        The walls, their bonds and supports.
+
     Raises
     ------
-    InputError: a wall that cannot be laid, or stones whose volume is not that of the walls.
+    InputError
+        A wall that cannot be laid, or stones whose volume is not that of the walls.
     """
     check_kind("derive_blocks: building", building, Building, "read_case(...).building() makes one.")
     if not building.panels:

@@ -43,14 +43,21 @@ def find_contacts(
 
     Parameters
     ----------
-    stones: the assemblage. contact_gap: greatest distance of the two faces of a joint where they are nearest, m. contact_angle:
-    greatest angle between them, rad. overlap: greatest depth to which two stones may interpenetrate, m. A tolerance that is
-    not given is proposed from the gaps and angles of the stones, and is at most half the thickness of the thinnest one. Joints
-    that are too wide in the middle are then rejected as well. What is rejected is among `Contacts.near_misses`.
+    stones
+        The assemblage.
+    contact_gap
+        Greatest distance of the two faces of a joint where they are nearest, m. Tolerances that are not given are
+        proposed from the gaps and angles of the stones, and are at most half the thickness of the thinnest one. Joints that
+        are too wide in the middle are then rejected as well. What is rejected is among `Contacts.near_misses`.
+    contact_angle
+        Greatest angle between the two faces, rad.
+    overlap
+        Greatest depth to which two stones may interpenetrate, m.
 
     Raises
     ------
-    InputError: no assemblage, or a tolerance that is not positive.
+    InputError
+        No assemblage, or a tolerance that is not positive.
     """
     check_kind("find_contacts: stones", stones, Assemblage)
     contact_gap = given_or_none("contact_gap", contact_gap)

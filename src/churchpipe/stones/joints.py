@@ -17,9 +17,19 @@ def joint_strength(stones: Assemblage, contacts: Contacts, materials: Sequence[J
 
     Where two materials meet the weaker one rules; on the ground that of the stone.
 
+    Parameters
+    ----------
+    stones
+        The assemblage.
+    contacts
+        Its joints, from `find_contacts`.
+    materials
+        Strength of the joints of each masonry, by name.
+
     Raises
     ------
-    InputError: arguments of the wrong kind; a stone of a material that is not among `materials`, or one that is there twice.
+    InputError
+        Arguments of the wrong kind; a stone of a material that is not among `materials`, or one that is there twice.
     """
     check_kind("joint_strength: stones", stones, Assemblage)
     check_kind("joint_strength: contacts", contacts, Contacts)

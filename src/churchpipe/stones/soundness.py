@@ -78,11 +78,25 @@ def overlapping_stones(
 
 
 def check_soundness(stones: Assemblage, contacts: Contacts, progress: Callable[[str, float], None] | None = None) -> None:
-    """Raise `InputError` naming stones that float, coincide or overlap, and near misses that matter.
+    """Raise an error that names stones that float, coincide or overlap, and near misses that matter.
 
     Stones overlap if they interpenetrate by more than the contacts' own tolerance. A near miss matters where it is all that a
     stone has below it. All near misses matter together where they are more than `DECISIVE_SHARE` of the area of joints and near
     misses, unless the contact gap was given.
+
+    Parameters
+    ----------
+    stones
+        The assemblage.
+    contacts
+        Its joints, from `find_contacts`.
+    progress
+        Called with a text and the share done.
+
+    Raises
+    ------
+    InputError
+        Stones that float, coincide or overlap, near misses that matter; all of them in one message.
     """
     check_kind("check_soundness: stones", stones, Assemblage)
     check_kind("check_soundness: contacts", contacts, Contacts)
