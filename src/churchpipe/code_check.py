@@ -8,8 +8,8 @@ import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.model.arrays import FloatArray
+from churchpipe.spectrum import GRAVITY, Spectrum, StoreySpectrum, TabulatedSpectrum
 
-GRAVITY = 9.80665
 # Of the lowest knowledge level, which the circular asks for where crushing of the masonry is not modelled, as here.
 CONFIDENCE_FACTOR = 1.35
 BEHAVIOUR_FACTOR = 2.0
@@ -20,7 +20,8 @@ class Floor:
     """A mechanism that begins at a height Z in the building, shaken by its first mode alone.
 
     height: Z of the mechanism above the foundation, m; building_height: H, m; storeys: n; spectral_acceleration: S_e(T1), m/s2,
-    of the elastic spectrum at the building's first period, soil included; damping_percent: xi of the part.
+    of the elastic spectrum at the building's first period, soil included; damping_percent: xi of the building; first_period: T1,
+    s, which the displacement-based check needs.
 
     Raises
     ------
@@ -32,6 +33,7 @@ class Floor:
     storeys: int
     spectral_acceleration: float
     damping_percent: float = 5.0
+    first_period: float | None = None
 
     def __post_init__(self) -> None:
         _positive("building height H", self.building_height)
@@ -43,11 +45,14 @@ class Floor:
             raise InputError("check: height Z of the mechanism", "out of range", found=self.height, expected=expected)
 
     @property
+    def participation(self) -> float:
+        """gamma psi, how the first mode shakes the height Z: gamma = 3 n / (2 n + 1) [C7.2.10], psi = Z / H."""
+        return 3 * self.storeys / (2 * self.storeys + 1) * self.height / self.building_height
+
+    @property
     def acceleration(self) -> float:
-        """a_Z, m/s2: S_e(T1) gamma psi sqrt(1 + .0004 xi^2) [C7.2.8], gamma = 3 n / (2 n + 1) [C7.2.10], psi = Z / H."""
-        gamma = 3 * self.storeys / (2 * self.storeys + 1)
-        shape = self.height / self.building_height
-        return self.spectral_acceleration * gamma * shape * math.sqrt(1 + 0.0004 * self.damping_percent**2)
+        """a_Z, m/s2: S_e(T1) gamma psi sqrt(1 + .0004 xi^2) [C7.2.8]."""
+        return self.spectral_acceleration * self.participation * math.sqrt(1 + 0.0004 * self.damping_percent**2)
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +60,7 @@ class Site:
     """What the earthquake asks, which no model knows.
 
     ground_acceleration: a_g, m/s2, on rock for the ultimate limit state (SLV); soil_factor: S = S_S S_T; behaviour_factor: q;
-    confidence_factor: FC; floor: for a mechanism above the ground, besides.
+    confidence_factor: FC; floor: for a mechanism above the ground, besides; spectrum: for the displacement-based check.
 
     Raises
     ------
@@ -67,12 +72,22 @@ class Site:
     behaviour_factor: float = BEHAVIOUR_FACTOR
     confidence_factor: float = CONFIDENCE_FACTOR
     floor: Floor | None = None
+    spectrum: Spectrum | TabulatedSpectrum | None = None
 
     def __post_init__(self) -> None:
         _positive("ground acceleration a_g", self.ground_acceleration)
         _positive("soil factor S", self.soil_factor)
         _at_least("behaviour factor q", self.behaviour_factor, 1)
         _at_least("confidence factor FC", self.confidence_factor, 1)
+
+    @property
+    def demand(self) -> Spectrum | TabulatedSpectrum | StoreySpectrum | None:
+        """The spectrum at the foot of the mechanism, None where the case does not say it."""
+        if self.spectrum is None or self.floor is None:
+            return self.spectrum
+        if self.floor.first_period is None:
+            return None
+        return StoreySpectrum(self.spectrum, self.floor.first_period, self.floor.participation, self.floor.damping_percent)
 
 
 @dataclass(frozen=True, slots=True)

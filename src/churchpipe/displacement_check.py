@@ -1,87 +1,40 @@
-"""The displacement-based check of the Italian code: Circolare of 21.1.2019 n. 7, C8.7.1.2.1, read in a transcription.
-
-Elastic spectrum: NTC 2018, 3.2.3.2.1, with tables 3.2.IV and 3.2.V.
-"""
+"""The displacement-based check of the Italian code: Circolare of 21.1.2019 n. 7, C8.7.1.2.1, read in a transcription."""
 
 import math
-from dataclasses import dataclass
-from typing import Literal
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any, Literal
 
 import numpy as np
 
-from churchpipe.code_check import CONFIDENCE_FACTOR, GRAVITY
+from churchpipe.code_check import CONFIDENCE_FACTOR, Activation, Site, activation, along, verdict_record
 from churchpipe.errors import InputError
-from churchpipe.model.arguments import positive
+from churchpipe.mechanism import moving_stones, stone_speed
 from churchpipe.model.arrays import FloatArray, floats
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.block_curve import BlockCapacityCurve
+from churchpipe.model.loads import LoadCase
+from churchpipe.rigid_blocks.equilibrium import lateral_weight
+from churchpipe.spectrum import GRAVITY, Demand, spectral_displacement
 
-# Of d0: the displacements of the limit states; of the secant period [C8.7.1.11-12]; the damping that goes with it, percent.
-_LIMITS = {"SLV": (0.40, 1.68, 8.0), "SLC": (0.60, 1.56, 10.0)}
-# A load factor that falls by more than this share within a step is a loss of connection.
-_LOSS = 0.5
-# Bounds of the soil factor S_S = least <= top - slope F0 a_g/g <= most, and C_C = factor TC*^power.
-_SOILS = {
-    "A": (1.0, 1.0, 0.0, 1.0, 1.0, 0.0),
-    "B": (1.0, 1.4, 0.4, 1.2, 1.1, -0.2),
-    "C": (1.0, 1.7, 0.6, 1.5, 1.05, -0.33),
-    "D": (0.9, 2.4, 1.5, 1.8, 1.25, -0.5),
-    "E": (1.0, 2.0, 1.1, 1.6, 1.15, -0.4),
-}
-_TOPOGRAPHY = {"T1": 1.0, "T2": 1.2, "T3": 1.2, "T4": 1.4}
 LimitName = Literal["SLV", "SLC"]
 
 
 @dataclass(frozen=True, slots=True)
-class Spectrum:
-    """The elastic spectrum of a site but for its ground acceleration.
+class LimitStateRule:
+    """Of a limit state: its displacement over d0, secant period over pi sqrt(d/a) [C8.7.1.11-12], damping in percent."""
 
-    amplification: F0; start: TC*, s; soil: category "A" to "E"; topography: "T1" to "T4"; soil_factor: S instead of those two,
-    with C_C = 1, for spectra that do not follow them.
-    """
+    share: float
+    secant: float
+    damping: float
 
-    amplification: float
-    start: float
-    soil: str = "A"
-    topography: str = "T1"
-    soil_factor: float | None = None
 
-    def __post_init__(self) -> None:
-        positive("Spectrum.amplification", self.amplification)
-        positive("Spectrum.start", self.start)
-        for name, value, known in (("soil", self.soil, _SOILS), ("topography", self.topography, _TOPOGRAPHY)):
-            if value not in known:
-                raise InputError(f"Spectrum.{name}", "unknown value", found=value, expected=", ".join(known))
-        if self.soil_factor is not None:
-            positive("Spectrum.soil_factor", self.soil_factor)
-
-    def soil_amplification(self, ground: float) -> float:
-        """Return S = S_S S_T at a ground acceleration a_g, m/s2."""
-        if self.soil_factor is not None:
-            return self.soil_factor
-        least, top, slope, most, _, _ = _SOILS[self.soil]
-        own = min(max(top - slope * self.amplification * ground / GRAVITY, least), most)
-        return own * _TOPOGRAPHY[self.topography]
-
-    @property
-    def plateau_end(self) -> float:
-        """TC = C_C TC*, s."""
-        factor, power = (1.0, 0.0) if self.soil_factor is not None else _SOILS[self.soil][4:]
-        return factor * self.start**power * self.start
-
-    def acceleration(self, period: float, ground: float, damping: float) -> float:
-        """Return S_e, m/s2, at a period, s, for a ground acceleration a_g, m/s2, and a damping in percent [3.2.2]."""
-        eta = max(math.sqrt(10 / (5 + damping)), 0.55)
-        tc = self.plateau_end
-        tb, td = tc / 3, 4 * ground / GRAVITY + 1.6
-        top = ground * self.soil_amplification(ground) * eta * self.amplification
-        if period < tb:
-            return top * (period / tb + (1 - period / tb) / (eta * self.amplification))
-        if period < tc:
-            return top
-        return top * tc / period if period < td else top * tc * td / period**2
-
-    def displacement(self, period: float, ground: float, damping: float) -> float:
-        """Return S_De = S_e (T / 2 pi)^2, m."""
-        return self.acceleration(period, ground, damping) * (period / (2 * math.pi)) ** 2
+LIMIT_STATES: dict[LimitName, LimitStateRule] = {
+    "SLV": LimitStateRule(0.40, 1.68, 8.0),
+    "SLC": LimitStateRule(0.60, 1.56, 10.0),
+}
+# A load factor that falls by more than this share within a step is a loss of connection.
+_LOSS = 0.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,16 +43,38 @@ class Oscillator:
 
     displacement (ns,) d, m; acceleration (ns,) a, m/s2; ultimate: d0, m, where the acceleration vanishes.
     loss: m, the displacement at which connections are lost that cost more than half of the acceleration, or infinite.
+    fraction: e* of the stones, the share of the moving mass that takes part; weight: N, of what moves.
     """
 
     displacement: FloatArray
     acceleration: FloatArray
     ultimate: float
     loss: float = math.inf
+    fraction: float = 1.0
+    weight: float = math.nan
 
     def at(self, displacement: float) -> float:
         """Return a at a displacement, m/s2."""
         return float(np.interp(displacement, self.displacement, self.acceleration))
+
+    @property
+    def lumped(self) -> "Oscillator":
+        """The same with e* = 1, all that moves one body: smaller displacements and accelerations, the careful curve."""
+        return replace(
+            self,
+            displacement=self.displacement * self.fraction,
+            acceleration=self.acceleration * self.fraction,
+            ultimate=self.ultimate * self.fraction,
+            loss=self.loss * self.fraction,
+            fraction=1.0,
+        )
+
+    @property
+    def idealised(self) -> "Oscillator":
+        """The two straight lines of one rigid body that rocks: up to the same onset, and down to zero with the same area."""
+        onset, area = float(self.acceleration[0]), float(np.trapezoid(self.acceleration, self.displacement))
+        end = 2 * area / onset
+        return replace(self, displacement=np.array([0.0, end]), acceleration=np.array([onset, 0.0]), ultimate=end, loss=math.inf)
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,32 +136,165 @@ def oscillator(
         np.append(load_factor[kept], 0.0) * level,
         d0 * scale,
         float(displacement[sudden[0]]) * scale if sudden else math.inf,
+        fraction,
+        all_moving,
     )
 
 
-def capacity(curve: Oscillator, spectrum: Spectrum, limit: LimitName = "SLV") -> LimitStateCapacity:
+def capacity(curve: Oscillator, demand: Demand, limit: LimitName = "SLV") -> LimitStateCapacity:
     """Return what an oscillator withstands at the limit state of life safety, "SLV", or of collapse, "SLC".
 
     d_SLV = .40 d0 and no more than the displacement of a loss of connections, d_SLC = .60 d0; T = 1.68 pi sqrt(d/a(d)) and
     1.56 pi sqrt(d/a(d)); damping 8 and 10 percent. The demand S_De(T) grows with a_g, which is sought by bisection; where the
     ground acceleration that starts the motion is larger, that is the capacity.
     """
-    if limit not in _LIMITS:
-        raise InputError("capacity: limit", "unknown limit state", found=limit, expected=", ".join(_LIMITS))
-    share, secant, damping = _LIMITS[limit]
-    reached = share * curve.ultimate
+    if limit not in LIMIT_STATES:
+        raise InputError("capacity: limit", "unknown limit state", found=limit, expected=", ".join(LIMIT_STATES))
+    rule = LIMIT_STATES[limit]
+    reached = rule.share * curve.ultimate
     if limit == "SLV":
         reached = min(reached, curve.loss)
     level = curve.at(reached)
-    period = secant * math.pi * math.sqrt(reached / level)
-    low, high = 0.0, 1.0
-    while spectrum.displacement(period, high, damping) < reached and high < 1e3:
-        high *= 2
-    for _ in range(100):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if spectrum.displacement(period, middle, damping) <= reached else (low, middle)
+    period = rule.secant * math.pi * math.sqrt(reached / level)
     onset = float(curve.acceleration[0])
-    start = onset
-    for _ in range(50):
-        start = onset / spectrum.soil_amplification(start)
-    return LimitStateCapacity(reached, level, period, max(low, start), "displacement" if low >= start else "onset")
+    moved = _largest(lambda ground: spectral_displacement(demand, period, ground, rule.damping) <= reached)
+    still = _largest(lambda ground: demand.acceleration(0.0, ground, 5.0) <= onset)
+    return LimitStateCapacity(reached, level, period, max(moved, still), "displacement" if moved >= still else "onset")
+
+
+def _largest(bearable: Callable[[float], bool]) -> float:
+    """Return the largest ground acceleration, m/s2, that is bearable, where all smaller ones are."""
+    low, high = 0.0, 1.0
+    while bearable(high) and high < 1e3:
+        low, high = high, 2 * high
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if bearable(middle) else (low, middle)
+    return low
+
+
+def displacement_record(curve: BlockCapacityCurve, stones: Assemblage, load: LoadCase, site: Site | None) -> dict[str, Any]:
+    """Return the displacement-based check of a capacity curve in the words of summary.json; {"message": why} where there is none.
+
+    It leads with e* = 1 and has what holds with e* of the stones besides, as the check with q does. That check is made of the
+    same mechanism, for comparison.
+    """
+    try:
+        found, start = _mechanism(curve, stones, load, site)
+    except InputError as error:
+        return {"message": str(error)}
+    careful = found.lumped
+    record: dict[str, Any] = {
+        "alpha0": start.load_factor,
+        "moving_weight_kN": start.weight / 1e3,
+        "confidence_factor": start.confidence_factor,
+        "mass_fraction": start.fraction,
+        "participating_mass_t": start.mass / 1e3,
+        "a0_m_s2": start.lumped,
+        "d0_m": careful.ultimate,
+        "d0_stones_m": found.ultimate,
+        "displacement_m": careful.displacement.tolist(),
+        "acceleration_m_s2": careful.acceleration.tolist(),
+        "idealised_d0_m": careful.idealised.ultimate,
+    }
+    if site is None:
+        return record | {"missing": "what the earthquake asks: [check] with a_g_m_s2 and [check.spectrum]"}
+    if site.demand is None:
+        key = "[check.spectrum]" if site.spectrum is None else "check.floor.period_s, the first period of the building"
+        return record | {"missing": f"the spectrum: {key}", "force_based": verdict_record(site, start)}
+    demand = site.demand
+    limits: dict[LimitName, LimitStateCapacity] = {name: capacity(careful, demand, name) for name in LIMIT_STATES}
+    of_stones = {name: capacity(found, demand, name) for name in LIMIT_STATES}
+    force = verdict_record(site, start)
+    ground = site.ground_acceleration
+    return record | {
+        "a_g_m_s2": ground,
+        "limit_states": {name: _limit_words(name, limit, demand, ground) for name, limit in limits.items()},
+        "a_g_slv_m_s2": limits["SLV"].ground,
+        "a_g_slc_m_s2": limits["SLC"].ground,
+        "zeta_e": limits["SLV"].ground / ground,
+        "satisfied": limits["SLV"].ground >= ground,
+        "a_g_slv_stones_m_s2": of_stones["SLV"].ground,
+        "a_g_slc_stones_m_s2": of_stones["SLC"].ground,
+        "zeta_e_stones": of_stones["SLV"].ground / ground,
+        "a_g_slv_idealised_m_s2": capacity(careful.idealised, demand).ground,
+        "force_based": force,
+        "governs": _governs(limits["SLV"], force),
+        "demand": _demand_words(demand, ground, 2.5 * max(limit.displacement for limit in limits.values())),
+    }
+
+
+def _mechanism(curve: BlockCapacityCurve, stones: Assemblage, load: LoadCase, site: Site | None) -> tuple[Oscillator, Activation]:
+    """Return the oscillator of a curve, and what sets its mechanism in motion."""
+    if len(curve.displacement) < 2:
+        raise InputError("check", "no mechanism", found=f"{len(curve.displacement)} steps of the curve", expected="two or more")
+    first = np.concatenate([np.diff(part[:2], axis=0)[0] for part in (curve.position, curve.rotation)], axis=1)
+    moving = moving_stones(stone_speed(stones, first)) & ~stones.fixed
+    motion = np.where(moving, along(load.direction, first), 0.0)
+    confidence = site.confidence_factor if site else CONFIDENCE_FACTOR
+    pushed = lateral_weight(stones, load)
+    displacement, d0 = _mean_displacement(curve, pushed, load)
+    found = oscillator(
+        displacement,
+        curve.load_factor,
+        d0,
+        stones.weight,
+        motion,
+        pushed=pushed,
+        confidence_factor=confidence,
+    )
+    return found, activation(curve.initial, stones.weight[moving], pushed[moving], motion[moving], confidence)
+
+
+def _mean_displacement(curve: BlockCapacityCurve, pushed: FloatArray, load: LoadCase) -> tuple[FloatArray, float]:
+    """Return the mean displacement (ns,) m of what is pushed and stands, whatever the curve is drawn against, and its d0."""
+    place = curve.position @ load.direction
+    gone = [0.0]
+    for step in range(1, len(place)):
+        fallen = [part.stones for part in curve.fallen if part.displacement <= curve.displacement[step - 1]]
+        weight = pushed.copy()
+        weight[np.concatenate([*fallen, np.zeros(0, dtype=np.int64)])] = 0.0
+        gone.append(gone[-1] + float(weight @ (place[step] - place[step - 1])) / float(weight.sum()))
+    displacement = np.array(gone)
+    if curve.status == "vanished":
+        (before, last), factor = displacement[-2:], curve.load_factor
+        return displacement, float(before + factor[-2] / (factor[-2] - factor[-1]) * (last - before))
+    return displacement, gone[-1] if curve.status == "collapsed" else math.nan
+
+
+def _limit_words(name: LimitName, found: LimitStateCapacity, demand: Demand, ground: float) -> dict[str, Any]:
+    rule = LIMIT_STATES[name]
+    return {
+        "displacement_m": found.displacement,
+        "acceleration_m_s2": found.acceleration,
+        "period_s": found.period,
+        "damping_percent": rule.damping,
+        "demand_m": spectral_displacement(demand, found.period, ground, rule.damping),
+        "a_g_m_s2": found.ground,
+        "governed": found.governed,
+    }
+
+
+def _governs(found: LimitStateCapacity, force: dict[str, Any]) -> str:
+    """Return the sentence on which of the two checks governs, and why."""
+    q, other, reach = force["q"], force["a_g_slv_m_s2"], f"The mechanism may go {found.displacement * 1e3:.3g} mm"
+    if found.governed == "onset":
+        why = f"{reach}, so little that it falls as soon as it starts, and q promises a reserve that it has not."
+    elif found.ground < other:
+        why = f"{reach}, less than q takes for granted, so the check with q alone is not safe here."
+    else:
+        why = f"{reach}, more than q gives it credit for, so the check with q alone is more severe than need be."
+    values = f"a_g,SLV is {found.ground:.3f} m/s2 by displacements and {other:.3f} m/s2 with q = {q:g}"
+    return f"The displacement-based check governs, as the rule of the circular: {values}. {why}"
+
+
+def _demand_words(demand: Demand, ground: float, furthest: float) -> dict[str, Any]:
+    """Return the demand at a_g by damping, points of periods whose displacements reach `furthest`, m, for the diagram."""
+    period = np.concatenate([np.linspace(0.0, 1.0, 41), np.linspace(1.05, 8.0, 140)])
+    out: dict[str, Any] = {}
+    for name, rule in LIMIT_STATES.items():
+        level = np.array([demand.acceleration(float(t), ground, rule.damping) for t in period])
+        displacement = level * (period / (2 * math.pi)) ** 2
+        last = int(np.argmax(displacement > furthest)) or len(period) - 1
+        out[name] = {"displacement_m": displacement[: last + 1].tolist(), "acceleration_m_s2": level[: last + 1].tolist()}
+    return out

@@ -6,10 +6,12 @@ from typing import Any
 
 from churchpipe import compare
 from churchpipe.config.settings import load_of, site_of
+from churchpipe.displacement_check import displacement_record
 from churchpipe.io.npz import Absent, read_if_made, read_npz
 from churchpipe.io.records import LeftOut, read_record
 from churchpipe.io.tables import read_json
 from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.block_curve import BlockCapacityCurve
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.results import CapacityCurve, LimitState, ShellLimitState
 from churchpipe.model.shell import ShellModel
@@ -42,6 +44,10 @@ class RunFolder:
         """Return the state of a limit analysis of the stones."""
         return read_npz(self.folder(entry) / "rigid.npz", LimitState)
 
+    def block_curve(self, entry: dict[str, Any]) -> BlockCapacityCurve:
+        """Return a capacity curve of the stones."""
+        return read_npz(self.folder(entry) / "curve.npz", BlockCapacityCurve)
+
     def shell_state(self, entry: dict[str, Any]) -> ShellLimitState | CapacityCurve | Absent:
         """Return the state of an analysis of the shell; of a capacity curve, its last step's."""
         if entry["kind"] == "limit":
@@ -70,14 +76,16 @@ class RunFolder:
 
     def _mechanism(self, entry: dict[str, Any], status: str) -> dict[str, Any]:
         """Return the macro-elements that move and, of the rigid blocks, the safety check."""
-        if status not in ("optimal", "converged") or entry["kind"] in ("pushover", "curve"):
+        if status not in ("optimal", "converged") or entry["kind"] == "pushover":
             return {}
         load = load_of(read_json(self.folder(entry) / "settings.json"))
+        site = site_of(entry["check"]) if "check" in entry else None
+        if entry["kind"] == "curve":
+            return {"check": displacement_record(self.block_curve(entry), self.stones(entry["geometry"])[0], load, site)}
         if entry["kind"] == "limit":
             mesh = read_npz(self._mesh(entry["shell"]), ShellModel)
             return compare.shell_parts(mesh, read_npz(self.folder(entry) / "limit.npz", ShellLimitState), load)
         stones, state = self.stones(entry["geometry"])[0], self.block_state(entry)
-        site = site_of(entry["check"]) if "check" in entry else None
         return compare.stone_parts(stones, state, load) | {"check": compare.safety(stones, state, load, site)}
 
     def overlap(self, blocks: str, shell: str) -> dict[str, Any]:

@@ -166,6 +166,7 @@ def remarks(summary: Mapping[str, Any]) -> list[str]:
         *account_of_joints(summary),
         *gate_lines(summary),
         *summary.get("guidance", ()),
+        *(f"Load {one['load']}: {one['check']['governs']}" for one in summary["analyses"] if "governs" in one.get("check", {})),
         *(f"Question: {text}" for text in summary.get("questions", ())),
     ]
 

@@ -6,12 +6,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from churchpipe.code_check import GRAVITY, Floor, Site, activation, along, verify
+from churchpipe.code_check import Floor, Site, activation, along, verify
 from churchpipe.compare import safety
 from churchpipe.errors import InputError
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.loads import LoadCase
 from churchpipe.rigid_blocks.limit import limit_analysis
+from churchpipe.spectrum import GRAVITY
 from churchpipe.stones.contacts import find_contacts
 from solids import box, on_ground
 

@@ -1,18 +1,20 @@
-"""The displacement-based check of Circolare 7/2019, C8.7.1.2.1.
+"""The displacement-based check of Circolare 7/2019, C8.7.1.2.1: its formulas on curves given in closed form."""
 
-Free rigid blocks b x h, FC 1.35, S 1.2, F0 2.5, TC* .5 s, damping 8 %: a_g,SLV of the displacement-based check, and of the check
-with q = 2, m/s2: computed for this project from the formulas of the circular.
-"""
-
+import json
 import math
 
 import numpy as np
 import pytest
 
-from churchpipe.code_check import GRAVITY
-from churchpipe.displacement_check import Oscillator, Spectrum, capacity, oscillator
+import churchpipe as cp
+from churchpipe.code_check import Floor, Site
+from churchpipe.displacement_check import Oscillator, capacity, displacement_record, oscillator
 from churchpipe.errors import InputError
 from churchpipe.model.arrays import FloatArray
+from churchpipe.model.block_curve import BlockCapacityCurve
+from churchpipe.report.displacements import displacement_checks
+from churchpipe.spectrum import GRAVITY, Spectrum, StoreySpectrum, spectral_displacement
+from solids import box, on_ground
 
 SITE = Spectrum(2.5, 0.5, soil_factor=1.2)
 
@@ -28,15 +30,6 @@ def block(breadth: float, height: float) -> Oscillator:
     return oscillator(displacement, load_factor, breadth / 2, np.array([1.0]), np.array([1.0]))
 
 
-@pytest.mark.parametrize(
-    ("breadth", "height", "nonlinear", "linear"),
-    [(0.3, 3, 0.918, 1.211), (0.5, 4, 1.386, 1.513), (0.9, 9, 2.173, 1.211), (0.9, 12, 2.173, 0.908), (1.2, 14, 2.676, 1.038)],
-)
-def test_free_blocks(breadth: float, height: float, nonlinear: float, linear: float) -> None:
-    assert capacity(block(breadth, height), SITE).ground == pytest.approx(nonlinear, abs=6e-4)
-    assert 2 * breadth / height * GRAVITY / (1.35 * 1.2) == pytest.approx(linear, abs=6e-4)
-
-
 def test_limit_states_by_hand() -> None:
     found = capacity(block(0.5, 4), SITE)
     assert found.displacement == pytest.approx(0.4 * 0.25)
@@ -44,7 +37,7 @@ def test_limit_states_by_hand() -> None:
     assert found.acceleration == pytest.approx(level, rel=1e-5)
     assert found.period == pytest.approx(1.68 * math.pi * math.sqrt(0.1 / level), rel=1e-5)
     assert found.governed == "displacement"
-    assert SITE.displacement(found.period, found.ground, 8.0) == pytest.approx(found.displacement, rel=1e-9)
+    assert spectral_displacement(SITE, found.period, found.ground, 8.0) == pytest.approx(found.displacement, rel=1e-9)
     collapse = capacity(block(0.5, 4), SITE, "SLC")
     assert collapse.displacement == pytest.approx(0.6 * 0.25)
     assert collapse.ground > found.ground
@@ -87,30 +80,6 @@ def test_what_does_not_even_start_to_move() -> None:
     assert found.ground == pytest.approx(0.1 * GRAVITY / (1.35 * 1.2), rel=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("soil", "topography", "ground", "factor", "end"),
-    [
-        ("A", "T1", 0.25, 1.0, 0.3),
-        ("B", "T1", 0.25, 1.4 - 0.4 * 2.5 * 0.25, 1.1 * 0.3**0.8),
-        ("C", "T2", 0.05, 1.5 * 1.2, 1.05 * 0.3**0.67),
-        ("D", "T1", 0.5, 0.9, 1.25 * 0.3**0.5),
-        ("E", "T4", 0.25, (2.0 - 1.1 * 2.5 * 0.25) * 1.4, 1.15 * 0.3**0.6),
-    ],
-)
-def test_soils(soil: str, topography: str, ground: float, factor: float, end: float) -> None:
-    spectrum = Spectrum(2.5, 0.3, soil, topography)
-    assert spectrum.soil_amplification(ground * GRAVITY) == pytest.approx(factor)
-    assert spectrum.plateau_end == pytest.approx(end)
-
-
-def test_the_branches_of_the_spectrum_meet() -> None:
-    for period in (0.5 / 3, 0.5, 1.6 + 4 * 2.0 / GRAVITY):
-        below, above = (SITE.acceleration(period * (1 + sign * 1e-9), 2.0, 8.0) for sign in (-1, 1))
-        assert below == pytest.approx(above, rel=1e-6)
-    assert SITE.acceleration(0.0, 2.0, 5.0) == pytest.approx(2.4)
-    assert SITE.acceleration(0.3, 2.0, 5.0) == pytest.approx(6.0)
-
-
 def test_bad_input() -> None:
     displacement, load_factor = rocking(0.5, 4)
     one = np.ones(1)
@@ -120,11 +89,91 @@ def test_bad_input() -> None:
         oscillator(displacement, load_factor, 0.25, one, -one)
     with pytest.raises(InputError, match="load_factor: wrong shape"):
         oscillator(displacement, load_factor[:-1], 0.25, one, one)
-    with pytest.raises(InputError, match="soil: unknown value; found Z"):
-        Spectrum(2.5, 0.5, "Z")
-    with pytest.raises(InputError, match="topography: unknown value"):
-        Spectrum(2.5, 0.5, "A", "T9")
-    with pytest.raises(InputError, match="amplification: out of range"):
-        Spectrum(0.0, 0.5)
     with pytest.raises(InputError, match="limit: unknown limit state"):
         capacity(block(0.5, 4), SITE, "SLD")
+
+
+def test_the_idealised_curve_of_a_rocking_body_is_its_own() -> None:
+    curve = block(0.5, 10.0)
+    assert curve.idealised.ultimate == pytest.approx(curve.ultimate, rel=2e-3)
+    assert np.trapezoid(curve.idealised.acceleration, curve.idealised.displacement) == pytest.approx(
+        np.trapezoid(curve.acceleration, curve.displacement)
+    )
+
+
+def test_with_one_body_displacement_and_acceleration_are_less() -> None:
+    displacement, load_factor = rocking(0.5, 4)
+    many = oscillator(displacement, load_factor, 0.25, np.ones(20), np.arange(20) + 0.5)
+    assert many.lumped.ultimate == pytest.approx(0.25)
+    assert many.lumped.acceleration[0] == pytest.approx(0.125 * GRAVITY / 1.35)
+    assert capacity(many.lumped, SITE).ground < capacity(many, SITE).ground
+
+
+def test_at_a_height_the_storey_asks_for_more() -> None:
+    storey = StoreySpectrum(SITE, first_period=0.4, participation=1.2)
+    curve = block(0.5, 4)
+    ground, high = capacity(curve, SITE), capacity(curve, storey)
+    assert high.ground < ground.ground
+    assert spectral_displacement(storey, high.period, high.ground, 8.0) == pytest.approx(high.displacement, rel=1e-6)
+    # What hardly moves must not even start to: the acceleration of the storey.
+    small = capacity(block(0.01, 0.1), storey)
+    assert small.governed == "onset"
+    assert storey.acceleration(0.0, small.ground, 5.0) == pytest.approx(0.1 * GRAVITY / 1.35, rel=1e-6)
+
+
+LEANING = on_ground(box((0, 0.5), (0, 1), (0, 2)))
+PUSH = cp.LoadCase((1, 0, 0))
+
+
+@pytest.fixture(scope="module")
+def curve() -> BlockCapacityCurve:
+    return cp.block_pushover(LEANING, cp.find_contacts(LEANING), PUSH, 0.7, step=0.025)
+
+
+def test_the_record_of_a_curve(curve: BlockCapacityCurve) -> None:
+    record = displacement_record(curve, LEANING, PUSH, Site(1.5, 1.2, spectrum=SITE))
+    found = capacity(block(0.5, 2), SITE)
+    assert record["a_g_slv_m_s2"] == pytest.approx(found.ground, rel=1e-4)
+    assert record["zeta_e"] == pytest.approx(found.ground / 1.5, rel=1e-4)
+    assert record["satisfied"] == (found.ground >= 1.5)
+    assert record["limit_states"]["SLV"]["period_s"] == pytest.approx(found.period, rel=1e-4)
+    assert record["force_based"]["a_g_slv_m_s2"] == pytest.approx(2 * 0.25 * GRAVITY / (1.35 * 1.2), rel=1e-6)
+    assert "less than q takes for granted" in record["governs"]
+    assert record["demand"]["SLV"]["displacement_m"][-1] >= found.displacement
+    json.dumps(record)
+
+
+def test_the_control_point_of_a_curve_changes_nothing(curve: BlockCapacityCurve) -> None:
+    top = cp.block_pushover(LEANING, cp.find_contacts(LEANING), PUSH, 0.7, step=0.025, control=(0.5, 0, 2))
+    assert top.d0 > 1.5 * curve.d0
+    site = Site(1.5, 1.2, spectrum=SITE)
+    assert displacement_record(top, LEANING, PUSH, site) == displacement_record(curve, LEANING, PUSH, site)
+
+
+def test_what_is_missing_is_named(curve: BlockCapacityCurve) -> None:
+    assert "[check]" in displacement_record(curve, LEANING, PUSH, None)["missing"]
+    assert "[check.spectrum]" in displacement_record(curve, LEANING, PUSH, Site(1.5, 1.2))["missing"]
+    floor = Floor(6.0, 12.0, 2, 3.0)
+    record = displacement_record(curve, LEANING, PUSH, Site(1.5, 1.2, floor=floor, spectrum=SITE))
+    assert "period_s" in record["missing"]
+    assert record["force_based"]["floor_demand_m_s2"] == pytest.approx(floor.acceleration / 2)
+    short = cp.block_pushover(LEANING, cp.find_contacts(LEANING), PUSH, 0.7, step=0.025, steps=3)
+    assert "does not come to its end" in displacement_record(short, LEANING, PUSH, None)["message"]
+    one = cp.block_pushover(LEANING, cp.find_contacts(LEANING), PUSH, 0.7, step=0.025, steps=1)
+    assert "no mechanism" in displacement_record(one, LEANING, PUSH, None)["message"]
+
+
+def test_the_report_shows_the_check(curve: BlockCapacityCurve) -> None:
+    record = {"method": "curve", "load": "+x", "friction": 0.7}
+    check = displacement_record(curve, LEANING, PUSH, Site(1.5, 1.2, spectrum=SITE))
+    shown = displacement_checks([record | {"check": check}, record | {"check": {"message": "why"}}, record], None)
+    assert shown is not None
+    (one,) = shown["checks"]
+    assert one.diagram.startswith("<svg")
+    assert [row[0] for row in one.rows] == ["SLV", "SLC"]
+    assert one.governs == check["governs"]
+    assert shown["refused"] == [("load +x, friction 0.7", "why")]
+    unsited = displacement_checks([record | {"check": displacement_record(curve, LEANING, PUSH, None)}], None)
+    assert unsited is not None
+    assert (unsited["checks"][0].rows, unsited["checks"][0].governs) == ([], "")
+    assert displacement_checks([record], None) is None

@@ -62,7 +62,8 @@ def plan(cases: Sequence[Case]) -> Plan:
                 settings = _rigid_settings(case, geometry, load, flow)
                 add("rigid", [load.name, flow], of_stones, settings, geometry=geometry, **check)
             if case.rigid.curve:
-                add("curve", [load.name, "curve"], of_stones, _curve_settings(case, geometry, load), geometry=geometry)
+                settings = _curve_settings(case, geometry, load)
+                add("curve", [load.name, "curve"], of_stones, settings, geometry=geometry, **check)
         if case.shell is None:
             continue
         meshed = {key: value for key, value in case.variant.items() if swept.changes_mesh(key)}

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from churchpipe.code_check import GRAVITY
 from churchpipe.model.assemblage import Assemblage
+from churchpipe.spectrum import GRAVITY
 
 if TYPE_CHECKING:
     from churchpipe.config.case import Case

@@ -32,7 +32,9 @@ def block_curve_plots(analyses: Sequence[Mapping[str, Any]], geometry: str | Non
 def _svg(records: Sequence[Mapping[str, Any]]) -> str:
     figure, (axes,) = new_plot(1, (7.2, 3.4))
     for record in records:
-        axes.plot(np.array(record["displacement_m"]) * 1e3, record["load_factors"], "-o", ms=2.5, lw=1.4, label=_label(record))
+        axes.plot(
+            np.array(record["displacement_m"]) * 1e3, record["load_factors"], "-o", ms=2.5, lw=1.4, label=curve_label(record)
+        )
     axes.set_xlabel("displacement along the load, mm", fontsize=8)
     axes.set_ylabel("load factor", fontsize=8)
     axes.set_xlim(left=0)
@@ -41,7 +43,8 @@ def _svg(records: Sequence[Mapping[str, Any]]) -> str:
     return svg_of(figure)
 
 
-def _label(record: Mapping[str, Any]) -> str:
+def curve_label(record: Mapping[str, Any]) -> str:
+    """Return what tells a curve from others of its load: what was swept, or its friction."""
     swept = [f"{key.rpartition('.')[2]} = {value}" for key, value in record.get("variant", {}).items()]
     return ", ".join(swept) or f"friction {record['friction']}"
 
@@ -49,5 +52,5 @@ def _label(record: Mapping[str, Any]) -> str:
 def _sentence(record: Mapping[str, Any]) -> str:
     last = record["d0_m"] if record["d0_m"] is not None else record["displacement_m"][-1]
     fallen = f"; {record['fallen_stones']} stones have fallen on the way" if record["fallen_stones"] else ""
-    start = f"{_label(record)}: it starts at a load factor of {record['load_factor']:.4f}"
+    start = f"{curve_label(record)}: it starts at a load factor of {record['load_factor']:.4f}"
     return f"{start} and ends at {last * 1e3:.4g} mm, where {_ENDINGS[record['ending']]}{fallen}."

@@ -17,6 +17,7 @@ from churchpipe.model.results import LimitState
 from churchpipe.model.shell import ShellModel
 from churchpipe.report import both, viewer
 from churchpipe.report.block_curves import block_curve_plots
+from churchpipe.report.displacements import displacement_checks
 from churchpipe.report.figures import Job, mechanism_picture, mechanism_pictures
 from churchpipe.report.motion import joint_opening, opened_joints, push_direction, viewpoint
 from churchpipe.report.notes import convergence_note, status_note
@@ -72,6 +73,7 @@ def write_report(
         lstrip_blocks=True,
     )
     columns = columns_for(rows)
+    geometry = rows[0].record.get("geometry") if rows else None
     text = environment.get_template("report.html").render(
         name=summary.get("case", ""),
         facts=_facts(_sizes(summary, of_blocks), stones),
@@ -88,7 +90,8 @@ def write_report(
         match=both.gate(summary, list(meshes)),
         compared=both.compared(summary, rows),
         capacity=both.capacity_plots(rows),
-        block_curves=block_curve_plots(summary.get("analyses", []), rows[0].record.get("geometry") if rows else None),
+        block_curves=block_curve_plots(summary.get("analyses", []), geometry),
+        displacements=displacement_checks(summary.get("analyses", []), geometry),
         mesh_plot=both.mesh_plot(rows),
         domain=domain,
         domain_words=domain_words,

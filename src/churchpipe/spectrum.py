@@ -1,0 +1,154 @@
+"""Elastic spectra of the ground (NTC 2018, 3.2.3.2.1, or a table) and of a storey (Circolare 7/2019, C7.2.3)."""
+
+import math
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from churchpipe.errors import InputError
+from churchpipe.model.arguments import positive
+from churchpipe.model.arrays import floats, store
+
+GRAVITY = 9.80665
+# Bounds of the soil factor S_S = least <= top - slope F0 a_g/g <= most, and C_C = factor TC*^power (tables 3.2.IV and 3.2.V).
+SOILS = {
+    "A": (1.0, 1.0, 0.0, 1.0, 1.0, 0.0),
+    "B": (1.0, 1.4, 0.4, 1.2, 1.1, -0.2),
+    "C": (1.0, 1.7, 0.6, 1.5, 1.05, -0.33),
+    "D": (0.9, 2.4, 1.5, 1.8, 1.25, -0.5),
+    "E": (1.0, 2.0, 1.1, 1.6, 1.15, -0.4),
+}
+TOPOGRAPHY = {"T1": 1.0, "T2": 1.2, "T3": 1.2, "T4": 1.4}
+# The period of a storey's spectrum is that of the building within these factors, the upper one for its softening by damage.
+_SHORTER, _LONGER = 0.8, 1.1
+
+
+class Demand(Protocol):
+    """What an earthquake asks of an oscillator."""
+
+    def acceleration(self, period: float, ground: float, damping: float) -> float:
+        """Return the spectral acceleration, m/s2, at a period, s, for a ground acceleration a_g, m/s2, and a damping, percent."""
+        ...
+
+
+def damping_factor(damping: float) -> float:
+    """Return eta = sqrt(10/(5 + xi)) >= .55 of a damping xi in percent [3.2.4]."""
+    return max(math.sqrt(10 / (5 + damping)), 0.55)
+
+
+def spectral_displacement(demand: Demand, period: float, ground: float, damping: float) -> float:
+    """Return S_De = S_e (T / 2 pi)^2, m."""
+    return demand.acceleration(period, ground, damping) * (period / (2 * math.pi)) ** 2
+
+
+@dataclass(frozen=True, slots=True)
+class Spectrum:
+    """The elastic spectrum of a site but for its ground acceleration.
+
+    amplification: F0; start: TC*, s; soil: category "A" to "E"; topography: "T1" to "T4"; soil_factor: S instead of those two,
+    with C_C = 1, for spectra that do not follow them.
+    """
+
+    amplification: float
+    start: float
+    soil: str = "A"
+    topography: str = "T1"
+    soil_factor: float | None = None
+
+    def __post_init__(self) -> None:
+        positive("Spectrum.amplification", self.amplification)
+        positive("Spectrum.start", self.start)
+        for name, value, known in (("soil", self.soil, SOILS), ("topography", self.topography, TOPOGRAPHY)):
+            if value not in known:
+                raise InputError(f"Spectrum.{name}", "unknown value", found=value, expected=", ".join(known))
+        if self.soil_factor is not None:
+            positive("Spectrum.soil_factor", self.soil_factor)
+
+    def soil_amplification(self, ground: float) -> float:
+        """Return S = S_S S_T at a ground acceleration a_g, m/s2."""
+        if self.soil_factor is not None:
+            return self.soil_factor
+        least, top, slope, most, _, _ = SOILS[self.soil]
+        own = min(max(top - slope * self.amplification * ground / GRAVITY, least), most)
+        return own * TOPOGRAPHY[self.topography]
+
+    @property
+    def plateau_end(self) -> float:
+        """TC = C_C TC*, s."""
+        factor, power = (1.0, 0.0) if self.soil_factor is not None else SOILS[self.soil][4:]
+        return factor * self.start**power * self.start
+
+    def acceleration(self, period: float, ground: float, damping: float) -> float:
+        """Return S_e, m/s2, at a period, s, for a ground acceleration a_g, m/s2, and a damping in percent [3.2.2]."""
+        eta = damping_factor(damping)
+        tc = self.plateau_end
+        tb, td = tc / 3, 4 * ground / GRAVITY + 1.6
+        top = ground * self.soil_amplification(ground) * eta * self.amplification
+        if period < tb:
+            return top * (period / tb + (1 - period / tb) / (eta * self.amplification))
+        if period < tc:
+            return top
+        return top * tc / period if period < td else top * tc * td / period**2
+
+
+@dataclass(frozen=True, slots=True)
+class TabulatedSpectrum:
+    """An elastic spectrum given by points, soil included, with a damping of 5 percent.
+
+    period: s, rising; level: m/s2, S_e at each; ground: m/s2, the a_g that it belongs to: for another one it grows in proportion.
+    Between the points it runs straight; beyond the last one the displacement stays what it is there.
+    """
+
+    period: tuple[float, ...]
+    level: tuple[float, ...]
+    ground: float
+
+    def __post_init__(self) -> None:
+        positive("TabulatedSpectrum.ground", self.ground)
+        period = floats("TabulatedSpectrum.period", self.period, (None,))
+        level = floats("TabulatedSpectrum.level", self.level, (len(period),))
+        store(self, period=tuple(period.tolist()), level=tuple(level.tolist()))
+        if len(period) < 2 or period[0] < 0 or not (np.diff(period) > 0).all():
+            expected = "two periods >= 0 or more, each greater than the one before"
+            raise InputError("TabulatedSpectrum.period", "not rising", found=period.tolist(), expected=expected)
+        if not (level > 0).all():
+            raise InputError("TabulatedSpectrum.level", "out of range", found=float(level.min()), expected="> 0")
+
+    def acceleration(self, period: float, ground: float, damping: float) -> float:
+        """Return S_e, m/s2; at the period zero, where damping changes nothing, the acceleration of the ground."""
+        last = self.period[-1]
+        level = float(np.interp(period, self.period, self.level)) * (min(last / period, 1.0) ** 2 if period > 0 else 1.0)
+        eta = damping_factor(damping) if period > 0 else 1.0
+        return level * eta * ground / self.ground
+
+
+@dataclass(frozen=True, slots=True)
+class StoreySpectrum:
+    """The spectrum of a storey that the building's first mode shakes, never below that of the ground [C7.2.5-8].
+
+    ground: that of the ground; first_period: T1 of the building, s; participation: gamma psi(Z) of the mode at the storey;
+    damping: xi of the building, percent.
+    """
+
+    ground: Demand
+    first_period: float
+    participation: float
+    damping: float = 5.0
+
+    def __post_init__(self) -> None:
+        positive("StoreySpectrum.first_period", self.first_period)
+        positive("StoreySpectrum.damping", self.damping)
+
+    def peak(self, ground: float) -> float:
+        """Return a_Z, m/s2, the largest acceleration of the storey, for a ground acceleration a_g, m/s2 [C7.2.8]."""
+        level = self.ground.acceleration(self.first_period, ground, self.damping)
+        return level * abs(self.participation) * math.sqrt(1 + 0.0004 * self.damping**2)
+
+    def acceleration(self, period: float, ground: float, damping: float) -> float:
+        """Return S_eZ, m/s2, at a period, s, for a ground acceleration a_g, m/s2, and a damping in percent [C7.2.7]."""
+        low, high = _SHORTER * self.first_period, _LONGER * self.first_period
+        # Here the building's damping is a share and no percentage: a part in tune with it is shaken some five times as hard.
+        most = max(1.1 * (self.damping / 100) ** -0.5 * damping_factor(damping), 1.0)
+        away = (1 - period / low) ** 1.6 if period < low else (period / high - 1) ** 1.2 if period > high else 0.0
+        return max(self.peak(ground) * most / (1 + (most - 1) * away), self.ground.acceleration(period, ground, damping))

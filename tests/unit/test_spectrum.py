@@ -1,0 +1,79 @@
+"""Spectra of the ground (NTC 2018, 3.2.3.2.1) and of a storey (Circolare 7/2019, C7.2.3)."""
+
+import math
+
+import pytest
+
+from churchpipe.errors import InputError
+from churchpipe.spectrum import GRAVITY, Spectrum, StoreySpectrum, TabulatedSpectrum, spectral_displacement
+
+SITE = Spectrum(2.5, 0.5, soil_factor=1.2)
+
+
+@pytest.mark.parametrize(
+    ("soil", "topography", "ground", "factor", "end"),
+    [
+        ("A", "T1", 0.25, 1.0, 0.3),
+        ("B", "T1", 0.25, 1.4 - 0.4 * 2.5 * 0.25, 1.1 * 0.3**0.8),
+        ("C", "T2", 0.05, 1.5 * 1.2, 1.05 * 0.3**0.67),
+        ("D", "T1", 0.5, 0.9, 1.25 * 0.3**0.5),
+        ("E", "T4", 0.25, (2.0 - 1.1 * 2.5 * 0.25) * 1.4, 1.15 * 0.3**0.6),
+    ],
+)
+def test_soils(soil: str, topography: str, ground: float, factor: float, end: float) -> None:
+    spectrum = Spectrum(2.5, 0.3, soil, topography)
+    assert spectrum.soil_amplification(ground * GRAVITY) == pytest.approx(factor)
+    assert spectrum.plateau_end == pytest.approx(end)
+
+
+def test_the_branches_of_the_spectrum_meet() -> None:
+    for period in (0.5 / 3, 0.5, 1.6 + 4 * 2.0 / GRAVITY):
+        below, above = (SITE.acceleration(period * (1 + sign * 1e-9), 2.0, 8.0) for sign in (-1, 1))
+        assert below == pytest.approx(above, rel=1e-6)
+    assert SITE.acceleration(0.0, 2.0, 5.0) == pytest.approx(2.4)
+    assert SITE.acceleration(0.3, 2.0, 5.0) == pytest.approx(6.0)
+
+
+def test_a_table_of_points() -> None:
+    table = TabulatedSpectrum((0.0, 0.1, 0.5, 2.0), (2.0, 5.0, 5.0, 1.0), ground=2.0)
+    assert table.acceleration(0.05, 2.0, 5.0) == pytest.approx(3.5)
+    # It grows with a_g and falls with the damping, but for that of the ground itself.
+    assert table.acceleration(0.3, 1.0, 10.0) == pytest.approx(2.5 * math.sqrt(10 / 15))
+    assert table.acceleration(0.0, 2.0, 10.0) == pytest.approx(2.0)
+    # Beyond the last point the displacement stays.
+    assert spectral_displacement(table, 5.0, 2.0, 5.0) == pytest.approx(spectral_displacement(table, 2.0, 2.0, 5.0))
+
+
+def test_a_storey() -> None:
+    storey = StoreySpectrum(SITE, first_period=0.4, participation=1.2, damping=5.0)
+    peak = 1.2 * SITE.acceleration(0.4, 2.0, 5.0) * math.sqrt(1 + 0.0004 * 25)
+    assert storey.peak(2.0) == pytest.approx(peak)
+    # Stiff parts have the acceleration of the storey, those in tune with the building 1.1 xi^-1/2 eta times that.
+    assert storey.acceleration(0.0, 2.0, 5.0) == pytest.approx(peak)
+    assert storey.acceleration(0.4, 2.0, 5.0) == pytest.approx(peak * 1.1 / math.sqrt(0.05))
+    assert storey.acceleration(0.4, 2.0, 8.0) == pytest.approx(peak * 1.1 / math.sqrt(0.05) * math.sqrt(10 / 13))
+    for edge in (0.8 * 0.4, 1.1 * 0.4):
+        assert storey.acceleration(edge * (1 - 1e-9), 2.0, 8.0) == pytest.approx(
+            storey.acceleration(edge * (1 + 1e-9), 2.0, 8.0), rel=1e-5
+        )
+    # At twice the upper end: most / (1 + most - 1) = 1.
+    assert storey.acceleration(2.2 * 0.4, 2.0, 5.0) == pytest.approx(max(peak, SITE.acceleration(0.88, 2.0, 5.0)))
+    # Slow parts are shaken by the ground at least.
+    assert storey.acceleration(6.0, 2.0, 8.0) >= SITE.acceleration(6.0, 2.0, 8.0)
+
+
+def test_bad_input() -> None:
+    with pytest.raises(InputError, match="soil: unknown value; found Z"):
+        Spectrum(2.5, 0.5, "Z")
+    with pytest.raises(InputError, match="topography: unknown value"):
+        Spectrum(2.5, 0.5, "A", "T9")
+    with pytest.raises(InputError, match="amplification: out of range"):
+        Spectrum(0.0, 0.5)
+    with pytest.raises(InputError, match="period: not rising"):
+        TabulatedSpectrum((0.0, 0.5, 0.5), (1.0, 1.0, 1.0), 1.0)
+    with pytest.raises(InputError, match="level: wrong shape"):
+        TabulatedSpectrum((0.0, 0.5), (1.0,), 1.0)
+    with pytest.raises(InputError, match="level: out of range"):
+        TabulatedSpectrum((0.0, 0.5), (1.0, 0.0), 1.0)
+    with pytest.raises(InputError, match="first_period: out of range"):
+        StoreySpectrum(SITE, 0.0, 1.0)
