@@ -15,7 +15,7 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     found: dict[str, dict[str, int]] = {}
     for outcome in ("passed", "failed", "error"):
         for report in terminalreporter.getreports(outcome):
-            for name, place in report.user_properties:
+            for name, place in getattr(report, "user_properties", ()):
                 if name == HOLDS:
                     counts = found.setdefault(place, {})
                     counts[outcome] = counts.get(outcome, 0) + 1

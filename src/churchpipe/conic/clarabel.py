@@ -24,12 +24,13 @@ def solve_clarabel(
 
     settings: Clarabel's own, instead of ours and of `duality_gap`.
 
-    minimise  -constant . y + sum (limit r + p^2 / (2 quadratic)) + cap k
-    over y, r >= |v_t|, p, k >= 0  s.t.  growth . y + k = 1,   v_n + linear - slope r + p >= 0,   v = balance^T y
+    minimise  -constant . y + sum (limit r + p^2 / (2 quadratic) + bound q) + cap k
+    over y, r >= |v_t|, p, q >= 0, k >= 0  s.t.  growth . y + k = 1,   v_n + linear - slope r + p + q >= 0,   v = balance^T y
 
-    With a negative slope r may exceed |v_t|: it then stands for the penetration that its cap on n allows. Points with a
-    plain Coulomb cone (no limit, no quadratic cost) need no r: v_n + linear >= slope |v_t| is one cone. No redundant
-    constraint is added: it would move the analytic centre of the optimal forces, on which iterations build.
+    The velocity q, at which a point yields under its bound on n, exists where that is finite. With a negative slope r may
+    exceed |v_t|: it then stands for the penetration that its cap on n allows. Points with a plain Coulomb cone (no limit, no
+    quadratic cost, no bound) need no r: v_n + linear >= slope |v_t| is one cone. No redundant constraint is added: it would
+    move the analytic centre of the optimal forces, on which iterations build.
     """
     begin = perf_counter()
     layout = _Layout(program)
@@ -71,12 +72,13 @@ def _settings(duality_gap: float) -> clarabel.DefaultSettings:
 
 
 class _Layout:
-    """Columns y | r | p | k and the rows of the kinematic form, for one program."""
+    """Columns y | r | p | q | k and the rows of the kinematic form, for one program."""
 
     def __init__(self, program: ConeProgram) -> None:
         self.rows = program.balance.shape[0]
         damped = program.quadratic > 0
-        general = (program.limit > 0) | (program.slope < 0) | damped
+        bounded = np.isfinite(program.bound)
+        general = (program.limit > 0) | (program.slope < 0) | damped | (bounded & (program.slope > 0))
         smooth = ~general & (program.slope == 0)
         self.plain = np.flatnonzero(~general & ~smooth)
         self.smooth = np.flatnonzero(smooth)
@@ -84,7 +86,8 @@ class _Layout:
         capped = np.isfinite(program.cap)
         r = _columns(self.rows, general)
         p = _columns(self.rows + general.sum(), damped)
-        width = int(self.rows + general.sum() + damped.sum() + capped)
+        q = _columns(self.rows + general.sum() + damped.sum(), bounded)
+        width = int(self.rows + general.sum() + damped.sum() + bounded.sum() + capped)
         rate = sp.csr_matrix(program.balance.T)
         self._slope = program.slope
 
@@ -92,9 +95,10 @@ class _Layout:
         balance_row = [growth, sp.csr_matrix((1, width - self.rows - capped)), sp.csr_matrix(np.ones((1, 1)))]
         equality = sp.hstack(balance_row if capped else balance_row[:2], format="csr")
         signs = [_at(np.array([width - 1]), width)] if capped else []
-        smooth_rows = _pad(rate[3 * self.smooth], width)
+        signs += [_at(q[bounded], width)] if bounded.any() else []
+        smooth_rows = _pad(rate[3 * self.smooth], width) + _at(q[smooth], width, bounded[smooth])
         normal_rows = _pad(rate[3 * self.general], width) - sp.diags(program.slope[general]) @ _at(r[general], width)
-        normal_rows = normal_rows + _at(p[general], width, damped[general])
+        normal_rows = normal_rows + _at(p[general], width, damped[general]) + _at(q[general], width, bounded[general])
         plain_rows = sp.diags(np.repeat(program.slope[self.plain], 3) ** np.tile([0, 1, 1], len(self.plain))) @ _pad(
             rate[_triples(self.plain)], width
         )
@@ -108,22 +112,23 @@ class _Layout:
         self.right = np.concatenate(
             [
                 [1.0],
-                zeros(int(capped)),
+                zeros(int(capped) + int(bounded.sum())),
                 program.linear[self.smooth],
                 program.linear[self.general],
                 np.kron(program.linear[self.plain], [1.0, 0.0, 0.0]),
                 zeros(3 * len(self.general)),
             ]
         )
-        nonnegative = int(capped) + len(self.smooth) + len(self.general)
+        nonnegative = int(capped) + int(bounded.sum()) + len(self.smooth) + len(self.general)
         self.cones: list[clarabel.Cone] = [clarabel.ZeroConeT(1)]
         if nonnegative:
             self.cones.append(clarabel.NonnegativeConeT(nonnegative))
         self.cones += [clarabel.SecondOrderConeT(3) for _ in range(len(self.plain) + len(self.general))]
-        self._first_normal = 1 + int(capped)
+        self._first_normal = 1 + int(capped) + int(bounded.sum())
         self.cost = zeros(width)
         self.cost[: self.rows] = -program.constant
         self.cost[r[general]] = program.limit[general]
+        self.cost[q[bounded]] = program.bound[bounded]
         if capped:
             self.cost[-1] = program.cap
         diagonal = zeros(width)

@@ -33,6 +33,9 @@ def solve_cvxpy(program: ConeProgram, solver: str = "CLARABEL", **options: Any) 
         n >= 0,
         cp.norm(t, axis=1) <= program.limit + cp.multiply(program.slope, n),
     ]
+    bounded = np.flatnonzero(np.isfinite(program.bound))
+    if len(bounded):
+        constraints.append(n[bounded] <= program.bound[bounded])
     if np.isfinite(program.cap):
         constraints.append(tau <= program.cap)
     cost = program.linear @ n + cp.sum(cp.multiply(program.quadratic / 2, cp.square(n)))

@@ -5,7 +5,7 @@ import scipy.sparse as sp
 
 from churchpipe.conic.program import ConeProgram
 from churchpipe.conic.semidefinite import semidefinite_solver
-from churchpipe.model.arrays import FloatArray
+from churchpipe.model.arrays import BoolArray, FloatArray
 
 # Added to the diagonal of the metric, over the largest normal force, so that every force can change a little.
 _TRACE = 1e-10
@@ -43,9 +43,8 @@ def _metric_root(program: ConeProgram, x: FloatArray) -> sp.csc_matrix[np.float6
     """Return a block-diagonal root R (3c, 3c) of the metric R R^T: the inverse Hessian of the cones' barrier at x.
 
     The cone of s = (limit + slope n, t) alone has the root [[s0, t], [t, t t / (s0 + d) + d I]], d^2 = s0^2 - |t|^2, in which
-    nothing cancels; a trace of the identity is added. Where n >= 0 is a constraint of its own, v v^T / n^2 more in the
-    Hessian, v the first row of R, makes R (I - v v^T / (h (h + n))) of R, h^2 = n^2 + |v|^2. Without slope n and t have roots of
-    their own.
+    nothing cancels; a trace of the identity is added. Without slope n and t have roots of their own. Where n >= 0 is a
+    constraint of its own, or n <= bound, `_stiffening` makes the root smaller.
     """
     n, shear = np.maximum(x[:, 0], 0.0), x[:, 1:]
     trace = _TRACE * max(float(n.max(initial=0.0)), 1e-300)
@@ -61,10 +60,22 @@ def _metric_root(program: ConeProgram, x: FloatArray) -> sp.csc_matrix[np.float6
     root += np.eye(3) * (np.where([1.0, 0.0, 0.0], 0.0, slack[:, None]) + trace)[:, :, None]
     root[:, 0] /= np.where(sloped, program.slope, 1.0)[:, None]
     guarded = sloped & ~((program.slope > 0) & (program.limit == 0))
-    v = np.where(guarded[:, None], root[:, 0], 0.0)
-    h = np.sqrt((n + trace) ** 2 + (v**2).sum(axis=1))
-    root -= np.einsum("kij,kj,kl->kil", root, v / (h * (h + n + trace))[:, None], v)
+    root -= _stiffening(root, guarded, n + trace)
+    bounded = np.isfinite(program.bound)
+    if bounded.any():
+        root -= _stiffening(root, bounded, np.where(bounded, np.maximum(program.bound - n, 0.0), 0.0) + trace)
     points = len(x)
     columns = np.broadcast_to(3 * np.arange(points)[:, None, None] + np.arange(3), (points, 3, 3))
     entries = (root.ravel(), (columns.transpose(0, 2, 1).ravel(), columns.ravel()))
     return sp.csc_matrix(sp.coo_matrix(entries, shape=(3 * points, 3 * points)))
+
+
+def _stiffening(root: FloatArray, chosen: BoolArray, slack: FloatArray) -> FloatArray:
+    """Return what a barrier of n takes off the roots (c, 3, 3) of the chosen points; slack (c,): how far n is from its limit.
+
+    With v the first row of R, v v^T / slack^2 more in the Hessian makes R (I - v v^T / (h (h + slack))) of R,
+    h^2 = slack^2 + |v|^2.
+    """
+    v = np.where(chosen[:, None], root[:, 0], 0.0)
+    h = np.sqrt(slack**2 + (v**2).sum(axis=1))
+    return np.einsum("kij,kj,kl->kil", root, v / (h * (h + slack))[:, None], v)

@@ -1,6 +1,6 @@
 """The cone program to which every limit analysis is reduced, and the solution that a solver returns."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -18,10 +18,11 @@ class ConeProgram:
 
     maximise    tau - linear . n - 1/2 quadratic . n^2
     subject to  balance x + constant + tau growth = 0,   tau <= cap,
-                n_k >= 0,   |t_k| <= limit_k + slope_k n_k,   x_k = (n_k, t1_k, t2_k)
+                0 <= n_k <= bound_k,   |t_k| <= limit_k + slope_k n_k,   x_k = (n_k, t1_k, t2_k)
 
     `balance` (m, 3c); `constant`, `growth` (m,); `limit` (c,) >= 0; `slope` (c,); `linear`, `quadratic` (c,), the latter
-    >= 0; `cap` may be infinite. The multipliers y (m,) of the balance satisfy growth . y = 1 at an optimum (tau < cap).
+    >= 0; `cap` may be infinite; `bound` (c,) >= 0, or one for all, infinite unless given: a point without limit and slope has
+    n alone, a bounded scalar. The multipliers y (m,) of the balance satisfy growth . y = 1 at an optimum (tau < cap).
     """
 
     balance: sp.csc_matrix[np.float64]
@@ -32,6 +33,7 @@ class ConeProgram:
     linear: FloatArray
     quadratic: FloatArray
     cap: float = np.inf
+    bound: FloatArray = field(default_factory=lambda: np.array(np.inf))
 
     def __post_init__(self) -> None:
         rows, columns = self.balance.shape
@@ -46,9 +48,10 @@ class ConeProgram:
             slope=floats("ConeProgram.slope", self.slope, (points,)),
             linear=floats("ConeProgram.linear", self.linear, (points,)),
             quadratic=floats("ConeProgram.quadratic", self.quadratic, (points,)),
+            bound=floats("ConeProgram.bound", np.broadcast_to(self.bound, (points,)), (points,), finite=False),
         )
-        if (self.limit < 0).any() or (self.quadratic < 0).any():
-            raise InputError("ConeProgram", "negative limit or quadratic cost", expected=">= 0")
+        if (self.limit < 0).any() or (self.quadratic < 0).any() or not (self.bound >= 0).all():
+            raise InputError("ConeProgram", "negative limit, quadratic cost or bound", expected=">= 0")
 
     @property
     def points(self) -> int:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from churchpipe.model.arrays import FloatArray
+from churchpipe.model.arrays import BoolArray, FloatArray
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
 
 BOUND_TOLERANCE = 1e-6
@@ -18,10 +18,24 @@ _PASSING = 1e-6
 
 @dataclass(frozen=True, slots=True)
 class Strength:
-    """Friction coefficient and cohesive resistance (in units of the total weight) of each contact point, both (nc,)."""
+    """Strength of each contact point and tie, all (nc + nt,).
+
+    friction: coefficient mu. cohesion c: shear without normal force; bound: the largest normal force of a contact or tension of
+    a tie, infinite where nothing limits it; both in units of the total weight.
+    """
 
     friction: FloatArray
     cohesion: FloatArray
+    bound: FloatArray
+
+    def shear(self, n: FloatArray) -> FloatArray:
+        """Return the shear mu n + c that normal forces n (nc + nt,) allow."""
+        return self.friction * n + self.cohesion
+
+    @property
+    def bounded(self) -> BoolArray:
+        """Which points have a finite bound (nc + nt,)."""
+        return np.isfinite(self.bound)
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,13 +90,12 @@ UNPROVED = Certificate(*[np.nan] * 6)
 def certify(balance: Equilibrium, strength: Strength, x: FloatArray, tau: float, y: FloatArray) -> Certificate:
     """Return the certificate of forces x (nc, 3), load factor tau and velocities y (6 nf,), all in scaled units.
 
-    lower (static): tau of forces in equilibrium, once projected onto the friction cones. upper (kinematic): velocities
-    scaled to f_L . u = 1, alpha = -f_D . u + sum n max(0, mu |v_t| - v_n) + sum c |v_t|.
+    lower (static): tau of forces in equilibrium, once brought into their cones. upper (kinematic): see `kinematic_bound`.
 
     The forces must balance to rounding (`conic.polish.restore_balance`): a mechanism's velocities multiply an equilibrium
     residual, so that 2e-9 of the weight has hidden an error of 3e-6 in the load factor.
     """
-    inside = project_cone(x, strength)
+    inside = into_cones(x, strength)
     residual = balance.matrix @ inside.ravel() + balance.dead + tau * balance.live
     upper_bound, flow_violation = kinematic_bound(balance, strength, inside[:, 0], y)
     return Certificate(
@@ -98,7 +111,7 @@ def certify(balance: Equilibrium, strength: Strength, x: FloatArray, tau: float,
 def _stone_residual(balance: Equilibrium, residual: FloatArray, x: FloatArray) -> float:
     """Return the largest residual (6 nf,) over the load of its stone and the lever of its row, or a share of the forces there."""
     size = sp.csr_matrix(abs(balance.matrix))
-    load = np.maximum(np.abs(balance.own), np.abs(balance.live)).reshape(-1, 6).max(axis=1)
+    load = np.maximum(np.abs(balance.dead), np.abs(balance.live)).reshape(-1, 6).max(axis=1)
     lever = np.asarray(size.max(axis=1).todense()).ravel()
     unit = np.maximum(np.repeat(load, 6) * lever, _PASSING * (size @ np.abs(x.ravel())))
     return float((np.abs(residual) / np.maximum(unit, 1e-300)).max())
@@ -107,7 +120,10 @@ def _stone_residual(balance: Equilibrium, residual: FloatArray, x: FloatArray) -
 def kinematic_bound(balance: Equilibrium, strength: Strength, n: FloatArray, y: FloatArray) -> tuple[float, float]:
     """Return the load factor by virtual work of velocities y (6 nf,), and how far their flow leaves the dual cones.
 
-    Flow that leaves them, max(0, mu |v_t| - v_n), is charged to n (nc,) and measured by the fastest rate: rounding leaves some.
+        alpha = -f_D . u + sum bound max(0, mu |v_t| - v_n) + sum c |v_t|,   f_L . u = 1
+
+    A point without bound must open as fast as sliding dilates, v_n >= mu |v_t|. Flow that leaves this cone, which rounding
+    makes, is charged to the forces n (nc + nt,) instead of the bound, and measured by the fastest rate.
     """
     power = balance.live @ y
     if not power > 0:
@@ -116,20 +132,22 @@ def kinematic_bound(balance: Equilibrium, strength: Strength, n: FloatArray, y: 
     rate = (balance.matrix.T @ u).reshape(-1, 3)
     slip = np.hypot(rate[:, 1], rate[:, 2])
     excess = np.maximum(0.0, strength.friction * slip - rate[:, 0])
-    bound = float(-balance.dead @ u + n @ excess + strength.cohesion @ slip)
-    return bound, float(excess.max(initial=0.0) / max(float(np.abs(rate).max(initial=0.0)), 1e-300))
+    bounded = strength.bounded
+    upper_bound = float(-balance.dead @ u + np.where(bounded, strength.bound, n) @ excess + strength.cohesion @ slip)
+    violation = float(excess[~bounded].max(initial=0.0) / max(float(np.abs(rate).max(initial=0.0)), 1e-300))
+    return upper_bound, violation
 
 
 def cone_violation(x: FloatArray, strength: Strength) -> float:
-    """Return how far the worst force lies outside its cone: max(|t| - mu n - c, -n), at least 0."""
-    shear = np.hypot(x[:, 1], x[:, 2])
+    """Return how far the worst force lies outside its cone: max(|t| - mu n - c, -n, n - bound), at least 0."""
+    n, shear = x[:, 0], np.hypot(x[:, 1], x[:, 2])
     if not len(x):
         return 0.0
-    return float(max(0.0, (shear - strength.friction * np.maximum(x[:, 0], 0) - strength.cohesion).max(), (-x[:, 0]).max()))
+    return float(max(0.0, (shear - strength.shear(np.maximum(n, 0))).max(), (-n).max(), (n - strength.bound).max()))
 
 
-def project_cone(x: FloatArray, strength: Strength) -> FloatArray:
-    """Return the nearest forces (nc, 3) in the friction cones |t| <= mu n + c, n >= 0."""
+def into_cones(x: FloatArray, strength: Strength) -> FloatArray:
+    """Return forces (nc, 3) in their cones: the nearest with |t| <= mu n + c and n >= 0, cut off at the bound of n."""
     n, shear = x[:, 0], np.hypot(x[:, 1], x[:, 2])
     mu, c = strength.friction, strength.cohesion
     out = x.copy()
@@ -140,4 +158,10 @@ def project_cone(x: FloatArray, strength: Strength) -> FloatArray:
     scale = np.divide(length, shear, out=np.zeros_like(shear), where=shear > 0)
     out[outside, 0] = foot[outside]
     out[outside, 1:] *= np.minimum(scale, 1.0)[outside, None]
+    crushed = np.flatnonzero(out[:, 0] > strength.bound)
+    if len(crushed):
+        out[crushed, 0] = strength.bound[crushed]
+        kept = np.hypot(out[crushed, 1], out[crushed, 2])
+        allowed = strength.shear(out[:, 0])[crushed]
+        out[crushed, 1:] *= np.minimum(allowed / np.maximum(kept, 1e-300), 1.0)[:, None]
     return out

@@ -6,6 +6,8 @@ f_L . u = 1 that open or slide without dilating,
     g = -f_D . u + sum mu n |v| - alpha = sum n w + sum (mu n |v| + t . v)  >= 0,
 
 and g = 0 exactly when (x, u) is a collapse state with zero dilatancy. One convex program P(n) gives the smallest g for given x.
+Where the normal force is bounded, n <= b (a joint that crushes, a tie that yields), a point may also close, w < 0, and
+dissipates b |w| then: g gains sum b max(0, -w), and its share (b - n) |w| there is as nonnegative as n w.
 """
 
 from dataclasses import dataclass, replace
@@ -40,9 +42,9 @@ class CoulombState:
         return self.gap / max(abs(self.load_factor), 1e-3)
 
 
-def sliding_program(balance: Equilibrium, limit: FloatArray) -> ConeProgram:
+def sliding_program(balance: Equilibrium, strength: Strength, limit: FloatArray) -> ConeProgram:
     """Return P: shear at each point at most `limit` (nc,) whatever the normal force, so that sliding does not dilate."""
-    return balance.program(limit, np.zeros(len(limit)))
+    return balance.program(limit, np.zeros(len(limit)), strength.bound)
 
 
 def sliding_velocities(
@@ -60,15 +62,16 @@ def sliding_velocities(
     of the largest. That does not spoil the result: any velocities are allowed, and the gap is computed from the arrays.
 
     stressed: a pair, excess (nc,) >= 0 and forces x (nc, 3). What x adds to the gap at each point counts `excess` times more. It
-    is linear in the openings and the slip, so the program is P with a larger limit and another dead load.
+    is linear in the openings, the closing and the slip, so the program is P with larger limits and another dead load.
     """
-    program = sliding_program(balance, strength.friction * n + strength.cohesion)
+    program = sliding_program(balance, strength, strength.shear(n))
     if stressed is not None:
         excess, x = stressed
         program = replace(
             program,
             constant=program.constant - balance.matrix @ (excess[:, None] * x).ravel(),
-            limit=program.limit + excess * (strength.friction * np.maximum(x[:, 0], 0.0) + strength.cohesion),
+            limit=program.limit + excess * strength.shear(np.maximum(x[:, 0], 0.0)),
+            bound=program.bound * (1.0 + excess),
         )
     size = max(float(program.limit.max(initial=0.0)), program.force)
     for slack in _SLACK:
@@ -87,19 +90,23 @@ def coulomb_state(
 
 
 def bipotential_gap(balance: Equilibrium, strength: Strength, x: FloatArray, y: FloatArray) -> float:
-    """Return g = sum n |w| + sum ((mu n + c) |v| + t . v) >= 0 of forces x (nc, 3) and velocities y (6 nf,), f_L . u = 1."""
+    """Return g of forces x (nc, 3) and velocities y (6 nf,), scaled to f_L . u = 1."""
     return float(gap_shares(balance, strength, x, y).sum())
 
 
 def gap_shares(balance: Equilibrium, strength: Strength, x: FloatArray, y: FloatArray) -> FloatArray:
-    """Return what each point adds to the gap (nc,).
+    """Return what each point adds to the gap (nc,): n |w|, or (b - n) |w| where it may close, and (mu n + c) |v| + t . v.
 
-    Each term is nonnegative by itself, so that nothing cancels. Penetration counts as much as an opening.
+    Each term is nonnegative by itself, so that nothing cancels. Where stones must not overlap, an overlap counts as much as an
+    opening.
     """
     rate = (balance.matrix.T @ (y / (balance.live @ y))).reshape(-1, 3)
     slip = np.hypot(rate[:, 1], rate[:, 2])
-    sliding = (strength.friction * x[:, 0] + strength.cohesion) * slip + (x[:, 1:] * rate[:, 1:]).sum(axis=1)
-    return x[:, 0] * np.abs(rate[:, 0]) + np.maximum(sliding, 0.0)
+    sliding = strength.shear(x[:, 0]) * slip + (x[:, 1:] * rate[:, 1:]).sum(axis=1)
+    lever = x[:, 0].copy()
+    closing = strength.bounded & (rate[:, 0] < 0)
+    lever[closing] = np.maximum(strength.bound[closing] - lever[closing], 0.0)
+    return lever * np.abs(rate[:, 0]) + np.maximum(sliding, 0.0)
 
 
 def coulomb_step(
@@ -133,9 +140,9 @@ def nearest_forces(
     curvature = (
         nearness / (len(n) * max(float(shear.mean()), 1e-3 * float(np.abs(balance.dead).max())) ** 2) * strength.friction**2
     )
-    opened = 0.0 if excess is None else excess * np.maximum(rate[:, 0], 0.0)
+    opened = 0.0 if excess is None else excess * np.where(strength.bounded, rate[:, 0], np.maximum(rate[:, 0], 0.0))
     linear = strength.friction * slip + opened - curvature * n
-    program = balance.program(strength.cohesion, strength.friction, linear, curvature)
+    program = balance.program(strength.cohesion, strength.friction, strength.bound, linear, curvature)
     answer = solve(program, duality_gap=duality_gap)
     if answer.outcome != "solved":
         return None
@@ -148,24 +155,25 @@ def dead_load_start(balance: Equilibrium) -> FloatArray:
     Ties are left slack.
     """
     matrix = balance.matrix[:, : 3 * balance.contacts]
-    forces = -(matrix.T @ semidefinite_solver(matrix)(balance.own))
+    forces = -(matrix.T @ semidefinite_solver(matrix)(balance.dead))
     return np.maximum(forces[::3], 0.0)
 
 
 def friction_violation(strength: Strength, x: FloatArray, allowance: float = 0.0) -> float:
     """Return sum max(0, |t| - mu n - c - allowance) / sum mu n: the share by which shear exceeds the friction available."""
     shear = np.hypot(x[:, 1], x[:, 2])
-    over = np.maximum(0.0, shear - strength.friction * x[:, 0] - strength.cohesion - allowance)
+    over = np.maximum(0.0, shear - strength.shear(x[:, 0]) - allowance)
     return float(over.sum() / max(float((strength.friction * x[:, 0]).sum()), 1e-300))
 
 
 def admissible(balance: Equilibrium, strength: Strength, state: CoulombState) -> bool:
     """True when the forces are in equilibrium and in their cones to 1e-8 W, and no stones overlap (to 1e-6 of the fastest rate).
 
-    Overlap is checked because the gap weighs it by the normal force there: where that is zero, overlap does not add to the gap.
+    Where the normal force is bounded they may: the joint crushes. Overlap is checked because the gap weighs it by the normal
+    force there: where that is zero, overlap does not add to the gap.
     """
     rate = (balance.matrix.T @ state.y).reshape(-1, 3)
-    if -float(rate[:, 0].min(initial=0.0)) > FLOW_TOLERANCE * float(np.abs(rate).max(initial=0.0)):
+    if -float(rate[~strength.bounded, 0].min(initial=0.0)) > FLOW_TOLERANCE * float(np.abs(rate).max(initial=0.0)):
         return False
     residual = balance.matrix @ state.x.ravel() + balance.dead + state.load_factor * balance.live
     return float(np.abs(residual).max()) < 1e-8 and cone_violation(state.x, strength) < 1e-8

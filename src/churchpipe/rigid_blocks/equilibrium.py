@@ -1,6 +1,6 @@
 """Equilibrium of the free stones: A c + f_D + alpha f_L = 0, eq. (1)."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -23,8 +23,8 @@ class Equilibrium:
 
     The unit of force is the total weight of the free stones, the unit of length the mean size of a stone: any other choice
     hides errors in relative residuals. matrix (6 nf, 3 nc) of the forces (n, t1, t2) on wrenches (force, moment about the
-    centroid); dead, live (6 nf,); free (nf,) stones; count nb; force N and length m are the units. Ties follow the contacts as
-    points of their own (`ties.with_ties`); tension (nt,): half the strength of each, which is part of the dead load.
+    centroid); dead, live (6 nf,); free (nf,) stones; count nb; force N and length m are the units. The last `ties` points are
+    ties (`ties.with_ties`).
     """
 
     matrix: sp.csc_matrix
@@ -34,30 +34,24 @@ class Equilibrium:
     count: int
     force: float
     length: float
-    tension: FloatArray = field(default_factory=lambda: np.zeros(0))
+    ties: int = 0
 
     @property
     def contacts(self) -> int:
         """Number of contact points."""
-        return self.matrix.shape[1] // 3 - len(self.tension)
-
-    @property
-    def own(self) -> FloatArray:
-        """The dead load (6 nf,) without the forces of ties."""
-        return np.asarray(self.dead - self.matrix[:, 3 * self.contacts + 1 :: 3] @ self.tension)
+        return self.matrix.shape[1] // 3 - self.ties
 
     def program(
-        self, limit: FloatArray, slope: FloatArray, linear: FloatArray | None = None, quadratic: FloatArray | None = None
+        self,
+        limit: FloatArray,
+        slope: FloatArray,
+        bound: FloatArray,
+        linear: FloatArray | None = None,
+        quadratic: FloatArray | None = None,
     ) -> ConeProgram:
-        """Return the cone program of this balance with these limits, slopes and costs of the points (nc + nt,), no cost if None.
-
-        The normal force of a tie acts on nothing. It gets a price, so that it is zero.
-        """
-        cost = np.zeros(len(limit)) if linear is None else linear.copy()
-        cost[self.contacts :] = 1.0
-        return ConeProgram(
-            self.matrix, self.dead, self.live, limit, slope, cost, np.zeros(len(limit)) if quadratic is None else quadratic
-        )
+        """Return the cone program of this balance; all arrays, one value a point (nc + nt,), as there: no cost if None."""
+        price, curvature = (np.zeros(len(limit)) if each is None else each for each in (linear, quadratic))
+        return ConeProgram(self.matrix, self.dead, self.live, limit, slope, price, curvature, bound=bound)
 
     def velocities(self, y: FloatArray) -> FloatArray:
         """Return velocities (nb, 6) of all stones from multipliers (6 nf,) of the balance: f_L . u is 1 m per total weight."""

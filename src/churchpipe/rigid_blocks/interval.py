@@ -76,11 +76,13 @@ def _end(balance: Equilibrium, strength: Strength, state: CoulombState, sign: fl
 def _priced_program(balance: Equilibrium, strength: Strength, state: CoulombState, sign: float, price: float) -> ConeProgram:
     """Return max (sign + price) alpha - price sum n (mu |v| + 2 max(0, -w)) over equilibrium and the true cones.
 
-    The multiplier counts once, so it is -alpha where sign + price < 0.
+    A point whose normal force is bounded may close, at the price of its bound, which is constant: the second term is absent
+    there. The multiplier counts once, so it is -alpha where sign + price < 0.
     """
     rate = (balance.matrix.T @ (state.y / (balance.live @ state.y))).reshape(-1, 3)
     slip = np.hypot(rate[:, 1], rate[:, 2])
     reward = sign + price
-    linear = price / abs(reward) * (strength.friction * slip + 2.0 * np.maximum(-rate[:, 0], 0.0))
-    program = balance.program(strength.cohesion, strength.friction, linear)
+    overlap = np.where(strength.bounded, 0.0, np.maximum(-rate[:, 0], 0.0))
+    linear = price / abs(reward) * (strength.friction * slip + 2.0 * overlap)
+    program = balance.program(strength.cohesion, strength.friction, strength.bound, linear)
     return replace(program, growth=np.sign(reward) * balance.live)

@@ -73,7 +73,7 @@ def paper_iteration(
         floor = settings.cohesion * float(n.max())
         mixed = settings.beta * n + (1 - settings.beta) * n_before
         limit = mixed * (1 + settings.slope) * mu + strength.cohesion + floor
-        answer = solve(balance.program(limit, -settings.slope * mu), duality_gap=EXACT)
+        answer = solve(balance.program(limit, -settings.slope * mu, strength.bound), duality_gap=EXACT)
         if answer.outcome != "solved":
             break
         latest = answer
@@ -233,7 +233,7 @@ def _stage_a(
     curvature = settings.weight_a / (len(n) * mean * (shear + 0.1 * mean)) * mu**2
     for cohesion in (settings.cohesion * float(shear.max()), *(load * share for share in settings.more_cohesion)):
         limit = shear + strength.cohesion + cohesion
-        program = balance.program(limit, np.zeros_like(n), -curvature * n, curvature)
+        program = balance.program(limit, np.zeros_like(n), strength.bound, -curvature * n, curvature)
         answer = solve(program, duality_gap=settings.roughest)
         if answer.outcome == "solved":
             return np.maximum(answer.x[:, 0], 0.0), Iteration(answer.tau, friction_violation(strength, answer.x))

@@ -141,17 +141,18 @@ def point_strength(contacts: Contacts, friction: npt.ArrayLike, cohesion: npt.Ar
         values.append(np.broadcast_to(array, contacts.area.shape))
     share = contacts.area / np.maximum(contacts.points_per_interface, 1)
     interface = contacts.interface_of_point
-    return Strength(friction=values[0][interface], cohesion=(values[1] * share)[interface] / force)
+    unlimited = np.full(len(interface), np.inf)
+    return Strength(friction=values[0][interface], cohesion=(values[1] * share)[interface] / force, bound=unlimited)
 
 
 def associative_program(balance: Equilibrium, strength: Strength) -> ConeProgram:
     """Return eqs. (1)-(2) as a cone program."""
-    return balance.program(strength.cohesion, strength.friction)
+    return balance.program(strength.cohesion, strength.friction, strength.bound)
 
 
 def dead_load_analysis(balance: Equilibrium, strength: Strength, solve: Solve) -> tuple[Standing, ConeSolution]:
     """Say whether the structure carries its dead load, with the forces that do or the mechanism that falls."""
-    share = _ShareOfLoad(balance, strength, balance.own)
+    share = _ShareOfLoad(balance, strength, balance.dead)
     answer = solve(share.program, proves=lambda answer: share.standing(answer) != "failed")
     standing = share.standing(answer)
     if standing == "failed":
@@ -165,7 +166,7 @@ class _ShareOfLoad:
     """The largest share tau <= 1 of a load that contacts and ties carry. It is always feasible, so no result depends on a ray."""
 
     def __init__(self, balance: Equilibrium, strength: Strength, load: FloatArray) -> None:
-        self._alone = replace(balance, dead=balance.dead - balance.own, live=load)
+        self._alone = replace(balance, dead=np.zeros_like(load), live=load)
         self._strength = strength
         self.program = replace(associative_program(self._alone, strength), cap=1.0)
 
@@ -206,15 +207,13 @@ def associative_state(balance: Equilibrium, strength: Strength, solve: Solve, be
 
 def wedge(balance: Equilibrium, strength: Strength, solve: Solve) -> ConeSolution | None:
     """Return forces within friction that balance the lateral load alone, so that it may grow for ever, or None."""
-    uncohesive = replace(strength, cohesion=np.zeros_like(strength.cohesion))
-    share = _ShareOfLoad(_slack(balance), uncohesive, balance.live)
+    # What is limited does not grow for ever: cohesion, ties, joints that crush.
+    endless = replace(strength, cohesion=np.zeros_like(strength.cohesion), bound=np.where(strength.bounded, 0.0, np.inf))
+    if strength.bounded.all():
+        return None
+    share = _ShareOfLoad(balance, endless, balance.live)
     answer = solve(share.program, proves=lambda answer: share.standing(answer) != "failed")
     return replace(answer, x=answer.x / answer.tau) if share.standing(answer) == "stable" else None
-
-
-def _slack(balance: Equilibrium) -> Equilibrium:
-    """Return the balance with ties that carry nothing."""
-    return replace(balance, dead=balance.own, tension=np.zeros_like(balance.tension))
 
 
 def unbounded_state(balance: Equilibrium, ray: ConeSolution, seconds: float, flow: Flow = "associative") -> LimitState:
@@ -227,7 +226,7 @@ def unbounded_state(balance: Equilibrium, ray: ConeSolution, seconds: float, flo
         message += "; they need no friction"
     still = replace(ray, y=np.full_like(ray.y, np.nan))
     proof = Certificate(np.inf, np.inf, residual, 0.0, residual, 0.0)
-    return _state(_slack(balance), still, "unbounded", np.inf, proof, seconds, flow=flow, message=message)
+    return _state(balance, still, "unbounded", np.inf, proof, seconds, flow=flow, message=message)
 
 
 def _check_connected(stones: Assemblage, contacts: Contacts, balance: Equilibrium) -> None:

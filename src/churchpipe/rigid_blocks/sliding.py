@@ -89,7 +89,7 @@ def sliding_analysis(
         others: list[Start] = [start for start in starts if start != "associative"]
         starts = tuple(others) or ("dead-load",)
     normal = associative.forces[:, 0] / balance.force
-    slack = np.zeros(len(balance.tension))
+    slack = np.zeros(balance.ties)
     settings = SchemeSettings(gap=options.bipotential_gap)
     found: list[SlidingRun] = []
     ends: list[tuple[StartRun, SlidingRun, CoulombState | None]] = []

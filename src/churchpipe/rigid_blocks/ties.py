@@ -1,4 +1,4 @@
-"""Ties in the balance of rigid blocks: one more point each, whose force is bounded on both sides."""
+"""Ties in the balance of rigid blocks: one more point each, whose normal force is the tension."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -19,8 +19,8 @@ from churchpipe.rigid_blocks.equilibrium import Equilibrium
 def with_ties(balance: Equilibrium, strength: Strength, stones: Assemblage, ties: Sequence[Tie]) -> tuple[Equilibrium, Strength]:
     """Return balance and strength of the contact points with one more point for each tie.
 
-    With B the wrench of a unit tension, the forces (n, t1, t2) of such a point act by the columns (0, B, 0). Its friction is 0,
-    its cohesion half the strength of the tie, and B times that half acts always: the tension is strength / 2 + t1.
+    Its normal force is the tension: it pulls at the start along the tie, at the end against it, and is bounded by the strength
+    of the tie. Friction and cohesion are 0.
 
     Raises
     ------
@@ -28,23 +28,23 @@ def with_ties(balance: Equilibrium, strength: Strength, stones: Assemblage, ties
     """
     if not ties:
         return balance, strength
-    half = np.array([tie.strength for tie in ties]) / (2.0 * balance.force)
     wrench = np.zeros((len(ties), stones.count, 6))
     for row, tie in enumerate(ties):
         for stone, anchor, force in zip(_anchored(stones, tie), (tie.start, tie.end), (tie.axis, -tie.axis), strict=True):
             arm = (anchor - stones.centroid[stone]) / balance.length
             wrench[row, stone] = np.concatenate([force, np.cross(arm, force)])
     columns = np.zeros((6 * len(balance.free), len(ties), 3))
-    columns[:, :, 1] = wrench[:, balance.free].reshape(len(ties), -1).T
+    columns[:, :, 0] = wrench[:, balance.free].reshape(len(ties), -1).T
     flat = columns.reshape(len(columns), -1)
     tied = replace(
         balance,
         matrix=sp.csc_matrix(sp.hstack([balance.matrix, sp.csc_matrix(flat)])),
-        dead=balance.dead + columns[:, :, 1] @ half,
-        tension=half,
+        ties=len(ties),
     )
-    friction = np.concatenate([strength.friction, np.zeros(len(ties))])
-    return tied, Strength(friction, np.concatenate([strength.cohesion, half]))
+    none = np.zeros(len(ties))
+    bound = np.array([tie.strength for tie in ties]) / balance.force
+    values = ((strength.friction, none), (strength.cohesion, none), (strength.bound, bound))
+    return tied, Strength(*(np.concatenate(pair) for pair in values))
 
 
 def _anchored(stones: Assemblage, tie: Tie) -> tuple[int, int]:
@@ -96,13 +96,14 @@ def point_forces(balance: Equilibrium, x: FloatArray, y: FloatArray) -> PointFor
     """
     first = balance.contacts
     power = float(balance.live @ y)
-    shortening = np.asarray(balance.matrix.T @ y).reshape(-1, 3)[first:, 1] / (power if power > 0 else np.nan)
-    tension = np.clip(balance.tension + x[first:, 1], 0.0, 2.0 * balance.tension)
-    return PointForces(x[:first] * balance.force, tension * balance.force, np.maximum(-shortening, 0.0) / balance.force)
+    shortening = np.asarray(balance.matrix.T @ y).reshape(-1, 3)[first:, 0] / (power if power > 0 else np.nan)
+    return PointForces(
+        x[:first] * balance.force, np.maximum(x[first:, 0], 0.0) * balance.force, np.maximum(-shortening, 0.0) / balance.force
+    )
 
 
 def all_forces(balance: Equilibrium, state: LimitState) -> FloatArray:
     """Return the forces x (nc + nt, 3) of contacts and ties that a state has."""
-    ties = np.zeros((len(balance.tension), 3))
-    ties[:, 1] = state.tie_forces / balance.force - balance.tension
+    ties = np.zeros((balance.ties, 3))
+    ties[:, 0] = state.tie_forces / balance.force
     return np.concatenate([state.forces / balance.force, ties])

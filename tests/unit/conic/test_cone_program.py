@@ -16,13 +16,21 @@ from solids import box, on_ground
 
 
 def program(
-    *, limit: float = 0.0, slope: float = 0.7, linear: float = 0.0, quadratic: float = 0.0, cap: float = np.inf
+    *,
+    limit: float = 0.0,
+    slope: float = 0.7,
+    linear: float = 0.0,
+    quadratic: float = 0.0,
+    cap: float = np.inf,
+    bound: float = np.inf,
 ) -> ConeProgram:
     stones = on_ground(box((0, 1), (0, 1), (0, 1)), box((0.2, 1.2), (0, 1), (1, 2)), box((1, 1.6), (0, 1), (0, 1)))
     contacts = find_contacts(stones)
     balance = equilibrium(stones, contacts, LoadCase((1, 0, 0)))
     one = np.ones(len(contacts.point))
-    return ConeProgram(balance.matrix, balance.dead, balance.live, limit * one, slope * one, linear * one, quadratic * one, cap)
+    return ConeProgram(
+        balance.matrix, balance.dead, balance.live, limit * one, slope * one, linear * one, quadratic * one, cap, bound * one
+    )
 
 
 @pytest.mark.parametrize(
@@ -37,6 +45,11 @@ def program(
         {"quadratic": 0.3, "linear": 0.05},
         {"cap": 0.05},
         {"cap": 0.05, "limit": 0.1, "slope": -0.1, "linear": 0.1},
+        {"bound": 0.25},
+        {"bound": 0.25, "slope": 0.0, "limit": 0.1},
+        {"bound": 0.24, "limit": 0.02, "linear": 0.01},
+        {"bound": 0.24, "limit": 0.05, "slope": -0.1, "quadratic": 0.3},
+        {"bound": 0.25, "cap": 0.05},
     ],
 )
 def test_clarabel_agrees_with_cvxpy(options: dict[str, float]) -> None:
@@ -53,6 +66,7 @@ def test_clarabel_agrees_with_cvxpy(options: dict[str, float]) -> None:
     shear = np.hypot(ours.x[:, 1], ours.x[:, 2])
     assert (shear <= stated.limit + stated.slope * ours.x[:, 0] + 1e-8).all()
     assert ours.x[:, 0].min() > -1e-8
+    assert (ours.x[:, 0] <= stated.bound + 1e-8).all()
     if stated.cap == np.inf:
         assert stated.growth @ ours.y == pytest.approx(1.0, abs=1e-6)
         assert stated.growth @ reference.y == pytest.approx(1.0, abs=1e-6)

@@ -36,11 +36,14 @@ def stated(
     linear: float = 0.0,
     quadratic: float = 0.0,
     cap: float = np.inf,
+    bound: float = np.inf,
 ) -> ConeProgram:
     contacts = find_contacts(stones)
     balance = equilibrium(stones, contacts, LoadCase(direction))
     one = np.ones(len(contacts.point))
-    return ConeProgram(balance.matrix, balance.dead, balance.live, limit * one, slope * one, linear * one, quadratic * one, cap)
+    return ConeProgram(
+        balance.matrix, balance.dead, balance.live, limit * one, slope * one, linear * one, quadratic * one, cap, bound * one
+    )
 
 
 def three_stones() -> Assemblage:
@@ -61,6 +64,7 @@ def check_forces(program: ConeProgram, answer: ConeSolution) -> None:
     assert np.abs(residual).max() <= 1e-9
     shear = np.hypot(answer.x[:, 1], answer.x[:, 2])
     assert (answer.x[:, 0] >= 0).all()
+    assert (answer.x[:, 0] <= program.bound).all()
     assert (shear <= np.maximum(program.limit + program.slope * answer.x[:, 0], 0) + 1e-15).all()
 
 
@@ -69,7 +73,8 @@ def dual_value(program: ConeProgram, x: np.ndarray, y: np.ndarray) -> float:
     rate = (program.balance.T @ y).reshape(-1, 3)
     slip = np.hypot(rate[:, 1], rate[:, 2])
     excess = np.maximum(0.0, program.slope * slip - rate[:, 0] - program.linear - program.quadratic * x[:, 0])
-    return float(-program.constant @ y + program.limit @ slip + x[:, 0] @ excess)
+    price = np.where(np.isfinite(program.bound), program.bound, x[:, 0])
+    return float(-program.constant @ y + program.limit @ slip + price @ excess)
 
 
 @pytest.mark.parametrize(
@@ -84,6 +89,11 @@ def dual_value(program: ConeProgram, x: np.ndarray, y: np.ndarray) -> float:
         {"quadratic": 0.3, "linear": 0.05},
         {"cap": 0.05},
         {"cap": 0.05, "limit": 0.1, "slope": -0.1, "linear": 0.1},
+        {"bound": 0.25},
+        {"bound": 0.25, "slope": 0.0, "limit": 0.1},
+        {"bound": 0.24, "limit": 0.02, "linear": 0.01},
+        {"bound": 0.24, "limit": 0.05, "slope": -0.1, "quadratic": 0.3},
+        {"bound": 0.25, "cap": 0.05},
     ],
 )
 def test_every_kind_of_point_agrees_with_clarabel(options: dict[str, float]) -> None:
@@ -101,11 +111,15 @@ def test_every_kind_of_point_agrees_with_clarabel(options: dict[str, float]) -> 
         assert program.growth @ ours.y == pytest.approx(1.0, abs=1e-8)
 
 
-def test_wall_has_matching_bounds() -> None:
-    program = stated(wall(12, 12), slope=0.6)
+@pytest.mark.parametrize("bound", [np.inf, 1.0, 0.04, 0.03])
+def test_wall_has_matching_bounds(bound: float) -> None:
+    program = stated(wall(12, 12), slope=0.6, bound=bound)
     answer = solve_interior_point(program)
     assert answer.outcome == "solved"
     check_forces(program, answer)
+    if bound < 1:
+        assert answer.x[:, 0].max() == pytest.approx(bound, rel=1e-5)
+        assert answer.tau == pytest.approx(solve_clarabel(program).tau, rel=1e-6)
     assert dual_value(program, answer.x, answer.y) == pytest.approx(answer.tau, rel=1e-6)
 
 

@@ -112,14 +112,17 @@ def test_wrenches_multiply_like_their_matrix() -> None:
     assert type(as_wrenches(Coupling(skewed, 3, 6, by_point=True))) is Coupling
 
 
-@pytest.mark.parametrize("kind", ["coulomb", "cohesive", "capped", "smooth", "mixed"])
+@pytest.mark.parametrize("kind", ["coulomb", "cohesive", "capped", "smooth", "mixed", "bounded"])
 def test_compliance_inverts_the_local_stiffness(kind: str) -> None:
     count = 40
-    limit = {"coulomb": 0.0, "cohesive": 0.5, "capped": 0.5, "smooth": 0.0, "mixed": 0.5}[kind] * np.ones(count)
-    slope = {"coulomb": 0.7, "cohesive": 0.7, "capped": -0.2, "smooth": 0.0, "mixed": 0.4}[kind] * np.ones(count)
-    if kind == "mixed":
+    limit = {"coulomb": 0.0, "cohesive": 0.5, "capped": 0.5, "smooth": 0.0}.get(kind, 0.5) * np.ones(count)
+    slope = {"coulomb": 0.7, "cohesive": 0.7, "capped": -0.2, "smooth": 0.0}.get(kind, 0.4) * np.ones(count)
+    bound = np.full(count, np.inf)
+    if kind in ("mixed", "bounded"):
         limit[::2], slope[::4] = 0.0, 0.0
-    local = CoulombPoints(limit, slope, np.zeros(count), rng.uniform(0, 1, count))
+    if kind == "bounded":
+        bound[::3], bound[1::12] = 0.7, 0.0
+    local = CoulombPoints(limit, slope, np.zeros(count), rng.uniform(0, 1, count), bound)
     product = ProductCone(local.cones)
     scaling = product.scaling(interior(product), interior(product))
     compliance = local.compliance(scaling.parts)

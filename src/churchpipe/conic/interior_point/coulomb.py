@@ -1,7 +1,7 @@
-"""Points with a Coulomb-type cone, |t| <= limit + slope n and n >= 0: closed forms for all of them at once."""
+"""Points with a Coulomb-type cone, |t| <= limit + slope n and 0 <= n <= bound: closed forms for all of them at once."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numba
 import numpy as np
@@ -50,20 +50,27 @@ class CoulombCompliance:
 
 
 class CoulombPoints:
-    """x = (n, t1, t2) at each point; limit, slope, linear, curvature (count,), the last two the cost of n.
+    """x = (n, t1, t2) at each point; limit, slope, linear, curvature, bound (count,); linear and curvature are the cost of n.
 
-    Points without shear resistance keep t = 0, points with neither limit nor slope >= 0 keep x = 0: `active` (3, count) says
-    which components are free. n >= 0 is a row of its own where limit or slope <= 0 make it one.
+    Points without shear resistance keep t = 0, points with a bound of zero n = 0, points with neither limit nor slope >= 0
+    x = 0: `active` (3, count) says which components are free. n >= 0 is a row of its own where limit or slope <= 0 make it
+    one (the point is `guarded`), n <= bound where the bound is finite (`bounded`).
     """
 
     dimension = 3
 
-    def __init__(self, limit: FloatArray, slope: FloatArray, linear: FloatArray, curvature: FloatArray) -> None:
+    def __init__(
+        self, limit: FloatArray, slope: FloatArray, linear: FloatArray, curvature: FloatArray, bound: FloatArray | None = None
+    ) -> None:
         self.count = len(limit)
+        self._bound = np.full(self.count, np.inf) if bound is None else bound
+        closed = self._bound == 0
+        slope = np.where(closed, 0.0, slope)
         sheared = (limit > 0) | (slope > 0)
-        guarded = (limit > 0) | (slope == 0)
-        self.active: BoolArray = np.stack([sheared | guarded, sheared, sheared])
+        guarded = ((limit > 0) | (slope == 0)) & ~closed
+        self.active: BoolArray = np.stack([(sheared | guarded) & ~closed, sheared, sheared])
         self._sheared, self._guarded = np.flatnonzero(sheared), np.flatnonzero(guarded)
+        self._bounded = np.flatnonzero(np.isfinite(self._bound) & self.active[0])
         self._all_sheared, self._is_guarded = bool(sheared.all()), guarded
         self._limit, self._slope = limit, slope
         self._curvature = np.where(self.active[0], curvature, 0.0)
@@ -78,9 +85,14 @@ class CoulombPoints:
         if len(self._guarded):
             cones.append(Nonnegative(1, len(self._guarded)))
             right.append(np.zeros(len(self._guarded)))
+        if len(self._bounded):
+            cones.append(Nonnegative(1, len(self._bounded)))
+            right.append(self._bound[self._bounded])
         self.cones = tuple(cones)
         self.right = np.concatenate(right) if right else np.zeros(0)
-        self._split = 3 * len(self._sheared)
+        # Where the rows of the guards and those of the bounds begin, after three rows for each cone.
+        self._guards = 3 * len(self._sheared)
+        self._bounds = self._guards + len(self._guarded)
 
     def quadratic(self, x: FloatArray) -> FloatArray:
         """Return Q x."""
@@ -92,26 +104,29 @@ class CoulombPoints:
         """Return G x."""
         cone = self._take(x)
         axis = self._take(self._slope) * cone[0]
-        return -np.concatenate([axis, cone[1], cone[2], x[0, self._guarded]])
+        return -np.concatenate([axis, cone[1], cone[2], x[0, self._guarded], -x[0, self._bounded]])
 
     def transpose(self, z: FloatArray) -> FloatArray:
         """Return G^T z."""
-        cone = z[: self._split].reshape(3, -1)
+        cone = z[: self._guards].reshape(3, -1)
         out = np.zeros((3, self.count))
         self._put(out, -cone)
         out[0] *= self._slope
-        out[0, self._guarded] -= z[self._split :]
+        out[0, self._guarded] -= z[self._guards : self._bounds]
+        out[0, self._bounded] += z[self._bounds :]
         return out
 
     def compliance(self, scalings: Sequence[Scaling]) -> "CoulombCompliance":
         """Return the compliances in closed form."""
-        stiffness = self._curvature.copy()
-        last = scalings[-1] if scalings else None
-        if isinstance(last, NonnegativeScaling):
-            stiffness[self._guarded] += 1.0 / last.factor[0] ** 2
+        # A component that is not free is held by a stiffness of its own.
+        stiffness = np.where(self.active[0], self._curvature, 1.0)
+        rows = [scaling for scaling in scalings if isinstance(scaling, NonnegativeScaling)]
+        points = [chosen for chosen in (self._guarded, self._bounded) if len(chosen)]
+        for scaling, chosen in zip(rows, points, strict=True):
+            stiffness[chosen] += 1.0 / scaling.factor[0] ** 2
         first = scalings[0] if scalings else None
         if isinstance(first, SecondOrderScaling) and self._all_sheared:
-            return _cone_compliance(first, self._slope, stiffness)
+            return self._held(_cone_compliance(first, self._slope, stiffness))
         normal = np.zeros(self.count)
         alone = self.active[0] & ~self.active[1]
         normal[alone] = 1.0 / stiffness[alone]
@@ -124,38 +139,49 @@ class CoulombPoints:
             for whole, part in zip(parts, new, strict=True):
                 whole[..., self._sheared] = part
             out = CoulombCompliance(*parts)
-        return out
+        return self._held(out)
 
     def balanced(self, force: FloatArray, rough: Callable[[], FloatArray]) -> FloatArray:
         """Return z with its shear rows, and the guard n >= 0 or else the axis of the cone, taken from the force."""
         pull = self._take(force)
         slope = self._take(self._slope)
-        if not len(self._guarded):
+        if not len(self._guarded) and not len(self._bounded):
             return -np.concatenate([pull[0] / slope, pull[1], pull[2]])
-        axis = -pull[0] / np.where(slope > 0, slope, 1.0)
-        kept = self._is_guarded[self._sheared]
-        axis[kept] = rough()[: self._split].reshape(3, -1)[0, kept]
-        push = np.zeros(self.count)
-        push[slice(None) if self._all_sheared else self._sheared] = slope * axis
-        return np.concatenate([axis, -pull[1], -pull[2], -force[0, self._guarded] - push[self._guarded]])
+        near = rough()
+        push = force[0].copy()
+        push[self._bounded] -= near[self._bounds :]
+        axis = -self._take(push) / np.where(slope > 0, slope, 1.0)
+        kept = self._is_guarded[self._sheared] | ~self.active[0, self._sheared]
+        axis[kept] = near[: self._guards].reshape(3, -1)[0, kept]
+        push[slice(None) if self._all_sheared else self._sheared] += slope * axis
+        return np.concatenate([axis, -pull[1], -pull[2], -push[self._guarded], near[self._bounds :]])
 
     def interior(self, size: FloatArray) -> FloatArray:
         """Return compression `size` (count,), less where the cone is shorter, without shear."""
         out = np.zeros((3, self.count))
-        reach = np.where(self._slope < 0, -0.5 * self._limit / np.minimum(self._slope, -1e-300), np.inf)
-        out[0] = np.where(self.active[0], np.minimum(size, reach), 0.0)
+        out[0] = np.where(self.active[0], np.minimum(size, 0.5 * self._reach()), 0.0)
         return out
 
     def inside(self, x: FloatArray) -> FloatArray:
         """Return x (3, count) with rounding errors outside the cones removed."""
         out = np.where(self.active, x, 0.0)
-        n = np.maximum(out[0], 0.0)
-        with np.errstate(divide="ignore"):
-            out[0] = np.minimum(n, np.where(self._slope < 0, -self._limit / np.minimum(self._slope, -1e-300), np.inf))
+        out[0] = np.minimum(np.maximum(out[0], 0.0), self._reach())
         reach = np.maximum(self._limit + self._slope * out[0], 0.0)
         shear = np.hypot(out[1], out[2])
         out[1:] *= np.where(shear > reach, reach / np.maximum(shear, 1e-300), 1.0)
         return out
+
+    def _reach(self) -> FloatArray:
+        """Return the largest n (count,) that bound and cone allow."""
+        with np.errstate(divide="ignore"):
+            apex = np.where(self._slope < 0, -self._limit / np.minimum(self._slope, -1e-300), np.inf)
+        return np.minimum(apex, self._bound)
+
+    def _held(self, compliance: CoulombCompliance) -> CoulombCompliance:
+        """Return the compliances without n where the bound of a point with shear resistance is zero."""
+        if self.active[0, self._sheared].all():
+            return compliance
+        return replace(compliance, normal=np.where(self.active[0], compliance.normal, 0.0))
 
     def _take(self, values: FloatArray) -> FloatArray:
         return values if self._all_sheared else values[..., self._sheared]

@@ -22,8 +22,8 @@ from churchpipe.model.arrays import FloatArray
 
 # Rows of the balance of one rigid body.
 BLOCK = 6
-# A limit below this share of the largest load is no shear resistance at all: its cone has no interior in double precision.
-_NO_SHEAR = 1e-13
+# A limit or a bound below this share of the largest load is none at all: it leaves no interior in double precision.
+_NOTHING = 1e-13
 
 
 def solve_interior_point(
@@ -59,14 +59,17 @@ class InteriorPointSolver:
         """
         begin = perf_counter()
         settings = settings or Settings()
+        if np.isfinite(program.bound).any():
+            # A multiplier that stops short leaves a point that opens too slowly, for which its bound has to be paid.
+            settings = replace(settings, spare=0.0)
         if not _same(program.balance, self._balance):
             raise InputError("InteriorPointSolver.solve", "another balance", expected="the balance that the solver was made for")
         force = program.force
         growth = _pad(program.growth / force, self._coupling.rows)
         # The work of a unit load on unit rates is the unit of the objective: rates are then of order one.
         reward = max(float(np.abs(growth).sum()), 1.0)
-        limit = np.where(program.limit / force > _NO_SHEAR, program.limit / force, 0.0)
-        local = CoulombPoints(limit, program.slope, reward * force * program.linear, reward * force**2 * program.quadratic)
+        limit, bound = (np.where(size / force > _NOTHING, size / force, 0.0) for size in (program.limit, program.bound))
+        local = CoulombPoints(limit, program.slope, reward * force * program.linear, reward * force**2 * program.quadratic, bound)
         problem = CoupledProblem(
             local,
             self._coupling.masked(local.active),

@@ -8,7 +8,7 @@ import scipy.sparse as sp
 from churchpipe.conic.program import ConeProgram
 from churchpipe.errors import InputError
 
-_VECTORS = ("constant", "growth", "limit", "slope", "linear", "quadratic")
+_VECTORS = ("constant", "growth", "limit", "slope", "linear", "quadratic", "bound")
 
 
 def save_program(path: Path, program: ConeProgram) -> None:
