@@ -18,10 +18,11 @@ done
 packages=
 has() { "$python" -c "$1" 2>/dev/null; }
 has 'import ensurepip, venv' || packages="$packages python3-venv"
-# Pictures are drawn off screen by Mesa; gmsh is linked against X11 and OpenGL whether it shows a window or not.
+# Pictures are drawn off screen by Mesa; gmsh is linked against X11 and OpenGL whether it shows a window or not; Pango sets the PDF.
 for library in libEGL.so.1:libegl1 libGL.so.1:libgl1 libGLU.so.1:libglu1-mesa libXrender.so.1:libxrender1 \
     libXcursor.so.1:libxcursor1 libXfixes.so.3:libxfixes3 libXft.so.2:libxft2 libXinerama.so.1:libxinerama1 \
-    libfontconfig.so.1:libfontconfig1 libgomp.so.1:libgomp1 libstdc++.so.6:libstdc++6; do
+    libfontconfig.so.1:libfontconfig1 libgomp.so.1:libgomp1 libstdc++.so.6:libstdc++6 \
+    libpango-1.0.so.0:libpango-1.0-0 libpangoft2-1.0.so.0:libpangoft2-1.0-0 libharfbuzz-subset.so.0:libharfbuzz-subset0; do
     has "import ctypes; ctypes.CDLL('${library%%:*}')" || packages="$packages ${library##*:}"
 done
 has 'import glob, sys; sys.exit(not glob.glob("/usr/lib*/*/dri/*swrast*") + glob.glob("/usr/lib*/*/libgallium*.so"))' ||

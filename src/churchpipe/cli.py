@@ -158,15 +158,25 @@ def run(
 @app.command()
 def show(folder: RunFolder) -> None:
     """Show the results of a run as a table."""
-    from churchpipe.engine import unfinished
     from churchpipe.io.tables import read_summary
 
-    summary = folder / "summary.json"
-    if why := unfinished(folder):
-        raise InputError(str(folder), "the last run did not end well", found=why, remedy="Mend what it says and run it again.")
-    if not summary.is_file():
-        raise InputError(str(folder), "no results", expected="summary.json", remedy="churchpipe run CASE.toml makes it.")
-    _print_results(read_summary(summary))
+    _print_results(read_summary(_result_of(folder, "summary.json")))
+
+
+@app.command()
+def report(
+    folder: RunFolder,
+    pdf: Annotated[bool, typer.Option("--pdf", help="Print it to report.pdf, pages of A4.")] = False,
+) -> None:
+    """Say where the report of a run is, or print it to a PDF."""
+    page = _result_of(folder, "report.html")
+    if not pdf:
+        out.print(str(page), soft_wrap=True)
+        return
+    from churchpipe.report.pdf import write_pdf
+
+    paper = page.with_suffix(".pdf")
+    out.print(f"{write_pdf(page, paper)} pages: {paper}", soft_wrap=True)
 
 
 @app.command("import-dxf", help="Make a case of a drawing: the same as import.")
@@ -336,6 +346,17 @@ def stage(name: str, label: str, paths: list[Path]) -> None:
     takes_progress = name in stages.LONG
     code = Reporter(name, label, sys.stderr).run(stages.STAGES[name], *paths, takes_progress=takes_progress)
     raise typer.Exit(code)
+
+
+def _result_of(folder: Path, name: str) -> Path:
+    """Return a file that a run has left, if the run ended well."""
+    from churchpipe.engine import unfinished
+
+    if why := unfinished(folder):
+        raise InputError(str(folder), "the last run did not end well", found=why, remedy="Mend what it says and run it again.")
+    if not (folder / name).is_file():
+        raise InputError(str(folder), "no results", expected=name, remedy="churchpipe run CASE.toml makes it.")
+    return folder / name
 
 
 def _check_case(path: Path) -> None:

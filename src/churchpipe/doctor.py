@@ -24,6 +24,9 @@ SYSTEM_PACKAGES = {
     "libXfixes.so": "libxfixes3",
     "libgomp.so": "libgomp1",
     "libfontconfig.so": "libfontconfig1",
+    "libpango-1": "libpango-1.0-0",
+    "libpangoft2": "libpangoft2-1.0-0",
+    "libharfbuzz-subset": "libharfbuzz-subset0",
 }
 
 _DRAW = """
@@ -93,6 +96,13 @@ TRIALS = (
         "import gmsh; print(gmsh.__version__)",
         "gmsh",
         system="libglu1-mesa libxrender1 libxcursor1 libxfixes3 libxft2 libxinerama1 libfontconfig1 libgomp1",
+    ),
+    Trial(
+        "weasyprint",
+        "the report as a PDF",
+        "import weasyprint; weasyprint.HTML(string='trial').write_pdf(); print(weasyprint.__version__)",
+        "weasyprint",
+        system="libpango-1.0-0 libpangoft2-1.0-0 libharfbuzz-subset0",
     ),
     Trial("off-screen picture", "pictures in the report", _DRAW, "pyvista", system="libegl1 libgl1-mesa-dri"),
 )

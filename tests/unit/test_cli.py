@@ -531,3 +531,26 @@ def test_a_drawing_with_open_joints_needs_a_decision(capsys: pytest.CaptureFixtu
     assert code == 0
     assert "Near misses: 48 pairs of faces" in out
     assert "contact_gap_mm = 1\n" in (tmp_path / "corner" / "case.toml").read_text(encoding="utf-8")
+
+
+def test_report_is_found_and_printed(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    assert call(capsys, "report", tmp_path)[0] == 1
+    (tmp_path / "report.html").write_text("<h1>nave &amp; apse</h1>" + "<p>a sentence</p>" * 400)
+    assert call(capsys, "report", tmp_path) == (0, f"{tmp_path / 'report.html'}\n", "")
+    code, out, _ = call(capsys, "report", tmp_path, "--pdf")
+    assert code == 0
+    pages = int(out.split()[0])
+    assert pages > 3
+    assert (tmp_path / "report.pdf").read_bytes().startswith(b"%PDF")
+    assert not list(tmp_path.glob(".part-*"))
+
+
+def test_a_library_that_printing_needs_is_named(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "report.html").write_text("<h1>nave</h1>")
+    monkeypatch.setitem(sys.modules, "weasyprint", None)
+    code, _, err = call(capsys, "report", tmp_path, "--pdf")
+    assert code == 1
+    assert "the report as a PDF: a package is not installed" in err
+    assert not (tmp_path / "report.pdf").exists()
