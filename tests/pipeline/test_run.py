@@ -233,7 +233,7 @@ def test_a_sweep_makes_the_stones_once(pristine: Copy) -> None:
         ("src/churchpipe/report/templates/report.html", {"report": 1, "all": 1}),
         # What reads the case decides through the settings, and a comment changes none.
         ("src/churchpipe/config/case.py", {}),
-        ("src/churchpipe/cli.py", {}),
+        ("src/churchpipe/cli/runs.py", {}),
     ],
 )
 def test_an_edited_source_reruns_what_depends_on_it(

@@ -1,0 +1,38 @@
+"""The application of the command line, and where it prints."""
+
+import importlib.metadata
+import sys
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+FINDINGS, USAGE, STRUCTURE, INTERRUPTED = 1, 2, 3, 130
+
+app = typer.Typer(
+    name="churchpipe",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="rich",
+    context_settings={"help_option_names": ["-h", "--help"]},
+    epilog="Exit codes: 0 done, 1 findings in the input, 2 usage, 3 the structure or a solver (the report is written).",
+)
+# Names and paths are printed as they are: no markup and no emoji in them. Into a file or a pipe, tables keep their width.
+out = Console(highlight=False, markup=False, emoji=False, width=None if sys.stdout.isatty() else 120)
+err = Console(stderr=True, highlight=False, markup=False, emoji=False)
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        out.print(f"churchpipe {importlib.metadata.version('churchpipe')}")
+        raise typer.Exit
+
+
+@app.callback()
+def churchpipe(
+    version: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")] = False,
+) -> None:
+    """How much lateral load brings a masonry building down, from its stones.
+
+    From a drawing: [bold]import-dxf[/], then [bold]run[/]. From a handful of dimensions: [bold]generate[/], edit, [bold]run[/].
+    """

@@ -1,0 +1,40 @@
+"""What every command ends in: its exit code, and errors in one sentence."""
+
+import os
+import signal
+import sys
+from typing import NoReturn
+
+from churchpipe.cli import cases, machine, runs, stones
+from churchpipe.cli.app import FINDINGS, STRUCTURE, USAGE, app, err
+from churchpipe.errors import InputError, UsageError
+
+# The modules of commands register themselves in the order in which they are imported.
+__all__ = ["app", "cases", "machine", "main", "runs", "stones"]
+
+
+def main() -> NoReturn:
+    """Run the command line and leave with its exit code."""
+    signal.signal(signal.SIGTERM, _interrupt)
+    try:
+        app()
+    except InputError as error:
+        err.print(str(error), style="red", soft_wrap=True)
+        raise SystemExit(USAGE if isinstance(error, UsageError) else FINDINGS) from None
+    except BrokenPipeError:
+        # The reader of a pipe (head, less) has left.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        raise SystemExit(0) from None
+    except OSError as error:
+        place = f"{error.filename}: " if error.filename else ""
+        problem = error.strerror or str(error)
+        err.print(f"{place}{problem}. Choose another place to write to.", style="red", soft_wrap=True)
+        raise SystemExit(USAGE) from None
+    except MemoryError:
+        err.print("Out of memory: the structure is too large for this machine.", style="red", soft_wrap=True)
+        raise SystemExit(STRUCTURE) from None
+    raise SystemExit(0)
+
+
+def _interrupt(*_: object) -> NoReturn:
+    raise KeyboardInterrupt

@@ -1,0 +1,173 @@
+"""Commands of files of stones: import, check, export-dxf."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from churchpipe.cli.app import app, err, out
+from churchpipe.cli.cases import check_case
+from churchpipe.errors import InputError, UsageError
+from churchpipe.options import (
+    CaseFile,
+    Changes,
+    ContactGap,
+    Folder,
+    Joint,
+    JointMode,
+    Mortar,
+    Plane,
+    Repair,
+    Scale,
+    StonesFile,
+    Support,
+    Thickness,
+    Units,
+    UpAxis,
+)
+
+
+@app.command("import-dxf", help="Make a case of a drawing: the same as import.")
+@app.command("import")
+def import_file(
+    file: StonesFile,
+    folder: Folder = None,
+    units: Units = None,
+    unit_weight: Annotated[float | None, typer.Option("--unit-weight-kN-m3", help="Of all stones.")] = None,
+    friction: Annotated[float | None, typer.Option(help="Friction coefficient of all joints.")] = None,
+    load: Annotated[
+        list[str] | None, typer.Option(metavar="DIRECTION", help='Direction of a load: "+x", "-y" or "1,1,0". Repeatable.')
+    ] = None,
+    support: Support = "drawn",
+    repair: Repair = False,
+    thickness: Thickness = None,
+    plane: Plane = "xz",
+    joint: Joint = None,
+    joint_mode: JointMode = "grow",
+    mortar: Mortar = "counted",
+    contact_gap: ContactGap = None,
+    up: UpAxis = None,
+    scale: Scale = 1.0,
+) -> None:
+    """Make a case of a file of stones: FOLDER/case.toml and a copy of the file. All findings are listed.
+
+    DXF, OBJ, STL, PLY, GLB, 3MF, Rhino 3DM, COMPAS JSON, LMGC90 (BODIES.DAT), 3DEC, or a folder: docs/formats.md.
+    """
+    from churchpipe.importing import import_drawing, parse_length
+
+    folder = folder or Path(file.stem)
+    done = import_drawing(
+        file,
+        folder,
+        _reading(units, support, repair, thickness, plane, joint, joint_mode, mortar, up, scale),
+        unit_weight=None if unit_weight is None else unit_weight * 1e3,
+        friction=friction,
+        loads=load or (),
+        contact_gap=parse_length("--contact-gap", contact_gap),
+    )
+    _list(done.findings)
+    out.print(f"{done.stones} stones on {done.fixed} fixed ones: {done.case}", markup=False, soft_wrap=True)
+    if len(done.findings):
+        out.print(
+            f"Findings: {folder / 'findings.json'} and findings.dxf, circles to lay over the drawing.",
+            markup=False,
+            soft_wrap=True,
+        )
+    for line in (*done.joints, done.shell):
+        out.print(line, markup=False, soft_wrap=True)
+    for key in done.missing:
+        out.print(f"Still to be filled in: {key}", markup=False, soft_wrap=True)
+
+
+@app.command()
+def check(
+    file: StonesFile,
+    units: Units = None,
+    support: Support = "drawn",
+    repair: Repair = False,
+    thickness: Thickness = None,
+    plane: Plane = "xz",
+    joint: Joint = None,
+    joint_mode: JointMode = "grow",
+    mortar: Mortar = "counted",
+    contact_gap: ContactGap = None,
+    up: UpAxis = None,
+    scale: Scale = 1.0,
+    folder: Annotated[
+        Path | None, typer.Option("--out", "-o", help="Folder for findings.json and findings.dxf.", show_default=False)
+    ] = None,
+) -> None:
+    """List all findings in a file of stones, and stones that float or overlap; or what is wrong with a case.
+
+    Exit code 1 for errors.
+    """
+    if file.suffix.lower() == ".toml":
+        check_case(file)
+        return
+    from churchpipe.findings import FindingsError
+    from churchpipe.importing import check_drawing, parse_length, record_findings
+
+    reading = _reading(units, support, repair, thickness, plane, joint, joint_mode, mortar, up, scale)
+    try:
+        read, joints = check_drawing(file, reading, contact_gap=parse_length("--contact-gap", contact_gap))
+    except FindingsError as error:
+        if folder:
+            record_findings(error.findings, folder, units or "m")
+        raise
+    _list(read.findings)
+    for line in joints:
+        out.print(line, markup=False, soft_wrap=True)
+    if folder:
+        record_findings(read.findings, folder, read.units)
+    warnings = f"{len(read.findings)} warnings" if len(read.findings) else "nothing to report"
+    out.print(f"{file}: {int((~read.stones.fixed).sum())} stones, {warnings}.", markup=False, soft_wrap=True)
+
+
+@app.command("export-dxf")
+def export_dxf(
+    case: CaseFile,
+    drawing: Annotated[Path, typer.Option("--out", "-o", help="The drawing to write.", show_default=False)],
+    changes: Changes = None,
+) -> None:
+    """Write the stones of a case as a DXF drawing, its materials and loads inside."""
+    from churchpipe.config import read_case
+    from churchpipe.dxf.writer import write_dxf
+    from churchpipe.stones.blocks import derive_blocks
+
+    if drawing.suffix.lower() != ".dxf":
+        raise UsageError(f"--out {drawing}", "not the name of a drawing", expected="a name that ends in .dxf")
+    read = read_case(case, changes or ())
+    stones = derive_blocks(read.building())
+    write_dxf(stones, drawing, materials=read.materials, loads=read.loads)
+    out.print(f"{int((~stones.fixed).sum())} stones: {drawing}", soft_wrap=True)
+
+
+def _reading(
+    units: str | None,
+    support: str,
+    repair: bool,
+    thickness: str | None,
+    plane: str,
+    joint: str | None,
+    joint_mode: str,
+    mortar: str,
+    up: str | None,
+    scale: float,
+) -> Any:
+    """Return how a drawing is read from the options of the command line."""
+    from churchpipe.dxf.reading import Reading
+    from churchpipe.importing import parse_length
+
+    lengths = {"thickness": parse_length("--thickness", thickness), "joint": parse_length("--joint", joint)}
+    words: dict[str, Any] = {"support": support, "plane": plane, "joint_mode": joint_mode, "mortar": mortar}
+    words |= {"up": up, "scale": scale}
+    try:
+        return Reading(units=units, repair=repair, **lengths, **words)
+    except InputError as error:
+        option = "--" + error.where.replace("_", "-")
+        raise UsageError(option, error.problem, found=error.found, expected=error.expected) from None
+
+
+def _list(findings: Any) -> None:
+    if len(findings):
+        err.print(str(findings), soft_wrap=True)
