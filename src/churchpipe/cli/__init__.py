@@ -4,6 +4,7 @@ Exit codes: 0 done, 1 findings in the input (a case file or a drawing that canno
 solver (unstable, not converged, failed; the report is written all the same).
 """
 
-from churchpipe.cli.entry import app, main
+from churchpipe.cli.app import FINDINGS, INTERRUPTED, STRUCTURE, USAGE, app
+from churchpipe.cli.entry import main
 
-__all__ = ["app", "main"]
+__all__ = ["FINDINGS", "INTERRUPTED", "STRUCTURE", "USAGE", "app", "main"]
