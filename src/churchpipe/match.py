@@ -8,10 +8,12 @@ import numpy as np
 from churchpipe.errors import InputError
 from churchpipe.geometry.clusters import components
 from churchpipe.geometry.locate import facet_at, inside_stones, interior_points
+from churchpipe.loading.wrenches import resultants
 from churchpipe.model.arguments import check_kind, finite, text
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, NameArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts, check_contacts_of
+from churchpipe.model.placed_loads import PlacedLoads
 from churchpipe.model.polyhedra import face_normals
 from churchpipe.model.shell import ShellModel
 
@@ -21,6 +23,7 @@ THICKNESS = 0.02
 UNCOVERED = 0.001
 SUPPORTED = 0.02
 MEAN_ANGLE = 3.0
+LOADS = 1e-9
 # A stone whose bed differs by more than this (degrees) is turned; part of the stones' volume that may be.
 TURNED, TURNED_SHARE = 20.0, 0.001
 # A joint crosses the line through a voussoir where the sine of their angle is at least this.
@@ -71,7 +74,7 @@ class Match:
         return {"passed": self.passed, "junction_overlap": self.junction_overlap, "figures": figures}
 
 
-def match_models(stones: Assemblage, contacts: Contacts, shell: ShellModel) -> Match:
+def match_models(stones: Assemblage, contacts: Contacts, shell: ShellModel, loads: PlacedLoads | None = None) -> Match:
     """Compare the two models of a building.
 
     Weight, in all and wall by wall (panels side by side in one plane, toothed into one another, are one); centroid; volume
@@ -83,6 +86,8 @@ def match_models(stones: Assemblage, contacts: Contacts, shell: ShellModel) -> M
     ----------
     stones, contacts, shell
         The two models, by the same panel names.
+    loads
+        What the building carries, whose forces and moments must come to the same on both.
     """
     for name, value, kind in (("stones", stones, Assemblage), ("contacts", contacts, Contacts), ("shell", shell, ShellModel)):
         check_kind(f"match_models: {name}", value, kind)
@@ -114,9 +119,22 @@ def match_models(stones: Assemblage, contacts: Contacts, shell: ShellModel) -> M
             *_openings(stones, shell, facet, outside),
             _supported_area(stones, contacts, shell, carried),
             *_beds(stones, contacts, shell, facet),
+            *(_carried(stones, shell, loads) if loads is not None else ()),
         ),
         float(shell.area @ shell.thickness) / volume - 1,
     )
+
+
+def _carried(stones: Assemblage, shell: ShellModel, loads: PlacedLoads) -> list[Figure]:
+    """Compare force and moment of the loads, moments over the size of the building, by the larger one."""
+    figures: list[Figure] = []
+    arm = np.repeat([1.0, 1.0 / stones.size], 3)
+    for name, (of_stones, of_shell) in resultants(stones, shell, loads).items():
+        sizes = [float(np.abs(arm * part).max()) for part in (of_stones, of_shell)]
+        apart = float(np.abs(arm * (of_shell - of_stones)).max()) / (max(sizes) or 1.0)
+        ours, theirs = (float(np.linalg.norm(part[:3])) for part in (of_stones, of_shell))
+        figures.append(Figure(f"loads carried: {name}", ours, theirs, "N", apart, LOADS))
+    return figures
 
 
 def _relative(name: str, stones: float, shell: float, unit: str, tolerance: float) -> Figure:

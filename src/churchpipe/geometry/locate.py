@@ -121,12 +121,12 @@ def _inside(stones: Assemblage, stone: int, place: FloatArray) -> FloatArray:
     return place
 
 
-def facet_at(shell: ShellModel, points: FloatArray, panel: str) -> tuple[IntArray, FloatArray]:
-    """Return for points (n, 3) m the facet of a panel that each lies over, seen along the facet's normal.
+def facet_at(shell: ShellModel, points: FloatArray, panel: str | None) -> tuple[IntArray, FloatArray]:
+    """Return for points (n, 3) m the facet of a panel, or of all (None), that each lies over, seen along the facet's normal.
 
     Also returned is how far outside of that facet the point lies, m; 0 inside.
     """
-    members = np.flatnonzero(shell.panel == panel)
+    members = np.arange(len(shell.panel)) if panel is None else np.flatnonzero(shell.panel == panel)
     corner = shell.points[shell.triangles[members]]
     near = cKDTree(corner.mean(axis=1)).query(points, k=min(NEIGHBOURS, len(members)))[1].reshape(len(points), -1)
     # Heights of the point over the three edges of each candidate: all positive inside.

@@ -1,8 +1,9 @@
-"""Dead load and lateral load of a shell, per area of facet."""
+"""Dead load and lateral load of a shell: per area of facet, and as wrenches on facets."""
 
 import numpy as np
 
 from churchpipe.errors import InputError
+from churchpipe.homogenised_shell.element import ShellElements, surface_load
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.loads import LoadCase, pushed_share
 from churchpipe.model.shell import ShellModel
@@ -14,16 +15,56 @@ def dead_pressure(shell: ShellModel) -> FloatArray:
 
 
 def live_pressure(shell: ShellModel, load: LoadCase) -> FloatArray:
-    """Return the lateral load at load factor 1 (nt, 3), N/m2.
+    """Return the weight pushed sideways at load factor 1 (nt, 3), N/m2.
 
     Raises
     ------
-    InputError: unknown panels, nothing to push, wrenches: they belong to stones, as a load without a direction does.
+    InputError: unknown panels, a direction and nothing to push in it.
     """
-    if load.dead is not None or load.live is not None:
-        raise InputError(f"load {load.name}", "extra wrenches act on stones", expected="no dead or live wrenches for a shell")
-    height = shell.points[shell.triangles, 2].mean(axis=1) - shell.points[:, 2].min()
+    height = shell.centroid[:, 2] - shell.points[:, 2].min()
     share = pushed_share(load, shell.panel, shell.weight, height) * shell.surface_weight
-    if not share.any():
+    if load.direction.any() and not share.any():
         raise InputError(f"load {load.name}", "nothing to push", expected="panels with weight")
     return share[:, None] * load.direction
+
+
+def dead_load(elements: ShellElements, load: LoadCase) -> FloatArray:
+    """Return the work-conjugate forces (n,), N and Nm, of the self-weight and of the load case's dead wrenches.
+
+    Raises
+    ------
+    InputError: wrenches that are not those of the facets.
+    """
+    return surface_load(elements, dead_pressure(elements.shell)) + _facet_load(elements, "LoadCase.dead", load.dead)
+
+
+def live_load(elements: ShellElements, load: LoadCase) -> FloatArray:
+    """Return the same of the lateral load at load factor 1: the weight pushed, and the load case's live wrenches.
+
+    Raises
+    ------
+    InputError: as `live_pressure`, and as `dead_load`.
+    """
+    return surface_load(elements, live_pressure(elements.shell, load)) + _facet_load(elements, "LoadCase.live", load.live)
+
+
+def _facet_load(elements: ShellElements, name: str, wrench: FloatArray | None) -> FloatArray:
+    """Return the forces (n,) at nodes of wrenches (nt, 6) N and Nm about the facets' centroids.
+
+    Each corner takes a third of the force; the moment M becomes the least forces w x r at the corners r that have it, with
+    M = sum r x (w x r).
+    """
+    shell = elements.shell
+    out = np.zeros(elements.unknowns)
+    if wrench is None:
+        return out
+    if wrench.shape != (len(shell.triangles), 6):
+        remedy = "churchpipe.shell_loaded puts what a building carries on the facets of its shell."
+        raise InputError(name, "wrong shape", found=wrench.shape, expected=f"({len(shell.triangles)}, 6)", remedy=remedy)
+    arm = shell.points[shell.triangles] - shell.centroid[:, None]
+    inertia = (arm**2).sum(axis=(1, 2))[:, None, None] * np.eye(3) - np.einsum("fkc,fkd->fcd", arm, arm)
+    turn = np.linalg.solve(inertia, wrench[:, 3:, None])[:, :, 0]
+    nodes = np.zeros((len(shell.points), 3))
+    np.add.at(nodes, shell.triangles, wrench[:, None, :3] / 3 + np.cross(turn[:, None], arm))
+    out[: nodes.size] = nodes.ravel()
+    return out

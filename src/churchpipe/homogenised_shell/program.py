@@ -7,8 +7,8 @@ import numpy as np
 import scipy.sparse as sp
 
 from churchpipe.errors import InputError
-from churchpipe.homogenised_shell.element import ShellElements, surface_load
-from churchpipe.homogenised_shell.loads import dead_pressure, live_pressure
+from churchpipe.homogenised_shell.element import ShellElements
+from churchpipe.homogenised_shell.loads import dead_load, live_load
 from churchpipe.homogenised_shell.point_strength import by_facet
 from churchpipe.homogenised_shell.strength import Planes, PlaneSet, strength
 from churchpipe.model.arrays import FloatArray, IntArray
@@ -82,7 +82,7 @@ def load_vectors(elements: ShellElements, load: LoadCase) -> LoadVectors:
 
     Raises
     ------
-    InputError: as `loads.live_pressure`; no weight.
+    InputError: as `loads.live_load`; no weight.
     """
     shell = elements.shell
     weight = float(shell.weight.sum())
@@ -96,8 +96,8 @@ def load_vectors(elements: ShellElements, load: LoadCase) -> LoadVectors:
     power = sp.diags((np.repeat(elements.weight, 6) * unit.ravel()) / weight)
     return LoadVectors(
         equilibrium=sp.csr_matrix(sp.csr_matrix(elements.strain.T)[free] @ power),
-        dead=surface_load(elements, dead_pressure(shell))[free] / weight,
-        live=surface_load(elements, live_pressure(shell, load))[free] / weight,
+        dead=dead_load(elements, load)[free] / weight,
+        live=live_load(elements, load)[free] / weight,
         unit=unit,
         weight=weight,
     )

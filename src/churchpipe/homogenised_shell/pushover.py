@@ -158,7 +158,8 @@ class _Path:
         """Return what was found."""
         condensed, elements = self._condensed, self._condensed.elements
         displacement = elements.translations(self._motion)
-        along = displacement @ load.direction
+        way = _way(load)
+        along = displacement @ way
         node = int(along.argmax()) if control is None else control
         area = elements.weight
         total = np.bincount(elements.facet, area)
@@ -171,7 +172,7 @@ class _Path:
         plastic = elements.facet_strain(self._dead_motion + self._motion) - elastic
         return CapacityCurve(
             load_factor=np.array([step.load_factor for step in self._steps]),
-            control=np.array([moved[node] @ load.direction for moved in self._moved]),
+            control=np.array([moved[node] @ way for moved in self._moved]),
             control_point=node,
             displacement=displacement,
             edge_rotation=elements.edge_rotation(self._motion),
@@ -200,6 +201,12 @@ class _Path:
         self._steps.append(step)
         if progress:
             progress(step)
+
+
+def _way(load: LoadCase) -> FloatArray:
+    """Return the direction (3,) of a load; of one that pushes no weight, that of its live forces."""
+    push = np.zeros(3) if load.live is None else load.live[:, :3].sum(axis=0)
+    return load.direction if load.direction.any() else push / max(float(np.linalg.norm(push)), np.finfo(float).tiny)
 
 
 def _normal_rows(multipliers: FloatArray) -> FloatArray:

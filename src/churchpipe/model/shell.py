@@ -97,6 +97,11 @@ class ShellModel:
         return 0.5 * np.sqrt((normal**2).sum(axis=1))
 
     @property
+    def centroid(self) -> FloatArray:
+        """Middle of each facet (nt, 3), m."""
+        return np.asarray(self.points[self.triangles].mean(axis=1))
+
+    @property
     def weight(self) -> FloatArray:
         """Weight of each facet (nt,), N."""
         return self.area * self.surface_weight

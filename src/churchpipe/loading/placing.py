@@ -1,0 +1,179 @@
+"""Loads on walls to forces at points of stones: once for a building, whichever model takes them."""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from churchpipe.errors import InputError
+from churchpipe.loading.bearing import CLOSE, bearing_stones
+from churchpipe.loading.floors import floor_lines
+from churchpipe.loading.pressure import pressure_forces
+from churchpipe.loading.walls import WallLine, wall_line
+from churchpipe.model.arguments import check_kind, describe
+from churchpipe.model.arrays import FloatArray
+from churchpipe.model.assemblage import Assemblage, checked_sequence
+from churchpipe.model.carried import AreaLoad, Carried, LineLoad, PointLoad, Pressure
+from churchpipe.model.placed_loads import PlacedLoads
+
+# Parts that the share of one stone is cut into: facets of a shell may be smaller than stones.
+PARTS = 4
+
+
+@dataclass(frozen=True, slots=True)
+class _Part:
+    point: FloatArray
+    stone: int
+    dead: FloatArray
+    mass: float
+
+
+def place_loads(stones: Assemblage, loads: Iterable[Carried]) -> PlacedLoads:
+    """Return loads at the stones that bear them.
+
+    A line on top of a wall bears on the highest stones under it, one at a height on the stones there (at a bed joint on those
+    below), each by its length; stones of other walls in the line count too, such as those of a toothed corner.
+
+    Parameters
+    ----------
+    stones: with the names of their walls as `panel`.
+
+    Raises
+    ------
+    InputError: a wall that is not there or is not straight, a load beside its wall, or with no stone under it.
+    """
+    check_kind("place_loads: stones", stones, Assemblage)
+    parts = [
+        (load.name, part)
+        for number, load in enumerate(checked_sequence("place_loads: loads", loads, "loads"))
+        for part in _parts(stones, load, f"place_loads: loads[{number}]")
+    ]
+    stone = np.array([part.stone for _, part in parts], dtype=np.int64)
+    return PlacedLoads(
+        point=np.array([part.point for _, part in parts]).reshape(-1, 3),
+        stone=stone,
+        wall=stones.panel[stone],
+        load=np.array([name for name, _ in parts], dtype=np.str_),
+        dead=np.array([part.dead for _, part in parts]).reshape(-1, 3),
+        mass=np.array([part.mass for _, part in parts], dtype=np.float64),
+    )
+
+
+def _parts(stones: Assemblage, load: Any, where: str) -> list[_Part]:
+    match load:
+        case LineLoad():
+            return _line(stones, load)
+        case PointLoad():
+            return _point(stones, load)
+        case AreaLoad():
+            return _area(stones, load)
+        case Pressure():
+            wall = wall_line(stones, load.wall, load.name)
+            return [_Part(point, stone, force, 0.0) for point, stone, force in pressure_forces(stones, wall, load)]
+        case _:
+            found, expected = describe(load), "a LineLoad, PointLoad, AreaLoad or Pressure"
+            raise InputError(where, "wrong kind", found=found, expected=expected)
+
+
+def _line(stones: Assemblage, load: LineLoad) -> list[_Part]:
+    if load.between is not None:
+        (first, last), height = load.between[:, :2], float(load.between[:, 2].max())
+        if abs(float(np.ptp(load.between[:, 2]))) > CLOSE or np.linalg.norm(last - first) <= CLOSE:
+            found = load.between.tolist()
+            raise InputError(f"{load.name}: between", "not a level line", found=found, expected="two points at one height")
+        on_top = _touches_tops(stones, height)
+    else:
+        wall = wall_line(stones, load.wall or "", load.name)
+        begin, end = load.begin or 0.0, wall.length if load.end is None else load.end
+        _check_within(load.name, wall, begin, end)
+        aside = _aside(load.name, wall, load.eccentricity, load.toward)
+        first, last = wall.at(begin, aside), wall.at(end, aside)
+        height, on_top = (wall.top, True) if load.height is None else (load.height, False)
+    dead = _force(load.dead, load.thrust, load.toward)
+    return _along(stones, load.name, first, last, height, on_top, dead, load.mass, lambda _: 1.0)
+
+
+def _touches_tops(stones: Assemblage, height: float) -> bool:
+    return bool(height >= stones.points[np.repeat(~stones.fixed, np.diff(stones.block_point_ptr)), 2].max() - CLOSE)
+
+
+def _along(
+    stones: Assemblage,
+    where: str,
+    first: FloatArray,
+    last: FloatArray,
+    height: float,
+    on_top: bool,
+    dead: FloatArray,
+    mass: float,
+    intensity: Callable[[float], float],
+    breaks: Sequence[float] = (),
+) -> list[_Part]:
+    """Return the parts of a line load; dead (3,) N/m and mass N/m times an intensity that is linear between the breaks."""
+    length = float(np.linalg.norm(last - first))
+    axis = (last - first) / length
+    found = bearing_stones(stones, first, last, height, on_top=on_top, where=where)
+    parts: list[_Part] = []
+    for start, end, stone, share, z in zip(found.start, found.end, found.stone, found.share, found.z, strict=True):
+        stops = np.unique(np.concatenate([np.linspace(start, end, PARTS + 1), [b for b in breaks if start < b < end]]))
+        for a, b in zip(stops[:-1].tolist(), stops[1:].tolist(), strict=True):
+            low, high = intensity(a), intensity(b)
+            amount = 0.5 * (low + high) * (b - a) * share
+            if not amount:
+                continue
+            centre = a + (b - a) * (low + 2 * high) / (3 * (low + high))
+            level = z[0] + (z[1] - z[0]) * (centre - start) / (end - start)
+            point = np.append(first + centre * axis, level)
+            parts.append(_Part(point, int(stone), amount * dead, amount * mass))
+    return parts
+
+
+def _point(stones: Assemblage, load: PointLoad) -> list[_Part]:
+    if load.at is not None:
+        place, height, on_top = load.at[:2], float(load.at[2]), _touches_tops(stones, float(load.at[2]))
+    else:
+        wall = wall_line(stones, load.wall or "", load.name)
+        along = load.along or 0.0
+        _check_within(load.name, wall, along, along)
+        place = wall.at(along, _aside(load.name, wall, load.eccentricity, load.toward))
+        height, on_top = (wall.top, True) if load.height is None else (load.height, False)
+    found = bearing_stones(stones, place, place, height, on_top=on_top, where=load.name)
+    dead = _force(load.dead, load.thrust, load.toward)
+    return [
+        _Part(np.append(place, z[0]), int(stone), share * dead, float(share) * load.mass)
+        for stone, share, z in zip(found.stone, found.share, found.z, strict=True)
+    ]
+
+
+def _area(stones: Assemblage, load: AreaLoad) -> list[_Part]:
+    walls = [wall_line(stones, name, load.name) for name in load.walls]
+    parts: list[_Part] = []
+    for line in floor_lines(load, walls):
+        wall = line.wall
+        first, last = (wall.at(along, line.aside) for along in (line.begin, line.end))
+        height, on_top = (wall.top, True) if load.height is None else (load.height, False)
+        dead = np.array([0.0, 0.0, -load.dead])
+        where = f"{load.name}, wall {wall.name}"
+        parts += _along(stones, where, first, last, height, on_top, dead, load.mass, line.width, line.breaks)
+    return parts
+
+
+def _force(dead: float, thrust: float, toward: FloatArray | None) -> FloatArray:
+    push = np.zeros(3) if toward is None else thrust * toward
+    return np.asarray(push - np.array([0.0, 0.0, dead]))
+
+
+def _check_within(where: str, wall: WallLine, begin: float, end: float) -> None:
+    if min(begin, end) < -CLOSE or max(begin, end) > wall.length + CLOSE:
+        found = f"{begin:g} m" if begin == end else f"from {begin:g} m to {end:g} m"
+        raise InputError(
+            where, f"beyond the wall {wall.name}", found=found, expected=f"within 0 and {wall.length:.6g} m along it"
+        )
+
+
+def _aside(where: str, wall: WallLine, eccentricity: float, toward: FloatArray | None) -> float:
+    if abs(eccentricity) > wall.thickness / 2 + CLOSE:
+        expected = f"at most half its thickness, {wall.thickness / 2:.6g} m"
+        raise InputError(f"{where}: eccentricity", f"beside the wall {wall.name}", found=eccentricity, expected=expected)
+    return eccentricity * wall.side(where, toward) if eccentricity and toward is not None else 0.0

@@ -1,0 +1,74 @@
+"""Soil or water against the face of a wall."""
+
+import numpy as np
+
+from churchpipe.errors import InputError
+from churchpipe.geometry.locate import inside_stones
+from churchpipe.loading.bearing import CLOSE
+from churchpipe.loading.walls import WallLine, points_of
+from churchpipe.model.arrays import FloatArray
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.carried import Pressure
+from churchpipe.model.polyhedra import face_normals
+
+# A face bears pressure if it looks against it to this cosine, and lies within this share of the thickness of the wall's face.
+_AGAINST = 0.9
+_OUTERMOST = 0.05
+
+
+def pressure_forces(stones: Assemblage, wall: WallLine, load: Pressure) -> list[tuple[FloatArray, int, FloatArray]]:
+    """Return the forces of a pressure on a wall: point (3,) m, stone, force (3,) N.
+
+    Each face is cut into triangles, their parts below the surface, with the force of each where it acts. What lies against
+    another stone bears nothing.
+
+    Raises
+    ------
+    InputError: no face below the surface; a direction along the wall.
+    """
+    side = -wall.side(load.name, load.toward)
+    outward = side * np.append(wall.normal, 0.0)
+    points = points_of(stones, wall.stones)
+    edge = float((points @ outward).max()) - _OUTERMOST * wall.thickness
+    found: list[tuple[FloatArray, float, int, FloatArray]] = []
+    for stone in wall.stones.tolist():
+        for face in range(*stones.block_face_ptr[stone : stone + 2]):
+            corners = stones.points[stones.face_nodes[stones.face_ptr[face] : stones.face_ptr[face + 1]]]
+            _, (normal,), _ = face_normals(corners, np.arange(len(corners)), np.array([0, len(corners)]))
+            if normal @ outward > _AGAINST and (corners @ outward).min() > edge:
+                found += [(*part, stone, normal) for part in _on_face(_below(corners, load.top), load)]
+    if not found:
+        raise InputError(load.name, f"no face of the wall {wall.name} below z = {load.top:g} m on that side")
+    place = np.array([point for point, *_ in found])
+    free = ~inside_stones(stones, place + 10 * CLOSE * np.array([normal for *_, normal in found]))
+    return [
+        (point, stone, -size * normal)
+        for (point, size, stone, normal), bare in zip(found, free.tolist(), strict=True)
+        if bare and size > 0
+    ]
+
+
+def _below(corners: FloatArray, level: float) -> FloatArray:
+    """Return the part (n, 3) of a plane polygon below a level, m."""
+    out: list[FloatArray] = []
+    for first, second in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        if first[2] <= level:
+            out.append(first)
+        if (first[2] - level) * (second[2] - level) < 0:
+            out.append(first + (level - first[2]) / (second[2] - first[2]) * (second - first))
+    return np.array(out).reshape(-1, 3)
+
+
+def _on_face(polygon: FloatArray, load: Pressure) -> list[tuple[FloatArray, float]]:
+    """Return the force of each triangle of a polygon, N, and where it acts (3,) m."""
+    parts: list[tuple[FloatArray, float]] = []
+    for k in range(1, len(polygon) - 1):
+        triangle = polygon[[0, k, k + 1]]
+        area = 0.5 * float(np.linalg.norm(np.cross(triangle[1] - triangle[0], triangle[2] - triangle[0])))
+        at_corners = load.coefficient * (load.unit_weight * (load.top - triangle[:, 2]) + load.surcharge)
+        if not area > 0 or not at_corners.sum() > 0:
+            continue
+        # A pressure linear over a triangle: corner k of three shares of A / 12 (p_k + sum p).
+        share = (at_corners + at_corners.sum()) / 12
+        parts.append((share @ triangle / share.sum(), area * float(share.sum())))
+    return parts

@@ -1,0 +1,117 @@
+"""A straight wall in plan, read off its stones."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from churchpipe.errors import InputError
+from churchpipe.model.arrays import FloatArray, IntArray
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.polyhedra import face_normals
+
+# A face of a straight wall lies along it or across it, to this sine; share of the faces' area that may do neither.
+_SLANT = 0.1
+_BENT = 0.05
+_UPRIGHT = 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class WallLine:
+    """A wall's middle line in plan.
+
+    origin (2,) m: its end with the smaller x, of a wall along y with the smaller y; axis, normal (2,) unit vectors; length,
+    thickness m, over all; top: z of its highest point, m; stones (n,): its own.
+    """
+
+    name: str
+    origin: FloatArray
+    axis: FloatArray
+    normal: FloatArray
+    length: float
+    thickness: float
+    top: float
+    stones: IntArray
+
+    def at(self, along: float, aside: float = 0.0) -> FloatArray:
+        """Return the point (2,) m at these distances along the wall and from its middle."""
+        return self.origin + along * self.axis + aside * self.normal
+
+    def side(self, where: str, toward: FloatArray) -> float:
+        """Return 1 or -1: which side of the wall a direction (3,) names.
+
+        Raises
+        ------
+        InputError: a direction along the wall.
+        """
+        across = float(self.normal @ toward[:2])
+        if abs(across) < 0.5:
+            raise InputError(
+                f"{where}: toward",
+                f"it runs along the wall {self.name}",
+                found=toward.tolist(),
+                expected=f"nearer to its normal, {np.append(self.normal, 0.0).round(4).tolist()} or the opposite",
+            )
+        return float(np.sign(across))
+
+
+def wall_line(stones: Assemblage, name: str, where: str) -> WallLine:
+    """Return the line of a wall; where: how a message calls what stands on it.
+
+    Raises
+    ------
+    InputError: no such wall, one that is not straight.
+    """
+    own = np.flatnonzero((stones.panel == name) & ~stones.fixed)
+    if not len(own):
+        known = sorted(set(stones.panel[~stones.fixed].tolist()) - {""})
+        raise InputError(where, "no such wall", found=name, expected=", ".join(known) or "stones with names of walls")
+    normal = _normal(stones, own, name, where)
+    axis = np.array([normal[1], -normal[0]])
+    if axis[0] < -1e-9 or (abs(axis[0]) <= 1e-9 and axis[1] < 0):
+        axis = -axis
+    normal = np.array([-axis[1], axis[0]])
+    points = points_of(stones, own)
+    along, across = points[:, :2] @ axis, points[:, :2] @ normal
+    low, high, near, far = along.min(), along.max(), across.min(), across.max()
+    return WallLine(
+        name=name,
+        origin=low * axis + 0.5 * (near + far) * normal,
+        axis=axis,
+        normal=normal,
+        length=float(high - low),
+        thickness=float(far - near),
+        top=float(points[:, 2].max()),
+        stones=own,
+    )
+
+
+def points_of(stones: Assemblage, chosen: IntArray) -> FloatArray:
+    """Return the vertices (n, 3) m of some stones."""
+    member = np.zeros(stones.count, dtype=np.bool_)
+    member[chosen] = True
+    return stones.points[np.repeat(member, np.diff(stones.block_point_ptr))]
+
+
+def _normal(stones: Assemblage, own: IntArray, name: str, where: str) -> FloatArray:
+    """Return the direction (2,) that most of the upright faces of a wall look in, or the opposite."""
+    area, normal, _ = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
+    face = np.isin(np.repeat(np.arange(stones.count), np.diff(stones.block_face_ptr)), own)
+    face &= np.abs(normal[:, 2]) < _UPRIGHT
+    flat, size = normal[face, :2], np.linalg.norm(area[face], axis=1)
+    # Opposite faces look in one direction once angles are doubled; faces across the wall then weigh against those along it.
+    doubled = size @ ((flat[:, 0] + 1j * flat[:, 1]) ** 2)
+    if abs(doubled) < 1e-9 * size.sum():
+        # As long as thick: along x.
+        doubled = -1.0
+    angle = 0.5 * np.angle(doubled)
+    found = np.array([np.cos(angle), np.sin(angle)])
+    across = np.abs(flat @ found)
+    slanting = (across > _SLANT) & (across < np.sqrt(1 - _SLANT**2))
+    if size[slanting].sum() > _BENT * size.sum():
+        raise InputError(
+            where,
+            f"the wall {name} is not straight",
+            expected="a straight wall",
+            remedy="On a curved wall loads stand between points: give coordinates in place of the wall.",
+        )
+    return np.where(np.abs(found) < 1e-12, 0.0, found)

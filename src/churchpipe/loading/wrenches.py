@@ -1,0 +1,138 @@
+"""Placed loads to the wrenches on stones or on facets of a shell that a load case takes."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from churchpipe.geometry.locate import facet_at
+from churchpipe.loading.placing import place_loads
+from churchpipe.model.arguments import check_kind
+from churchpipe.model.arrays import FloatArray, IntArray, NameArray
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.carried import Carried
+from churchpipe.model.loads import LoadCase, pushed_share
+from churchpipe.model.placed_loads import PlacedLoads
+from churchpipe.model.shell import ShellModel
+
+
+@dataclass(frozen=True, slots=True)
+class _Bodies:
+    """What loads act on: stones or facets. centroid (n, 3) m, weight (n,) N, panel (n,); lowest: z of the lowest point, m."""
+
+    centroid: FloatArray
+    weight: FloatArray
+    panel: NameArray
+    lowest: float
+
+
+def loaded(load: LoadCase, stones: Assemblage, loads: "PlacedLoads | Iterable[Carried]") -> LoadCase:
+    """Return a load case with what a building carries, for the analyses of its stones.
+
+    The dead parts are added to `dead`. What has mass pushes in the load's direction, by its panels and profile, and is added to
+    `live`: the load factor is then base shear over the weight of the pushed stones and the pushed masses together.
+
+    Raises
+    ------
+    InputError: as `place_loads`; wrenches of the load case that are not those of these stones.
+    """
+    check_kind("loaded: load", load, LoadCase)
+    placed = loads if isinstance(loads, PlacedLoads) else place_loads(stones, loads)
+    free = ~stones.fixed
+    lowest = float(stones.points[np.repeat(free, np.diff(stones.block_point_ptr)), 2].min())
+    bodies = _Bodies(stones.centroid, stones.weight, stones.panel, lowest)
+    return _with(load, bodies, placed, placed.stone)
+
+
+def shell_loaded(load: LoadCase, shell: ShellModel, stones: Assemblage, loads: "PlacedLoads | Iterable[Carried]") -> LoadCase:
+    """Return the same for the analyses of a shell; stones: those of the same building, which say where the loads act.
+
+    The wrenches are those of the facets (nt, 6), about their centroids: each force goes to the facet of its wall nearest to it.
+    """
+    check_kind("shell_loaded: shell", shell, ShellModel)
+    placed = loads if isinstance(loads, PlacedLoads) else place_loads(stones, loads)
+    bodies = _Bodies(shell.centroid, shell.weight, shell.panel, float(shell.points[:, 2].min()))
+    return _with(load, bodies, placed, facets_of(shell, placed.point, placed.wall))
+
+
+def facets_of(shell: ShellModel, point: FloatArray, wall: NameArray) -> IntArray:
+    """Return the facet (n,) nearest to each point (n, 3) m, among those of its wall, or of all where the shell lacks that."""
+    out = np.zeros(len(point), dtype=np.int64)
+    known = np.isin(wall, shell.panel)
+    for name in [*np.unique(wall[known]).tolist(), None]:
+        mine = ~known if name is None else wall == name
+        if mine.any():
+            out[mine] = facet_at(shell, point[mine], name)[0]
+    return out
+
+
+def resultant(centroid: FloatArray, wrench: FloatArray) -> FloatArray:
+    """Return force and moment about the origin (6,) of wrenches (n, 6) about centroids (n, 3)."""
+    force = wrench[:, :3]
+    return np.concatenate([force.sum(axis=0), (wrench[:, 3:] + np.cross(centroid, force)).sum(axis=0)])
+
+
+def resultants(stones: Assemblage, shell: ShellModel, placed: PlacedLoads) -> dict[str, tuple[FloatArray, FloatArray]]:
+    """Return what the loads come to (6,) N and Nm on the stones and on the shell: the dead parts, and the masses' push along
+    (1, 1, 1), which sees their places in all directions."""
+    mass = placed.mass[:, None] * np.full(3, 1 / np.sqrt(3))
+    facet = facets_of(shell, placed.point, placed.wall)
+    return {
+        name: (
+            resultant(stones.centroid, _wrench(stones.centroid, placed.point, force, placed.stone)),
+            resultant(shell.centroid, _wrench(shell.centroid, placed.point, force, facet)),
+        )
+        for name, force in (("dead", placed.dead), ("masses", mass))
+    }
+
+
+def _with(load: LoadCase, bodies: _Bodies, placed: PlacedLoads, owner: IntArray) -> LoadCase:
+    dead = _wrench(bodies.centroid, placed.point, placed.dead, owner)
+    live = np.zeros_like(dead)
+    if load.direction.any():
+        push = _masses_pushed(load, bodies, placed)
+        live = _wrench(bodies.centroid, placed.point, push.masses[:, None] * load.direction, owner)
+        live[:, :3] += push.more_of_bodies[:, None] * load.direction
+    given = [np.zeros_like(dead) if part is None else part for part in (load.dead, load.live)]
+    return LoadCase(
+        load.direction if load.direction.any() else None,
+        load.name,
+        load.panels,
+        load.profile,
+        dead=given[0] + dead,
+        live=given[1] + live,
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Pushed:
+    """masses (n,) N: of each part of the loads; more_of_bodies (nb,) N: what the profile pushes of the bodies' own weight beyond
+    what it does without masses."""
+
+    masses: FloatArray
+    more_of_bodies: FloatArray
+
+
+def _masses_pushed(load: LoadCase, bodies: _Bodies, placed: PlacedLoads) -> _Pushed:
+    weighs = bodies.weight > 0
+    alone = np.zeros(len(bodies.weight))
+    own, height = bodies.weight[weighs], bodies.centroid[weighs, 2] - bodies.lowest
+    alone[weighs] = own * pushed_share(load, bodies.panel[weighs], own, height)
+    weight = np.concatenate([own, placed.mass])
+    share = pushed_share(
+        load,
+        np.concatenate([bodies.panel[weighs], placed.wall]),
+        weight,
+        np.concatenate([height, placed.point[:, 2] - bodies.lowest]),
+    )
+    together = np.zeros(len(bodies.weight))
+    together[weighs] = own * share[: len(own)]
+    return _Pushed(placed.mass * share[len(own) :], together - alone)
+
+
+def _wrench(centroid: FloatArray, point: FloatArray, force: FloatArray, owner: IntArray) -> FloatArray:
+    """Return the wrenches (nb, 6) about centroids (nb, 3) of forces (n, 3) N at points (n, 3) m of these bodies (n,)."""
+    out = np.zeros((len(centroid), 6))
+    moment = np.cross(point - centroid[owner], force)
+    np.add.at(out, owner, np.concatenate([force, moment], axis=1))
+    return out

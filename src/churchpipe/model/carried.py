@@ -1,0 +1,263 @@
+"""What a building carries besides its own stones: roofs, floors, point loads, soil and water. SI; by the names of walls."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from churchpipe.errors import InputError
+from churchpipe.model.arguments import describe, finite, listed, text
+from churchpipe.model.arrays import FloatArray, floats, store
+
+TOWARD = {"+x": (1.0, 0.0, 0.0), "-x": (-1.0, 0.0, 0.0), "+y": (0.0, 1.0, 0.0), "-y": (0.0, -1.0, 0.0)}
+Toward = str | npt.ArrayLike
+
+
+@dataclass(frozen=True, slots=True)
+class LineLoad:
+    """A load along a wall: on its top, or at a height.
+
+    wall: its name, or `between`: two points (2, 3) m on the stones that bear it. begin, end: m along the wall from the end with
+    the smaller x (of a wall along y, the smaller y), None for the wall's own ends. height: m above z = 0, None for the top.
+    dead: N/m, downwards. thrust: N/m, level, `toward` "+x", "-x", "+y", "-y" or a level vector (3,). eccentricity: m from the
+    middle of the wall towards the side that `toward` names. mass: weight, N/m, that the lateral load multiplies, None for `dead`.
+
+    Raises
+    ------
+    InputError: no load, dead loads or masses below zero, a thrust or an eccentricity that points nowhere.
+    """
+
+    name: str
+    wall: str | None
+    between: FloatArray | None
+    begin: float | None
+    end: float | None
+    height: float | None
+    dead: float
+    thrust: float
+    toward: FloatArray | None
+    eccentricity: float
+    mass: float
+
+    def __init__(
+        self,
+        wall: str | None = None,
+        *,
+        between: npt.ArrayLike | None = None,
+        begin: float | None = None,
+        end: float | None = None,
+        height: float | None = None,
+        dead: float = 0.0,
+        thrust: float = 0.0,
+        toward: Toward | None = None,
+        eccentricity: float = 0.0,
+        mass: float | None = None,
+        name: str = "",
+    ) -> None:
+        where = _named(self, "line load", name, wall)
+        _on_wall_or_at(where, "between", wall, between, begin=begin, end=end, height=height, eccentricity=eccentricity or None)
+        _check_order(where, begin, end)
+        store(self, wall=wall, between=None if between is None else floats(f"{where}: between", between, (2, 3)))
+        _store_numbers(self, where, begin=begin, end=end, height=height)
+        _store_load(self, where, dead, thrust, toward, eccentricity, mass)
+
+
+@dataclass(frozen=True, slots=True)
+class PointLoad:
+    """A load at a point of a wall: on its top, or at a height.
+
+    wall, along and height as in `LineLoad`, or `at`: the point (3,) m. dead, thrust and mass in N, else as in `LineLoad`.
+
+    Raises
+    ------
+    InputError: as `LineLoad`.
+    """
+
+    name: str
+    wall: str | None
+    at: FloatArray | None
+    along: float | None
+    height: float | None
+    dead: float
+    thrust: float
+    toward: FloatArray | None
+    eccentricity: float
+    mass: float
+
+    def __init__(
+        self,
+        wall: str | None = None,
+        along: float | None = None,
+        *,
+        at: npt.ArrayLike | None = None,
+        height: float | None = None,
+        dead: float = 0.0,
+        thrust: float = 0.0,
+        toward: Toward | None = None,
+        eccentricity: float = 0.0,
+        mass: float | None = None,
+        name: str = "",
+    ) -> None:
+        where = _named(self, "point load", name, wall)
+        _on_wall_or_at(where, "at", wall, at, along=along, height=height, eccentricity=eccentricity or None)
+        if wall is not None and along is None:
+            raise InputError(where, "no place on the wall", expected="along, m")
+        store(self, wall=wall, at=None if at is None else floats(f"{where}: at", at, (3,)))
+        _store_numbers(self, where, along=along, height=height)
+        _store_load(self, where, dead, thrust, toward, eccentricity, mass)
+
+
+@dataclass(frozen=True, slots=True)
+class AreaLoad:
+    """A floor or roof that spans between walls: dead (N/m2) on the clear area between their faces.
+
+    walls: two parallel ones that it spans between, each bearing half of it, over the length that they have in common, or from
+    `begin` to `end`, m along the first one; or four around a rectangle, each bearing what is nearest to it (lines at 45 degrees
+    from the corners). height: m above z = 0 where it bears, None for the tops. bearing: m from the middle of each wall towards
+    the floor. mass: weight, N/m2, that the lateral load multiplies, None for `dead`.
+
+    Raises
+    ------
+    InputError: neither two walls nor four, no load, a negative one.
+    """
+
+    name: str
+    walls: tuple[str, ...]
+    begin: float | None
+    end: float | None
+    height: float | None
+    dead: float
+    bearing: float
+    mass: float
+
+    def __init__(
+        self,
+        walls: "tuple[str, ...] | list[str]",
+        *,
+        dead: float = 0.0,
+        begin: float | None = None,
+        end: float | None = None,
+        height: float | None = None,
+        bearing: float = 0.0,
+        mass: float | None = None,
+        name: str = "",
+    ) -> None:
+        named = tuple(listed("area load: walls", walls, str))
+        where = _named(self, "area load", name, " ".join(named))
+        if len(named) not in (2, 4) or len(set(named)) < len(named):
+            raise InputError(f"{where}: walls", "not two walls or four", found=", ".join(named), expected="each named once")
+        if finite(f"{where}: bearing", bearing) < 0:
+            raise InputError(f"{where}: bearing", "out of range", found=bearing, expected=">= 0 m")
+        if len(named) == 4 and not (begin is None and end is None):
+            raise InputError(where, "begin and end of a floor between four walls", expected="the clear area between them")
+        _check_order(where, begin, end)
+        store(self, walls=named, bearing=float(bearing))
+        _store_numbers(self, where, begin=begin, end=end, height=height)
+        _store_load(self, where, dead, 0.0, None, 0.0, mass)
+
+
+@dataclass(frozen=True, slots=True)
+class Pressure:
+    """Soil or water against a wall: coefficient (unit_weight (top - z) + surcharge) on the face away from `toward`, at z < top.
+
+    unit_weight: N/m3; coefficient: 1 for water, of soil that of active, at-rest or passive pressure; top: m; surcharge: Pa on the
+    soil's surface. It is a dead load: its mass does not push.
+
+    Raises
+    ------
+    InputError: no pressure, a negative one.
+    """
+
+    name: str
+    wall: str
+    toward: FloatArray
+    unit_weight: float
+    top: float
+    coefficient: float
+    surcharge: float
+
+    def __init__(
+        self,
+        wall: str,
+        *,
+        toward: Toward,
+        unit_weight: float,
+        top: float,
+        coefficient: float = 1.0,
+        surcharge: float = 0.0,
+        name: str = "",
+    ) -> None:
+        where = _named(self, "pressure", name, text("pressure: wall", wall))
+        for key, value in (("unit_weight", unit_weight), ("coefficient", coefficient), ("surcharge", surcharge)):
+            if finite(f"{where}: {key}", value) < 0:
+                raise InputError(f"{where}: {key}", "out of range", found=value, expected=">= 0")
+        if not coefficient * (unit_weight + surcharge) > 0:
+            raise InputError(where, "no pressure", expected="a unit weight or a surcharge, and a coefficient, > 0")
+        store(self, wall=wall, toward=_level(where, toward), unit_weight=float(unit_weight))
+        store(self, coefficient=float(coefficient), surcharge=float(surcharge), top=finite(f"{where}: top", top))
+
+
+Carried = LineLoad | PointLoad | AreaLoad | Pressure
+
+
+def _named(load: object, kind: str, name: object, wall: str | None) -> str:
+    """Store the name of a load, by default that of its wall, and return how messages call it."""
+    if wall is not None:
+        text(f"{kind}: wall", wall)
+    if not isinstance(name, str):
+        raise InputError(f"{kind}: name", "not a text", found=describe(name), expected="a text")
+    called = f"{kind} {name or wall or ''}".strip()
+    store(load, name=called)
+    return called
+
+
+def _on_wall_or_at(where: str, key: str, wall: str | None, place: object, **on_wall: float | None) -> None:
+    """Raise unless a load has a wall or a place of its own, and not both."""
+    if (wall is None) == (place is None):
+        found = "neither" if wall is None else "both"
+        raise InputError(where, "no place" if wall is None else "two places", found=found, expected=f"a wall, or {key}")
+    extra = [name for name, value in on_wall.items() if value is not None]
+    if wall is None and extra:
+        raise InputError(where, f"{', '.join(extra)} without a wall", expected=f"{key} alone, or a wall")
+
+
+def _check_order(where: str, begin: float | None, end: float | None) -> None:
+    if begin is not None and end is not None and not finite(f"{where}: begin", begin) < finite(f"{where}: end", end):
+        raise InputError(where, "no length", found=f"from {begin:g} m to {end:g} m", expected="begin < end")
+
+
+def _store_numbers(load: object, where: str, **values: float | None) -> None:
+    for key, value in values.items():
+        store(load, **{key: None if value is None else finite(f"{where}: {key}", value)})
+
+
+def _store_load(
+    load: object, where: str, dead: float, thrust: float, toward: Toward | None, eccentricity: float, mass: float | None
+) -> None:
+    for key, value in (("dead", dead), ("mass", 0.0 if mass is None else mass)):
+        if finite(f"{where}: {key}", value) < 0:
+            raise InputError(f"{where}: {key}", "out of range", found=value, expected=">= 0")
+    finite(f"{where}: thrust", thrust)
+    finite(f"{where}: eccentricity", eccentricity)
+    pushes = float(dead if mass is None else mass)
+    if not (dead or thrust or pushes):
+        raise InputError(where, "no load", expected="dead, thrust or mass other than zero")
+    if (thrust or eccentricity) and toward is None:
+        what = "a thrust" if thrust else "an eccentricity"
+        raise InputError(where, f"{what} without a direction", expected='toward: "+x", "-x", "+y", "-y" or a level vector')
+    store(load, dead=float(dead), mass=pushes)
+    if not isinstance(load, AreaLoad):
+        side = None if toward is None else _level(where, toward)
+        store(load, thrust=float(thrust), toward=side, eccentricity=float(eccentricity))
+
+
+def _level(where: str, toward: Toward) -> FloatArray:
+    if isinstance(toward, str):
+        if toward not in TOWARD:
+            raise InputError(f"{where}: toward", "unknown direction", found=toward, expected=", ".join(TOWARD))
+        return floats(f"{where}: toward", TOWARD[toward], (3,))
+    vector = floats(f"{where}: toward", toward, (3,))
+    length = float(np.linalg.norm(vector))
+    if not length > 0 or abs(vector[2]) > 1e-9 * length:
+        raise InputError(f"{where}: toward", "not level", found=vector.tolist(), expected="a vector with z = 0")
+    return floats(f"{where}: toward", vector / length, (3,))

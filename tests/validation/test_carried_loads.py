@@ -1,0 +1,252 @@
+"""Roofs, floors, thrusts and soil on walls: closed forms of elementary statics, by hand, and both models alike.
+
+A wall of thickness b, height h and weight w (all per metre of length) turns about the edge of its base that it is pushed
+towards. On its top act p downwards at e from its middle towards that edge, a thrust H outwards and a mass m that is pushed. The
+moments about the edge balance at
+
+    alpha (w h / 2 + m h) = w b / 2 + p (b / 2 - e) - H h.
+"""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import churchpipe as cp
+from churchpipe.errors import InputError
+from churchpipe.generators.wall import wall as free_wall
+from churchpipe.loading.placing import place_loads
+from churchpipe.loading.wrenches import resultant
+from churchpipe.model.carried import Carried
+from shell_meshes import grid, shell, wall_points
+from solids import box, on_ground
+
+B, H, GAMMA = 0.5, 3.0, 18e3
+W = GAMMA * B * H
+
+
+def by_hand(
+    p: float = 0.0, e: float = 0.0, thrust: float = 0.0, mass: float = 0.0, w: float = W, b: float = B, h: float = H
+) -> float:
+    return (w * b / 2 + p * (b / 2 - e) - thrust * h) / (w * h / 2 + mass * h)
+
+
+def brick_wall(length: float = 4.0) -> cp.Building:
+    """A wall along x, .5 m thick (y from 0) and 3 m high."""
+    return free_wall(length=length, brick=(1.0, B, 0.5), courses=6, materials=[cp.Material("default", GAMMA, 2.0)])
+
+
+def pushed(stones: cp.Assemblage, load: cp.LoadCase, loads: list[Carried], friction: float = 2.0) -> cp.LimitState:
+    state = cp.limit_analysis(stones, cp.find_contacts(stones), cp.loaded(load, stones, loads), friction)
+    assert state.status == "optimal"
+    return state
+
+
+P, M = 9e3, 4e3
+LOADS: list[tuple[dict[str, Any], dict[str, float]]] = [
+    ({"dead": P, "mass": 0.0}, {"p": P}),
+    ({"dead": P}, {"p": P, "mass": P}),
+    ({"dead": P, "mass": 0.0, "thrust": 1e3, "toward": "+y"}, {"p": P, "thrust": 1e3}),
+    ({"dead": P, "mass": 0.0, "thrust": -1e3, "toward": "-y"}, {"p": P, "thrust": 1e3}),
+    ({"dead": P, "mass": M, "eccentricity": 0.15, "toward": "+y"}, {"p": P, "e": 0.15, "mass": M}),
+    ({"dead": P, "mass": M, "eccentricity": 0.15, "toward": "-y"}, {"p": P, "e": -0.15, "mass": M}),
+    ({"mass": M}, {"mass": M}),
+]
+
+
+@pytest.mark.parametrize(("given", "said"), LOADS)
+def test_a_roof_on_a_wall(given: dict[str, Any], said: dict[str, float]) -> None:
+    stones = cp.derive_blocks(brick_wall())
+    state = pushed(stones, cp.LoadCase((0, 1, 0)), [cp.LineLoad("wall", **given)])
+    assert state.load_factor == pytest.approx(by_hand(**said), rel=1e-6)
+
+
+def test_a_thrust_that_overturns_the_wall() -> None:
+    stones = cp.derive_blocks(brick_wall())
+    too_much = cp.LineLoad("wall", thrust=1.01 * W * B / 2 / H, toward="+y")
+    state = cp.limit_analysis(stones, cp.find_contacts(stones), cp.loaded(cp.LoadCase((0, 1, 0)), stones, [too_much]), 2.0)
+    assert state.status == "unstable"
+
+
+def two_walls() -> cp.Assemblage:
+    """Walls of .5 m and .8 m, 3 m high and 4 m long, with 5 m clear between them."""
+    plate = box((-50, 50), (-50, 50), (-1, 0))
+    walls = [box((0, 0.5), (0, 4), (0, 3)), box((5.5, 6.3), (0, 4), (0, 3))]
+    return cp.Assemblage.from_polyhedra([plate, *walls], GAMMA, [0], panel=["", "west", "east"])
+
+
+@pytest.mark.parametrize(("way", "thickness", "e"), [((1, 0, 0), 0.5, 0.1), ((-1, 0, 0), 0.5, -0.1)])
+def test_a_floor_between_two_walls(way: tuple[int, int, int], thickness: float, e: float) -> None:
+    # Each wall takes q x 5 m / 2, .1 m from its middle towards the floor; the thinner one falls first, either way.
+    q = 3e3
+    stones = two_walls()
+    state = pushed(stones, cp.LoadCase(way), [cp.AreaLoad(["west", "east"], dead=q, mass=0.5 * q, bearing=0.1)])
+    line = q * 5 / 2
+    expected = by_hand(p=line, e=e, mass=0.5 * line, w=GAMMA * thickness * 3, b=thickness)
+    assert state.load_factor == pytest.approx(expected, rel=1e-6)
+
+
+def room() -> cp.Assemblage:
+    """Four walls around 4 x 6 m clear."""
+    walls = {
+        "west": box((-0.5, 0), (-0.5, 6.5), (0, 3)),
+        "east": box((4, 4.5), (-0.5, 6.5), (0, 3)),
+        "south": box((0, 4), (-0.5, 0), (0, 3)),
+        "north": box((0, 4), (6, 6.5), (0, 3)),
+    }
+    plate = box((-50, 50), (-50, 50), (-1, 0))
+    return cp.Assemblage.from_polyhedra([plate, *walls.values()], GAMMA, [0], panel=["", *walls])
+
+
+def test_a_floor_of_two_ways() -> None:
+    # Triangles of 4 x 2 / 2 m2 on the short walls, trapezia of (6 + 2) / 2 x 2 m2 on the long ones, all symmetric.
+    found = place_loads(room(), [cp.AreaLoad(["west", "east", "south", "north"], dead=1e3)])
+    weight = {name: float(found.weight[found.wall == name].sum()) for name in ("west", "east", "south", "north")}
+    assert weight == pytest.approx({"west": 8e3, "east": 8e3, "south": 4e3, "north": 4e3}, rel=1e-9)
+    assert found.weight @ found.point / found.weight.sum() == pytest.approx([2, 3, 3], rel=1e-9)
+
+
+def test_water_behind_a_wall() -> None:
+    # gamma h^2 / 2 per metre at h / 3, over the lower 2 m alone.
+    stones = cp.derive_blocks(brick_wall())
+    found = place_loads(stones, [cp.Pressure("wall", toward="+y", unit_weight=10e3, top=2.0)])
+    total = np.concatenate([found.dead.sum(axis=0), np.cross(found.point, found.dead).sum(axis=0)])
+    force = 10e3 * 2**2 / 2 * 4
+    assert total == pytest.approx([0, force, 0, -force * 2 / 3, 0, force * 2], rel=1e-9, abs=1e-6)
+    state = pushed(stones, cp.LoadCase((0, 1, 0)), [cp.Pressure("wall", toward="+y", unit_weight=10e3, top=1.0)])
+    assert state.load_factor == pytest.approx((W * B / 2 - 10e3 / 6) / (W * H / 2), rel=1e-6)
+
+
+def test_the_load_factor_stays_base_shear_over_what_is_pushed() -> None:
+    # At any profile the push adds up to the weight of the pushed stones and masses, at the height of each where it is linear.
+    stones = cp.derive_blocks(brick_wall())
+    for profile in ("uniform", "linear"):
+        load = cp.loaded(cp.LoadCase((0, 1, 0), profile=profile), stones, [cp.LineLoad("wall", dead=P)])
+        own = cp.LoadCase((0, 1, 0), profile=profile)
+        free = ~stones.fixed
+        height = stones.centroid[free, 2]
+        weight = stones.weight[free]
+        share = height * weight.sum() / (height @ weight) if profile == "linear" else np.ones(len(height))
+        push = (share * weight).sum() + load.live[:, 1].sum()
+        assert push == pytest.approx(weight.sum() + 4 * P, rel=1e-9)
+        assert own.live is None
+    every = np.append(share * weight + load.live[free, 1], 0.0)
+    assert every.sum() == pytest.approx(weight.sum() + 4 * P)
+
+
+@pytest.mark.parametrize("size", [0.5, 0.25])
+def test_both_models_carry_the_same(size: float) -> None:
+    building = brick_wall()
+    stones, shell = cp.derive_blocks(building), cp.derive_shell(building, element_size=size)
+    loads: list[Carried] = [
+        cp.LineLoad("wall", dead=P, thrust=500.0, toward="+y", eccentricity=0.1),
+        cp.LineLoad("wall", begin=0.3, end=1.7, height=1.5, dead=2e3, toward="+y", eccentricity=-0.25),
+        cp.PointLoad("wall", 2.9, dead=5e3, mass=0.0),
+        cp.Pressure("wall", toward="-y", unit_weight=5e3, top=1.2),
+    ]
+    load = cp.LoadCase((0, 1, 0))
+    placed = place_loads(stones, loads)
+    of_stones, of_shell = cp.loaded(load, stones, placed), cp.shell_loaded(load, shell, stones, placed)
+    for part in ("dead", "live"):
+        sums = [resultant(model.centroid, getattr(case, part)) for model, case in ((stones, of_stones), (shell, of_shell))]
+        np.testing.assert_allclose(sums[1], sums[0], rtol=1e-9, atol=1e-9 * np.abs(sums[0]).max())
+    figures = [
+        figure for figure in cp.match_models(stones, cp.find_contacts(stones), shell, placed).figures if "loads" in figure.name
+    ]
+    assert [figure.name for figure in figures] == ["loads carried: dead", "loads carried: masses"]
+    assert all(figure.passed and figure.tolerance == 1e-9 for figure in figures)
+
+
+def shell_of_wall(rows: int, length: float = 2.0) -> cp.ShellModel:
+    """The mid-surface of `brick_wall` as a regular mesh."""
+    points, triangles = grid(round(rows * length / H), rows, length, H)
+    middle = wall_points(points) + np.array([0.0, B / 2, 0.0])
+    return shell(middle, triangles, thickness=B, cell=(0.5, 1.0), surface_weight=GAMMA * B, supported=lambda p: p[:, 2] < 1e-9)
+
+
+def test_the_shell_under_a_roof_converges_to_the_closed_form() -> None:
+    stones = cp.derive_blocks(brick_wall(2.0))
+    roof = [cp.LineLoad("wall", dead=P, mass=M, thrust=500.0, toward="+y", eccentricity=0.1)]
+    expected = by_hand(p=P, e=0.1, thrust=500.0, mass=M)
+    assert pushed(stones, cp.LoadCase((0, 1, 0)), roof).load_factor == pytest.approx(expected, rel=1e-6)
+    factors: list[float] = []
+    for rows in (4, 8, 16):
+        mesh = shell_of_wall(rows)
+        load = cp.shell_loaded(cp.LoadCase((0, 1, 0)), mesh, stones, roof)
+        state = cp.shell_limit_analysis(mesh, load, [cp.Material("default", GAMMA, 0.6)], membrane="CST")
+        assert state.status == "optimal"
+        factors.append(state.load_factor)
+    # From above and of first order, as under the wall's own weight (test_shell_walls.py): the limit by Richardson.
+    coarse, middle, fine = factors
+    assert coarse > middle > fine > expected
+    ratio = (coarse - middle) / (middle - fine)
+    assert fine - (middle - fine) / (ratio - 1) == pytest.approx(expected, rel=0.01)
+
+
+BAD: list[tuple[Carried | Any, str]] = [
+    (lambda: cp.LineLoad("north", dead=1.0), "line load north: no such wall; found north; expected wall"),
+    (lambda: cp.LineLoad("wall"), "line load wall: no load"),
+    (lambda: cp.LineLoad("wall", dead=-1.0), "line load wall: dead: out of range; found -1.0"),
+    (lambda: cp.LineLoad("wall", dead=1.0, mass=-1.0), "line load wall: mass: out of range"),
+    (lambda: cp.LineLoad("wall", thrust=1.0), "line load wall: a thrust without a direction"),
+    (lambda: cp.LineLoad("wall", dead=1.0, eccentricity=0.1), "an eccentricity without a direction"),
+    (lambda: cp.LineLoad("wall", thrust=1.0, toward="+x"), None),
+    (lambda: cp.LineLoad("wall", dead=1.0, eccentricity=0.1, toward="+x"), "toward: it runs along the wall wall"),
+    (lambda: cp.LineLoad("wall", dead=1.0, eccentricity=0.3, toward="+y"), "eccentricity: beside the wall wall; found 0.3"),
+    (lambda: cp.LineLoad("wall", dead=1.0, end=4.5), "beyond the wall wall; found from 0 m to 4.5 m"),
+    (lambda: cp.LineLoad("wall", dead=1.0, begin=2.0, end=1.0), "no length"),
+    (lambda: cp.LineLoad("wall", dead=1.0, height=3.2), "no stone under it"),
+    (lambda: cp.LineLoad(dead=1.0), "line load: no place"),
+    (lambda: cp.LineLoad("wall", between=((0, 0, 0), (1, 0, 0)), dead=1.0), "two places"),
+    (lambda: cp.PointLoad("wall", dead=1.0), "no place on the wall"),
+    (lambda: cp.PointLoad("wall", 5.0, dead=1.0), "beyond the wall"),
+    (lambda: cp.PointLoad(at=(9, 9, 3), dead=1.0), "no stone under it"),
+    (lambda: cp.AreaLoad(["wall"], dead=1.0), "not two walls or four"),
+    (lambda: cp.AreaLoad(["wall", "north"], dead=1.0), "no such wall; found north"),
+    (lambda: cp.Pressure("wall", toward="+y", unit_weight=-1.0, top=1.0), "unit_weight: out of range"),
+    (lambda: cp.Pressure("wall", toward="+y", unit_weight=1.0, top=-1.0), "no face of the wall wall below"),
+    (lambda: cp.Pressure("wall", toward="up", unit_weight=1.0, top=1.0), "toward: unknown direction; found up"),
+]
+
+
+@pytest.mark.parametrize(("make", "said"), BAD)
+def test_bad_loads(make: Any, said: str | None) -> None:
+    stones = cp.derive_blocks(brick_wall())
+    if said is None:
+        place_loads(stones, [make()])
+        return
+    with pytest.raises(InputError, match=said.replace("(", r"\(")):
+        place_loads(stones, [make()])
+
+
+def test_a_load_over_an_opening() -> None:
+    building = free_wall(
+        length=4.0,
+        brick=(1.0, B, 0.5),
+        courses=6,
+        materials=[cp.Material("default", GAMMA, 2.0)],
+        openings=[{"start": 1.0, "width": 1.0, "sill_courses": 2, "height_courses": 2, "lintel_bearing": 0.5}],
+    )
+    stones = cp.derive_blocks(building)
+    with pytest.raises(InputError, match=r"line load wall: no stone under it; found nothing at \[1\.5, 0\.25, 1\.5\] m"):
+        place_loads(stones, [cp.LineLoad("wall", height=1.5, dead=1.0)])
+    over = place_loads(stones, [cp.LineLoad("wall", dead=1.0)])
+    assert over.weight.sum() == pytest.approx(4.0)
+
+
+def test_two_leaves_share_what_stands_between_them() -> None:
+    stones = on_ground(box((0, 0.3), (0, 1), (0, 1)), box((0.3, 0.6), (0, 1), (0, 1)))
+    found = place_loads(
+        stones, [cp.PointLoad(at=(0.3, 0.5, 1.0), dead=2.0), cp.LineLoad(between=((0.1, 0, 1), (0.1, 1, 1)), dead=1.0)]
+    )
+    shares = [float(found.weight[found.stone == stone].sum()) for stone in (1, 2)]
+    assert shares == pytest.approx([2.0, 1.0])
+
+
+def test_a_push_of_nothing_but_a_live_force() -> None:
+    # A level force F at the top: F h = w b / 2.
+    stones = on_ground(box((0, 1), (0, 1), (0, 2)))
+    live = np.zeros((2, 6))
+    live[1] = [1.0, 0, 0, 0, 1.0, 0]
+    state = cp.limit_analysis(stones, cp.find_contacts(stones), cp.loaded(cp.LoadCase(live=live), stones, []), 2.0)
+    assert state.load_factor == pytest.approx(36e3 * 0.5 / 2, rel=1e-6)
