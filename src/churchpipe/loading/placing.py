@@ -37,11 +37,20 @@ def place_loads(stones: Assemblage, loads: Iterable[Carried]) -> PlacedLoads:
 
     Parameters
     ----------
-    stones: with the names of their walls as `panel`.
+    stones
+        With the names of their walls as `panel`.
+    loads
+        `LineLoad`, `PointLoad`, `AreaLoad` or `Pressure`.
+
+    Returns
+    -------
+    PlacedLoads
+        Small parts of them, each at a point of a stone.
 
     Raises
     ------
-    InputError: a wall that is not there or is not straight, a load beside its wall, or with no stone under it.
+    InputError
+        A wall that is not there or is not straight, a load beside its wall, or with no stone under it.
     """
     check_kind("place_loads: stones", stones, Assemblage)
     parts = [

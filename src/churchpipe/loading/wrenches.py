@@ -29,12 +29,27 @@ class _Bodies:
 def loaded(load: LoadCase, stones: Assemblage, loads: "PlacedLoads | Iterable[Carried]") -> LoadCase:
     """Return a load case with what a building carries, for the analyses of its stones.
 
-    The dead parts are added to `dead`. What has mass pushes in the load's direction, by its panels and profile, and is added to
-    `live`: the load factor is then base shear over the weight of the pushed stones and the pushed masses together.
+    The load factor is then base shear over the weight of the pushed stones and of the pushed masses together.
+
+    Parameters
+    ----------
+    load
+        The load case. Dead parts are added to its `dead`; what has mass pushes in its direction, by its panels and profile, and is
+        added to its `live`. One without a direction pushes no mass.
+    stones
+        With the names of their walls as `panel`.
+    loads
+        What they carry, or the same already placed.
+
+    Returns
+    -------
+    LoadCase
+        With wrenches (nb, 6) on the stones.
 
     Raises
     ------
-    InputError: as `place_loads`; wrenches of the load case that are not those of these stones.
+    InputError
+        As `place_loads`; wrenches of the load case that are not those of these stones.
     """
     check_kind("loaded: load", load, LoadCase)
     placed = loads if isinstance(loads, PlacedLoads) else place_loads(stones, loads)
@@ -45,9 +60,28 @@ def loaded(load: LoadCase, stones: Assemblage, loads: "PlacedLoads | Iterable[Ca
 
 
 def shell_loaded(load: LoadCase, shell: ShellModel, stones: Assemblage, loads: "PlacedLoads | Iterable[Carried]") -> LoadCase:
-    """Return the same for the analyses of a shell; stones: those of the same building, which say where the loads act.
+    """Return a load case with what a building carries, for the analyses of its shell.
 
-    The wrenches are those of the facets (nt, 6), about their centroids: each force goes to the facet of its wall nearest to it.
+    Parameters
+    ----------
+    load
+        As in `loaded`.
+    shell
+        The shell.
+    stones
+        Those of the same building: they say where the loads act. Each force goes to the facet of its wall nearest to it.
+    loads
+        As in `loaded`.
+
+    Returns
+    -------
+    LoadCase
+        With wrenches (nt, 6) on the facets, about their centroids.
+
+    Raises
+    ------
+    InputError
+        As `loaded`.
     """
     check_kind("shell_loaded: shell", shell, ShellModel)
     placed = loads if isinstance(loads, PlacedLoads) else place_loads(stones, loads)

@@ -17,14 +17,34 @@ Toward = str | npt.ArrayLike
 class LineLoad:
     """A load along a wall: on its top, or at a height.
 
-    wall: its name, or `between`: two points (2, 3) m on the stones that bear it. begin, end: m along the wall from the end with
-    the smaller x (of a wall along y, the smaller y), None for the wall's own ends. height: m above z = 0, None for the top.
-    dead: N/m, downwards. thrust: N/m, level, `toward` "+x", "-x", "+y", "-y" or a level vector (3,). eccentricity: m from the
-    middle of the wall towards the side that `toward` names. mass: weight, N/m, that the lateral load multiplies, None for `dead`.
+    Parameters
+    ----------
+    wall
+        Its name, as the stones have it.
+    between
+        In place of a wall: two points (2, 3) m at one height on the stones that bear it.
+    begin, end
+        m along the wall from the end with the smaller x (of a wall along y, the smaller y); None: the wall's own ends.
+    height
+        m above z = 0; None: the top of the wall.
+    dead
+        Downwards, N/m.
+    thrust
+        Level, N/m, in the direction `toward`.
+    toward
+        "+x", "-x", "+y", "-y" or a level vector (3,): where the thrust points, and to which side of the wall an eccentricity
+        counts.
+    eccentricity
+        m from the middle of the wall.
+    mass
+        Weight, N/m, that the lateral load multiplies; None: that of `dead`.
+    name
+        What messages and results call it; by default the name of the wall.
 
     Raises
     ------
-    InputError: no load, dead loads or masses below zero, a thrust or an eccentricity that points nowhere.
+    InputError
+        No load, dead loads or masses below zero, a thrust or an eccentricity that points nowhere.
     """
 
     name: str
@@ -66,11 +86,34 @@ class LineLoad:
 class PointLoad:
     """A load at a point of a wall: on its top, or at a height.
 
-    wall, along and height as in `LineLoad`, or `at`: the point (3,) m. dead, thrust and mass in N, else as in `LineLoad`.
+    Parameters
+    ----------
+    wall
+        Its name, as the stones have it.
+    along
+        m along the wall, as in `LineLoad`.
+    at
+        In place of a wall: the point (3,) m.
+    height
+        m above z = 0; None: the top of the wall.
+    dead
+        Downwards, N.
+    thrust
+        Level, N, in the direction `toward`.
+    toward
+        "+x", "-x", "+y", "-y" or a level vector (3,): where the thrust points, and to which side of the wall an eccentricity
+        counts.
+    eccentricity
+        m from the middle of the wall.
+    mass
+        Weight, N, that the lateral load multiplies; None: that of `dead`.
+    name
+        What messages and results call it; by default the name of the wall.
 
     Raises
     ------
-    InputError: as `LineLoad`.
+    InputError
+        As `LineLoad`; a wall without a place on it.
     """
 
     name: str
@@ -109,16 +152,30 @@ class PointLoad:
 
 @dataclass(frozen=True, slots=True)
 class AreaLoad:
-    """A floor or roof that spans between walls: dead (N/m2) on the clear area between their faces.
+    """A floor or roof that spans between walls.
 
-    walls: two parallel ones that it spans between, each bearing half of it, over the length that they have in common, or from
-    `begin` to `end`, m along the first one; or four around a rectangle, each bearing what is nearest to it (lines at 45 degrees
-    from the corners). height: m above z = 0 where it bears, None for the tops. bearing: m from the middle of each wall towards
-    the floor. mass: weight, N/m2, that the lateral load multiplies, None for `dead`.
+    Parameters
+    ----------
+    walls
+        Two parallel ones that it spans between, each bearing half of it; or four around a rectangle, each bearing what is nearest
+        to it (lines at 45 degrees from the corners).
+    dead
+        Downwards, N/m2, on the clear area between their faces.
+    begin, end
+        Of two walls, m along the first one; None: the length that they have in common.
+    height
+        m above z = 0 where it bears; None: the tops of the walls.
+    bearing
+        m from the middle of each wall towards the floor.
+    mass
+        Weight, N/m2, that the lateral load multiplies; None: that of `dead`.
+    name
+        What messages and results call it; by default the names of the walls.
 
     Raises
     ------
-    InputError: neither two walls nor four, no load, a negative one.
+    InputError
+        Neither two walls nor four, no load, a negative one.
     """
 
     name: str
@@ -158,14 +215,31 @@ class AreaLoad:
 
 @dataclass(frozen=True, slots=True)
 class Pressure:
-    """Soil or water against a wall: coefficient (unit_weight (top - z) + surcharge) on the face away from `toward`, at z < top.
+    """Soil or water against a wall: coefficient (unit_weight (top - z) + surcharge) on one of its faces below z = top.
 
-    unit_weight: N/m3; coefficient: 1 for water, of soil that of active, at-rest or passive pressure; top: m; surcharge: Pa on the
-    soil's surface. It is a dead load: its mass does not push.
+    It is a dead load: its mass does not push.
+
+    Parameters
+    ----------
+    wall
+        Its name, as the stones have it.
+    toward
+        Where it pushes, as in `LineLoad`: it acts on the face that looks the other way.
+    unit_weight
+        N/m3.
+    top
+        z of its surface, m.
+    coefficient
+        1 for water; of soil that of active, at-rest or passive pressure.
+    surcharge
+        Pa, on its surface.
+    name
+        What messages and results call it; by default the name of the wall.
 
     Raises
     ------
-    InputError: no pressure, a negative one.
+    InputError
+        No pressure, a negative one.
     """
 
     name: str

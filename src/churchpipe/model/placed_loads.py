@@ -11,8 +11,20 @@ from churchpipe.model.arrays import FloatArray, IntArray, NameArray, floats, ind
 class PlacedLoads:
     """n small parts of loads.
 
-    point (n, 3) m; stone (n,): the one that bears it; wall (n,): the panel of that stone; load (n,): name of the load that it is
-    a part of; dead (n, 3) N: its force; mass (n,): weight, N, that a lateral load multiplies there.
+    Parameters
+    ----------
+    point
+        Where each acts (n, 3), m.
+    stone
+        The stone (n,) that bears it.
+    wall
+        Name of the panel (n,) of that stone.
+    load
+        Name (n,) of the load that it is a part of.
+    dead
+        Its force (n, 3), N.
+    mass
+        Weight (n,), N, that a lateral load multiplies there.
     """
 
     point: FloatArray
