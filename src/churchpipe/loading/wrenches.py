@@ -34,8 +34,8 @@ def loaded(load: LoadCase, stones: Assemblage, loads: "PlacedLoads | Iterable[Ca
     Parameters
     ----------
     load
-        The load case. Dead parts are added to its `dead`; what has mass pushes in its direction, by its panels and profile, and is
-        added to its `live`. One without a direction pushes no mass.
+        The load case. Dead parts are added to its `dead`; what has mass pushes in its direction, by its panels and profile, and
+        is added to its `live`. One without a direction pushes no mass.
     stones
         With the names of their walls as `panel`.
     loads
