@@ -2,17 +2,28 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.model.arrays import FloatArray
-from churchpipe.spectrum import GRAVITY, Spectrum, StoreySpectrum, TabulatedSpectrum
+from churchpipe.model.quantities import GRAVITY, Count, Quantity, Usual
+from churchpipe.spectrum import Spectrum, StoreySpectrum, TabulatedSpectrum
 
 # Of the lowest knowledge level, which the circular asks for where crushing of the masonry is not modelled, as here.
 CONFIDENCE_FACTOR = 1.35
 BEHAVIOUR_FACTOR = 2.0
+
+_GROUND = Quantity(
+    low=0.0, above=True, usual=Usual(0.001, 1.5, "design values on rock are mostly below 0.6 g"), key="ag_g", other="a_g_m_s2"
+)
+_SPECTRAL = Quantity(
+    "_g", 0.0, above=True, usual=Usual(0.001, 5, "some three times the ground acceleration"), other="spectral_acceleration_m_s2"
+)
+_SOIL = Quantity(low=0.0, above=True, usual=Usual(0.8, 3, "S_S up to 1.8 times S_T up to 1.4"))
+_BEHAVIOUR = Quantity(low=1, usual=Usual(1, 4, "2 for local mechanisms, at most 3 to 4 for whole buildings of masonry"), key="q")
+_CONFIDENCE = Quantity(low=1, usual=Usual(1, 1.35, "the code has 1, 1.2 and 1.35"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,12 +39,12 @@ class Floor:
     InputError: a value out of its range.
     """
 
-    height: float
-    building_height: float
-    storeys: int
-    spectral_acceleration: float
-    damping_percent: float = 5.0
-    first_period: float | None = None
+    height: Annotated[float, Quantity("_m", 0.0), "Z: where the mechanism begins, above the foundation."]
+    building_height: Annotated[float, Quantity("_m", 0.0, above=True), "H: height of the building above the foundation."]
+    storeys: Annotated[Count, "Number of storeys."]
+    spectral_acceleration: Annotated[float, _SPECTRAL, "S_e(T1): elastic spectrum at the building's first period, soil included."]
+    damping_percent: Annotated[float, Quantity(low=0.0), "Damping of the building."] = 5.0
+    first_period: Annotated[float | None, Quantity("_s", 0.0, above=True), "T1: first period of the building."] = None
 
     def __post_init__(self) -> None:
         _positive("building height H", self.building_height)
@@ -67,11 +78,11 @@ class Site:
     InputError: a value out of its range.
     """
 
-    ground_acceleration: float
-    soil_factor: float
-    behaviour_factor: float = BEHAVIOUR_FACTOR
-    confidence_factor: float = CONFIDENCE_FACTOR
-    floor: Floor | None = None
+    ground_acceleration: Annotated[float, _GROUND, "a_g: on rock, for the ultimate limit state (SLV)."]
+    soil_factor: Annotated[float, _SOIL, "S = S_S S_T: soil and topography."]
+    behaviour_factor: Annotated[float, _BEHAVIOUR, "q: behaviour factor."] = BEHAVIOUR_FACTOR
+    confidence_factor: Annotated[float, _CONFIDENCE, "FC: confidence factor, by the level of knowledge."] = CONFIDENCE_FACTOR
+    floor: Annotated[Floor | None, "For a mechanism that begins above the ground."] = None
     spectrum: Spectrum | TabulatedSpectrum | None = None
 
     def __post_init__(self) -> None:

@@ -14,8 +14,9 @@ from churchpipe.model.arrays import FloatArray, floats
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.block_curve import BlockCapacityCurve
 from churchpipe.model.loads import LoadCase
+from churchpipe.model.quantities import GRAVITY
 from churchpipe.rigid_blocks.equilibrium import lateral_weight
-from churchpipe.spectrum import GRAVITY, Demand, spectral_displacement
+from churchpipe.spectrum import Demand, spectral_displacement
 
 LimitName = Literal["SLV", "SLC"]
 

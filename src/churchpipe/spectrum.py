@@ -9,8 +9,8 @@ import numpy as np
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import positive
 from churchpipe.model.arrays import floats, store
+from churchpipe.model.quantities import GRAVITY
 
-GRAVITY = 9.80665
 # Bounds of the soil factor S_S = least <= top - slope F0 a_g/g <= most, and C_C = factor TC*^power (tables 3.2.IV and 3.2.V).
 SOILS = {
     "A": (1.0, 1.0, 0.0, 1.0, 1.0, 0.0),

@@ -4,28 +4,25 @@ import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, TypeVar
 
 from churchpipe.code_check import Site
 from churchpipe.config import overrides as changes
+from churchpipe.config.analyses import RigidSettings, ShellSettings
 from churchpipe.config.places import located
-from churchpipe.config.published import Published, read_published
-from churchpipe.config.schema import CaseTable, check
-from churchpipe.config.section import Section, nearest
-from churchpipe.config.site import read_site
-from churchpipe.config.sources import DrawingSource, FileSource
-from churchpipe.config.units import in_si
+from churchpipe.config.published import Published, check_published
+from churchpipe.config.schema import check
+from churchpipe.config.section import Section, Table, nearest
+from churchpipe.config.tables import record
 from churchpipe.dxf.reading import AS_DRAWN, Reading
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import path_of
 from churchpipe.model.building import Building
 from churchpipe.model.loads import LoadCase
-from churchpipe.model.materials import Elastic, Material
-from churchpipe.model.names import STRENGTH, Planes
+from churchpipe.model.materials import Material
+from churchpipe.model.quantities import in_si
 
-Flow = Literal["associative", "non-associative"]
-Method = Literal["limit", "pushover"]
-Start = Literal["dead-load", "uniform", "associative"]
+_Record = TypeVar("_Record")
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,48 +39,6 @@ class Drawing:
 
     path: Path
     reading: Reading = AS_DRAWN
-
-
-@dataclass(frozen=True, slots=True)
-class CurveSettings:
-    """The capacity curve of the stones: see `churchpipe.block_pushover`; lengths in m."""
-
-    step: float | None = None
-    steps: int = 400
-    furthest: float | None = None
-    control: tuple[float, ...] | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class RigidSettings:
-    """The rigid-block analyses: see `churchpipe.limit_analysis`; contact_gap, contact_angle, overlap: see
-    `churchpipe.find_contacts`, None where the file does not say; curve: None where none is asked for."""
-
-    flow: tuple[Flow, ...] = ("associative",)
-    solver: str = "auto"
-    method: Literal["default", "paper"] = "default"
-    start: tuple[Start, ...] | None = None
-    bipotential_gap: float = 1e-5
-    contact_gap: float | None = None
-    contact_angle: float | None = None
-    overlap: float | None = None
-    curve: CurveSettings | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class ShellSettings:
-    """The homogenised shell: see `churchpipe.derive_shell`, `shell_limit_analysis` and `pushover`.
-
-    element_size: m. control_point: a node of the mesh, or a place (m) whose nearest node is taken; None: what moves most.
-    """
-
-    element_size: float
-    planes: Planes = STRENGTH
-    membrane: Literal["LST", "CST"] = "LST"
-    analyses: tuple[Method, ...] = ("limit",)
-    solver: str = "auto"
-    control_point: int | tuple[float, ...] | None = None
-    steps: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -216,47 +171,42 @@ def _case(path: Path, table: dict[str, Any], variant: dict[str, Any], overrides:
     file = str(path)
     checked, source = check(table, file)
     _check_complete(checked, file)
-    rigid = checked.rigid
-    loads = _loads(file, checked)
+    materials = [record(Material, values, f"{file}: material.{name}", name=name) for name, values in checked["material"].items()]
+    loads = _all(LoadCase, checked, "load", file)
+    published = _all(Published, checked, "published", file)
+    names = [load.name for load in loads]
+    if len(set(names)) != len(names):
+        raise InputError(f"{file}: load", "two loads of one name", found=", ".join(names), expected="a name of its own for each")
+    check_published(file, published, names)
     return Case(
-        name=checked.name,
+        name=checked["name"],
         path=path,
         source=_source(path, source),
-        materials=tuple(_material(file, name, section.model_dump()) for name, section in checked.material.items()),
+        materials=tuple(materials),
         loads=loads,
-        rigid=RigidSettings(
-            flow=tuple(rigid.flow),
-            solver=rigid.solver,
-            method=rigid.method,
-            start=tuple(rigid.start) if rigid.start else None,
-            bipotential_gap=rigid.bipotential_gap,
-            curve=CurveSettings(**in_si(rigid.curve.model_dump(exclude_none=True))) if rigid.curve else None,
-            **in_si(rigid.model_dump(include={"contact_gap_mm", "contact_angle_deg", "overlap_mm"}, exclude_none=True)),
-        ),
-        shell=_shell(file, checked),
-        check=read_site(file, checked.check) if checked.check else None,
-        published=read_published(file, checked.published, [load.name for load in loads]),
+        rigid=record(RigidSettings, checked.get("rigid", {}), f"{file}: rigid"),
+        shell=record(ShellSettings, checked["shell"], f"{file}: shell") if "shell" in checked else None,
+        check=record(Site, checked["check"], f"{file}: check") if "check" in checked else None,
+        published=published,
         variant=variant,
         overrides=overrides,
-        table=checked.model_dump(exclude_none=True) | {"source": source.model_dump(exclude_none=True)},
+        table=checked,
     )
 
 
-def _check_complete(checked: CaseTable, file: str) -> None:
+def _all(kind: type[_Record], checked: Table, key: str, file: str) -> tuple[_Record, ...]:
+    """Return the records of a list of tables."""
+    return tuple(record(kind, table, f"{file}: {key}.{n}") for n, table in enumerate(checked.get(key, [])))
+
+
+def _check_complete(checked: Table, file: str) -> None:
     """Name at once all that an imported drawing did not say: materials, their unit weight and friction, loads."""
-    missing = [
-        f"material.{name}.{key}"
-        for name, section in checked.material.items()
-        for key in ("unit_weight_kN_m3", "friction")
-        if getattr(section, key) is None
-    ]
-    if not checked.material:
-        missing += ["material.default.unit_weight_kN_m3", "material.default.friction"]
-    if checked.shell and "pushover" in checked.shell.analyses:
-        missing += [
-            f"material.{name}.elastic (for the capacity curve)" for name, m in checked.material.items() if m.elastic is None
-        ]
-    if not checked.load:
+    materials = checked.get("material") or {"default": {}}
+    needed = "unit_weight_kN_m3", "friction"
+    missing = [f"material.{name}.{key}" for name, table in materials.items() for key in needed if key not in table]
+    if "pushover" in checked.get("shell", {}).get("analyses", ()):
+        missing += [f"material.{name}.elastic (for the capacity curve)" for name, m in materials.items() if "elastic" not in m]
+    if not checked.get("load"):
         missing.append("load (a table [[load]] with its direction)")
     if missing:
         raise InputError(
@@ -268,47 +218,8 @@ def _check_complete(checked: CaseTable, file: str) -> None:
 
 
 def _source(path: Path, source: Section) -> Generated | Drawing:
-    if isinstance(source, DrawingSource | FileSource):
-        place = source.dxf if isinstance(source, DrawingSource) else source.file
-        options = source.model_dump(exclude_none=True, exclude={"dxf", "file"})
-        try:
-            return Drawing(path.parent / place, Reading(**in_si(options)))
-        except InputError as error:
-            raise error.at(f"{path}: source.{error.where}") from error
-    parameters = source.model_dump(exclude_none=True)
-    return Generated(parameters.pop("generator"), in_si(parameters))
-
-
-def _material(file: str, name: str, table: dict[str, Any]) -> Material:
-    elastic = table.pop("elastic")
-    si = in_si(table)
-    try:
-        return Material(name, si["unit_weight"], si["friction"], si["cohesion"], _elastic(in_si(elastic)) if elastic else None)
-    except InputError as error:
-        raise error.at(f"{file}: material.{name}.{error.where.rpartition(': ')[2]}") from error
-
-
-def _elastic(si: dict[str, float]) -> Elastic:
-    return Elastic(si["block_E"], si["block_nu"], si["joint_E"], si["joint_nu"], si["joint_thickness"])
-
-
-def _shell(file: str, checked: CaseTable) -> ShellSettings | None:
-    if checked.shell is None:
-        return None
-    table = checked.shell.model_dump(exclude_none=True)
-    if "control_point" in table and "control_point_mm" in table:
-        raise InputError(f"{file}: shell", "two control points", expected="control_point (a node) or control_point_mm (a place)")
-    return ShellSettings(**in_si(table))
-
-
-def _loads(file: str, checked: CaseTable) -> tuple[LoadCase, ...]:
-    loads: list[LoadCase] = []
-    for number, section in enumerate(checked.load):
-        try:
-            loads.append(LoadCase(**section.model_dump()))
-        except InputError as error:
-            raise InputError(f"{file}: load.{number}", error.problem, found=error.found, expected=error.expected) from error
-    names = [load.name for load in loads]
-    if len(set(names)) != len(names):
-        raise InputError(f"{file}: load", "two loads of one name", found=", ".join(names), expected="a name of its own for each")
-    return tuple(loads)
+    table = source.model_dump(exclude_none=True)
+    if "generator" in table:
+        return Generated(table.pop("generator"), in_si(table))
+    place = table.pop("dxf", None) or table.pop("file")
+    return Drawing(path.parent / place, record(Reading, table, f"{path}: source"))

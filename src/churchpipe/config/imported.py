@@ -2,19 +2,19 @@
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import tomlkit
-from tomlkit.items import InlineTable, Item, Table
+from tomlkit.items import Item, Table
 
 from churchpipe.config.shell_table import ShellTable
 from churchpipe.dxf.reader import Drawing
 from churchpipe.dxf.reading import Reading
 from churchpipe.model.loads import LoadCase, direction_name
-from churchpipe.model.materials import Elastic, Material
+from churchpipe.model.materials import Material
+from churchpipe.model.quantities import as_written, written
 
 # Above this many the non-associative analysis is left to who asks for it.
 MANY_STONES = 3000
@@ -42,7 +42,8 @@ def imported_case(
     case = tomlkit.document()
     case.add(tomlkit.comment(f"Imported from {path.name}."))
     case["name"] = re.sub(r"[^A-Za-z0-9_.+-]+", "-", path.stem).strip("-.+") or "drawing"
-    case["source"] = _table({"dxf" if path.suffix.lower() == ".dxf" else "file": path.name, **_reading_keys(reading)})
+    kind = "dxf" if path.suffix.lower() == ".dxf" else "file"
+    case["source"] = _table({kind: path.name, **as_written(reading, defaults=False)})
     materials, missing = tomlkit.table(is_super_table=True), list[str]()
     stored = {material.name: material for material in drawing.materials}
     for name in material_names(drawing):
@@ -73,50 +74,22 @@ def material_names(drawing: Drawing) -> list[str]:
     return list(dict.fromkeys([*used, *(material.name for material in drawing.materials)]))
 
 
-def _reading_keys(reading: Reading) -> dict[str, Any]:
-    """Return the keys of [source] that read a drawing the same way again."""
-    keys: dict[str, Any] = {}
-    for field in fields(reading):
-        value = getattr(reading, field.name)
-        if value == field.default:
-            continue
-        if isinstance(value, bool | str):
-            keys[field.name] = value
-        elif field.name == "scale":
-            keys["scale"] = float(value)
-        else:
-            keys[f"{field.name}_mm"] = 1e3 * value
-    return keys
-
-
 def _material_table(stored: Material | None, unit_weight: float | None, friction: float | None) -> tuple[Table, list[str]]:
     """Return the table of a material and the keys that nobody gave."""
-    values = {
-        "unit_weight_kN_m3": (unit_weight, stored.unit_weight if stored else None, 1e3),
-        "friction": (friction, stored.friction if stored else None, 1.0),
-        "cohesion_kPa": (None, stored.cohesion if stored else 0.0, 1e3),
-    }
+    given = {"unit_weight_kN_m3": unit_weight, "friction": friction}
+    values = {"unit_weight_kN_m3": None, "friction": None, "cohesion_kPa": 0.0} | (as_written(stored) if stored else {})
+    values |= {key: written(key, value) for key, value in given.items() if value is not None}
     table, missing = tomlkit.table(), list[str]()
-    for key, (given, drawn, factor) in values.items():
-        value = drawn if given is None else given
-        if value is None:
+    for key in ("unit_weight_kN_m3", "friction", "cohesion_kPa"):
+        if values[key] is None:
             table.add(tomlkit.comment(f"{key} =    # not in the drawing: fill it in"))
             missing.append(key)
         else:
-            table[key] = _number(value / factor)
+            table[key] = _number(values[key])
     if stored and stored.elastic:
-        table["elastic"] = _elastic(stored.elastic)
+        table["elastic"] = tomlkit.inline_table()
+        table["elastic"].update({key: _number(value) for key, value in values["elastic"].items()})
     return table, missing
-
-
-def _elastic(elastic: Elastic) -> InlineTable:
-    table = tomlkit.inline_table()
-    table["block_E_GPa"] = _number(elastic.block_modulus / 1e9)
-    table["block_nu"] = _number(elastic.block_poisson)
-    table["joint_E_GPa"] = _number(elastic.joint_modulus / 1e9)
-    table["joint_nu"] = _number(elastic.joint_poisson)
-    table["joint_thickness_mm"] = _number(elastic.joint_thickness * 1e3)
-    return table
 
 
 def _load_table(load: LoadCase) -> Table:
@@ -137,7 +110,7 @@ def _rigid_table(stones: int, contact_gap: float | None) -> Table:
     if not few:
         table["flow"].comment('"non-associative" takes some hundred times longer for so many stones')
     if contact_gap is not None:
-        table["contact_gap_mm"] = _number(1e3 * contact_gap)
+        table["contact_gap_mm"] = _number(written("contact_gap_mm", contact_gap))
     return table
 
 

@@ -8,6 +8,7 @@ from pydantic.json_schema import models_json_schema
 
 from churchpipe.config.schema import CaseTable
 from churchpipe.config.sources import GENERATED, DrawingSource, FileSource
+from churchpipe.config.tables import NEEDED
 from churchpipe.io.atomic import write_text
 
 # Beside a case; its first line names it for editors.
@@ -43,10 +44,10 @@ def case_schema() -> dict[str, Any]:
             done.add(name)
             pending += references(tables[name])
             tables[name] = _in_both_units(tables[name])
-    case["properties"]["source"] = {"anyOf": [{"$ref": f"#/$defs/{kinds[kind]}"} for kind in sources]}
+    case["properties"]["source"]["anyOf"] = [{"$ref": f"#/$defs/{kinds[kind]}"} for kind in sources]
     case["properties"]["sweep"] = {
         "type": "object",
-        "description": "Lists of values of any key: one variant for each combination.",
+        "description": "Lists of values of any key, by its dotted name: every combination is run.",
     }
     # Without a name the file's own is taken; what an import leaves open is filled in later.
     case["required"] = ["source"]
@@ -54,7 +55,7 @@ def case_schema() -> dict[str, Any]:
 
 
 def _in_both_units(table: dict[str, Any]) -> dict[str, Any]:
-    """Return a table that takes each length in _mm or in _m. What is needed may stand under [sweep]: `x-needed` tells people."""
+    """Return a table that takes each length in _mm or in _m. What is needed may stand under [sweep]: `NEEDED` tells people."""
     keys = dict(table["properties"])
     pairs = {key: f"{key.removesuffix('_mm')}_m" for key in keys if key.endswith("_mm")}
     for millimetres, metres in pairs.items():
@@ -62,7 +63,7 @@ def _in_both_units(table: dict[str, Any]) -> dict[str, Any]:
     needed = table.get("required", [])
     required = [key for key in needed if key in ("generator", "dxf", "file")]
     never = [{"not": {"required": list(pair)}} for pair in pairs.items()]
-    return table | {"properties": keys, "required": required, "x-needed": needed} | ({"allOf": never} if never else {})
+    return table | {"properties": keys, "required": required, NEEDED: needed} | ({"allOf": never} if never else {})
 
 
 def references(value: Any) -> list[str]:

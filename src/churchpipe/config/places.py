@@ -9,8 +9,8 @@ from typing import Any
 
 from churchpipe.config.overrides import apply_overrides, parse_override, set_key
 from churchpipe.config.section import WRONG, GatheredError, gathered, shortened
-from churchpipe.config.units import bare
 from churchpipe.errors import InputError
+from churchpipe.model.quantities import bare
 
 EMPTY: Mapping[str, Any] = MappingProxyType({})
 

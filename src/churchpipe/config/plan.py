@@ -136,7 +136,7 @@ def _shell_settings(case: Case, mesh: str, load: LoadCase, method: str) -> dict[
     for known in case.materials:
         if known.elastic:
             material[known.name]["elastic"] = asdict(known.elastic)
-    given = {"control_point": shell.control_point, "steps": shell.steps}
+    given = {"control_point": shell.control, "steps": shell.steps}
     return settings | {"material": material} | {key: value for key, value in given.items() if value is not None}
 
 

@@ -2,49 +2,45 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
 
-from churchpipe.config.schema import Flow, PublishedTable
+from churchpipe.config.analyses import Flow
 from churchpipe.config.section import nearest
 from churchpipe.errors import InputError
+from churchpipe.model.quantities import Quantity, Ratio
 
 
 @dataclass(frozen=True, slots=True)
 class Published:
-    """A published load factor: for which load and model, and where it stands.
-
-    flow: of the rigid blocks, else None. friction: the coefficient it holds for, None for whatever the case has.
-    """
-
-    load: str
-    model: Literal["rigid", "shell", "experiment"]
-    flow: Flow | None
-    load_factor: float
-    source: str
-    friction: float | None = None
-
-
-def read_published(file: str, sections: Sequence[PublishedTable], loads: Sequence[str]) -> tuple[Published, ...]:
-    """Return the [[published]] tables of a case, whose loads have these names.
+    """A load factor that somebody published: the report sets ours beside it.
 
     Raises
     ------
-    InputError: a load that the case does not have, a flow rule of a model that has none, rigid blocks without one.
+    InputError: a flow rule of a model that has none, rigid blocks without one.
     """
-    return tuple(_published(f"{file}: published.{number}", section, loads) for number, section in enumerate(sections))
+
+    load: Annotated[str, "Name of the load that it is for."]
+    model: Annotated[Literal["rigid", "shell", "experiment"], "What gave it."]
+    load_factor: Annotated[Ratio, "The published value."]
+    source: Annotated[str, "Where it stands."]
+    flow: Annotated[Flow | None, "Flow rule, of rigid blocks."] = None
+    friction: Annotated[float | None, Quantity(low=0.0), "Coefficient that it holds for; by default that of the case."] = None
+
+    def __post_init__(self) -> None:
+        if self.model == "rigid" and self.flow is None:
+            raise InputError("published: flow", "missing key", expected='"associative" or "non-associative", for rigid blocks')
+        if self.model != "rigid" and self.flow is not None:
+            raise InputError("published: flow", "only rigid blocks have a flow rule", found=self.flow, expected="no flow")
 
 
-def _published(place: str, section: PublishedTable, loads: Sequence[str]) -> Published:
-    if section.load not in loads:
-        raise InputError(
-            f"{place}.load",
-            "no such load in this case",
-            found=section.load,
-            expected=f"one of {', '.join(loads)}",
-            remedy=nearest(section.load, loads),
-        )
-    if section.model == "rigid" and section.flow is None:
-        raise InputError(f"{place}.flow", "missing key", expected='"associative" or "non-associative", for rigid blocks')
-    if section.model != "rigid" and section.flow is not None:
-        raise InputError(f"{place}.flow", "only rigid blocks have a flow rule", found=section.flow, expected="no flow")
-    return Published(section.load, section.model, section.flow, section.load_factor, section.source, section.friction)
+def check_published(file: str, published: Sequence[Published], loads: Sequence[str]) -> None:
+    """Raise InputError where a published value is for none of the loads of these names."""
+    for number, value in enumerate(published):
+        if value.load not in loads:
+            raise InputError(
+                f"{file}: published.{number}.load",
+                "no such load in this case",
+                found=value.load,
+                expected=f"one of {', '.join(loads)}",
+                remedy=nearest(value.load, loads),
+            )

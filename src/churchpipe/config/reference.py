@@ -5,6 +5,8 @@ from collections.abc import Iterator
 from typing import Any
 
 from churchpipe.config.json_schema import IN_METRES, case_schema, references
+from churchpipe.config.tables import NEEDED
+from churchpipe.model.quantities import unit_of
 
 _HEAD = """# The case file
 
@@ -39,15 +41,17 @@ def _section(title: str, table: dict[str, Any], tables: dict[str, Any]) -> Itera
     yield f"## {title}\n"
     if text:
         yield f"{text}\n"
-    yield "| key | takes | default |\n|---|---|---|"
-    needed = table.get("x-needed", table.get("required", []))
+    yield "| key | meaning | takes | unit | default |\n|---|---|---|---|---|"
+    needed = table.get(NEEDED, table.get("required", []))
     for key, value in table["properties"].items():
         if value.get("title") == IN_METRES:
             continue
         given = value.get("default")
-        default = "needed" if key in needed else "" if given in (None, []) or isinstance(given, dict) else _value(given)
-        takes = "a generator's table or a drawing's, below" if key == "source" else _takes(value, tables)
-        yield f"| `{key}` | {takes} | {default} |"
+        default = "" if given in (None, []) or isinstance(given, dict) else _value(given)
+        if key in needed or value.get(NEEDED):
+            default = "needed"
+        takes = "a generator's table or a drawing's, below" if key == "source" and not text else _takes(value, tables)
+        yield f"| `{key}` | {value.get('description', '')} | {takes} | {unit_of(key).name} | {default} |"
     yield ""
 
 
@@ -76,7 +80,7 @@ def _takes(value: dict[str, Any], tables: dict[str, Any]) -> str:
 
 def _title(name: str) -> str:
     """Return the name of a table without what its class is called by."""
-    return re.sub(r"(Table|Parameters|Source)$", "", name)
+    return re.sub(r"(Table|Parameters|Settings)$", "", name)
 
 
 def _value(value: Any) -> str:

@@ -5,10 +5,11 @@ The keys are the fields of the generators' parameter classes with their unit; a 
 
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator
+from pydantic import AfterValidator, Field
 
-from churchpipe.config.section import Positive, Section, Table, nearest, section_in, validated
+from churchpipe.config.section import Section, Table, nearest, section_in, validated
 from churchpipe.config.tables import table_of
+from churchpipe.dxf.reading import Reading
 from churchpipe.errors import InputError
 from churchpipe.generators import GENERATORS
 
@@ -23,34 +24,13 @@ def _path(value: str) -> str:
     return value
 
 
-class ReadSource(Section):
-    """How a file of stones is read: see `churchpipe.dxf.reading.Reading`."""
-
-    units: str | None = None
-    support: Literal["drawn", "base"] = "drawn"
-    repair: bool = False
-    thickness_mm: Positive | None = None
-    plane: Literal["xz", "xy"] = "xz"
-    joint_mm: Positive | None = None
-    joint_mode: Literal["grow", "keep"] = "grow"
-    mortar: Literal["counted", "ignored"] = "counted"
-
-
-class DrawingSource(ReadSource):
-    """A DXF drawing; its path is relative to the case file, or absolute: a case is trusted to name any file."""
-
-    dxf: Annotated[str, AfterValidator(_path)]
-
-
-class FileSource(ReadSource):
-    """A file of stones in any format, or a folder of them, its path as in `DrawingSource`."""
-
-    file: Annotated[str, AfterValidator(_path)]
-    up: Literal["z", "y", "x", "-z", "-y", "-x"] | None = None
-    scale: Positive = 1.0
-
-
-GENERATED = {name: table_of(generator.parameters, name) for name, generator in GENERATORS.items()}
+_PATH = Annotated[str, AfterValidator(_path)], Field(description="Its path, relative to the case file or absolute.")
+DrawingSource = table_of(Reading, "Drawing", without=("up", "scale"), dxf=_PATH)
+FileSource = table_of(Reading, "File", file=_PATH)
+GENERATED = {
+    name: table_of(generator.parameters, name, generator=(Literal[name], Field(description="What makes the building.")))
+    for name, generator in GENERATORS.items()
+}
 
 
 def check_source(table: Table, file: str, problems: list[InputError]) -> Section | None:

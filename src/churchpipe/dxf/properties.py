@@ -3,37 +3,28 @@
 import json
 import math
 from collections.abc import Sequence
-from typing import Any, Final
+from dataclasses import MISSING
+from typing import Any, Final, TypeVar
 
 from churchpipe.dxf.schema import LOAD_PROPERTY, MATERIAL_PROPERTY, check_text
 from churchpipe.errors import InputError
 from churchpipe.findings import Finding
 from churchpipe.model.loads import LoadCase
-from churchpipe.model.materials import Elastic, Material
+from churchpipe.model.materials import Material
+from churchpipe.model.quantities import Declared, as_written, declared, si
 
-# Key of the case file -> field and SI factor.
-MATERIAL_KEYS: Final = {
-    "unit_weight_kN_m3": ("unit_weight", 1e3),
-    "friction": ("friction", 1.0),
-    "cohesion_kPa": ("cohesion", 1e3),
-}
-ELASTIC_KEYS: Final = {
-    "block_E_GPa": ("block_modulus", 1e9),
-    "block_nu": ("block_poisson", 1.0),
-    "joint_E_GPa": ("joint_modulus", 1e9),
-    "joint_nu": ("joint_poisson", 1.0),
-    "joint_thickness_mm": ("joint_thickness", 1e-3),
-}
-LOAD_KEYS: Final = ("direction", "panels", "profile")
+_LOAD_KEYS: Final = ("direction", "panels", "profile")
 # A DXF string holds 2049 bytes.
 LONGEST_PROPERTY: Final = 2000
 
 Property = tuple[str, str]
+_Kind = TypeVar("_Kind")
 
 
 def encode_materials(materials: Sequence[Material]) -> list[Property]:
     """Return one property a material: `CP_MATERIAL_<name>` and its constants as JSON."""
-    return [_encode(MATERIAL_PROPERTY, material.name, _material_table(material)) for material in materials]
+    tables = ((material.name, as_written(material)) for material in materials)
+    return [_encode(MATERIAL_PROPERTY, name, {key: table[key] for key in table if key != "name"}) for name, table in tables]
 
 
 def encode_loads(loads: Sequence[LoadCase]) -> list[Property]:
@@ -57,11 +48,11 @@ def decode_properties(properties: Sequence[Property]) -> tuple[tuple[Material, .
     for tag, text in properties:
         try:
             if tag.startswith(MATERIAL_PROPERTY):
-                materials.append(_material(tag.removeprefix(MATERIAL_PROPERTY), json.loads(text)))
+                materials.append(_record(Material, json.loads(text), name=tag.removeprefix(MATERIAL_PROPERTY)))
             elif tag.startswith(LOAD_PROPERTY):
                 loads.append(_load(tag.removeprefix(LOAD_PROPERTY), json.loads(text)))
         except (ValueError, TypeError, AttributeError, RecursionError) as error:
-            keys = LOAD_KEYS if tag.startswith(LOAD_PROPERTY) else (*MATERIAL_KEYS, "elastic")
+            keys = _LOAD_KEYS if tag.startswith(LOAD_PROPERTY) else _keys(Material, "name")
             findings.append(
                 Finding(
                     "E16",
@@ -83,29 +74,25 @@ def _encode(prefix: str, name: str, table: dict[str, Any]) -> Property:
     return tag, text
 
 
-def _material_table(material: Material) -> dict[str, Any]:
-    table: dict[str, Any] = {key: getattr(material, field) / factor for key, (field, factor) in MATERIAL_KEYS.items()}
-    if material.elastic is not None:
-        table["elastic"] = {key: getattr(material.elastic, field) / factor for key, (field, factor) in ELASTIC_KEYS.items()}
-    return table
+def _keys(kind: type, *without: str) -> dict[str, Declared]:
+    return {item.key: item for item in declared(kind).values() if item.name not in without}
 
 
-def _material(name: str, table: dict[str, Any]) -> Material:
-    _check_keys(table, {*MATERIAL_KEYS, "elastic"}, {"unit_weight_kN_m3", "friction"})
-    values = {
-        MATERIAL_KEYS[key][0]: _number(key, value) * MATERIAL_KEYS[key][1] for key, value in table.items() if key != "elastic"
-    }
-    elastic = None
-    if table.get("elastic") is not None:
-        _check_keys(table["elastic"], set(ELASTIC_KEYS), set(ELASTIC_KEYS))
-        elastic = Elastic(
-            **{ELASTIC_KEYS[key][0]: _number(key, value) * ELASTIC_KEYS[key][1] for key, value in table["elastic"].items()}
-        )
-    return Material(name, **values, elastic=elastic)
+def _record(kind: type[_Kind], table: dict[str, Any], **given: Any) -> _Kind:
+    """Return a dataclass of numbers, and of dataclasses of numbers, from the keys of a case file."""
+    known = _keys(kind, *given)
+    _check_keys(table, set(known), {key for key, item in known.items() if item.default is MISSING})
+    for key, value in table.items():
+        inner = known[key].table
+        if inner is None:
+            given[known[key].name] = si(key, _number(key, value))
+        elif value is not None:
+            given[known[key].name] = _record(inner, value)
+    return kind(**given)
 
 
 def _load(name: str, table: dict[str, Any]) -> LoadCase:
-    _check_keys(table, set(LOAD_KEYS), {"direction"})
+    _check_keys(table, set(_LOAD_KEYS), {"direction"})
     panels = table.get("panels")
     if panels is not None and not (isinstance(panels, list) and all(isinstance(p, str) for p in panels)):
         raise ValueError("panels is not a list of names")

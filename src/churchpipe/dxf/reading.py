@@ -1,10 +1,11 @@
 """How a drawing is read: what a person may say of it."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
 
 from churchpipe.dxf import schema
 from churchpipe.model.arguments import check_kind, one_of, positive
+from churchpipe.model.quantities import Length, Ratio
 from churchpipe.stones.mortar import WIDEST_MEAN
 
 ElevationPlane = Literal["xz", "xy"]
@@ -16,29 +17,18 @@ Up = Literal["z", "y", "x", "-z", "-y", "-x"]
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """How to read a file of stones; every field has the meaning that a drawing needs most.
+    """How to read a file of stones; every key has the default that a drawing needs most. A DXF has no `up` and no `scale`."""
 
-    units: read it in this unit ("m", "mm", "cm", "in", ...) whatever it says itself.
-    repair: drop stones drawn twice and recompute attributes that cannot be understood; each repair is a warning.
-    support: "base" puts a fixed support under the lowest faces when the drawing has no ground; all stones drawn stay free.
-    thickness: of stones drawn as outlines, m; an outline's own DXF thickness goes before.
-    plane: "xz" takes the x-y of a drawing of outlines for the elevation x-z, "xy" leaves it lying, a plan.
-    joint: nominal width, m, of joints drawn open. joint_mode: "grow" lets stones meet in the middle of their joints, "keep"
-    leaves them as drawn. mortar: whether its weight is "counted", as if it were stone, or "ignored".
-    up: the axis of the file that points up; None for what its format says, z where it says nothing. scale: sizes in the building
-    over sizes in the file, of models at scale. A DXF has neither of the two.
-    """
-
-    units: str | None = None
-    repair: bool = False
-    support: Support = "drawn"
-    thickness: float | None = None
-    plane: ElevationPlane = "xz"
-    joint: float | None = None
-    joint_mode: JointMode = "grow"
-    mortar: Mortar = "counted"
-    up: Up | None = None
-    scale: float = 1.0
+    units: Annotated[str | None, 'Read the file in this unit ("m", "mm", "in" ...), whatever it says itself.'] = None
+    repair: Annotated[bool, "Drop stones drawn twice and recompute wrong attributes; each repair is listed."] = False
+    support: Annotated[Support, '"base": a support under the lowest faces of a file that has none.'] = "drawn"
+    thickness: Annotated[Length | None, "Of stones drawn as outlines; an outline's own DXF thickness goes before."] = None
+    plane: Annotated[ElevationPlane, "What x-y of a drawing of outlines is: the elevation, or a plan."] = "xz"
+    joint: Annotated[Length | None, "Nominal width of joints drawn open."] = None
+    joint_mode: Annotated[JointMode, '"grow": stones meet in the middle of their joints; "keep": they stay as drawn.'] = "grow"
+    mortar: Annotated[Mortar, 'Weight of the mortar: "counted" as if it were stone, or "ignored".'] = "counted"
+    up: Annotated[Up | None, "Axis of the file that points up; by default what its format says, else z."] = None
+    scale: Annotated[Ratio, "Sizes in the building over sizes in the file, of models at scale."] = 1.0
 
     def __post_init__(self) -> None:
         if self.units is not None:

@@ -12,12 +12,12 @@ from churchpipe.bond.voussoir import ring_outline
 from churchpipe.errors import InputError
 from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
-from churchpipe.generators.quantities import Angle, Count, Length
 from churchpipe.geometry.planar import polygon
 from churchpipe.model.arguments import whole
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, Building, Panel, PlaneChart, Support, UnitCell
 from churchpipe.model.materials import UnitWeight
+from churchpipe.model.quantities import Angle, Count, Length
 from churchpipe.stones.prisms import thicken
 
 

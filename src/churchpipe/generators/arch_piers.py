@@ -12,10 +12,10 @@ from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_
 from churchpipe.generators.layout import WallLayout, wall_panels
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
 from churchpipe.generators.openings import rectangle
-from churchpipe.generators.quantities import Count, Length
 from churchpipe.generators.wall_bonds import Bonding
 from churchpipe.model.building import BondRegion, Building, UnitCell
 from churchpipe.model.materials import UnitWeight
+from churchpipe.model.quantities import Count, Length
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,10 +11,10 @@ from churchpipe.bond.count import MOST_VOUSSOIRS
 from churchpipe.bond.voussoir import ring_outline
 from churchpipe.errors import InputError
 from churchpipe.generators.fields import coerce_fields
-from churchpipe.generators.quantities import Coordinate, Count, Distance, Length
 from churchpipe.model.arguments import text, whole
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, Opening, UnitCell
+from churchpipe.model.quantities import Coordinate, Count, Distance, Length
 
 # An opening, or a part of a building, given as a mapping of its fields.
 Given = Mapping[str, Any]

@@ -18,9 +18,9 @@ from churchpipe.generators.masonry import (
     thickness_of,
 )
 from churchpipe.generators.openings import OpeningLike
-from churchpipe.generators.quantities import Coordinate, Count, Length
 from churchpipe.model.building import Building, UnitCell
 from churchpipe.model.materials import UnitWeight
+from churchpipe.model.quantities import Coordinate, Count, Length
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,11 +10,11 @@ from churchpipe.generators.church import church
 from churchpipe.generators.church_parts import Apse
 from churchpipe.generators.fields import as_dataclass, coerce_fields
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
-from churchpipe.generators.quantities import Length
 from churchpipe.generators.wall_bonds import WallBond
 from churchpipe.model.arguments import positive
 from churchpipe.model.building import Building
 from churchpipe.model.materials import UnitWeight
+from churchpipe.model.quantities import Length
 
 
 @dataclass(frozen=True, slots=True)

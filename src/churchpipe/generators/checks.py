@@ -1,7 +1,7 @@
 """Checks of parameters that the generators share."""
 
 from churchpipe.errors import InputError
-from churchpipe.generators.quantities import Length
+from churchpipe.model.quantities import Length
 
 Brick = tuple[Length, Length, Length]
 

@@ -12,10 +12,10 @@ from churchpipe.generators.church_plan import Plan, church_walls, cross_walls
 from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
 from churchpipe.generators.layout import WallLayout, check_clear, wall_panels
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
-from churchpipe.generators.quantities import Length
 from churchpipe.generators.wall_bonds import Bonding, WallBond, bonding_of, check_walls
 from churchpipe.model.building import Building, Panel
 from churchpipe.model.materials import UnitWeight
+from churchpipe.model.quantities import Length
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from churchpipe.generators.fields import as_dataclass, coerce_fields
-from churchpipe.generators.quantities import Coordinate, Length
+from churchpipe.model.quantities import Coordinate, Length
 
 
 @dataclass(frozen=True, slots=True)

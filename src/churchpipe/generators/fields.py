@@ -8,10 +8,10 @@ from types import NoneType, UnionType
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
 from churchpipe.errors import InputError
-from churchpipe.generators.quantities import Quantity
 from churchpipe.model.arguments import check_kind, describe, finite, listed, one_of, positive, whole
 from churchpipe.model.arrays import store
 from churchpipe.model.materials import UnitWeight
+from churchpipe.model.quantities import Quantity
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance

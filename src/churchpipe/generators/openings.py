@@ -8,9 +8,9 @@ import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.generators.fields import as_dataclass, coerce_fields
-from churchpipe.generators.quantities import Count, Distance, Length, Whole
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, Opening, UnitCell
+from churchpipe.model.quantities import Count, Distance, Length, Whole
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,10 +10,10 @@ from churchpipe.generators.checks import Brick, check_brick
 from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
 from churchpipe.generators.masonry import DEFAULT_MATERIAL, Masonry, bonded_offset, straight_wall
 from churchpipe.generators.openings import OpeningLike
-from churchpipe.generators.quantities import Coordinate, Count, Length, Ratio
 from churchpipe.model.arguments import positive
 from churchpipe.model.building import Building, UnitCell
 from churchpipe.model.materials import UnitWeight
+from churchpipe.model.quantities import Coordinate, Count, Length, Ratio
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,10 +15,10 @@ from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_
 from churchpipe.generators.layout import WallLayout, wall_panels
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
 from churchpipe.generators.openings import rectangle
-from churchpipe.generators.quantities import Length
 from churchpipe.generators.wall_bonds import Bonding, WallBond, bonding_of, check_walls
 from churchpipe.model.building import Building, CylinderChart, Panel
 from churchpipe.model.materials import UnitWeight
+from churchpipe.model.quantities import Length
 
 
 @dataclass(frozen=True, slots=True)

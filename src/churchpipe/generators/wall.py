@@ -9,10 +9,10 @@ from churchpipe.generators.checks import Brick, check_brick
 from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
 from churchpipe.generators.masonry import DEFAULT_MATERIAL, Headers, Masonry, Pattern, check_bond, straight_wall, thickness_of
 from churchpipe.generators.openings import OpeningLike
-from churchpipe.generators.quantities import Coordinate, Count, Length
 from churchpipe.model.arguments import whole
 from churchpipe.model.building import Building, UnitCell
 from churchpipe.model.materials import UnitWeight
+from churchpipe.model.quantities import Coordinate, Count, Length
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,9 +8,9 @@ from churchpipe.errors import InputError
 from churchpipe.generators.arched import ArchedOpening, Given
 from churchpipe.generators.fields import as_dataclass, coerce_fields
 from churchpipe.generators.masonry import Headers, Pattern, check_bond
-from churchpipe.generators.quantities import Length
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, UnitCell
+from churchpipe.model.quantities import Length
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,7 +1,7 @@
 """Lateral load cases."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -22,10 +22,10 @@ class LoadCase:
     act always, live ones grow with the load factor.
     """
 
-    direction: FloatArray
-    name: str = ""
-    panels: tuple[str, ...] | None = None
-    profile: Literal["uniform", "linear"] = "uniform"
+    direction: Annotated[FloatArray, "Where the load pushes: a vector of any length; z is up."]
+    name: Annotated[str, 'For tables and pictures; by default the direction, such as "+x".'] = ""
+    panels: Annotated[tuple[str, ...] | None, "Names of the walls that are pushed; by default all."] = None
+    profile: Annotated[Literal["uniform", "linear"], "Over the height: as the weights, or growing from the ground."] = "uniform"
     dead: FloatArray | None = None
     live: FloatArray | None = None
 

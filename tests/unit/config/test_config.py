@@ -17,10 +17,10 @@ from churchpipe.config.plan import Plan, plan
 from churchpipe.config.section import Section, section_in
 from churchpipe.config.settings import load_of, strengths_of, weights_of
 from churchpipe.config.sources import GENERATED
-from churchpipe.config.units import bare, in_si
 from churchpipe.dxf.reading import Reading
 from churchpipe.errors import InputError, UsageError
 from churchpipe.generators import GENERATORS, generate
+from churchpipe.model.quantities import bare, in_si
 from churchpipe.resources import pipeline_folder, sample_case, sample_names
 
 WALL = """
@@ -312,7 +312,7 @@ SHELL = WALL + '[shell]\nelement_size_mm = 100\nanalyses = ["limit", "pushover"]
 def test_a_shell_is_in_si(tmp_path: Path) -> None:
     assert read_case(case_file(tmp_path, WALL)).shell is None
     shell = read_case(case_file(tmp_path, SHELL)).shell
-    assert shell == ShellSettings(0.1, analyses=("limit", "pushover"), control_point=(0.0, 0.125, 0.6))
+    assert shell == ShellSettings(0.1, analyses=("limit", "pushover"), control_place=(0.0, 0.125, 0.6))
 
 
 def test_a_capacity_curve_needs_elastic_constants(tmp_path: Path) -> None:

@@ -27,8 +27,8 @@ CITED = '[[published]]\nload = "+y"\nmodel = "rigid"\nflow = "associative"\nload
 def test_published_values_are_read(tmp_path: Path) -> None:
     measured = '[[published]]\nload = "along"\nmodel = "experiment"\nload_factor = 1.25\nsource = "Test 7"\nfriction = 0.6\n'
     assert read_case(case_file(tmp_path, TWO_LOADS + CITED + measured)).published == (
-        Published("+y", "rigid", "associative", 0.5, "Book, p. 3"),
-        Published("along", "experiment", None, 1.25, "Test 7", 0.6),
+        Published("+y", "rigid", 0.5, "Book, p. 3", flow="associative"),
+        Published("along", "experiment", 1.25, "Test 7", friction=0.6),
     )
     assert read_case(case_file(tmp_path, TWO_LOADS)).published == ()
 
@@ -65,9 +65,9 @@ def test_published_values_are_no_settings_of_a_solve(tmp_path: Path) -> None:
         {
             "load": "+y",
             "model": "rigid",
-            "flow": "associative",
             "load_factor": 0.5,
             "source": "Book, p. 3",
+            "flow": "associative",
             "friction": None,
         }
     ]

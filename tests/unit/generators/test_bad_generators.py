@@ -12,8 +12,8 @@ from churchpipe import generators
 from churchpipe.errors import InputError
 from churchpipe.generators.arched import ArchedOpening
 from churchpipe.generators.openings import RectangularOpening
-from churchpipe.generators.quantities import Quantity
 from churchpipe.model.building import BondRegion, Opening, Panel, Part, PlaneChart, UnitCell
+from churchpipe.model.quantities import Quantity
 
 nan = float("nan")
 WALL: dict[str, Any] = {"length": 1.2, "brick": (0.4, 0.25, 0.2), "courses": 3}

@@ -1,0 +1,78 @@
+"""What a case asks of the analyses: the [rigid] and [shell] tables, SI."""
+
+import re
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+from pydantic import AfterValidator, BeforeValidator, Field
+
+from churchpipe.config.tables import listed
+from churchpipe.errors import InputError
+from churchpipe.model.names import STRENGTH, Planes
+from churchpipe.model.quantities import Count, Length, Place, Quantity, Whole
+
+Flow = Literal["associative", "non-associative"]
+Method = Literal["limit", "pushover"]
+Start = Literal["dead-load", "uniform", "associative"]
+_OneOrMore = BeforeValidator(listed, json_schema_input_type=list[Start] | Start)
+
+
+def _known_solver(value: str) -> str:
+    """Return the name of a solver of cone programs, if it is one."""
+    if value not in ("auto", "interior-point", "clarabel") and not re.fullmatch(r"cvxpy(:\w+)?", value):
+        raise ValueError('"auto", "interior-point", "clarabel", "cvxpy" or "cvxpy:NAME"')
+    return value
+
+
+@dataclass(frozen=True, slots=True)
+class CurveSettings:
+    """The capacity curve of the stones at large displacements, of each load: see `churchpipe.block_pushover`."""
+
+    step: Annotated[Length | None, "Largest displacement of a step; by default a tenth of the thinnest stone that moves."] = None
+    steps: Annotated[Count, "Most steps."] = 400
+    furthest: Annotated[Length | None, "Displacement of a stone at which the curve ends."] = None
+    control: Annotated[Place | None, "Point that the curve follows; by default the mean of what is pushed."] = None
+
+
+@dataclass(frozen=True, slots=True)
+class RigidSettings:
+    """The rigid-block analyses, and what stones may be apart and still make a joint."""
+
+    flow: Annotated[tuple[Flow, ...], Field(min_length=1), "Flow rules to analyse."] = ("associative",)
+    solver: Annotated[str, AfterValidator(_known_solver), "Of the cone programs."] = "auto"
+    method: Annotated[Literal["default", "paper"], "Scheme of sliding without dilatancy."] = "default"
+    start: Annotated[tuple[Start, ...], Field(min_length=1), _OneOrMore, "Starts of its iteration."] | None = None
+    bipotential_gap: Annotated[float, Quantity("", 0.0, above=True, high=1, below=True), "Error at which its iteration ends."] = (
+        1e-5
+    )
+    contact_gap: Annotated[Length | None, "Largest gap between two faces of a joint; by default proposed from the stones."] = None
+    contact_angle: Annotated[
+        float | None, Quantity("_deg", 0.0, above=True, high=90, below=True), "Largest angle between two faces of a joint."
+    ] = None
+    overlap: Annotated[Length | None, "Largest depth to which two stones may overlap."] = None
+    curve: Annotated[CurveSettings | None, "The capacity curve of the stones, where it is asked for."] = None
+
+
+@dataclass(frozen=True, slots=True)
+class ShellSettings:
+    """The homogenised shell: its mesh, its strength, its analyses."""
+
+    element_size: Annotated[Length, "Sides of the elements."]
+    planes: Annotated[Planes, "Strength of the masonry: exact of the cell, or the planes of the paper."] = STRENGTH
+    membrane: Annotated[Literal["LST", "CST"], "Membrane of the elements: linear or constant strain."] = "LST"
+    analyses: Annotated[tuple[Method, ...], Field(min_length=1), "The limit load, the capacity curve, or both."] = ("limit",)
+    solver: Annotated[Literal["auto", "interior-point", "clarabel"], "Of the cone programs."] = "auto"
+    control_point: Annotated[Whole | None, "Node that the capacity curve follows; by default what moves most."] = None
+    control_place: Annotated[
+        Place | None, Quantity("_mm", key="control_point_mm"), "Place whose nearest node the capacity curve follows."
+    ] = None
+    steps: Annotated[Count | None, "Most steps of the capacity curve."] = None
+
+    def __post_init__(self) -> None:
+        if self.control_point is not None and self.control_place is not None:
+            raise InputError("shell", "two control points", expected="control_point (a node) or control_point_mm (a place)")
+
+    @property
+    def control(self) -> int | tuple[float, ...] | None:
+        """Node or place, m, that a capacity curve follows; None: what moves most."""
+        return self.control_place if self.control_point is None else self.control_point

@@ -1,0 +1,187 @@
+"""What a field of a dataclass (SI) is in a case file: its key with the unit, its range, and what it means, declared once.
+
+    unit_weight: Annotated[float, Quantity("_kN_m3", 0.0, above=True), "Weight of the stones."]
+
+`declared` reads it: the tables of the case file (`config.tables`), the properties of a drawing (`dxf.properties`), the questions
+about doubtful values (`config.plausible`) and the checks of the generators' parameters (`generators.fields`) are made of it.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, is_dataclass
+from functools import lru_cache
+from typing import Annotated, Any, NamedTuple, cast, get_args, get_origin, get_type_hints
+
+# Standard gravity, m/s2.
+GRAVITY = 9.80665
+MOST_COUNTED = 1_000_000
+
+
+class Unit(NamedTuple):
+    """A unit by its name; its value in SI is multiply / divide: dividing by 1000 rounds correctly, times 0.001 does not."""
+
+    name: str
+    multiply: float = 1.0
+    divide: float = 1.0
+
+
+# By the end of the keys that have it.
+UNITS = {
+    "_mm": Unit("mm", divide=1e3),
+    "_m": Unit("m"),
+    "_deg": Unit("degrees", math.pi, 180.0),
+    "_kN_m3": Unit("kN/m3", 1e3),
+    "_kPa": Unit("kPa", 1e3),
+    "_GPa": Unit("GPa", 1e9),
+    "_m_s2": Unit("m/s2"),
+    "_g": Unit("g", GRAVITY),
+    "_s": Unit("s"),
+    "_percent": Unit("%"),
+}
+NO_UNIT = Unit("")
+
+
+class Usual(NamedTuple):
+    """A range that a quantity has in practice, in the unit of its key, and what the range rests on."""
+
+    low: float
+    high: float
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """A number of a case file; its values are in the unit of its key.
+
+    suffix: of the key, the unit. low: what it is not below, or, with `above`, is above; high, below: likewise.
+    usual: outside of it a value is questioned. key: the whole key, where it is not the field's name with the suffix. other: a
+    key with another unit that may be given instead.
+    """
+
+    suffix: str = ""
+    low: float | None = None
+    above: bool = False
+    high: float | None = None
+    below: bool = False
+    usual: Usual | None = None
+    key: str = ""
+    other: str = ""
+
+
+# In m; a key of [source] in _mm may be written in _m as well.
+Length = Annotated[float, Quantity("_mm", 0.0, above=True)]
+Distance = Annotated[float, Quantity("_mm", 0.0)]
+Coordinate = Annotated[float, Quantity("_mm")]
+Place = tuple[Coordinate, Coordinate, Coordinate]
+# In rad.
+Angle = Annotated[float, Quantity("_deg", 0.0, above=True)]
+Ratio = Annotated[float, Quantity("", 0.0, above=True)]
+Count = Annotated[int, Quantity("", 1, high=MOST_COUNTED)]
+Whole = Annotated[int, Quantity("", 0)]
+
+
+class Declared(NamedTuple):
+    """A field as a case file has it.
+
+    key: its key; other: another one for it, or "". default: MISSING where there is none. table: the dataclass that it holds, one
+    or several, or None. meaning: in a sentence, or "". hint: its annotation.
+    """
+
+    name: str
+    key: str
+    other: str
+    default: Any
+    quantity: Quantity | None
+    table: type | None
+    meaning: str
+    hint: Any
+
+
+@lru_cache
+def declared(kind: type) -> dict[str, Declared]:
+    """Return the fields of a dataclass by their names, as they are declared."""
+    hints = get_type_hints(kind, include_extras=True)
+    out: dict[str, Declared] = {}
+    for item in fields(kind):
+        hint, quantity = hints[item.name], _found(hints[item.name], Quantity)
+        key = (quantity.key or item.name + quantity.suffix) if quantity else item.name
+        other = quantity.other if quantity else ""
+        out[item.name] = Declared(item.name, key, other, item.default, quantity, _table(hint), _found(hint, str) or "", hint)
+    return out
+
+
+def unit_of(key: str) -> Unit:
+    """Return the unit that a key ends with."""
+    return UNITS.get(_suffix(key), NO_UNIT)
+
+
+def bare(key: str) -> str:
+    """Return a key without its unit."""
+    return key.removesuffix(_suffix(key))
+
+
+def si(key: str, value: Any) -> Any:
+    """Return the value of a key in SI; lists become tuples, and what is no number stays."""
+    if isinstance(value, list | tuple):
+        return tuple(si(key, item) for item in cast("Sequence[Any]", value))
+    unit = unit_of(key)
+    if isinstance(value, bool) or not isinstance(value, int | float) or unit.multiply == unit.divide:
+        return value
+    return value * unit.multiply / unit.divide
+
+
+def written(key: str, value: Any, *, defaults: bool = True) -> Any:
+    """Return a value (SI) in the unit of its key; tuples become lists, dataclasses tables: `as_written`."""
+    if isinstance(value, list | tuple):
+        return [written(key, item, defaults=defaults) for item in cast("Sequence[Any]", value)]
+    if is_dataclass(value):
+        return as_written(value, defaults=defaults)
+    unit = unit_of(key)
+    return value * unit.divide / unit.multiply if isinstance(value, float) and unit.multiply != unit.divide else value
+
+
+def in_si(table: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a table with units taken out of its keys and values in SI; nested tables too."""
+    return {bare(key): _nested(key, value) for key, value in table.items()}
+
+
+def as_written(record: Any, *, defaults: bool = True) -> dict[str, Any]:
+    """Return the fields of a dataclass by their keys, in their units; None is left out, dataclasses in it are tables.
+
+    defaults: whether values that are the default of their field are there.
+    """
+    out: dict[str, Any] = {}
+    for item in declared(record.__class__).values():
+        value = getattr(record, item.name)
+        if value is not None and (defaults or value != item.default):
+            out[item.key] = written(item.key, value, defaults=defaults)
+    return out
+
+
+def _suffix(key: str) -> str:
+    return max((suffix for suffix in UNITS if key.endswith(suffix)), key=len, default="")
+
+
+def _nested(key: str, value: Any) -> Any:
+    if isinstance(value, dict):
+        return in_si(cast("dict[str, Any]", value))
+    if isinstance(value, list):
+        return tuple(_nested(key, item) for item in cast("list[Any]", value))
+    return si(key, value)
+
+
+def _found(hint: Any, kind: type) -> Any:
+    """Return the first thing of a kind that an annotation, or one inside it, carries; None."""
+    extras = get_args(hint)[1:] if get_origin(hint) is Annotated else ()
+    own = next((extra for extra in extras if isinstance(extra, kind)), None)
+    if own is not None or get_origin(hint) is None:
+        return own
+    inner = get_args(hint)[:1] if extras else get_args(hint)
+    return next((found for part in inner if (found := _found(part, kind)) is not None), None)
+
+
+def _table(hint: Any) -> type | None:
+    """Return the dataclass that a field holds, one or several of them, or None."""
+    if isinstance(hint, type) and is_dataclass(hint):
+        return hint
+    return next((found for part in get_args(hint) if (found := _table(part)) is not None), None)

@@ -1,0 +1,81 @@
+"""A key is declared once, on the field of the dataclass that keeps it: its table, its reading and its questions follow."""
+
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import pytest
+from pydantic import ValidationError
+
+from churchpipe.config.tables import record, table_of
+from churchpipe.errors import InputError
+from churchpipe.model.quantities import Length, Place, Quantity, as_written, declared
+
+
+@dataclass(frozen=True, slots=True)
+class Plate:
+    """An anchor plate."""
+
+    side: Annotated[Length, "Side of the plate."] = 0.2
+
+
+@dataclass(frozen=True, slots=True)
+class Rod:
+    """A bar.
+
+    Only its first paragraph stands in the reference.
+    """
+
+    strength: Annotated[float, Quantity("_kPa", 0.0, high=5e5), "Yield stress."]
+    start: Annotated[Place | None, "Where it begins."] = None
+    plates: Annotated[tuple[Plate, ...], "At its ends."] = ()
+    pull: Annotated[float, Quantity("_g", key="pull_g", other="pull_m_s2"), "How it is pulled."] = 0.0
+
+    def __post_init__(self) -> None:
+        if self.strength == 7e3:
+            raise InputError("rod: strength", "an unlucky number", found=self.strength)
+
+
+ROD = table_of(Rod, "Rod")
+
+
+def read(**table: Any) -> Rod:
+    return record(Rod, ROD.model_validate(table).model_dump(exclude_unset=True), "case.toml: rods.0")
+
+
+def test_a_table_is_read_into_its_dataclass_in_si_and_written_again() -> None:
+    table: dict[str, Any] = {
+        "strength_kPa": 235.0,
+        "start_mm": [0, 250.0, 3000.0],
+        "plates": [{"side_mm": 300.0}, {}],
+        "pull_g": 2,
+    }
+    rod = read(**table)
+    assert rod == Rod(235e3, (0.0, 0.25, 3.0), (Plate(0.3), Plate()), 2 * 9.80665)
+    assert as_written(rod) == table | {"plates": [{"side_mm": 300.0}, {"side_mm": 200.0}], "pull_g": 2.0}
+    assert as_written(rod, defaults=False)["plates"] == [{"side_mm": 300.0}, {}]
+    assert read(strength_kPa=1, pull_m_s2=3).pull == 3
+
+
+def test_the_schema_says_what_is_declared() -> None:
+    schema = ROD.model_json_schema()
+    strength = schema["properties"]["strength_kPa"]
+    assert (strength["description"], strength["minimum"], strength["maximum"]) == ("Yield stress.", 0, 5e5)
+    assert schema["description"] == "A bar."
+    assert schema["$defs"]["Plate"]["properties"]["side_mm"]["default"] == 200
+    assert [item.key for item in declared(Rod).values()] == ["strength_kPa", "start_mm", "plates", "pull_g"]
+    for wrong in ({"strength_kPa": 6e5}, {"strength": 1}, {"strength_kPa": 1, "start_mm": [1, 2]}, {}):
+        with pytest.raises(ValidationError):
+            ROD.model_validate(wrong)
+
+
+@pytest.mark.parametrize(
+    ("table", "said"),
+    [
+        ({"strength_kPa": 7, "pull_g": 1}, r"case\.toml: rods\.0\.strength_kPa: an unlucky number"),
+        ({"strength_kPa": 1}, r"rods\.0: missing key; expected either pull_m_s2 or pull_g"),
+        ({"strength_kPa": 1, "pull_g": 1, "pull_m_s2": 1}, r"rods\.0: two values for one pull"),
+    ],
+)
+def test_an_error_names_the_key(table: dict[str, Any], said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        read(**table)
