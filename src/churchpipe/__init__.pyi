@@ -8,6 +8,7 @@ from .homogenised_shell.limit import shell_limit_analysis as shell_limit_analysi
 from .homogenised_shell.pushover import pushover as pushover
 from .large_displacements.pushover import block_pushover as block_pushover
 from .large_displacements.settlement import settlement_analysis as settlement_analysis
+from .large_displacements.settlement_path import settlement_path as settlement_path
 from .loading.placing import place_loads as place_loads
 from .loading.wrenches import loaded as loaded
 from .loading.wrenches import shell_loaded as shell_loaded
@@ -30,6 +31,7 @@ from .model.placed_loads import PlacedLoads as PlacedLoads
 from .model.results import CapacityCurve as CapacityCurve
 from .model.results import LimitState as LimitState
 from .model.results import ShellLimitState as ShellLimitState
+from .model.settlement import SettlementPath as SettlementPath
 from .model.settlement import SettlementState as SettlementState
 from .model.shell import ShellModel as ShellModel
 from .model.ties import Tie as Tie

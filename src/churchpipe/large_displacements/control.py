@@ -6,7 +6,8 @@ import numpy as np
 import numpy.typing as npt
 
 from churchpipe.errors import InputError
-from churchpipe.large_displacements.poses import Poses
+from churchpipe.large_displacements.poses import Poses, rotation_vectors
+from churchpipe.large_displacements.supports import SupportMovement
 from churchpipe.large_displacements.travelling import live_loads
 from churchpipe.model.arrays import BoolArray, FloatArray, floats
 from churchpipe.model.assemblage import Assemblage
@@ -42,7 +43,22 @@ class ControlPoint:
         return float((after.place(one, self.arm[None]) - before.place(one, self.arm[None]))[0] @ self.direction)
 
 
-Control = MeanDisplacement | ControlPoint
+@dataclass(frozen=True, slots=True)
+class SupportTravel:
+    """How far a support has moved along its prescribed movement, m, or turned about its axis, rad."""
+
+    support: SupportMovement
+
+    def between(self, before: Poses, after: Poses, _: BoolArray) -> float:
+        """Return how far it has gone between poses."""
+        one = self.support.stones[:1]
+        if self.support.about is None:
+            return float((after.centroid[one] - before.centroid[one])[0] @ self.support.direction)
+        turn = np.einsum("kij,klj->kil", after.rotation[one], before.rotation[one])
+        return float(rotation_vectors(turn)[0] @ self.support.direction)
+
+
+Control = MeanDisplacement | ControlPoint | SupportTravel
 
 
 def control_of(stones: Assemblage, load: LoadCase, control: npt.ArrayLike | None) -> Control:

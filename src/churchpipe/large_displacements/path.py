@@ -8,10 +8,10 @@ import scipy.sparse as sp
 from churchpipe.conic.solve import solver_for
 from churchpipe.large_displacements.falling import falling_stones
 from churchpipe.large_displacements.joints import Joints
+from churchpipe.large_displacements.moving_model import MovingModel
 from churchpipe.large_displacements.poses import Poses, displaced
-from churchpipe.large_displacements.renewal import PairFriction, renewed
+from churchpipe.large_displacements.renewal import renewed
 from churchpipe.large_displacements.step import StepAnswer, StepProgram, solve_step
-from churchpipe.large_displacements.supports import SupportMovement
 from churchpipe.large_displacements.travelling import TravellingLoads
 from churchpipe.mechanism import reference_speed, stone_speed
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
@@ -31,28 +31,6 @@ _FITTING, _CREDIBLE, _LEAST = 1e-3, 0.1, 0.01
 _STEADY = 0.3
 # Stones that weigh no more than this share of what moved at the start may fall out without ending the curve.
 _SPARED = 0.05
-
-
-@dataclass(frozen=True, slots=True)
-class MovingModel:
-    """What stays the same on the way: stones as drawn, loads, friction of pairs.
-
-    driven: the loads that grow, or the support that moves.
-    held (nb,): stones that cannot move. moving N: the weight that moves at the start. force N and length m are the units of the
-    programs. step m: the largest displacement of a step. reach m: how far apart points may be that can still come to bear.
-    """
-
-    stones: Assemblage
-    dead: TravellingLoads
-    driven: TravellingLoads | SupportMovement
-    friction: PairFriction
-    held: BoolArray
-    moving: float
-    force: float
-    length: float
-    step: float
-    reach: float
-    solver: str
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,29 +1,21 @@
 """Capacity curve of rigid blocks: load factor against displacement until it vanishes."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from time import perf_counter
+from typing import cast
 
 import numpy as np
 import numpy.typing as npt
 
 from churchpipe.errors import InputError
-from churchpipe.large_displacements.control import control_of
-from churchpipe.large_displacements.path import (
-    FIRST,
-    PROGRAMS,
-    MovingModel,
-    PathState,
-    first_state,
-    may_go_on,
-    next_state,
-    solve_state,
-    without,
-)
+from churchpipe.large_displacements.control import Control, control_of
+from churchpipe.large_displacements.following import Ending, follow
+from churchpipe.large_displacements.moving_model import MovingModel, moving_model
+from churchpipe.large_displacements.path import PathStep, first_state
 from churchpipe.large_displacements.poses import start_poses
-from churchpipe.large_displacements.record import Record
-from churchpipe.large_displacements.renewal import first_joints, pair_friction
-from churchpipe.large_displacements.sizes import REACH, STEP, thinnest
-from churchpipe.large_displacements.travelling import dead_loads, live_loads
+from churchpipe.large_displacements.record import Progress, Record
+from churchpipe.large_displacements.renewal import first_joints
+from churchpipe.large_displacements.travelling import live_loads
 from churchpipe.mechanism import moving_stones, stone_speed
 from churchpipe.model.arguments import check_kind, positive, whole
 from churchpipe.model.assemblage import Assemblage
@@ -33,8 +25,6 @@ from churchpipe.model.loads import LoadCase
 from churchpipe.model.results import LimitState
 from churchpipe.rigid_blocks.equilibrium import equilibrium
 from churchpipe.rigid_blocks.limit import limit_analysis
-
-Progress = Callable[[str, float], None]
 
 
 def block_pushover(
@@ -98,60 +88,51 @@ def block_pushover(
     if state.status != "optimal":
         return _nothing(stones, state, perf_counter() - begin)
     measure = control_of(stones, load, control)
-    balance = equilibrium(stones, contacts, load)
     moving = moving_stones(stone_speed(stones, state.velocities)) & ~stones.fixed
-    size = thinnest(stones, moving)
-    interface = np.broadcast_to(np.asarray(friction, dtype=np.float64), contacts.area.shape)
-    model = MovingModel(
-        stones=stones,
-        dead=dead_loads(stones, load),
-        driven=live_loads(stones, load),
-        friction=pair_friction(contacts.blocks, interface, stones.count),
-        held=np.zeros(stones.count, dtype=bool),
-        moving=float(stones.weight[moving].sum()),
-        force=balance.force,
-        length=balance.length,
-        step=STEP * size if step is None else step,
-        reach=REACH * size,
-        solver=solver,
-    )
+    balance = equilibrium(stones, contacts, load)
+    model = moving_model(stones, contacts, load, live_loads(stones, load), friction, balance, moving, step, solver)
     poses = start_poses(stones)
     first = first_state(first_joints(contacts, stones, poses, model.reach), poses, model.step)
-    record = Record(model, measure)
-    status, message = _follow(model, first, record, int(steps), furthest, progress)
-    return record.curve(status, message, perf_counter() - begin)
+    record = _Curve(model, measure, furthest, progress)
+    ending = follow(model, first, int(steps), record)
+    return record.curve(ending, perf_counter() - begin)
 
 
-def _follow(
-    model: MovingModel,
-    state: PathState,
-    record: Record,
-    steps: int,
-    furthest: float | None,
-    progress: Progress | None,
-) -> tuple[CurveStatus, str]:
-    """Take step after step and record them; return how it ended."""
-    for number in range(steps):
-        taken = solve_state(model, state, PROGRAMS if number else FIRST)
-        while taken.lost.any():
-            if not may_go_on(model, taken):
-                return "collapsed", f"{int(taken.lost.sum())} stones that cannot be spared fall"
-            record.fall(taken)
-            state = without(model, taken)
-            taken = solve_state(model, state, PROGRAMS)
-        if taken.answer.outcome == "unbounded":
-            return "unbounded", "the stones have locked: no load of this kind moves them on"
-        if taken.answer.outcome != "solved":
-            return "not-converged", f"the program of a step was not solved: {taken.answer.message}"
-        record.add(taken)
-        if taken.answer.load_factor <= 0:
-            return "vanished", ""
-        if furthest is not None and record.largest[-1] >= furthest:
-            return "unfinished", f"the largest displacement asked for, {furthest:g} m, was reached"
-        if progress:
-            progress("capacity curve", 1.0 - taken.answer.load_factor / record.load_factor[0])
-        state = next_state(model, taken)
-    return "unfinished", f"all {steps} steps were used up"
+class _Curve(Record):
+    """The steps of a capacity curve."""
+
+    def __init__(self, model: MovingModel, control: Control, furthest: float | None, progress: Progress | None) -> None:
+        super().__init__(model, control)
+        self.furthest, self.progress = furthest, progress
+
+    def add(self, step: PathStep) -> Ending | None:
+        """Take down a step; it ends the curve when the load factor has vanished or a stone has gone far enough."""
+        self.note(step)
+        if step.answer.load_factor <= 0:
+            return Ending("vanished")
+        if self.furthest is not None and self.largest[-1] >= self.furthest:
+            return Ending("unfinished", f"the largest displacement asked for, {self.furthest:g} m, was reached")
+        if self.progress:
+            self.progress("capacity curve", 1.0 - step.answer.load_factor / self.load_factor[0])
+        return None
+
+    def curve(self, ending: Ending, seconds: float) -> BlockCapacityCurve:
+        """Return the curve."""
+        gone, factor = self.displacement, self.load_factor
+        d0 = gone[-1] if ending.status == "collapsed" and factor else float("nan")
+        if ending.status == "vanished":
+            share = factor[-2] / (factor[-2] - factor[-1]) if len(factor) > 1 else 0.0
+            d0 = gone[-1] if len(factor) == 1 else gone[-2] + share * (gone[-1] - gone[-2])
+        return BlockCapacityCurve(
+            displacement=np.array(gone),
+            load_factor=np.array(factor),
+            **self.proved(),
+            status=cast(CurveStatus, ending.status),
+            d0=d0,
+            fallen=tuple(self.fallen),
+            message=ending.message,
+            seconds=seconds,
+        )
 
 
 def _check(ties: Sequence[object], step: float | None, steps: int, furthest: float | None) -> None:

@@ -1,6 +1,5 @@
 """Supports that settle or spread: the reaction that is left, where the structure cracks, and how far it may go."""
 
-from collections.abc import Callable
 from time import perf_counter
 from typing import Literal
 
@@ -8,12 +7,11 @@ import numpy as np
 import numpy.typing as npt
 
 from churchpipe.conic.solve import solver_for
-from churchpipe.large_displacements.path import FIRST, MovingModel, PathState, PathStep, first_state, solve_state
+from churchpipe.large_displacements.moving_model import MovingModel, moving_model
+from churchpipe.large_displacements.path import FIRST, PathState, PathStep, first_state, solve_state
 from churchpipe.large_displacements.poses import start_poses
-from churchpipe.large_displacements.renewal import first_joints, pair_friction
-from churchpipe.large_displacements.sizes import REACH, STEP, thinnest
+from churchpipe.large_displacements.renewal import first_joints
 from churchpipe.large_displacements.supports import support_movement
-from churchpipe.large_displacements.travelling import dead_loads
 from churchpipe.model.arguments import check_kind, one_of
 from churchpipe.model.arrays import BoolArray
 from churchpipe.model.assemblage import Assemblage
@@ -23,7 +21,6 @@ from churchpipe.model.settlement import SettlementState, SettlementStatus
 from churchpipe.rigid_blocks.equilibrium import equilibrium
 from churchpipe.rigid_blocks.limit import dead_load_analysis, point_strength
 
-Progress = Callable[[str, float], None]
 # Errors within which a reaction is proved.
 _BOUNDS, _BALANCE, _FLOW = 1e-5, 1e-8, 1e-3
 
@@ -105,21 +102,7 @@ def settlement_model(
     strength = point_strength(contacts, friction, 0.0, balance.force)
     movement = support_movement(stones, contacts, support, direction, about)
     standing, answer = dead_load_analysis(balance, strength, solver_for(balance.matrix, solver))
-    size = thinnest(stones, ~stones.fixed)
-    interface = np.broadcast_to(np.asarray(friction, dtype=np.float64), contacts.area.shape)
-    model = MovingModel(
-        stones=stones,
-        dead=dead_loads(stones, load),
-        driven=movement,
-        friction=pair_friction(contacts.blocks, interface, stones.count),
-        held=np.zeros(stones.count, dtype=bool),
-        moving=float(stones.weight.sum()),
-        force=balance.force,
-        length=balance.length,
-        step=STEP * size if step is None else step,
-        reach=REACH * size,
-        solver=solver,
-    )
+    model = moving_model(stones, contacts, load, movement, friction, balance, ~stones.fixed, step, solver)
     poses = start_poses(stones)
     # Supports do not bear on each other: one that moves past another is not held by it.
     joints = first_joints(contacts, stones, poses, model.reach).selected(_bearing(stones, contacts))

@@ -24,6 +24,12 @@ class FallenStones:
         store(self, stones=indices("FallenStones.stones", self.stones, (None,)))
 
 
+def path_proved(residual: FloatArray, violation: FloatArray, bound_gap: FloatArray) -> bool:
+    """True when all steps (ns,) balance to 1e-8 of the weight, keep to their friction cones and bound their program to 1e-4."""
+    worst = (errors.max(initial=0.0) for errors in (residual, violation, 1e-4 * bound_gap))
+    return all(float(error) < 1e-8 for error in worst)
+
+
 @dataclass(frozen=True, slots=True)
 class BlockCapacityCurve:
     """Load factor of an assemblage against its displacement, in the geometry as displaced.
@@ -76,9 +82,8 @@ class BlockCapacityCurve:
 
     @property
     def proved(self) -> bool:
-        """True when the forces of every step balance to 1e-8 of the weight, keep to their cones and bound its program to 1e-4."""
-        worst = (errors.max(initial=0.0) for errors in (self.residual, self.violation, 1e-4 * self.bound_gap))
-        return all(float(error) < 1e-8 for error in worst)
+        """True when every step is: see `path_proved`."""
+        return path_proved(self.residual, self.violation, self.bound_gap)
 
     @property
     def initial(self) -> float:

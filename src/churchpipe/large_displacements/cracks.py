@@ -1,0 +1,27 @@
+"""Where the joints of displaced stones are open, and how far they have slid."""
+
+import numpy as np
+
+from churchpipe.large_displacements.joints import joints_of
+from churchpipe.large_displacements.poses import Poses, screw, start_poses
+from churchpipe.model.arrays import FloatArray
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.contacts import Contacts
+
+
+def joint_cracks(
+    stones: Assemblage, contacts: Contacts, position: FloatArray, rotation: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return how wide the joints as drawn (ni,) are open, m, at the widest of their points, and how far they have slid, m, at the
+    point that is open the least: one that turns about an edge has not slid.
+
+    position (nb, 3) m and rotation (nb, 3) rad, rotation vectors from the drawing, of the stones as they are.
+    """
+    start = joints_of(contacts, start_poses(stones))
+    poses = Poses(position, screw(rotation)[0])
+    now, gap = start.at(poses)
+    apart = now.point - poses.place(start.pair[:, 0], start.first)
+    along = apart - gap[:, None] * now.frame[start.interface, 0]
+    opening = np.maximum.reduceat(gap, contacts.point_ptr[:-1])
+    closed = np.lexsort((gap, start.interface))[contacts.point_ptr[:-1]]
+    return np.maximum(opening, 0.0), np.linalg.norm(along, axis=1)[closed]

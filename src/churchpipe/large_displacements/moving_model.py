@@ -1,0 +1,76 @@
+"""What stays the same while stones move: the drawing, loads and friction, and the lengths that steps are measured by."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from churchpipe.large_displacements.renewal import PairFriction, pair_friction
+from churchpipe.large_displacements.supports import SupportMovement
+from churchpipe.large_displacements.travelling import TravellingLoads, dead_loads
+from churchpipe.model.arrays import BoolArray
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.contacts import Contacts
+from churchpipe.model.loads import LoadCase
+from churchpipe.rigid_blocks.equilibrium import Equilibrium
+
+# The largest displacement of a step, and how far apart points may be that can still come to bear, over the thinnest side of the
+# stones that move.
+_STEP, _REACH = 0.1, 0.2
+
+
+@dataclass(frozen=True, slots=True)
+class MovingModel:
+    """What stays the same on the way: stones as drawn, loads, friction of pairs.
+
+    driven: the loads that grow, or the support that moves.
+    held (nb,): stones that cannot move. moving N: the weight that moves at the start. force N and length m are the units of the
+    programs. step m: the largest displacement of a step. reach m: how far apart points may be that can still come to bear.
+    """
+
+    stones: Assemblage
+    dead: TravellingLoads
+    driven: TravellingLoads | SupportMovement
+    friction: PairFriction
+    held: BoolArray
+    moving: float
+    force: float
+    length: float
+    step: float
+    reach: float
+    solver: str
+
+
+def moving_model(
+    stones: Assemblage,
+    contacts: Contacts,
+    load: LoadCase,
+    driven: TravellingLoads | SupportMovement,
+    friction: npt.ArrayLike,
+    balance: Equilibrium,
+    moving: BoolArray,
+    step: float | None,
+    solver: str,
+) -> MovingModel:
+    """Return the model of stones of which `moving` (nb,) go first; balance: theirs as drawn; step m, None: by their thickness."""
+    size = thinnest(stones, moving)
+    interface = np.broadcast_to(np.asarray(friction, dtype=np.float64), contacts.area.shape)
+    return MovingModel(
+        stones=stones,
+        dead=dead_loads(stones, load),
+        driven=driven,
+        friction=pair_friction(contacts.blocks, interface, stones.count),
+        held=np.zeros(stones.count, dtype=bool),
+        moving=float(stones.weight[moving].sum()),
+        force=balance.force,
+        length=balance.length,
+        step=_STEP * size if step is None else step,
+        reach=_REACH * size,
+        solver=solver,
+    )
+
+
+def thinnest(stones: Assemblage, moving: BoolArray) -> float:
+    """Return the median over the moving stones of the least side of their boxes, m."""
+    low, high = (edge.reduceat(stones.points, stones.block_point_ptr[:-1], axis=0) for edge in (np.minimum, np.maximum))
+    return float(np.median((high - low)[moving].min(axis=1)))

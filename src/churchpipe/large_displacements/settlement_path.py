@@ -1,0 +1,113 @@
+"""A support that moves on and on: the reaction that is left, the cracks, and how far it may go."""
+
+from time import perf_counter
+from typing import cast
+
+import numpy as np
+import numpy.typing as npt
+
+from churchpipe.large_displacements.control import SupportTravel
+from churchpipe.large_displacements.following import Ending, follow
+from churchpipe.large_displacements.moving_model import MovingModel
+from churchpipe.large_displacements.path import PathStep
+from churchpipe.large_displacements.record import Progress, Record
+from churchpipe.large_displacements.settlement import settlement_analysis, settlement_model
+from churchpipe.large_displacements.supports import SupportMovement
+from churchpipe.model.arguments import positive, whole
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.contacts import Contacts
+from churchpipe.model.settlement import SettlementEnding, SettlementPath, SettlementState
+
+# A reaction below this share of the weight is none, and stones slower than this share of the support stand still.
+_NOTHING, _STILL = 1e-7, 1e-4
+
+
+def settlement_path(
+    stones: Assemblage,
+    contacts: Contacts,
+    support: npt.ArrayLike,
+    direction: npt.ArrayLike = (0, 0, -1),
+    friction: npt.ArrayLike = 0.6,
+    *,
+    about: npt.ArrayLike | None = None,
+    dead: npt.ArrayLike | None = None,
+    step: float | None = None,
+    steps: int = 400,
+    furthest: float | None = None,
+    solver: str = "auto",
+    progress: Progress | None = None,
+) -> SettlementPath:
+    """Return what a structure does while a support moves on, until it collapses or the support leaves it.
+
+    As in `settlement_analysis`, but the movement goes on: each step finds the least reaction in the geometry as displaced,
+    without dilatancy, and moves support and stones with exact rotations; contacts are found anew.
+
+    Parameters
+    ----------
+    support, direction, friction, about, dead: as in `settlement_analysis`.
+    step: m, the largest displacement of a step; None: a tenth of the thinnest side of the stones.
+    steps, furthest: where to stop, after so many steps or a movement so large, m, or rad of one about an axis.
+    progress: called with a text and the share done.
+
+    Returns
+    -------
+    SettlementPath: status "unstable", "unbounded" or "failed", with no steps, where the support cannot be moved.
+
+    Raises
+    ------
+    InputError: arguments out of range, a support that is not there, not fixed or bears nothing.
+    """
+    begin = perf_counter()
+    whole("settlement_path: steps", steps, least=1)
+    for name, value in (("step", step), ("furthest", furthest)):
+        if value is not None:
+            positive(f"settlement_path: {name}", value)
+    least = settlement_analysis(stones, contacts, support, direction, friction, about=about, dead=dead, solver=solver)
+    if least.status not in ("optimal", "not-converged"):
+        return _nothing(stones, least, perf_counter() - begin)
+    model, first, _, _ = settlement_model(stones, contacts, support, direction, friction, about, dead, step, solver)
+    record = _Movement(model, furthest, int(steps), progress)
+    ending = follow(model, first, int(steps), record)
+    return record.path(ending, least.reaction, perf_counter() - begin)
+
+
+class _Movement(Record):
+    """The steps of a movement."""
+
+    def __init__(self, model: MovingModel, furthest: float | None, steps: int, progress: Progress | None) -> None:
+        super().__init__(model, SupportTravel(cast(SupportMovement, model.driven)))
+        self.furthest, self.steps, self.progress = furthest, steps, progress
+
+    def add(self, step: PathStep) -> Ending | None:
+        """Take down a step; it ends the path when the support has gone far enough, or nothing rests on it any more."""
+        self.note(step)
+        if self.furthest is not None and self.displacement[-1] >= self.furthest * (1 - 1e-9):
+            return Ending("unfinished", f"the largest movement asked for, {self.furthest:g}, was reached")
+        free = ~self.model.stones.fixed
+        driven = np.isin(np.arange(len(free)), cast(SupportMovement, self.model.driven).stones)
+        still = float(step.speed[free].max(initial=0.0)) < _STILL * float(step.speed[driven].max())
+        if -step.answer.load_factor < _NOTHING and still:
+            return Ending("free", "nothing rests on the support any more: the structure stands without it")
+        if self.progress:
+            share = self.displacement[-1] / self.furthest if self.furthest else len(self.displacement) / self.steps
+            self.progress("movement of a support", min(share, 1.0))
+        return None
+
+    def path(self, ending: Ending, least: float, seconds: float) -> SettlementPath:
+        """Return the path."""
+        return SettlementPath(
+            movement=np.array(self.displacement),
+            reaction=np.maximum(-np.array(self.load_factor), 0.0) * self.model.force,
+            **self.proved(),
+            least=least,
+            status=cast(SettlementEnding, ending.status),
+            fallen=tuple(self.fallen),
+            message=ending.message,
+            seconds=seconds,
+        )
+
+
+def _nothing(stones: Assemblage, state: SettlementState, seconds: float) -> SettlementPath:
+    none, nowhere = np.zeros(0), np.zeros((0, stones.count, 3))
+    arrays = (none, none, none, nowhere, nowhere, none, none, none, none, none)
+    return SettlementPath(*arrays, np.nan, cast(SettlementEnding, state.status), (), state.message, seconds)
