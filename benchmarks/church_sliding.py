@@ -57,7 +57,7 @@ def main() -> None:
     for load in arguments.loads:
         balance = equilibrium(stones, contacts, LOADS[load])
         strength = point_strength(contacts, FRICTION, 0.0, balance.force)
-        solve = solver_for(balance.matrix)
+        solve = solver_for(balance.wrenches)
         program = associative_program(balance, strength)
         answer = solve(program)
         forces, upper = restore_balance(program, answer.x, answer.tau)

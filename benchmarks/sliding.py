@@ -42,7 +42,7 @@ def main() -> None:
     arguments = parser.parse_args()
     for name in arguments.models:
         balance, strength = problem(name)
-        solve = solver_for(balance.matrix)
+        solve = solver_for(balance.wrenches)
         # Solved like the programs of the scheme, so that iterations of one kind are compared.
         associative = solve(associative_program(balance, strength), duality_gap=EXACT)
         begin = process_time()

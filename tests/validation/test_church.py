@@ -65,7 +65,7 @@ def test_sliding_without_dilatancy(load: cp.LoadCase, load_factor: float) -> Non
     stones, contacts = laid("church")
     balance = equilibrium(stones, contacts, load)
     strength = point_strength(contacts, 0.6, 0.0, balance.force)
-    solve = solver_for(balance.matrix)
+    solve = solver_for(balance.wrenches)
     run = certified_iteration(balance, strength, dead_load_start(balance), solve)
     assert run is not None
     assert run.settled

@@ -43,21 +43,21 @@ def problem(name: str) -> tuple[Equilibrium, Strength]:
 
 def certified(balance: Equilibrium, strength: Strength) -> CoulombState:
     """The state of the canonical start."""
-    run = certified_iteration(balance, strength, dead_load_start(balance), solver_for(balance.matrix))
+    run = certified_iteration(balance, strength, dead_load_start(balance), solver_for(balance.wrenches))
     assert run is not None
     return CoulombState(run.x, run.load_factor, run.y, run.gap)
 
 
 def farthest(balance: Equilibrium, strength: Strength, state: CoulombState, sign: float, more: float) -> float:
     """The end of the interval as one program with a dense row: sum n (w + mu |v|) + t . v <= gap + more."""
-    rate = (balance.matrix.T @ (state.y / (balance.live @ state.y))).reshape(-1, 3)
+    rate = balance.rates(state.y / (balance.live @ state.y))
     slip = np.hypot(rate[:, 1], rate[:, 2])
     cost = np.column_stack([np.abs(rate[:, 0]) + strength.friction * slip, rate[:, 1:]])
     allowed = state.gap + more
     # The row in the size of the others: its right side as large as the largest load. The slack is a point of its own.
     size = float(np.abs(balance.dead).max()) / allowed
     row = sp.hstack([sp.csr_matrix(size * cost.reshape(1, -1)), sp.csr_matrix([[1.0, 0.0, 0.0]])])
-    rows = [sp.hstack([balance.matrix, sp.csr_matrix((len(balance.dead), 3))]), row]
+    rows = [sp.hstack([balance.wrenches.tocsc(), sp.csr_matrix((len(balance.dead), 3))]), row]
     zero = np.zeros(len(cost) + 1)
     program = ConeProgram(
         balance=sp.csc_matrix(sp.vstack(rows)),
@@ -77,7 +77,7 @@ def farthest(balance: Equilibrium, strength: Strength, state: CoulombState, sign
 def test_ends_are_those_of_one_program_with_a_dense_row(name: str) -> None:
     balance, strength = problem(name)
     state = certified(balance, strength)
-    low, high = mechanism_interval(balance, strength, state, solver_for(balance.matrix))
+    low, high = mechanism_interval(balance, strength, state, solver_for(balance.wrenches))
     ends = [farthest(balance, strength, state, sign, 1e-5 * state.load_factor) for sign in (-1.0, 1.0)]
     # They are attained, so they lie inside; by 1e-4 of the load factor at most.
     close = 1e-4 * state.load_factor
@@ -92,7 +92,7 @@ def weighted(shares: FloatArray, excess: FloatArray) -> float:
 
 def test_stressed_velocities_are_the_best_for_the_weighted_gap() -> None:
     balance, strength = problem("6")
-    solve = solver_for(balance.matrix)
+    solve = solver_for(balance.wrenches)
     # The associative forces: far from any state without dilatancy.
     program = associative_program(balance, strength)
     answer = solve(program)
@@ -115,7 +115,7 @@ def test_stressed_velocities_are_the_best_for_the_weighted_gap() -> None:
 def test_weights_keep_a_state_without_gap() -> None:
     balance, strength = problem("4")
     state = certified(balance, strength)
-    solve = solver_for(balance.matrix)
+    solve = solver_for(balance.wrenches)
     n = np.maximum(state.x[:, 0], 0.0)
     excess = np.random.default_rng(3).uniform(0.0, 50.0, len(n))
     y = sliding_velocities(balance, strength, n, solve, stressed=(excess, state.x))
@@ -128,9 +128,9 @@ def test_weights_keep_a_state_without_gap() -> None:
 def test_excess_takes_forces_from_opening_joints() -> None:
     balance, strength = problem("6")
     state = certified(balance, strength)
-    solve = solver_for(balance.matrix)
+    solve = solver_for(balance.wrenches)
     n = np.full(len(state.x), float(state.x[:, 0].mean()))
-    rate = (balance.matrix.T @ state.y).reshape(-1, 3)
+    rate = balance.rates(state.y)
     opening = np.maximum(rate[:, 0], 0.0)
     plain = nearest_forces(balance, strength, n, state.y, solve, nearness=0.1)
     stressed = nearest_forces(balance, strength, n, state.y, solve, nearness=0.1, excess=np.full(len(n), 10.0))

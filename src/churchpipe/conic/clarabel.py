@@ -88,7 +88,7 @@ class _Layout:
         p = _columns(self.rows + general.sum(), damped)
         q = _columns(self.rows + general.sum() + damped.sum(), bounded)
         width = int(self.rows + general.sum() + damped.sum() + bounded.sum() + capped)
-        rate = sp.csr_matrix(program.balance.T)
+        rate = sp.csr_matrix(program.matrix().T)
         self._slope = program.slope
 
         growth = sp.csr_matrix(program.growth[None, :])

@@ -26,7 +26,7 @@ def solve_cvxpy(program: ConeProgram, solver: str = "CLARABEL", **options: Any) 
     tau = cp.Variable()
     n = cp.Variable(program.points)
     t = cp.Variable((program.points, 2))
-    normal, first, second = (program.balance[:, k::3] for k in range(3))
+    normal, first, second = (program.matrix()[:, k::3] for k in range(3))
     balance = normal @ n + first @ t[:, 0] + second @ t[:, 1] + program.constant + tau * program.growth == 0
     constraints: list[Any] = [
         balance,

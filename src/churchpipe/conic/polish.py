@@ -25,7 +25,7 @@ def restore_balance(program: ConeProgram, x: FloatArray, tau: float) -> tuple[Fl
     if program.imbalance(x, tau) <= _ROUNDING:
         return x, tau
     root = _metric_root(program, x)
-    columns = sp.csc_matrix(program.balance @ root)
+    columns = sp.csc_matrix(program.matrix() @ root)
     solve = semidefinite_solver(columns)
     lever = solve(program.growth)
     stiffness = float(program.growth @ lever) + (1.0 if tau < program.cap * (1 - 1e-6) else np.inf)

@@ -6,6 +6,7 @@ from typing import Literal
 import numpy as np
 import scipy.sparse as sp
 
+from churchpipe.conic.wrenches import Balance, apply, as_matrix, transpose
 from churchpipe.errors import InputError
 from churchpipe.model.arrays import FloatArray, floats, store
 
@@ -20,12 +21,13 @@ class ConeProgram:
     subject to  balance x + constant + tau growth = 0,   tau <= cap,
                 0 <= n_k <= bound_k,   |t_k| <= limit_k + slope_k n_k,   x_k = (n_k, t1_k, t2_k)
 
-    `balance` (m, 3c); `constant`, `growth` (m,); `limit` (c,) >= 0; `slope` (c,); `linear`, `quadratic` (c,), the latter
-    >= 0; `cap` may be infinite; `bound` (c,) >= 0, or one for all, infinite unless given: a point without limit and slope has
-    n alone, a bounded scalar. The multipliers y (m,) of the balance satisfy growth . y = 1 at an optimum (tau < cap).
+    `balance` (m, 3c): the wrenches of rigid bodies, or a matrix; `constant`, `growth` (m,); `limit` (c,) >= 0; `slope` (c,);
+    `linear`, `quadratic` (c,), the latter >= 0; `cap` may be infinite; `bound` (c,) >= 0, or one for all, infinite unless given:
+    a point without limit and slope has n alone, a bounded scalar. The multipliers y (m,) of the balance satisfy growth . y = 1
+    at an optimum (tau < cap).
     """
 
-    balance: sp.csc_matrix[np.float64]
+    balance: Balance
     constant: FloatArray
     growth: FloatArray
     limit: FloatArray
@@ -66,7 +68,15 @@ class ConeProgram:
 
     def residual(self, x: FloatArray, tau: float) -> FloatArray:
         """Return balance x + constant + tau growth (m,) of forces x (c, 3)."""
-        return np.asarray(self.balance @ x.ravel()) + self.constant + tau * self.growth
+        return apply(self.balance, x) + self.constant + tau * self.growth
+
+    def rates(self, y: FloatArray) -> FloatArray:
+        """Return balance^T y (c, 3) of multipliers y (m,): how fast each point opens and slides."""
+        return transpose(self.balance, y)
+
+    def matrix(self) -> sp.csc_matrix[np.float64]:
+        """Return the balance as a matrix (m, 3c), its columns point by point."""
+        return as_matrix(self.balance)
 
     def imbalance(self, x: FloatArray, tau: float) -> float:
         """Return the largest residual of forces x (c, 3) over the largest load; infinite where one is not a number."""

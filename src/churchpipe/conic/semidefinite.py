@@ -6,10 +6,8 @@ import numpy as np
 import scipy.sparse as sp
 
 from churchpipe.conic.cholesky import Cholesky, NotDefiniteError
+from churchpipe.conic.wrenches import BODY
 from churchpipe.model.arrays import FloatArray
-
-# Rows of the balance of one rigid body.
-BLOCK = 6
 
 
 def semidefinite_solver(root: sp.csc_matrix[np.float64]) -> Callable[[FloatArray], FloatArray]:
@@ -31,7 +29,7 @@ def semidefinite_solver(root: sp.csc_matrix[np.float64]) -> Callable[[FloatArray
     lower.sort_indices()
     # A row without any entry keeps a unit diagonal; the others lose the one that held their place in the pattern.
     diagonal = lower.indptr[:-1]
-    cholesky = Cholesky(lower, BLOCK)
+    cholesky = Cholesky(lower, BODY)
     for extra in (1e-14, 1e-13, 1e-12, 1e-11, 1e-10, 1e-8, 1e-6):
         values = lower.data.copy()
         values[diagonal] -= np.where(length > 0, 1.0 - extra, 0.0)

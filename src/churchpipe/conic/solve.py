@@ -5,11 +5,9 @@ from dataclasses import replace
 from functools import partial
 from typing import Protocol, TypeAlias
 
-import numpy as np
-import scipy.sparse as sp
-
 from churchpipe.conic.polish import restore_balance
 from churchpipe.conic.program import ConeProgram, ConeSolution
+from churchpipe.conic.wrenches import Balance
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import text
 
@@ -37,7 +35,7 @@ class Solve(Protocol):
 SOLVERS = ("auto", "interior-point", "clarabel", "cvxpy", "cvxpy:NAME")
 
 
-def solver_for(balance: sp.csc_matrix[np.float64], name: str = "auto") -> Solve:
+def solver_for(balance: Balance, name: str = "auto") -> Solve:
     """Return a solver of the cone programs that share a balance (m, 3c).
 
     name: "interior-point" (our own: one symbolic analysis serves all programs), "clarabel", "cvxpy" or "cvxpy:NAME" with any
@@ -86,7 +84,7 @@ def _in_turn(*solvers: _Solver) -> Solve:
     return solve
 
 
-def _own(balance: sp.csc_matrix[np.float64]) -> _Solver:
+def _own(balance: Balance) -> _Solver:
     """Return our own solver, which stops as early as it may."""
     from churchpipe.conic.interior_point import InteriorPointSolver
     from churchpipe.conic.interior_point.settings import CENTRAL

@@ -17,7 +17,7 @@ import scipy.sparse as sp
 
 from churchpipe.conic.interior_point.cones import Scaling
 from churchpipe.conic.interior_point.coulomb import CoulombCompliance, CoulombPoints
-from churchpipe.conic.interior_point.coupling import Coupling
+from churchpipe.conic.interior_point.coupling import Coupling, touches
 from churchpipe.model.arrays import FloatArray, IntArray
 
 CORNERS = 12
@@ -35,7 +35,7 @@ class CellCoupling(Coupling):
         columns = (9 * np.arange(count)[:, None] + np.arange(9)).astype(np.int64)
         wide = sp.csc_matrix(equilibrium) @ _selection(columns[:, :6].ravel(), 9 * count)
         matrix = sp.csc_matrix(sp.vstack([wide, _selection(columns[:, 6:].ravel(), 9 * count)]))
-        super().__init__(matrix, 9, 1, by_point=True)
+        super().__init__(touches(matrix, 9, 1, by_point=True))
         self._sums = sums
 
     def couple(self, x: FloatArray) -> FloatArray:

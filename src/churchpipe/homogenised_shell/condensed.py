@@ -14,7 +14,7 @@ import scipy.sparse as sp
 
 from churchpipe.conic.cholesky import Cholesky
 from churchpipe.conic.interior_point.cones import cone_shape
-from churchpipe.conic.interior_point.coupling import Coupling
+from churchpipe.conic.interior_point.coupling import Coupling, touches
 from churchpipe.conic.interior_point.iterate import Iterate
 from churchpipe.conic.interior_point.local import LocalProblems
 from churchpipe.conic.interior_point.loop import interior_start, solve_coupled
@@ -190,7 +190,7 @@ class CondensedShell:
     def _structure(self) -> "_System":
         law = self.strength
         if self._planes:
-            coupling = Coupling(sp.csc_matrix(self.loads.equilibrium), 6, 1, by_point=True)
+            coupling = Coupling(touches(sp.csc_matrix(self.loads.equilibrium), 6, 1, by_point=True))
         else:
             coupling = CellCoupling(self.loads.equilibrium, np.concatenate([law.of, law.still]))
         normal = NormalMatrix(coupling)

@@ -130,8 +130,8 @@ def _proved(program: ConeProgram) -> tuple[ConeSolution, Outcome]:
 
 def _doubt(program: ConeProgram, answer: ConeSolution) -> float:
     """Return the largest error of forces and mechanism as a proof of the factor: balance, both cones, and the two bounds."""
-    forces, closing = answer.x, np.asarray(program.balance.T @ answer.y).reshape(-1, 3)
-    balance = program.balance @ forces.ravel() + program.constant + answer.tau * program.growth
+    forces, closing = answer.x, program.rates(answer.y)
+    balance = program.residual(forces, answer.tau)
     static = np.hypot(forces[:, 1], forces[:, 2]) - program.slope * forces[:, 0]
     kinematic = program.slope * np.hypot(closing[:, 1], closing[:, 2]) - closing[:, 0]
     gap = np.array([answer.tau + program.constant @ answer.y, 1 - program.growth @ answer.y])

@@ -16,7 +16,7 @@ from churchpipe.large_displacements.travelling import TravellingLoads
 from churchpipe.mechanism import reference_speed, stone_speed
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
-from churchpipe.rigid_blocks.equilibrium import contact_matrix
+from churchpipe.rigid_blocks.equilibrium import contact_wrenches
 
 # Programs of a step: as drawn, where the sliding is unknown, and later.
 FIRST, PROGRAMS = 12, 4
@@ -81,7 +81,7 @@ def solve_state(model: MovingModel, state: PathState, programs: int = PROGRAMS) 
     solved again until they agree, so many times at the most.
     """
     stones, program, free, gap = _program(model, state)
-    solve = solver_for(program.matrix, model.solver)
+    solve = solver_for(program.balance, model.solver)
     length, sliding = state.length, state.joints.sliding
     attempt, free_way = 0, True
     while True:
@@ -190,19 +190,19 @@ def _program(model: MovingModel, state: PathState) -> tuple[Assemblage, StepProg
     dead = model.dead.rows(rotation, free, model.force, model.length)
     friction = model.friction.of(contacts.blocks, stones.count)[contacts.interface_of_point]
     if isinstance(model.driven, TravellingLoads):
-        matrix = contact_matrix(stones, contacts, free, model.length)
+        balance = contact_wrenches(stones, contacts, free, model.length)
         return (
             stones,
-            StepProgram(matrix, dead, model.driven.rows(rotation, free, model.force, model.length), friction),
+            StepProgram(balance, dead, model.driven.rows(rotation, free, model.force, model.length), friction),
             free,
             gap,
         )
     twist = model.driven.twist(state.poses)
     twist[:, 3:] *= model.length
-    matrix = contact_matrix(stones, contacts, np.append(free, model.driven.stones), model.length)
+    balance = contact_wrenches(stones, contacts, np.append(free, model.driven.stones), model.length)
     # Of the balance of the support only that along its movement is left.
     along = sp.block_diag([sp.identity(6 * len(free)), twist.reshape(1, -1)], format="csr")
-    rows = sp.csc_matrix(along @ matrix)
+    rows = sp.csc_matrix(along @ balance.tocsc())
     return stones, StepProgram(rows, np.append(dead, 0.0), np.append(np.zeros_like(dead), 1.0), friction), free, gap
 
 

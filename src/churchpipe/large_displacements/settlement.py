@@ -101,7 +101,7 @@ def settlement_model(
     balance = equilibrium(stones, contacts, load)
     strength = point_strength(contacts, friction, 0.0, balance.force)
     movement = support_movement(stones, contacts, support, direction, about)
-    standing, answer = dead_load_analysis(balance, strength, solver_for(balance.matrix, solver))
+    standing, answer = dead_load_analysis(balance, strength, solver_for(balance.wrenches, solver))
     model = moving_model(stones, contacts, load, movement, friction, balance, ~stones.fixed, step, solver)
     poses = start_poses(stones)
     # Supports do not bear on each other: one that moves past another is not held by it.

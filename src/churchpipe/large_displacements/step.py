@@ -3,11 +3,11 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy.sparse as sp
 
 from churchpipe.conic.polish import restore_balance
 from churchpipe.conic.program import ConeProgram, Outcome
 from churchpipe.conic.solve import Solve
+from churchpipe.conic.wrenches import Balance, transpose
 from churchpipe.model.arrays import FloatArray
 
 # Error of the programs, whose velocities move the stones.
@@ -18,17 +18,17 @@ _DUALITY_GAP = 1e-7
 class StepProgram:
     """What a load factor is sought for: the balance of displaced stones and the friction of their contact points.
 
-    matrix (m, 3 nc), dead and live (m,) as in `Equilibrium`; friction (nc,).
+    balance (m, 3 nc): what the forces of the points do to the stones; dead and live (m,) as in `Equilibrium`; friction (nc,).
     """
 
-    matrix: sp.csc_matrix
+    balance: Balance
     dead: FloatArray
     live: FloatArray
     friction: FloatArray
 
     def rates(self, y: FloatArray) -> FloatArray:
         """Return the rates (nc, 3) n, t1, t2 of multipliers y (m,)."""
-        return (self.matrix.T @ y).reshape(-1, 3)
+        return transpose(self.balance, y)
 
     def slip(self, y: FloatArray) -> FloatArray:
         """Return the opening mu |v| (nc,) that sliding at this rate costs in the program."""
@@ -67,7 +67,7 @@ def solve_step(program: StepProgram, opening: FloatArray, closing: FloatArray, s
     sliding is known slide without dilating.
     """
     zero = np.zeros_like(opening)
-    cone = ConeProgram(program.matrix, program.dead, program.live, zero, program.friction, opening, zero)
+    cone = ConeProgram(program.balance, program.dead, program.live, zero, program.friction, opening, zero)
     answer = solve(cone, duality_gap=_DUALITY_GAP)
     if answer.outcome != "solved":
         return StepAnswer(answer.outcome, answer.x, np.nan, answer.y, message=answer.message)
@@ -83,7 +83,7 @@ def solve_step(program: StepProgram, opening: FloatArray, closing: FloatArray, s
     opened = n * np.minimum(np.abs(rate[:, 0]), np.abs(rate[:, 0] + closing))
     return replace(
         StepAnswer("solved", x, tau, y, message=answer.message),
-        residual=float(np.abs(program.matrix @ x.ravel() + program.dead + tau * program.live).max()),
+        residual=float(np.abs(cone.residual(x, tau)).max()),
         violation=float(max(0.0, (shear - program.friction * n).max(initial=0.0), (-x[:, 0]).max(initial=0.0))),
         bound_gap=abs(upper - (tau - float(n @ opening))) / max(abs(tau), 1e-3),
         gap=float((opened + undissipated).sum()),

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse as sp
 
 from churchpipe.model.arrays import BoolArray, FloatArray
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
@@ -96,7 +95,7 @@ def certify(balance: Equilibrium, strength: Strength, x: FloatArray, tau: float,
     residual, so that 2e-9 of the weight has hidden an error of 3e-6 in the load factor.
     """
     inside = into_cones(x, strength)
-    residual = balance.matrix @ inside.ravel() + balance.dead + tau * balance.live
+    residual = balance.residual(inside, tau)
     upper_bound, flow_violation = kinematic_bound(balance, strength, inside[:, 0], y)
     return Certificate(
         lower_bound=tau,
@@ -110,10 +109,9 @@ def certify(balance: Equilibrium, strength: Strength, x: FloatArray, tau: float,
 
 def _stone_residual(balance: Equilibrium, residual: FloatArray, x: FloatArray) -> float:
     """Return the largest residual (6 nf,) over the load of its stone and the lever of its row, or a share of the forces there."""
-    size = sp.csr_matrix(abs(balance.matrix))
+    lever, passing = balance.wrenches.sizes(x)
     load = np.maximum(np.abs(balance.dead), np.abs(balance.live)).reshape(-1, 6).max(axis=1)
-    lever = np.asarray(size.max(axis=1).todense()).ravel()
-    unit = np.maximum(np.repeat(load, 6) * lever, _PASSING * (size @ np.abs(x.ravel())))
+    unit = np.maximum(np.repeat(load, 6) * lever, _PASSING * passing)
     return float((np.abs(residual) / np.maximum(unit, 1e-300)).max())
 
 
@@ -129,7 +127,7 @@ def kinematic_bound(balance: Equilibrium, strength: Strength, n: FloatArray, y: 
     if not power > 0:
         return np.inf, np.inf
     u = y / power
-    rate = (balance.matrix.T @ u).reshape(-1, 3)
+    rate = balance.rates(u)
     slip = np.hypot(rate[:, 1], rate[:, 2])
     excess = np.maximum(0.0, strength.friction * slip - rate[:, 0])
     bounded = strength.bounded

@@ -69,7 +69,7 @@ def sliding_velocities(
         excess, x = stressed
         program = replace(
             program,
-            constant=program.constant - balance.matrix @ (excess[:, None] * x).ravel(),
+            constant=program.constant - balance.wrenches.apply(excess[:, None] * x),
             limit=program.limit + excess * strength.shear(np.maximum(x[:, 0], 0.0)),
             bound=program.bound * (1.0 + excess),
         )
@@ -100,7 +100,7 @@ def gap_shares(balance: Equilibrium, strength: Strength, x: FloatArray, y: Float
     Each term is nonnegative by itself, so that nothing cancels. Where stones must not overlap, an overlap counts as much as an
     opening.
     """
-    rate = (balance.matrix.T @ (y / (balance.live @ y))).reshape(-1, 3)
+    rate = balance.rates(y / (balance.live @ y))
     slip = np.hypot(rate[:, 1], rate[:, 2])
     sliding = strength.shear(x[:, 0]) * slip + (x[:, 1:] * rate[:, 1:]).sum(axis=1)
     lever = x[:, 0].copy()
@@ -135,7 +135,7 @@ def nearest_forces(
     excess (nc,) >= 0: the work of n against the openings of y counts so many times more.
     """
     shear = strength.friction * n
-    rate = (balance.matrix.T @ y).reshape(-1, 3)
+    rate = balance.rates(y)
     slip = np.hypot(rate[:, 1], rate[:, 2])
     curvature = (
         nearness / (len(n) * max(float(shear.mean()), 1e-3 * float(np.abs(balance.dead).max())) ** 2) * strength.friction**2
@@ -154,8 +154,8 @@ def dead_load_start(balance: Equilibrium) -> FloatArray:
 
     Ties are left slack.
     """
-    matrix = balance.matrix[:, : 3 * balance.contacts]
-    forces = -(matrix.T @ semidefinite_solver(matrix)(balance.dead))
+    matrix = balance.wrenches.tocsc()[:, : 3 * balance.contacts]
+    forces = -np.asarray(matrix.T @ semidefinite_solver(matrix)(balance.dead))
     return np.maximum(forces[::3], 0.0)
 
 
@@ -172,8 +172,8 @@ def admissible(balance: Equilibrium, strength: Strength, state: CoulombState) ->
     Where the normal force is bounded they may: the joint crushes. Overlap is checked because the gap weighs it by the normal
     force there: where that is zero, overlap does not add to the gap.
     """
-    rate = (balance.matrix.T @ state.y).reshape(-1, 3)
+    rate = balance.rates(state.y)
     if -float(rate[~strength.bounded, 0].min(initial=0.0)) > FLOW_TOLERANCE * float(np.abs(rate).max(initial=0.0)):
         return False
-    residual = balance.matrix @ state.x.ravel() + balance.dead + state.load_factor * balance.live
+    residual = balance.residual(state.x, state.load_factor)
     return float(np.abs(residual).max()) < 1e-8 and cone_violation(state.x, strength) < 1e-8

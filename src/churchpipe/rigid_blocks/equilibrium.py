@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-import scipy.sparse as sp
 
 from churchpipe.conic.program import ConeProgram
+from churchpipe.conic.wrenches import Wrenches, pair_wrenches
 from churchpipe.errors import InputError
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
@@ -22,12 +22,12 @@ class Equilibrium:
     """The balance of the free stones in the units of the analysis.
 
     The unit of force is the total weight of the free stones, the unit of length the mean size of a stone: any other choice
-    hides errors in relative residuals. matrix (6 nf, 3 nc) of the forces (n, t1, t2) on wrenches (force, moment about the
-    centroid); dead, live (6 nf,); free (nf,) stones; count nb; force N and length m are the units. The last `ties` points are
-    ties (`ties.with_ties`).
+    hides errors in relative residuals. wrenches: A, what the forces (n, t1, t2) of the points do to the stones (force, moment
+    about the centroid); dead f_D, live f_L (6 nf,); free (nf,) stones; count nb; force N and length m are the units. The last
+    `ties` points are ties (`ties.with_ties`).
     """
 
-    matrix: sp.csc_matrix
+    wrenches: Wrenches
     dead: FloatArray
     live: FloatArray
     free: IntArray
@@ -39,7 +39,15 @@ class Equilibrium:
     @property
     def contacts(self) -> int:
         """Number of contact points."""
-        return self.matrix.shape[1] // 3 - self.ties
+        return len(self.wrenches.frame) - self.ties
+
+    def residual(self, x: FloatArray, load_factor: float) -> FloatArray:
+        """Return what is left of the balance (6 nf,) of forces x (nc + nt, 3)."""
+        return self.wrenches.apply(x) + self.dead + load_factor * self.live
+
+    def rates(self, y: FloatArray) -> FloatArray:
+        """Return how fast the points open and slide (nc + nt, 3) with velocities y (6 nf,); ties shorten."""
+        return self.wrenches.transpose(y)
 
     def program(
         self,
@@ -51,7 +59,7 @@ class Equilibrium:
     ) -> ConeProgram:
         """Return the cone program of this balance; all arrays, one value a point (nc + nt,), as there: no cost if None."""
         price, curvature = (np.zeros(len(limit)) if each is None else each for each in (linear, quadratic))
-        return ConeProgram(self.matrix, self.dead, self.live, limit, slope, price, curvature, bound=bound)
+        return ConeProgram(self.wrenches, self.dead, self.live, limit, slope, price, curvature, bound=bound)
 
     def velocities(self, y: FloatArray) -> FloatArray:
         """Return velocities (nb, 6) of all stones from multipliers (6 nf,) of the balance: f_L . u is 1 m per total weight."""
@@ -89,7 +97,7 @@ def equilibrium(stones: Assemblage, contacts: Contacts, load: LoadCase, contact_
         raise InputError(f"load {load.name}", "nothing is pushed", expected="a load on at least one free stone")
     unit = np.array([force] * 3 + [force * length] * 3)
     return Equilibrium(
-        matrix=contact_matrix(stones, contacts, free, length, friction),
+        wrenches=contact_wrenches(stones, contacts, free, length, friction),
         dead=(dead / unit)[free].ravel(),
         live=(live / unit)[free].ravel(),
         free=free,
@@ -117,29 +125,25 @@ def _extra(name: str, wrench: FloatArray | None, count: int) -> FloatArray:
     return wrench
 
 
-def contact_matrix(
+def contact_wrenches(
     stones: Assemblage, contacts: Contacts, free: IntArray, length: float, friction: FloatArray | None = None
-) -> sp.csc_matrix:
-    """Return the matrix (6 nf, 3 nc) of point forces (n, t1, t2) on wrenches of these stones (nf,), moments over length, m.
+) -> Wrenches:
+    """Return what the point forces (n, t1, t2) do to these stones (nf,): wrenches about their centroids, moments over length, m.
 
-    friction (nc, 3) m: where t1 and t2 act, None: where n does.
+    friction (nc, 3) m: where t1 and t2 act, in the plane of the joint, None: where n does.
     """
-    sliding = contacts.point if friction is None else friction
-    place = np.stack([contacts.point, sliding, sliding], axis=1)
     row_of = np.full(stones.count, -1, dtype=np.int64)
     row_of[free] = np.arange(len(free))
     interface = contacts.interface_of_point
-    axes = contacts.frame[interface]
-    data, rows, columns = [], [], []
-    for side, sign in ((0, -1.0), (1, 1.0)):
-        block = contacts.blocks[interface, side]
-        chosen = np.flatnonzero(row_of[block] >= 0)
-        arm = (place[chosen] - stones.centroid[block[chosen]][:, None]) / length
-        # wrench_iac: axis a of point i, component c of force and moment.
-        wrench = np.concatenate([axes[chosen], np.cross(arm, axes[chosen])], axis=2) * sign
-        data.append(wrench.ravel())
-        rows.append(np.broadcast_to((6 * row_of[block[chosen]])[:, None, None] + np.arange(6), wrench.shape).ravel())
-        columns.append(np.broadcast_to((3 * chosen)[:, None, None] + np.arange(3)[:, None], wrench.shape).ravel())
-    shape = (6 * len(free), 3 * len(contacts.point))
-    matrix = sp.coo_matrix((np.concatenate(data), (np.concatenate(rows), np.concatenate(columns))), shape=shape)
-    return sp.csc_matrix(matrix)
+    pairs = contacts.blocks[interface]
+    shift = None
+    if friction is not None:
+        shift = np.einsum("kac,kc->ka", contacts.frame[interface, 1:], friction - contacts.point) / length
+    return pair_wrenches(
+        len(free),
+        row_of[pairs],
+        (contacts.point[:, None] - stones.centroid[pairs]) / length,
+        contacts.frame,
+        interface,
+        shift,
+    )

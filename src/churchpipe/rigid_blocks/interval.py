@@ -79,7 +79,7 @@ def _priced_program(balance: Equilibrium, strength: Strength, state: CoulombStat
     A point whose normal force is bounded may close, at the price of its bound, which is constant: the second term is absent
     there. The multiplier counts once, so it is -alpha where sign + price < 0.
     """
-    rate = (balance.matrix.T @ (state.y / (balance.live @ state.y))).reshape(-1, 3)
+    rate = balance.rates(state.y / (balance.live @ state.y))
     slip = np.hypot(rate[:, 1], rate[:, 2])
     reward = sign + price
     overlap = np.where(strength.bounded, 0.0, np.maximum(-rate[:, 0], 0.0))

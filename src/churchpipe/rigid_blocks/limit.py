@@ -108,7 +108,7 @@ def limit_analysis(
     _check_connected(stones, contacts, balance)
     if progress:
         progress("dead load", 0.0)
-    solve = solver_for(balance.matrix, solver)
+    solve = solver_for(balance.wrenches, solver)
     standing, dead_answer = dead_load_analysis(balance, strength, solve)
     if standing != "stable":
         return _fallen(balance, standing, dead_answer, flow, perf_counter() - begin)
@@ -218,7 +218,7 @@ def wedge(balance: Equilibrium, strength: Strength, solve: Solve) -> ConeSolutio
 
 def unbounded_state(balance: Equilibrium, ray: ConeSolution, seconds: float, flow: Flow = "associative") -> LimitState:
     """Return the state of a structure that no lateral load of this kind brings down, with the forces that balance it."""
-    residual = float(np.abs(balance.matrix @ ray.x.ravel() + balance.live).max())
+    residual = float(np.abs(balance.wrenches.apply(ray.x) + balance.live).max())
     message = (
         f"the stones are wedged: forces within friction balance the lateral load alone, residual {residual:.1e} of the weight"
     )

@@ -184,7 +184,7 @@ def _state(
     if proven and certified is not None:
         x, y, load_factor = certified.x, certified.y, certified.load_factor
         last = load_factor
-    residual = balance.matrix @ x.ravel() + balance.dead + last * balance.live
+    residual = balance.residual(x, last)
     overdrawn = friction_violation(strength, x)
     forces = point_forces(balance, x, y)
     return LimitState(

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy.sparse as sp
 
+from churchpipe.conic.wrenches import pair_wrenches
 from churchpipe.errors import InputError
 from churchpipe.geometry.locate import stones_at
 from churchpipe.model.arrays import FloatArray
@@ -14,6 +14,7 @@ from churchpipe.model.results import LimitState
 from churchpipe.model.ties import Tie
 from churchpipe.rigid_blocks.certificate import Strength
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
+from churchpipe.stones.interfaces import frames
 
 
 def with_ties(balance: Equilibrium, strength: Strength, stones: Assemblage, ties: Sequence[Tie]) -> tuple[Equilibrium, Strength]:
@@ -28,19 +29,18 @@ def with_ties(balance: Equilibrium, strength: Strength, stones: Assemblage, ties
     """
     if not ties:
         return balance, strength
-    wrench = np.zeros((len(ties), stones.count, 6))
-    for row, tie in enumerate(ties):
-        for stone, anchor, force in zip(_anchored(stones, tie), (tie.start, tie.end), (tie.axis, -tie.axis), strict=True):
-            arm = (anchor - stones.centroid[stone]) / balance.length
-            wrench[row, stone] = np.concatenate([force, np.cross(arm, force)])
-    columns = np.zeros((6 * len(balance.free), len(ties), 3))
-    columns[:, :, 0] = wrench[:, balance.free].reshape(len(ties), -1).T
-    flat = columns.reshape(len(columns), -1)
-    tied = replace(
-        balance,
-        matrix=sp.csc_matrix(sp.hstack([balance.matrix, sp.csc_matrix(flat)])),
-        ties=len(ties),
+    pairs = np.array([_anchored(stones, tie) for tie in ties])
+    anchors = np.array([(tie.start, tie.end) for tie in ties])
+    row_of = np.full(stones.count, -1, dtype=np.int64)
+    row_of[balance.free] = np.arange(len(balance.free))
+    tensions = pair_wrenches(
+        len(balance.free),
+        row_of[pairs],
+        (anchors - stones.centroid[pairs]) / balance.length,
+        frames(np.array([-tie.axis for tie in ties])),
+        np.arange(len(ties)),
     )
+    tied = replace(balance, wrenches=balance.wrenches.joined(tensions), ties=len(ties))
     none = np.zeros(len(ties))
     bound = np.array([tie.strength for tie in ties]) / balance.force
     values = ((strength.friction, none), (strength.cohesion, none), (strength.bound, bound))
@@ -96,7 +96,7 @@ def point_forces(balance: Equilibrium, x: FloatArray, y: FloatArray) -> PointFor
     """
     first = balance.contacts
     power = float(balance.live @ y)
-    shortening = np.asarray(balance.matrix.T @ y).reshape(-1, 3)[first:, 0] / (power if power > 0 else np.nan)
+    shortening = balance.rates(y)[first:, 0] / (power if power > 0 else np.nan)
     return PointForces(
         x[:first] * balance.force, np.maximum(x[first:, 0], 0.0) * balance.force, np.maximum(-shortening, 0.0) / balance.force
     )

@@ -29,7 +29,7 @@ def program(
     balance = equilibrium(stones, contacts, LoadCase((1, 0, 0)))
     one = np.ones(len(contacts.point))
     return ConeProgram(
-        balance.matrix, balance.dead, balance.live, limit * one, slope * one, linear * one, quadratic * one, cap, bound * one
+        balance.wrenches, balance.dead, balance.live, limit * one, slope * one, linear * one, quadratic * one, cap, bound * one
     )
 
 
@@ -61,7 +61,7 @@ def test_clarabel_agrees_with_cvxpy(options: dict[str, float]) -> None:
         return tau - stated.linear @ x[:, 0] - 0.5 * stated.quadratic @ x[:, 0] ** 2
 
     assert value(ours.x, ours.tau) == pytest.approx(value(reference.x, reference.tau), abs=1e-6)
-    residual = stated.balance @ ours.x.ravel() + stated.constant + ours.tau * stated.growth
+    residual = stated.residual(ours.x, ours.tau)
     assert np.abs(residual).max() < 1e-8
     shear = np.hypot(ours.x[:, 1], ours.x[:, 2])
     assert (shear <= stated.limit + stated.slope * ours.x[:, 0] + 1e-8).all()
@@ -76,7 +76,7 @@ def test_restored_forces_balance_to_rounding() -> None:
     stated = program()
     answer = solve_clarabel(stated, duality_gap=1e-6)
     x, tau = restore_balance(stated, answer.x, answer.tau)
-    assert np.abs(stated.balance @ x.ravel() + stated.constant + tau * stated.growth).max() < 1e-14
+    assert np.abs(stated.residual(x, tau)).max() < 1e-14
     assert (np.hypot(x[:, 1], x[:, 2]) - 0.7 * x[:, 0]).max() < 1e-9
     assert tau == pytest.approx(answer.tau, abs=1e-5)
 

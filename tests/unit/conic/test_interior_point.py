@@ -17,6 +17,7 @@ from churchpipe.conic.interior_point import (
     solve_interior_point,
 )
 from churchpipe.conic.program import ConeProgram, ConeSolution
+from churchpipe.conic.wrenches import apply
 from churchpipe.errors import InputError
 from churchpipe.model.assemblage import Assemblage, Polyhedron
 from churchpipe.model.loads import LoadCase
@@ -42,7 +43,7 @@ def stated(
     balance = equilibrium(stones, contacts, LoadCase(direction))
     one = np.ones(len(contacts.point))
     return ConeProgram(
-        balance.matrix, balance.dead, balance.live, limit * one, slope * one, linear * one, quadratic * one, cap, bound * one
+        balance.wrenches, balance.dead, balance.live, limit * one, slope * one, linear * one, quadratic * one, cap, bound * one
     )
 
 
@@ -60,7 +61,7 @@ def wall(columns: int, courses: int) -> Assemblage:
 
 
 def check_forces(program: ConeProgram, answer: ConeSolution) -> None:
-    residual = program.balance @ answer.x.ravel() + program.constant + answer.tau * program.growth
+    residual = program.residual(answer.x, answer.tau)
     assert np.abs(residual).max() <= 1e-9
     shear = np.hypot(answer.x[:, 1], answer.x[:, 2])
     assert (answer.x[:, 0] >= 0).all()
@@ -70,7 +71,7 @@ def check_forces(program: ConeProgram, answer: ConeSolution) -> None:
 
 def dual_value(program: ConeProgram, x: np.ndarray, y: np.ndarray) -> float:
     """Work of the velocities of an uncapped program: an upper bound of tau, up to excess rates times n."""
-    rate = (program.balance.T @ y).reshape(-1, 3)
+    rate = program.rates(y)
     slip = np.hypot(rate[:, 1], rate[:, 2])
     excess = np.maximum(0.0, program.slope * slip - rate[:, 0] - program.linear - program.quadratic * x[:, 0])
     price = np.where(np.isfinite(program.bound), program.bound, x[:, 0])
@@ -186,7 +187,7 @@ def test_overhang_is_infeasible_with_its_mechanism() -> None:
     assert answer.outcome == "infeasible"
     work = float(program.constant @ answer.y)
     assert work > 0
-    rate = (program.balance.T @ answer.y).reshape(-1, 3) / work
+    rate = program.rates(answer.y) / work
     assert (rate[:, 0] - program.slope * np.hypot(rate[:, 1], rate[:, 2])).min() > -1e-6
     assert abs(program.growth @ answer.y) / work < 1e-6
 
@@ -196,14 +197,14 @@ def test_stone_without_contact_is_infeasible() -> None:
     answer = solve_interior_point(program)
     assert answer.outcome == "infeasible"
     assert program.constant @ answer.y > 0
-    assert np.abs(program.balance.T @ answer.y).max() == 0
+    assert np.abs(program.rates(answer.y)).max() == 0
 
 
 def test_push_into_the_ground_is_unbounded_with_its_ray() -> None:
     program = stated(on_ground(box((0, 1), (0, 1), (0, 1))), direction=(0, 0, -1))
     answer = solve_interior_point(program)
     assert answer.outcome == "unbounded"
-    assert np.abs(program.balance @ answer.x.ravel() + program.growth).max() < 1e-6
+    assert np.abs(apply(program.balance, answer.x) + program.growth).max() < 1e-6
     assert (program.slope * answer.x[:, 0] >= np.hypot(answer.x[:, 1], answer.x[:, 2]) - 1e-9).all()
 
 

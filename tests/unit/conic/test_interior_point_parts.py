@@ -10,7 +10,7 @@ import scipy.sparse as sp
 from churchpipe.conic.cholesky import Cholesky
 from churchpipe.conic.interior_point.cones import ProductCone
 from churchpipe.conic.interior_point.coulomb import CoulombPoints
-from churchpipe.conic.interior_point.coupling import Coupling
+from churchpipe.conic.interior_point.coupling import Coupling, touches
 from churchpipe.conic.interior_point.iterate import Iterate
 from churchpipe.conic.interior_point.loop import interior_start, solve_coupled
 from churchpipe.conic.interior_point.nonnegative import Nonnegative
@@ -18,11 +18,14 @@ from churchpipe.conic.interior_point.normal import NormalMatrix
 from churchpipe.conic.interior_point.problem import CoupledProblem
 from churchpipe.conic.interior_point.second_order import SecondOrder
 from churchpipe.conic.interior_point.settings import Settings
-from churchpipe.conic.interior_point.wrenches import WrenchCoupling, as_wrenches
+from churchpipe.conic.interior_point.wrenches import WrenchCoupling
 from churchpipe.generators import arch_piers
 from churchpipe.homogenised_shell.planes import PlanePoints
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
 from churchpipe.rigid_blocks.equilibrium import equilibrium
+from churchpipe.rigid_blocks.torsion import friction_points
 from sound import laid
 
 cp: Any = cvxpy
@@ -56,7 +59,7 @@ def test_multipliers_that_block_first_stop_short_alone() -> None:
     count = 400
     local = CoulombPoints(np.zeros(count), np.full(count, 0.6), np.zeros(count), np.zeros(count))
     plain = sp.csc_matrix(sp.random(6, 3 * count, density=0.5, random_state=1))
-    problem = CoupledProblem(local, Coupling(plain, 3, 6), np.zeros(6), np.ones(6))
+    problem = CoupledProblem(local, Coupling(touches(plain, 3, 6)), np.zeros(6), np.ones(6))
     cone = problem.cone
     s, z = interior(cone), interior(cone)
     step = Iterate(np.ones(3 * count), 1.0, np.ones(6), 0.1 * s, -0.5 * z, 0.0, 0.0)
@@ -94,22 +97,43 @@ def test_rates_of_a_product_are_those_of_its_parts() -> None:
     np.testing.assert_allclose(rates[1], 1.5 * rates[0], rtol=1e-9)
 
 
+def by_hand(stones: Assemblage, contacts: Contacts, length: float) -> np.ndarray:
+    """The matrix of point forces on wrenches, one entry after another; friction acts where the torsion model has it."""
+    row_of = dict(zip(np.flatnonzero(~stones.fixed).tolist(), range(int((~stones.fixed).sum())), strict=True))
+    matrix = np.zeros((6 * len(row_of), 3 * len(contacts.point)))
+    for k, interface in enumerate(contacts.interface_of_point):
+        for place, axis in enumerate(contacts.frame[interface]):
+            acts = contacts.point[k] if place == 0 else friction_points(contacts)[k]
+            for stone, sign in zip(contacts.blocks[interface].tolist(), (-1.0, 1.0), strict=True):
+                if stone in row_of:
+                    arm = (acts - stones.centroid[stone]) / length
+                    wrench = sign * np.concatenate([axis, np.cross(arm, axis)])
+                    matrix[6 * row_of[stone] : 6 * row_of[stone] + 6, 3 * k + place] = wrench
+    return matrix
+
+
 def test_wrenches_multiply_like_their_matrix() -> None:
     piers = {"course": 0.25, "stone_length": 0.5, "springing": 1.0, "pier_width": 0.9, "thickness": 0.6, "height": 2.5}
     arch = arch_piers(**piers, span=1.5, voussoirs=9, depth=0.4)
-    balance = equilibrium(*laid(arch), LoadCase((1, 0, 0))).matrix
-    plain = Coupling(balance, 3, 6, by_point=True)
-    wrenches = as_wrenches(plain)
-    assert isinstance(wrenches, WrenchCoupling)
-    assert len(wrenches.wrenches.frames) < plain.count
-    x, y = rng.normal(size=3 * plain.count), rng.normal(size=plain.rows)
-    np.testing.assert_allclose(wrenches.couple(x), plain.couple(x), rtol=0, atol=1e-13)
-    np.testing.assert_allclose(wrenches.spread(y), plain.spread(y), rtol=0, atol=1e-13)
-    active = rng.random((3, plain.count)) < 0.7
-    np.testing.assert_array_equal(wrenches.masked(active).spread(y), plain.masked(active).spread(y))
-    skewed = sp.csc_matrix(balance)
-    skewed.data[4] += 1e-6
-    assert type(as_wrenches(Coupling(skewed, 3, 6, by_point=True))) is Coupling
+    stones, contacts = laid(arch)
+    balance = equilibrium(stones, contacts, LoadCase((1, 0, 0)), "torsion")
+    wrenches, expected = balance.wrenches, by_hand(stones, contacts, balance.length)
+    np.testing.assert_allclose(wrenches.tocsc().toarray(), expected, rtol=0, atol=1e-14)
+    x, y = rng.normal(size=(len(contacts.point), 3)), rng.normal(size=wrenches.shape[0])
+    np.testing.assert_allclose(wrenches.apply(x), expected @ x.ravel(), rtol=0, atol=1e-12)
+    np.testing.assert_allclose(wrenches.transpose(y), (expected.T @ y).reshape(-1, 3), rtol=0, atol=1e-12)
+    largest, passing = wrenches.sizes(x)
+    np.testing.assert_allclose(largest, np.abs(expected).max(axis=1), rtol=1e-12)
+    np.testing.assert_allclose(passing, np.abs(expected) @ np.abs(x.ravel()), rtol=1e-12)
+
+    coupling = WrenchCoupling(wrenches)
+    plain = Coupling(touches(wrenches.tocsc(), 3, 6, by_point=True))
+    np.testing.assert_array_equal(coupling.values, plain.values)
+    active = rng.random((3, coupling.count)) < 0.7
+    x = x.T.ravel()
+    for kept in (np.ones_like(active), active):
+        np.testing.assert_allclose(coupling.masked(kept).couple(x), plain.masked(kept).couple(x), rtol=0, atol=1e-12)
+        np.testing.assert_allclose(coupling.masked(kept).spread(y), plain.masked(kept).spread(y), rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize("kind", ["coulomb", "cohesive", "capped", "smooth", "mixed", "bounded"])
@@ -145,7 +169,7 @@ def test_assembly_equals_the_plain_product(block: int, rigid: bool) -> None:
             other = transform @ coupling[i * block : (i + 1) * block, :, k] if rigid else rng.normal(size=(block, 3))
             coupling[j * block : (j + 1) * block, :, k] = other
     plain = coupling.reshape(rows, -1)
-    normal = NormalMatrix(Coupling(sp.csc_matrix(plain), 3, block))
+    normal = NormalMatrix(Coupling(touches(sp.csc_matrix(plain), 3, block)))
     root = rng.normal(size=(3, 3, pairs * points))
     compliance = np.einsum("iak,jak->ijk", root, root)
     expected = np.einsum("rik,ijk,sjk->rs", coupling, compliance, coupling)
@@ -183,7 +207,7 @@ def test_condensed_quadratic_program_agrees_with_cvxpy() -> None:
     constant = -coupling @ inside
     # Displacement control: the multiplier of the live load earns the prescribed displacement.
     target = 0.3
-    problem = CoupledProblem(local, Coupling(sp.csc_matrix(coupling), 6, 6), constant, growth, reward=target)
+    problem = CoupledProblem(local, Coupling(touches(sp.csc_matrix(coupling), 6, 6)), constant, growth, reward=target)
     normal = NormalMatrix(problem.coupling)
     ending = solve_coupled(problem, normal, Cholesky(normal.pattern, 6), interior_start(problem, Settings()), Settings())
     assert ending.status == "solved"

@@ -32,7 +32,7 @@ def wall() -> tuple[Equilibrium, Strength, Contacts]:
 def test_a_start_that_carries_nothing_finds_its_way(share: float) -> None:
     balance, strength, contacts = wall()
     n = np.full(len(contacts.point), share / len(contacts.point))
-    run = certified_iteration(balance, strength, n, solver_for(balance.matrix))
+    run = certified_iteration(balance, strength, n, solver_for(balance.wrenches))
     assert run is not None
     assert run.settled
     assert run.gap <= 1e-5 * run.load_factor
@@ -55,7 +55,7 @@ class OnlyAssociative:
 
 def test_where_no_start_leads_anywhere_the_associative_forces_are_told() -> None:
     balance, strength, _ = wall()
-    solve = OnlyAssociative(solver_for(balance.matrix))
+    solve = OnlyAssociative(solver_for(balance.wrenches))
     associative = associative_state(balance, strength, solve, 0.0)
     state = sliding_analysis(balance, strength, associative, SlidingOptions(), solve)
     assert state.status == "not-converged"

@@ -25,40 +25,52 @@ class _Kernels(NamedTuple):
     spread: _Product
 
 
-class Coupling:
-    """A matrix B (m, dimension * count), columns component first, rows in blocks of `block`.
+class Touches(NamedTuple):
+    """The parts of a matrix B (rows, dimension * count) by local problem and by block of rows.
 
     Local problem k touches blocks[pointer[k] : pointer[k + 1]] (ascending); values_sij (touches, dimension, block) are its parts.
     """
 
-    def __init__(self, matrix: sp.csc_matrix[np.float64], dimension: int, block: int, *, by_point: bool = False) -> None:
-        """matrix (m, dimension * count), its columns component first, or `by_point`, all of a point side by side.
+    rows: int
+    pointer: IntArray
+    blocks: IntArray
+    values: FloatArray
 
-        Rows are added to fill the last block.
-        """
-        rows, columns = matrix.shape
-        self.dimension, self.block = dimension, block
-        self.rows = -(-rows // block) * block
-        self.count = columns // dimension
-        columnwise = sp.csc_matrix(matrix)
-        steps = (1, dimension) if by_point else (self.count, 1)
-        entries = (columnwise.indptr, columnwise.indices, columnwise.data)
-        self.pointer: IntArray = np.zeros(self.count + 1, dtype=np.int64)
-        _count_touches(entries, dimension, block, steps, self.pointer)
-        np.cumsum(self.pointer, out=self.pointer)
-        self.blocks: IntArray = np.empty(int(self.pointer[-1]), dtype=np.int64)
-        self.values: FloatArray = np.zeros((len(self.blocks), dimension, block))
-        _fill_touches(entries, dimension, block, steps, self.pointer, self.blocks, self.values)
-        self._kernels = _kernels(dimension, block)
+
+def touches(matrix: sp.csc_matrix[np.float64], dimension: int, block: int, *, by_point: bool = False) -> Touches:
+    """Return the parts of a matrix (m, dimension * count), its columns component first, or `by_point`, all of a point together.
+
+    Rows are added to fill the last block.
+    """
+    rows, columns = matrix.shape
+    count = columns // dimension
+    columnwise = sp.csc_matrix(matrix)
+    steps = (1, dimension) if by_point else (count, 1)
+    entries = (columnwise.indptr, columnwise.indices, columnwise.data)
+    pointer: IntArray = np.zeros(count + 1, dtype=np.int64)
+    _count_touches(entries, dimension, block, steps, pointer)
+    np.cumsum(pointer, out=pointer)
+    blocks: IntArray = np.empty(int(pointer[-1]), dtype=np.int64)
+    values: FloatArray = np.zeros((len(blocks), dimension, block))
+    _fill_touches(entries, dimension, block, steps, pointer, blocks, values)
+    return Touches(-(-rows // block) * block, pointer, blocks, values)
+
+
+class Coupling:
+    """A matrix B (m, dimension * count), columns component first, rows in blocks of `block`, kept as its `Touches`."""
+
+    def __init__(self, parts: Touches) -> None:
+        self.rows, self.pointer, self.blocks, self.values = parts
+        _, self.dimension, self.block = self.values.shape
+        self.count = len(self.pointer) - 1
+        self._kernels = _kernels(self.dimension, self.block)
 
     def masked(self, active: BoolArray) -> "Coupling":
         """Return the coupling without the columns that are not active (dimension, count), in the same pattern."""
         if active.all():
             return self
-        out = object.__new__(Coupling)
-        out.__dict__.update(self.__dict__)
-        out.values = self.values * active.T[np.repeat(np.arange(self.count), np.diff(self.pointer)), :, None]
-        return out
+        values = self.values * active.T[np.repeat(np.arange(self.count), np.diff(self.pointer)), :, None]
+        return Coupling(Touches(self.rows, self.pointer, self.blocks, values))
 
     def largest_entries(self) -> FloatArray:
         """Return the largest entry of each row (m,), 1 for rows without any."""

@@ -4,24 +4,22 @@ from dataclasses import replace
 from time import perf_counter, process_time
 
 import numpy as np
-import scipy.sparse as sp
 
 from churchpipe.conic.cholesky import Cholesky
 from churchpipe.conic.interior_point.coulomb import CoulombPoints
-from churchpipe.conic.interior_point.coupling import Coupling
+from churchpipe.conic.interior_point.coupling import Coupling, touches
 from churchpipe.conic.interior_point.info import Progress
 from churchpipe.conic.interior_point.iterate import Iterate
 from churchpipe.conic.interior_point.loop import Ending, interior_start, solve_coupled
 from churchpipe.conic.interior_point.normal import NormalMatrix
 from churchpipe.conic.interior_point.problem import CoupledProblem
 from churchpipe.conic.interior_point.settings import Settings
-from churchpipe.conic.interior_point.wrenches import as_wrenches
+from churchpipe.conic.interior_point.wrenches import WrenchCoupling
 from churchpipe.conic.program import ConeProgram, ConeSolution
+from churchpipe.conic.wrenches import BODY, Balance, Wrenches, as_matrix
 from churchpipe.errors import InputError
 from churchpipe.model.arrays import FloatArray
 
-# Rows of the balance of one rigid body.
-BLOCK = 6
 # A limit or a bound below this share of the largest load is none at all: it leaves no interior in double precision.
 _NOTHING = 1e-13
 
@@ -38,12 +36,13 @@ def solve_interior_point(
 class InteriorPointSolver:
     """Solves programs with one balance (m, 3c): structure, ordering and symbolic analysis are done once."""
 
-    def __init__(self, balance: sp.csc_matrix[np.float64]) -> None:
+    def __init__(self, balance: Balance) -> None:
         self._balance, self._rows = balance, balance.shape[0]
-        self._coupling = as_wrenches(Coupling(balance, 3, BLOCK, by_point=True))
+        wrenches = isinstance(balance, Wrenches)
+        self._coupling = WrenchCoupling(balance) if wrenches else Coupling(touches(balance, 3, BODY, by_point=True))
         self._lever = self._coupling.largest_entries()
         self._normal = NormalMatrix(self._coupling)
-        self._cholesky = Cholesky(self._normal.pattern, BLOCK)
+        self._cholesky = Cholesky(self._normal.pattern, BODY)
 
     def solve(
         self,
@@ -112,9 +111,9 @@ class InteriorPointSolver:
         Measured by the total weight, the fall of one light stone would pass for rounding.
         """
         loads = _pad(np.maximum(np.abs(program.constant), np.abs(program.growth)), self._coupling.rows)
-        own = loads.reshape(-1, BLOCK).max(axis=1)
+        own = loads.reshape(-1, BODY).max(axis=1)
         own = np.where(own > 0, own, own.max(initial=0.0) or 1.0)
-        return np.repeat(own, BLOCK) * self._lever
+        return np.repeat(own, BODY) * self._lever
 
     def factorisation_seconds(self) -> float:
         """Return the processor time of one bare factorisation of the last matrix, s, the best of three."""
@@ -164,8 +163,13 @@ def _unsupported(problem: CoupledProblem) -> FloatArray | None:
     return y / work if work > 1e-12 * max(float(problem.constant @ problem.constant), 1e-300) else None
 
 
-def _same(a: sp.csc_matrix[np.float64], b: sp.csc_matrix[np.float64]) -> bool:
-    return a is b or (a.shape == b.shape and np.array_equal(a.indices, b.indices) and np.array_equal(a.data, b.data))
+def _same(a: Balance, b: Balance) -> bool:
+    if a is b or a.shape != b.shape:
+        return a is b
+    if isinstance(a, Wrenches) and isinstance(b, Wrenches):
+        return all(np.array_equal(mine, other) for mine, other in zip(a.arrays, b.arrays, strict=True))
+    first, second = as_matrix(a), as_matrix(b)
+    return np.array_equal(first.indices, second.indices) and np.array_equal(first.data, second.data)
 
 
 def _pad(v: FloatArray, size: int) -> FloatArray:
