@@ -16,6 +16,7 @@ def check_count(building: Building) -> None:
     laid.
     """
     counts = {panel.name: sum(map(_stones_about, panel.regions)) for panel in building.panels}
+    counts |= {vault.name: float(vault.stone_count) for vault in building.vaults}
     total = sum(counts.values())
     if total > MOST_STONES:
         most = max(counts, key=counts.__getitem__)

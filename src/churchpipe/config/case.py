@@ -84,7 +84,7 @@ class Case:
             building = generate(self.source.generator, self.source.parameters, self.materials, self.name)
         except InputError as error:
             raise located(error, self.path, self.overrides, self.source.generator, swept=self.variant) from error
-        known = [name for panel in building.panels for name in (panel.name, *(part.name for part in panel.parts))]
+        known = building.macro_elements
         for number, load in enumerate(self.loads):
             for name in {*(load.panels or ())} - {*known}:
                 where, expected = f"{self.path}: load.{number}.panels", ", ".join(known)

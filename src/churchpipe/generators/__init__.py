@@ -10,8 +10,10 @@ from churchpipe.generators.arch_piers import ArchPiersParameters, arch_piers
 from churchpipe.generators.box import BoxParameters, box
 from churchpipe.generators.chapel import ChapelParameters, chapel
 from churchpipe.generators.church import ChurchParameters, church
+from churchpipe.generators.dome import DomeParameters, dome
 from churchpipe.generators.prototype import PrototypeParameters, prototype
 from churchpipe.generators.tower import TowerParameters, tower
+from churchpipe.generators.vault import VaultParameters, vault
 from churchpipe.generators.wall import WallParameters, wall
 from churchpipe.model.building import Building
 from churchpipe.model.materials import UnitWeight
@@ -36,6 +38,8 @@ GENERATORS = {
     "apse": Generator(ApseParameters, apse),
     "chapel": Generator(ChapelParameters, chapel),
     "church": Generator(ChurchParameters, church),
+    "vault": Generator(VaultParameters, vault),
+    "dome": Generator(DomeParameters, dome),
 }
 
 __all__ = [
@@ -47,9 +51,11 @@ __all__ = [
     "box",
     "chapel",
     "church",
+    "dome",
     "generate",
     "prototype",
     "tower",
+    "vault",
     "wall",
 ]
 

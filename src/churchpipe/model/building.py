@@ -9,6 +9,7 @@ from churchpipe.errors import InputError
 from churchpipe.model.arguments import check_kind, describe, finite, listed, one_of, positive, text, whole
 from churchpipe.model.arrays import FloatArray, flags, floats, indices, store
 from churchpipe.model.materials import UnitWeight
+from churchpipe.model.vault import Vault
 
 Pattern = Literal["running", "stack", "header-stretcher", "voussoir", "single"]
 Headers = Literal["english", "flemish", "none"]
@@ -226,8 +227,8 @@ class Support:
 
 @dataclass(frozen=True, slots=True)
 class Building:
-    """Panels, the unit weights of their materials (a `Material` has one), the height of the ground plane in m (None: no ground
-    plane) and further fixed bodies.
+    """Panels and vaults, the unit weights of their materials (a `Material` has one), the height of the ground plane in m (None:
+    no ground plane) and further fixed bodies.
     """
 
     name: str
@@ -235,6 +236,7 @@ class Building:
     materials: tuple[UnitWeight, ...]
     ground: float | None = 0.0
     supports: tuple[Support, ...] = ()
+    vaults: tuple[Vault, ...] = ()
 
     def __post_init__(self) -> None:
         where = f"Building {text('Building.name', self.name)}"
@@ -243,18 +245,24 @@ class Building:
             panels=tuple(listed(f"{where}.panels", self.panels, Panel)),
             materials=tuple(listed(f"{where}.materials", self.materials, UnitWeight)),
             supports=tuple(listed(f"{where}.supports", self.supports, Support)),
+            vaults=tuple(listed(f"{where}.vaults", self.vaults, Vault)),
         )
         if self.ground is not None:
             finite(f"{where}.ground", self.ground)
-        names = [p.name for p in self.panels]
+        names = [p.name for p in self.panels] + [part for vault in self.vaults for part in vault.parts]
         if len(set(names)) != len(names):
-            raise InputError(where, "panel names are not unique", found=names)
+            raise InputError(where, "names of panels and parts of vaults are not unique", found=names)
         known = {m.name for m in self.materials}
-        for panel in self.panels:
-            for name in {panel.material, *(region.material for region in panel.regions)} - known - {""}:
-                raise InputError(
-                    f"Panel {panel.name}.material", "unknown material", found=name, expected=", ".join(sorted(known))
-                )
+        used = [(f"Panel {p.name}", {p.material, *(region.material for region in p.regions)}) for p in self.panels]
+        for owner, materials in used + [(f"Vault {vault.name}", {vault.material}) for vault in self.vaults]:
+            for name in materials - known - {""}:
+                raise InputError(f"{owner}.material", "unknown material", found=name, expected=", ".join(sorted(known)))
+
+    @property
+    def macro_elements(self) -> tuple[str, ...]:
+        """Names of its panels, of their parts and of the parts of its vaults."""
+        walls = [name for panel in self.panels for name in (panel.name, *(part.name for part in panel.parts))]
+        return (*walls, *(part for vault in self.vaults for part in vault.parts))
 
 
 def _outline(where: str, outline: FloatArray) -> FloatArray:

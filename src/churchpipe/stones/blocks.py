@@ -15,12 +15,14 @@ from churchpipe.errors import InputError
 from churchpipe.geometry.planar import centroids
 from churchpipe.geometry.polygons import TOLERANCE, snap
 from churchpipe.model.arguments import check_kind
-from churchpipe.model.arrays import FloatArray, IntArray
+from churchpipe.model.arrays import FloatArray, IntArray, NameArray
 from churchpipe.model.assemblage import Assemblage, assemble
 from churchpipe.model.building import Building, CylinderChart, Panel
 from churchpipe.model.materials import by_name
+from churchpipe.model.vault import Vault
 from churchpipe.stones.pierced import pierced_solids
-from churchpipe.stones.prisms import Solids, stations_of, thicken
+from churchpipe.stones.prisms import Solids, solids_of, stations_of, thicken
+from churchpipe.vaults.stones import stone_parts, vault_stones
 
 # Relative difference allowed between the stones and the walls.
 VOLUME_TOLERANCE = 1e-9
@@ -29,10 +31,10 @@ GROUND = "ground"
 
 def derive_blocks(building: Building) -> Assemblage:
     """Return the stones of a building: first the fixed bodies (ground plate, supports), then the stones of the walls, panel by
-    panel.
+    panel, then those of the vaults.
 
     Stones are named "panel-course-number", numbered along the course; voussoirs "panel-region-number". The volume of the stones
-    is checked against that of the walls.
+    is checked against that of the walls and vaults.
 
     Parameters
     ----------
@@ -45,23 +47,26 @@ def derive_blocks(building: Building) -> Assemblage:
         A wall that cannot be laid, or stones whose volume is not that of the walls.
     """
     check_kind("derive_blocks: building", building, Building, "read_case(...).building() makes one.")
-    if not building.panels:
-        raise InputError(f"building {building.name}", "no walls", found=0, expected="at least one panel")
+    if not building.panels and not building.vaults:
+        raise InputError(f"building {building.name}", "no walls", found=0, expected="at least one panel or vault")
     check_count(building)
     solids = [wall_region(panel) for panel in building.panels]
     junctions = wall_junctions(building.panels, solids)
     tiles = [lay_wall(*wall) for wall in zip(building.panels, solids, junctions, strict=True)]
     walls = [_solids(panel, own) for panel, own in zip(building.panels, tiles, strict=True)]
-    stones = _assemble(building, tiles, [*_fixed_bodies(building, walls), *walls])
+    vaults = [solids_of(vault_stones(vault)) for vault in building.vaults]
+    stones = _assemble(building, tiles, [*_fixed_bodies(building, [*walls, *vaults]), *walls, *vaults])
     stations = [stations_of(panel.chart, wall) for panel, wall in zip(building.panels, tiles, strict=True)]
-    expected = masonry_volume(building.panels, solids, [wall.zones.ravel() for wall in junctions], stations)
+    expected = sum(vault.volume for vault in building.vaults)
+    if building.panels:
+        expected += masonry_volume(building.panels, solids, [wall.zones.ravel() for wall in junctions], stations)
     found = float(stones.volume[~stones.fixed].sum())
     if abs(found - expected) > VOLUME_TOLERANCE * expected:
         raise InputError(
             f"building {building.name}",
             "the stones do not fill the walls exactly",
             found=f"{found:.9g} m3 of stones",
-            expected=f"{expected:.9g} m3 of walls",
+            expected=f"{expected:.9g} m3 of walls and vaults",
             remedy="Look for rings, lintels or walls that overlap, or parts of a wall without a bond.",
         )
     return stones
@@ -120,8 +125,11 @@ def _assemble(building: Building, tiles: Sequence[TileSet], bodies: Sequence[Sol
     material = np.array(
         [building.materials[0].name] * len(fixed_names)
         + [name for p, t in zip(building.panels, tiles, strict=True) for name in _materials(p, t)]
+        + [vault.material for vault in building.vaults for _ in range(vault.stone_count)]
     )
     names = [name for p, t in zip(building.panels, tiles, strict=True) for name in _names(p, t)]
+    parts = [stone_parts(vault) for vault in building.vaults]
+    names += [name for vault, part in zip(building.vaults, parts, strict=True) for name in _vault_names(vault, *part)]
     return assemble(
         # Two walls compute the same corner by different sums. This makes coordinates equal that differ by rounding.
         points=np.stack([snap(points[:, axis]) for axis in range(3)], axis=1),
@@ -132,9 +140,13 @@ def _assemble(building: Building, tiles: Sequence[TileSet], bodies: Sequence[Sol
         unit_weight=np.array([weights[name] for name in material]),
         material=material,
         panel=np.concatenate(
-            [fixed_names, *(part_names(p, centroids(t.polygons)) for p, t in zip(building.panels, tiles, strict=True))]
+            [
+                fixed_names,
+                *(part_names(p, centroids(t.polygons)) for p, t in zip(building.panels, tiles, strict=True)),
+                *(part for part, _ in parts),
+            ]
         ),
-        course=np.concatenate([np.full(len(fixed_names), -1), *(t.course for t in tiles)]),
+        course=np.concatenate([np.full(len(fixed_names), -1), *(t.course for t in tiles), *(course for _, course in parts)]),
         fixed=np.arange(len(material)) < len(fixed_names),
         block_id=np.array([*fixed_names, *names]),
     )
@@ -155,3 +167,12 @@ def _names(panel: Panel, tiles: TileSet) -> list[str]:
     start = np.append(True, group[1:] != group[:-1])
     number = np.arange(tiles.count) - np.maximum.accumulate(np.where(start, np.arange(tiles.count), 0))
     return [f"{panel.name}-{g}-{k:03d}" for g, k in zip(group, number, strict=True)]
+
+
+def _vault_names(vault: Vault, part: NameArray, course: IntArray) -> list[str]:
+    """Return "part-course-number", numbered in each course; "part-number" in rings of voussoirs."""
+    group = np.where(course < 0, part, np.char.add(np.char.add(part, "-"), np.char.mod("%02d", course)))
+    place = np.empty(vault.stone_count, dtype=np.int64)
+    for name in np.unique(group):
+        place[group == name] = np.arange((group == name).sum())
+    return [f"{g}-{k:03d}" for g, k in zip(group.tolist(), place.tolist(), strict=True)]

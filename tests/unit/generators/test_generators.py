@@ -33,6 +33,8 @@ EXAMPLES = {
     "church": BOND | {"nave": NAVE},
     "apse": BOND | APSE,
     "arch_piers": BOND | PIERS,
+    "vault": {"span": 3.0, "thickness": 0.3, "courses": 9, "stone_length": 0.6, "length": 2.0},
+    "dome": {"span": 3.0, "thickness": 0.3, "rings": 5, "sides": 16},
 }
 
 

@@ -1,0 +1,189 @@
+"""Domes and half domes, with drum, oculus and lantern."""
+
+import math
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, Literal
+
+import numpy as np
+
+from churchpipe.errors import InputError
+from churchpipe.generators.checks import whole_courses
+from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
+from churchpipe.generators.masonry import DEFAULT_MATERIAL
+from churchpipe.generators.profile import skewback, wall
+from churchpipe.generators.quantities import Count, Length
+from churchpipe.model.arrays import FloatArray
+from churchpipe.model.building import Building, Support
+from churchpipe.model.materials import UnitWeight
+from churchpipe.model.vault import Section
+from churchpipe.vaults.directrix import Directrix, between, circular, polygon_section
+from churchpipe.vaults.dome import add_rings
+from churchpipe.vaults.sweep import Courses
+
+
+@dataclass(frozen=True, slots=True)
+class DomeParameters:
+    """A dome about the z axis, or a half dome behind the plane y = 0.
+
+    span: clear diameter at the springing, thickness, m. rise of the soffit, m (None: a half sphere). rings: of stones, the
+    closing stone among them. sides: flat sides of the plan, of the half circle in a half dome; stone_sides: sides of one stone.
+    laid: rings "staggered" by half a stone, or in "lunes", upright joints from springing to crown. plan: "full" or "half".
+    oculus: clear diameter of the opening at the crown, m; the ring around it has a level back. drum_height, drum_thickness,
+    drum_course: of the wall below, m; None: the dome springs from the ground. lantern_height, lantern_thickness, lantern_course:
+    of a ring wall on the oculus, m. front: what stands before a half dome, nothing ("free") or a wall that holds it ("wall").
+    """
+
+    span: Length
+    thickness: Length
+    rings: Count
+    sides: Count = 32
+    stone_sides: Count = 2
+    rise: Length | None = None
+    laid: Literal["staggered", "lunes"] = "staggered"
+    plan: Literal["full", "half"] = "full"
+    oculus: Length | None = None
+    drum_height: Length | None = None
+    drum_thickness: Length | None = None
+    drum_course: Length | None = None
+    lantern_height: Length | None = None
+    lantern_thickness: Length | None = None
+    lantern_course: Length | None = None
+    front: Literal["free", "wall"] = "free"
+
+    def __post_init__(self) -> None:
+        coerce_fields(self, "dome.")
+        if self.sides < 3 or self.sides % self.stone_sides:
+            raise InputError(
+                "dome.sides",
+                "stones do not go round",
+                found=f"{self.sides} sides, {self.stone_sides} a stone",
+                expected="3 sides or more, a multiple of stone_sides",
+            )
+        if self.laid == "staggered" and self.stone_sides % 2:
+            raise InputError(
+                "dome.stone_sides",
+                "stones cannot be shifted by half",
+                found=self.stone_sides,
+                expected="an even number",
+                remedy='Take stone_sides = 2, or laid = "lunes".',
+            )
+        if self.rise is not None and self.rise > self.span / 2 + 1e-9:
+            raise InputError(
+                "dome.rise", "higher than a half sphere", found=f"{self.rise:g} m", expected=f"<= {self.span / 2:g} m"
+            )
+        if self.rings < 2:
+            raise InputError("dome.rings", "no ring below the closing stone", found=self.rings, expected=">= 2")
+        if self.oculus is not None and self.oculus >= self.span:
+            raise InputError("dome.oculus", "no dome is left", found=f"{self.oculus:g} m", expected=f"< {self.span:g} m")
+        if self.front == "wall" and self.plan == "full":
+            raise InputError("dome.front", "only a half dome has a front", found=self.front, expected='plan = "half"')
+        for name, needs in (("drum", None), ("lantern", "oculus")):
+            self._check_ring_wall(name, needs)
+
+    def _check_ring_wall(self, name: str, needs: str | None) -> None:
+        keys = [f"{name}_{key}" for key in ("height", "thickness", "course")]
+        given = [getattr(self, key) for key in keys]
+        if all(value is None for value in given):
+            return
+        for key, value in zip(keys, given, strict=True):
+            if value is None:
+                raise InputError(f"dome.{key}", "missing", expected=", ".join(keys))
+        if needs and getattr(self, needs) is None:
+            raise InputError(f"dome.{keys[0]}", f"needs an {needs}", expected=f"dome.{needs}")
+        whole_courses(f"dome.{keys[0]}", given[0], given[2])
+        widest = self.lantern_room if name == "lantern" else math.inf
+        least = self.thickness if name == "drum" else 0.0
+        if not least - 1e-9 <= given[1] <= widest + 1e-9:
+            raise InputError(
+                f"dome.{keys[1]}",
+                "does not fit the dome",
+                found=f"{given[1]:g} m",
+                expected=f">= {least:g} m" if name == "drum" else f"<= {widest:.4g} m, the width of the closing ring",
+            )
+
+    @property
+    def inner(self) -> float:
+        """Radius of the soffit, m."""
+        half = self.span / 2
+        return half if self.rise is None else (half**2 + self.rise**2) / (2 * self.rise)
+
+    @property
+    def directrix(self) -> Directrix:
+        """The meridian, from the springing to the closing stone or to the oculus."""
+        start = math.acos(min(1.0, self.span / 2 / self.inner))
+        if self.oculus is None:
+            angles = start + (math.pi / 2 - start) / self.rings * np.arange(self.rings)
+        else:
+            angles = np.linspace(start, math.acos(self.oculus / 2 / self.inner), self.rings + 1)
+        level = (self.drum_height or 0.0) - self.inner * math.sin(start)
+        return circular(self.inner, self.thickness, angles).raised(level)
+
+    @property
+    def lantern_room(self) -> float:
+        """Width of the level back of the closing ring, m."""
+        joints = self.directrix.joints
+        return float(joints[-2, 1, 0] - joints[-1, 0, 0]) if self.oculus else 0.0
+
+
+def dome(*, name: str = "dome", materials: tuple[UnitWeight, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
+    """Return a dome; keywords as in `DomeParameters`, SI."""
+    p = as_dataclass(DomeParameters, "dome", parameters)
+    materials = materials_of("dome", materials)
+    half = p.plan == "half"
+    joints = p.directrix.joints
+    lay = partial(
+        add_rings,
+        centre=(0.0, 0.0),
+        sectors=p.sides,
+        width=p.stone_sides,
+        stagger=p.laid == "staggered",
+        turn=math.pi if half else 2 * math.pi,
+    )
+    courses = Courses()
+    first, outer = 0, float(joints[0, 1, 0])
+    if p.drum_height is not None and p.drum_thickness is not None and p.drum_course is not None:
+        outer = p.span / 2 + p.drum_thickness
+        first = round(p.drum_height / p.drum_course)
+        lay(courses, wall(p.span / 2, outer, 0.0, first, p.drum_course), part="drum")
+    foot = skewback(joints[0], max(outer, float(joints[0, 1, 0])))
+    if foot:
+        lay(courses, [foot], part="skewback", first=first)
+        first += 1
+    sections = p.directrix.sections
+    if p.oculus is None:
+        crown = joints[-1] * np.array([0.0, 1.0])
+        sections = [*sections, between(joints[-1], crown)]
+    else:
+        sections = [*sections[:-1], _closing_ring(joints, p.lantern_thickness)]
+    lay(courses, sections, part="dome", first=first)
+    if p.lantern_height is not None and p.lantern_thickness is not None and p.lantern_course is not None:
+        inner, low = float(joints[-1, 0, 0]), float(joints[-1, 1, 1])
+        count = round(p.lantern_height / p.lantern_course)
+        lay(
+            courses,
+            wall(inner, inner + p.lantern_thickness, low, count, p.lantern_course),
+            part="lantern",
+            first=first + len(sections),
+        )
+    supports = (_front(p),) if p.front == "wall" else ()
+    return Building(name, (), materials, supports=supports, vaults=(courses.vault("dome", materials[0].name),))
+
+
+def _closing_ring(joints: FloatArray, lantern: float | None) -> Section:
+    """Return the section of the ring around the oculus: upright towards it, its back level, as wide as a lantern on it."""
+    below, (inside, outside) = joints[-2], joints[-1]
+    edge = max(float(outside[0]), float(inside[0]) + (lantern or 0.0))
+    top = np.array([[inside[0], outside[1]], [edge, outside[1]]])
+    corner = np.array([below[0], below[1], top[1], top[0], inside])
+    return polygon_section(corner, below.mean(axis=0), top.mean(axis=0))
+
+
+def _front(p: DomeParameters) -> Support:
+    """Return a wall that does not move, before the plane y = 0: a half dome leans on it."""
+    joints = p.directrix.joints
+    reach, top = p.span / 2 + max(p.thickness, p.drum_thickness or 0.0), float(joints[..., 1].max()) + p.thickness
+    depth = p.span / 4
+    corner = np.array([[x, y, z] for z in (0.0, top) for x, y in ((-reach, -depth), (reach, -depth), (reach, 0), (-reach, 0))])
+    faces = ((3, 2, 1, 0), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
+    return Support("front", corner, faces)

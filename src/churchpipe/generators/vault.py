@@ -1,0 +1,287 @@
+"""Barrel, groin and cloister vaults, on the ground or on walls of their own."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, Literal
+
+import numpy as np
+
+from churchpipe.errors import InputError
+from churchpipe.generators.checks import whole_courses
+from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
+from churchpipe.generators.masonry import DEFAULT_MATERIAL
+from churchpipe.generators.profile import Profile, Shape, backing, skewback, to_middle, wall
+from churchpipe.generators.quantities import Count, Length
+from churchpipe.model.arrays import FloatArray
+from churchpipe.model.building import Building
+from churchpipe.model.materials import UnitWeight
+from churchpipe.model.vault import Section, Side, Vault
+from churchpipe.vaults.barrel import add_arches, add_barrel
+from churchpipe.vaults.crossed import Corner, add_cloister, add_groin, add_wall_arches
+from churchpipe.vaults.directrix import Directrix
+from churchpipe.vaults.sweep import Courses
+
+# What adds the courses with these sections: to a collection, under the name of a macro-element.
+Lay = Callable[..., None]
+
+
+@dataclass(frozen=True, slots=True)
+class VaultParameters:
+    """A vault about the origin; a barrel spans x and runs along y.
+
+    kind: "barrel" (of a length, m), "groin", "pavilion" or "octagonal". span: clear, between its springings, m; second_span: of a
+    groin vault along y (None: the same). thickness, m. courses: from springing to springing, odd. shape, rise of the soffit:
+    "round", "segmental" or "pointed" with its rise, m. laid: a barrel in "courses" along it or in "rings", arches as wide as a
+    stone is long. heads: head joints "staggered" or "aligned". corner: which corner stones of crossed vaults run round the mitre,
+    all ("round"), every other ("alternate") or none ("mitre").
+    wall_height, wall_thickness, wall_course: of walls or piers below, m; None: springings on the ground. wall_top: height to
+    which the walls of a barrel go on outside it, m. backing: height over the springing of masonry on the haunches, m. arches:
+    their number below a barrel, or on the four sides of a groin vault, with arch_width and arch_depth, m.
+    """
+
+    span: Length
+    thickness: Length
+    courses: Count
+    stone_length: Length
+    kind: Literal["barrel", "groin", "pavilion", "octagonal"] = "barrel"
+    length: Length | None = None
+    second_span: Length | None = None
+    shape: Shape = "round"
+    rise: Length | None = None
+    laid: Literal["courses", "rings"] = "courses"
+    heads: Literal["staggered", "aligned"] = "staggered"
+    corner: Corner = "round"
+    wall_height: Length | None = None
+    wall_thickness: Length | None = None
+    wall_course: Length | None = None
+    wall_top: Length | None = None
+    backing: Length | None = None
+    arches: Count | None = None
+    arch_width: Length | None = None
+    arch_depth: Length | None = None
+
+    def __post_init__(self) -> None:
+        coerce_fields(self, "vault.")
+        _ = self.profile
+        barrel = self.kind == "barrel"
+        for key, allowed, of in (
+            ("length", barrel, "barrel"),
+            ("wall_top", barrel, "barrel"),
+            ("second_span", self.kind == "groin", "groin vault"),
+            ("arches", barrel or self.kind == "groin", "barrel or a groin vault"),
+        ):
+            if getattr(self, key) is not None and not allowed:
+                raise InputError(f"vault.{key}", f"only a {of} has one", found=f"kind = {self.kind}", expected="no such key")
+        if barrel and self.length is None:
+            raise InputError("vault.length", "missing", expected="the length of the barrel")
+        if self.laid == "rings" and not barrel:
+            raise InputError("vault.laid", "only a barrel is laid in rings", found=self.kind, expected='laid = "courses"')
+        _together(self, "wall_height", "wall_thickness", "wall_course")
+        _together(self, "arches", "arch_width", "arch_depth")
+        if self.wall_height is not None and self.wall_course is not None:
+            whole_courses("vault.wall_height", self.wall_height, self.wall_course)
+        self._check_walls()
+
+    def _check_walls(self) -> None:
+        least = self.thickness + (self.arch_depth or 0.0)
+        if self.wall_thickness is not None and self.wall_thickness < least - 1e-9:
+            raise InputError(
+                "vault.wall_thickness",
+                "the vault does not fit on its walls",
+                found=f"{self.wall_thickness:g} m",
+                expected=f">= {least:g} m: the vault and its arches",
+            )
+        if self.arch_depth is not None and self.arch_depth >= self.span / 2:
+            raise InputError("vault.arch_depth", "no opening is left", found=self.arch_depth, expected=f"< {self.span / 2:g} m")
+        if self.arches and self.shape == "segmental":
+            raise InputError(
+                "vault.arches",
+                "arches under a segmental vault would spring below it",
+                found=self.shape,
+                expected='shape = "round" or "pointed"',
+            )
+        if self.kind == "groin" and self.arches not in (None, 4):
+            raise InputError("vault.arches", "a groin vault has four sides", found=self.arches, expected="4")
+        if self.arches and self.kind == "groin" and self.wall_height is not None:
+            raise InputError("vault.arches", "arches of a groin vault spring from the ground", expected="no wall_height")
+        if self.wall_top is None:
+            return
+        if self.wall_height is None or self.wall_course is None or self.shape == "segmental":
+            raise InputError("vault.wall_top", "no wall goes on", expected="walls, below a vault that springs upright")
+        if self.wall_top <= self.wall_height or not self.beside > 1e-6:
+            raise InputError(
+                "vault.wall_top",
+                "no wall goes on beside the vault",
+                found=f"{self.wall_top:g} m, {self.beside:g} m thick",
+                expected=f"> {self.wall_height:g} m, and walls thicker than vault and arches, {least:g} m",
+            )
+        whole_courses("vault.wall_top", self.wall_top - self.wall_height, self.wall_course)
+
+    @property
+    def profile(self) -> Profile:
+        """The curve of the vault."""
+        return Profile("vault", self.span, self.thickness, self.courses, self.shape, self.rise, self.wall_height or 0.0)
+
+    @property
+    def face(self) -> float:
+        """Distance of the walls' inner faces from the middle, m: they carry the arches, too."""
+        return self.span / 2 - (self.arch_depth or 0.0)
+
+    @property
+    def beside(self) -> float:
+        """Width that the walls have left outside the springing, m."""
+        return (self.wall_thickness or 0.0) - self.thickness - (self.arch_depth or 0.0)
+
+    @property
+    def outer(self) -> float:
+        """Distance of the outermost point of walls or springing from the middle, m."""
+        if self.wall_thickness is not None:
+            return self.face + self.wall_thickness
+        return float(self.profile.whole.joints[0, 1, 0])
+
+
+def _together(parameters: VaultParameters, *keys: str) -> None:
+    given = [key for key in keys if getattr(parameters, key) is not None]
+    if given and len(given) < len(keys):
+        missing = [key for key in keys if key not in given]
+        raise InputError(f"vault.{missing[0]}", "missing", found=f"{', '.join(given)} alone", expected=", ".join(keys))
+
+
+def vault(*, name: str = "vault", materials: tuple[UnitWeight, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
+    """Return a vault; keywords as in `VaultParameters`, SI."""
+    p = as_dataclass(VaultParameters, "vault", parameters)
+    material = materials_of("vault", materials)[0].name
+    laid = {"barrel": _barrel, "groin": _groin}.get(p.kind, _cloister)(p, material)
+    return Building(name, (), materials, vaults=tuple(laid))
+
+
+def _barrel(p: VaultParameters, material: str) -> list[Vault]:
+    """Return a barrel along y, with what stands below and beside it on both sides."""
+    assert p.length is not None
+    side = Side(np.zeros(2), np.array([1.0, 0.0]), np.array([0.0, 1.0]))
+    stagger = p.heads == "staggered"
+    lay = partial(add_barrel, side=side, span=(0.0, p.length), stone_length=p.stone_length, stagger=stagger)
+    courses = Courses()
+    below = _below(p)
+    for part, sections in below:
+        for suffix, mirrored in (("right", sections), ("left", [section.mirrored for section in sections])):
+            lay(courses, mirrored, part=f"{part}_{suffix}")
+    profile = p.profile
+    if p.laid == "courses":
+        lay(courses, profile.whole.sections, part="vault", numbers=profile.voussoir)
+    _transverse(p, courses, side)
+    found = [courses.vault("vault", material)] if courses.runs else []
+    if p.laid == "rings":
+        rings = Courses()
+        cuts = np.linspace(0.0, p.length, max(1, round(p.length / p.stone_length)) + 1)
+        add_arches(rings, profile.halved.sections, side, cuts, part="vault", stagger=stagger)
+        found.append(rings.vault("rings", material, beds="section"))
+    return found
+
+
+def _below(p: VaultParameters) -> list[tuple[str, list[Section]]]:
+    """Return what stands on the right of a vault: walls, skewback, backing, walls that go on, each with its name."""
+    joints = p.profile.whole.joints if p.kind == "barrel" else p.profile.half.joints
+    found: list[tuple[str, list[Section]]] = []
+    if p.wall_height is not None and p.wall_course is not None:
+        found.append(("wall", wall(p.face, p.outer, 0.0, round(p.wall_height / p.wall_course), p.wall_course)))
+    foot = skewback(joints[0], p.outer)
+    if foot:
+        found.append(("skewback", [foot]))
+    upper = p.wall_top is not None
+    if p.backing is not None:
+        reach = p.span / 2 + p.thickness if upper else p.outer
+        layers = backing(joints, reach, p.profile.springing + p.backing)
+        if not layers:
+            raise InputError(
+                "vault.backing",
+                "lower than the first course of the vault",
+                found=f"{p.backing:g} m",
+                expected=f">= {joints[1, 1, 1] - p.profile.springing:.4g} m",
+            )
+        found.append(("backing", layers))
+    if p.wall_top is not None and p.wall_height is not None and p.wall_course is not None:
+        count = round((p.wall_top - p.wall_height) / p.wall_course)
+        found.append(("upper_wall", wall(p.span / 2 + p.thickness, p.outer, p.wall_height, count, p.wall_course)))
+    return found
+
+
+def _transverse(p: VaultParameters, courses: Courses, side: Side) -> None:
+    """Add the arches under a barrel, the first at its start and the last at its end; one alone in the middle."""
+    if p.arches is None or p.arch_width is None or p.arch_depth is None or p.length is None:
+        return
+    room = p.length - p.arch_width
+    if room < (p.arches - 1) * p.arch_width - 1e-9:
+        raise InputError(
+            "vault.arches", "no room between the arches", found=p.arches, expected=f"<= {int(p.length / p.arch_width)}"
+        )
+    starts = np.linspace(0.0, room, p.arches) if p.arches > 1 else np.array([room / 2])
+    # An arch has the bends of the soffit above it.
+    bends, numbers = p.profile.whole, p.profile.voussoir
+    if p.laid == "rings":
+        bends, numbers = p.profile.halved, [half // 2 for half in range(2 * p.courses)]
+    below = _under(bends.joints, p)
+    for number, start in enumerate(starts.tolist(), start=1):
+        add_barrel(
+            courses,
+            below.sections,
+            side,
+            (start, start + p.arch_width),
+            # One stone goes through the width of an arch.
+            2 * p.arch_width,
+            part=f"arch_{number}",
+            numbers=numbers,
+        )
+
+
+def _under(joints: FloatArray, p: VaultParameters) -> Directrix:
+    """Return the curve of an arch below the soffit of a vault, with the same joints."""
+    assert p.arch_depth is not None
+    inner, outer = joints[:, 0], joints[:, 1]
+    ray = (outer - inner) / np.linalg.norm(outer - inner, axis=1, keepdims=True)
+    return Directrix(np.stack([inner - p.arch_depth * ray, inner], axis=1))
+
+
+def _groin(p: VaultParameters, material: str) -> list[Vault]:
+    """Return two barrels that cross; walls become piers in the four corners."""
+    ratio = (p.second_span or p.span) / p.span
+    border = p.outer
+    stagger = p.heads == "staggered"
+    lay = partial(
+        add_groin,
+        centre=(0.0, 0.0),
+        ratio=ratio,
+        stone_length=p.stone_length,
+        corner=p.corner,
+        stagger=stagger,
+    )
+    courses = Courses()
+    for part, sections in [*_below(p), ("vault", to_middle(p.profile.half))]:
+        named = "pier" if part == "wall" else part
+        webs = sections, [section.stretched(ratio) for section in sections]
+        lay(courses, webs, borders=(border * ratio, border), part=named, key=part == "vault")
+    if p.arch_width is not None:
+        # As deep as vault and arch together: it stands before the end of the web.
+        joints = p.profile.half.joints.copy()
+        joints[:, 0] = _under(joints, p).joints[:, 0]
+        arch = to_middle(Directrix(joints))
+        ends = arch, [section.stretched(ratio) for section in arch]
+        add_wall_arches(courses, ends, centre=(0.0, 0.0), borders=(border * ratio, border), width=p.arch_width, part="arch")
+    return [courses.vault("vault", material)]
+
+
+def _cloister(p: VaultParameters, material: str) -> list[Vault]:
+    """Return a pavilion or an octagonal vault on walls around it."""
+    lay = partial(
+        add_cloister,
+        centre=(0.0, 0.0),
+        sides=4 if p.kind == "pavilion" else 8,
+        stone_length=p.stone_length,
+        corner=p.corner,
+        stagger=p.heads == "staggered",
+    )
+    courses = Courses()
+    for part, sections in [*_below(p), ("vault", to_middle(p.profile.half))]:
+        lay(courses, sections, part=part, key=part == "vault")
+    return [courses.vault("vault", material)]

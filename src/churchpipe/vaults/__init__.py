@@ -1,0 +1,1 @@
+"""How stones lie in vaults and domes: sections of courses, and the paths along which they are swept."""
