@@ -166,6 +166,8 @@ PARAMETERS: dict[str, dict[str, Any]] = {
     "apse": BOND | APSE | {"wall_length": 5.0, "wall_thickness": ROOT2, "wall_height": 4.0},
     "chapel": BOND | WALLS | {"width": PI + ROOT2, "length": 6.0, "apse": APSE},
     "church": BOND | {"nave": NAVE, "triumphal_arch": END, "transept": ARMS, "east": END, "tower": {"height": 5.0}},
+    "vault": {"span": PI, "thickness": ROOT3 / 6, "courses": 9, "stone_length": ROOT2 / 3, "kind": "groin"},
+    "dome": {"span": PI, "thickness": ROOT3 / 6, "rings": 5, "sides": 16},
 }
 
 
