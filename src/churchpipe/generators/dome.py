@@ -12,10 +12,10 @@ from churchpipe.generators.checks import whole_courses
 from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
 from churchpipe.generators.profile import skewback, wall
-from churchpipe.generators.quantities import Count, Length
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import Building, Support
 from churchpipe.model.materials import UnitWeight
+from churchpipe.model.quantities import Count, Length
 from churchpipe.model.vault import Section
 from churchpipe.vaults.directrix import Directrix, between, circular, polygon_section
 from churchpipe.vaults.dome import add_rings
@@ -113,7 +113,7 @@ class DomeParameters:
         """The meridian, from the springing to the closing stone or to the oculus."""
         start = math.acos(min(1.0, self.span / 2 / self.inner))
         if self.oculus is None:
-            angles = start + (math.pi / 2 - start) / self.rings * np.arange(self.rings)
+            angles = start + (math.pi / 2 - start) / self.rings * np.arange(self.rings, dtype=np.float64)
         else:
             angles = np.linspace(start, math.acos(self.oculus / 2 / self.inner), self.rings + 1)
         level = (self.drum_height or 0.0) - self.inner * math.sin(start)

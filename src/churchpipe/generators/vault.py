@@ -12,10 +12,10 @@ from churchpipe.generators.checks import whole_courses
 from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
 from churchpipe.generators.profile import Profile, Shape, backing, skewback, to_middle, wall
-from churchpipe.generators.quantities import Count, Length
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import Building
 from churchpipe.model.materials import UnitWeight
+from churchpipe.model.quantities import Count, Length
 from churchpipe.model.vault import Section, Side, Vault
 from churchpipe.vaults.barrel import add_arches, add_barrel
 from churchpipe.vaults.crossed import Corner, add_cloister, add_groin, add_wall_arches

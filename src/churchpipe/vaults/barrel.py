@@ -54,5 +54,5 @@ def add_arches(
 def heads(length: float, stone: float, *, odd: bool) -> FloatArray:
     """Return where the inner head joints of a course lie, m from its start: at multiples of a stone or, on odd courses, half a
     stone before them; none is nearer to an end than a quarter of a stone."""
-    place = stone * (np.arange(int(np.ceil(length / stone)) + 2) - (0.5 if odd else 0.0))
+    place = stone * (np.arange(int(np.ceil(length / stone)) + 2, dtype=np.float64) - (0.5 if odd else 0.0))
     return place[(place > 0.25 * stone * (1 - 1e-9)) & (place < length - 0.25 * stone * (1 - 1e-9))]

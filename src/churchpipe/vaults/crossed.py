@@ -149,6 +149,6 @@ def _stones(octant: _Octant, key: bool, rounded: bool, cuts: int) -> list[Hashab
 
 def _heads(section: Section, slope: float, border: float, stone: float, *, odd: bool) -> FloatArray:
     """Return s of the head joints, m, counted from the border, in order along the side."""
-    place = border - stone * (np.arange(int(border / stone) + 2) + (0.5 if odd else 0.0))
+    place = border - stone * (np.arange(int(border / stone) + 2, dtype=np.float64) + (0.5 if odd else 0.0))
     reach = float(section.corner[:, 0].max()) * slope + _CLEAR * stone
     return place[(place > reach + 1e-9) & (place < border - _CLEAR * stone + 1e-9)][::-1]

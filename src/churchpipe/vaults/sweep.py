@@ -14,8 +14,8 @@ from churchpipe.model.vault import Run, Section, Side, Vault
 class Courses:
     """Courses of a vault while it is laid. A stone is known by any key: segments of one key are one stone."""
 
-    runs: list[Run] = field(default_factory=list)
-    numbers: dict[Hashable, int] = field(default_factory=dict)
+    runs: list[Run] = field(default_factory=list[Run])
+    numbers: dict[Hashable, int] = field(default_factory=dict[Hashable, int])
 
     def add(
         self,
