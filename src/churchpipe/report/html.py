@@ -109,6 +109,7 @@ def write_report(
         viewer_data=viewer.script_json(_viewer_data(stones, contacts, meshes, of_blocks, of_shell)),
         import_map=viewer.import_map(),
         viewer_script=viewer.static_text("viewer.js"),
+        tables_script=viewer.static_text("tables.js"),
         three_licence=viewer.static_text("three/LICENSE"),
         style=viewer.static_text("report.css"),
         case_text=case_text,
@@ -171,7 +172,7 @@ def _loading(row: Row) -> tuple[str, str, str]:
 def _viewer_data(
     stones: Assemblage, contacts: Contacts, meshes: Mapping[str, ShellModel], of_blocks: Sequence[Row], of_shell: Sequence[Row]
 ) -> dict[str, Any]:
-    data = viewer.viewer_data(stones, [(dict(row.record), row.state, row.label) for row in of_blocks if row.state])
+    data = viewer.viewer_data(stones, [(dict(row.record), row.state, row.label) for row in of_blocks if row.state], contacts)
     if not of_shell or not of_blocks:
         return data
     found = [(row.label, *row.shell, both.partner(row, of_blocks)) for row in of_shell if row.shell]

@@ -35,15 +35,19 @@ def shell_amplitude(shell: ShellModel, speed: FloatArray, share: float = 0.08) -
 
 def joint_opening(contacts: Contacts, stones: Assemblage, velocities: FloatArray) -> FloatArray:
     """Return how fast each interface opens (ni,): the fastest of its corners; 0 where it stays shut."""
-    interface = np.repeat(np.arange(len(contacts.blocks)), np.diff(contacts.point_ptr))
+    opening = np.zeros(len(contacts.blocks))
+    np.maximum.at(opening, contacts.interface_of_point, corner_rates(contacts, stones, velocities)[:, 0])
+    return opening
+
+
+def corner_rates(contacts: Contacts, stones: Assemblage, velocities: FloatArray) -> FloatArray:
+    """Return the rates (nc, 3) at which the second stone leaves the first at each contact point, along n, t1 and t2."""
+    interface = contacts.interface_of_point
     first, second = (
         velocities[block, :3] + np.cross(velocities[block, 3:], contacts.point - stones.centroid[block])
         for block in contacts.blocks[interface].T
     )
-    rate = np.einsum("pc,pc->p", second - first, contacts.frame[interface, 0])
-    opening = np.zeros(len(contacts.blocks))
-    np.maximum.at(opening, interface, rate)
-    return opening
+    return np.einsum("pac,pc->pa", contacts.frame[interface], second - first)
 
 
 def opened_joints(opening: FloatArray, share: float = 0.05) -> BoolArray:

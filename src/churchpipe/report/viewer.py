@@ -13,9 +13,19 @@ import numpy as np
 from churchpipe.mechanism import moving_stones, reference_speed, stone_of_point, stone_speed
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.contacts import KINDS, Contacts
 from churchpipe.model.results import LimitState
 from churchpipe.report import colours
-from churchpipe.report.motion import PUSH_LENGTH, ground_plate, natural_amplitude, push_arrow_start, push_direction, viewpoint
+from churchpipe.report.motion import (
+    PUSH_LENGTH,
+    corner_rates,
+    ground_plate,
+    joint_opening,
+    natural_amplitude,
+    push_arrow_start,
+    push_direction,
+    viewpoint,
+)
 from churchpipe.report.packing import base64_text, packed
 from churchpipe.report.surface import edges, triangles
 
@@ -23,8 +33,12 @@ SUPPORT = "support"
 STATIC = Path(__file__).parent / "static"
 
 
-def viewer_data(stones: Assemblage, results: Sequence[tuple[dict[str, Any], LimitState, str]]) -> dict[str, Any]:
+def viewer_data(
+    stones: Assemblage, results: Sequence[tuple[dict[str, Any], LimitState, str]], contacts: Contacts | None = None
+) -> dict[str, Any]:
     """Return the viewer's input as JSON-ready values; results: record of the analysis, its state, its label.
+
+    With contacts, a stone that is clicked shows its joints: `joints`, and (ni, 4) in each analysis, see `joint_values`.
 
     Lengths are in m, from the centre of the structure's plan at its foot: float32 keeps micrometres however far the
     drawing's origin is. Arrays are little-endian base64: float32 (`points`, `centroid`, `velocities`, `speed`) and uint32
@@ -58,7 +72,13 @@ def viewer_data(stones: Assemblage, results: Sequence[tuple[dict[str, Any], Limi
         "grid": _round_length(float(np.ptp(free[:, :2], axis=0).max()) / 6),
         "speed_stops": colours.SPEED_STOPS,
         "colours": {"edge": colours.EDGE, "ground": colours.GROUND, "push": colours.PUSH},
-        "analyses": [_analysis(stones, record, state, label, origin) for record, state, label in results],
+        "analyses": [_analysis(stones, record, state, label, origin, contacts) for record, state, label in results],
+        "joints": contacts
+        and {
+            "blocks": packed(contacts.blocks, "<u4"),
+            "kinds": list(KINDS),
+            "kind": [KINDS.index(kind) for kind in contacts.kind.tolist()],
+        },
     }
 
 
@@ -69,12 +89,30 @@ def origin_of(stones: Assemblage) -> FloatArray:
     return np.array([*(low + high)[:2] / 2, low[2]])
 
 
-def _analysis(stones: Assemblage, record: dict[str, Any], state: LimitState, label: str, origin: FloatArray) -> dict[str, Any]:
+def joint_values(stones: Assemblage, contacts: Contacts, state: LimitState) -> FloatArray:
+    """Return of each interface (ni, 4): normal force N, shear N, and the largest rates at which its corners open and slide.
+
+    Forces are resultants, zero where the analysis has none.
+    """
+    velocities = np.nan_to_num(state.velocities)
+    first = contacts.point_ptr[:-1]
+    forces = state.forces if len(state.forces) == len(contacts.point) else np.zeros((len(contacts.point), 3))
+    resultant = np.add.reduceat(forces, first, axis=0) if len(first) else np.zeros((0, 3))
+    rate = corner_rates(contacts, stones, velocities)
+    sliding = np.maximum.reduceat(np.linalg.norm(rate[:, 1:], axis=1), first) if len(first) else np.zeros(0)
+    opening = joint_opening(contacts, stones, velocities)
+    return np.column_stack([resultant[:, 0], np.linalg.norm(resultant[:, 1:], axis=1), opening, sliding])
+
+
+def _analysis(
+    stones: Assemblage, record: dict[str, Any], state: LimitState, label: str, origin: FloatArray, contacts: Contacts | None
+) -> dict[str, Any]:
     velocities = np.nan_to_num(state.velocities)
     speed = stone_speed(stones, velocities)
     push = push_direction(record)
     return {
         "label": label,
+        "joints": contacts and packed(joint_values(stones, contacts, state), "<f4"),
         "velocities": packed(velocities, "<f4"),
         "speed": packed(speed, "<f4"),
         "reference_speed": reference_speed(speed),
@@ -96,6 +134,7 @@ def import_map() -> str:
         "three": "three/three.module.min.js",
         "three/addons/controls/OrbitControls.js": "three/OrbitControls.js",
         "churchpipe/shell.js": "shell.js",
+        "churchpipe/tools.js": "tools.js",
     }
     imports = {name: f"data:text/javascript;base64,{base64_text((STATIC / file).read_bytes())}" for name, file in modules.items()}
     return json.dumps({"imports": imports})

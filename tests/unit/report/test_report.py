@@ -25,6 +25,7 @@ from churchpipe.report.notes import status_note
 from churchpipe.report.plots import convergence_svg, gaps_svg
 from churchpipe.report.surface import edges, triangles
 from churchpipe.report.table import Row, figure, small
+from churchpipe.report.viewer import joint_values
 from churchpipe.stones.contacts import find_contacts
 from imprecise import corner
 from solids import box, on_ground, prism
@@ -162,7 +163,7 @@ def test_nothing_is_fetched(page: Page, page_text: str) -> None:
     assert page.addresses
     assert [a[:40] for a in page.addresses if not a.startswith(("data:", "#"))] == []
     imports = json.loads(page.scripts["importmap"])["imports"]
-    assert set(imports) == {"three", "three/addons/controls/OrbitControls.js", "churchpipe/shell.js"}
+    assert set(imports) == {"three", "three/addons/controls/OrbitControls.js", "churchpipe/shell.js", "churchpipe/tools.js"}
     assert all(address.startswith("data:text/javascript;base64,") for address in imports.values())
     style = re.search(r"<style>(.*?)</style>", page_text, re.DOTALL)
     assert style
@@ -189,6 +190,22 @@ def test_table_holds_the_numbers_of_the_summary(page: Page) -> None:
     assert (first["Equilibrium"], first["Strength"]) == ("2.0e\u221210", "3.0e\u221211")
     second = page.table[1]
     assert (second["Gap g"], second["Friction violation"]) == ("2.0e\u221206", "3.0e\u221209")
+
+
+def test_joints_of_a_stone_have_their_resultants_and_rates() -> None:
+    stones = tower()
+    contacts = find_contacts(stones)
+    top = int(np.flatnonzero((contacts.blocks == [2, 3]).all(axis=1))[0])
+    forces = np.zeros((len(contacts.point), 3))
+    forces[contacts.point_ptr[top] : contacts.point_ptr[top + 1]] = [4500.0, 300.0, -400.0]
+    values = joint_values(stones, contacts, state_of(stones, forces=forces))
+    assert values[top, :2] == pytest.approx([18000.0, 2000.0])
+    # The two upper cubes turn together: their joint keeps shut, the one below opens by 0.1 rad/s over 1 m.
+    below = int(np.flatnonzero((contacts.blocks == [1, 2]).all(axis=1))[0])
+    assert values[[top, below], 2] == pytest.approx([0.0, 0.1], abs=1e-9)
+    assert values[:, 3] == pytest.approx(np.zeros(len(values)), abs=1e-9)
+    # A result without forces leaves the resultants at zero.
+    assert not joint_values(stones, contacts, state_of(stones))[:, :2].any()
 
 
 def test_missing_and_infinite_numbers_are_words(page: Page) -> None:

@@ -2,6 +2,7 @@
 import * as THREE from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { SHELL, STONES, ShellView, VIEWS } from "churchpipe/shell.js";
+import { offerParts, offerPictures, offerSections, offerViews, showJoints } from "churchpipe/tools.js";
 
 const data = JSON.parse(document.getElementById("viewer-data").textContent);
 const element = (id) => document.getElementById(id);
@@ -16,7 +17,9 @@ const rest = floats(data.points);
 const centroid = floats(data.centroid);
 const pointer = integers(data.point_ptr);
 const triangles = integers(data.triangles);
-const analyses = data.analyses.map((a) => ({ ...a, velocities: floats(a.velocities), speed: floats(a.speed) }));
+const analyses = data.analyses.map((a) => ({ ...a, velocities: floats(a.velocities), speed: floats(a.speed),
+  joints: a.joints ? floats(a.joints) : null }));
+const joints = data.joints ? { ...data.joints, blocks: integers(data.joints.blocks) } : null;
 const stoneCount = data.id.length;
 
 const stoneOfPoint = new Uint32Array(rest.length / 3);
@@ -156,6 +159,7 @@ function start(canvas, renderer) {
     enable();
     arrow.clear();
     if (state.analysis.push) arrow.add(pushArrow(state.analysis.push));
+    chosen(state.stone ?? null);
     recolour();
     move();
   }
@@ -186,8 +190,8 @@ function start(canvas, renderer) {
   }
 
   // The nearest camera position that frames every displaced point and the arrow of the load.
-  function look() {
-    const toward = new THREE.Vector3(...state.analysis.toward);
+  function look(direction = state.analysis.toward) {
+    const toward = new THREE.Vector3(...direction).normalize();
     const right = new THREE.Vector3(0, 0, 1).cross(toward).normalize();
     const axes = [right, toward.clone().cross(right), toward];
     const points = Array.from(framed, (p) => new THREE.Vector3().fromArray(position.array, 3 * p));
@@ -243,11 +247,21 @@ function start(canvas, renderer) {
     ray.layers.enableAll();
     if (pictures[number].includes(SHELL)) {
       element("viewer-picked").textContent = shell.describe(ray);
+      chosen(null);
       return;
     }
     solid.computeBoundingSphere();
-    const hit = ray.intersectObject(stones)[0];
-    element("viewer-picked").textContent = hit ? describe(stoneOfPoint[hit.face.a]) : "";
+    // A section hides what lies before it from the eye, and so from the pointer.
+    const seen = (place) => renderer.clippingPlanes.every((plane) => plane.distanceToPoint(place) >= 0);
+    const hit = ray.intersectObject(stones).find((found) => seen(found.point));
+    const stone = hit ? stoneOfPoint[hit.face.a] : null;
+    element("viewer-picked").textContent = hit ? describe(stone) : "";
+    chosen(stone);
+  }
+
+  function chosen(stone) {
+    state.stone = stone;
+    showJoints(data, joints, stone, state.analysis.joints);
   }
 
   function describe(s) {
@@ -269,7 +283,11 @@ function start(canvas, renderer) {
     move();
   });
   element("viewer-play").addEventListener("click", () => { setPlaying(!state.playing); });
-  element("viewer-reset").addEventListener("click", look);
+  element("viewer-reset").addEventListener("click", () => look());
+  offerViews(look);
+  offerSections(renderer, extent, draw);
+  offerParts(data, [solid, wires], (point) => data.panel_of[stoneOfPoint[point]], draw);
+  offerPictures(canvas, draw);
   controls.addEventListener("change", draw);
   let pressed = [0, 0];
   canvas.addEventListener("pointerdown", (e) => { pressed = [e.clientX, e.clientY]; });

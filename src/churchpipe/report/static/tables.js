@@ -1,0 +1,20 @@
+// A button beside each table of the report that saves it as CSV.
+const quoted = (text) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
+
+document.querySelectorAll(".scroll > table").forEach((table, number) => {
+  const button = document.createElement("button");
+  button.type = "button";
+  button.className = "csv";
+  button.textContent = "CSV";
+  const title = table.closest("section")?.querySelector("h2")?.textContent ?? "table";
+  button.setAttribute("aria-label", `Save the table “${title}” as CSV`);
+  button.addEventListener("click", () => {
+    const lines = [...table.rows].map((row) => [...row.cells].map((cell) => quoted(cell.innerText.trim().replace(/\s+/g, " "))).join(","));
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(new Blob(["\ufeff" + lines.join("\r\n") + "\r\n"], { type: "text/csv" }));
+    link.download = `${document.querySelector("h1").textContent} ${title} ${number + 1}.csv`;
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+  });
+  table.parentElement.before(button);
+});

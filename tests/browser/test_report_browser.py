@@ -1,0 +1,101 @@
+"""The report in a real browser: the tools of its viewer, what it saves, and no word of complaint on the console."""
+
+import io
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+from playwright.sync_api import Page, sync_playwright
+
+from churchpipe import cli
+
+CASE = Path(__file__).parents[2] / "pipeline" / "cases" / "wall.toml"
+pytestmark = pytest.mark.slow("README: the report works in a browser, offline")
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("run")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("sys.argv", ["churchpipe", "run", str(CASE), "--out", str(folder)])
+        with pytest.raises(SystemExit) as left:
+            cli.main()
+    assert left.value.code == 0
+    return folder / "report.html"
+
+
+@pytest.fixture(scope="module")
+def chromium() -> str:
+    found = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+    assert found, "no Chromium found: scripts/slow.sh installs it"
+    return found
+
+
+@pytest.fixture(params=[1400, 390], ids=["screen", "phone"])
+def page(request: pytest.FixtureRequest, report: Path, chromium: str) -> Iterator[Page]:
+    with sync_playwright() as play:
+        browser = play.chromium.launch(executable_path=chromium, args=["--no-sandbox", "--enable-unsafe-swiftshader"])
+        page = browser.new_page(viewport={"width": request.param, "height": 900})
+        complaints: list[str] = []
+        requests: list[str] = []
+        page.on("console", lambda message: complaints.append(message.text) if message.type == "error" else None)
+        page.on("pageerror", lambda error: complaints.append(str(error)))
+        page.on("request", lambda wanted: requests.append(wanted.url))
+        page.goto(report.as_uri())
+        page.wait_for_function("document.body.dataset.ready === 'true'")
+        yield page
+        assert complaints == []
+        assert [url for url in requests if not url.startswith(("file:", "data:", "blob:"))] == []
+        browser.close()
+
+
+def test_nothing_is_cut(page: Page) -> None:
+    assert page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
+
+
+def test_a_stone_shows_its_joints(page: Page) -> None:
+    page.select_option("#viewer-viewpoint", "from the front")
+    canvas = page.locator("#viewer-canvas")
+    box = canvas.bounding_box()
+    assert box
+    canvas.click(position={"x": 0.5 * box["width"], "y": 0.75 * box["height"]})
+    assert page.inner_text("#viewer-picked").startswith("Stone wall-")
+    assert "bed" in page.inner_text("#viewer-joints")
+
+
+def test_a_section_and_hidden_parts_change_the_picture(page: Page) -> None:
+    def picture() -> Image.Image:
+        return Image.open(io.BytesIO(page.locator("#viewer-canvas").screenshot())).convert("L")
+
+    def changed(one: Image.Image, other: Image.Image) -> float:
+        return float((np.abs(np.subtract(one, other, dtype=np.int16)) > 8).mean())
+
+    whole = picture()
+    page.select_option("#viewer-section", "z")
+    assert changed(whole, picture()) > 0.02
+    page.select_option("#viewer-section", "")
+    assert changed(whole, picture()) < 0.002
+    page.click("summary:has-text('Parts')")
+    page.uncheck("#viewer-parts input >> nth=-1")
+    assert changed(whole, picture()) > 0.02
+
+
+def test_the_motion_plays(page: Page) -> None:
+    page.click("#viewer-play")
+    page.wait_for_function("document.getElementById('viewer-play').textContent === 'Pause'")
+    first = page.evaluate("document.getElementById('viewer-canvas').dataset.amplitude")
+    page.wait_for_function("document.getElementById('viewer-canvas').dataset.amplitude !== " + repr(first))
+
+
+def test_pictures_and_tables_are_saved(page: Page) -> None:
+    with page.expect_download() as picture:
+        page.click("#viewer-picture")
+    assert Path(picture.value.path()).read_bytes().startswith(b"\x89PNG")
+    with page.expect_download() as table:
+        page.locator("button.csv").first.click()
+    text = Path(table.value.path()).read_text(encoding="utf-8-sig")
+    assert "Load factor" in text
+    assert "0.470951" in text
