@@ -9,7 +9,7 @@ import numpy as np
 from churchpipe.errors import InputError
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.quantities import GRAVITY, Count, Quantity, Usual
-from churchpipe.spectrum import Spectrum, StoreySpectrum, TabulatedSpectrum
+from churchpipe.spectrum import Demand, SiteSpectrum, Spectrum, StoreySpectrum
 
 # Of the lowest knowledge level, which the circular asks for where crushing of the masonry is not modelled, as here.
 CONFIDENCE_FACTOR = 1.35
@@ -23,6 +23,7 @@ _SPECTRAL = Quantity(
 )
 _SOIL = Quantity(low=0.0, above=True, usual=Usual(0.8, 3, "S_S up to 1.8 times S_T up to 1.4"))
 _BEHAVIOUR = Quantity(low=1, usual=Usual(1, 4, "2 for local mechanisms, at most 3 to 4 for whole buildings of masonry"), key="q")
+_PERIOD = Quantity("_s", 0.0, above=True)
 _CONFIDENCE = Quantity(low=1, usual=Usual(1, 1.35, "the code has 1, 1.2 and 1.35"))
 
 
@@ -44,7 +45,9 @@ class Floor:
     storeys: Annotated[Count, "Number of storeys."]
     spectral_acceleration: Annotated[float, _SPECTRAL, "S_e(T1): elastic spectrum at the building's first period, soil included."]
     damping_percent: Annotated[float, Quantity(low=0.0), "Damping of the building."] = 5.0
-    first_period: Annotated[float | None, Quantity("_s", 0.0, above=True), "T1: first period of the building."] = None
+    first_period: Annotated[
+        float | None, Quantity("_s", 0.0, above=True), "T1: first period of the building, for the displacement-based check."
+    ] = None
 
     def __post_init__(self) -> None:
         _positive("building height H", self.building_height)
@@ -56,49 +59,63 @@ class Floor:
             raise InputError("check: height Z of the mechanism", "out of range", found=self.height, expected=expected)
 
     @property
-    def participation(self) -> float:
-        """gamma psi, how the first mode shakes the height Z: gamma = 3 n / (2 n + 1) [C7.2.10], psi = Z / H."""
-        return 3 * self.storeys / (2 * self.storeys + 1) * self.height / self.building_height
-
-    @property
     def acceleration(self) -> float:
-        """a_Z, m/s2: S_e(T1) gamma psi sqrt(1 + .0004 xi^2) [C7.2.8]."""
-        return self.spectral_acceleration * self.participation * math.sqrt(1 + 0.0004 * self.damping_percent**2)
+        """a_Z, m/s2: S_e(T1) gamma psi sqrt(1 + .0004 xi^2) [C7.2.8], gamma = 3 n / (2 n + 1) [C7.2.10], psi = Z / H."""
+        gamma = 3 * self.storeys / (2 * self.storeys + 1)
+        shape = self.height / self.building_height
+        return self.spectral_acceleration * gamma * shape * math.sqrt(1 + 0.0004 * self.damping_percent**2)
 
 
 @dataclass(frozen=True, slots=True)
 class Site:
     """What the earthquake asks, which no model knows.
 
-    ground_acceleration: a_g, m/s2, on rock for the ultimate limit state (SLV); soil_factor: S = S_S S_T; behaviour_factor: q;
-    confidence_factor: FC; floor: for a mechanism above the ground, besides; spectrum: for the displacement-based check.
+    ground_acceleration: a_g, m/s2, on rock for the ultimate limit state (SLV); soil_factor: S = S_S S_T, None where the soil of
+    the spectrum gives it; behaviour_factor: q; confidence_factor: FC; floor: for a mechanism above the ground, besides;
+    spectrum: for the displacement-based check.
 
     Raises
     ------
-    InputError: a value out of its range.
+    InputError: a value out of its range, a soil factor given twice or not at all.
     """
 
     ground_acceleration: Annotated[float, _GROUND, "a_g: on rock, for the ultimate limit state (SLV)."]
-    soil_factor: Annotated[float, _SOIL, "S = S_S S_T: soil and topography."]
+    soil_factor: Annotated[
+        float | None, _SOIL, "S = S_S S_T: soil and topography; by default that of `soil` in the spectrum."
+    ] = None
     behaviour_factor: Annotated[float, _BEHAVIOUR, "q: behaviour factor."] = BEHAVIOUR_FACTOR
     confidence_factor: Annotated[float, _CONFIDENCE, "FC: confidence factor, by the level of knowledge."] = CONFIDENCE_FACTOR
     floor: Annotated[Floor | None, "For a mechanism that begins above the ground."] = None
-    spectrum: Spectrum | TabulatedSpectrum | None = None
+    spectrum: Annotated[SiteSpectrum | None, "Elastic spectrum, for the displacement-based check of capacity curves."] = None
 
     def __post_init__(self) -> None:
         _positive("ground acceleration a_g", self.ground_acceleration)
-        _positive("soil factor S", self.soil_factor)
+        by_soil = self.spectrum is not None and self.spectrum.soil is not None
+        if (self.soil_factor is None) != by_soil:
+            problem = "a factor given twice" if by_soil else "missing key"
+            raise InputError("check: soil_factor", problem, expected="either soil_factor or soil in [check.spectrum]")
+        _positive("soil factor S", self.soil)
         _at_least("behaviour factor q", self.behaviour_factor, 1)
         _at_least("confidence factor FC", self.confidence_factor, 1)
 
     @property
-    def demand(self) -> Spectrum | TabulatedSpectrum | StoreySpectrum | None:
+    def soil(self) -> float:
+        """S = S_S S_T."""
+        if self.soil_factor is not None:
+            return self.soil_factor
+        found = self.spectrum.of(self.ground_acceleration, None) if self.spectrum else None
+        return found.soil_amplification(self.ground_acceleration) if isinstance(found, Spectrum) else math.nan
+
+    @property
+    def demand(self) -> Demand | None:
         """The spectrum at the foot of the mechanism, None where the case does not say it."""
-        if self.spectrum is None or self.floor is None:
-            return self.spectrum
+        found = self.spectrum.of(self.ground_acceleration, self.soil_factor) if self.spectrum else None
+        if found is None or self.floor is None:
+            return found
         if self.floor.first_period is None:
             return None
-        return StoreySpectrum(self.spectrum, self.floor.first_period, self.floor.participation, self.floor.damping_percent)
+        peak = self.floor.acceleration / self.ground_acceleration
+        return StoreySpectrum(found, self.floor.first_period, peak, self.floor.damping_percent)
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,7 +213,7 @@ def verify(acceleration: float, site: Site) -> Verdict:
     a_g,SLV = q a0* / S and zeta_E = a_g,SLV / a_g. With a floor both are lessened by what it asks beyond the ground, the spectrum
     being proportional to a_g.
     """
-    ground = site.ground_acceleration * site.soil_factor / site.behaviour_factor
+    ground = site.ground_acceleration * site.soil / site.behaviour_factor
     floor = site.floor.acceleration / site.behaviour_factor if site.floor else None
     demand = max(ground, floor or 0.0)
     index = acceleration / demand
@@ -209,7 +226,7 @@ def verdict_record(site: Site, found: Activation) -> dict[str, Any]:
     floor = {} if verdict.floor is None else {"floor_demand_m_s2": verdict.floor}
     return {
         "a_g_m_s2": site.ground_acceleration,
-        "soil_factor": site.soil_factor,
+        "soil_factor": site.soil,
         "q": site.behaviour_factor,
         "demand_m_s2": verdict.ground,
         **floor,

@@ -201,7 +201,7 @@ def displacement_record(curve: BlockCapacityCurve, stones: Assemblage, load: Loa
     if site is None:
         return record | {"missing": "what the earthquake asks: [check] with a_g_m_s2 and [check.spectrum]"}
     if site.demand is None:
-        key = "[check.spectrum]" if site.spectrum is None else "check.floor.period_s, the first period of the building"
+        key = "[check.spectrum]" if site.spectrum is None else "check.floor.first_period_s, the first period of the building"
         return record | {"missing": f"the spectrum: {key}", "force_based": verdict_record(site, start)}
     demand = site.demand
     limits: dict[LimitName, LimitStateCapacity] = {name: capacity(careful, demand, name) for name in LIMIT_STATES}

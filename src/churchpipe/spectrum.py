@@ -2,14 +2,14 @@
 
 import math
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Annotated, Literal, Protocol
 
 import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import positive
 from churchpipe.model.arrays import floats, store
-from churchpipe.model.quantities import GRAVITY
+from churchpipe.model.quantities import GRAVITY, Quantity, Usual
 
 # Bounds of the soil factor S_S = least <= top - slope F0 a_g/g <= most, and C_C = factor TC*^power (tables 3.2.IV and 3.2.V).
 SOILS = {
@@ -20,6 +20,10 @@ SOILS = {
     "E": (1.0, 2.0, 1.1, 1.6, 1.15, -0.4),
 }
 TOPOGRAPHY = {"T1": 1.0, "T2": 1.2, "T3": 1.2, "T4": 1.4}
+_F0 = Quantity(low=0.0, above=True, usual=Usual(2.2, 3.2, "the code has 2.2 at least"), key="F0")
+_TC = Quantity(low=0.0, above=True, usual=Usual(0.1, 0.7, "on rock, mostly .25 to .45 s"), key="TC_star_s")
+_PERIODS, _LEVELS = Quantity(key="periods_s"), Quantity(key="accelerations_m_s2")
+_LEVEL = Quantity(low=0.0, above=True)
 # The period of a storey's spectrum is that of the building within these factors, the upper one for its softening by damage.
 _SHORTER, _LONGER = 0.8, 1.1
 
@@ -127,23 +131,18 @@ class TabulatedSpectrum:
 class StoreySpectrum:
     """The spectrum of a storey that the building's first mode shakes, never below that of the ground [C7.2.5-8].
 
-    ground: that of the ground; first_period: T1 of the building, s; participation: gamma psi(Z) of the mode at the storey;
-    damping: xi of the building, percent.
+    ground: that of the ground; first_period: T1 of the building, s; peak: a_Z / a_g, the largest acceleration of the storey
+    [C7.2.8] over that of the ground, to which it is proportional; damping: xi of the building, percent.
     """
 
     ground: Demand
     first_period: float
-    participation: float
+    peak: float
     damping: float = 5.0
 
     def __post_init__(self) -> None:
-        positive("StoreySpectrum.first_period", self.first_period)
-        positive("StoreySpectrum.damping", self.damping)
-
-    def peak(self, ground: float) -> float:
-        """Return a_Z, m/s2, the largest acceleration of the storey, for a ground acceleration a_g, m/s2 [C7.2.8]."""
-        level = self.ground.acceleration(self.first_period, ground, self.damping)
-        return level * abs(self.participation) * math.sqrt(1 + 0.0004 * self.damping**2)
+        for name in ("first_period", "peak", "damping"):
+            positive(f"StoreySpectrum.{name}", getattr(self, name))
 
     def acceleration(self, period: float, ground: float, damping: float) -> float:
         """Return S_eZ, m/s2, at a period, s, for a ground acceleration a_g, m/s2, and a damping in percent [C7.2.7]."""
@@ -151,4 +150,39 @@ class StoreySpectrum:
         # Here the building's damping is a share and no percentage: a part in tune with it is shaken some five times as hard.
         most = max(1.1 * (self.damping / 100) ** -0.5 * damping_factor(damping), 1.0)
         away = (1 - period / low) ** 1.6 if period < low else (period / high - 1) ** 1.2 if period > high else 0.0
-        return max(self.peak(ground) * most / (1 + (most - 1) * away), self.ground.acceleration(period, ground, damping))
+        storey = self.peak * ground * most / (1 + (most - 1) * away)
+        return max(storey, self.ground.acceleration(period, ground, damping))
+
+
+@dataclass(frozen=True, slots=True)
+class SiteSpectrum:
+    """The elastic spectrum of the site as a case gives it: by F0 and TC*, or as a table with a damping of 5 percent.
+
+    Raises
+    ------
+    InputError: half of either, or both; periods that do not rise.
+    """
+
+    amplification: Annotated[float | None, _F0, "F0: amplification on rock."] = None
+    start: Annotated[float | None, _TC, "TC*: period at which the branch of constant velocity begins on rock."] = None
+    soil: Annotated[Literal["A", "B", "C", "D", "E"] | None, "Category of the soil, instead of `soil_factor` in [check]."] = None
+    topography: Annotated[Literal["T1", "T2", "T3", "T4"], "Category of the topography, with `soil`."] = "T1"
+    period: Annotated[tuple[Annotated[float, Quantity(low=0.0)], ...] | None, _PERIODS, "Periods of a table, rising."] = None
+    level: Annotated[tuple[Annotated[float, _LEVEL], ...] | None, _LEVELS, "S_e at these periods, soil included."] = None
+
+    def __post_init__(self) -> None:
+        formula, table = (self.amplification, self.start), (self.period, self.level)
+        if (None in formula) == (None in table) or any((None in pair) != (pair == (None, None)) for pair in (formula, table)):
+            expected = "F0 and TC_star_s, or periods_s and accelerations_m_s2"
+            raise InputError("spectrum", "neither formula nor table, or parts of both", expected=expected)
+        if self.soil is not None and self.period is not None:
+            raise InputError("spectrum: soil", "given with a table", expected="a table, which has the soil in it, or soil")
+        self.of(1.0, 1.0)
+
+    def of(self, ground: float, soil_factor: float | None) -> Spectrum | TabulatedSpectrum:
+        """Return the spectrum of a site with this a_g, m/s2, and this S, None where it follows from the soil."""
+        if self.period is not None and self.level is not None:
+            return TabulatedSpectrum(self.period, self.level, ground)
+        assert self.amplification is not None
+        assert self.start is not None
+        return Spectrum(self.amplification, self.start, self.soil or "A", self.topography, None if self.soil else soil_factor)

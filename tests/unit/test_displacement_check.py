@@ -13,10 +13,12 @@ from churchpipe.errors import InputError
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.block_curve import BlockCapacityCurve
 from churchpipe.report.displacements import displacement_checks
-from churchpipe.spectrum import GRAVITY, Spectrum, StoreySpectrum, spectral_displacement
+from churchpipe.spectrum import GRAVITY, SiteSpectrum, Spectrum, StoreySpectrum, spectral_displacement
 from solids import box, on_ground
 
 SITE = Spectrum(2.5, 0.5, soil_factor=1.2)
+GIVEN = SiteSpectrum(2.5, 0.5)
+SITED = Site(1.5, 1.2, spectrum=GIVEN)
 
 
 def rocking(breadth: float, height: float) -> tuple[FloatArray, FloatArray]:
@@ -110,7 +112,7 @@ def test_with_one_body_displacement_and_acceleration_are_less() -> None:
 
 
 def test_at_a_height_the_storey_asks_for_more() -> None:
-    storey = StoreySpectrum(SITE, first_period=0.4, participation=1.2)
+    storey = StoreySpectrum(SITE, first_period=0.4, peak=3.0)
     curve = block(0.5, 4)
     ground, high = capacity(curve, SITE), capacity(curve, storey)
     assert high.ground < ground.ground
@@ -131,7 +133,7 @@ def curve() -> BlockCapacityCurve:
 
 
 def test_the_record_of_a_curve(curve: BlockCapacityCurve) -> None:
-    record = displacement_record(curve, LEANING, PUSH, Site(1.5, 1.2, spectrum=SITE))
+    record = displacement_record(curve, LEANING, PUSH, SITED)
     found = capacity(block(0.5, 2), SITE)
     assert record["a_g_slv_m_s2"] == pytest.approx(found.ground, rel=1e-4)
     assert record["zeta_e"] == pytest.approx(found.ground / 1.5, rel=1e-4)
@@ -146,16 +148,15 @@ def test_the_record_of_a_curve(curve: BlockCapacityCurve) -> None:
 def test_the_control_point_of_a_curve_changes_nothing(curve: BlockCapacityCurve) -> None:
     top = cp.block_pushover(LEANING, cp.find_contacts(LEANING), PUSH, 0.7, step=0.025, control=(0.5, 0, 2))
     assert top.d0 > 1.5 * curve.d0
-    site = Site(1.5, 1.2, spectrum=SITE)
-    assert displacement_record(top, LEANING, PUSH, site) == displacement_record(curve, LEANING, PUSH, site)
+    assert displacement_record(top, LEANING, PUSH, SITED) == displacement_record(curve, LEANING, PUSH, SITED)
 
 
 def test_what_is_missing_is_named(curve: BlockCapacityCurve) -> None:
     assert "[check]" in displacement_record(curve, LEANING, PUSH, None)["missing"]
     assert "[check.spectrum]" in displacement_record(curve, LEANING, PUSH, Site(1.5, 1.2))["missing"]
     floor = Floor(6.0, 12.0, 2, 3.0)
-    record = displacement_record(curve, LEANING, PUSH, Site(1.5, 1.2, floor=floor, spectrum=SITE))
-    assert "period_s" in record["missing"]
+    record = displacement_record(curve, LEANING, PUSH, Site(1.5, 1.2, floor=floor, spectrum=GIVEN))
+    assert "first_period_s" in record["missing"]
     assert record["force_based"]["floor_demand_m_s2"] == pytest.approx(floor.acceleration / 2)
     short = cp.block_pushover(LEANING, cp.find_contacts(LEANING), PUSH, 0.7, step=0.025, steps=3)
     assert "does not come to its end" in displacement_record(short, LEANING, PUSH, None)["message"]
@@ -165,7 +166,7 @@ def test_what_is_missing_is_named(curve: BlockCapacityCurve) -> None:
 
 def test_the_report_shows_the_check(curve: BlockCapacityCurve) -> None:
     record = {"method": "curve", "load": "+x", "friction": 0.7}
-    check = displacement_record(curve, LEANING, PUSH, Site(1.5, 1.2, spectrum=SITE))
+    check = displacement_record(curve, LEANING, PUSH, SITED)
     shown = displacement_checks([record | {"check": check}, record | {"check": {"message": "why"}}, record], None)
     assert shown is not None
     (one,) = shown["checks"]

@@ -1,11 +1,12 @@
 """Spectra of the ground (NTC 2018, 3.2.3.2.1) and of a storey (Circolare 7/2019, C7.2.3)."""
 
 import math
+from typing import Any
 
 import pytest
 
 from churchpipe.errors import InputError
-from churchpipe.spectrum import GRAVITY, Spectrum, StoreySpectrum, TabulatedSpectrum, spectral_displacement
+from churchpipe.spectrum import GRAVITY, SiteSpectrum, Spectrum, StoreySpectrum, TabulatedSpectrum, spectral_displacement
 
 SITE = Spectrum(2.5, 0.5, soil_factor=1.2)
 
@@ -45,9 +46,8 @@ def test_a_table_of_points() -> None:
 
 
 def test_a_storey() -> None:
-    storey = StoreySpectrum(SITE, first_period=0.4, participation=1.2, damping=5.0)
-    peak = 1.2 * SITE.acceleration(0.4, 2.0, 5.0) * math.sqrt(1 + 0.0004 * 25)
-    assert storey.peak(2.0) == pytest.approx(peak)
+    storey = StoreySpectrum(SITE, first_period=0.4, peak=3.6, damping=5.0)
+    peak = 3.6 * 2.0
     # Stiff parts have the acceleration of the storey, those in tune with the building 1.1 xi^-1/2 eta times that.
     assert storey.acceleration(0.0, 2.0, 5.0) == pytest.approx(peak)
     assert storey.acceleration(0.4, 2.0, 5.0) == pytest.approx(peak * 1.1 / math.sqrt(0.05))
@@ -76,4 +76,28 @@ def test_bad_input() -> None:
     with pytest.raises(InputError, match="level: out of range"):
         TabulatedSpectrum((0.0, 0.5), (1.0, 0.0), 1.0)
     with pytest.raises(InputError, match="first_period: out of range"):
-        StoreySpectrum(SITE, 0.0, 1.0)
+        StoreySpectrum(SITE, 0.0, 3.0)
+
+
+def test_a_spectrum_given_by_a_case() -> None:
+    assert SiteSpectrum(2.5, 0.5).of(2.0, 1.2) == SITE
+    assert SiteSpectrum(2.5, 0.5, "C", "T2").of(2.0, None) == Spectrum(2.5, 0.5, "C", "T2")
+    table = SiteSpectrum(period=(0.0, 1.0), level=(2.0, 3.0))
+    assert table.of(2.0, 1.2) == TabulatedSpectrum((0.0, 1.0), (2.0, 3.0), 2.0)
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {},
+        {"amplification": 2.5},
+        {"amplification": 2.5, "period": (0.0, 1.0)},
+        {"period": (0.0, 1.0)},
+        {"amplification": 2.5, "start": 0.5, "period": (0.0, 1.0), "level": (1.0, 1.0)},
+    ],
+)
+def test_half_a_spectrum(given: dict[str, Any]) -> None:
+    with pytest.raises(InputError, match="neither formula nor table, or parts of both"):
+        SiteSpectrum(**given)
+    with pytest.raises(InputError, match="soil: given with a table"):
+        SiteSpectrum(period=(0.0, 1.0), level=(1.0, 1.0), soil="B")

@@ -18,7 +18,7 @@ _Name = Annotated[str, Field(pattern=r"^\w[\w .+-]*$", max_length=100)]
 _MATERIAL = table_of(Material, "Material", without=("name",), may_lack=("unit_weight", "friction"))
 _LOAD = table_of(LoadCase, "Load", without=("dead", "live"))
 _RIGID, _SHELL = table_of(RigidSettings, "Rigid"), table_of(ShellSettings, "Shell")
-_CHECK = table_of(Site, "Check", without=("spectrum",))
+_CHECK = table_of(Site, "Check")
 _PUBLISHED = table_of(Published, "Published")
 
 

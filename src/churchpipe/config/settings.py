@@ -7,7 +7,7 @@ from typing import Any
 from churchpipe.code_check import Floor, Site
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Elastic, JointStrength, UnitWeight
-from churchpipe.spectrum import Spectrum, TabulatedSpectrum
+from churchpipe.spectrum import SiteSpectrum
 
 
 def weights_of(settings: Mapping[str, Any]) -> list[UnitWeight]:
@@ -31,6 +31,5 @@ def strengths_of(settings: Mapping[str, Any]) -> list[JointStrength]:
 def site_of(settings: Mapping[str, Any]) -> Site:
     """Return what the earthquake asks, from the fields of its `Site`."""
     floor, spectrum = settings["floor"], settings.get("spectrum")
-    kind = TabulatedSpectrum if spectrum and "period" in spectrum else Spectrum
-    parts = {"floor": Floor(**floor) if floor else None, "spectrum": kind(**spectrum) if spectrum else None}
+    parts = {"floor": Floor(**floor) if floor else None, "spectrum": SiteSpectrum(**spectrum) if spectrum else None}
     return Site(**{**settings, **parts})

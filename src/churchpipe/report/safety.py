@@ -34,7 +34,9 @@ SITE = (
 
 def check_table(rows: Sequence[Row]) -> dict[str, Any] | None:
     """Return the table of safety checks, or None where no analysis has one: headings, rows (cells, verdict), sited, refused."""
-    found = [(row, check) for row in rows if isinstance(check := row.record.get("check"), Mapping)]
+    # Capacity curves have a check of their own: `report.displacements`.
+    of_limits = [row for row in rows if row.record.get("method") != "curve"]
+    found = [(row, check) for row in of_limits if isinstance(check := row.record.get("check"), Mapping)]
     good = [(row, check) for row, check in found if "a0_m_s2" in check]
     if not found:
         return None

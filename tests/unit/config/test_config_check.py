@@ -10,6 +10,7 @@ from churchpipe.config import read_case, read_variants
 from churchpipe.config.plan import plan
 from churchpipe.config.settings import site_of
 from churchpipe.errors import InputError
+from churchpipe.spectrum import Spectrum, StoreySpectrum, TabulatedSpectrum
 
 
 def test_the_check_is_read_in_either_unit(tmp_path: Path) -> None:
@@ -52,3 +53,51 @@ def test_the_check_is_no_setting_of_a_solve(tmp_path: Path) -> None:
     made = plan(read_variants(case_file(tmp_path, WALL + "[check]\na_g_m_s2 = 1.5\nsoil_factor = 1.2\n")))
     assert (made.analyses, made.geometries) == (without.analyses, without.geometries)
     assert site_of(made.index["analyses"][0]["check"]) == Site(1.5, 1.2)
+
+
+SPECTRUM = "[check]\na_g_m_s2 = 1.5\n{check}\n[check.spectrum]\n{spectrum}\n"
+
+
+def spectrum_case(tmp_path: Path, check: str, spectrum: str) -> Site:
+    case = read_case(case_file(tmp_path, WALL + SPECTRUM.format(check=check, spectrum=spectrum)))
+    assert case.check is not None
+    assert site_of(plan([case]).index["analyses"][0]["check"]) == case.check
+    return case.check
+
+
+def test_the_spectrum_by_its_formula_and_by_a_table(tmp_path: Path) -> None:
+    site = spectrum_case(tmp_path, "", 'F0 = 2.5\nTC_star_s = 0.3\nsoil = "C"\ntopography = "T2"')
+    assert site.demand == Spectrum(2.5, 0.3, "C", "T2")
+    assert site.soil == pytest.approx(min(1.7 - 0.6 * 2.5 * 1.5 / 9.80665, 1.5) * 1.2)
+    site = spectrum_case(tmp_path, "soil_factor = 1.2", "F0 = 2.5\nTC_star_s = 0.3")
+    assert site.demand == Spectrum(2.5, 0.3, soil_factor=1.2)
+    site = spectrum_case(tmp_path, "soil_factor = 1.2", "periods_s = [0.0, 0.5, 2.0]\naccelerations_m_s2 = [1.8, 4.5, 1.0]")
+    assert site.demand == TabulatedSpectrum((0.0, 0.5, 2.0), (1.8, 4.5, 1.0), 1.5)
+
+
+def test_a_storey_shaken_in_proportion_to_the_ground(tmp_path: Path) -> None:
+    text = "F0 = 2.5\nTC_star_s = 0.3\n[check.floor]\nheight_m = 6\nbuilding_height_m = 12\nstoreys = 2\n"
+    period = "spectral_acceleration_m_s2 = 3.0\nfirst_period_s = 0.4"
+    site = spectrum_case(tmp_path, "soil_factor = 1.2", text + period)
+    assert site.floor is not None
+    assert site.demand == StoreySpectrum(Spectrum(2.5, 0.3, soil_factor=1.2), 0.4, site.floor.acceleration / 1.5)
+    assert spectrum_case(tmp_path, "soil_factor = 1.2", text + "spectral_acceleration_m_s2 = 3.0").demand is None
+
+
+@pytest.mark.parametrize(
+    ("check", "spectrum", "said"),
+    [
+        ("", "F0 = 2.5\nTC_star_s = 0.3", "check.soil_factor: missing key; expected either soil_factor or soil"),
+        ("soil_factor = 1.2", 'F0 = 2.5\nTC_star_s = 0.3\nsoil = "B"', "check.soil_factor: a factor given twice"),
+        ("soil_factor = 1.2", "F0 = 2.5", "check.spectrum: neither formula nor table"),
+        ("", 'F0 = 2.5\nTC_star_s = 0.3\nsoil = "F"', "check.spectrum.soil: wrong value; found 'F'"),
+        ("soil_factor = 1.2", "F0 = 0\nTC_star_s = 0.3", "check.spectrum.F0: wrong value; found 0"),
+        ("soil_factor = 1.2", "F0 = 2.5\nTC_star = 0.3", 'Did you mean "TC_star_s"?'),
+        ("soil_factor = 1.2", "periods_s = [0.5, 0.5]\naccelerations_m_s2 = [1, 2]", "not rising"),
+        ("soil_factor = 1.2", "periods_s = [0.0, 0.5]\naccelerations_m_s2 = [1]", "wrong shape"),
+    ],
+)
+def test_a_spectrum_that_says_too_little_or_too_much(check: str, spectrum: str, said: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError) as error:
+        spectrum_case(tmp_path, check, spectrum)
+    assert said in str(error.value)
