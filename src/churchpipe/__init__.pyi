@@ -10,6 +10,7 @@ from .large_displacements.pushover import block_pushover as block_pushover
 from .large_displacements.settlement import settlement_analysis as settlement_analysis
 from .large_displacements.settlement_path import settlement_path as settlement_path
 from .loading.placing import place_loads as place_loads
+from .loading.ties import place_ties as place_ties
 from .loading.wrenches import loaded as loaded
 from .loading.wrenches import shell_loaded as shell_loaded
 from .match import match_models as match_models
@@ -34,8 +35,13 @@ from .model.results import ShellLimitState as ShellLimitState
 from .model.settlement import SettlementPath as SettlementPath
 from .model.settlement import SettlementState as SettlementState
 from .model.shell import ShellModel as ShellModel
+from .model.tie_bars import TieBar as TieBar
+from .model.tie_bars import WallPlace as WallPlace
+from .model.ties import Anchor as Anchor
 from .model.ties import Tie as Tie
 from .rigid_blocks.limit import limit_analysis as limit_analysis
+from .rigid_blocks.ranking import RankedTie as RankedTie
+from .rigid_blocks.ranking import rank_ties as rank_ties
 from .shell_mesh.shell import derive_shell as derive_shell
 from .stones.blocks import derive_blocks as derive_blocks
 from .stones.contacts import find_contacts as find_contacts

@@ -1,4 +1,4 @@
-"""Ties: bars that pull two stones together."""
+"""Ties: bars that pull stones together, as an analysis takes them."""
 
 from dataclasses import dataclass
 
@@ -6,8 +6,45 @@ import numpy as np
 import numpy.typing as npt
 
 from churchpipe.errors import InputError
-from churchpipe.model.arguments import finite, text
-from churchpipe.model.arrays import FloatArray, floats, indices, store
+from churchpipe.model.arguments import check_kind, finite, text
+from churchpipe.model.arrays import FloatArray, IntArray, NameArray, floats, indices, names, rows_of, store
+
+
+@dataclass(frozen=True, slots=True)
+class Anchor:
+    """Where an end of a tie pulls.
+
+    Parameters
+    ----------
+    stone
+        The stones (k,) that bear it.
+    point
+        Where it pulls on each of them (k, 3), m.
+    share
+        Share of the tension (k,) that each takes; they add up to one.
+    wall
+        Name of the panel (k,) of each stone.
+    """
+
+    stone: IntArray
+    point: FloatArray
+    share: FloatArray
+    wall: NameArray
+
+    def __post_init__(self) -> None:
+        count = rows_of("Anchor.stone", self.stone)
+        share = floats("Anchor.share", self.share, (count,))
+        if not count or (share < 0).any() or abs(float(share.sum()) - 1) > 1e-9:
+            raise InputError(
+                "Anchor.share", "not shares of a whole", found=share.tolist(), expected="numbers >= 0 with the sum 1"
+            )
+        store(
+            self,
+            stone=indices("Anchor.stone", self.stone, (count,)),
+            point=floats("Anchor.point", self.point, (count, 3)),
+            share=share,
+            wall=names("Anchor.wall", self.wall, (count,)),
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,11 +63,21 @@ class Tie:
         Indices (i, j) of the stones that they pull on; None: those that contain or touch the anchors.
     strength
         N, the least of yield, punching of the wall and bearing under the plates.
+    anchors
+        Where start and end pull, if not on one stone each.
+    stiffness
+        Force over elongation E A / L, N/m, which the path of a capacity curve needs; a limit analysis does not.
+    pretension
+        N, at most the strength. It changes no load factor, since the bar is ductile.
+    ultimate
+        Elongation at which it breaks, m.
+    governs
+        What its strength is that of, in words.
 
     Raises
     ------
     InputError
-        No name, no length, a strength that is no number >= 0, both ends on one stone.
+        No name, no length, a number out of its range, both ends on one stone.
     """
 
     name: str
@@ -38,6 +85,11 @@ class Tie:
     end: FloatArray
     stones: tuple[int, int] | None
     strength: float
+    anchors: tuple[Anchor, Anchor] | None
+    stiffness: float | None
+    pretension: float
+    ultimate: float
+    governs: str
 
     def __init__(
         self,
@@ -47,6 +99,11 @@ class Tie:
         stones: tuple[int, int] | None = None,
         *,
         strength: float,
+        anchors: tuple[Anchor, Anchor] | None = None,
+        stiffness: float | None = None,
+        pretension: float = 0.0,
+        ultimate: float = np.inf,
+        governs: str = "",
     ) -> None:
         text("Tie.name", name)
         where = f"tie {name}"
@@ -61,7 +118,23 @@ class Tie:
             pair = i, j
             if i == j:
                 raise InputError(where, "both ends on one stone", found=f"stones {i} and {j}", expected="two stones")
-        store(self, name=name, start=first, end=second, stones=pair, strength=float(strength))
+        if stiffness is not None and not finite(f"{where}: stiffness", stiffness) > 0:
+            raise InputError(f"{where}: stiffness", "out of range", found=stiffness, expected="> 0 N/m")
+        if not 0 <= finite(f"{where}: pretension", pretension) <= strength:
+            raise InputError(
+                f"{where}: pretension", "out of range", found=pretension, expected=f"0 to its strength, {strength:g} N"
+            )
+        if not ultimate > 0:
+            raise InputError(f"{where}: ultimate elongation", "out of range", found=ultimate, expected="> 0 m")
+        for anchor in anchors or ():
+            check_kind(f"{where}: anchors", anchor, Anchor)
+        store(self, name=name, start=first, end=second, stones=pair, strength=float(strength), anchors=anchors)
+        store(self, stiffness=stiffness, pretension=float(pretension), ultimate=float(ultimate), governs=governs)
+
+    @property
+    def length(self) -> float:
+        """From anchor to anchor, m."""
+        return float(np.linalg.norm(self.end - self.start))
 
     @property
     def axis(self) -> FloatArray:

@@ -5,10 +5,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from churchpipe.conic.wrenches import pair_wrenches
-from churchpipe.errors import InputError
-from churchpipe.geometry.locate import stones_at
-from churchpipe.model.arrays import FloatArray
+from churchpipe.conic.wrenches import Wrenches
+from churchpipe.loading.ties import anchors_of
+from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.results import LimitState
 from churchpipe.model.ties import Tie
@@ -21,7 +20,7 @@ def with_ties(balance: Equilibrium, strength: Strength, stones: Assemblage, ties
     """Return balance and strength of the contact points with one more point for each tie.
 
     Its normal force is the tension: it pulls at the start along the tie, at the end against it, and is bounded by the strength
-    of the tie. Friction and cohesion are 0.
+    of the tie. Friction and cohesion are 0. Where an end pulls on several stones each takes its share.
 
     Raises
     ------
@@ -29,16 +28,19 @@ def with_ties(balance: Equilibrium, strength: Strength, stones: Assemblage, ties
     """
     if not ties:
         return balance, strength
-    pairs = np.array([_anchored(stones, tie) for tie in ties])
-    anchors = np.array([(tie.start, tie.end) for tie in ties])
     row_of = np.full(stones.count, -1, dtype=np.int64)
     row_of[balance.free] = np.arange(len(balance.free))
-    tensions = pair_wrenches(
+    pulls = [_pulls(stones, tie, row_of) for tie in ties]
+    bodies, arms, signs = (np.concatenate(parts) for parts in zip(*pulls, strict=True))
+    tensions = Wrenches(
         len(balance.free),
-        row_of[pairs],
-        (anchors - stones.centroid[pairs]) / balance.length,
+        np.concatenate(([0], np.cumsum([len(pull[0]) for pull in pulls]))),
+        bodies,
+        arms / balance.length,
+        signs,
         frames(np.array([-tie.axis for tie in ties])),
         np.arange(len(ties)),
+        np.zeros((len(ties), 2)),
     )
     tied = replace(balance, wrenches=balance.wrenches.joined(tensions), ties=len(ties))
     none = np.zeros(len(ties))
@@ -47,36 +49,16 @@ def with_ties(balance: Equilibrium, strength: Strength, stones: Assemblage, ties
     return tied, Strength(*(np.concatenate(pair) for pair in values))
 
 
-def _anchored(stones: Assemblage, tie: Tie) -> tuple[int, int]:
-    where = f"tie {tie.name}"
-    if tie.stones is None:
-        i, j = (_stone_at(stones, where, end, anchor) for end, anchor in (("start", tie.start), ("end", tie.end)))
-    else:
-        i, j = tie.stones
-    if max(i, j) >= stones.count:
-        raise InputError(f"{where}: stones", "no such stone", found=max(i, j), expected=f"indices < {stones.count}")
-    if i == j:
-        raise InputError(where, "both ends on one stone", found=stones.block_id[i], expected="anchors on two stones")
-    if stones.fixed[[i, j]].all():
-        found = f"{stones.block_id[i]} and {stones.block_id[j]}"
-        raise InputError(where, "both ends on fixed stones", found=found, expected="at least one free stone")
-    return i, j
-
-
-def _stone_at(stones: Assemblage, where: str, end: str, anchor: FloatArray) -> int:
-    found = stones_at(stones, anchor).tolist()
-    place = f"{anchor.round(4).tolist()} m"
-    if not found:
-        raise InputError(f"{where}: {end}", "no stone at the anchor", found=place, expected="a point in or on a stone")
-    if len(found) > 1:
-        raise InputError(
-            f"{where}: {end}",
-            "several stones at the anchor",
-            found=f"{', '.join(f'{stones.block_id[i]} ({i})' for i in found)} at {place}",
-            expected="one stone",
-            remedy="Move the anchor into one of them, or give the tie's stones=(i, j).",
-        )
-    return int(found[0])
+def _pulls(stones: Assemblage, tie: Tie, row_of: IntArray) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Return the free stones (k,), ascending, that a tie pulls on, as rows of the balance, the arms (k, 3) m of the pull on
+    each, and its share (k,) along the tie from end to start."""
+    first, second = anchors_of(stones, tie)
+    stone = np.concatenate([first.stone, second.stone])
+    point = np.concatenate([first.point, second.point])
+    share = np.concatenate([-first.share, second.share])
+    moving = row_of[stone] >= 0
+    order = np.flatnonzero(moving)[np.argsort(row_of[stone[moving]])]
+    return row_of[stone[order]], (point - stones.centroid[stone])[order], share[order]
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,175 @@
+"""Ties to the stones that their anchors pull on."""
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from churchpipe.errors import InputError
+from churchpipe.geometry.locate import stones_at
+from churchpipe.loading.plates import plate_on
+from churchpipe.loading.walls import WallLine, points_of, wall_line
+from churchpipe.model.arguments import check_kind, listed
+from churchpipe.model.arrays import FloatArray, IntArray
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.tie_bars import TieBar, WallPlace
+from churchpipe.model.ties import Anchor, Tie
+
+# A bar runs along a wall, and not through it, if the cosine of its angle with the wall's normal is less than this.
+_THROUGH = 0.3
+_CLOSE = 1e-5
+
+
+def place_ties(stones: Assemblage, bars: Iterable[TieBar]) -> list[Tie]:
+    """Return bars as ties between the stones that their anchors pull on.
+
+    A bar with a place on a wall goes through that wall to its far face, unless it runs along it. A plate presses on the stones
+    that it covers, by area; without one the stones that contain or touch the end share it evenly.
+
+    Parameters
+    ----------
+    stones
+        With the names of their walls as `panel`.
+    bars
+        The bars.
+
+    Returns
+    -------
+    list[Tie]
+        With their strength and what governs it, stiffness E A / L and ultimate elongation.
+
+    Raises
+    ------
+    InputError
+        A wall that is not there or is not straight, an anchor beside the masonry or in an opening, a plate that overhangs.
+    """
+    check_kind("place_ties: stones", stones, Assemblage)
+    return [_placed(stones, bar) for bar in listed("place_ties: bars", bars, TieBar)]
+
+
+def anchors_of(stones: Assemblage, tie: Tie) -> tuple[Anchor, Anchor]:
+    """Return where a tie pulls: its anchors, or the stones that it names or that its ends are in.
+
+    Raises
+    ------
+    InputError
+        An end without a stone or in several, both ends on one stone, or on stones that cannot move.
+    """
+    where = f"tie {tie.name}"
+    if tie.anchors is not None:
+        found = [anchor.stone for anchor in tie.anchors]
+    else:
+        pair = tie.stones or (_stone_at(stones, f"{where}: {end}", at) for end, at in (("start", tie.start), ("end", tie.end)))
+        found = [np.array([stone]) for stone in pair]
+    every = np.concatenate(found)
+    if every.max() >= stones.count:
+        raise InputError(f"{where}: stones", "no such stone", found=every.max(), expected=f"indices < {stones.count}")
+    both = np.intersect1d(*found)
+    if len(both):
+        named = ", ".join(stones.block_id[both].tolist())
+        raise InputError(where, "both ends on one stone", found=named, expected="anchors on different stones")
+    if stones.fixed[every].all():
+        fixed = " and ".join(stones.block_id[every].tolist())
+        raise InputError(where, "both ends on fixed stones", found=fixed, expected="at least one free stone")
+    if tie.anchors is not None:
+        return tie.anchors
+    return _single(stones, int(every[0]), tie.start), _single(stones, int(every[1]), tie.end)
+
+
+def _stone_at(stones: Assemblage, where: str, place: FloatArray) -> int:
+    found = _stones_at(stones, where, place).tolist()
+    if len(found) > 1:
+        raise InputError(
+            where,
+            "several stones at the anchor",
+            found=f"{', '.join(f'{stones.block_id[i]} ({i})' for i in found)} at {place.round(4).tolist()} m",
+            expected="one stone",
+            remedy="Move the anchor into one of them, or give the tie's stones=(i, j).",
+        )
+    return int(found[0])
+
+
+def _stones_at(stones: Assemblage, where: str, place: FloatArray) -> IntArray:
+    found = stones_at(stones, place)
+    if not len(found):
+        at = f"{place.round(4).tolist()} m"
+        raise InputError(where, "no stone at the anchor", found=at, expected="a point in or on a stone")
+    return found
+
+
+def _single(stones: Assemblage, stone: int, place: FloatArray) -> Anchor:
+    chosen = np.array([stone])
+    return Anchor(chosen, place[None], np.ones(1), stones.panel[chosen])
+
+
+def _placed(stones: Assemblage, bar: TieBar) -> Tie:
+    where = f"tie {bar.name}"
+    walls = [
+        wall_line(stones, place.wall, f"{where}: {end}") if isinstance(place, WallPlace) else None
+        for end, place in (("start", bar.start), ("end", bar.end))
+    ]
+    first, second = (
+        _middle(f"{where}: {end}", place, wall)
+        for end, place, wall in zip(("start", "end"), (bar.start, bar.end), walls, strict=True)
+    )
+    span = second - first
+    if not np.linalg.norm(span) > _CLOSE:
+        raise InputError(where, "no length", found=f"both ends at {first.round(4).tolist()} m", expected="two anchors apart")
+    axis = span / np.linalg.norm(span)
+    anchors, ends, thickness = [], [], []
+    for end, place, wall, pull in zip(("start", "end"), (first, second), walls, (axis, -axis), strict=True):
+        outer, outward = _outer(place, wall, pull)
+        ends.append(outer)
+        if bar.plate:
+            anchor = plate_on(stones, f"{where}: {end}", outer, outward, bar.plate)
+        else:
+            found = _stones_at(stones, f"{where}: {end}", outer)
+            found = found[~stones.fixed[found]] if (~stones.fixed[found]).any() else found
+            count = len(found)
+            anchor = Anchor(found, np.tile(outer, (count, 1)), np.full(count, 1 / count), stones.panel[found])
+        anchors.append(anchor)
+        thickness.append(_thickness(stones, wall, anchor, outward))
+    strength, governs = bar.capacity((thickness[0], thickness[1]))
+    length = float(np.linalg.norm(ends[1] - ends[0]))
+    tie = Tie(
+        bar.name,
+        ends[0],
+        ends[1],
+        strength=strength,
+        anchors=(anchors[0], anchors[1]),
+        stiffness=bar.modulus * bar.area / length,
+        pretension=bar.pretension,
+        ultimate=bar.ultimate_strain * length,
+        governs=governs,
+    )
+    anchors_of(stones, tie)
+    return tie
+
+
+def _middle(where: str, place: "WallPlace | FloatArray", wall: WallLine | None) -> FloatArray:
+    """Return a place on the middle plane of its wall, or the point that it is (3,) m."""
+    if not isinstance(place, WallPlace) or wall is None:
+        return np.asarray(place)
+    if not -_CLOSE <= place.along <= wall.length + _CLOSE:
+        expected = f"within 0 and {wall.length:.6g} m along it"
+        raise InputError(where, f"beyond the wall {wall.name}", found=f"{place.along:g} m", expected=expected)
+    if place.height > wall.top + _CLOSE:
+        raise InputError(where, f"above the wall {wall.name}", found=f"{place.height:g} m", expected=f"at most {wall.top:.6g} m")
+    return np.append(wall.at(place.along), place.height)
+
+
+def _outer(place: FloatArray, wall: WallLine | None, pull: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return where a bar that pulls this way is anchored, and where the face there looks: both (3,)."""
+    if wall is None:
+        return place, -pull
+    normal = np.append(wall.normal, 0.0)
+    across = float(normal @ pull)
+    if abs(across) < _THROUGH:
+        return place, -pull
+    return place - pull * (wall.thickness / 2) / abs(across), -np.sign(across) * normal
+
+
+def _thickness(stones: Assemblage, wall: WallLine | None, anchor: Anchor, outward: FloatArray) -> float | None:
+    """Return the thickness that a plate would have to punch through, m; None for a bar along its wall."""
+    if wall is not None:
+        return wall.thickness if abs(float(np.append(wall.normal, 0.0) @ outward)) > _THROUGH else None
+    return float(np.ptp(points_of(stones, anchor.stone) @ outward))

@@ -1,0 +1,159 @@
+"""Ties as an engineer describes them: a bar of steel, its plates, and where it is anchored."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from churchpipe.errors import InputError
+from churchpipe.model.arguments import describe, finite, text
+from churchpipe.model.arrays import FloatArray, floats, store
+
+STEEL_MODULUS = 210e9
+
+
+@dataclass(frozen=True, slots=True)
+class WallPlace:
+    """A place on a wall: its name, m along it (as in `LineLoad`), m above z = 0."""
+
+    wall: str
+    along: float
+    height: float
+
+    def __post_init__(self) -> None:
+        text("place: wall", self.wall)
+        for key in ("along", "height"):
+            store(self, **{key: finite(f"place on {self.wall}: {key}", getattr(self, key))})
+
+
+Place = WallPlace | FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class TieBar:
+    """A steel bar between two anchors.
+
+    Parameters
+    ----------
+    name
+        What messages and results call it.
+    start, end
+        Points (3,) m, or places on walls: `WallPlace`, or (wall, along, height). A bar that crosses the wall of a place goes
+        through it, to an anchor on its far face.
+    area
+        Of the steel, m2.
+    steel_strength
+        Its yield strength, Pa.
+    plate
+        Width and height of the anchor plates, m; None: without plates, anchored in the stones at its ends.
+    bearing_strength
+        Of the masonry under the plates, Pa; None: bearing is not checked.
+    punching_strength
+        Shear strength of the masonry around a plate that is pulled through, Pa; None: punching is not checked.
+    pretension
+        N; it changes no load factor.
+    modulus
+        Of the steel, Pa.
+    ultimate_strain
+        Elongation over length at which it breaks.
+
+    Raises
+    ------
+    InputError
+        Numbers out of range, masonry strengths without a plate, no place.
+    """
+
+    name: str
+    start: Place
+    end: Place
+    area: float
+    steel_strength: float
+    plate: tuple[float, float] | None
+    bearing_strength: float | None
+    punching_strength: float | None
+    pretension: float
+    modulus: float
+    ultimate_strain: float
+
+    def __init__(
+        self,
+        name: str,
+        start: "WallPlace | tuple[str, float, float] | npt.ArrayLike",
+        end: "WallPlace | tuple[str, float, float] | npt.ArrayLike",
+        *,
+        area: float,
+        steel_strength: float,
+        plate: tuple[float, float] | None = None,
+        bearing_strength: float | None = None,
+        punching_strength: float | None = None,
+        pretension: float = 0.0,
+        modulus: float = STEEL_MODULUS,
+        ultimate_strain: float = np.inf,
+    ) -> None:
+        where = f"tie {text('TieBar.name', name)}"
+        store(self, name=name, start=_place(f"{where}: start", start), end=_place(f"{where}: end", end))
+        numbers = {"area": area, "steel_strength": steel_strength, "modulus": modulus}
+        numbers |= {
+            key: value
+            for key, value in (("bearing_strength", bearing_strength), ("punching_strength", punching_strength))
+            if value is not None
+        }
+        for key, value in numbers.items():
+            if not finite(f"{where}: {key}", value) > 0:
+                raise InputError(f"{where}: {key}", "out of range", found=value, expected="> 0")
+        if not ultimate_strain > 0:
+            raise InputError(f"{where}: ultimate_strain", "out of range", found=ultimate_strain, expected="> 0")
+        if finite(f"{where}: pretension", pretension) < 0:
+            raise InputError(f"{where}: pretension", "out of range", found=pretension, expected=">= 0 N")
+        sides = None
+        if plate is not None:
+            width, height = floats(f"{where}: plate", plate, (2,)).tolist()
+            if not min(width, height) > 0:
+                raise InputError(f"{where}: plate", "out of range", found=list(plate), expected="width and height > 0 m")
+            sides = width, height
+        elif bearing_strength is not None or punching_strength is not None:
+            raise InputError(where, "no plate", found="a strength of the masonry under it", expected="plate, (width, height) m")
+        store(self, area=float(area), steel_strength=float(steel_strength), plate=sides, pretension=float(pretension))
+        store(self, bearing_strength=bearing_strength, punching_strength=punching_strength)
+        store(self, modulus=float(modulus), ultimate_strain=float(ultimate_strain))
+
+    def capacity(self, thickness: tuple[float | None, float | None] = (None, None)) -> tuple[float, str]:
+        """Return the largest tension, N, and what governs it.
+
+        The least of the yield of the steel A f_y; of what the masonry bears under a plate of b x h, f_c b h; and of what holds a
+        truncated pyramid at 45 degrees in a wall of thickness t, punched out by the plate: its perimeter half way through,
+        2 (b + h + 2 t), times t f_v.
+
+        Parameters
+        ----------
+        thickness
+            Of the walls at start and end, m; None where a wall is not punched.
+        """
+        found = [(self.area * self.steel_strength, "yield of the steel")]
+        if self.plate:
+            width, height = self.plate
+            if self.bearing_strength:
+                found.append((self.bearing_strength * width * height, "bearing under the plates"))
+            for end, t in zip(("start", "end"), thickness, strict=True):
+                if self.punching_strength and t is not None:
+                    around = 2 * (width + height + 2 * t)
+                    found.append((self.punching_strength * around * t, f"punching of the wall at its {end}"))
+        return min(found, key=lambda item: item[0])
+
+
+def _place(where: str, value: Any) -> Place:
+    if isinstance(value, WallPlace):
+        return value
+    try:
+        wall, along, height = value
+    except (TypeError, ValueError) as error:
+        raise InputError(
+            where, "no place", found=describe(value), expected="x, y, z m, or (wall, m along it, m above z = 0)"
+        ) from error
+    if not isinstance(wall, str):
+        return floats(where, value, (3,))
+    try:
+        return WallPlace(wall, along, height)
+    except InputError as error:
+        raise error.at(where) from error

@@ -1,0 +1,114 @@
+"""Which tie would help most: what each candidate adds to the load factor, from the mechanism, and from new analyses."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from churchpipe.errors import InputError
+from churchpipe.loading.ties import anchors_of
+from churchpipe.model.arguments import check_kind, listed, whole
+from churchpipe.model.arrays import FloatArray
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.contacts import Contacts
+from churchpipe.model.loads import LoadCase
+from churchpipe.model.results import LimitState
+from churchpipe.model.ties import Tie
+from churchpipe.rigid_blocks.limit import limit_analysis
+
+
+@dataclass(frozen=True, slots=True)
+class RankedTie:
+    """What a candidate tie adds.
+
+    Parameters
+    ----------
+    tie
+        The candidate.
+    rate
+        d load_factor / d strength at strength 0, 1/N: the rate at which the mechanism lengthens it.
+    most
+        Load factor that it cannot exceed: that of the structure plus rate times strength. The load factor is concave in the
+        strength, so that the true one is less where another mechanism takes over.
+    load_factor
+        With the tie, by a new analysis; NaN where none was made.
+    """
+
+    tie: Tie
+    rate: float
+    most: float
+    load_factor: float = np.nan
+
+
+def elongation_rate(stones: Assemblage, velocities: FloatArray, tie: Tie) -> float:
+    """Return how fast velocities (nb, 6) lengthen a tie, in their unit of length."""
+    ends: list[float] = []
+    for anchor in anchors_of(stones, tie):
+        motion = velocities[anchor.stone]
+        moved = motion[:, :3] + np.cross(motion[:, 3:], anchor.point - stones.centroid[anchor.stone])
+        ends.append(float(anchor.share @ moved @ tie.axis))
+    return ends[1] - ends[0]
+
+
+def rank_ties(
+    state: LimitState,
+    candidates: Sequence[Tie],
+    stones: Assemblage,
+    contacts: Contacts,
+    load: LoadCase,
+    friction: npt.ArrayLike = 0.6,
+    cohesion: npt.ArrayLike = 0.0,
+    *,
+    verify: int = 3,
+    ties: Sequence[Tie] = (),
+    **options: Any,
+) -> tuple[RankedTie, ...]:
+    """Return candidate ties by what they add to the load factor, best first.
+
+    The rates need no new analysis: by virtual work a newton of strength adds as much as the mechanism found lengthens the tie.
+    The best few are then analysed with the tie in place.
+
+    Parameters
+    ----------
+    state
+        The limit state of the structure without the candidates.
+    candidates
+        Ties that may be added, one at a time.
+    stones, contacts, load, friction, cohesion
+        The analysis of that state.
+    verify
+        How many of the best are analysed again.
+    ties
+        Ties that are there already.
+    options
+        Further arguments of `limit_analysis`.
+
+    Returns
+    -------
+    tuple[RankedTie, ...]
+        Verified ones first, by their load factor, the others by `most`.
+
+    Raises
+    ------
+    InputError
+        A state without a mechanism of the lateral load; candidates that are anchored in no stone.
+    """
+    check_kind("rank_ties: state", state, LimitState)
+    check_kind("rank_ties: stones", stones, Assemblage)
+    candidates = listed("rank_ties: candidates", candidates, Tie)
+    whole("rank_ties: verify", verify, least=0)
+    if not np.isfinite(state.load_factor) or not np.isfinite(state.velocities).all():
+        raise InputError("rank_ties: state", "no mechanism", found=state.status, expected="a state with a load factor")
+    weight = float(stones.weight.sum())
+    found: list[RankedTie] = []
+    for tie in candidates:
+        rate = max(0.0, elongation_rate(stones, state.velocities, tie)) / weight
+        found.append(RankedTie(tie, rate, state.load_factor + rate * tie.strength))
+    found.sort(key=lambda one: -one.most)
+    for number, one in enumerate(found[:verify]):
+        with_it = limit_analysis(stones, contacts, load, friction, cohesion, ties=[*ties, one.tie], **options)
+        found[number] = replace(one, load_factor=with_it.load_factor)
+    best = sorted(found[:verify], key=lambda one: -np.nan_to_num(one.load_factor, nan=-np.inf))
+    return (*best, *found[verify:])

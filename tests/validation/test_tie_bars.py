@@ -1,0 +1,129 @@
+"""Ties as bars with plates: what their strength is, which stones they pull on, closed forms, and which of several helps most."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import churchpipe as cp
+from churchpipe.errors import InputError
+from churchpipe.generators.wall import wall as free_wall
+from churchpipe.loading.ties import place_ties
+from solids import box
+
+STEEL = {"area": 4e-4, "steel_strength": 235e6}
+
+
+def two_walls() -> cp.Assemblage:
+    """Walls of 1 m and .5 m, 4 m high and 2 m long, 3 m apart, named west and east."""
+    plate = box((-50, 50), (-50, 50), (-1, 0))
+    walls = [box((0, 1), (0, 2), (0, 4)), box((4, 4.5), (0, 2), (0, 4))]
+    return cp.Assemblage.from_polyhedra([plate, *walls], 18e3, [0], panel=["", "west", "east"])
+
+
+def between(strength: float, **options: Any) -> cp.TieBar:
+    return cp.TieBar("rod", ("west", 0.5, 3.5), ("east", 0.5, 3.5), area=strength / 235e6, steel_strength=235e6, **options)
+
+
+def test_what_governs_the_strength() -> None:
+    # Yield 94 kN; bearing .2 x .3 x 1 MPa = 60 kN; punching at the thinner wall 2 (.2 + .3 + 1) .5 x .03 MPa = 45 kN.
+    options: dict[str, Any] = {"plate": (0.2, 0.3)}
+    expected = [
+        ({}, 94e3, "yield of the steel"),
+        ({"bearing_strength": 1e6}, 60e3, "bearing under the plates"),
+        ({"bearing_strength": 1e6, "punching_strength": 0.03e6}, 45e3, "punching of the wall at its end"),
+    ]
+    for more, strength, governs in expected:
+        bar = cp.TieBar("rod", ("west", 0.5, 3.5), ("east", 0.5, 3.5), **STEEL, **options, **more)
+        (tie,) = place_ties(two_walls(), [bar])
+        assert tie.strength == pytest.approx(strength, rel=1e-12)
+        assert tie.governs == governs
+        # Through both walls, from far face to far face.
+        assert tie.start == pytest.approx([0, 0.5, 3.5])
+        assert tie.end == pytest.approx([4.5, 0.5, 3.5])
+        assert tie.stiffness == pytest.approx(210e9 * 4e-4 / 4.5)
+
+
+def test_two_walls_tied_through() -> None:
+    # T/W1 .02 at 3.5 m: the thinner wall turns at (W2 .25 + T 3.5) / (2 W2), and away from it the other at .25 + T 3.5 / (2 W1).
+    stones = two_walls()
+    weight = 8 * 18e3
+    contacts = cp.find_contacts(stones)
+    ties = place_ties(stones, [between(0.02 * weight, plate=(0.2, 0.2))])
+    state = cp.limit_analysis(stones, contacts, cp.LoadCase((1, 0, 0)), 2.0, ties=ties)
+    assert state.status == "optimal"
+    assert state.load_factor == pytest.approx(0.125 + 0.02 * 3.5 / (2 * 0.5), rel=1e-6)
+    assert state.tie_forces == pytest.approx([0.02 * weight], rel=1e-6)
+
+
+def test_a_plate_presses_on_the_stones_under_it() -> None:
+    # Centred on the bed at 1 m, at the head joint x = 1.5 of the course below it; three stones, by area.
+    stones = cp.derive_blocks(
+        free_wall(length=4.0, brick=(1.0, 0.5, 0.5), courses=6, materials=[cp.Material("default", 18e3, 0.6)])
+    )
+    (tie,) = place_ties(stones, [cp.TieBar("t", (1.5, 0.0, 1.0), (1.5, 0.5, 1.0), **STEEL, plate=(0.2, 0.2))])
+    anchor = tie.anchors[0]
+    assert sorted(anchor.share.tolist()) == pytest.approx([0.25, 0.25, 0.5])
+    assert anchor.share @ anchor.point == pytest.approx([1.5, 0.0, 1.0])
+
+
+def test_a_tie_along_a_wall() -> None:
+    stones = cp.derive_blocks(
+        free_wall(length=4.0, brick=(1.0, 0.5, 0.5), courses=6, materials=[cp.Material("default", 18e3, 0.3)])
+    )
+    bar = cp.TieBar("chain", ("wall", 0.0, 2.75), ("wall", 4.0, 2.75), **STEEL, plate=(0.2, 0.2), punching_strength=1.0)
+    (tie,) = place_ties(stones, [bar])
+    assert tie.start == pytest.approx([0, 0.25, 2.75])
+    assert tie.end == pytest.approx([4, 0.25, 2.75])
+    # It presses on the ends of the wall, which has nothing to punch through.
+    assert tie.governs == "yield of the steel"
+
+
+def test_ranking_of_ties() -> None:
+    # Three free walls in a row, pushed along +x: the thinnest falls first, and only ties that hold it help.
+    plate = box((-50, 50), (-50, 50), (-1, 0))
+    walls = [box((x, x + t), (0, 2), (0, 4)) for x, t in ((0, 1.0), (4, 0.8), (8, 0.5))]
+    stones = cp.Assemblage.from_polyhedra([plate, *walls], 18e3, [0], panel=["", "a", "b", "c"])
+    contacts, load = cp.find_contacts(stones), cp.LoadCase((1, 0, 0))
+    candidates = place_ties(
+        stones,
+        [
+            cp.TieBar(name, (one, 1.0, z), (two, 1.0, z), area=700 / 235e6, steel_strength=235e6)
+            for name, one, two, z in (("ab high", "a", "b", 3.5), ("bc low", "b", "c", 2.0), ("bc high", "b", "c", 3.5))
+        ],
+    )
+    state = cp.limit_analysis(stones, contacts, load, 2.0)
+    ranked = cp.rank_ties(state, candidates, stones, contacts, load, 2.0, verify=2)
+    assert [one.tie.name for one in ranked] == ["bc high", "bc low", "ab high"]
+    weight = 0.5 * 2 * 4 * 18e3
+    # The thin wall alone: alpha (W h/2) = W b/2 + T z.
+    for one, z in zip(ranked, (3.5, 2.0), strict=False):
+        assert one.rate == pytest.approx(z / (2 * weight), rel=1e-6)
+        assert one.load_factor == pytest.approx(0.125 + 700 * z / (2 * weight), rel=1e-6)
+        assert one.most == pytest.approx(one.load_factor, rel=1e-6)
+    assert ranked[2].rate * weight == pytest.approx(0, abs=1e-6)
+    assert np.isnan(ranked[2].load_factor)
+
+
+BAD: list[tuple[Any, str]] = [
+    (lambda: cp.TieBar("t", ("north", 0, 1), (0, 0, 0), **STEEL), "tie t: start: no such wall; found north"),
+    (lambda: cp.TieBar("t", ("west", 0.5, 3.5), ("east", 2.5, 3.5), **STEEL), "tie t: end: beyond the wall east; found 2.5 m"),
+    (lambda: cp.TieBar("t", ("west", 0.5, 3.5), ("east", 0.5, 4.5), **STEEL), "tie t: end: above the wall east; found 4.5 m"),
+    (lambda: cp.TieBar("t", (0.5, 0.5, 2), (9, 0.5, 2), **STEEL), "tie t: end: no stone at the anchor; found"),
+    (lambda: cp.TieBar("t", (0.2, 0.5, 2), (0.5, 0.5, 2), **STEEL), "tie t: both ends on one stone"),
+    (lambda: cp.TieBar("t", (0.5, 0.5, 2), (0.5, 0.5, 2), **STEEL), "tie t: no length"),
+    (lambda: cp.TieBar("t", ("west", 0.05, 2), ("east", 0.05, 2), **STEEL, plate=(0.2, 0.2)), "its plate overhangs .*75 %"),
+    (
+        lambda: cp.TieBar("t", (0.5, 0.5, 2), (4.5, 0.5, 2), **STEEL, plate=(0.2, 0.2)),
+        "tie t: start: its plate is not on masonry",
+    ),
+    (lambda: cp.TieBar("t", (0, 0, 0), (1, 0, 0), area=-1.0, steel_strength=1.0), "tie t: area: out of range; found -1.0"),
+    (lambda: cp.TieBar("t", (0, 0, 0), (1, 0, 0), **STEEL, bearing_strength=1e6), "tie t: no plate"),
+    (lambda: between(1e3, pretension=2e3), "tie rod: pretension: out of range"),
+]
+
+
+@pytest.mark.parametrize(("make", "said"), BAD)
+def test_bad_bars(make: Any, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        place_ties(two_walls(), [make()])
