@@ -8,6 +8,7 @@ import pytest
 import churchpipe as cp
 from churchpipe.errors import InputError
 from churchpipe.generators.wall import wall as free_wall
+from churchpipe.loading.plates import plate_on
 from churchpipe.loading.ties import place_ties
 from solids import box
 
@@ -61,8 +62,7 @@ def test_a_plate_presses_on_the_stones_under_it() -> None:
     stones = cp.derive_blocks(
         free_wall(length=4.0, brick=(1.0, 0.5, 0.5), courses=6, materials=[cp.Material("default", 18e3, 0.6)])
     )
-    (tie,) = place_ties(stones, [cp.TieBar("t", (1.5, 0.0, 1.0), (1.5, 0.5, 1.0), **STEEL, plate=(0.2, 0.2))])
-    anchor = tie.anchors[0]
+    anchor = plate_on(stones, "t", np.array([1.5, 0.0, 1.0]), np.array([0.0, -1.0, 0.0]), (0.2, 0.2))
     assert sorted(anchor.share.tolist()) == pytest.approx([0.25, 0.25, 0.5])
     assert anchor.share @ anchor.point == pytest.approx([1.5, 0.0, 1.0])
 
