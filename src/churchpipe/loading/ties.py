@@ -63,7 +63,7 @@ def anchors_of(stones: Assemblage, tie: Tie) -> tuple[Anchor, Anchor]:
     every = np.concatenate(found)
     if every.max() >= stones.count:
         raise InputError(f"{where}: stones", "no such stone", found=every.max(), expected=f"indices < {stones.count}")
-    both = np.intersect1d(*found)
+    both = np.intersect1d(found[0], found[1])
     if len(both):
         named = ", ".join(stones.block_id[both].tolist())
         raise InputError(where, "both ends on one stone", found=named, expected="anchors on different stones")
