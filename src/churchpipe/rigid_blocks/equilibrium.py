@@ -12,6 +12,7 @@ from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts, check_contacts_of
 from churchpipe.model.loads import LoadCase, pushed_share
+from churchpipe.rigid_blocks.crushing import JointParts
 from churchpipe.rigid_blocks.torsion import friction_points
 
 ContactModel = Literal["corners", "torsion"]
@@ -73,8 +74,16 @@ class Equilibrium:
         return (velocities[self.free] * np.repeat([1.0, self.length], 3)).ravel()
 
 
-def equilibrium(stones: Assemblage, contacts: Contacts, load: LoadCase, contact_model: ContactModel = "corners") -> Equilibrium:
-    """Return the scaled balance of an assemblage under a load case; contact_model: where friction acts, see `limit_analysis`.
+def equilibrium(
+    stones: Assemblage,
+    contacts: Contacts,
+    load: LoadCase,
+    contact_model: ContactModel = "corners",
+    parts: JointParts | None = None,
+) -> Equilibrium:
+    """Return the scaled balance of an assemblage under a load case.
+
+    contact_model: where friction acts, see `limit_analysis`. parts: of the joints, whose centroids are the contact points then.
 
     Raises
     ------
@@ -84,7 +93,9 @@ def equilibrium(stones: Assemblage, contacts: Contacts, load: LoadCase, contact_
     if not len(free):
         raise InputError("stones", "every stone is fixed", expected="at least one free stone")
     check_contacts_of(stones, contacts)
-    friction = friction_points(contacts) if contact_model == "torsion" else contacts.point
+    friction = friction_points(contacts) if contact_model == "torsion" else None
+    if parts is not None:
+        contacts, friction = parts.contacts, None if friction is None else parts.shares @ friction
     force = float(stones.weight.sum())
     length = float(np.cbrt(stones.volume[free].mean()))
     dead = np.zeros((stones.count, 6))

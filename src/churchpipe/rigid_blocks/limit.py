@@ -20,6 +20,7 @@ from churchpipe.model.loads import LoadCase
 from churchpipe.model.results import LimitState, Status
 from churchpipe.model.ties import Tie
 from churchpipe.rigid_blocks.certificate import FLOW_TOLERANCE, UNPROVED, Certificate, Strength, certify, kinematic_bound
+from churchpipe.rigid_blocks.crushing import PARTS, JointParts, joint_parts
 from churchpipe.rigid_blocks.equilibrium import ContactModel, Equilibrium, equilibrium
 from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP
 from churchpipe.rigid_blocks.sliding import Method, SlidingOptions, Start, sliding_analysis
@@ -44,6 +45,8 @@ def limit_analysis(
     start: Start | Sequence[Start] | None = None,
     ties: Sequence[Tie] = (),
     contact_model: ContactModel = "corners",
+    compressive_strength: npt.ArrayLike | None = None,
+    crushing_parts: int = PARTS,
     solver: str = "auto",
     bipotential_gap: float = BIPOTENTIAL_GAP,
     progress: Progress | None = None,
@@ -76,6 +79,12 @@ def limit_analysis(
     contact_model
         "corners", friction acts at the corners of an interface, which overrates its resistance to torsion; "torsion", it acts
         so near to the middle that uniform pressure resists torsion exactly.
+    compressive_strength
+        Pa, scalar or one an interface (ni,), infinite for joints that do not crush; None: none does. The forces of the result
+        are given at the corners of the joints all the same.
+    crushing_parts
+        Parts along each side of a joint that may crush, an even number. With few parts the load factor is too low, never too
+        high.
     solver
         "auto" (our own interior point, Clarabel where that fails), "interior-point", "clarabel", "cvxpy", "cvxpy:MOSEK" ...
     progress
@@ -102,13 +111,23 @@ def limit_analysis(
     one_of("limit_analysis: contact_model", contact_model, *get_args(ContactModel))
     options = SlidingOptions(method, tuple(starts), bipotential_gap)
     begin = perf_counter()
-    balance = equilibrium(stones, contacts, load, contact_model)
-    strength = point_strength(contacts, friction, cohesion, balance.force)
+    parts = None if compressive_strength is None else joint_parts(contacts, crushing_parts)
+    balance = equilibrium(stones, contacts, load, contact_model, parts)
+    strength = point_strength(contacts, friction, cohesion, balance.force, compressive_strength, parts)
     balance, strength = with_ties(balance, strength, stones, listed("limit_analysis: ties", ties, Tie))
     _check_connected(stones, contacts, balance)
+    state = _analysed(balance, strength, solver_for(balance.wrenches, solver), flow, options, progress)
+    forces = state.forces if parts is None else np.asarray(parts.shares.T @ state.forces)
+    return replace(state, forces=forces, seconds=perf_counter() - begin)
+
+
+def _analysed(
+    balance: Equilibrium, strength: Strength, solve: Solve, flow: Flow, options: SlidingOptions, progress: Progress | None
+) -> LimitState:
+    """Return the limit state with this flow, the dead load first."""
+    begin = perf_counter()
     if progress:
         progress("dead load", 0.0)
-    solve = solver_for(balance.wrenches, solver)
     standing, dead_answer = dead_load_analysis(balance, strength, solve)
     if standing != "stable":
         return _fallen(balance, standing, dead_answer, flow, perf_counter() - begin)
@@ -124,25 +143,45 @@ def limit_analysis(
             return unbounded_state(balance, ray, perf_counter() - begin, flow)
     elif state.status != "optimal":
         return replace(state, flow=flow)
-    sliding = sliding_analysis(balance, strength, state, options, solve, progress)
-    return replace(sliding, seconds=perf_counter() - begin)
+    return sliding_analysis(balance, strength, state, options, solve, progress)
 
 
-def point_strength(contacts: Contacts, friction: npt.ArrayLike, cohesion: npt.ArrayLike, force: float) -> Strength:
-    """Return friction and cohesion of each contact point; cohesion (Pa) acts on an equal share of the interface's area."""
-    values: list[FloatArray] = []
-    for name, value in (("friction", friction), ("cohesion", cohesion)):
-        array = array_of(name, value, "iuf", "numbers").astype(np.float64)
-        if array.ndim > 1 or (array.ndim == 1 and array.shape != contacts.area.shape):
-            raise InputError(name, "wrong shape", found=array.shape, expected=f"a number or ({len(contacts.area)},)")
-        if not np.isfinite(array).all() or (array < 0).any():
-            bad = array[~(np.isfinite(array) & (array >= 0))].flat[0]
-            raise InputError(name, "out of range", found=float(bad), expected="finite numbers >= 0")
-        values.append(np.broadcast_to(array, contacts.area.shape))
-    share = contacts.area / np.maximum(contacts.points_per_interface, 1)
-    interface = contacts.interface_of_point
-    unlimited = np.full(len(interface), np.inf)
-    return Strength(friction=values[0][interface], cohesion=(values[1] * share)[interface] / force, bound=unlimited)
+def point_strength(
+    contacts: Contacts,
+    friction: npt.ArrayLike,
+    cohesion: npt.ArrayLike,
+    force: float,
+    compressive_strength: npt.ArrayLike | None = None,
+    parts: JointParts | None = None,
+) -> Strength:
+    """Return the strength of each contact point, in units of a force (N), from that of each interface.
+
+    A point stands for an equal share of its interface's area, or for a part of it: for its cohesion (Pa), and for its
+    compressive strength (Pa).
+    """
+    mu, c = (_of_interfaces(name, value, contacts) for name, value in (("friction", friction), ("cohesion", cohesion)))
+    if parts is None:
+        interface = contacts.interface_of_point
+        area = (contacts.area / np.maximum(contacts.points_per_interface, 1))[interface]
+    else:
+        interface, area = parts.contacts.interface_of_point, parts.area
+    bound = np.full(len(area), np.inf)
+    if compressive_strength is not None:
+        f = _of_interfaces("compressive_strength", compressive_strength, contacts, endless=True)
+        bound = f[interface] * area / force
+    return Strength(friction=mu[interface], cohesion=c[interface] * area / force, bound=bound)
+
+
+def _of_interfaces(name: str, value: npt.ArrayLike, contacts: Contacts, *, endless: bool = False) -> FloatArray:
+    """Return a value of each interface (ni,); endless: it may be infinite, but not zero."""
+    array = array_of(name, value, "iuf", "numbers").astype(np.float64)
+    if array.ndim > 1 or (array.ndim == 1 and array.shape != contacts.area.shape):
+        raise InputError(name, "wrong shape", found=array.shape, expected=f"a number or ({len(contacts.area)},)")
+    good = array > 0 if endless else np.isfinite(array) & (array >= 0)
+    if not good.all():
+        expected = "numbers > 0, infinite where nothing crushes" if endless else "finite numbers >= 0"
+        raise InputError(name, "out of range", found=float(array[~good].flat[0]), expected=expected)
+    return np.broadcast_to(array, contacts.area.shape)
 
 
 def associative_program(balance: Equilibrium, strength: Strength) -> ConeProgram:

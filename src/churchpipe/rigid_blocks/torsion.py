@@ -2,12 +2,9 @@
 
 import numpy as np
 
-from churchpipe.errors import InputError
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.contacts import Contacts
-
-# Corners in order enclose the area of their interface, but for this share of it.
-_SAME_AREA = 1e-3
+from churchpipe.rigid_blocks.polygons import cross, joint_polygons, summed
 
 
 def friction_points(contacts: Contacts) -> FloatArray:
@@ -22,26 +19,14 @@ def friction_points(contacts: Contacts) -> FloatArray:
     """
     if not len(contacts.blocks):
         return contacts.point
-    count = contacts.points_per_interface[:, None]
-    if count.min() < 3:
-        raise _no_polygon(int(np.argmin(count)), f"{count.min()} points", "3 or more")
-    interface, start = contacts.interface_of_point, contacts.point_ptr[:-1]
-    middle = np.add.reduceat(contacts.point, start) / count
-    axes = contacts.frame[:, 1:]
-    corner = np.einsum("kac,kc->ka", axes[interface], contacts.point - middle[interface])
-    after = np.arange(len(corner)) + 1
-    after[contacts.point_ptr[1:] - 1] = start
-    twice = _cross(corner, corner[after])
-    area = np.add.reduceat(twice, start) / 2.0
-    wrong = np.flatnonzero(~(np.abs(np.abs(area) - contacts.area) < _SAME_AREA * contacts.area))
-    if len(wrong):
-        first = int(wrong[0])
-        raise _no_polygon(first, f"they enclose {abs(area[first]):.6g} m2", f"{contacts.area[first]:.6g} m2")
-    centroid = np.add.reduceat((corner + corner[after]) * twice[:, None], start) / (6.0 * area[:, None])
+    polygons = joint_polygons(contacts)
+    interface, after, start, corner = polygons.interface, polygons.after, polygons.start, polygons.corner
+    twice = cross(corner, corner[after])
+    centroid = summed((corner + corner[after]) * twice[:, None], start) / (6.0 * polygons.area[:, None])
     arm = corner - centroid[interface]
-    distance = np.add.reduceat(np.hypot(*arm.T), start) / count[:, 0]
+    distance = summed(np.hypot(*arm.T), start) / polygons.count
     shrinkage = mean_distance(arm, after, start) / distance
-    toward = np.einsum("kac,ka->kc", axes[interface], arm)
+    toward = np.einsum("kac,ka->kc", contacts.frame[interface, 1:], arm)
     return np.asarray(contacts.point - (1.0 - shrinkage[interface])[:, None] * toward)
 
 
@@ -54,26 +39,12 @@ def mean_distance(corner: FloatArray, after: IntArray, start: IntArray) -> Float
     """
     edge = corner[after] - corner
     along = edge / np.maximum(np.hypot(*edge.T), 1e-300)[:, None]
-    turn = _cross(corner, along)
+    turn = cross(corner, along)
     h = np.abs(turn)
     total = np.zeros(len(corner))
     for end, sign in ((corner[after], 1.0), (corner, -1.0)):
         s = (end * along).sum(axis=1)
         slope = np.divide(s, h, out=np.zeros_like(s), where=h > 0)
         total += sign * (h * s * np.hypot(h, s) + h**3 * np.arcsinh(slope))
-    area = np.add.reduceat(_cross(corner, corner[after]), start) / 2.0
-    return np.asarray(np.add.reduceat(np.sign(turn) * total, start) / (6.0 * area))
-
-
-def _no_polygon(interface: int, found: str, expected: str) -> InputError:
-    return InputError(
-        f"contacts: interface {interface}",
-        "its points are not its corners in order",
-        found=found,
-        expected=expected,
-        remedy='Find the contacts of these stones, or use contact_model="corners".',
-    )
-
-
-def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
+    area = summed(cross(corner, corner[after]), start) / 2.0
+    return summed(np.sign(turn) * total, start) / (6.0 * area)

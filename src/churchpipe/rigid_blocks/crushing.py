@@ -1,0 +1,93 @@
+"""Parts of joints, each of which bears at most its area times the compressive strength."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy.sparse as sp
+
+from churchpipe.errors import InputError
+from churchpipe.model.arrays import FloatArray
+from churchpipe.model.contacts import Contacts
+from churchpipe.rigid_blocks.polygons import JointPolygons, cross, joint_polygons
+
+# Parts along each side of a joint of four corners.
+PARTS = 8
+# The i-th of k lines between the edge of a joint and its middle lies at the share (i / k)^GRADING of the way: parts at the edge,
+# where stones turn, are narrower.
+_GRADING = 1.5
+# Shares of a part at which two Gauss points lie; they integrate what a bilinear map makes of areas and centroids exactly.
+_GAUSS = 0.5 + np.array([-0.5, 0.5]) / np.sqrt(3.0)
+
+
+@dataclass(frozen=True, slots=True)
+class JointParts:
+    """Joints divided into parts, under uniform pressure each: its force acts in the part's centroid.
+
+    contacts: the same interfaces, with the centroids (np, 3) of their parts as contact points; area (np,) m2; shares (np, nc):
+    how the force of a part is shared by the corners of its joint so that nothing changes for the stones.
+
+    Any forces of the parts are forces of a joint under a pressure of at most the strength, with friction within its limit
+    everywhere, but not the other way round: load factors lie below those of the undivided joint, and rise to them as the
+    parts grow smaller.
+    """
+
+    contacts: Contacts
+    area: FloatArray
+    shares: sp.csr_matrix
+
+
+def joint_parts(contacts: Contacts, count: int = PARTS) -> JointParts:
+    """Return the parts of joints, `count` (even) along each side of one with four corners.
+
+    Each corner, the middles of its two edges and the mean of all corners span a quadrilateral, which is divided into
+    (count / 2)^2 parts. Where a joint is not convex its points are those of its convex hull, and the areas are reduced to that
+    of the joint.
+
+    Raises
+    ------
+    InputError: count not even and positive, or points that are not the corners of their interface in order.
+    """
+    if not isinstance(count, int) or count < 2 or count % 2:
+        raise InputError("limit_analysis: crushing_parts", "out of range", found=count, expected="2, 4, 6 ...")
+    polygons = joint_polygons(contacts)
+    weights, area = _quadrilaterals(polygons, count // 2)
+    own, corners = area.shape[1], len(polygons.corner)
+    part, corner = np.arange(own * corners), np.repeat(np.arange(corners), own)
+    # The nodes of a quadrilateral: its corner, the middle of the edge after it, the mean of all corners, that of the edge before.
+    here, beyond, mean, behind = np.moveaxis(weights.reshape(-1, 4), 1, 0)
+    shape = (len(part), corners)
+    entries = (
+        (here + 0.5 * (beyond + behind), corner),
+        (0.5 * beyond, polygons.after[corner]),
+        (0.5 * behind, polygons.before[corner]),
+    )
+    near = sum((sp.csr_matrix((value, (part, column)), shape=shape) for value, column in entries), sp.csr_matrix(shape))
+    every = sp.csr_matrix((1.0 / polygons.count[polygons.interface], (polygons.interface, np.arange(corners))))
+    far = sp.csr_matrix((mean, (part, polygons.interface[corner])), shape=(len(part), len(polygons.start))) @ every
+    shares = sp.csr_matrix(near + far)
+    inside = area.ravel() * (contacts.area / np.abs(polygons.area))[polygons.interface[corner]]
+    return JointParts(replace(contacts, point=shares @ contacts.point, point_ptr=contacts.point_ptr * own), inside, shares)
+
+
+def _quadrilaterals(polygons: JointPolygons, lines: int) -> tuple[FloatArray, FloatArray]:
+    """Return the weights (nc, parts, 4) of the nodes of each corner's quadrilateral in the centroids of its parts; their areas.
+
+    The bilinear map of the unit square with sides s and t on the quadrilateral has the shape functions (1 - s) (1 - t),
+    s (1 - t), s t and (1 - s) t; its Jacobian is linear in s and t.
+    """
+    corner = polygons.corner
+    middles = [0.5 * (corner + corner[polygons.after]), np.zeros_like(corner), 0.5 * (corner + corner[polygons.before])]
+    node = np.stack([corner, *middles], axis=1)
+    line = (np.arange(lines + 1) / lines) ** _GRADING
+    place = line[:-1, None] + np.diff(line)[:, None] * _GAUSS
+    # s, t and the weight of the Gauss points of each part: (parts, 4).
+    s = np.broadcast_to(place[:, None, :, None], (lines, lines, 2, 2)).reshape(-1, 4)
+    t = np.broadcast_to(place[None, :, None, :], (lines, lines, 2, 2)).reshape(-1, 4)
+    size = (np.diff(line)[:, None] * np.diff(line)).reshape(-1, 1) / 4.0
+    value = np.stack([(1 - s) * (1 - t), s * (1 - t), s * t, (1 - s) * t], axis=-1)
+    along = np.einsum("pgn,knc->kpgc", np.stack([t - 1, 1 - t, t, -t], axis=-1), node)
+    across = np.einsum("pgn,knc->kpgc", np.stack([s - 1, -s, s, 1 - s], axis=-1), node)
+    element = np.abs(cross(along, across)) * size
+    area = element.sum(axis=2)
+    weights = np.einsum("pgn,kpg->kpn", value, element) / area[:, :, None]
+    return weights, area

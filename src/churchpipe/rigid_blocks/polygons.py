@@ -1,0 +1,73 @@
+"""The polygons of joints, by their corners in the plane of each."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from churchpipe.errors import InputError
+from churchpipe.model.arrays import FloatArray, IntArray
+from churchpipe.model.contacts import Contacts
+
+# A polygon encloses the area of its interface, but for this share of it; the hull of one that is not convex encloses more.
+_SAME_AREA = 1e-3
+
+
+@dataclass(frozen=True, slots=True)
+class JointPolygons:
+    """Interfaces as convex polygons, their contact points as corners in order.
+
+    interface (nc,) of each corner; start (ni,), the first corner of each interface; after, before (nc,), the neighbours of a
+    corner; count (ni,) of corners; middle (ni, 3) m, their mean; corner (nc, 2) m from there along t1 and t2; area (ni,) m2,
+    negative where the corners run clockwise.
+    """
+
+    interface: IntArray
+    start: IntArray
+    after: IntArray
+    before: IntArray
+    count: IntArray
+    middle: FloatArray
+    corner: FloatArray
+    area: FloatArray
+
+
+def joint_polygons(contacts: Contacts) -> JointPolygons:
+    """Return the polygons of interfaces.
+
+    Raises
+    ------
+    InputError: the points of an interface are not the corners of a polygon in order.
+    """
+    count, interface, start = contacts.points_per_interface, contacts.interface_of_point, contacts.point_ptr[:-1]
+    if len(count) and count.min() < 3:
+        raise _no_polygon(int(np.argmin(count)), f"{count.min()} points", "3 or more")
+    after, before = np.arange(len(interface)) + 1, np.arange(len(interface)) - 1
+    after[contacts.point_ptr[1:] - 1], before[start] = start, contacts.point_ptr[1:] - 1
+    middle = summed(contacts.point, start) / count[:, None]
+    corner = np.einsum("kac,kc->ka", contacts.frame[interface, 1:], contacts.point - middle[interface])
+    area = summed(cross(corner, corner[after]), start) / 2.0
+    wrong = np.flatnonzero(~(np.abs(area) > (1 - _SAME_AREA) * contacts.area))
+    if len(wrong):
+        first = int(wrong[0])
+        raise _no_polygon(first, f"they enclose {abs(area[first]):.6g} m2", f"{contacts.area[first]:.6g} m2")
+    return JointPolygons(interface, start, after, before, count, middle, corner, area)
+
+
+def summed(values: FloatArray, start: IntArray) -> FloatArray:
+    """Return the sums of values (nc, ...) over each polygon, the first rows of which are given (ni,)."""
+    return np.add.reduceat(values, start) if len(start) else np.zeros((0, *values.shape[1:]))
+
+
+def cross(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Return a x b of vectors in the plane, components last."""
+    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
+
+
+def _no_polygon(interface: int, found: str, expected: str) -> InputError:
+    return InputError(
+        f"contacts: interface {interface}",
+        "its points are not its corners in order",
+        found=found,
+        expected=expected,
+        remedy='Find the contacts of these stones, or use contact_model="corners" and no compressive strength.',
+    )
