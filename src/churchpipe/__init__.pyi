@@ -39,6 +39,7 @@ from .model.tie_bars import TieBar as TieBar
 from .model.tie_bars import WallPlace as WallPlace
 from .model.ties import Anchor as Anchor
 from .model.ties import Tie as Tie
+from .recognition.laying import lay_stones as lay_stones
 from .rigid_blocks.limit import limit_analysis as limit_analysis
 from .rigid_blocks.ranking import RankedTie as RankedTie
 from .rigid_blocks.ranking import rank_ties as rank_ties

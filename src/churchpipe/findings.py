@@ -46,6 +46,8 @@ CODES: Final = {
     "E26": "joints between the stones that nobody named",
     "W26": "stones were grown to meet in the joints",
     "W27": "curved sides were taken as chords",
+    "E28": "a whole wall in which no stones can be laid",
+    "W28": "stones were laid in whole walls",
     "W40": "bodies were mended without a change of shape",
     "W41": "bodies were mended (--repair)",
     "W42": "several solids under one name",

@@ -28,6 +28,14 @@ ContactGap = Annotated[
     str | None, typer.Option(help="How far two faces of a joint may be apart, with its unit: 2mm.", show_default=False)
 ]
 Mortar = Annotated[str, typer.Option(help='Weight of the mortar: "counted" as if it were stone, or "ignored".')]
+Bond = Annotated[
+    str | None,
+    typer.Option(help='Lay stones in whole walls: "running" or "stack"; "voussoir" where all are rings.', show_default=False),
+]
+Course = Annotated[
+    str | None, typer.Option(help="With --bond: height of a course, width of a voussoir: 0.25m.", show_default=False)
+]
+StoneLength = Annotated[str | None, typer.Option("--stone", help="With --bond: about the length of a stone.", show_default=False)]
 UpAxis = Annotated[str | None, typer.Option("--up", help="Axis of a mesh that points up: z, y, x, -z, -y or -x.")]
 Scale = Annotated[float, typer.Option(help="Sizes in the building over sizes in the file, of a mesh at scale.")]
 Repair = Annotated[bool, typer.Option("--repair", help="Drop duplicates and recompute wrong attributes; each is listed.")]

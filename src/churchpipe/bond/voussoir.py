@@ -7,8 +7,8 @@ import numpy as np
 from churchpipe.bond.field import Field
 from churchpipe.bond.tiles import TileSet, tiles_of
 from churchpipe.errors import InputError
-from churchpipe.geometry.planar import areas, common_areas, polygons_of
-from churchpipe.geometry.polygons import TOLERANCE
+from churchpipe.geometry.planar import Polygons, area, areas, centroids, clip, common_areas, polygon, polygons_of
+from churchpipe.geometry.polygons import TOLERANCE, snap_polygons
 from churchpipe.model.arrays import FloatArray, floats, store
 from churchpipe.model.building import UnitCell
 
@@ -31,7 +31,11 @@ def ring_outline(centre: tuple[float, float], inner: float, outer: float, start:
 
 @dataclass(frozen=True, slots=True)
 class VoussoirRing:
-    """A ring of `pieces` voussoirs about `centre` with an outline as `ring_outline` makes it."""
+    """A ring of `pieces` voussoirs about `centre`.
+
+    An outline as `ring_outline` makes it has a corner at each end of each joint. Any other outline about the centre, such as one
+    with more chords than voussoirs, is divided by evenly turned radial joints, and its voussoirs have bent sides.
+    """
 
     cell: UnitCell
     outline: FloatArray
@@ -39,15 +43,8 @@ class VoussoirRing:
     pieces: int
 
     def __post_init__(self) -> None:
-        corners = 2 * (self.pieces + 1)
-        if self.pieces < 1 or len(self.outline) != corners:
-            raise InputError(
-                "voussoir ring",
-                "outline and number of voussoirs do not match",
-                found=f"{len(self.outline)} corners for {self.pieces} voussoirs",
-                expected="2 (pieces + 1) corners, the extrados first",
-                remedy="Make the outline with bond.voussoir.ring_outline.",
-            )
+        if self.pieces < 1:
+            raise InputError("voussoir ring", "no voussoirs", found=self.pieces, expected="at least one")
         store(self, outline=floats("VoussoirRing.outline", self.outline, (None, 2)))
 
     def tiles(self, field: Field) -> TileSet:
@@ -57,10 +54,9 @@ class VoussoirRing:
         ------
         InputError: an opening, a junction, another ring or the wall's end cuts a voussoir.
         """
-        extrados, intrados = self.outline[: self.pieces + 1], self.outline[: self.pieces : -1]
-        # One quadrilateral a voussoir: extrados k, k + 1, intrados k + 1, k.
-        quads = np.stack([extrados[:-1], extrados[1:], intrados[1:], intrados[:-1]], axis=1)
-        stones = polygons_of(quads.reshape(-1, 2), 4 * np.arange(self.pieces + 1))
+        stones = self._between_corners()
+        if stones is None:
+            stones = self._between_rays(field.name)
         ring = float(areas(stones).sum())
         missing = ring - float(common_areas(stones, field.solid).sum())
         if missing > TOLERANCE * ring:
@@ -72,6 +68,37 @@ class VoussoirRing:
                 remedy="Move or narrow the opening, or make the ring thinner.",
             )
         return tiles_of(stones, np.full(self.pieces, -1, dtype=np.int64), field.name, voussoir=True)
+
+    def _between_corners(self) -> Polygons | None:
+        """Return one quadrilateral a voussoir: extrados k, k + 1, intrados k + 1, k; None where these do not fill the outline."""
+        if len(self.outline) != 2 * (self.pieces + 1):
+            return None
+        extrados, intrados = self.outline[: self.pieces + 1], self.outline[: self.pieces : -1]
+        quads = np.stack([extrados[:-1], extrados[1:], intrados[1:], intrados[:-1]], axis=1)
+        stones = polygons_of(quads.reshape(-1, 2), 4 * np.arange(self.pieces + 1))
+        whole = area(polygon(self.outline))
+        return stones if abs(float(areas(stones).sum()) - whole) < TOLERANCE * whole else None
+
+    def _between_rays(self, where: str) -> Polygons:
+        """Return the parts of the outline between rays that divide the angle at the centre evenly."""
+        whole = polygon(self.outline)
+        spoke = self.outline - np.asarray(self.centre)
+        middle = centroids(np.array([whole], dtype=np.object_))[0] - np.asarray(self.centre)
+        turn = np.arctan2(middle[0] * spoke[:, 1] - middle[1] * spoke[:, 0], spoke @ middle)
+        angle = np.arctan2(middle[1], middle[0]) + np.linspace(turn.min(), turn.max(), self.pieces + 1)
+        reach = 2.0 * float(np.linalg.norm(spoke, axis=1).max()) / np.cos(0.5 * np.ptp(turn) / self.pieces)
+        ray = np.asarray(self.centre) + reach * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        wedges = np.stack([np.tile(self.centre, (self.pieces, 1)), ray[:-1], ray[1:]], axis=1)
+        found, owner = clip(polygons_of(wedges.reshape(-1, 2), 3 * np.arange(self.pieces + 1)), whole)
+        if (np.bincount(owner, minlength=self.pieces) != 1).any():
+            raise InputError(
+                where,
+                "its joints do not divide it into voussoirs",
+                found=f"{len(found)} parts between {self.pieces + 1} joints",
+                expected="a ring about its centre",
+                remedy="Ask for wider voussoirs, or draw the ring as arcs about one centre.",
+            )
+        return snap_polygons(found)[0]
 
     def bed_direction(self, points: FloatArray) -> FloatArray:
         """Return the unit vectors from the centre to points (n, 2): the joints between voussoirs are radial."""

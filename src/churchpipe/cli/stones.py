@@ -9,9 +9,11 @@ from churchpipe.cli.app import app, err, out
 from churchpipe.cli.cases import check_case
 from churchpipe.errors import InputError, UsageError
 from churchpipe.options import (
+    Bond,
     CaseFile,
     Changes,
     ContactGap,
+    Course,
     Folder,
     Joint,
     JointMode,
@@ -19,6 +21,7 @@ from churchpipe.options import (
     Plane,
     Repair,
     Scale,
+    StoneLength,
     StonesFile,
     Support,
     Thickness,
@@ -48,6 +51,9 @@ def import_file(
     contact_gap: ContactGap = None,
     up: UpAxis = None,
     scale: Scale = 1.0,
+    bond: Bond = None,
+    course: Course = None,
+    stone: StoneLength = None,
 ) -> None:
     """Make a case of a file of stones: FOLDER/case.toml and a copy of the file. All findings are listed.
 
@@ -59,7 +65,7 @@ def import_file(
     done = import_drawing(
         file,
         folder,
-        _reading(units, support, repair, thickness, plane, joint, joint_mode, mortar, up, scale),
+        _reading(units, support, repair, thickness, plane, joint, joint_mode, mortar, up, scale, bond, course, stone),
         unit_weight=None if unit_weight is None else unit_weight * 1e3,
         friction=friction,
         loads=load or (),
@@ -93,6 +99,9 @@ def check(
     contact_gap: ContactGap = None,
     up: UpAxis = None,
     scale: Scale = 1.0,
+    bond: Bond = None,
+    course: Course = None,
+    stone: StoneLength = None,
     folder: Annotated[
         Path | None, typer.Option("--out", "-o", help="Folder for findings.json and findings.dxf.", show_default=False)
     ] = None,
@@ -107,7 +116,7 @@ def check(
     from churchpipe.findings import FindingsError
     from churchpipe.importing import check_drawing, parse_length, record_findings
 
-    reading = _reading(units, support, repair, thickness, plane, joint, joint_mode, mortar, up, scale)
+    reading = _reading(units, support, repair, thickness, plane, joint, joint_mode, mortar, up, scale, bond, course, stone)
     try:
         read, joints = check_drawing(file, reading, contact_gap=parse_length("--contact-gap", contact_gap))
     except FindingsError as error:
@@ -153,14 +162,18 @@ def _reading(
     mortar: str,
     up: str | None,
     scale: float,
+    bond: str | None,
+    course: str | None,
+    stone: str | None,
 ) -> Any:
     """Return how a drawing is read from the options of the command line."""
     from churchpipe.dxf.reading import Reading
     from churchpipe.importing import parse_length
 
-    lengths = {"thickness": parse_length("--thickness", thickness), "joint": parse_length("--joint", joint)}
+    given = {"thickness": thickness, "joint": joint, "course": course, "stone": stone}
+    lengths = {name: parse_length(f"--{name}", text) for name, text in given.items()}
     words: dict[str, Any] = {"support": support, "plane": plane, "joint_mode": joint_mode, "mortar": mortar}
-    words |= {"up": up, "scale": scale}
+    words |= {"up": up, "scale": scale, "bond": bond}
     try:
         return Reading(units=units, repair=repair, **lengths, **words)
     except InputError as error:

@@ -3,6 +3,7 @@
 import itertools
 from collections import Counter
 from dataclasses import replace
+from enum import Enum
 from typing import Final
 
 import numpy as np
@@ -13,7 +14,8 @@ from churchpipe.dxf.reading import ElevationPlane
 from churchpipe.dxf.stones import Stone
 from churchpipe.dxf.traces import Trace, by_plane, is_flat
 from churchpipe.findings import Finding
-from churchpipe.geometry.planar import area, polygon
+from churchpipe.geometry.planar import area, common, less, pieces, polygon
+from churchpipe.geometry.prism import prism_of
 from churchpipe.model.arrays import FloatArray
 
 # Layers that mean ground, whoever drew it; layers of what is no stone.
@@ -23,30 +25,38 @@ NO_STONE: Final = ("OPENING", "OPENINGS")
 WALL: Final = "wall"
 
 
+class _Kind(Enum):
+    STONE, GROUND, OPENING = range(3)
+
+
 def stones_of_traces(
-    traces: list[Trace], *, thickness: float | None, plane: ElevationPlane, findings: list[Finding]
+    traces: list[Trace], *, thickness: float | None, plane: ElevationPlane, cut: bool, findings: list[Finding]
 ) -> tuple[list[Stone], Counter[str]]:
     """Return the stones whose outlines the traces are, and what was left out.
 
     thickness: of the stones whose outline has none of its own (the DXF thickness), drawing units, None when not given;
     plane: "xz" stands what is drawn in the plane x-y of the drawing upright, "xy" leaves it lying. Outlines on a layer that means
-    ground become supports; the others are stones of a panel with the name of their layer.
+    ground become supports; the others are stones of a panel with the name of their layer. cut: outlines are whole walls, and
+    those on a layer that means opening are cut out of them.
     """
     left: Counter[str] = Counter()
-    drawn = [trace for trace in traces if trace.layer not in NO_STONE]
+    drawn = [trace for trace in traces if trace.layer not in NO_STONE or cut]
     left["outlines of openings"] += len(traces) - len(drawn)
     warped = [trace for trace in drawn if not is_flat(trace)]
     left["lines that lie in no plane"] += len(warped)
     flat = [trace for trace in drawn if is_flat(trace)]
     outlines: list[Outline] = []
-    # A line that ends on the ground is no part of its outline.
-    for group in ([t for t in flat if not _bears(t)], [t for t in flat if _bears(t)]):
+    # A line that ends on the ground, or at an opening, is no part of its outline.
+    for kind in (_Kind.STONE, _Kind.GROUND, _Kind.OPENING):
+        group = [trace for trace in flat if _kind(trace) == kind]
         for level in by_plane(group):
             found, loose = outlines_of(level, findings)
             outlines += found
             left["lines that close nothing"] += loose
     order = {id(trace): number for number, trace in enumerate(traces)}
     outlines.sort(key=lambda outline: order[id(outline.trace)])
+    openings = [outline for outline in outlines if _kind(outline.trace) == _Kind.OPENING]
+    outlines = [outline for outline in outlines if _kind(outline.trace) != _Kind.OPENING]
     shallow = [outline for outline in outlines if not outline.trace.depth]
     if shallow and thickness is None:
         remedy = "Pass --thickness, such as --thickness 0.12m."
@@ -55,7 +65,11 @@ def stones_of_traces(
             finding("E24", f"{len(shallow)} outlines without a thickness", expected="how deep the stones are", remedy=remedy)
         )
         return [], left
-    stones = [_stone(outline, thickness or 0.0, plane) for outline in outlines]
+    stones = [
+        stone
+        for outline in outlines
+        for stone in _stones(outline, openings if _kind(outline.trace) == _Kind.STONE else [], thickness or 0.0, plane)
+    ]
     of_handle = Counter(stone.name for stone in stones)
     numbers = {name: itertools.count(1) for name, many in of_handle.items() if many > 1}
     stones = [replace(s, name=f"{s.name}.{next(numbers[s.name])}") if s.name in numbers else s for s in stones]
@@ -64,21 +78,28 @@ def stones_of_traces(
     return stones, left
 
 
-def _stone(outline: Outline, thickness: float, plane: ElevationPlane) -> Stone:
+def _stones(outline: Outline, openings: list[Outline], thickness: float, plane: ElevationPlane) -> list[Stone]:
+    """Return the bodies of an outline, extruded: one, or several where openings cut it into parts."""
     trace, axes = outline.trace, outline.plane.axes
     depth = (trace.depth or thickness) * (-1.0 if trace.depth and trace.normal @ axes[2] < 0 else 1.0)
     levels = sorted((outline.plane.height, outline.plane.height + depth))
-    flat = outline.corners
-    points = np.concatenate([flat @ axes[:2] + level * axes[2] for level in levels])
-    if plane == "xz" and axes[2][2] == 1.0:
-        points = stood_up(points)
-    count = len(flat)
-    sides = ((i, (i + 1) % count, (i + 1) % count + count, i + count) for i in range(count))
-    faces = (tuple(range(count))[::-1], tuple(range(count, 2 * count)), *sides)
+    holes = [polygon(opening.corners) for opening in openings if np.allclose(opening.plane.axes, axes, atol=1e-6)]
+    whole = polygon(outline.corners)
+    cut = [hole for hole in holes if area(common(whole, hole)) > 0]
+    bodies = [prism_of(part) for part in pieces(less(whole, cut))] if cut else [prism_of(whole)]
     bearing = _bears(trace)
     panel = "" if bearing else WALL if trace.layer == "0" else trace.layer
-    size = float(np.sqrt(area(polygon(flat))))
-    return Stone(points, faces, bearing, trace.place, trace.place.handle, "default", panel, size=size)
+    stones: list[Stone] = []
+    for flat, faces in bodies:
+        points = flat[:, :2] @ axes[:2] + np.array(levels)[flat[:, 2].astype(np.int64)][:, None] * axes[2]
+        points = stood_up(points) if plane == "xz" and axes[2][2] == 1.0 else points
+        size = None if cut else float(np.sqrt(area(whole)))
+        stones.append(Stone(points, faces, bearing, trace.place, trace.place.handle, "default", panel, size=size))
+    return stones
+
+
+def _kind(trace: Trace) -> _Kind:
+    return _Kind.OPENING if trace.layer in NO_STONE else _Kind.GROUND if _bears(trace) else _Kind.STONE
 
 
 def _bears(trace: Trace) -> bool:

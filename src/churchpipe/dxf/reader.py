@@ -11,6 +11,7 @@ from churchpipe.dxf import schema
 from churchpipe.dxf.duplicates import distinct_stones
 from churchpipe.dxf.elevation import stones_of_traces
 from churchpipe.dxf.jointing import jointed, unnamed_joints
+from churchpipe.dxf.laying import laid_stones
 from churchpipe.dxf.opening import open_document
 from churchpipe.dxf.properties import decode_properties
 from churchpipe.dxf.reading import Reading
@@ -78,7 +79,8 @@ def read_drawing(
     unit_weight
         N/m3, for all stones or by material name; overrides what the drawing stores.
     options
-        Fields of `churchpipe.dxf.reading.Reading`: units, repair, support, thickness, plane, joint, joint_mode, mortar.
+        Fields of `churchpipe.dxf.reading.Reading`: units, repair, support, thickness, plane, joint, joint_mode, mortar,
+        bond, course, stone.
 
     Raises
     ------
@@ -107,14 +109,16 @@ def read_drawing(
         what = "no stones but ground in model space" if stones else "no stones in model space"
         remedy = "Draw the stones as inserts on CP-BLOCKS, as closed meshes, or as closed outlines."
         findings.append(Finding("E17", what, "at least one solid", remedy))
-    share = np.ones(len(stones))
+    share = np.ones(0)
     if stones and reading.joint is not None:
         stones, share = jointed(stones, reading.joint * metre, reading.joint_mode, reading.mortar, 1.0 / metre, findings)
-    elif stones and gathered.traces:
+    elif stones and gathered.traces and not reading.laid:
         findings += unnamed_joints(stones, 1.0 / metre)
+    unit = find_unit(document, stones, gathered.flawed, reading.units, reading.drawn, findings)
+    if reading.laid and unit and not any(f.severity == "error" for f in findings):
+        stones = laid_stones(stones, reading.laid, schema.metres(unit), findings)
     stones = supported(stones, reading.support, findings) if stones else stones
     stones = uniquely_named(stones, findings)
-    unit = find_unit(document, stones, gathered.flawed, reading.units, findings)
     weights, unweighted = unit_weights(stones, materials, weights_given, findings)
     weights[: len(share)] *= share
     findings = [finding.in_metres(schema.metres(unit)) for finding in findings] if unit else findings
@@ -131,7 +135,9 @@ def _with_outlines(gathered: Survey, reading: Reading, metre: float, findings: l
         gathered.traces.clear()
         return gathered.stones
     thickness = None if reading.thickness is None else reading.thickness * metre
-    drawn, left_out = stones_of_traces(gathered.traces, thickness=thickness, plane=reading.plane, findings=findings)
+    drawn, left_out = stones_of_traces(
+        gathered.traces, thickness=thickness, plane=reading.plane, cut=reading.bond is not None, findings=findings
+    )
     gathered.left_out.update(left_out)
     return gathered.stones + drawn
 

@@ -4,8 +4,10 @@ from dataclasses import dataclass
 from typing import Annotated, Literal
 
 from churchpipe.dxf import schema
+from churchpipe.errors import InputError
 from churchpipe.model.arguments import check_kind, one_of, positive
 from churchpipe.model.quantities import Length, Ratio
+from churchpipe.recognition.laying import LaidBond, LaidPattern
 from churchpipe.stones.mortar import WIDEST_MEAN
 
 ElevationPlane = Literal["xz", "xy"]
@@ -29,6 +31,9 @@ class Reading:
     mortar: Annotated[Mortar, 'Weight of the mortar: "counted" as if it were stone, or "ignored".'] = "counted"
     up: Annotated[Up | None, "Axis of the file that points up; by default what its format says, else z."] = None
     scale: Annotated[Ratio, "Sizes in the building over sizes in the file, of models at scale."] = 1.0
+    bond: Annotated[LaidPattern | None, "Bodies and outlines are whole walls and rings, and stones are laid in them."] = None
+    course: Annotated[Length | None, "Height of the courses of `bond`; width of the voussoirs of a ring."] = None
+    stone: Annotated[Length | None, "About the length of the stones of `bond`; each clear bay is divided evenly."] = None
 
     def __post_init__(self) -> None:
         if self.units is not None:
@@ -41,9 +46,27 @@ class Reading:
         if self.up is not None:
             one_of("up", self.up, "z", "y", "x", "-z", "-y", "-x")
         positive("scale", self.scale)
-        for name in ("thickness", "joint"):
+        for name in ("thickness", "joint", "course", "stone"):
             if getattr(self, name) is not None:
                 positive(name, getattr(self, name))
+        if self.bond is None:
+            for name in ("course", "stone"):
+                if getattr(self, name) is not None:
+                    raise InputError(name, "no bond to lay", expected="a bond, such as running, and whole walls in the file")
+        elif self.joint is not None:
+            raise InputError("joint", "stones laid in a wall meet", expected="a joint or a bond, not both")
+        elif self.laid is None:
+            raise InputError("course", "missing", expected="the height of a course")
+
+    @property
+    def drawn(self) -> Literal["stone", "wall"]:
+        """What the bodies of the file are."""
+        return "wall" if self.bond else "stone"
+
+    @property
+    def laid(self) -> LaidBond | None:
+        """The bond to lay in whole walls; None where the file has stones."""
+        return LaidBond(self.bond, self.course, self.stone) if self.bond and self.course else None
 
     @property
     def open_joint(self) -> float | None:

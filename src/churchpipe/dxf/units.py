@@ -1,6 +1,6 @@
 """The length unit of a drawing: declared, passed, and believed only when stones of that size exist."""
 
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -9,12 +9,16 @@ from churchpipe.dxf.stones import Stone
 from churchpipe.findings import Finding
 from churchpipe.geometry.mending import signed_volume
 
+Drawn = Literal["stone", "wall"]
 
-def find_unit(document: Any, stones: list[Stone], flawed: list[float], units: str | None, findings: list[Finding]) -> str | None:
+
+def find_unit(
+    document: Any, stones: list[Stone], flawed: list[float], units: str | None, drawn: Drawn, findings: list[Finding]
+) -> str | None:
     """Return the name of the unit to read the drawing in, None when nothing tells; doubts go to `findings`.
 
     flawed: sizes of bodies that are no stones, which have the unit of the others; units: the name passed by the user, which
-    settles every doubt.
+    settles every doubt; drawn: what the bodies are.
     """
     code = document.header.get("$INSUNITS", 0)
     declared = declared_unit(document)
@@ -23,22 +27,22 @@ def find_unit(document: Any, stones: list[Stone], flawed: list[float], units: st
         factor = schema.metres(units)
         if declared not in (None, units):
             findings.append(Finding("W04", f'$INSUNITS says "{declared}", read as "{units}" as asked'))
-        if size is not None and not plausible(size * factor):
-            findings.append(Finding("W05", f"the median stone measures {length_text(size * factor)}, read in {units} as asked"))
+        if size is not None and not plausible(size * factor, drawn):
+            findings.append(Finding("W05", f"the median {drawn} measures {length_text(size * factor)}, read in {units} as asked"))
         return units
     if declared is None:
         what = "no units ($INSUNITS is 0)" if code == 0 else f"$INSUNITS = {code}, which is no usable length"
-        findings.append(Finding("E04", what, "the unit of the drawing", unit_hint(size)))
+        findings.append(Finding("E04", what, "the unit of the drawing", unit_hint(size, drawn)))
         return None
     written = document.header.custom_vars.get(schema.UNITS_PROPERTY)
     if written is not None and written != declared:
         found = f'$INSUNITS says "{declared}", but the drawing was written in "{written}"'
         remedy = f"Pass --units {written}, or --units {declared} if it was scaled since." if written in schema.UNITS else ""
-        findings.append(Finding("E05", found, f"one unit{_size_text(size, declared)}", remedy))
-    elif written is None and size is not None and not plausible(size * schema.metres(declared)):
-        low, high = schema.PLAUSIBLE_SIZE
-        found = f'$INSUNITS says "{declared}", so the median stone measures {length_text(size * schema.metres(declared))}'
-        findings.append(Finding("E05", found, f"{low:g} to {high:g} m", unit_hint(size, declared)))
+        findings.append(Finding("E05", found, f"one unit{_size_text(size, declared, drawn)}", remedy))
+    elif written is None and size is not None and not plausible(size * schema.metres(declared), drawn):
+        low, high = schema.PLAUSIBLE_SIZE[drawn]
+        found = f'$INSUNITS says "{declared}", so the median {drawn} measures {length_text(size * schema.metres(declared))}'
+        findings.append(Finding("E05", found, f"{low:g} to {high:g} m", unit_hint(size, drawn, declared)))
     return declared
 
 
@@ -54,24 +58,25 @@ def median_size(stones: list[Stone], flawed: list[float]) -> float | None:
     return float(np.median(sizes)) if sizes else None
 
 
-def plausible(size: float) -> bool:
-    """Can a stone measure so much, m?"""
-    return schema.PLAUSIBLE_SIZE[0] <= size <= schema.PLAUSIBLE_SIZE[1]
+def plausible(size: float, drawn: Drawn = "stone") -> bool:
+    """Can a stone, or a whole wall, measure so much, m?"""
+    low, high = schema.PLAUSIBLE_SIZE[drawn]
+    return low <= size <= high
 
 
-def unit_hint(size: float | None, declared: str | None = None) -> str:
-    """Name the units in which the median stone would be a stone."""
+def unit_hint(size: float | None, drawn: Drawn, declared: str | None = None) -> str:
+    """Name the units in which the median stone would be a stone, the median wall a wall."""
     if size is None:
         return "Set the units (UNITS), or pass --units mm, cm or m."
-    likely = [name for name in ("m", "cm", "mm", "in", "ft") if name != declared and plausible(size * schema.metres(name))]
+    likely = [name for name in ("m", "cm", "mm", "in", "ft") if name != declared and plausible(size * schema.metres(name), drawn)]
     tries = ", ".join(f"--units {name} ({length_text(size * schema.metres(name))})" for name in likely)
     known = f"Pass {tries}" if likely else "Pass --units with its unit"
     again = f", or --units {declared} if it is right" if declared else ""
-    return f"The median stone measures {size:.4g} drawing units. {known}{again}."
+    return f"The median {drawn} measures {size:.4g} drawing units. {known}{again}."
 
 
-def _size_text(size: float | None, unit: str) -> str:
-    return "" if size is None else f"; the median stone would measure {length_text(size * schema.metres(unit))}"
+def _size_text(size: float | None, unit: str, drawn: Drawn) -> str:
+    return "" if size is None else f"; the median {drawn} would measure {length_text(size * schema.metres(unit))}"
 
 
 def length_text(metres: float) -> str:

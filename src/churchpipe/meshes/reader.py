@@ -12,6 +12,7 @@ import numpy as np
 from churchpipe.dxf import schema
 from churchpipe.dxf.duplicates import distinct_stones
 from churchpipe.dxf.jointing import jointed
+from churchpipe.dxf.laying import laid_stones
 from churchpipe.dxf.reader import Drawing, assembled, given_weights, read_drawing, supported, uniquely_named, unit_weights
 from churchpipe.dxf.reading import Reading
 from churchpipe.dxf.units import length_text, plausible, unit_hint
@@ -71,6 +72,8 @@ def read_stones(
         joint: nominal width, m, of joints drawn open. joint_mode: "grow" lets stones meet in the middle of their joints, "keep"
         leaves them as drawn. mortar: its weight is "counted", as if it were stone, or "ignored".
         up: the axis of the file that points up. scale: sizes in the building over sizes in the file. A DXF has neither.
+        bond: the bodies are whole walls and rings to lay stones in, "running", "stack" or "voussoir". course: height of a course,
+        width of a voussoir, m. stone: about the length of a stone, m.
 
     Raises
     ------
@@ -100,7 +103,7 @@ def read_file(path: str | os.PathLike[str], *, unit_weight: float | Mapping[str,
         findings.append(Finding("E24", "outlines in a plane", "a thickness", remedy))
     bodies = parted(source)
     sizes = [size for item in bodies for size in item.sizes if not item.body.fixed]
-    unit = _unit(source, float(np.median(sizes)) * reading.scale if sizes else None, reading.units)
+    unit = _unit(source, float(np.median(sizes)) * reading.scale if sizes else None, reading)
     stones, share = [], np.ones(0)
     if unit is not None:
         depth = (reading.thickness or 1.0) if source.flat else None
@@ -108,6 +111,8 @@ def read_file(path: str | os.PathLike[str], *, unit_weight: float | Mapping[str,
         findings[:] = [finding.in_metres(factor) for finding in findings]
         stones = to_stones(bodies, factor, reading.up or source.up, depth, reading.repair, findings)
         stones = distinct_stones(stones, reading.repair, findings)
+        if reading.laid and not any(f.severity == "error" for f in findings):
+            stones = laid_stones(stones, reading.laid, 1.0, findings)
         if all(stone.fixed for stone in stones) and not any(f.severity == "error" for f in findings):
             findings.append(Finding("E17", "no stones but ground" if stones else "no stones", "at least one closed body"))
         if stones and reading.joint is not None:
@@ -186,27 +191,27 @@ def _read_folder(path: Path) -> Source:
     return Source(bodies, first.reader, first.unit, first.up, findings, first.flat)
 
 
-def _unit(source: Source, size: float | None, units: str | None) -> str | None:
+def _unit(source: Source, size: float | None, reading: Reading) -> str | None:
     """Return the name of the unit to read in, None when nothing tells; doubts join the findings.
 
-    size: of the median stone, units of the file.
+    size: of the median stone or wall, units of the file.
     """
-    findings = source.findings
+    findings, units, drawn = source.findings, reading.units, reading.drawn
     if units is not None:
         if source.unit not in (None, units):
             findings.append(Finding("W04", f'the file says "{source.unit}", read as "{units}" as asked'))
-        if size is not None and not plausible(size * schema.metres(units)):
-            found = f"the median stone measures {length_text(size * schema.metres(units))}, read in {units} as asked"
+        if size is not None and not plausible(size * schema.metres(units), drawn):
+            found = f"the median {drawn} measures {length_text(size * schema.metres(units))}, read in {units} as asked"
             findings.append(Finding("W05", found))
         return units
     declared = source.unit or "m"
-    if size is None or plausible(size * schema.metres(declared)):
+    if size is None or plausible(size * schema.metres(declared), drawn):
         if source.unit is None and size is not None:
-            found = f"the file says no unit: read in m, so that the median stone measures {length_text(size)}"
+            found = f"the file says no unit: read in m, so that the median {drawn} measures {length_text(size)}"
             findings.append(Finding("W45", found, remedy="Pass --units if that is wrong."))
         return declared
-    low, high = schema.PLAUSIBLE_SIZE
+    low, high = schema.PLAUSIBLE_SIZE[drawn]
     said = f'the file says "{source.unit}"' if source.unit else "the file says no unit; read in m"
-    found = f"{said}, so the median stone measures {length_text(size * schema.metres(declared))}"
-    findings.append(Finding("E05" if source.unit else "E04", found, f"{low:g} to {high:g} m", unit_hint(size, declared)))
+    found = f"{said}, so the median {drawn} measures {length_text(size * schema.metres(declared))}"
+    findings.append(Finding("E05" if source.unit else "E04", found, f"{low:g} to {high:g} m", unit_hint(size, drawn, declared)))
     return None

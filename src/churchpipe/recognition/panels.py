@@ -37,6 +37,7 @@ from churchpipe.model.materials import UnitWeight
 from churchpipe.recognition.elevations import sections
 from churchpipe.recognition.rings import voussoir_rings
 from churchpipe.recognition.stone_walls import StoneWall, stone_walls, stretches
+from churchpipe.recognition.supports import support_of
 from churchpipe.recognition.wall_parts import junction_spans, wall_parts
 
 # A single stone over an opening is a lintel if it is longer than this many stones of the wall.
@@ -103,7 +104,7 @@ def fit_panels(stones: Assemblage, *, gap: float = 1e-3) -> FittedPanels:
     panel = np.where(stones.fixed | np.isin(stones.panel, known), "", stones.panel).astype(np.object_)
     for wall in walls:
         panel[wall.stones] = wall.tag
-    supports = tuple(_support(stones, int(block)) for block in np.flatnonzero(stones.fixed))
+    supports = tuple(support_of(stones, int(block)) for block in np.flatnonzero(stones.fixed))
     return FittedPanels(panels, supports, stones.block_id[unfit], panel.astype(str))
 
 
@@ -115,13 +116,6 @@ def wall_names(stones: Assemblage) -> NameArray:
         return fit_panels(stones).panel
     except InputError:
         return stones.panel
-
-
-def _support(stones: Assemblage, block: int) -> Support:
-    start, stop = stones.block_point_ptr[block : block + 2]
-    faces = np.arange(*stones.block_face_ptr[block : block + 2])
-    nodes = [stones.face_nodes[stones.face_ptr[f] : stones.face_ptr[f + 1]] - start for f in faces]
-    return Support(str(stones.block_id[block]), stones.points[start:stop].copy(), tuple(tuple(map(int, n)) for n in nodes))
 
 
 def _panel(stones: Assemblage, wall: StoneWall, walls: Sequence[StoneWall], gap: float) -> Panel:

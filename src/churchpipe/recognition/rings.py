@@ -4,32 +4,32 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from churchpipe.geometry.clusters import components
-from churchpipe.geometry.planar import Polygons
+from churchpipe.geometry.planar import Polygons, united
 from churchpipe.geometry.polygons import corners
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.building import BondRegion, UnitCell
+from churchpipe.recognition.ring_outlines import main_corners
 
 # An edge is level or upright within this angle (rad); joints of a ring pass its centre within this share of the ring's radius.
 ALIGNED = 1e-3
 CENTRED = 0.02
+# Corners of bent sides are rounded to this, m, where the outline of the ring is made of them.
+GRID = 1e-9
 LEAST_PIECES = 3
 
 
 def voussoir_rings(polygons: Polygons, gap: float) -> tuple[list[BondRegion], IntArray]:
     """Return the rings among the stones (n,) of a wall, and the stones that are voussoirs.
 
-    A voussoir has four corners and at most one edge that is level or upright; so has a stone between two of them. Neighbours
-    share radial joints, whose lines meet in the centre. A full circle becomes two half rings.
+    A voussoir has four corners, those between the chords of a bent side not counted, and at most one edge that is level or
+    upright; so has a stone between two of them. Neighbours share radial joints, whose lines meet in the centre. Two stones alone
+    are a ring if their corners are on two circles. A full circle becomes two half rings.
 
     Parameters
     ----------
     polygons: the stones in chart coordinates. gap: widest joint, m.
     """
-    corner, pointer = corners(polygons)
-    four = np.diff(pointer) == 4
-    quads = np.flatnonzero(four)
-    shape = corner[np.concatenate([np.arange(pointer[i], pointer[i + 1]) for i in quads])] if len(quads) else corner[:0]
-    shape = shape.reshape(-1, 4, 2)
+    quads, shape = _quadrilaterals(polygons)
     side = np.roll(shape, -1, axis=1) - shape
     aligned = (np.abs(side).min(axis=2) < ALIGNED * np.abs(side).max(axis=2)).sum(axis=1)
     first, second, joint = _joints(shape, gap)
@@ -39,17 +39,38 @@ def voussoir_rings(polygons: Polygons, gap: float) -> tuple[list[BondRegion], In
     linked = member[first] & member[second]
     part = components(len(quads), np.stack([first[linked], second[linked]], axis=1))
     rings: list[BondRegion] = []
-    used: list[IntArray] = []
+    used = np.zeros(len(quads), dtype=np.bool_)
     for number in np.unique(part[member]):
         pieces = np.flatnonzero((part == number) & member)
         inside = linked & (part[first] == number)
         if len(pieces) < LEAST_PIECES or inside.sum() < 2:
             continue
-        found = _ring(shape[pieces], joint[inside], f"ring-{len(rings) + 1}")
+        found = _ring(shape[pieces], polygons[quads[pieces]], joint[inside], f"ring-{len(rings) + 1}")
         if found:
             rings += found
-            used.append(quads[pieces])
-    return rings, np.concatenate(used) if used else np.empty(0, dtype=np.int64)
+            used[pieces] = True
+    for pair in np.stack([first, second], axis=1)[(aligned[first] <= 2) & (aligned[second] <= 2)]:
+        if used[pair].any() or (centre := _centre_of_two(shape[pair], gap)) is None:
+            continue
+        (x, y), (u, v) = shape[pair].mean(axis=1) - centre
+        order = pair if x * v - y * u > 0 else pair[::-1]
+        rings.append(_region(shape[order], polygons[quads[order]], centre, f"ring-{len(rings) + 1}"))
+        used[pair] = True
+    return rings, quads[used]
+
+
+def _quadrilaterals(polygons: Polygons) -> tuple[IntArray, FloatArray]:
+    """Return the stones (k,) with four corners, and these (k, 4, 2); of stones with more, the four at which they turn sharply."""
+    corner, pointer = corners(polygons)
+    found: list[int] = []
+    shape = [np.empty((0, 2))]
+    for number, (start, stop) in enumerate(zip(pointer[:-1].tolist(), pointer[1:].tolist(), strict=True)):
+        ring = corner[start:stop]
+        main = np.arange(4) if len(ring) == 4 else main_corners(ring)
+        if len(main) == 4:
+            found.append(number)
+            shape.append(ring[main])
+    return np.array(found, dtype=np.int64), np.concatenate(shape).reshape(-1, 4, 2)
 
 
 def _joints(shape: FloatArray, gap: float) -> tuple[IntArray, IntArray, FloatArray]:
@@ -66,15 +87,10 @@ def _joints(shape: FloatArray, gap: float) -> tuple[IntArray, IntArray, FloatArr
     return one[keep] // 4, other[keep] // 4, edge[one[keep]]
 
 
-def _ring(pieces: FloatArray, joint: FloatArray, name: str) -> list[BondRegion]:
+def _ring(pieces: FloatArray, polygons: Polygons, joint: FloatArray, name: str) -> list[BondRegion]:
     """Return one or two bond regions, or none when the joints do not meet in a point."""
-    along = joint[:, 1] - joint[:, 0]
-    normal = np.stack([-along[:, 1], along[:, 0]], axis=1) / np.linalg.norm(along, axis=1, keepdims=True)
-    reach = np.einsum("nc,nc->n", normal, joint[:, 0])
-    centre = np.linalg.lstsq(normal, reach, rcond=None)[0]
-    spoke = pieces - centre
-    radius = np.linalg.norm(spoke, axis=2)
-    if np.abs(normal @ centre - reach).max() > CENTRED * radius.mean():
+    centre = _meeting(joint, pieces)
+    if centre is None:
         return []
     middle = pieces.mean(axis=1) - centre
     turn = np.arctan2(middle[:, 1], middle[:, 0])
@@ -84,11 +100,38 @@ def _ring(pieces: FloatArray, joint: FloatArray, name: str) -> list[BondRegion]:
     order = np.roll(order, -(int(np.argmax(gaps)) + 1))
     full = gaps.max() < 1.5 * np.median(gaps)
     halves = np.array_split(order, 2) if full else [order]
-    return [_region(pieces[half], centre, name if len(halves) == 1 else f"{name}-{k}") for k, half in enumerate(halves, start=1)]
+    names = [name if len(halves) == 1 else f"{name}-{k}" for k in range(1, len(halves) + 1)]
+    return [_region(pieces[half], polygons[half], centre, own) for half, own in zip(halves, names, strict=True)]
 
 
-def _region(pieces: FloatArray, centre: FloatArray, name: str) -> BondRegion:
-    """Return the region of voussoirs (n, 4, 2) sorted counter-clockwise about the centre."""
+def _meeting(joint: FloatArray, pieces: FloatArray) -> FloatArray | None:
+    """Return the point (2,) in which the lines of joints (n, 2, 2) meet, None where they do not."""
+    along = joint[:, 1] - joint[:, 0]
+    normal = np.stack([-along[:, 1], along[:, 0]], axis=1) / np.linalg.norm(along, axis=1, keepdims=True)
+    reach = np.einsum("nc,nc->n", normal, joint[:, 0])
+    centre = np.linalg.lstsq(normal, reach, rcond=None)[0]
+    radius = np.linalg.norm(pieces - centre, axis=2)
+    return centre if np.abs(normal @ centre - reach).max() <= CENTRED * radius.mean() else None
+
+
+def _centre_of_two(pair: FloatArray, gap: float) -> FloatArray | None:
+    """Return the centre (2,) about which two stones (2, 4, 2) with a common joint are a ring; None where they are none."""
+    edge = np.stack([pair, np.roll(pair, -1, axis=1)], axis=2)
+    middle = edge.mean(axis=2)
+    apart = np.linalg.norm(middle[0][:, None] - middle[1], axis=2)
+    one, other = np.unravel_index(np.argmin(apart), apart.shape)
+    if apart[one, other] > gap:
+        return None
+    springings = np.stack([edge[0, (one + 2) % 4], edge[1, (other + 2) % 4]])
+    centre = _meeting(np.concatenate([edge[0, one][None], springings]), pair)
+    if centre is None:
+        return None
+    radius = np.sort(np.linalg.norm(pair - centre, axis=2).ravel()).reshape(2, 4)
+    return centre if np.ptp(radius, axis=1).max() < CENTRED * radius.mean() < np.diff(radius.mean(axis=1))[0] else None
+
+
+def _region(pieces: FloatArray, polygons: Polygons, centre: FloatArray, name: str) -> BondRegion:
+    """Return the region of voussoirs, corners (n, 4, 2) and whole polygons (n,), in their order about the centre."""
     spoke = pieces - centre
     middle = spoke.mean(axis=1)
     turn = np.arctan2(
@@ -103,5 +146,7 @@ def _region(pieces: FloatArray, centre: FloatArray, name: str) -> BondRegion:
     depth = float(np.linalg.norm(outer - inner, axis=1).mean())
     width = np.linalg.norm(np.diff(0.5 * (inner + outer), axis=0), axis=1).mean()
     outline = np.concatenate([outer, inner[::-1]]) + centre
+    if (np.diff(corners(polygons)[1]) > 4).any():
+        outline = corners(np.array([united(polygons, GRID)], dtype=np.object_))[0]
     cell = UnitCell(a=float(width), b=depth)
     return BondRegion(name, outline, "voussoir", cell, centre=(float(centre[0]), float(centre[1])), pieces=len(pieces))

@@ -96,14 +96,15 @@ def _candidates(stones: Assemblage) -> tuple[IntArray, FloatArray]:
         opposite = np.argwhere(np.triu(normal[faces] @ normal[faces].T < PLANE_TOLERANCE**2 / 2 - 1))
         for first, second in faces[opposite]:
             # The normal that points to +x, or to -y in walls along x: s then runs along +x or +y.
-            n = normal[first] if _outward(normal[first]) else normal[second]
+            n = normal[first] if outward(normal[first]) else normal[second]
             near, far = sorted((float(mean[first] @ n), float(mean[second] @ n)))
             planes.append(np.array([n[0], n[1], 0.5 * (near + far), far - near]))
             owner.append(int(block))
     return np.array(owner, dtype=np.int64), np.array(planes).reshape(-1, 4)
 
 
-def _outward(normal: FloatArray) -> bool:
+def outward(normal: FloatArray) -> bool:
+    """Return whether a level normal is the one of its two that a wall is given: s then runs along +x or +y."""
     return bool(normal[1] < -PLANE_TOLERANCE or (abs(normal[1]) <= PLANE_TOLERANCE and normal[0] > 0))
 
 

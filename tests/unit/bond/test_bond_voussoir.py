@@ -11,7 +11,7 @@ from churchpipe.bond.field import Field
 from churchpipe.bond.single import SingleStone
 from churchpipe.bond.voussoir import VoussoirRing, ring_outline
 from churchpipe.errors import InputError
-from churchpipe.geometry.planar import less, polygon
+from churchpipe.geometry.planar import area, less, polygon
 from churchpipe.model.building import UnitCell
 
 CELL = UnitCell(a=0.3, b=0.45)
@@ -51,10 +51,14 @@ def test_a_ring_that_is_cut_names_the_room_it_needs():
         VoussoirRing(CELL, outline, (1.0, 2.0), 9).tiles(Field("ring", wall, (0.0, 4.0)))
 
 
-def test_an_outline_that_does_not_fit_the_number_of_voussoirs_is_an_error():
+def test_an_outline_with_other_corners_is_cut_by_radial_joints():
     outline = ring_outline((1.0, 2.0), 1.0, 1.5, 0.0, math.pi, 9)
-    with pytest.raises(InputError, match="20 corners for 8 voussoirs"):
-        VoussoirRing(CELL, outline, (1.0, 2.0), 8)
+    tiles = VoussoirRing(CELL, outline, (1.0, 2.0), 8).tiles(Field("ring", polygon(outline), (-9.0, 9.0)))
+    assert tiles.count == 8
+    assert tiles.area.sum() == pytest.approx(area(polygon(outline)), rel=1e-12)
+    turn = np.arctan2(*(tiles.corner - [1.0, 2.0]).T[::-1])
+    joints = np.pi * np.arange(9) / 8
+    assert (np.abs(turn[:, None] - joints).min(axis=0) < 1e-12).all()
 
 
 def test_a_lintel_is_one_stone_of_the_course_it_starts_in():

@@ -1,0 +1,90 @@
+"""Whole walls of a file to stones, where the person asked for a bond to be laid in them."""
+
+from collections import Counter
+from collections.abc import Sequence
+from itertools import count
+
+import numpy as np
+
+from churchpipe.dxf.stones import Stone
+from churchpipe.errors import InputError
+from churchpipe.findings import Finding, Place
+from churchpipe.model.arrays import ragged_indices
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.building import Building, Panel
+from churchpipe.model.materials import UnitWeight
+from churchpipe.recognition.laying import LaidBond, Volume, laid_panel, lowest, toothed
+from churchpipe.stones.blocks import derive_blocks
+
+
+def laid_stones(bodies: Sequence[Stone], bond: LaidBond, unit: float, findings: list[Finding]) -> list[Stone]:
+    """Return the stones laid in the free bodies of a file, after the fixed ones, which stay as they are.
+
+    unit: of the file, m. What keeps a body from being a wall joins the findings, and so does what was laid.
+    """
+    fixed = [body for body in bodies if body.fixed]
+    free = [body for body in bodies if not body.fixed]
+    if not free:
+        return fixed
+    names = _names(free)
+    volumes = [Volume(name, body.material, body.points * unit, list(body.faces)) for name, body in zip(names, free, strict=True)]
+    place = {name: body.place for name, body in zip(names, free, strict=True)}
+    base = lowest(volumes)
+    panels: list[Panel] = []
+    for volume in volumes:
+        try:
+            panels.append(laid_panel(volume, base, bond))
+        except InputError as error:
+            findings.append(_refused(error, place))
+    if len(panels) < len(volumes):
+        return fixed
+    try:
+        panels = toothed(panels)
+        materials = tuple(UnitWeight(name, 1.0) for name in dict.fromkeys(body.material for body in free))
+        stones = derive_blocks(Building("walls", tuple(panels), materials, ground=None))
+    except InputError as error:
+        findings.append(_refused(error, place))
+        return fixed
+    findings += [_said(panel, stones, volume, place[volume.name]) for panel, volume in zip(panels, volumes, strict=True)]
+    return [*fixed, *_stones(stones, place, unit)]
+
+
+def _refused(error: InputError, place: dict[str, Place]) -> Finding:
+    where = error.where.removeprefix("Panel ")
+    at = next((at for name, at in place.items() if where == name or where.startswith(f"{name},")), Place("", ""))
+    found = f"no stones can be laid in {where}: {error.problem}" + (f", {error.found}" if error.found else "")
+    return at.finding("E28", found, expected=error.expected, remedy=error.remedy)
+
+
+def _names(bodies: Sequence[Stone]) -> list[str]:
+    """Return names for the walls: those of their layers or bodies, numbered where several bear one."""
+    names = [body.panel or body.name for body in bodies]
+    shared = {name: count(1) for name, times in Counter(names).items() if times > 1}
+    return [f"{name}-{next(shared[name])}" if name in shared else name for name in names]
+
+
+def _said(panel: Panel, stones: Assemblage, volume: Volume, place: Place) -> Finding:
+    own = stones.panel == panel.name
+    total = float(stones.volume[own].sum())
+    cell = panel.regions[0].cell
+    if panel.regions[0].pattern == "voussoir":
+        what = f"{own.sum()} voussoirs were laid in the ring, {cell.a:.3g} m wide"
+    else:
+        pattern = panel.regions[0].pattern
+        what = f"{own.sum()} stones were laid in {pattern} bond, courses of {cell.a:.3g} m, about {cell.b:.3g} m long"
+    remedy = "Look whether they are as you meant; --course and --stone change them."
+    return place.finding("W28", f'"{volume.name}": {what}; {total:.6g} m3', remedy=remedy)
+
+
+def _stones(stones: Assemblage, place: dict[str, Place], unit: float) -> list[Stone]:
+    out: list[Stone] = []
+    for block in range(stones.count):
+        first, last = stones.block_point_ptr[block : block + 2]
+        faces = np.arange(*stones.block_face_ptr[block : block + 2])
+        sizes = np.diff(stones.face_ptr)[faces]
+        nodes = stones.face_nodes[ragged_indices(stones.face_ptr[faces], sizes)] - first
+        rings = tuple(tuple(ring.tolist()) for ring in np.split(nodes, np.cumsum(sizes)[:-1]))
+        name, panel = str(stones.block_id[block]), str(stones.panel[block])
+        points = stones.points[first:last] / unit
+        out.append(Stone(points, rings, False, place[panel], name, str(stones.material[block]), panel, int(stones.course[block])))
+    return out

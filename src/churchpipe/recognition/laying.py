@@ -1,0 +1,204 @@
+"""Stones laid in walls and rings that are given whole: from closed volumes and a bond to a building."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+from typing import Literal
+
+import numpy as np
+
+from churchpipe.bond.junction import crossings
+from churchpipe.bond.walls import wall_region
+from churchpipe.errors import InputError
+from churchpipe.geometry.planar import Polygon, Region, area, common, extent, mapped, polygon, rings
+from churchpipe.geometry.polygons import corners
+from churchpipe.model.arguments import check_kind, one_of, positive
+from churchpipe.model.arrays import FloatArray
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.building import BondRegion, Building, Opening, Panel, UnitCell
+from churchpipe.model.materials import UnitWeight
+from churchpipe.recognition.ring_outlines import ring_outlines
+from churchpipe.recognition.supports import support_of
+from churchpipe.recognition.volumes import WallVolume, wall_volume
+
+LaidPattern = Literal["running", "stack", "voussoir"]
+PATTERNS = ("running", "stack", "voussoir")
+# Parts of two walls in one plane that lie in each other by more than this share of the smaller one are drawn twice.
+DOUBLED = 1e-6
+EDGE = 1e-6
+
+
+@dataclass(frozen=True, slots=True)
+class LaidBond:
+    """How stones are laid in a volume: pattern "running" or "stack", with the course height and the length of a stone, m, or
+    "voussoir" for rings alone.
+
+    A ring gets voussoirs whatever the pattern, about as wide at half their depth as a course is high. Stones of a wall are about
+    as long as asked: each clear bay between its ends or crossing walls is divided evenly.
+    """
+
+    pattern: LaidPattern
+    course: float
+    stone: float | None = None
+
+    def __post_init__(self) -> None:
+        one_of("bond", self.pattern, *PATTERNS)
+        positive("course", self.course)
+        if self.stone is not None:
+            positive("stone", self.stone)
+        elif self.pattern != "voussoir":
+            remedy = "Only rings of voussoirs go without it."
+            raise InputError("stone", "missing", expected="the length of a stone", remedy=remedy)
+
+
+@dataclass(frozen=True, slots=True)
+class Volume:
+    """A closed body to lay stones in: its name, material, points (n, 3) m, and faces, counter-clockwise from outside."""
+
+    name: str
+    material: str
+    points: FloatArray
+    faces: list[tuple[int, ...]]
+
+
+def lay_stones(
+    volumes: Assemblage, *, bond: LaidPattern = "running", course: float, stone: float | None = None, name: str = "walls"
+) -> Building:
+    """Return the building that stands in the given volumes: each free body is a wall, or a ring, and gets stones.
+
+    `derive_blocks` and `derive_shell` make the two models of it. Openings that go through a body stay. Walls that reach into one
+    another at right angles are toothed; where one ends at the face of another they butt. Fixed bodies are supports.
+
+    Parameters
+    ----------
+    volumes
+        Closed bodies, a wall or a ring each; their block_id names the walls.
+    bond
+        "running" or "stack"; "voussoir" where all are rings.
+    course
+        Height of a course, m; in a ring about the width of a voussoir.
+    stone
+        About the length of a stone, m; not needed where all are rings.
+    name
+        Of the building.
+
+    Raises
+    ------
+    InputError
+        A body that is no wall, and where it is none; walls that cannot be laid.
+    """
+    check_kind("lay_stones: volumes", volumes, Assemblage)
+    laid = LaidBond(bond, course, stone)
+    bodies: list[Volume] = []
+    for block in np.flatnonzero(~volumes.fixed):
+        body = support_of(volumes, int(block))
+        bodies.append(Volume(str(volumes.block_id[block]), str(volumes.material[block]), body.points, list(body.faces)))
+    base = lowest(bodies) if bodies else 0.0
+    panels = toothed([laid_panel(body, base, laid) for body in bodies])
+    free = ~volumes.fixed
+    weights = {str(m): float(w) for m, w in zip(volumes.material[free], volumes.unit_weight[free], strict=True)}
+    materials = tuple(UnitWeight(material, weight) for material, weight in weights.items())
+    supports = tuple(support_of(volumes, int(block)) for block in np.flatnonzero(volumes.fixed))
+    return Building(name, tuple(panels), materials, ground=None, supports=supports)
+
+
+def lowest(bodies: Sequence[Volume]) -> float:
+    """Return the level from which courses are counted: the lowest point of all bodies, m."""
+    return min(float(body.points[:, 2].min()) for body in bodies)
+
+
+def laid_panel(body: Volume, base: float, bond: LaidBond) -> Panel:
+    """Return a body as a wall or a ring with its bond. base: level from which courses are counted, m."""
+    try:
+        return _panel(body, wall_volume(body.points, body.faces, base), bond)
+    except InputError as error:
+        raise error.at(body.name) from error
+
+
+def toothed(panels: Sequence[Panel]) -> list[Panel]:
+    """Return the walls with the courses on which each runs through its junctions: where two cross, one even, the other odd.
+
+    Raises
+    ------
+    InputError: walls of one plane that lie in each other, or that cross at a slant.
+    """
+    solids = [wall_region(panel) for panel in panels]
+    _check_apart(panels, solids)
+    parity: dict[int, Literal[0, 1]] = {}
+    links = [crossing.walls for crossing in crossings(panels, solids)]
+    for start in range(len(panels)):
+        waiting = [] if start in parity else [start]
+        parity.setdefault(start, 0)
+        while waiting:
+            wall = waiting.pop()
+            for other in [b if a == wall else a for a, b in links if wall in (a, b)]:
+                if other not in parity:
+                    parity[other] = 1 if parity[wall] == 0 else 0
+                    waiting.append(other)
+    return [replace(panel, runs_through=parity[number]) for number, panel in enumerate(panels)]
+
+
+def _panel(body: Volume, wall: WallVolume, bond: LaidBond) -> Panel:
+    outer, *inner = (_corners(polygon(ring)) for ring in rings(wall.region))
+    arcs = ring_outlines(wall.region)
+    if arcs:
+        regions = tuple(
+            BondRegion(
+                "ring" if len(arcs) == 1 else f"ring-{number}",
+                arc.outline,
+                "voussoir",
+                UnitCell(a=arc.length / _count(arc.length, bond.course), b=arc.depth),
+                centre=arc.centre,
+                pieces=_count(arc.length, bond.course),
+            )
+            for number, arc in enumerate(arcs, 1)
+        )
+        names = tuple(region.name for region in regions)
+        holes = tuple(Opening("opening-1", hole, "arched", names) for hole in inner)
+        return Panel(body.name, wall.chart, outer, wall.thickness, regions, body.material, holes)
+    if bond.pattern == "voussoir" or bond.stone is None:
+        raise InputError(
+            body.name,
+            "it is no ring",
+            found=f"an outline with {len(outer)} corners and {len(inner)} openings",
+            expected="two arcs about one centre, and two straight ends",
+            remedy="Lay walls in running bond: --bond running --stone 0.5m. Give each arc of a pointed arch as its own body.",
+        )
+    region = BondRegion("bond", outer, bond.pattern, UnitCell(a=bond.course, b=bond.stone), joints="bay")
+    holes = tuple(Opening(f"opening-{number}", hole, _kind(hole)) for number, hole in enumerate(inner, 1))
+    return Panel(body.name, wall.chart, outer, wall.thickness, (region,), body.material, holes)
+
+
+def _corners(region: Polygon) -> FloatArray:
+    return corners(np.array([region], dtype=np.object_))[0]
+
+
+def _kind(hole: FloatArray) -> Literal["rectangular", "arched"]:
+    side = np.abs(np.roll(hole, -1, axis=0) - hole)
+    return "arched" if side.min(axis=1).max() > EDGE else "rectangular"
+
+
+def _count(length: float, course: float) -> int:
+    """Return how many voussoirs a ring takes; a keystone alone is none."""
+    return max(2, round(length / course))
+
+
+def _check_apart(panels: Sequence[Panel], solids: Sequence[Region]) -> None:
+    """Raise InputError for two bodies of one plane that lie in each other."""
+    for (one, first), (other, second) in combinations(zip(panels, solids, strict=True), 2):
+        a, b = (np.cross(panel.chart.s_axis, panel.chart.t_axis) for panel in (one, other))
+        offset = other.chart.origin - one.chart.origin
+        if abs(a @ b) < 1 - EDGE or abs(offset @ a) > 0.5 * (one.thickness + other.thickness) - EDGE:
+            continue
+        turned = float(np.sign(one.chart.s_axis @ other.chart.s_axis))
+        shift = np.array([offset @ one.chart.s_axis, offset[2]])
+        shared = common(first, mapped(second, np.diag([turned, 1.0]), shift))
+        if area(shared) > DOUBLED * min(area(first), area(second)):
+            low_s, low_t, high_s, high_t = extent(shared)
+            raise InputError(
+                other.name,
+                f"it lies in {one.name}",
+                found=f"{area(shared):.4g} m2 in common, {high_s - low_s:.4g} x {high_t - low_t:.4g} m",
+                expected="each wall drawn once",
+                remedy="Openings are drawn on a layer OPENING, or as holes through the body.",
+            )

@@ -1,0 +1,239 @@
+"""Stones laid in walls and rings that are given whole: outlines with openings, volumes as meshes, arches, junctions, refusals."""
+
+import math
+from pathlib import Path
+
+import ezdxf
+import numpy as np
+import pytest
+import shapely
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+import churchpipe as cp
+from churchpipe.bond.voussoir import ring_outline
+from churchpipe.errors import InputError
+from churchpipe.findings import FindingsError
+from churchpipe.geometry.prism import prism_of
+from churchpipe.match import match_models
+from churchpipe.model.assemblage import Assemblage, Polyhedron
+from churchpipe.recognition.panels import fit_panels
+from mesh_files import write_obj, write_stl
+from solids import box
+
+COURSE, STONE = 0.25, 0.5
+
+
+def standing(region: shapely.Polygon, thickness: float, turn: float = 0.0) -> Polyhedron:
+    """A wall over an outline in its plane, its back on y = 0, then turned about the upright axis (rad)."""
+    flat, faces = prism_of(region)
+    points = np.stack([flat[:, 0], thickness * (1.0 - flat[:, 2]), flat[:, 1]], axis=1)
+    c, s = math.cos(turn), math.sin(turn)
+    return points @ np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]).T, [list(face) for face in faces]
+
+
+def volumes(*bodies: Polyhedron) -> Assemblage:
+    return Assemblage.from_polyhedra(list(bodies), 18e3, block_id=[f"body-{n}" for n in range(len(bodies))])
+
+
+def on_plate(*bodies: Polyhedron) -> Assemblage:
+    plate = box((-50, 50), (-50, 50), (-1, 0))
+    return Assemblage.from_polyhedra([plate, *bodies], 18e3, fixed=[0], block_id=["ground", *map(str, range(len(bodies)))])
+
+
+def fills(stones: Assemblage, whole: float) -> None:
+    """The stones have the volume given; where there is ground, none floats or lies in another."""
+    assert stones.volume[~stones.fixed].sum() == pytest.approx(whole, rel=1e-9)
+    if stones.fixed.any():
+        cp.check_soundness(stones, cp.find_contacts(stones))
+
+
+outlines = st.builds(
+    lambda length, height, gable, left: shapely.Polygon(
+        [(0, 0), (length, 0), (length, height), (0.5 * length, height + gable), (0, height + left)]
+    ),
+    st.floats(2.5, 7.0),
+    st.floats(1.6, 4.0),
+    st.floats(0.4, 2.0),
+    st.floats(0.0, 0.3),
+)
+holes = st.lists(
+    st.tuples(st.floats(0.15, 0.85), st.just(0.0) | st.floats(0.1, 0.7), st.floats(0.6, 1.2), st.floats(0.7, 1.2), st.booleans()),
+    max_size=3,
+)
+
+
+def hole(outline: shapely.Polygon, at: float, sill: float, width: float, height: float, arched: bool) -> shapely.Polygon:
+    _, _, right, top = outline.bounds
+    s, t = at * right, sill * 0.6 * top
+    square = shapely.box(s - 0.5 * width, t, s + 0.5 * width, t + height)
+    return shapely.union(square, shapely.Point(s, t + height).buffer(0.5 * width, quad_segs=5)) if arched else square
+
+
+@settings(deadline=None, max_examples=20)
+@given(outline=outlines, openings=holes, thickness=st.floats(0.2, 0.8), turn=st.floats(-3.0, 3.0))
+def test_random_outlines_are_filled_exactly(outline, openings, thickness, turn):
+    region = outline
+    for opening in openings:
+        region = region.difference(hole(outline, *opening))
+    # What is narrower than a quarter of a stone is refused by the bond.
+    assume(region.geom_type == "Polygon" and region.buffer(-0.3).geom_type == "Polygon" and region.buffer(-0.3).area > 1)
+    solid = on_plate(standing(region, thickness, turn))
+    try:
+        building = cp.lay_stones(solid, course=COURSE, stone=STONE)
+        stones = cp.derive_blocks(building)
+    except InputError as error:
+        if "narrower than a quarter of a stone" not in error.problem:
+            raise
+        return
+    fills(stones, region.area * thickness)
+    assert len(building.panels[0].openings) == len(region.interiors)
+
+
+@pytest.mark.parametrize("chords", [27, 60, 13])
+@pytest.mark.parametrize("sweep", [math.pi, 1.9])
+def test_a_ring_becomes_voussoirs(chords, sweep):
+    start = 0.5 * (math.pi - sweep)
+    ring = shapely.Polygon(ring_outline((0.0, 1.0), 2.0, 2.5, start, start + sweep, chords))
+    stones = cp.derive_blocks(cp.lay_stones(volumes(standing(ring, 0.6)), bond="voussoir", course=0.26))
+    count = round(sweep * 2.25 / 0.26)
+    assert stones.count == count
+    fills(stones, ring.area * 0.6)
+    contacts = cp.find_contacts(stones)
+    assert len(contacts.area) == count - 1
+    # Every joint points to the centre.
+    centre = np.array([0.0, 1.0])
+    for normal, first in zip(contacts.frame[:, 0], contacts.point_ptr[:-1], strict=True):
+        assert abs(normal[[0, 2]] @ (contacts.point[first][[0, 2]] - centre)) < 1e-9
+
+
+def test_a_round_window_ring_is_two_halves():
+    ring = shapely.Point(0, 2).buffer(1.0, quad_segs=10).difference(shapely.Point(0, 2).buffer(0.7, quad_segs=6))
+    building = cp.lay_stones(volumes(standing(ring, 0.3)), bond="voussoir", course=0.25)
+    assert len(building.panels[0].regions) == 2
+    fills(cp.derive_blocks(building), ring.area * 0.3)
+
+
+def test_the_shell_of_laid_walls_matches():
+    window = shapely.box(1.5, 1.0, 2.5, 2.0)
+    region = shapely.Polygon([(0, 0), (5, 0), (5, 3), (2.5, 4.5), (0, 3)]).difference(window)
+    building = cp.lay_stones(on_plate(standing(region, 0.4)), course=COURSE, stone=STONE)
+    stones = cp.derive_blocks(building)
+    match = match_models(stones, cp.find_contacts(stones), cp.derive_shell(building, element_size=0.25))
+    assert match.passed, match
+
+
+@pytest.mark.parametrize("chords", [15, 40])
+def test_the_shell_of_a_laid_arch_matches(chords):
+    ring = shapely.Polygon(ring_outline((0.0, 0.0), 2.0, 2.5, 0.0, math.pi, chords))
+    building = cp.lay_stones(on_plate(standing(ring, 0.6)), bond="voussoir", course=0.47)
+    stones = cp.derive_blocks(building)
+    contacts = cp.find_contacts(stones)
+    for made in (building, fit_panels(stones).building(building.materials)):
+        assert match_models(stones, contacts, cp.derive_shell(made, element_size=0.25)).passed
+
+
+def test_bodies_that_overlap_are_toothed():
+    solid = on_plate(box((0, 5), (0, 0.4), (0, 3)), box((0, 0.4), (0, 4), (0, 3)))
+    building = cp.lay_stones(solid, course=COURSE, stone=STONE)
+    stones = cp.derive_blocks(building)
+    fills(stones, (5 * 0.4 + 3.6 * 0.4) * 3)
+    assert {panel.runs_through for panel in building.panels} == {0, 1}
+    corner = stones.centroid[~stones.fixed]
+    inside = (corner[:, 0] < 0.4) & (corner[:, 1] < 0.4)
+    assert not inside.any() or np.unique(stones.panel[~stones.fixed][inside]).size == 2
+    match = match_models(stones, cp.find_contacts(stones), cp.derive_shell(building, element_size=0.3))
+    assert match.passed, match
+
+
+def test_bodies_that_only_touch_butt():
+    solid = on_plate(box((0, 5), (0, 0.4), (0, 3)), box((0, 0.4), (0.4, 4), (0, 3)))
+    stones = cp.derive_blocks(cp.lay_stones(solid, course=COURSE, stone=STONE))
+    fills(stones, (5 * 0.4 + 3.6 * 0.4) * 3)
+    # The plane of the butt joint cuts no stone.
+    free = np.flatnonzero(~stones.fixed)
+    y = [stones.points[a:b, 1] for a, b in zip(stones.block_point_ptr[free], stones.block_point_ptr[free + 1], strict=True)]
+    assert not any(low.min() < 0.4 - 1e-9 and low.max() > 0.4 + 1e-9 for low in y)
+
+
+def test_a_body_of_two_thicknesses_is_refused_where_it_changes():
+    # In plan a wall .4 m thick that is .6 m thick from x = 4 on.
+    plan = [(0.0, 0.0), (6.0, 0.0), (6.0, 0.6), (4.0, 0.6), (4.0, 0.4), (0.0, 0.4)]
+    flat, faces = prism_of(shapely.Polygon(plan))
+    body = (flat * [1, 1, 3], [list(face) for face in faces])
+    with pytest.raises(InputError, match=r"thickness is not constant; found 0\.6 m thick at \([46]\.000, 0\.600"):
+        cp.lay_stones(volumes(body), course=COURSE, stone=STONE)
+
+
+def sheared(along: int, by: int, slope: float) -> Polyhedron:
+    points, faces = box((0, 4), (0, 0.4), (0, 3))
+    points[:, by] += slope * points[:, along]
+    return points, faces
+
+
+@pytest.mark.parametrize(
+    ("body", "why"),
+    [(sheared(2, 1, 0.2), "leans"), (sheared(1, 0, 0.4), "right angles"), (sheared(0, 2, 0.0), "")],
+    ids=["leaning", "ends cut at a slant", "a wall"],
+)
+def test_what_is_no_wall_is_refused(body, why):
+    if not why:
+        assert cp.lay_stones(volumes(body), course=COURSE, stone=STONE).panels
+        return
+    with pytest.raises(InputError, match=why) as caught:
+        cp.lay_stones(volumes(body), course=COURSE, stone=STONE)
+    assert caught.value.where == "body-0"
+    assert caught.value.remedy
+
+
+def test_two_walls_in_one_place_are_refused():
+    solid = volumes(box((0, 5), (0, 0.4), (0, 3)), box((1, 2), (0, 0.4), (1, 2)))
+    with pytest.raises(InputError, match=r"body-1: it lies in body-0.*OPENING"):
+        cp.lay_stones(solid, course=COURSE, stone=STONE)
+
+
+def test_a_pointed_wall_is_no_ring():
+    with pytest.raises(InputError, match="no ring"):
+        cp.lay_stones(volumes(box((0, 5), (0, 0.4), (0, 3))), bond="voussoir", course=COURSE)
+
+
+REGION = shapely.Polygon([(0, 0), (5, 0), (5, 3), (2.5, 4.2), (0, 3)]).difference(shapely.box(1.5, 1.0, 2.5, 2.0))
+
+
+@pytest.mark.parametrize("suffix", [".obj", ".stl", "triangles.obj"])
+def test_a_mesh_of_a_wall_is_laid(tmp_path: Path, suffix: str):
+    whole = volumes(standing(REGION, 0.4, 0.7))
+    path = tmp_path / f"wall{suffix}"
+    _ = write_stl(whole, path) if suffix == ".stl" else write_obj(whole, path, triangulated=suffix != ".obj")
+    options = {"support": "base", "unit_weight": 18e3, "bond": "running", "course": COURSE, "stone": STONE}
+    stones, findings = cp.read_stones(path, units="m", **options)
+    assert "W28" in findings.codes
+    fills(stones, REGION.area * 0.4)
+
+
+def test_outlines_with_openings_are_laid(tmp_path: Path):
+    document = ezdxf.new("R2010")
+    document.header["$INSUNITS"] = 4
+    space = document.modelspace()
+    space.add_lwpolyline([(0, 0), (5000, 0), (5000, 3000), (2500, 4200), (0, 3000)], close=True, dxfattribs={"layer": "FACADE"})
+    space.add_lwpolyline([(1500, 1000), (2500, 1000), (2500, 2000), (1500, 2000)], close=True, dxfattribs={"layer": "OPENING"})
+    # A door that reaches below the wall, as people draw it.
+    space.add_lwpolyline([(3500, -200), (4300, -200), (4300, 2000), (3500, 2000)], close=True, dxfattribs={"layer": "OPENING"})
+    path = tmp_path / "wall.dxf"
+    document.saveas(path)
+    options = {"support": "base", "unit_weight": 18e3, "bond": "running", "course": COURSE, "stone": STONE}
+    stones, findings = cp.read_dxf(path, thickness=0.4, **options)
+    assert [code for code in findings.codes if code not in ("W12", "W24")] == ["W28"]
+    fills(stones, (REGION.area - 0.8 * 2.0) * 0.4)
+    assert set(stones.panel[~stones.fixed]) == {"FACADE"}
+
+
+def test_every_body_that_is_no_wall_is_named(tmp_path: Path):
+    leaning, slanted = sheared(2, 1, 0.2), sheared(1, 0, 0.4)
+    slanted[0][:, 0] += 6
+    path = write_obj(volumes(box((-5, -1), (0, 0.4), (0, 3)), leaning, slanted), tmp_path / "a.obj")
+    with pytest.raises(FindingsError) as caught:
+        cp.read_stones(path, units="m", support="base", bond="running", course=COURSE, stone=STONE)
+    errors = caught.value.findings.errors
+    assert [finding.code for finding in errors] == ["E28", "E28"]
+    assert all(finding.remedy and finding.position for finding in errors)
