@@ -13,7 +13,7 @@ from churchpipe.model.arrays import ragged_indices
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import Building, Panel
 from churchpipe.model.materials import UnitWeight
-from churchpipe.recognition.laying import LaidBond, Volume, laid_panel, lowest, toothed
+from churchpipe.recognition.laying import LaidBond, Volume, joined, laid_panel, lowest
 from churchpipe.stones.blocks import derive_blocks
 
 
@@ -39,13 +39,13 @@ def laid_stones(bodies: Sequence[Stone], bond: LaidBond, unit: float, findings: 
     if len(panels) < len(volumes):
         return fixed
     try:
-        panels = toothed(panels)
+        panels = joined(panels)
         materials = tuple(UnitWeight(name, 1.0) for name in dict.fromkeys(body.material for body in free))
         stones = derive_blocks(Building("walls", tuple(panels), materials, ground=None))
     except InputError as error:
         findings.append(_refused(error, place))
         return fixed
-    findings += [_said(panel, stones, volume, place[volume.name]) for panel, volume in zip(panels, volumes, strict=True)]
+    findings += [_said(panel, stones, place[panel.name]) for panel in panels]
     return [*fixed, *_stones(stones, place, unit)]
 
 
@@ -63,17 +63,17 @@ def _names(bodies: Sequence[Stone]) -> list[str]:
     return [f"{name}-{next(shared[name])}" if name in shared else name for name in names]
 
 
-def _said(panel: Panel, stones: Assemblage, volume: Volume, place: Place) -> Finding:
+def _said(panel: Panel, stones: Assemblage, place: Place) -> Finding:
     own = stones.panel == panel.name
-    total = float(stones.volume[own].sum())
-    cell = panel.regions[0].cell
-    if panel.regions[0].pattern == "voussoir":
-        what = f"{own.sum()} voussoirs were laid in the ring, {cell.a:.3g} m wide"
-    else:
-        pattern = panel.regions[0].pattern
-        what = f"{own.sum()} stones were laid in {pattern} bond, courses of {cell.a:.3g} m, about {cell.b:.3g} m long"
-    remedy = "Look whether they are as you meant; --course and --stone change them."
-    return place.finding("W28", f'"{volume.name}": {what}; {total:.6g} m3', remedy=remedy)
+    rings = [region for region in panel.regions if region.pattern == "voussoir"]
+    voussoirs = sum(region.pieces for region in rings)
+    laid = [f"{voussoirs} voussoirs, about {rings[0].cell.a:.3g} m wide"] if rings else []
+    for region in panel.regions:
+        if region.pattern != "voussoir":
+            sizes = f"courses of {region.cell.a:.3g} m, about {region.cell.b:.3g} m long"
+            laid.insert(0, f"{own.sum() - voussoirs} stones in {region.pattern} bond, {sizes}")
+    what = f'"{panel.name}": laid {", and ".join(laid)}; {stones.volume[own].sum():.6g} m3'
+    return place.finding("W28", what, remedy="Look whether they are as you meant; --course and --stone change them.")
 
 
 def _stones(stones: Assemblage, place: dict[str, Place], unit: float) -> list[Stone]:

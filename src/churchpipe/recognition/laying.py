@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
 from typing import Literal
 
 import numpy as np
@@ -10,22 +9,18 @@ import numpy as np
 from churchpipe.bond.junction import crossings
 from churchpipe.bond.walls import wall_region
 from churchpipe.errors import InputError
-from churchpipe.geometry.planar import Polygon, Region, area, common, extent, mapped, polygon, rings
-from churchpipe.geometry.polygons import corners
 from churchpipe.model.arguments import check_kind, one_of, positive
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import BondRegion, Building, Opening, Panel, UnitCell
 from churchpipe.model.materials import UnitWeight
+from churchpipe.recognition.inset_rings import openings_of, outline_and_holes, with_rings
 from churchpipe.recognition.ring_outlines import ring_outlines
 from churchpipe.recognition.supports import support_of
 from churchpipe.recognition.volumes import WallVolume, wall_volume
 
 LaidPattern = Literal["running", "stack", "voussoir"]
 PATTERNS = ("running", "stack", "voussoir")
-# Parts of two walls in one plane that lie in each other by more than this share of the smaller one are drawn twice.
-DOUBLED = 1e-6
-EDGE = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +89,7 @@ def lay_stones(
         body = support_of(volumes, int(block))
         bodies.append(Volume(str(volumes.block_id[block]), str(volumes.material[block]), body.points, list(body.faces)))
     base = lowest(bodies) if bodies else 0.0
-    panels = toothed([laid_panel(body, base, laid) for body in bodies])
+    panels = joined([laid_panel(body, base, laid) for body in bodies])
     free = ~volumes.fixed
     weights = {str(m): float(w) for m, w in zip(volumes.material[free], volumes.unit_weight[free], strict=True)}
     materials = tuple(UnitWeight(material, weight) for material, weight in weights.items())
@@ -115,15 +110,16 @@ def laid_panel(body: Volume, base: float, bond: LaidBond) -> Panel:
         raise error.at(body.name) from error
 
 
-def toothed(panels: Sequence[Panel]) -> list[Panel]:
-    """Return the walls with the courses on which each runs through its junctions: where two cross, one even, the other odd.
+def joined(panels: Sequence[Panel]) -> list[Panel]:
+    """Return the walls as one building: rings that lie in a wall are part of it, and walls that cross are toothed, one on even
+    courses, the other on odd ones.
 
     Raises
     ------
     InputError: walls of one plane that lie in each other, or that cross at a slant.
     """
+    panels = with_rings(panels)
     solids = [wall_region(panel) for panel in panels]
-    _check_apart(panels, solids)
     parity: dict[int, Literal[0, 1]] = {}
     links = [crossing.walls for crossing in crossings(panels, solids)]
     for start in range(len(panels)):
@@ -139,7 +135,7 @@ def toothed(panels: Sequence[Panel]) -> list[Panel]:
 
 
 def _panel(body: Volume, wall: WallVolume, bond: LaidBond) -> Panel:
-    outer, *inner = (_corners(polygon(ring)) for ring in rings(wall.region))
+    outer, inner = outline_and_holes(wall.region)
     arcs = ring_outlines(wall.region)
     if arcs:
         regions = tuple(
@@ -165,40 +161,9 @@ def _panel(body: Volume, wall: WallVolume, bond: LaidBond) -> Panel:
             remedy="Lay walls in running bond: --bond running --stone 0.5m. Give each arc of a pointed arch as its own body.",
         )
     region = BondRegion("bond", outer, bond.pattern, UnitCell(a=bond.course, b=bond.stone), joints="bay")
-    holes = tuple(Opening(f"opening-{number}", hole, _kind(hole)) for number, hole in enumerate(inner, 1))
-    return Panel(body.name, wall.chart, outer, wall.thickness, (region,), body.material, holes)
-
-
-def _corners(region: Polygon) -> FloatArray:
-    return corners(np.array([region], dtype=np.object_))[0]
-
-
-def _kind(hole: FloatArray) -> Literal["rectangular", "arched"]:
-    side = np.abs(np.roll(hole, -1, axis=0) - hole)
-    return "arched" if side.min(axis=1).max() > EDGE else "rectangular"
+    return Panel(body.name, wall.chart, outer, wall.thickness, (region,), body.material, openings_of(inner))
 
 
 def _count(length: float, course: float) -> int:
     """Return how many voussoirs a ring takes; a keystone alone is none."""
     return max(2, round(length / course))
-
-
-def _check_apart(panels: Sequence[Panel], solids: Sequence[Region]) -> None:
-    """Raise InputError for two bodies of one plane that lie in each other."""
-    for (one, first), (other, second) in combinations(zip(panels, solids, strict=True), 2):
-        a, b = (np.cross(panel.chart.s_axis, panel.chart.t_axis) for panel in (one, other))
-        offset = other.chart.origin - one.chart.origin
-        if abs(a @ b) < 1 - EDGE or abs(offset @ a) > 0.5 * (one.thickness + other.thickness) - EDGE:
-            continue
-        turned = float(np.sign(one.chart.s_axis @ other.chart.s_axis))
-        shift = np.array([offset @ one.chart.s_axis, offset[2]])
-        shared = common(first, mapped(second, np.diag([turned, 1.0]), shift))
-        if area(shared) > DOUBLED * min(area(first), area(second)):
-            low_s, low_t, high_s, high_t = extent(shared)
-            raise InputError(
-                other.name,
-                f"it lies in {one.name}",
-                found=f"{area(shared):.4g} m2 in common, {high_s - low_s:.4g} x {high_t - low_t:.4g} m",
-                expected="each wall drawn once",
-                remedy="Openings are drawn on a layer OPENING, or as holes through the body.",
-            )

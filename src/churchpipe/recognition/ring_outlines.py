@@ -6,7 +6,7 @@ import numpy as np
 
 from churchpipe.geometry.planar import Polygon, boxes, common, pieces, rings
 from churchpipe.geometry.polygons import corners, snap_polygons
-from churchpipe.model.arrays import FloatArray
+from churchpipe.model.arrays import FloatArray, IntArray
 
 # At a corner between the arc and the end of a ring the outline turns by more than this (rad), from chord to chord by less.
 TURN = np.radians(50.0)
@@ -25,7 +25,7 @@ class RingOutline:
     depth: float
 
 
-def main_corners(ring: FloatArray) -> FloatArray:
+def main_corners(ring: FloatArray) -> IntArray:
     """Return the numbers of the corners at which a closed outline (n, 2), counter-clockwise, turns sharply."""
     side = np.roll(ring, -1, axis=0) - ring
     before = np.roll(side, 1, axis=0)

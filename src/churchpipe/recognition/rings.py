@@ -66,10 +66,10 @@ def _quadrilaterals(polygons: Polygons) -> tuple[IntArray, FloatArray]:
     shape = [np.empty((0, 2))]
     for number, (start, stop) in enumerate(zip(pointer[:-1].tolist(), pointer[1:].tolist(), strict=True)):
         ring = corner[start:stop]
-        main = np.arange(4) if len(ring) == 4 else main_corners(ring)
-        if len(main) == 4:
+        quad = ring if len(ring) == 4 else ring[main_corners(ring)]
+        if len(quad) == 4:
             found.append(number)
-            shape.append(ring[main])
+            shape.append(quad)
     return np.array(found, dtype=np.int64), np.concatenate(shape).reshape(-1, 4, 2)
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from churchpipe.errors import InputError
 from churchpipe.geometry.planar import Polygon, area, pieces, polygon, united
 from churchpipe.geometry.polygons import snap
-from churchpipe.model.arrays import FloatArray, IntArray
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.building import PlaneChart
 from churchpipe.model.polyhedra import face_normals, solid_properties
 from churchpipe.recognition.wall_planes import outward
@@ -104,7 +104,7 @@ def _front_normal(area_vector: FloatArray, normal: FloatArray, size: FloatArray)
     return level if outward(level) else -level
 
 
-def _level(offset: FloatArray, nodes: IntArray, pointer: IntArray, side: FloatArray, size: FloatArray) -> float:
+def _level(offset: FloatArray, nodes: IntArray, pointer: IntArray, side: BoolArray, size: FloatArray) -> float:
     """Return where the front or the back lies along the normal: the mean of its faces by area, m."""
     mean = np.add.reduceat(offset[nodes], pointer[:-1]) / np.diff(pointer)
     if not side.any():
@@ -117,7 +117,7 @@ def _check_even(
     offset: FloatArray,
     nodes: IntArray,
     pointer: IntArray,
-    sides: tuple[FloatArray, FloatArray],
+    sides: tuple[BoolArray, BoolArray],
     levels: tuple[float, float],
 ) -> None:
     """Raise InputError where a corner of the front or the back does not lie in its plane."""
