@@ -320,6 +320,8 @@ def report(plan: Path, summary: Path, assemblage: Path, contacts: Path, html: Pa
         shells=meshes,
         shell_results=found,
         published=run.index["published"],
+        project=run.index["project"],
+        materials=run.index["materials"],
         case_text=(run.path / "as-run.toml").read_text(encoding="utf-8"),
         versions=_versions(),
         figures_dir=html.parent / "figures",

@@ -10,6 +10,7 @@ from churchpipe.code_check import Site
 from churchpipe.config import overrides as changes
 from churchpipe.config.analyses import RigidSettings, ShellSettings
 from churchpipe.config.places import located
+from churchpipe.config.project import Project
 from churchpipe.config.published import Published, check_published
 from churchpipe.config.schema import check
 from churchpipe.config.section import Section, Table, nearest
@@ -60,6 +61,7 @@ class Case:
     shell: ShellSettings | None = None
     check: Site | None = None
     published: tuple[Published, ...] = ()
+    project: Project = field(default_factory=Project)
     variant: dict[str, Any] = field(default_factory=dict)
     overrides: tuple[str, ...] = ()
     table: dict[str, Any] = field(default_factory=dict)
@@ -188,6 +190,7 @@ def _case(path: Path, table: dict[str, Any], variant: dict[str, Any], overrides:
         shell=record(ShellSettings, checked["shell"], f"{file}: shell") if "shell" in checked else None,
         check=record(Site, checked["check"], f"{file}: check") if "check" in checked else None,
         published=published,
+        project=record(Project, checked.get("project", {}), f"{file}: project"),
         variant=variant,
         overrides=overrides,
         table=checked,

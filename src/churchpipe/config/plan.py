@@ -82,6 +82,8 @@ def plan(cases: Sequence[Case]) -> Plan:
         "shells": [{"name": mesh, "geometry": place} for mesh, place in places.items()],
         "analyses": list(entries.values()),
         "published": [asdict(value) for value in cases[0].published],
+        "project": asdict(cases[0].project),
+        "materials": [asdict(material) for material in cases[0].materials],
         "questions": questions(cases),
     }
     return Plan(index, geometries, contacts, shells, analyses)

@@ -6,6 +6,7 @@ from pydantic import Field, create_model
 
 from churchpipe.code_check import Site
 from churchpipe.config.analyses import RigidSettings, ShellSettings
+from churchpipe.config.project import Project
 from churchpipe.config.published import Published
 from churchpipe.config.section import Section, Table, gathered, validated
 from churchpipe.config.sources import check_source
@@ -20,6 +21,7 @@ _LOAD = table_of(LoadCase, "Load", without=("dead", "live"))
 _RIGID, _SHELL = table_of(RigidSettings, "Rigid"), table_of(ShellSettings, "Shell")
 _CHECK = table_of(Site, "Check")
 _PUBLISHED = table_of(Published, "Published")
+_PROJECT = table_of(Project, "Project")
 
 
 def _key(takes: Any, meaning: str, default: Any = None) -> Any:
@@ -39,6 +41,7 @@ CaseTable = create_model(
     shell=_key(_SHELL | None, "The homogenised shell; left out: the rigid blocks alone."),
     check=_key(_CHECK | None, "What the earthquake asks; left out: no safety check."),
     published=_key(list[_PUBLISHED], "Load factors of others, for the report.", []),
+    project=_key(_PROJECT | None, "The title block of the report."),
 )
 
 

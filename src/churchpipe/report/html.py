@@ -18,6 +18,7 @@ from churchpipe.model.shell import ShellModel
 from churchpipe.report import both, viewer
 from churchpipe.report.block_curves import block_curve_plots
 from churchpipe.report.displacements import displacement_checks
+from churchpipe.report.drawings import drawings_svg
 from churchpipe.report.figures import Job, mechanism_picture, mechanism_pictures
 from churchpipe.report.motion import joint_opening, opened_joints, push_direction, viewpoint
 from churchpipe.report.notes import convergence_note, status_note
@@ -28,6 +29,7 @@ from churchpipe.report.sensitivity import sensitivity_plots
 from churchpipe.report.shell_picture import shell_picture
 from churchpipe.report.shell_view import ShellState, joint_outlines, motion_of, shell_data
 from churchpipe.report.table import Record, Row, columns_for, figure, friction_text, rows_of, swept
+from churchpipe.report.title_block import MATERIAL_HEADINGS, material_rows, title_block
 from churchpipe.stones.account import joints_lines, joints_record
 
 CARDS = 8
@@ -46,6 +48,8 @@ def write_report(
     shells: Mapping[str, ShellModel] | None = None,
     shell_results: Sequence[tuple[Record, str, ShellState]] = (),
     published: Sequence[Mapping[str, Any]] = (),
+    project: Mapping[str, str] | None = None,
+    materials: Sequence[Mapping[str, Any]] = (),
 ) -> None:
     """Write a self-contained report.
 
@@ -55,7 +59,7 @@ def write_report(
         state; a record may hold "direction" (3,), drawn as an arrow.
     figures_dir: where the pictures of the mechanisms are kept as PNG too (None: nowhere).
     shells: the meshes of the shell, by name. shell_results: for each analysis of the shell its record, its mesh, its state.
-    published: load factors of others, see `published_rows`.
+    published: load factors of others, see `published_rows`. project: the title block. materials: of the case, in SI.
 
     A picture that cannot be drawn (no graphics library) is replaced by a sentence; the report is written all the same.
     """
@@ -75,7 +79,11 @@ def write_report(
     columns = columns_for(rows)
     geometry = rows[0].record.get("geometry") if rows else None
     text = environment.get_template("report.html").render(
-        name=summary.get("case", ""),
+        name=(project or {}).get("title") or summary.get("case", ""),
+        title_block=title_block(project or {}, case_text, versions),
+        drawings=drawings_svg(stones),
+        material_headings=MATERIAL_HEADINGS,
+        materials=material_rows(stones, materials),
         facts=_facts(_sizes(summary, of_blocks), stones),
         kinds=_interface_kinds(contacts),
         joints=joints_lines(joints_record(stones, contacts)),

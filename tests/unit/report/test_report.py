@@ -1,6 +1,7 @@
 """report.html: what it says, that it says it offline, and that the viewer gets the right arrays."""
 
 import base64
+import itertools
 import json
 import re
 import sys
@@ -19,12 +20,14 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.polyhedra import face_normals
 from churchpipe.model.results import Iteration, LimitState
 from churchpipe.report import write_report
+from churchpipe.report.drawings import drawings_svg
 from churchpipe.report.figures import mechanism_picture
 from churchpipe.report.motion import camera_position, displaced_points, ground_plate, natural_amplitude, push_direction, viewpoint
 from churchpipe.report.notes import status_note
 from churchpipe.report.plots import convergence_svg, gaps_svg
 from churchpipe.report.surface import edges, triangles
 from churchpipe.report.table import Row, figure, small
+from churchpipe.report.title_block import material_rows, title_block
 from churchpipe.report.viewer import joint_values
 from churchpipe.stones.contacts import find_contacts
 from imprecise import corner
@@ -128,7 +131,9 @@ class Page(HTMLParser):
 
     @property
     def table(self) -> list[dict[str, str]]:
-        return [dict(zip(self.rows[0], row, strict=True)) for row in self.rows[1:]]
+        """The first table of the page, that of the load factors."""
+        heading, *rows = itertools.takewhile(lambda row: row[0] != "Material", self.rows)
+        return [dict(zip(heading, row, strict=True)) for row in rows]
 
 
 @pytest.fixture(scope="module")
@@ -227,6 +232,34 @@ def test_figure(value: float | None, text: str) -> None:
 @pytest.mark.parametrize(("value", "text"), [(NAN, "none"), (INF, "infinite"), (0.0, "0"), (3.14e-10, "3.1e\u221210")])
 def test_small(value: float, text: str) -> None:
     assert small(value) == text
+
+
+def test_the_title_block_names_work_and_input(tmp_path: Path) -> None:
+    stones = tower()
+    state = state_of(stones)
+    text = report(tmp_path, [(record_of(state), state)])
+    assert "SHA-256" in text
+    assert "churchpipe 0.1.0" in text
+    entries = dict(title_block({"author": "A. Rossi", "client": ""}, "name = 1", VERSIONS))
+    assert entries["author"] == "A. Rossi"
+    assert "client" not in entries
+    assert entries["case file"] != dict(title_block({}, "name = 2", VERSIONS))["case file"]
+
+
+def test_materials_have_the_stones_that_are_made_of_them() -> None:
+    said = [{"name": "default", "friction": 0.6, "cohesion": 2e3}]
+    assert material_rows(tower(), said) == [("default", "3", "3", "18", "54", "0.6", "2")]
+    assert material_rows(tower(), [])[0][5:] == ("", "")
+
+
+def test_a_plan_cuts_what_stands_higher() -> None:
+    titles = dict(drawings_svg(tower()))
+    plan, front, *others = titles.values()
+    assert next(iter(titles)) == "Plan, cut 1.20 m above the foot"
+    assert len(others) == 3
+    # 1 m wide and deep, 3 m high.
+    assert plan.count("1.00 m") == 2
+    assert ("1.00 m" in front, "3.00 m" in front) == (True, True)
 
 
 def test_unusual_ends_are_explained(page: Page) -> None:

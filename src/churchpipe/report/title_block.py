@@ -1,0 +1,51 @@
+"""Whose work a report is, of which input, and what the building is made of."""
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from churchpipe.model.assemblage import Assemblage
+
+_TITLES = {"client": "client", "author": "author", "date": "date", "revision": "revision"}
+
+
+def title_block(project: Mapping[str, str], case_text: str, versions: Mapping[str, str]) -> list[tuple[str, str]]:
+    """Return title and text of the entries of a title block.
+
+    The case is known by the first digits of the SHA-256 of its text: two reports with the same digits are of the same input.
+    """
+    entries = [(title, project[key]) for key, title in _TITLES.items() if project.get(key)]
+    entries.append(("case file", f"SHA-256 {hashlib.sha256(case_text.encode()).hexdigest()[:12]}"))
+    if "churchpipe" in versions:
+        entries.append(("made with", f"churchpipe {versions['churchpipe']}"))
+    return entries
+
+
+def material_rows(stones: Assemblage, materials: Sequence[Mapping[str, Any]]) -> list[tuple[str, ...]]:
+    """Return a row for each material of the free stones: name, stones, volume, unit weight, weight, friction, cohesion.
+
+    materials: the case's, in SI; what it does not say of a material is "".
+    """
+    said = {str(material["name"]): material for material in materials}
+    rows: list[tuple[str, ...]] = []
+    for name in np.unique(stones.material[~stones.fixed]).tolist():
+        chosen = ~stones.fixed & (stones.material == name)
+        volume, weight = stones.volume[chosen].sum(), stones.weight[chosen].sum()
+        material = said.get(name, {})
+        rows.append(
+            (
+                name,
+                f"{int(chosen.sum()):,}",
+                f"{volume:.4g}",
+                f"{weight / volume / 1e3:.4g}",
+                f"{weight / 1e3:,.4g}" if weight < 1e7 else f"{weight / 1e3:,.0f}",
+                f"{material['friction']:g}" if material.get("friction") is not None else "",
+                f"{material['cohesion'] / 1e3:g}" if material.get("cohesion") is not None else "",
+            )
+        )
+    return rows
+
+
+MATERIAL_HEADINGS = ("Material", "Stones", "Volume, m3", "Unit weight, kN/m3", "Weight, kN", "Friction", "Cohesion, kPa")
