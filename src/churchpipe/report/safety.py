@@ -75,6 +75,12 @@ def safety_index(row: Row) -> str:
     return words if stones is None else f"{words}; with e* of the stones {figure(stones, 2)}"
 
 
+def fails(row: Row) -> bool:
+    """Return whether a row's check was made and is not satisfied."""
+    check = row.record.get("check")
+    return isinstance(check, Mapping) and check.get("satisfied") is False
+
+
 def part_overview(rows: Sequence[Row]) -> dict[str, Any] | None:
     """Return the share of the motion of each macro-element under each load, or None where there is one analysis to tell of.
 

@@ -571,7 +571,10 @@ def test_the_check_with_a_site_has_a_verdict(tmp_path: Path, changes: dict, word
     state = state_of(tower())
     check = CHECK | SITED | changes
     other = {"message": "check: the load is not horizontal."}
-    page = Page(report(tmp_path, [(record_of(state, check=check), state), (record_of(state, "up", check=other), state)]))
+    text = report(tmp_path, [(record_of(state, check=check), state), (record_of(state, "up", check=other), state)])
+    # A card whose check fails is not as green as the solver is content.
+    assert ('class="card optimal unsafe"' in text) == (word != "satisfied")
+    page = Page(text)
     [cells] = [row for row in page.rows if "3.3" in row]
     assert cells[9:] == ["1.500", "1.20", "2.0", "0.900", "3.027", "2.02", "2.24", word]
     assert f"\u03b6_E = 2.02, {word}; with e* of the stones 2.24" in page.text
