@@ -24,7 +24,7 @@ from churchpipe.report.motion import joint_opening, opened_joints, push_directio
 from churchpipe.report.notes import convergence_note, status_note
 from churchpipe.report.plots import convergence_svg, gaps_svg
 from churchpipe.report.published import published_rows
-from churchpipe.report.safety import CUT_OFF, check_table, part_overview, part_tables, fails, safety_index, what_moves
+from churchpipe.report.safety import CUT_OFF, check_table, fails, part_overview, part_tables, safety_index, what_moves
 from churchpipe.report.sensitivity import sensitivity_plots
 from churchpipe.report.shell_picture import shell_picture
 from churchpipe.report.shell_view import ShellState, joint_outlines, motion_of, shell_data
