@@ -9,6 +9,9 @@ from .homogenised_shell.pushover import pushover as pushover
 from .large_displacements.pushover import block_pushover as block_pushover
 from .large_displacements.settlement import settlement_analysis as settlement_analysis
 from .large_displacements.settlement_path import settlement_path as settlement_path
+from .large_displacements.thrust import ThrustRange as ThrustRange
+from .large_displacements.thrust import thrust_range as thrust_range
+from .loading.outward import outward_load as outward_load
 from .loading.placing import place_loads as place_loads
 from .loading.ties import place_ties as place_ties
 from .loading.wrenches import loaded as loaded
@@ -43,6 +46,8 @@ from .recognition.laying import lay_stones as lay_stones
 from .rigid_blocks.limit import limit_analysis as limit_analysis
 from .rigid_blocks.ranking import RankedTie as RankedTie
 from .rigid_blocks.ranking import rank_ties as rank_ties
+from .rigid_blocks.thickness import MinimumThickness as MinimumThickness
+from .rigid_blocks.thickness import minimum_thickness as minimum_thickness
 from .shell_mesh.shell import derive_shell as derive_shell
 from .stones.blocks import derive_blocks as derive_blocks
 from .stones.contacts import find_contacts as find_contacts

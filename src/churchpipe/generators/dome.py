@@ -11,7 +11,7 @@ from churchpipe.errors import InputError
 from churchpipe.generators.checks import whole_courses
 from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
-from churchpipe.generators.profile import skewback, wall
+from churchpipe.generators.profile import fixed_box, skewback, wall
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import Building, Support
 from churchpipe.model.materials import UnitWeight
@@ -183,7 +183,4 @@ def _front(p: DomeParameters) -> Support:
     """Return a wall that does not move, before the plane y = 0: a half dome leans on it."""
     joints = p.directrix.joints
     reach, top = p.span / 2 + max(p.thickness, p.drum_thickness or 0.0), float(joints[..., 1].max()) + p.thickness
-    depth = p.span / 4
-    corner = np.array([[x, y, z] for z in (0.0, top) for x, y in ((-reach, -depth), (reach, -depth), (reach, 0), (-reach, 0))])
-    faces = ((3, 2, 1, 0), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
-    return Support("front", corner, faces)
+    return fixed_box("front", (-reach, reach), (-p.span / 4, 0.0), (0.0, top))

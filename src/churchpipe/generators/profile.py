@@ -9,6 +9,7 @@ import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.model.arrays import FloatArray
+from churchpipe.model.building import Support
 from churchpipe.model.vault import Section
 from churchpipe.vaults.directrix import Directrix, between, circular, pointed, polygon_section, to_crown
 
@@ -121,6 +122,12 @@ def block(inner: float, outer: float, low: float, high: float) -> Section:
     corner = np.array([(inner, low), (outer, low), (outer, high), (inner, high)])
     middle = (inner + outer) / 2
     return polygon_section(corner, np.array([middle, low]), np.array([middle, high]))
+
+
+def fixed_box(name: str, x: tuple[float, float], y: tuple[float, float], z: tuple[float, float]) -> Support:
+    """Return a fixed block with its faces at these places, m."""
+    corner = np.array([[a, b, c] for c in z for a, b in ((x[0], y[0]), (x[1], y[0]), (x[1], y[1]), (x[0], y[1]))])
+    return Support(name, corner, ((3, 2, 1, 0), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)))
 
 
 def wall(inner: float, outer: float, low: float, courses: int, height: float) -> list[Section]:

@@ -11,9 +11,9 @@ from churchpipe.errors import InputError
 from churchpipe.generators.checks import whole_courses
 from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
-from churchpipe.generators.profile import Profile, Shape, backing, skewback, to_middle, wall
+from churchpipe.generators.profile import Profile, Shape, backing, fixed_box, skewback, to_middle, wall
 from churchpipe.model.arrays import FloatArray
-from churchpipe.model.building import Building
+from churchpipe.model.building import Building, Support
 from churchpipe.model.materials import UnitWeight
 from churchpipe.model.quantities import Count, Length
 from churchpipe.model.vault import Section, Side, Vault
@@ -37,7 +37,8 @@ class VaultParameters:
     all ("round"), every other ("alternate") or none ("mitre").
     wall_height, wall_thickness, wall_course: of walls or piers below, m; None: springings on the ground. wall_top: height to
     which the walls of a barrel go on outside it, m. backing: height over the springing of masonry on the haunches, m. arches:
-    their number below a barrel, or on the four sides of a groin vault, with arch_width and arch_depth, m.
+    their number below a barrel, or on the four sides of a groin vault, with arch_width and arch_depth, m. foot: what carries it,
+    the "ground", or "abutments", fixed stones under each side of a barrel or corner of a groin vault, which may settle or spread.
     """
 
     span: Length
@@ -60,6 +61,7 @@ class VaultParameters:
     arches: Count | None = None
     arch_width: Length | None = None
     arch_depth: Length | None = None
+    foot: Literal["ground", "abutments"] = "ground"
 
     def __post_init__(self) -> None:
         coerce_fields(self, "vault.")
@@ -70,8 +72,9 @@ class VaultParameters:
             ("wall_top", barrel, "barrel"),
             ("second_span", self.kind == "groin", "groin vault"),
             ("arches", barrel or self.kind == "groin", "barrel or a groin vault"),
+            ("foot", barrel or self.kind == "groin", "barrel or a groin vault"),
         ):
-            if getattr(self, key) is not None and not allowed:
+            if getattr(self, key) not in (None, "ground") and not allowed:
                 raise InputError(f"vault.{key}", f"only a {of} has one", found=f"kind = {self.kind}", expected="no such key")
         if barrel and self.length is None:
             raise InputError("vault.length", "missing", expected="the length of the barrel")
@@ -153,7 +156,28 @@ def vault(*, name: str = "vault", materials: tuple[UnitWeight, ...] = (DEFAULT_M
     p = as_dataclass(VaultParameters, "vault", parameters)
     material = materials_of("vault", materials)[0].name
     laid = {"barrel": _barrel, "groin": _groin}.get(p.kind, _cloister)(p, material)
-    return Building(name, (), materials, vaults=tuple(laid))
+    if p.foot == "ground":
+        return Building(name, (), materials, vaults=tuple(laid))
+    return Building(name, (), materials, ground=None, supports=tuple(_abutments(p)), vaults=tuple(laid))
+
+
+def _abutments(p: VaultParameters) -> list[Support]:
+    """Return fixed stones below springings or walls: of a barrel right and left, of a groin vault under each corner."""
+    ratio = (p.second_span or p.span) / p.span
+    x = (p.face, p.outer)
+    y = (0.0, p.length) if p.length is not None else (p.face * ratio, p.outer * ratio)
+    depth = p.outer - p.face
+    if p.kind == "barrel":
+        return [fixed_box(f"abutment_{name}", _signed(x, sign), y, (-depth, 0.0)) for name, sign in (("right", 1), ("left", -1))]
+    corners = [(1, 1), (-1, 1), (-1, -1), (1, -1)]
+    return [
+        fixed_box(f"abutment_{number}", _signed(x, sx), _signed(y, sy), (-depth, 0.0))
+        for number, (sx, sy) in enumerate(corners, start=1)
+    ]
+
+
+def _signed(span: tuple[float, float], sign: float) -> tuple[float, float]:
+    return span if sign > 0 else (-span[1], -span[0])
 
 
 def _barrel(p: VaultParameters, material: str) -> list[Vault]:

@@ -1,0 +1,146 @@
+"""Least thickness, thrust and outward margin of vaults; mean radius 1 m.
+
+Semicircle: t/R .1075 (Cocchetti and Rizzi 2020: .107478, continuous). Hemisphere: .0428 without hoop tension, of lunes (Heyman
+1967 .042). Least and greatest thrust over the weight: .154042 and .175873 by the closed form of test_settlement; the others are
+"own", computed for this project by separate code from the same geometry before this code existed.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import churchpipe as cp
+from churchpipe.errors import InputError
+from churchpipe.generators import dome, vault
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.building import Building
+from solids import box, on_ground
+
+LUNES: dict[str, Any] = {"rings": 16, "sides": 32, "stone_sides": 1, "laid": "lunes"}
+GROIN: dict[str, Any] = {"courses": 19, "stone_length": 0.3, "kind": "groin"}
+PAVILION: dict[str, Any] = {"courses": 31, "stone_length": 0.3, "kind": "pavilion"}
+SLICE: dict[str, Any] = {"stone_length": 2.0, "length": 1.0}
+
+
+def stones_of(build: Callable[..., Building], thickness: float, **sizes: Any) -> Assemblage:
+    return cp.derive_blocks(build(span=2 - thickness, thickness=thickness, **sizes))
+
+
+@pytest.mark.parametrize(
+    ("build", "sizes", "friction", "within", "expected"),
+    [
+        # Of 27 voussoirs, own: .10668 +- .0001.
+        (vault, SLICE | {"courses": 27}, 0.7, (0.105, 0.109), (0.1066, 0.1068)),
+        # Own: falls at .0881 and stands at .0887; the load factor along +x vanishes at .0885. mu .5: .1560 and .1564.
+        (vault, GROIN, 0.7, (0.085, 0.092), (0.0881, 0.0887)),
+        (vault, GROIN, 0.5, (0.15, 0.16), (0.1559, 0.1564)),
+        # Own: .0902 and .0911.
+        (vault, GROIN | {"corner": "mitre"}, 0.7, (0.088, 0.094), (0.0902, 0.0912)),
+        # A web of a pavilion without corner stones is a lune, own: .04267.
+        (vault, PAVILION | {"corner": "mitre"}, 0.7, (0.041, 0.044), (0.0426, 0.0428)),
+        # The hemisphere: .0428; own margin vanishes at .04267.
+        (dome, LUNES, 0.7, (0.042, 0.044), (0.0426, 0.0428)),
+        # Half a dome pushes outwards and lives on friction along its rings, own: .0414; against a wall in lunes: .0180.
+        (dome, {"rings": 16, "sides": 32, "plan": "half"}, 0.7, (0.04, 0.043), (0.0413, 0.0415)),
+        (dome, LUNES | {"plan": "half", "front": "wall"}, 0.7, (0.017, 0.019), (0.0179, 0.0181)),
+    ],
+)  # fmt: skip
+def test_least_thickness(
+    build: Callable[..., Building],
+    sizes: dict[str, Any],
+    friction: float,
+    within: tuple[float, float],
+    expected: tuple[float, float],
+) -> None:
+    check_least(build, sizes, friction, within, expected)
+
+
+@pytest.mark.slow("docs/vaults.md: least thickness of domes of 64 sides")
+@pytest.mark.parametrize(
+    ("sizes", "friction", "within", "expected"),
+    [
+        # The bow of a lune of two sides adds to its thickness, own: .03846 and .03849 (here .038486 and .038496).
+        ({"laid": "lunes"}, 0.7, (0.037, 0.04), (0.0384, 0.0386)),
+        # Staggered rings hold each other, less with less friction, own: .0036 and .0039.
+        ({}, 0.35, (0.003, 0.005), (0.0036, 0.0039)),
+    ],
+)
+def test_least_thickness_of_fine_domes(
+    sizes: dict[str, Any], friction: float, within: tuple[float, float], expected: tuple[float, float]
+) -> None:
+    check_least(dome, {"rings": 16, "sides": 64} | sizes, friction, within, expected)
+
+
+def check_least(
+    build: Callable[..., Building],
+    sizes: dict[str, Any],
+    friction: float,
+    within: tuple[float, float],
+    expected: tuple[float, float],
+) -> None:
+    found = cp.minimum_thickness(lambda t: stones_of(build, t, **sizes), *within, friction, tolerance=1e-3)
+    assert expected[0] <= found.falls < found.stands <= expected[1]
+    assert found.safety(2 * found.stands) == pytest.approx(2.0)
+
+
+def test_a_staggered_dome_stands_as_a_membrane() -> None:
+    found = cp.minimum_thickness(lambda t: stones_of(dome, t, rings=16, sides=64), 0.002, 0.04, 0.7)
+    assert np.isnan(found.falls)
+    assert found.stands == 0.002
+
+
+def test_bad_searches_are_named() -> None:
+    def make(t: float) -> Assemblage:
+        return stones_of(vault, t, courses=9, **SLICE)
+
+    with pytest.raises(InputError, match=r"minimum_thickness: high: it falls with the greatest thickness; found 0\.05 m"):
+        cp.minimum_thickness(make, 0.02, 0.05, 0.7)
+    with pytest.raises(InputError, match=r"minimum_thickness: high: not above low"):
+        cp.minimum_thickness(make, 0.2, 0.1, 0.7)
+    with pytest.raises(InputError, match=r"minimum_thickness: make: wrong kind"):
+        cp.minimum_thickness(lambda t: t, 0.1, 0.2, 0.7)
+
+
+def support(stones: Assemblage, name: str) -> list[int]:
+    return np.flatnonzero(stones.block_id == name).tolist()
+
+
+@pytest.mark.parametrize(
+    ("thickness", "courses", "least", "greatest"),
+    [(0.2, 161, 0.154042, 0.254568), (0.15, 161, 0.175873, 0.226987), (0.12, 27, 0.190585, 0.207469)],
+)
+def test_thrust_of_a_barrel(thickness: float, courses: int, least: float, greatest: float) -> None:
+    stones = stones_of(vault, thickness, courses=courses, foot="abutments", **SLICE)
+    found = cp.thrust_range(stones, cp.find_contacts(stones), support(stones, "abutment_right"), (1, 0, 0), 0.7)
+    weight = stones.weight.sum()
+    # Of 161 voussoirs instead of 160: within 3e-5.
+    assert found.least / weight == pytest.approx(least, abs=3e-5 if courses > 27 else 1e-6)
+    assert found.greatest / weight == pytest.approx(greatest, abs=3e-5 if courses > 27 else 1e-6)
+    assert found.bound_gap < 1e-5
+
+
+def test_diagonal_thrust_of_a_groin_vault_on_one_of_its_corners() -> None:
+    # By CVXPY and Clarabel from the same joints: the sum of the forces on one corner, smallest and largest.
+    stones = stones_of(vault, 0.15, foot="abutments", **GROIN)
+    found = cp.thrust_range(stones, cp.find_contacts(stones), support(stones, "abutment_1"), (1, 1, 0), 0.7)
+    assert found.least / stones.weight.sum() == pytest.approx(0.054248, abs=1e-6)
+    assert found.greatest / stones.weight.sum() == pytest.approx(0.239062, abs=1e-6)
+
+
+def test_outward_margin_of_a_hemisphere_falls_to_zero_in_proportion() -> None:
+    # Own: .10567 .05004 .01594 .00226 at these thicknesses, hence zero at .04267.
+    thickness, margin = (0.06, 0.05, 0.045, 0.043), []
+    for t in thickness:
+        stones = stones_of(dome, t, **LUNES)
+        margin.append(cp.limit_analysis(stones, cp.find_contacts(stones), cp.outward_load(stones), 0.7).load_factor)
+    assert margin == pytest.approx([0.10567, 0.05004, 0.01594, 0.00226], abs=1e-5)
+    slope = (margin[2] - margin[3]) / (thickness[2] - thickness[3])
+    assert thickness[3] - margin[3] / slope == pytest.approx(0.04267, abs=1e-5)
+
+
+def test_outward_load_needs_an_axis_beside_the_stones() -> None:
+    stones = on_ground(box((-1, 1), (-1, 1), (0, 1)))
+    with pytest.raises(InputError, match=r"outward_load: axis: no stone lies beside it"):
+        cp.outward_load(stones)
