@@ -48,10 +48,11 @@ def summary(
     analyses: Sequence[dict[str, Any]],
     compared: Sequence[dict[str, Any]],
     questions: Sequence[str] = (),
+    variants: Sequence[dict[str, Any]] = (),
 ) -> dict[str, Any]:
     """Return summary.json: the size of the (first) geometry and of its (first) mesh with the gate, all analyses, the pairs of
     both models, which of several load factors to use, and questions about the input; of a sweep of geometries or meshes, all
-    sizes by name."""
+    sizes by name; the variants, the building as it is first, where there are any."""
     first = dict(next(iter(sizes.values())))
     if shells:
         mesh = next(iter(shells.values()))
@@ -59,6 +60,7 @@ def summary(
     several = {"geometries": dict(sizes)} if len(sizes) > 1 else {}
     several |= {"shells": dict(shells)} if len(shells) > 1 else {}
     both = {"comparison": list(compared)} if compared else {}
+    both |= {"variants": list(variants)} if len(variants) > 1 else {}
     words = {"guidance": guidance(analyses), "questions": list(questions)}
     return {"case": name, **first, **several, "analyses": list(analyses), **both, **words}
 
@@ -92,13 +94,15 @@ def guidance(analyses: Sequence[Mapping[str, Any]]) -> list[str]:
 
 
 def _place(record: Mapping[str, Any]) -> dict[str, Any]:
-    return {"geometry": str(record.get("geometry", "")), "variant": record.get("variant", {})}
+    place = {"geometry": str(record.get("geometry", "")), "variant": record.get("variant")}
+    return place | {"swept": record.get("swept", {})}
 
 
 def _advice(records: Sequence[Mapping[str, Any]]) -> str:
     ordered = sorted(records, key=lambda record: (record.get("planes") in OUTER, record["load_factor"]))
     first, *others = [f"{record['load_factor']:.4f} ({_kind(record)})" for record in ordered]
-    start = f"Load {ordered[0]['load']}: use {first}, the careful value, not {', '.join(others)}"
+    variant = f"{ordered[0]['variant']}, load" if ordered[0].get("variant") else "Load"
+    start = f"{variant} {ordered[0]['load']}: use {first}, the careful value, not {', '.join(others)}"
     return f"{start}; they differ because {_reasons(records)}."
 
 
@@ -151,8 +155,15 @@ def pairs(entries: Sequence[Mapping[str, Any]], records: Sequence[Mapping[str, A
 
 
 def _question(entry: Mapping[str, Any], record: Mapping[str, Any]) -> tuple[str, ...]:
-    shared = {key: value for key, value in entry["variant"].items() if of_both(key)}
-    return entry["geometry"], str(record["load"]), str(record["friction"]), str(record["cohesion_kPa"]), str(shared)
+    shared = {key: value for key, value in entry["swept"].items() if of_both(key)}
+    return (
+        entry["geometry"],
+        str(entry.get("variant")),
+        str(record["load"]),
+        str(record["friction"]),
+        str(record["cohesion_kPa"]),
+        str(shared),
+    )
 
 
 def _is_number(value: object) -> bool:

@@ -65,14 +65,15 @@ class RunFolder:
         return compare.shell_figures(None if isinstance(mesh, Absent) else mesh, gate, geometry, size)
 
     def record(self, entry: dict[str, Any], shells: dict[str, dict[str, Any]]) -> dict[str, Any]:
-        """Return the record of an analysis, with its name, what was swept, its geometry where there are several, its mesh and
-        what is known of its mechanism. shells: figures of all meshes, by name."""
+        """Return the record of an analysis, with its name, its variant, what was swept, its geometry where there are several, its
+        mesh and what is known of its mechanism. shells: figures of all meshes, by name."""
         place = {"geometry": entry["geometry"]} if len(self.index["geometries"]) > 1 else {}
         mesh = {key: shells[entry["shell"]][key] for key in ("element_size_mm", "elements")} if "shell" in entry else {}
-        variant = {"variant": entry["variant"]} if entry["variant"] else {}
+        swept = {"swept": entry["swept"]} if entry["swept"] else {}
         found = read_record(self.folder(entry) / f"{entry['kind']}.json")
         words = {"status": "left-out", "message": found.reason} if isinstance(found, LeftOut) else found.as_words()
-        return {"name": entry["name"], **words, **mesh, **place, **variant} | self._mechanism(entry, words["status"])
+        asked = {"name": entry["name"], "variant": entry["variant"]}
+        return {**asked, **words, **mesh, **place, **swept} | self._mechanism(entry, words["status"])
 
     def _mechanism(self, entry: dict[str, Any], status: str) -> dict[str, Any]:
         """Return the macro-elements that move and, of the rigid blocks, the safety check."""

@@ -286,7 +286,7 @@ def compare(plan: Path, summary: Path, table: Path) -> None:
     write_table(table, analyses)
     stones = [run.stones(name)[0] for name in run.index["geometries"]]
     asked = dict.fromkeys([*run.index["questions"], *(text for one in stones for text in size_questions(one))])
-    write_json(summary, results.summary(run.index["case"], sizes, shells, analyses, compared, list(asked)))
+    write_json(summary, results.summary(run.index["case"], sizes, shells, analyses, compared, list(asked), run.index["variants"]))
 
 
 def report(plan: Path, summary: Path, assemblage: Path, contacts: Path, html: Path) -> None:

@@ -116,8 +116,16 @@ def results_table(summary: Mapping[str, Any]) -> Table:
         title=f"{summary['case']}: {sizes}", title_justify="left", title_style="bold", box=SIMPLE_HEAD, padding=(0, 1, 0, 0)
     )
     both = len({analysis.get("model") for analysis in analyses}) > 1
-    swept = [key for key in dict.fromkeys(k for a in analyses for k in a.get("variant", {})) if not key.endswith(".friction")]
-    for title in ("load", *(["model"] if both else []), "analysis" if both else "flow", "friction", *swept):
+    swept = [key for key in dict.fromkeys(k for a in analyses for k in a.get("swept", {})) if not key.endswith(".friction")]
+    variants = any(analysis.get("variant") for analysis in analyses)
+    for title in (
+        *(["variant"] if variants else []),
+        "load",
+        *(["model"] if both else []),
+        "analysis" if both else "flow",
+        "friction",
+        *swept,
+    ):
         table.add_column(title)
     checks = [analysis.get("check", {}) for analysis in analyses]
     safety = {"zeta_E": "zeta_e", "of stones": "zeta_e_stones"} if any("zeta_e" in check for check in checks) else {}
@@ -126,11 +134,12 @@ def results_table(summary: Mapping[str, Any]) -> Table:
     table.add_column("status")
     for analysis, check in zip(analyses, checks, strict=True):
         table.add_row(
+            *([analysis.get("variant") or "as it is"] if variants else []),
             str(analysis["load"]),
             *([MODELS.get(analysis["model"], analysis["model"])] if both else []),
             analysis_name(analysis.get("flow"), analysis.get("method"), analysis.get("planes")),
             _words(analysis.get("friction")),
-            *(_words(analysis.get("variant", {}).get(key)) for key in swept),
+            *(_words(analysis.get("swept", {}).get(key)) for key in swept),
             "no limit" if analysis["status"] == "unbounded" else _figure(analysis.get("load_factor")),
             _bounds(analysis),
             *(_figure(check[key], 2) if key in check else "" for key in safety.values()),

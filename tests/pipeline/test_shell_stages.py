@@ -180,7 +180,7 @@ def test_a_sweep_of_meshes_is_reported_side_by_side_with_the_stones(case: Path) 
     assert [mesh["element_size_mm"] for mesh in summary["shells"].values()] == [600, 400]
     assert summary["shell"]["elements"] == summary["shells"]["element_size_mm=600"]["elements"]
     rigid, coarse, fine = summary["analyses"]
-    assert rigid.get("variant") is None
+    assert rigid.get("swept") is None
     assert (coarse["element_size_mm"], fine["element_size_mm"]) == (600, 400)
     assert coarse["elements"] < fine["elements"]
     assert [pair["rigid-block"] for pair in summary["comparison"]] == [rigid["name"]] * 2

@@ -143,7 +143,7 @@ def test_lengths_in_nested_tables_have_a_scale_too(tmp_path: Path) -> None:
 def test_too_many_variants_are_counted_not_made(tmp_path: Path) -> None:
     frictions = ", ".join(str(k / 1000) for k in range(200))
     sweep = f'\n[sweep]\n"material.default.friction" = [{frictions}]\n"source.voussoirs" = {list(range(5, 105))}\n'
-    with pytest.raises(InputError, match=r"sweep: too many variants; found 200 x 100 = 20,000; expected at most 10,000"):
+    with pytest.raises(InputError, match=r"sweep: too many combinations; found 200 x 100 = 20,000; expected at most 10,000"):
         read_variants(written(tmp_path, ARCH + sweep))
 
 

@@ -297,7 +297,7 @@ def test_show_prints_every_analysis(capsys: pytest.CaptureFixture[str], tmp_path
     (tmp_path / "summary.json").write_text(
         """{"case": "w", "blocks": 9, "interfaces": 19, "contact_points": 76, "weight_kN": 1.296, "analyses": [
         {"load": "+x", "flow": "associative", "friction": 0.6, "load_factor": 0.473684, "lower_bound": 0.473684,
-         "upper_bound": 0.473685, "status": "optimal", "seconds": 0.1, "variant": {"source.courses": 3}},
+         "upper_bound": 0.473685, "status": "optimal", "seconds": 0.1, "swept": {"source.courses": 3}},
         {"load": "-y", "flow": "non-associative", "friction": {"tuff": 0.6, "brick": 0.5}, "load_factor": null,
          "lower_bound": null, "upper_bound": null, "status": "unstable", "seconds": null}]}"""
     )

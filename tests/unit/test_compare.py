@@ -41,8 +41,8 @@ def test_motions_at_right_angles_do_not_overlap(models) -> None:
     assert np.isnan(overlap(stones, velocities, shell, np.zeros_like(shell.points)))
 
 
-def entry(name: str, variant: dict[str, object] | None = None, **more: str) -> dict[str, object]:
-    return {"name": name, "geometry": "base", "variant": variant or {}, **more}
+def entry(name: str, swept: dict[str, object] | None = None, **more: str) -> dict[str, object]:
+    return {"name": name, "geometry": "base", "swept": swept or {}, **more}
 
 
 def record(name: str, factor: float | None, friction: float = 0.6, load: str = "+x") -> dict[str, object]:
@@ -109,7 +109,7 @@ def test_there_is_nothing_to_say_of_one_value_or_of_none() -> None:
 
 def test_a_sweep_has_one_sentence() -> None:
     records = [
-        analysed(factor, flow=flow, variant={"source.courses": courses})
+        analysed(factor, flow=flow, swept={"source.courses": courses})
         for courses in range(4)
         for flow, factor in (("associative", 0.2), ("non-associative", 0.19))
     ]

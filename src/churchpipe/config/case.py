@@ -2,7 +2,7 @@
 
 import tomllib
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -15,6 +15,7 @@ from churchpipe.config.published import Published, check_published
 from churchpipe.config.schema import check
 from churchpipe.config.section import Section, Table, nearest
 from churchpipe.config.tables import record
+from churchpipe.config.variants import Variant, applied, variants_of
 from churchpipe.dxf.reading import AS_DRAWN, Reading
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import path_of
@@ -44,7 +45,8 @@ class Drawing:
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """One variant of a case file. `variant`: the swept values that tell it from the others, by dotted key.
+    """One building of a case file. `variant`: which of its variants, None for the building as it is; `swept`: the values under
+    [sweep] that tell it from the others, by dotted key.
 
     shell: None for the rigid blocks alone. check: what the earthquake asks, None where the file does not say. published: load
     factors of others, for the report.
@@ -62,7 +64,8 @@ class Case:
     check: Site | None = None
     published: tuple[Published, ...] = ()
     project: Project = field(default_factory=Project)
-    variant: dict[str, Any] = field(default_factory=dict)
+    variant: Variant | None = None
+    swept: dict[str, Any] = field(default_factory=dict)
     overrides: tuple[str, ...] = ()
     table: dict[str, Any] = field(default_factory=dict)
 
@@ -85,13 +88,15 @@ class Case:
         try:
             building = generate(self.source.generator, self.source.parameters, self.materials, self.name)
         except InputError as error:
-            raise located(error, self.path, self.overrides, self.source.generator, swept=self.variant) from error
+            raise located(
+                error, self.path, self.overrides, self.source.generator, swept=self.swept, variant=self.variant
+            ) from error
         known = building.macro_elements
         for number, load in enumerate(self.loads):
             for name in {*(load.panels or ())} - {*known}:
                 where, expected = f"{self.path}: load.{number}.panels", ", ".join(known)
                 error = InputError(where, "no such panel", found=name, expected=expected, remedy=nearest(name, known))
-                raise located(error, self.path, self.overrides, swept=self.variant)
+                raise located(error, self.path, self.overrides, swept=self.swept, variant=self.variant)
         return building
 
 
@@ -114,19 +119,34 @@ def read_case(path: str | Path, overrides: Sequence[str] = ()) -> Case:
 
 
 def read_variants(path: str | Path, overrides: Sequence[str] = ()) -> tuple[Case, ...]:
-    """Read a case file and multiply it by its sweep: one case for each combination of the swept values."""
+    """Read a case file: one case for the building as it is and one for each variant, for each combination of swept values."""
     path = path_of("read_case: path", path)
     table = changes.apply_overrides(read_table(path), overrides)
     table.setdefault("name", path.stem)
     cases: list[Case] = []
-    variant: dict[str, Any] = {}
+    variant: Variant | None = None
+    swept: dict[str, Any] = {}
     try:
-        for changed, variant in changes.variants(table):
-            cases.append(_case(path, changed, variant, tuple(overrides)))
+        for changed, swept in changes.combinations(table):
+            cases.append(_case(path, changed, swept, tuple(overrides)))
+        swept = {}
+        for number, variant in enumerate(variants_of(cases[0].table.get("variants", []))):
+            other = {key: value for key, value in applied(table, number, variant).items() if key != "variants"}
+            for changed, swept in changes.combinations(other):
+                cases.append(replace(_case(path, changed, swept, tuple(overrides)), variant=variant))
+                _check_source(cases[0], cases[-1], f"{path}: variants.{number}")
     except InputError as error:
         named = error if error.where.startswith(str(path)) else error.at(f"{path}: {error.where}")
-        raise located(named, path, overrides, swept=variant) from error
+        raise located(named, path, overrides, swept=swept, variant=variant) from error
     return tuple(cases)
+
+
+def _check_source(first: Case, case: Case, where: str) -> None:
+    """Raise InputError where a variant is of another drawing, or generated where the building as it is is drawn."""
+    drawings = [item.source.path if isinstance(item.source, Drawing) else None for item in (first, case)]
+    if drawings[0] != drawings[1]:
+        found, expected = (str(drawing or "a generator") for drawing in drawings[::-1])
+        raise InputError(where, "another source than the building as it is", found=found, expected=expected)
 
 
 def read_table(path: Path) -> dict[str, Any]:
@@ -169,7 +189,7 @@ def _too_deep(path: Path) -> InputError:
     return InputError(str(path), "not a case file", found="lists or tables too deep", expected=expected)
 
 
-def _case(path: Path, table: dict[str, Any], variant: dict[str, Any], overrides: tuple[str, ...]) -> Case:
+def _case(path: Path, table: dict[str, Any], swept: dict[str, Any], overrides: tuple[str, ...]) -> Case:
     file = str(path)
     checked, source = check(table, file)
     _check_complete(checked, file)
@@ -191,7 +211,7 @@ def _case(path: Path, table: dict[str, Any], variant: dict[str, Any], overrides:
         check=record(Site, checked["check"], f"{file}: check") if "check" in checked else None,
         published=published,
         project=record(Project, checked.get("project", {}), f"{file}: project"),
-        variant=variant,
+        swept=swept,
         overrides=overrides,
         table=checked,
     )

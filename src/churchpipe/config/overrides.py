@@ -12,7 +12,7 @@ from churchpipe.errors import InputError, UsageError
 from churchpipe.model.arguments import listed
 
 # Each is analysed at least once, and a stage each.
-MOST_VARIANTS = 10_000
+MOST_COMBINATIONS = 10_000
 # Levels of tables and lists; a case has six.
 DEEPEST = 20
 
@@ -73,12 +73,17 @@ def override(table: Table, overrides: Sequence[str]) -> None:
     """Set overrides in place, as `apply_overrides` does."""
     for key, value in map(parse_override, listed("overrides", overrides, str)):
         set_key(table, key, value)
-        sweep = table.get("sweep")
-        if isinstance(sweep, dict) and not key.startswith("sweep.") and key in flatten(sweep):
-            table["sweep"] = {swept: values for swept, values in flatten(sweep).items() if swept != key}
+        not_swept(table, key)
 
 
-def variants(table: Table) -> Iterator[tuple[Table, Table]]:
+def not_swept(table: Table, key: str) -> None:
+    """Take a key that is set out of the sweep of a table."""
+    sweep = table.get("sweep")
+    if isinstance(sweep, dict) and not key.startswith("sweep.") and key in flatten(sweep):
+        table["sweep"] = {swept: values for swept, values in flatten(sweep).items() if swept != key}
+
+
+def combinations(table: Table) -> Iterator[tuple[Table, Table]]:
     """Yield (table, swept values) for the product of all lists under [sweep]; the file's own table when there is none.
 
     Keys may be quoted ("material.default.friction") or written as nested tables.
@@ -96,20 +101,20 @@ def variants(table: Table) -> Iterator[tuple[Table, Table]]:
             "sweep.name", "not to be swept", found=lists["name"], remedy="The name is that of the run: leave it out."
         )
     count = math.prod(map(len, lists.values()))
-    if count > MOST_VARIANTS:
+    if count > MOST_COMBINATIONS:
         raise InputError(
             "sweep",
-            "too many variants",
+            "too many combinations",
             found=" x ".join(str(len(values)) for values in lists.values()) + f" = {count:,}",
-            expected=f"at most {MOST_VARIANTS:,}",
+            expected=f"at most {MOST_COMBINATIONS:,}",
             remedy="Sweep fewer values, or split the case.",
         )
     for values in itertools.product(*lists.values()):
-        variant = dict(zip(lists, values, strict=True))
+        swept = dict(zip(lists, values, strict=True))
         changed = copy.deepcopy(base)
-        for key, value in variant.items():
+        for key, value in swept.items():
             set_key(changed, key, value)
-        yield changed, variant
+        yield changed, swept
 
 
 def flatten(table: Table, prefix: str = "") -> Table:

@@ -9,6 +9,7 @@ from typing import Any
 
 from churchpipe.config.overrides import apply_overrides, parse_override, set_key
 from churchpipe.config.section import WRONG, GatheredError, gathered, shortened
+from churchpipe.config.variants import Variant, applied
 from churchpipe.errors import InputError
 from churchpipe.model.quantities import bare
 
@@ -16,7 +17,13 @@ EMPTY: Mapping[str, Any] = MappingProxyType({})
 
 
 def located(
-    error: InputError, path: Path, overrides: Sequence[str], generator: str = "", *, swept: Mapping[str, Any] = EMPTY
+    error: InputError,
+    path: Path,
+    overrides: Sequence[str],
+    generator: str = "",
+    *,
+    swept: Mapping[str, Any] = EMPTY,
+    variant: Variant | None = None,
 ) -> InputError:
     """Return an error with the key that the person wrote, and the line of the file, the --set or the [sweep] where it stands.
 
@@ -24,10 +31,12 @@ def located(
     ----------
     error: its place is "FILE: KEY", with the key as the schema or the generator has it.
     generator: its name, for what it says of its parameters: "NAME.parameter".
-    swept: values of the variant at fault, by their dotted keys.
+    swept: values of the combination at fault, by their dotted keys. variant: the one at fault, None: the building as it is.
     """
     if isinstance(error, GatheredError):
-        return gathered(str(path), [located(problem, path, overrides, swept=swept) for problem in error.problems])
+        return gathered(
+            str(path), [located(problem, path, overrides, swept=swept, variant=variant) for problem in error.problems]
+        )
     key = error.where.removeprefix(f"{path}: ")
     if generator and f"{key}.".startswith(f"{generator}."):
         key = "source" + key.removeprefix(generator)
@@ -35,7 +44,10 @@ def located(
         return error
     try:
         text = path.read_text(encoding="utf-8-sig")
-        table = apply_overrides(tomllib.loads(text), overrides)
+        table = asked = apply_overrides(tomllib.loads(text), overrides)
+        number = next((n for n, one in enumerate(asked.get("variants", [])) if variant and one["name"] == variant.name), None)
+        if variant and number is not None and not key.startswith("variants."):
+            table = applied(asked, number, variant)
         for swept_key, swept_value in swept.items():
             set_key(table, swept_key, swept_value)
     except (OSError, ValueError):
@@ -49,12 +61,25 @@ def located(
     elif any(written[: len(change)] == change for change in (name.split(".") for name in swept)):
         place = "[sweep]"
     else:
-        place = f"line {line_of(text, written)}"
+        own = _of_variant(asked, variant, number, written)
+        place = f"line {line_of(text, own or written)}" + (f', variant "{variant.name}"' if own and variant else "")
     where = f"{path}: {place}, {'.'.join([*written, *missing])}"
     if error.problem != WRONG or missing:
         return error.at(where)
     # Lengths were converted on the way to their check.
     return InputError(where, WRONG, found=shortened(value), expected=error.expected, remedy=error.remedy)
+
+
+def _of_variant(table: Any, variant: Variant | None, number: int | None, written: Sequence[str]) -> list[str]:
+    """Return the keys in a variant's own table that lead to what it changed or added, as far as they do, or none."""
+    if variant is None:
+        return []
+    head = ["variants", str(number)]
+    for word in ("change", "add"):
+        found = _followed(table, [*head, word, *written])[0]
+        if len(found) > len(head) + 1:
+            return found
+    return []
 
 
 def line_of(text: str, keys: Sequence[str]) -> int:

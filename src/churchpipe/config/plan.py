@@ -1,7 +1,7 @@
 """The plan of a run: which geometries and analyses a case file asks for, and the settings of each stage."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -34,46 +34,59 @@ class Plan:
 
 
 def plan(cases: Sequence[Case]) -> Plan:
-    """Return the plan of a case's variants. Variants that differ in friction alone share stones and mesh, those that differ in
-    the element size alone share the stones and the rigid-block analyses."""
+    """Return the plan of a case's variants and of the combinations of its swept values.
+
+    Those that differ in friction alone share stones and mesh, those that differ in the element size alone share the stones and
+    the rigid-block analyses. What a variant leaves as it is is not made again.
+    """
     geometries: dict[str, dict[str, Any]] = {}
     contacts: dict[str, dict[str, Any]] = {}
     shells: dict[str, dict[str, Any]] = {}
     analyses: dict[str, dict[str, Any]] = {}
     entries: dict[str, dict[str, Any]] = {}
     places: dict[str, str] = {}
+    variants: dict[str | None, dict[str, Any]] = {}
 
-    def add(kind: str, words: list[str], variant: dict[str, Any], settings: dict[str, Any], **place: Any) -> None:
-        name = _keep(analyses, [*words, *_words(variant)], settings)
-        entries.setdefault(name, {"name": name, "kind": kind, **place, "variant": variant})
+    def add(kind: str, words: list[str], case: Case, swept: dict[str, Any], settings: dict[str, Any], **place: Any) -> None:
+        check = place.get("check")
+        name = _same(case, {key: (table, entries[key].get("check")) for key, table in analyses.items()}, (settings, check))
+        name = name or _keep(analyses, [*words, *_words(swept, case)], settings)
+        entries.setdefault(name, {"name": name, "kind": kind, **place, "variant": _name(case), "swept": swept})
+        variants[_name(case)]["analyses"].append(name)
 
     for case in cases:
-        shape = {key: value for key, value in case.variant.items() if swept.changes_stones(key)}
-        geometry = _keep(geometries, _words(shape) or ["base"], _geometry_settings(case))
+        shape = {key: value for key, value in case.swept.items() if swept.changes_stones(key)}
         tolerances = {key: getattr(case.rigid, key) for key in ("contact_gap", "contact_angle", "overlap")}
         if tolerances["contact_gap"] is None and isinstance(case.source, Drawing):
             tolerances["contact_gap"] = case.source.reading.open_joint
-        contacts[geometry] = {key: value for key, value in tolerances.items() if value is not None}
-        of_stones = {key: value for key, value in case.variant.items() if not swept.of_shell(key)}
-        of_shell = {key: value for key, value in case.variant.items() if not swept.of_rigid_blocks(key)}
+        tolerances = {key: value for key, value in tolerances.items() if value is not None}
+        settings = _geometry_settings(case)
+        geometry = _same(case, {key: (table, contacts[key]) for key, table in geometries.items()}, (settings, tolerances))
+        geometry = geometry or _keep(geometries, _words(shape, case) or ["base"], settings)
+        contacts[geometry] = tolerances
+        cost = case.variant.cost if case.variant else {}
+        variants.setdefault(_name(case), {"name": _name(case), "geometry": geometry, "cost": cost, "analyses": []})
+        of_stones = {key: value for key, value in case.swept.items() if not swept.of_shell(key)}
+        of_shell = {key: value for key, value in case.swept.items() if not swept.of_rigid_blocks(key)}
         check = {"check": asdict(case.check)} if case.check else {}
         for load in case.loads:
             for flow in case.rigid.flow:
                 settings = _rigid_settings(case, geometry, load, flow)
-                add("rigid", [load.name, flow], of_stones, settings, geometry=geometry, **check)
+                add("rigid", [load.name, flow], case, of_stones, settings, geometry=geometry, **check)
             if case.rigid.curve:
                 settings = _curve_settings(case, geometry, load)
-                add("curve", [load.name, "curve"], of_stones, settings, geometry=geometry, **check)
+                add("curve", [load.name, "curve"], case, of_stones, settings, geometry=geometry, **check)
         if case.shell is None:
             continue
-        meshed = {key: value for key, value in case.variant.items() if swept.changes_mesh(key)}
+        meshed = {key: value for key, value in case.swept.items() if swept.changes_mesh(key)}
         settings = {"geometry": geometry, "element_size": case.shell.element_size}
-        mesh = _keep(shells, _words(meshed) or ["base"], settings)
+        mesh = _same(case, shells, settings)
+        mesh = mesh or _keep(shells, _words(meshed, case) or ["base"], settings)
         places[mesh] = geometry
         for load in case.loads:
             for method in case.shell.analyses:
                 settings = _shell_settings(case, mesh, load, method)
-                add(method, [load.name, method], of_shell, settings, geometry=geometry, shell=mesh)
+                add(method, [load.name, method], case, of_shell, settings, geometry=geometry, shell=mesh)
     source = cases[0].source
     index = {
         "case": cases[0].name,
@@ -81,12 +94,22 @@ def plan(cases: Sequence[Case]) -> Plan:
         "geometries": list(geometries),
         "shells": [{"name": mesh, "geometry": place} for mesh, place in places.items()],
         "analyses": list(entries.values()),
+        "variants": list(variants.values()),
         "published": [asdict(value) for value in cases[0].published],
         "project": asdict(cases[0].project),
         "materials": [asdict(material) for material in cases[0].materials],
         "questions": questions(cases),
     }
     return Plan(index, geometries, contacts, shells, analyses)
+
+
+def _name(case: Case) -> str | None:
+    return case.variant.name if case.variant else None
+
+
+def _same(case: Case, known: Mapping[str, Any], value: Any) -> str | None:
+    """Return what a variant leaves as it is, by the name that it has already; None for the building as it is."""
+    return next((name for name, table in known.items() if table == value), None) if case.variant else None
 
 
 def _geometry_settings(case: Case) -> dict[str, Any]:
@@ -155,12 +178,14 @@ def _strength(case: Case) -> dict[str, dict[str, Any]]:
     return {material.name: {"friction": material.friction, "cohesion": material.cohesion} for material in case.materials}
 
 
-def _words(variant: dict[str, Any]) -> list[str]:
-    """Return the swept values as "friction=0.5": the last part of each key, or all of it where that is not unique."""
-    last = [key.rpartition(".")[2] for key in variant]
-    return [
-        f"{short if last.count(short) == 1 else key}={value}" for (key, value), short in zip(variant.items(), last, strict=True)
+def _words(values: dict[str, Any], case: Case) -> list[str]:
+    """Return swept values as "friction=0.5", by the last part of each key, or all of it where that is not unique; then the
+    variant."""
+    last = [key.rpartition(".")[2] for key in values]
+    words = [
+        f"{short if last.count(short) == 1 else key}={value}" for (key, value), short in zip(values.items(), last, strict=True)
     ]
+    return [*words, case.variant.name] if case.variant else words
 
 
 def _keep(table: dict[str, dict[str, Any]], words: Sequence[str], settings: dict[str, Any]) -> str:

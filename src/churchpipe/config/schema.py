@@ -11,6 +11,7 @@ from churchpipe.config.published import Published
 from churchpipe.config.section import Section, Table, gathered, validated
 from churchpipe.config.sources import check_source
 from churchpipe.config.tables import table_of
+from churchpipe.config.variants import Variant
 from churchpipe.errors import InputError
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
@@ -20,7 +21,7 @@ _MATERIAL = table_of(Material, "Material", without=("name",), may_lack=("unit_we
 _LOAD = table_of(LoadCase, "Load", without=("dead", "live"))
 _RIGID, _SHELL = table_of(RigidSettings, "Rigid"), table_of(ShellSettings, "Shell")
 _CHECK = table_of(Site, "Check")
-_PUBLISHED = table_of(Published, "Published")
+_PUBLISHED, _VARIANT = table_of(Published, "Published"), table_of(Variant, "Variant")
 _PROJECT = table_of(Project, "Project")
 
 
@@ -29,7 +30,7 @@ def _key(takes: Any, meaning: str, default: Any = None) -> Any:
     return takes, Field(default, description=meaning)
 
 
-# One variant of a file; [source] is checked apart, by its generator.
+# One combination of the swept values of a file; [source] is checked apart, by its generator.
 CaseTable = create_model(
     "CaseTable",
     __base__=Section,
@@ -40,6 +41,7 @@ CaseTable = create_model(
     rigid=_key(_RIGID | None, "The rigid blocks."),
     shell=_key(_SHELL | None, "The homogenised shell; left out: the rigid blocks alone."),
     check=_key(_CHECK | None, "What the earthquake asks; left out: no safety check."),
+    variants=_key(list[_VARIANT], "What else the building could be, beside the building as it is.", []),
     published=_key(list[_PUBLISHED], "Load factors of others, for the report.", []),
     project=_key(_PROJECT | None, "The title block of the report."),
 )

@@ -101,7 +101,7 @@ def _annotation(hint: Any, quantity: Quantity | None = None) -> Any:
         return Annotated[list[_annotation(options[0], quantity)], Key(min_length=len(options), max_length=len(options))]
     if origin is np.ndarray:
         return Vector
-    if origin is Literal or hint is bool:
+    if origin in (Literal, dict) or hint is bool:
         return hint
     if hint in (int, float):
         return _number(hint, quantity or Quantity())

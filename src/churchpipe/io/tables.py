@@ -13,6 +13,7 @@ from churchpipe.io.atomic import replacing
 # What every summary has.
 SUMMARY = ("case", "blocks", "interfaces", "weight_kN", "analyses")
 COLUMNS = (
+    "variant",
     "model",
     "flow",
     "method",
@@ -74,13 +75,13 @@ def write_table(path: str | Path, analyses: Sequence[dict[str, Any]]) -> None:
 
     A text that a spreadsheet would take for a formula stands behind an apostrophe; names of axes ("-y") are none.
     """
-    swept = list(dict.fromkeys(key for analysis in analyses for key in analysis.get("variant", {})))
+    swept = list(dict.fromkeys(key for analysis in analyses for key in analysis.get("swept", {})))
     with replacing(path) as part, part.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow([*swept, *COLUMNS])
         for analysis in analyses:
             known = analysis.get("check", {}) | analysis
-            row = [analysis.get("variant", {}).get(key) for key in swept] + [known.get(key) for key in COLUMNS]
+            row = [analysis.get("swept", {}).get(key) for key in swept] + [known.get(key) for key in COLUMNS]
             writer.writerow([_cell(value) for value in row])
 
 

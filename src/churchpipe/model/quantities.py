@@ -8,7 +8,7 @@ about doubtful values (`config.plausible`) and the checks of the generators' par
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import MISSING, dataclass, fields, is_dataclass
 from functools import lru_cache
 from typing import Annotated, Any, NamedTuple, cast, get_args, get_origin, get_type_hints
 
@@ -106,7 +106,8 @@ def declared(kind: type) -> dict[str, Declared]:
         hint, quantity = hints[item.name], _found(hints[item.name], Quantity)
         key = (quantity.key or item.name + quantity.suffix) if quantity else item.name
         other = quantity.other if quantity else ""
-        out[item.name] = Declared(item.name, key, other, item.default, quantity, _table(hint), _found(hint, str) or "", hint)
+        default = item.default if item.default_factory is MISSING else item.default_factory()
+        out[item.name] = Declared(item.name, key, other, default, quantity, _table(hint), _found(hint, str) or "", hint)
     return out
 
 

@@ -45,7 +45,7 @@ def _svg(records: Sequence[Mapping[str, Any]]) -> str:
 
 def curve_label(record: Mapping[str, Any]) -> str:
     """Return what tells a curve from others of its load: what was swept, or its friction."""
-    swept = [f"{key.rpartition('.')[2]} = {value}" for key, value in record.get("variant", {}).items()]
+    swept = [f"{key.rpartition('.')[2]} = {value}" for key, value in record.get("swept", {}).items()]
     return ", ".join(swept) or f"friction {record['friction']}"
 
 

@@ -17,7 +17,8 @@ from churchpipe.report.table import Row, figure, friction_text, minus, setting, 
 def question(row: Row) -> tuple[str, ...]:
     """Return what an analysis asks, by either model: stones, load, strength."""
     others = {key: value for key, value in swept(row).items() if of_both(key)}
-    return str(row.record.get("geometry", "")), row.load, friction_text(row), str(row.record.get("cohesion_kPa")), str(others)
+    strength = friction_text(row), str(row.record.get("cohesion_kPa"))
+    return str(row.record.get("geometry", "")), row.load, *strength, str(others), row.variant
 
 
 def partner(row: Row, rows: Sequence[Row]) -> int:

@@ -30,6 +30,7 @@ from churchpipe.report.shell_picture import shell_picture
 from churchpipe.report.shell_view import ShellState, joint_outlines, motion_of, shell_data
 from churchpipe.report.table import Record, Row, columns_for, figure, friction_text, rows_of, swept
 from churchpipe.report.title_block import MATERIAL_HEADINGS, material_rows, title_block
+from churchpipe.report.variants import variants_section
 from churchpipe.stones.account import joints_lines, joints_record
 
 CARDS = 8
@@ -77,7 +78,8 @@ def write_report(
         lstrip_blocks=True,
     )
     columns = columns_for(rows)
-    geometry = rows[0].record.get("geometry") if rows else None
+    asis = [row for row in rows if not row.variant]
+    geometry = next((row.record.get("geometry") for row in (*of_blocks, *of_shell, *rows)), None)
     text = environment.get_template("report.html").render(
         name=(project or {}).get("title") or summary.get("case", ""),
         title_block=title_block(project or {}, case_text, versions),
@@ -88,7 +90,8 @@ def write_report(
         kinds=_interface_kinds(contacts),
         joints=joints_lines(joints_record(stones, contacts)),
         gaps=gaps_svg(contacts),
-        cards=[_card(row, bool(of_shell)) for row in rows] if len(rows) <= CARDS else [],
+        cards=[_card(row, bool(of_shell)) for row in asis] if len(asis) <= CARDS else [],
+        variants=variants_section(summary, str(geometry or "")),
         columns=columns,
         rows=[(row, [column.text(row) for column in columns]) for row in rows],
         parts=part_tables(rows),
@@ -106,7 +109,7 @@ def write_report(
         guidance=summary.get("guidance", []),
         questions=summary.get("questions", []),
         notes=[(row.label, note) for row in rows if (note := status_note(stones, row))],
-        published=published_rows(published, rows),
+        published=published_rows(published, asis),
         sensitivity=sensitivity_plots(rows),
         convergence=_convergence(rows),
         non_associative=any(row.record.get("flow") == "non-associative" for row in rows),
@@ -174,8 +177,8 @@ def _convergence(rows: Sequence[Row]) -> list[tuple[str, str, str]]:
     ]
 
 
-def _loading(row: Row) -> tuple[str, str, str]:
-    return row.load, friction_text(row), str(swept(row))
+def _loading(row: Row) -> tuple[str, ...]:
+    return row.variant, row.load, friction_text(row), str(swept(row))
 
 
 def _viewer_data(
@@ -197,10 +200,10 @@ def _pictures(
     of_shell: Sequence[Row],
     keep: Path | None,
 ) -> tuple[list[tuple[str, str]], str]:
-    """Return (label, PNG as base64) of the first analysis of each load and kind, and why there is none, if so."""
-    first: dict[tuple[str, str], Row] = {}
+    """Return (label, PNG as base64) of the first analysis of each variant, load and kind, and why there is none, if so."""
+    first: dict[tuple[str, str, str], Row] = {}
     for row in (*rows, *of_shell):
-        first.setdefault((row.load, row.kind), row)
+        first.setdefault((row.variant, row.load, row.kind), row)
     with tempfile.TemporaryDirectory() as scratch:
         folder = keep or Path(scratch)
         folder.mkdir(parents=True, exist_ok=True)

@@ -44,7 +44,7 @@ def _ours(row: Row, published: float) -> list[str]:
     size = row.record.get("element_size_mm")
     words = [MODELS.get(str(row.record.get("model")), ""), row.kind, f"{size:g} mm" if row.of_shell and size else ""]
     words += [setting(key, value) for key, value in swept(row).items() if key != "shell.element_size_mm"]
-    words += [f"friction {friction_text(row)}"] if row.record.get("variant") else []
+    words += [f"friction {friction_text(row)}"] if row.record.get("swept") else []
     words += [row.status] if row.status not in ("optimal", "converged") else []
     apart = "" if factor is None or math.isinf(factor) else minus(f"{100 * (factor / published - 1):+.1f} %")
     return [", ".join(word for word in words if word), figure(factor, 4), apart]

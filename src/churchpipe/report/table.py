@@ -42,9 +42,14 @@ class Row:
         return minus(str(self.record.get("load", "")))
 
     @property
+    def variant(self) -> str:
+        """Name of its variant of the building; "" as the building is."""
+        return str(self.record.get("variant") or "")
+
+    @property
     def label(self) -> str:
         """Name of the analysis for a chooser or a heading."""
-        words = ["shell"] if self.of_shell else []
+        words = [*([self.variant] if self.variant else []), *(["shell"] if self.of_shell else [])]
         words += [self.kind or str(self.record.get("model", "analysis"))]
         words += [f"load {self.load}"] if self.load else []
         words += [f"friction {friction_text(self)}"] if "friction" in self.record else []
@@ -97,11 +102,11 @@ def identity(record: Record) -> tuple[str, ...]:
 def columns_for(rows: Sequence[Row]) -> list[Column]:
     """Return the columns that at least one row has something to say in; the model only where there are two."""
     keys = list(dict.fromkeys(key for row in rows for key in swept(row)))
-    variants = [Column(heading(key), key, lambda row, key=key: swept(row).get(key, "")) for key in keys]
+    settings = [Column(heading(key), key, lambda row, key=key: swept(row).get(key, "")) for key in keys]
     columns = [column for column in COLUMNS if any(column.text(row) not in ("", "none") for row in rows)]
     if len({_model(row) for row in rows}) < 2:
         columns = [column for column in columns if column.text is not _model]
-    return variants + columns
+    return settings + columns
 
 
 def figure(value: object, digits: int = 6) -> str:
@@ -131,8 +136,8 @@ def minus(text: str) -> str:
 
 def swept(row: Row) -> dict[str, str]:
     """Return the swept settings of a row and their values; friction has a column of its own."""
-    variant = row.record.get("variant")
-    items = variant.items() if isinstance(variant, Mapping) else ()
+    values = row.record.get("swept")
+    items = values.items() if isinstance(values, Mapping) else ()
     alone = isinstance(row.record.get("friction"), int | float)
     return {key: str(value) for key, value in items if not (alone and key.endswith(".friction"))}
 
@@ -194,6 +199,7 @@ def _iterations(row: Row) -> str:
 
 
 COLUMNS = (
+    Column("Variant", "of the building; none: as it is", lambda row: row.variant, numeric=False),
     Column("Model", "", _model, numeric=False),
     Column("Analysis", "flow rule of the joints, or method", lambda row: row.kind, numeric=False),
     Column("Load", "direction or name of the lateral load", lambda row: row.load, numeric=False),

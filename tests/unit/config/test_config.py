@@ -264,7 +264,7 @@ SWEEP = WALL.replace("friction = 0.6\n", "") + '[sweep]\n"material.default.frict
 
 def test_a_sweep_is_a_product(tmp_path: Path) -> None:
     cases = read_variants(case_file(tmp_path, SWEEP))
-    assert [(c.materials[0].friction, c.variant["source.courses"]) for c in cases] == [
+    assert [(c.materials[0].friction, c.swept["source.courses"]) for c in cases] == [
         (0.4, 3),
         (0.4, 4),
         (0.4, 5),
@@ -278,12 +278,12 @@ def test_a_sweep_is_a_product(tmp_path: Path) -> None:
     assert "+y_non-associative_friction=0.5_courses=4" in todo.analyses
     entry = next(e for e in todo.index["analyses"] if e["name"] == "+y_associative_friction=0.4_courses=5")
     assert entry["geometry"] == "courses=5"
-    assert entry["variant"] == {"material.default.friction": 0.4, "source.courses": 5}
+    assert entry["swept"] == {"material.default.friction": 0.4, "source.courses": 5}
 
 
 def test_a_key_that_is_set_is_not_swept(tmp_path: Path) -> None:
     cases = read_variants(case_file(tmp_path, SWEEP), ["source.courses=7"])
-    assert [case.variant for case in cases] == [{"material.default.friction": mu} for mu in (0.4, 0.5)]
+    assert [case.swept for case in cases] == [{"material.default.friction": mu} for mu in (0.4, 0.5)]
     todo = plan(cases)
     assert list(todo.geometries) == ["base"]
     assert todo.geometries["base"]["source"]["parameters"]["courses"] == 7

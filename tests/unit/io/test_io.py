@@ -280,7 +280,7 @@ def test_an_artifact_that_could_not_be_made_says_why(tmp_path: Path) -> None:
 
 
 def test_table_has_what_was_swept_first(tmp_path: Path) -> None:
-    rows = [{"flow": "associative", "load_factor": 0.25, "variant": {"source.courses": n}, "status": "optimal"} for n in (3, 4)]
+    rows = [{"flow": "associative", "load_factor": 0.25, "swept": {"source.courses": n}, "status": "optimal"} for n in (3, 4)]
     write_table(tmp_path / "table.csv", rows)
     with (tmp_path / "table.csv").open() as file:
         read = list(csv.DictReader(file))

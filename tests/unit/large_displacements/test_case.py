@@ -98,7 +98,7 @@ def test_the_record(curve: BlockCapacityCurve) -> None:
 
 def test_the_report_shows_each_load_once(curve: BlockCapacityCurve) -> None:
     record = curve_record_of(curve, PUSH, [DRY]).as_words()
-    other = record | {"variant": {"material.default.friction": 0.5}, "d0_m": None, "ending": "unfinished", "fallen_stones": 3}
+    other = record | {"swept": {"material.default.friction": 0.5}, "d0_m": None, "ending": "unfinished", "fallen_stones": 3}
     ((load, plot, sentences),) = block_curve_plots([record, other, {"method": "limit"}], None)
     assert load == "+x"
     assert plot.lstrip().startswith("<")
@@ -112,11 +112,11 @@ def test_the_report_shows_each_load_once(curve: BlockCapacityCurve) -> None:
 
 
 def test_curves_take_no_part_in_the_advice_nor_in_the_comparison(curve: BlockCapacityCurve) -> None:
-    record = curve_record_of(curve, PUSH, [DRY]).as_words() | {"name": "a", "variant": {}}
+    record = curve_record_of(curve, PUSH, [DRY]).as_words() | {"name": "a", "swept": {}}
     shell = record | {"name": "s", "model": "homogenised-shell", "method": "limit"}
     assert compare.guidance([record, record | {"method": "curve", "load_factor": 0.1}]) == []
     entries = [
-        {"name": "a", "kind": "curve", "geometry": "base", "variant": {}},
-        {"name": "s", "kind": "limit", "geometry": "base", "variant": {}, "shell": "base"},
+        {"name": "a", "kind": "curve", "geometry": "base", "swept": {}},
+        {"name": "s", "kind": "limit", "geometry": "base", "swept": {}, "shell": "base"},
     ]
     assert compare.pairs(entries, [record, shell]) == []

@@ -391,7 +391,7 @@ def test_sweep_has_its_columns_and_its_plot(tmp_path: Path) -> None:
             state = state_of(stones, load_factor=factor)
             swept = {"material.default.friction": friction, "source.main_wall_bricks": bricks}
             name = f"{friction}-{bricks}"
-            results.append((record_of(state, friction=friction, name=name, variant=swept), state))
+            results.append((record_of(state, friction=friction, name=name, swept=swept), state))
     text = report(tmp_path, results)
     page = Page(text)
     assert [row["main wall bricks"] for row in page.table] == ["14", "16", "14", "16"]

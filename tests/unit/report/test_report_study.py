@@ -64,9 +64,7 @@ def test_published_values_stand_beside_what_answers_them() -> None:
 
 
 def test_a_published_value_holds_for_its_friction() -> None:
-    swept = [
-        row(factor=factor, friction=mu, variant={"material.default.friction": mu}) for mu, factor in ((0.5, 0.2), (0.6, 0.23))
-    ]
+    swept = [row(factor=factor, friction=mu, swept={"material.default.friction": mu}) for mu, factor in ((0.5, 0.2), (0.6, 0.23))]
     (cells,) = published_rows([cited("-y", "rigid", 0.237, "associative", 0.6)], swept)
     assert cells[1:6] == [
         "rigid blocks, associative, friction 0.6",
@@ -93,7 +91,7 @@ def test_each_number_that_is_swept_has_its_plot() -> None:
         row(
             factor=0.2 + mu * b,
             friction=mu,
-            variant={"material.default.friction": mu, "source.stone_length_m": b, "source.first_course": "x"},
+            swept={"material.default.friction": mu, "source.stone_length_m": b, "source.first_course": "x"},
         )
         for mu in (0.5, 0.6)
         for b in (0.46, 0.57, 0.7)
@@ -105,7 +103,7 @@ def test_each_number_that_is_swept_has_its_plot() -> None:
     # One curve a friction, three points each.
     assert len(re.findall(r"<use ", plots["stone length, m"])) >= 6
     assert sensitivity_plots(rows[:1]) == []
-    meshes = [shell(0.2, variant={"shell.element_size_mm": size}) for size in (200, 100)]
+    meshes = [shell(0.2, swept={"shell.element_size_mm": size}) for size in (200, 100)]
     assert sensitivity_plots(meshes) == []
 
 

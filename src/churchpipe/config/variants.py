@@ -1,0 +1,119 @@
+"""The [[variants]] of a case: the building with something changed, added or taken away, beside the building as it is."""
+
+import copy
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Annotated, Any
+
+from churchpipe.config.overrides import flatten, not_swept
+from churchpipe.config.section import Table, nearest
+from churchpipe.config.tables import record
+from churchpipe.errors import InputError
+from churchpipe.model.quantities import bare
+
+
+@dataclass(frozen=True, slots=True)
+class Variant:
+    """A variant of the building, analysed and reported beside the building as it is."""
+
+    name: Annotated[str, "For tables and pictures."]
+    change: Annotated[dict[str, Any], "Keys of the case with other values, dotted or as tables."] = field(default_factory=dict)
+    add: Annotated[dict[str, Any], "What the case lacks: entries of lists, such as loads, and tables."] = field(
+        default_factory=dict
+    )
+    remove: Annotated[tuple[str, ...], "Dotted keys that are taken away; an entry of a list by its number or name."] = ()
+    cost: Annotated[dict[str, float | str], "Figures for the report, such as EUR = 12000."] = field(default_factory=dict)
+
+
+def variants_of(tables: Sequence[Mapping[str, Any]]) -> tuple[Variant, ...]:
+    """Return the variants of a case, from its checked tables.
+
+    Raises
+    ------
+    InputError: two of one name.
+    """
+    found = tuple(record(Variant, table, f"variants.{number}") for number, table in enumerate(tables))
+    names = [variant.name for variant in found]
+    for number, name in enumerate(names):
+        if name in names[:number]:
+            raise InputError(f"variants.{number}.name", "two variants of one name", found=name, expected="a name of its own")
+    return found
+
+
+def applied(table: Table, number: int, variant: Variant) -> Table:
+    """Return the table of a case with the changes of a variant, which is number so many; what it changes is not swept.
+
+    Raises
+    ------
+    InputError: a change to, or the removal of, something that is not there; an addition that is.
+    """
+    out = copy.deepcopy(table)
+    for key in variant.remove:
+        place, last = _reached(out, key, f"variants.{number}.remove")
+        if isinstance(place, list):
+            del place[_entry(place, last, f"variants.{number}.remove")]
+        elif place.pop(last, None) is None:
+            raise _absent(f"variants.{number}.remove", key, place, last)
+    for key, value in flatten(variant.change).items():
+        where = f"variants.{number}.change.{key}"
+        place, last = _reached(out, key, where)
+        if isinstance(place, list):
+            place[_entry(place, last, where)] = value
+        else:
+            # The same key in another unit is changed, not given twice.
+            for other in [known for known in place if bare(known) == bare(last)]:
+                del place[other]
+            place[last] = value
+        not_swept(out, key)
+    for key, value in flatten(variant.add).items():
+        _add(out, key, value, f"variants.{number}.add.{key}")
+    return out
+
+
+def _add(table: Table, key: str, value: Any, where: str) -> None:
+    *path, last = key.split(".")
+    place: Any = table
+    for part in path:
+        place = place[_entry(place, part, where)] if isinstance(place, list) else place.setdefault(part, {})
+        if not isinstance(place, dict | list):
+            raise InputError(where, f"{part} is no table", found=place)
+    if isinstance(value, list) and isinstance(place, dict) and isinstance(place.setdefault(last, []), list):
+        place[last] += copy.deepcopy(value)
+    elif isinstance(place, list) or last in place:
+        raise InputError(
+            where, "is there already", expected="a new key, or a list of entries", remedy="[variants.change] changes it."
+        )
+    else:
+        place[last] = value
+
+
+def _reached(table: Table, key: str, where: str) -> tuple[Any, str]:
+    """Return the table or list that holds a dotted key, and the last part of the key."""
+    *path, last = key.split(".")
+    place: Any = table
+    for part in path:
+        if isinstance(place, list):
+            place = place[_entry(place, part, where)]
+        elif part in place:
+            place = place[part]
+        else:
+            raise _absent(where, key, place, part)
+        if not isinstance(place, dict | list):
+            raise InputError(where, f"{part} is no table", found=place)
+    return place, last
+
+
+def _entry(place: list[Any], part: str, where: str) -> int:
+    """Return the position of an entry of a list, given by its number or its name."""
+    names = [str(entry.get("name", "")) if isinstance(entry, dict) else "" for entry in place]
+    if part in names:
+        return names.index(part)
+    if part.isdecimal() and int(part) < len(place):
+        return int(part)
+    known = [name or str(number) for number, name in enumerate(names)]
+    raise InputError(where, "no such entry", found=part, expected=", ".join(known) or "an entry, and the list is empty")
+
+
+def _absent(where: str, key: str, place: Table, part: str) -> InputError:
+    expected = ", ".join(place) or "an empty table"
+    return InputError(where, f"the case has no {key}", found=part, expected=expected, remedy=nearest(part, place))

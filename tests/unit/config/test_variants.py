@@ -1,0 +1,113 @@
+"""[[variants]]: what a building could be, beside what it is."""
+
+from pathlib import Path
+
+import pytest
+
+from case_texts import WALL, case_file
+from churchpipe.config import read_variants
+from churchpipe.config.plan import plan
+from churchpipe.errors import InputError
+
+GROUTED = """
+[[variants]]
+name = "grouted"
+change = { "material.default.cohesion_kPa" = 50 }
+cost = { EUR = 12000, "grouted, m3" = 1.5 }
+"""
+THICKER = """
+[[variants]]
+name = "thicker, pushed along"
+change = { source = { thickness_mm = 500 } }
+[[variants.add.load]]
+direction = [1, 0, 0]
+"""
+
+
+def line(text: str, of: str) -> int:
+    return next(number for number, found in enumerate(text.splitlines(), 1) if found.startswith(of))
+
+
+def test_a_variant_changes_adds_and_removes(tmp_path: Path) -> None:
+    text = (
+        WALL
+        + GROUTED
+        + THICKER
+        + '[[variants]]\nname = "without its load"\nremove = ["load.+y"]\nadd.load = [{ direction = [0, -1, 0] }]\n'
+    )
+    text = text.replace("direction = [0, 1, 0]", 'direction = [0, 1, 0]\nname = "+y"')
+    asis, grouted, thicker, turned = read_variants(case_file(tmp_path, text))
+    assert (asis.variant, asis.materials[0].cohesion) == (None, 0)
+    assert grouted.variant is not None
+    assert (grouted.variant.name, grouted.materials[0].cohesion) == ("grouted", 50e3)
+    assert grouted.variant.cost == {"EUR": 12000, "grouted, m3": 1.5}
+    assert thicker.source.parameters["thickness"] == 0.5
+    assert [load.name for load in thicker.loads] == ["+y", "+x"]
+    assert [load.name for load in turned.loads] == ["-y"]
+
+
+def test_what_a_variant_leaves_as_it_is_is_made_once(tmp_path: Path) -> None:
+    text = WALL + GROUTED + THICKER + '[[variants]]\nname = "as before"\ncost = { EUR = 0 }\n[shell]\nelement_size_mm = 200\n'
+    todo = plan(read_variants(case_file(tmp_path, text)))
+    assert list(todo.geometries) == ["base", "thicker,pushedalong"]
+    assert [(mesh["name"], mesh["geometry"]) for mesh in todo.index["shells"]] == [(name, name) for name in todo.geometries]
+    names = {variant["name"]: variant["analyses"] for variant in todo.index["variants"]}
+    assert names[None] == names["as before"] == ["+y_associative", "+y_limit"]
+    assert names["grouted"] == ["+y_associative_grouted", "+y_limit_grouted"]
+    assert len(names["thicker, pushed along"]) == 4
+    assert len(todo.analyses) == 8
+    entry = next(entry for entry in todo.index["analyses"] if entry["name"] == "+y_limit_grouted")
+    assert (entry["variant"], entry["geometry"], entry["shell"]) == ("grouted", "base", "base")
+    without = plan(read_variants(case_file(tmp_path, WALL)))
+    assert without.analyses["+y_associative"] == todo.analyses["+y_associative"]
+    assert without.geometries["base"] == todo.geometries["base"]
+
+
+def test_another_demand_is_another_check_of_the_same_analysis(tmp_path: Path) -> None:
+    check = "[check]\nag_g = 0.2\nsoil_factor = 1.0\n"
+    todo = plan(read_variants(case_file(tmp_path, WALL + check + '[[variants]]\nname = "q"\nchange.check.q = 1.5\n')))
+    assert [entry["check"]["behaviour_factor"] for entry in todo.index["analyses"]] == [2.0, 1.5]
+
+
+def test_variants_are_swept_too_but_for_what_they_change(tmp_path: Path) -> None:
+    sweep = '[sweep]\n"material.default.friction" = [0.5, 0.6]\n"source.courses" = [3, 4]\n'
+    cases = read_variants(case_file(tmp_path, WALL + '[[variants]]\nname = "pinned"\nchange."source.courses" = 5\n' + sweep))
+    assert [len(case.swept) for case in cases] == [2, 2, 2, 2, 1, 1]
+    assert [case.source.parameters["courses"] for case in cases] == [3, 4, 3, 4, 5, 5]
+    todo = plan(cases)
+    assert len(todo.geometries) == 3
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("chnage = {}", r'line \d+, variants\.0\.chnage: unknown key; .*Did you mean "change"\?'),
+        ("cost = { EUR = [1] }", r"variants\.0\.cost\.EUR"),
+        ('change."material.defualt.friction" = 0.7', r'the case has no material\.defualt\.friction.*Did you mean "default"\?'),
+        ('change."material.default.frictoin" = 0.7', r'line {change}, variant "v", material\.default\.frictoin: unknown key'),
+        (
+            'change."material.default.friction" = -1',
+            r'line {change}, variant "v", material\.default\.friction: wrong value; found -1',
+        ),
+        ('change."load.+z.direction" = [0, 0, 1]', r"line {change}, variants\.0\.change\..*: no such entry; found \+z"),
+        ('remove = ["source.openings"]', r"line {remove}, variants\.0\.remove: the case has no source\.openings"),
+        ('remove = ["load.7"]', r"variants\.0\.remove: no such entry; found 7"),
+        ("add.material.default.friction = 0.7", r"line {add}, variants\.0\.add\.material\.default\.friction: is there already"),
+        ("add.load = [{ direction = [0, 0, 0] }]", r'line {add}, variant "v", load\.1: no direction'),
+        ('change.source = { generator = "arch" }', r"source\.mean_radius_m: missing key"),
+        ('[[variants]]\nname = "v"', r"line \d+, variants\.1\.name: two variants of one name; found v"),
+    ],
+)
+def test_a_variant_that_cannot_be_made(text: str, said: str, tmp_path: Path) -> None:
+    whole = f'{WALL}[[variants]]\nname = "v"\n{text}\n'
+    places = {word: line(whole, word) if f"\n{word}" in whole else 0 for word in ("change", "remove", "add")}
+    with pytest.raises(InputError, match=said.format(**places)):
+        read_variants(case_file(tmp_path, whole))
+
+
+def test_what_a_generator_refuses_of_a_variant_is_said_of_it(tmp_path: Path) -> None:
+    case = read_variants(
+        case_file(tmp_path, WALL + '[[variants]]\nname = "v"\nchange = { source = { length_mm = 1, height_m = 0.6 } }\n')
+    )[1]
+    with pytest.raises(InputError, match=r'line \d+, variant "v", source'):
+        case.building()

@@ -1,0 +1,96 @@
+"""The building as it is beside its variants, in the report."""
+
+from pathlib import Path
+
+from test_report import Page, record_of, report, state_of, tower
+
+from churchpipe.report.variants import variants_section
+
+SITE = {"zeta_e": 0.8, "zeta_e_stones": 1.1, "satisfied": False, "satisfied_stones": True}
+MOVES = [{"name": "facade", "motion": 0.93, "moving": 1.0, "weight_kN": 3.0, "displacement": 1.0}]
+
+
+def record(name: str, factor: float | None, variant: str | None = None, load: str = "-y", **more: object) -> dict:
+    base = {"name": name, "variant": variant, "model": "rigid-block", "flow": "associative", "load": load, "friction": 0.6}
+    status = "unstable" if factor is None else "optimal"
+    return base | {"load_factor": factor, "status": status, "geometry": "base"} | more
+
+
+SHELL = {"model": "homogenised-shell", "method": "limit", "flow": None}
+SUMMARY = {
+    "case": "chapel",
+    "blocks": 2,
+    "interfaces": 1,
+    "weight_kN": 1.0,
+    "analyses": [
+        record("a", 0.2, check=SITE, parts=MOVES),
+        record("b", 0.3, load="+x"),
+        record("s", 0.21, **SHELL),
+        record("a ties", 0.25, "two ties", check=SITE | {"zeta_e": 1.05, "satisfied": True}),
+        record("s ties", 0.24, "two ties", **SHELL),
+        record("a thick", None, "thicker", geometry="thicker"),
+    ],
+    "variants": [
+        {"name": None, "geometry": "base", "cost": {}, "analyses": ["a", "b", "s"]},
+        {"name": "two ties", "geometry": "base", "cost": {"tie, m": 24, "EUR": 9500.5}, "analyses": ["a ties", "b", "s ties"]},
+        {"name": "thicker", "geometry": "thicker", "cost": {"EUR": 40000}, "analyses": ["a thick"]},
+    ],
+}
+
+
+def test_each_load_has_the_building_as_it_is_and_its_variants() -> None:
+    section = variants_section(SUMMARY, "base")
+    assert section is not None
+    assert section["headings"] == ["rigid blocks, associative", "shell, limit load"]
+    assert section["costs"] == ["tie, m", "EUR"]
+    rows = {(row["load"], row["name"]): row for row in section["rows"]}
+    assert list(rows) == [
+        ("−y", "as it is"),
+        ("−y", "two ties"),
+        ("−y", "thicker"),
+        ("+x", "as it is"),
+        ("+x", "two ties"),
+    ]
+    asis, ties, thick = (rows["−y", name] for name in ("as it is", "two ties", "thicker"))
+    assert asis["factors"] == [("0.2000", ""), ("0.2100", "")]
+    assert ties["factors"] == [("0.2500", "+25.0 %"), ("0.2400", "+14.3 %")]
+    assert thick["factors"] == [("unstable", ""), ("", "")]
+    assert (asis["moves"], asis["check"]) == ("facade 93 %", "ζ_E = 0.80, only with e* of stones")
+    assert ties["check"] == "ζ_E = 1.05, satisfied"
+    assert (ties["costs"], thick["costs"], asis["costs"]) == (["24", "9,500.5"], ["", "40,000"], ["", ""])
+    # What a variant leaves as it is has the same load factor, and was solved once.
+    assert rows["+x", "two ties"]["factors"][0] == ("0.3000", "+0.0 %")
+    assert "two ties" in section["chart"]
+
+
+def test_pictures_of_other_geometries_are_linked() -> None:
+    section = variants_section(SUMMARY, "base")
+    assert section is not None
+    assert {row["name"]: row["link"] for row in section["rows"]} == {
+        "as it is": "",
+        "two ties": "",
+        "thicker": "geometry/thicker/report.html",
+    }
+    other = variants_section(SUMMARY, "thicker")
+    assert other is not None
+    assert other["rows"][0]["link"] == "../../report.html"
+    assert variants_section(SUMMARY | {"variants": []}, "base") is None
+
+
+def test_the_section_stands_on_the_first_page(tmp_path: Path) -> None:
+    stones = tower()
+    state = state_of(stones)
+    own = record_of(state, name="a", geometry="base"), record_of(state, name="c", geometry="base", variant="two <b>ties</b>")
+    text = report(
+        tmp_path,
+        [(one, state) for one in own],
+        variants=[
+            {"name": None, "geometry": "base", "cost": {}, "analyses": ["a"]},
+            {"name": "two <b>ties</b>", "geometry": "base", "cost": {"m": 3}, "analyses": ["c"]},
+        ],
+    )
+    assert 'id="variants"' in text
+    assert text.index('id="variants"') < text.index('id="load-factors"')
+    assert "two &lt;b&gt;ties" in text
+    assert "two <b>ties" not in text.partition("<script")[0]
+    assert Page(text)
