@@ -10,6 +10,7 @@ rule compare:
         fits=expand("geometry/{geometry}/fit.json", geometry=set(SHELLS.values()) if config["drawing"] else []),
         records=files_of(ANALYSES, "json"),
         states=files_of(ANALYSES, "npz"),
+        movements=expand("movement/{movement}/movement.json", movement=MOVEMENTS),
     output:
         summary="summary.json",
         table="table.csv",
@@ -38,6 +39,7 @@ for number, geometry in enumerate(GEOMETRIES):
             contacts=f"geometry/{geometry}/contacts.npz",
             shells=[f"shell/{mesh}/shell.npz" for mesh, place in SHELLS.items() if place == geometry],
             states=files_of([a for a in ANALYSES if a["geometry"] == geometry], "npz"),
+            movements=[f"movement/{name}/{part}.npz" for name, place in MOVEMENTS.items() if place == geometry for part in ("assemblage", "contacts", "movement")],
         output:
             html=report_of(geometry),
             mechanisms=[f"rigid/{a['name']}/mechanism.vtu" for a in ANALYSES if a["geometry"] == geometry and a["kind"] == "rigid"],

@@ -1,4 +1,5 @@
-# The rigid-block analyses: one for each load, flow rule and combination of swept values; and the capacity curves of the stones.
+# The rigid-block analyses: one for each load, flow rule and combination of swept values; the capacity curves of the stones, and supports that
+# move.
 
 
 rule rigid:
@@ -41,3 +42,27 @@ rule curve:
     shell:
         STAGE + " curve {wildcards.analysis:q} {input.settings:q} {input.assemblage:q} {input.contacts:q}"
         " {output.state:q} {output.record:q}" + LOG
+
+
+rule movement:
+    input:
+        code="code/movement.txt",
+        settings="movement/{movement}/settings.json",
+        tolerances=lambda wildcards: f"geometry/{MOVEMENTS[wildcards.movement]}/tolerances.json",
+        assemblage=lambda wildcards: f"geometry/{MOVEMENTS[wildcards.movement]}/assemblage.npz",
+        contacts=lambda wildcards: f"geometry/{MOVEMENTS[wildcards.movement]}/contacts.npz",
+    output:
+        cut="movement/{movement}/assemblage.npz",
+        joints="movement/{movement}/contacts.npz",
+        state="movement/{movement}/movement.npz",
+        record="movement/{movement}/movement.json",
+    log:
+        "log/movement/{movement}.txt",
+    benchmark:
+        "benchmark/movement/{movement}.tsv"
+    threads: SHARE
+    resources:
+        mem_mb=memory_by("fixed", 0.07),
+    shell:
+        STAGE + " movement {wildcards.movement:q} {input.settings:q} {input.tolerances:q} {input.assemblage:q}"
+        " {input.contacts:q} {output.cut:q} {output.joints:q} {output.state:q} {output.record:q}" + LOG

@@ -49,10 +49,11 @@ def summary(
     compared: Sequence[dict[str, Any]],
     questions: Sequence[str] = (),
     variants: Sequence[dict[str, Any]] = (),
+    movements: Sequence[dict[str, Any]] = (),
 ) -> dict[str, Any]:
     """Return summary.json: the size of the (first) geometry and of its (first) mesh with the gate, all analyses, the pairs of
-    both models, which of several load factors to use, and questions about the input; of a sweep of geometries or meshes, all
-    sizes by name; the variants, the building as it is first, where there are any."""
+    both models, supports that move, which of several load factors to use, and questions about the input; of a sweep of geometries
+    or meshes, all sizes by name; the variants, the building as it is first, where there are any."""
     first = dict(next(iter(sizes.values())))
     if shells:
         mesh = next(iter(shells.values()))
@@ -61,6 +62,7 @@ def summary(
     several |= {"shells": dict(shells)} if len(shells) > 1 else {}
     both = {"comparison": list(compared)} if compared else {}
     both |= {"variants": list(variants)} if len(variants) > 1 else {}
+    both |= {"movements": list(movements)} if movements else {}
     words = {"guidance": guidance(analyses), "questions": list(questions)}
     return {"case": name, **first, **several, "analyses": list(analyses), **both, **words}
 
@@ -129,9 +131,10 @@ def account_of_joints(summary: Mapping[str, Any]) -> list[str]:
 
 
 def bad_news(summary: Mapping[str, Any]) -> list[Mapping[str, Any]]:
-    """Return the analyses without a load factor to rest on (unstable, not converged, failed), and the gates that failed."""
+    """Return the analyses without a result to rest on (unstable, not converged, failed), and the gates that failed."""
     gates = [shell["match"] for shell in summary.get("shells", {}).values()] or [summary.get("match", {"passed": True})]
-    return [record for record in summary["analyses"] if record.get("status") not in GOOD] + [g for g in gates if not g["passed"]]
+    records = [*summary["analyses"], *summary.get("movements", ())]
+    return [record for record in records if record.get("status") not in GOOD] + [gate for gate in gates if not gate["passed"]]
 
 
 def pairs(entries: Sequence[Mapping[str, Any]], records: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:

@@ -14,6 +14,7 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.block_curve import BlockCapacityCurve
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.results import CapacityCurve, LimitState, ShellLimitState
+from churchpipe.model.settlement import SettlementPath
 from churchpipe.model.shell import ShellModel
 
 
@@ -88,6 +89,27 @@ class RunFolder:
             return compare.shell_parts(mesh, read_npz(self.folder(entry) / "limit.npz", ShellLimitState), load)
         stones, state = self.stones(entry["geometry"])[0], self.block_state(entry)
         return compare.stone_parts(stones, state, load) | {"check": compare.safety(stones, state, load, site)}
+
+    def movements(self, geometry: str | None = None) -> list[dict[str, Any]]:
+        """Return the records of the supports that move, of all geometries or of one, as `record` does for the analyses."""
+        several = len(self.index["geometries"]) > 1
+        return [
+            {
+                "name": entry["name"],
+                "variant": entry["variant"],
+                **read_json(self.path / "movement" / entry["name"] / "movement.json"),
+            }
+            | ({"geometry": entry["geometry"]} if several else {})
+            | ({"swept": entry["swept"]} if entry["swept"] else {})
+            for entry in self.index["movements"]
+            if geometry in (None, entry["geometry"])
+        ]
+
+    def moved(self, name: str) -> tuple[Assemblage, Contacts, SettlementPath]:
+        """Return the stones of a movement, their ground cut, their joints and the path."""
+        folder = self.path / "movement" / name
+        stones = read_npz(folder / "assemblage.npz", Assemblage)
+        return stones, read_npz(folder / "contacts.npz", Contacts), read_npz(folder / "movement.npz", SettlementPath)
 
     def overlap(self, blocks: str, shell: str) -> dict[str, Any]:
         """Return how far the mechanisms of two analyses, by name, are the same."""

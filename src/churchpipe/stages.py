@@ -23,6 +23,7 @@ from churchpipe.config.settings import load_of, strengths_of, weights_of
 from churchpipe.errors import Extra, InputError
 from churchpipe.io.atomic import canonical_json, write_if_changed, write_json
 from churchpipe.io.building_json import read_building, write_building
+from churchpipe.io.movement_record import movement_words, widest_cracks
 from churchpipe.io.npz import Absent, read_if_made, read_npz, write_npz
 from churchpipe.io.records import LeftOut, curve_record_of, record_of, shell_record_of, write_record
 from churchpipe.io.shell_vtu import write_shell_msh, write_shell_vtu
@@ -45,8 +46,8 @@ def configure(case: str | Path, out: str | Path, overrides: Sequence[str] = ()) 
     """Write the plan of a run and the settings of each stage into `out`; a file whose content is unchanged is not touched.
 
     Files: plan.json, as-run.toml (the case with what --set changed), settings.json of each stage: geometry/NAME (with
-    tolerances.json, of its joints), shell/NAME, rigid/NAME, curve/NAME, limit/NAME, pushover/NAME, and code/STAGE.txt. Returns
-    the path of plan.json.
+    tolerances.json, of its joints), shell/NAME, rigid/NAME, curve/NAME, movement/NAME, limit/NAME, pushover/NAME, and
+    code/STAGE.txt. Returns the path of plan.json.
     """
     out = Path(out)
     todo = plan(read_variants(case, overrides))
@@ -59,6 +60,7 @@ def configure(case: str | Path, out: str | Path, overrides: Sequence[str] = ()) 
     folders = {f"geometry/{name}": table for name, table in todo.geometries.items()}
     folders |= {f"shell/{name}": table for name, table in todo.shells.items()}
     folders |= {f"{todo.kinds[name]}/{name}": table for name, table in todo.analyses.items()}
+    folders |= {f"movement/{name}": table for name, table in todo.movements.items()}
     for folder, table in folders.items():
         write_if_changed(out / folder / "settings.json", canonical_json(table))
     for name, table in todo.contacts.items():
@@ -276,6 +278,32 @@ def curve(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
     write_record(record, curve_record_of(found, load, [material for material in materials if material.name in used]))
 
 
+def movement(
+    settings: Path,
+    tolerances: Path,
+    assemblage: Path,
+    contacts: Path,
+    cut: Path,
+    joints: Path,
+    state: Path,
+    record: Path,
+    progress: Progress | None = None,
+) -> None:
+    """One support that moves -> the stones with their ground cut, their joints, the path and its record for the summary."""
+    from churchpipe.large_displacements.moved_support import moved_support
+
+    table, materials = read_json(settings), strengths_of(read_json(settings))
+    stones, found = read_npz(assemblage, Assemblage), read_npz(contacts, Contacts)
+    moved = moved_support(stones, found, table, materials, read_json(tolerances), progress)
+    used = set(stones.material[~stones.fixed].tolist())
+    cracks = widest_cracks(moved.stones, moved.contacts, moved.opening, moved.slip)
+    write_npz(cut, moved.stones)
+    write_npz(joints, moved.contacts)
+    write_npz(state, moved.path)
+    known = [material for material in materials if material.name in used]
+    write_json(record, movement_words(moved.path, table, moved.stones, known, cracks))
+
+
 def compare(plan: Path, summary: Path, table: Path) -> None:
     """All analyses of a plan -> summary.json and table.csv."""
     run = read_run(plan)
@@ -286,7 +314,8 @@ def compare(plan: Path, summary: Path, table: Path) -> None:
     write_table(table, analyses)
     stones = [run.stones(name)[0] for name in run.index["geometries"]]
     asked = dict.fromkeys([*run.index["questions"], *(text for one in stones for text in size_questions(one))])
-    write_json(summary, results.summary(run.index["case"], sizes, shells, analyses, compared, list(asked), run.index["variants"]))
+    variants, movements = run.index["variants"], run.movements()
+    write_json(summary, results.summary(run.index["case"], sizes, shells, analyses, compared, list(asked), variants, movements))
 
 
 def report(plan: Path, summary: Path, assemblage: Path, contacts: Path, html: Path) -> None:
@@ -322,6 +351,7 @@ def report(plan: Path, summary: Path, assemblage: Path, contacts: Path, html: Pa
         published=run.index["published"],
         project=run.index["project"],
         materials=run.index["materials"],
+        moved=[(record, *run.moved(record["name"])) for record in run.movements(geometry)],
         case_text=(run.path / "as-run.toml").read_text(encoding="utf-8"),
         versions=_versions(),
         figures_dir=html.parent / "figures",
@@ -351,9 +381,10 @@ STAGES: dict[str, Callable[..., None]] = {
     "match": match,
     "rigid": rigid,
     "curve": curve,
+    "movement": movement,
     "limit": limit,
     "pushover": pushover,
     "compare": compare,
     "report": report,
 }
-LONG = frozenset({"contacts", "rigid", "curve", "limit", "pushover"})
+LONG = frozenset({"contacts", "rigid", "curve", "movement", "limit", "pushover"})

@@ -9,11 +9,14 @@ from pydantic import AfterValidator, BeforeValidator, Field
 from churchpipe.config.tables import listed
 from churchpipe.errors import InputError
 from churchpipe.model.names import STRENGTH, Planes
-from churchpipe.model.quantities import Count, Length, Place, Quantity, Whole
+from churchpipe.model.quantities import Coordinate, Count, Length, Place, Quantity, Whole
 
 Flow = Literal["associative", "non-associative"]
 Method = Literal["limit", "pushover"]
 Start = Literal["dead-load", "uniform", "associative"]
+_Corner = tuple[Coordinate, Coordinate]
+_FURTHEST = Quantity("_deg", 0.0, above=True, key="furthest_deg")
+_Part = Annotated[float, Quantity()]
 _OneOrMore = BeforeValidator(listed, json_schema_input_type=list[Start] | Start)
 
 
@@ -51,6 +54,32 @@ class RigidSettings:
     ] = None
     overlap: Annotated[Length | None, "Largest depth to which two stones may overlap."] = None
     curve: Annotated[CurveSettings | None, "The capacity curve of the stones, where it is asked for."] = None
+
+
+@dataclass(frozen=True, slots=True)
+class MovementSettings:
+    """A support that moves: its foot in the ground, which way, and how far. See `churchpipe.settlement_path`."""
+
+    support: Annotated[str | None, "Wall whose foot moves, or a fixed stone by its name."] = None
+    within: Annotated[tuple[_Corner, _Corner] | None, "Instead: opposite corners of a rectangle of the ground, in plan."] = None
+    name: Annotated[str, "Of the movement, for tables and pictures; by default that of the support."] = ""
+    direction: Annotated[tuple[_Part, _Part, _Part], "Of the movement, or of its axis, right-handed."] = (0.0, 0.0, -1.0)
+    about: Annotated[Place | None, "A point of the axis about which the support turns; left out: it moves along."] = None
+    furthest: Annotated[Length | None, "Movement at which to stop; left out: at collapse."] = None
+    furthest_angle: Annotated[float | None, _FURTHEST, "Where it turns, likewise."] = None
+    step: Annotated[Length | None, "Largest displacement of a step; by default a tenth of the thinnest stone."] = None
+    steps: Annotated[Count, "Most steps."] = 200
+
+    def __post_init__(self) -> None:
+        if (self.support is None) == (self.within is None):
+            raise InputError("movement", "one support is needed", expected="either support (a name) or within_mm (a rectangle)")
+        if not any(self.direction):
+            raise InputError("movement: direction", "no direction", found=list(self.direction), expected="a vector of length > 0")
+        if self.about is None and self.furthest_angle is not None:
+            raise InputError("movement", "an angle of a support that moves along", expected="furthest_mm, or a point about_mm")
+        if self.about is not None and self.furthest is not None:
+            raise InputError("movement", "a length of a support that turns", expected="furthest_deg")
+        object.__setattr__(self, "name", self.name or self.support or "rectangle")
 
 
 @dataclass(frozen=True, slots=True)

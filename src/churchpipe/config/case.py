@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 
 from churchpipe.code_check import Site
 from churchpipe.config import overrides as changes
-from churchpipe.config.analyses import RigidSettings, ShellSettings
+from churchpipe.config.analyses import MovementSettings, RigidSettings, ShellSettings
 from churchpipe.config.places import located
 from churchpipe.config.project import Project
 from churchpipe.config.published import Published, check_published
@@ -48,8 +48,8 @@ class Case:
     """One building of a case file. `variant`: which of its variants, None for the building as it is; `swept`: the values under
     [sweep] that tell it from the others, by dotted key.
 
-    shell: None for the rigid blocks alone. check: what the earthquake asks, None where the file does not say. published: load
-    factors of others, for the report.
+    shell: None for the rigid blocks alone. check: what the earthquake asks, None where the file does not say. movements: supports
+    that move. published: load factors of others, for the report.
 
     `table` is the checked file, as it is written, without its sweep; overrides: what --set changed in it.
     """
@@ -62,6 +62,7 @@ class Case:
     rigid: RigidSettings
     shell: ShellSettings | None = None
     check: Site | None = None
+    movements: tuple[MovementSettings, ...] = ()
     published: tuple[Published, ...] = ()
     project: Project = field(default_factory=Project)
     variant: Variant | None = None
@@ -200,6 +201,11 @@ def _case(path: Path, table: dict[str, Any], swept: dict[str, Any], overrides: t
     if len(set(names)) != len(names):
         raise InputError(f"{file}: load", "two loads of one name", found=", ".join(names), expected="a name of its own for each")
     check_published(file, published, names)
+    movements = _all(MovementSettings, checked, "movements", file)
+    names = [movement.name for movement in movements]
+    if len(set(names)) != len(names):
+        expected = "a name of its own for each"
+        raise InputError(f"{file}: movements", "two movements of one name", found=", ".join(names), expected=expected)
     return Case(
         name=checked["name"],
         path=path,
@@ -209,6 +215,7 @@ def _case(path: Path, table: dict[str, Any], swept: dict[str, Any], overrides: t
         rigid=record(RigidSettings, checked.get("rigid", {}), f"{file}: rigid"),
         shell=record(ShellSettings, checked["shell"], f"{file}: shell") if "shell" in checked else None,
         check=record(Site, checked["check"], f"{file}: check") if "check" in checked else None,
+        movements=movements,
         published=published,
         project=record(Project, checked.get("project", {}), f"{file}: project"),
         swept=swept,
@@ -229,7 +236,7 @@ def _check_complete(checked: Table, file: str) -> None:
     missing = [f"material.{name}.{key}" for name, table in materials.items() for key in needed if key not in table]
     if "pushover" in checked.get("shell", {}).get("analyses", ()):
         missing += [f"material.{name}.elastic (for the capacity curve)" for name, m in materials.items() if "elastic" not in m]
-    if not checked.get("load"):
+    if not checked.get("load") and not checked.get("movements"):
         missing.append("load (a table [[load]] with its direction)")
     if missing:
         raise InputError(

@@ -17,7 +17,7 @@ class Plan:
 
     geometries: settings of the stones. contacts: the tolerances of their joints that the case gives, by the same names.
     shells: of the meshes. analyses: of the analyses of both models; `kinds` has the kind of each: "rigid", "curve", "limit" or
-    "pushover".
+    "pushover". movements: of the supports that move.
     A name is a label, nobody parses it.
     """
 
@@ -26,6 +26,7 @@ class Plan:
     contacts: dict[str, dict[str, Any]]
     shells: dict[str, dict[str, Any]]
     analyses: dict[str, dict[str, Any]]
+    movements: dict[str, dict[str, Any]]
 
     @property
     def kinds(self) -> dict[str, str]:
@@ -44,6 +45,8 @@ def plan(cases: Sequence[Case]) -> Plan:
     shells: dict[str, dict[str, Any]] = {}
     analyses: dict[str, dict[str, Any]] = {}
     entries: dict[str, dict[str, Any]] = {}
+    movements: dict[str, dict[str, Any]] = {}
+    moved: dict[str, dict[str, Any]] = {}
     places: dict[str, str] = {}
     variants: dict[str | None, dict[str, Any]] = {}
 
@@ -76,6 +79,10 @@ def plan(cases: Sequence[Case]) -> Plan:
             if case.rigid.curve:
                 settings = _curve_settings(case, geometry, load)
                 add("curve", [load.name, "curve"], case, of_stones, settings, geometry=geometry, **check)
+        for movement in case.movements:
+            settings = {"geometry": geometry, "material": _strength(case), "solver": case.rigid.solver, **asdict(movement)}
+            name = _same(case, movements, settings) or _keep(movements, [movement.name, *_words(of_stones, case)], settings)
+            moved.setdefault(name, {"name": name, "geometry": geometry, "variant": _name(case), "swept": of_stones})
         if case.shell is None:
             continue
         meshed = {key: value for key, value in case.swept.items() if swept.changes_mesh(key)}
@@ -95,12 +102,13 @@ def plan(cases: Sequence[Case]) -> Plan:
         "shells": [{"name": mesh, "geometry": place} for mesh, place in places.items()],
         "analyses": list(entries.values()),
         "variants": list(variants.values()),
+        "movements": list(moved.values()),
         "published": [asdict(value) for value in cases[0].published],
         "project": asdict(cases[0].project),
         "materials": [asdict(material) for material in cases[0].materials],
         "questions": questions(cases),
     }
-    return Plan(index, geometries, contacts, shells, analyses)
+    return Plan(index, geometries, contacts, shells, analyses, movements)
 
 
 def _name(case: Case) -> str | None:

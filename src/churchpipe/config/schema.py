@@ -5,7 +5,7 @@ from typing import Annotated, Any
 from pydantic import Field, create_model
 
 from churchpipe.code_check import Site
-from churchpipe.config.analyses import RigidSettings, ShellSettings
+from churchpipe.config.analyses import MovementSettings, RigidSettings, ShellSettings
 from churchpipe.config.project import Project
 from churchpipe.config.published import Published
 from churchpipe.config.section import Section, Table, gathered, validated
@@ -22,6 +22,7 @@ _LOAD = table_of(LoadCase, "Load", without=("dead", "live"))
 _RIGID, _SHELL = table_of(RigidSettings, "Rigid"), table_of(ShellSettings, "Shell")
 _CHECK = table_of(Site, "Check")
 _PUBLISHED, _VARIANT = table_of(Published, "Published"), table_of(Variant, "Variant")
+_MOVEMENT = table_of(MovementSettings, "Movement")
 _PROJECT = table_of(Project, "Project")
 
 
@@ -42,6 +43,7 @@ CaseTable = create_model(
     shell=_key(_SHELL | None, "The homogenised shell; left out: the rigid blocks alone."),
     check=_key(_CHECK | None, "What the earthquake asks; left out: no safety check."),
     variants=_key(list[_VARIANT], "What else the building could be, beside the building as it is.", []),
+    movements=_key(list[_MOVEMENT], "Supports that move, each analysed by itself.", []),
     published=_key(list[_PUBLISHED], "Load factors of others, for the report.", []),
     project=_key(_PROJECT | None, "The title block of the report."),
 )

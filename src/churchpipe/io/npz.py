@@ -17,6 +17,7 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.block_curve import BlockCapacityCurve, FallenStones
 from churchpipe.model.contacts import Contacts, ContactTolerances, NearMisses
 from churchpipe.model.results import CapacityCurve, CapacityStep, Iteration, LimitState, ShellLimitState, StartRun
+from churchpipe.model.settlement import SettlementPath
 from churchpipe.model.shell import ShellModel
 
 
@@ -36,6 +37,7 @@ SCHEMAS: dict[type, str] = {
     ShellLimitState: "churchpipe shell-limit-state 1",
     CapacityCurve: "churchpipe capacity-curve 1",
     BlockCapacityCurve: "churchpipe block-capacity-curve 1",
+    SettlementPath: "churchpipe settlement-path 1",
     Absent: "churchpipe absent 1",
 }
 
@@ -62,12 +64,22 @@ DAMAGE = (
     *(NotImplementedError, RuntimeError, OverflowError, MemoryError),
 )
 
-Artifact = TypeVar("Artifact", Assemblage, Contacts, LimitState, ShellModel, ShellLimitState, CapacityCurve, BlockCapacityCurve)
+Artifact = TypeVar(
+    "Artifact", Assemblage, Contacts, LimitState, ShellModel, ShellLimitState, CapacityCurve, BlockCapacityCurve, SettlementPath
+)
 
 
 def write_npz(
     path: str | Path,
-    value: Assemblage | Contacts | LimitState | ShellModel | ShellLimitState | CapacityCurve | BlockCapacityCurve | Absent,
+    value: Assemblage
+    | Contacts
+    | LimitState
+    | ShellModel
+    | ShellLimitState
+    | CapacityCurve
+    | BlockCapacityCurve
+    | SettlementPath
+    | Absent,
 ) -> None:
     """Write an artifact: arrays as arrays, everything else as one JSON text."""
     values = {field.name: getattr(value, field.name) for field in fields(value)}

@@ -29,6 +29,11 @@ class Ending:
 class Steps(Protocol):
     """What takes down the steps of a path, and may end it."""
 
+    @property
+    def left(self) -> float:
+        """How far the path may still go, m per unit of work."""
+        ...
+
     def add(self, step: PathStep) -> Ending | None:
         """Take down a step; return how the path ends with it, None where it goes on."""
         ...
@@ -55,5 +60,5 @@ def follow(model: MovingModel, state: PathState, steps: int, record: Steps) -> E
         ending = record.add(taken)
         if ending is not None:
             return ending
-        state = next_state(model, taken)
+        state = next_state(model, taken, record.left)
     return Ending("unfinished", f"all {steps} steps were used up")

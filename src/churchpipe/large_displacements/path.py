@@ -55,7 +55,7 @@ class PathStep:
     """A program solved at a state: its answer, velocities (nb, 6), speeds (nb,) and rates (nc, 3) n, t1, t2 of the points.
 
     state: that at which it was solved, sliding and length of step as they became. way: to the next state, m per unit of work.
-    friction_work: over the weight, m. lost (nb,): stones that fall.
+    friction_power: work of friction over the weight per unit of work. lost (nb,): stones that fall.
     """
 
     state: PathState
@@ -64,7 +64,7 @@ class PathStep:
     velocity: FloatArray
     rate: FloatArray
     way: float
-    friction_work: float
+    friction_power: float
     lost: BoolArray
 
 
@@ -114,18 +114,18 @@ def solve_state(model: MovingModel, state: PathState, programs: int = PROGRAMS) 
         velocity=velocity,
         rate=rate,
         way=way,
-        friction_work=-way * float((answer.forces[:, 1:] * rate[:, 1:]).sum()),
+        friction_power=-float((answer.forces[:, 1:] * rate[:, 1:]).sum()),
         lost=falling_stones(answer, speed, state.fastest, model.stones.weight, _spared(model, state)),
     )
 
 
-def next_state(model: MovingModel, step: PathStep) -> PathState:
-    """Return the state after a step, its contacts found anew.
+def next_state(model: MovingModel, step: PathStep, furthest: float = np.inf) -> PathState:
+    """Return the state after a step, its contacts found anew; furthest: m per unit of work, the longest way that it may go.
 
     While the motion changes little it goes on as it did since the last step (Adams and Bashforth, second order): a linkage
     keeps its hinges. The velocities are those at the origin, which do not change where a stone turns about an axis at rest.
     """
-    state = step.state
+    state, way = step.state, min(step.way, furthest)
     centre = state.poses.centroid
     there = step.velocity.copy()
     there[:, :3] -= np.cross(there[:, 3:], centre)
@@ -135,7 +135,7 @@ def next_state(model: MovingModel, step: PathStep) -> PathState:
         at_stone = change.copy()
         at_stone[:, :3] += np.cross(change[:, 3:], centre)
         if float(stone_speed(_standing(model, state), at_stone).max()) < _STEADY * float(step.speed.max(initial=0.0)):
-            motion = there + 0.5 * step.way / state.way * change
+            motion = there + 0.5 * way / state.way * change
     twist = motion.copy()
     twist[:, :3] += np.cross(motion[:, 3:], centre)
     fits = step.answer.gap < _CREDIBLE * max(abs(step.answer.load_factor), _LEAST)
@@ -143,10 +143,10 @@ def next_state(model: MovingModel, step: PathStep) -> PathState:
         model,
         replace(
             state,
-            poses=state.poses.moved(step.way * twist),
+            poses=state.poses.moved(way * twist),
             fastest=float(step.speed.max(initial=0.0)) if fits else state.fastest,
             before=there,
-            way=step.way,
+            way=way,
         ),
     )
 

@@ -21,20 +21,25 @@ class Record:
         self.model, self.control = model, control
         self.poses: list[Poses] = []
         self.proofs: list[tuple[float, float, float, float]] = []
-        self.friction_work = 0.0
+        self.friction_power = 0.0
         self.displacement: list[float] = []
         self.load_factor: list[float] = []
         self.largest: list[float] = []
         self.work: list[float] = []
         self.fallen: list[FallenStones] = []
 
+    @property
+    def left(self) -> float:
+        """How far the path may still go, m per unit of work."""
+        return np.inf
+
     def note(self, step: PathStep) -> None:
         """Take down a step that was solved."""
         poses, standing = step.state.poses, ~step.state.fallen & ~self.model.stones.fixed
         gone = self.displacement[-1] + self.control.between(self.poses[-1], poses, standing) if self.poses else 0.0
         # The work of a step is done when the next one is reached.
-        done = self.work[-1] + self.friction_work if self.work else 0.0
-        answer, self.friction_work = step.answer, step.friction_work * self.model.force
+        done = self.work[-1] + self.friction_power * step.state.way if self.work else 0.0
+        answer, self.friction_power = step.answer, step.friction_power * self.model.force
         self.poses.append(poses)
         self.proofs.append((answer.residual, answer.violation, answer.bound_gap, answer.gap))
         self.displacement.append(gone)

@@ -78,6 +78,11 @@ class _Movement(Record):
         super().__init__(model, SupportTravel(cast(SupportMovement, model.driven)))
         self.furthest, self.steps, self.progress = furthest, steps, progress
 
+    @property
+    def left(self) -> float:
+        """How far the support may still go: its movement is the work of a unit force."""
+        return np.inf if self.furthest is None else self.furthest - self.displacement[-1]
+
     def add(self, step: PathStep) -> Ending | None:
         """Take down a step; it ends the path when the support has gone far enough, or nothing rests on it any more."""
         self.note(step)

@@ -21,6 +21,7 @@ from churchpipe.report.displacements import displacement_checks
 from churchpipe.report.drawings import drawings_svg
 from churchpipe.report.figures import Job, mechanism_picture, mechanism_pictures
 from churchpipe.report.motion import joint_opening, opened_joints, push_direction, viewpoint
+from churchpipe.report.movements import Moved, movements_shown
 from churchpipe.report.notes import convergence_note, status_note
 from churchpipe.report.plots import convergence_svg, gaps_svg
 from churchpipe.report.published import published_rows
@@ -51,6 +52,7 @@ def write_report(
     published: Sequence[Mapping[str, Any]] = (),
     project: Mapping[str, str] | None = None,
     materials: Sequence[Mapping[str, Any]] = (),
+    moved: Sequence[Moved] = (),
 ) -> None:
     """Write a self-contained report.
 
@@ -61,6 +63,7 @@ def write_report(
     figures_dir: where the pictures of the mechanisms are kept as PNG too (None: nowhere).
     shells: the meshes of the shell, by name. shell_results: for each analysis of the shell its record, its mesh, its state.
     published: load factors of others, see `published_rows`. project: the title block. materials: of the case, in SI.
+    moved: supports that move, see `movements_shown`.
 
     A picture that cannot be drawn (no graphics library) is replaced by a sentence; the report is written all the same.
     """
@@ -101,6 +104,7 @@ def write_report(
         match=both.gate(summary, list(meshes)),
         compared=both.compared(summary, rows),
         capacity=both.capacity_plots(rows),
+        movements=movements_shown(moved),
         block_curves=block_curve_plots(summary.get("analyses", []), geometry),
         displacements=displacement_checks(summary.get("analyses", []), geometry),
         mesh_plot=both.mesh_plot(rows),

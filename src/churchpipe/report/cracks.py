@@ -1,0 +1,95 @@
+"""Crack maps: the joints of a wall that are open, on its elevation."""
+
+from typing import Any
+
+import numpy as np
+
+from churchpipe.model.arrays import FloatArray, IntArray
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.contacts import Contacts
+from churchpipe.report import colours
+from churchpipe.report.plots import new_plot, svg_of
+
+# Joints open by less than this share of the widest are drawn shut; so many of the widest have their figure.
+_SHUT, _FIGURES = 0.01, 6
+
+
+def crack_map_svg(stones: Assemblage, contacts: Contacts, opening: FloatArray, wall: str) -> str:
+    """Return an SVG of a wall's elevation with its joints as wide and as dark as they are open; "" where none is.
+
+    opening (ni,) m. The wall is drawn as it was, along its longest direction in plan; joints with other walls are among its own.
+    """
+    mine = np.flatnonzero((stones.panel == wall) & ~stones.fixed)
+    own = np.isin(contacts.blocks, mine)
+    cracked = np.flatnonzero(own.any(axis=1) & (opening > _SHUT * float(opening.max(initial=0.0))) & (opening > 0))
+    if not len(mine) or not len(cracked):
+        return ""
+    axis = _direction(stones.centroid[mine, :2])
+    seen, points = _seen(stones.points, axis), _seen(contacts.point, axis)
+    outlines = [_outline(seen[stones.block_point_ptr[i] : stones.block_point_ptr[i + 1]]) for i in mine]
+    lines = [_line(points[contacts.point_ptr[i] : contacts.point_ptr[i + 1]]) for i in cracked]
+    low, high = (edge(np.concatenate(outlines), axis=0) for edge in (np.min, np.max))
+    length, height = high - low
+    plot, (axes,) = new_plot(1, (7.6, float(np.clip(6.6 * height / max(length, 1e-9), 1.6, 7.0)) + 0.7))
+    _draw(plot, axes, outlines, lines, 1e3 * opening[cracked])
+    axes.set_aspect("equal")
+    axes.grid(visible=False)
+    axes.set_xlabel("m along the wall", fontsize=8)
+    axes.set_ylabel("height, m", fontsize=8)
+    return svg_of(plot)
+
+
+def _draw(plot: Any, axes: Any, outlines: list[FloatArray], lines: list[FloatArray], width: FloatArray) -> None:
+    """Draw stones and, above them, joints (k) open by width (k,) mm, the widest with their figures."""
+    from matplotlib.collections import LineCollection, PolyCollection
+    from matplotlib.colors import LinearSegmentedColormap
+
+    colour = LinearSegmentedColormap.from_list("opening", colours.SPEED_STOPS[1:])
+    axes.add_collection(PolyCollection(outlines, facecolor="#f6f3ec", edgecolor="#cfc8ba", lw=0.4))
+    order = np.argsort(width)
+    joints = LineCollection(
+        [lines[i] for i in order], array=width[order], cmap=colour, linewidths=1.0 + 4.0 * width[order] / width.max()
+    )
+    joints.set_clim(0.0, float(width.max()))
+    axes.add_collection(joints)
+    for i in _apart(order[::-1], lines):
+        axes.annotate(f"{width[i]:.3g}", lines[i].mean(axis=0), xytext=(3, 3), textcoords="offset points", fontsize=7)
+    axes.autoscale_view()
+    plot.colorbar(joints, ax=axes, label="opening, mm", shrink=0.7).ax.tick_params(labelsize=7)
+
+
+def _apart(order: IntArray, lines: list[FloatArray]) -> list[int]:
+    """Return some of the joints in this order, each a good way from those before."""
+    middle = np.array([line.mean(axis=0) for line in lines])
+    size, chosen = float(np.ptp(middle, axis=0).max()) if len(middle) else 0.0, list[int]()
+    for i in order.tolist():
+        if len(chosen) == _FIGURES:
+            break
+        if all(float(np.linalg.norm(middle[i] - middle[j])) > 0.12 * size for j in chosen):
+            chosen.append(i)
+    return chosen
+
+
+def _direction(plan: FloatArray) -> FloatArray:
+    """Return the unit vector (2,) in plan along which points (n, 2) reach furthest, towards +x or +y."""
+    spread = plan - plan.mean(axis=0)
+    axis = np.linalg.eigh(spread.T @ spread)[1][:, -1]
+    return axis * (1.0 if axis[np.argmax(np.abs(axis))] > 0 else -1.0)
+
+
+def _seen(points: FloatArray, axis: FloatArray) -> FloatArray:
+    """Return points (n, 3) on the elevation (n, 2): along an axis in plan, and up."""
+    return np.column_stack([points[:, :2] @ axis, points[:, 2]])
+
+
+def _outline(points: FloatArray) -> FloatArray:
+    """Return the convex outline (k, 2) of points (n, 2)."""
+    from scipy.spatial import ConvexHull
+
+    return points[ConvexHull(points).vertices]
+
+
+def _line(points: FloatArray) -> FloatArray:
+    """Return the two ends (2, 2) of the longest line between points (n, 2): a joint seen on edge."""
+    apart = np.linalg.norm(points[:, None] - points[None], axis=2)
+    return points[list(np.unravel_index(int(apart.argmax()), apart.shape))]

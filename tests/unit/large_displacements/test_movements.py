@@ -1,0 +1,137 @@
+"""Supports that move, in a case: settings, stage, record, report."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import churchpipe as cp
+from case_texts import case_file
+from churchpipe import compare, stages
+from churchpipe.config.plan import plan
+from churchpipe.errors import InputError
+from churchpipe.io.npz import read_npz, write_npz
+from churchpipe.io.tables import read_json
+from churchpipe.model.settlement import SettlementPath
+from churchpipe.report.movements import movements_shown
+from churchpipe.run_folder import read_run
+from solids import box, on_ground
+
+CASE = """
+[source]
+generator = "wall"
+length_m = 1.6
+brick_mm = [400, 250, 200]
+courses = 5
+[material.default]
+unit_weight_kN_m3 = 18
+friction = 0.6
+"""
+CORNER = 'name = "corner"\nwithin_mm = [[-100, -500], [500, 500]]\nfurthest_mm = 20\nstep_mm = 10\n'
+
+
+def read(tmp_path: Path, lines: str) -> cp.config.Case:
+    return cp.read_case(case_file(tmp_path, f"{CASE}[[movements]]\n{lines}"))
+
+
+def test_a_case_that_only_moves_a_support(tmp_path: Path) -> None:
+    case = read(tmp_path, CORNER)
+    assert case.loads == ()
+    todo = plan([case])
+    assert todo.index["movements"] == [{"name": "corner", "geometry": "base", "variant": None, "swept": {}}]
+    settings = todo.movements["corner"]
+    assert (settings["within"], settings["furthest"]) == (((-0.1, -0.5), (0.5, 0.5)), 0.02)
+    assert settings["direction"] == (0.0, 0.0, -1.0)
+    assert read(tmp_path, 'support = "wall"\n').movements[0].name == "wall"
+
+
+@pytest.mark.parametrize(
+    ("lines", "said"),
+    [
+        ("", "movements.0: one support is needed"),
+        ('support = "wall"\nwithin_mm = [[0, 0], [1, 1]]', "movements.0: one support is needed"),
+        ('support = "wall"\ndirection = [0, 0, 0]', "movements.0.direction: no direction"),
+        ('support = "wall"\nfurthest_deg = 2', "an angle of a support that moves along"),
+        ('support = "wall"\nabout_mm = [0, 0, 0]\nfurthest_mm = 2', "a length of a support that turns"),
+        ('support = "wall"\nstep_mm = 0', "movements.0.step_mm"),
+        ('suport = "wall"', 'Did you mean "support"?'),
+        ('support = "wall"\n[[movements]]\nsupport = "wall"', "two movements of one name"),
+    ],
+)
+def test_bad_keys(tmp_path: Path, lines: str, said: str) -> None:
+    with pytest.raises(InputError) as error:
+        read(tmp_path, lines)
+    assert said in str(error.value)
+
+
+def staged(tmp_path: Path, lines: str) -> Path:
+    """The folder of a run after the stage of its only movement."""
+    out = tmp_path / "run"
+    stages.configure(case_file(tmp_path, f"{CASE}[[movements]]\n{lines}"), out)
+    geometry, (name,) = out / "geometry" / "base", [entry["name"] for entry in read_run(out / "plan.json").index["movements"]]
+    stages.source(geometry / "settings.json", geometry / "building.json")
+    stages.blocks(geometry / "building.json", geometry / "assemblage.npz", geometry / "stones.dxf", geometry / "stones.vtu")
+    stages.contacts(geometry / "tolerances.json", geometry / "assemblage.npz", geometry / "contacts.npz")
+    folder = out / "movement" / name
+    made = [folder / file for file in ("assemblage.npz", "contacts.npz", "movement.npz", "movement.json")]
+    given = folder / "settings.json", geometry / "tolerances.json", geometry / "assemblage.npz", geometry / "contacts.npz"
+    stages.movement(*given, *made)
+    return out
+
+
+def test_the_stage_its_record_and_the_report(tmp_path: Path) -> None:
+    run = read_run(staged(tmp_path, CORNER) / "plan.json")
+    (record,) = run.movements()
+    assert (record["movement"], record["status"], record["ending"]) == ("corner", "converged", "unfinished")
+    assert record["movement_mm"][-1] == pytest.approx(20, abs=1e-6)
+    assert record["cracks"][0]["wall"] == "wall"
+    assert record["cracks"][0]["opening_mm"] == pytest.approx(20, rel=1e-3)
+    assert record["least_reaction_kN"] <= record["reaction_kN"][0]
+    assert run.movements("other") == []
+    (shown,) = movements_shown([(record, *run.moved("corner"))])
+    assert shown.sentence.endswith("at 20 mm it was not followed further.")
+    assert [words for words, _ in shown.maps] == ["wall, movement 9.96 mm", "wall, movement 20 mm"]
+    assert all(drawing.startswith("<svg") for _, drawing in shown.maps)
+    assert shown.rows[0][0] == "wall"
+    summary = {"analyses": [], "movements": [record]}
+    assert compare.bad_news(summary) == []
+    assert compare.bad_news({"analyses": [], "movements": [record | {"status": "unstable"}]})
+
+
+def test_a_support_that_turns(tmp_path: Path) -> None:
+    lines = 'name = "tilt"\nsupport = "ground"\ndirection = [1, 0, 0]\nabout_mm = [0, 125, 0]\nfurthest_deg = 3\nstep_mm = 20\n'
+    (record,) = read_run(staged(tmp_path, lines) / "plan.json").movements()
+    assert record["turns"]
+    assert record["movement_deg"][-1] == pytest.approx(3, abs=1e-6)
+    assert "least_reaction_kNm" in record
+
+
+@pytest.mark.parametrize(
+    ("lines", "said"),
+    [
+        ('support = "nave"\n', "movements, nave: support: no wall or stone of this name on the ground; found nave"),
+        ("within_mm = [[9000, 0], [9500, 100]]\n", "movements, rectangle: support: nothing stands on the ground there"),
+    ],
+)
+def test_supports_that_are_not_there(tmp_path: Path, lines: str, said: str) -> None:
+    with pytest.raises(InputError) as error:
+        staged(tmp_path, lines)
+    assert said in str(error.value)
+
+
+def test_what_cannot_be_moved_is_said() -> None:
+    none, nowhere = np.zeros(0), np.zeros((0, 2, 3))
+    path = SettlementPath(none, none, none, nowhere, nowhere, none, none, none, none, none, np.nan, "unstable", (), "it falls")
+    stones = on_ground(box((0, 1), (0, 1), (0, 1)))
+    (shown,) = movements_shown([({"movement": "a"}, stones, cp.find_contacts(stones), path)])
+    assert shown.sentence == "It could not be moved: it falls."
+
+
+def test_the_artifact_comes_back(tmp_path: Path) -> None:
+    out = staged(tmp_path, CORNER)
+    path = read_npz(out / "movement" / "corner" / "movement.npz", SettlementPath)
+    write_npz(tmp_path / "again.npz", path)
+    again = read_npz(tmp_path / "again.npz", SettlementPath)
+    assert again.status == path.status
+    assert np.array_equal(again.rotation, path.rotation)
+    assert read_json(out / "plan.json")["analyses"] == []
