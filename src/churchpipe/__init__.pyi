@@ -6,6 +6,10 @@ from .errors import InputError as InputError
 from .geometry.repair import repair_polyhedra as repair_polyhedra
 from .homogenised_shell.limit import shell_limit_analysis as shell_limit_analysis
 from .homogenised_shell.pushover import pushover as pushover
+from .io.exchange import load as load
+from .io.exchange import save as save
+from .io.exchange import to_meshio as to_meshio
+from .io.exchange import to_pandas as to_pandas
 from .large_displacements.pushover import block_pushover as block_pushover
 from .large_displacements.settlement import settlement_analysis as settlement_analysis
 from .large_displacements.settlement_path import settlement_path as settlement_path
@@ -42,6 +46,8 @@ from .model.tie_bars import TieBar as TieBar
 from .model.tie_bars import WallPlace as WallPlace
 from .model.ties import Anchor as Anchor
 from .model.ties import Tie as Tie
+from .notebook import plot as plot
+from .notebook import show as show
 from .recognition.laying import lay_stones as lay_stones
 from .rigid_blocks.limit import limit_analysis as limit_analysis
 from .rigid_blocks.ranking import RankedTie as RankedTie

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-EXTRAS = ("gmsh", "jinja2", "matplotlib", "meshio", "PIL", "pyvista", "vtk", "vtkmodules", "snakemake", "weasyprint")
+EXTRAS = ("gmsh", "jinja2", "matplotlib", "meshio", "pandas", "PIL", "pyvista", "vtk", "vtkmodules", "snakemake", "weasyprint")
 BLOCKED = f"import sys\nsys.modules |= dict.fromkeys({EXTRAS})\nimport churchpipe as cp\n"
 CORE = """
 from churchpipe import cli, engine, stages

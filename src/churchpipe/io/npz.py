@@ -117,22 +117,39 @@ def read_if_made(path: str | Path, kind: type[Artifact]) -> Artifact | Absent:
     ------
     InputError: not such a file, or one of another version.
     """
-    expected = f'a file "{SCHEMAS[kind]}"'
+    return _read(path, {SCHEMAS[known]: known for known in (kind, Absent)})
+
+
+def read_any(path: str | Path) -> Any:
+    """Read an artifact of whatever type.
+
+    Raises
+    ------
+    InputError: not such a file, one of another version, or one that could not be made.
+    """
+    found = _read(path, {schema: kind for kind, schema in SCHEMAS.items()})
+    if isinstance(found, Absent):
+        raise InputError(str(path), "could not be made", found=found.reason)
+    return found
+
+
+def _read(path: str | Path, kinds: dict[str, type]) -> Any:
+    """Read an artifact of one of the types, by their schemas."""
+    wanted = next(iter(kinds)) if len(kinds) <= 2 else "churchpipe ..."
+    expected = f'a file "{wanted}"'
     try:
         with np.load(path, allow_pickle=False) as file:
             stored: dict[str, Any] = {name: file[name] for name in file.files}
         schema = str(stored.pop("schema", "no schema"))
-        if schema in (SCHEMAS[kind], SCHEMAS[Absent]):
-            return _made(Absent if schema == SCHEMAS[Absent] else kind, stored)
+        if schema in kinds:
+            return _made(kinds[schema], stored)
     except OSError as error:
         raise InputError(str(path), "cannot be read", found=error.strerror or error, expected=expected) from error
     except DAMAGE as error:
         # What NumPy says of a damaged file advises to unpickle it.
         problem, remedy = "damaged, or not a file of churchpipe", "Delete the file and run the case again."
         raise InputError(str(path), problem, found=type(error).__name__, expected=expected, remedy=remedy) from error
-    raise InputError(
-        str(path), "another schema", found=schema, expected=SCHEMAS[kind], remedy="Delete the file and run the case again."
-    )
+    raise InputError(str(path), "another schema", found=schema, expected=wanted, remedy="Delete the file and run the case again.")
 
 
 def _made(kind: type[Any], stored: dict[str, Any]) -> Any:

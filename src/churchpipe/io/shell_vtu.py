@@ -62,6 +62,11 @@ def write_shell_msh(path: str | Path, shell: ShellModel) -> None:
         meshio.gmsh.write(part, mesh, fmt_version="2.2", binary=True)
 
 
+def shell_mesh(shell: ShellModel) -> Any:
+    """Return the facets as triangles of a `meshio.Mesh`, with the data of `write_shell_vtu`."""
+    return _mesh(shell, *_data(shell))
+
+
 def _data(shell: ShellModel) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return point data and cell data."""
     cell_data: dict[str, Any] = {

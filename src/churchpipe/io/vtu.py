@@ -13,7 +13,14 @@ from churchpipe.model.assemblage import Assemblage
 
 
 def write_vtu(path: str | Path, stones: Assemblage, velocities: npt.ArrayLike | None = None) -> None:
-    """Write the stones as polyhedral cells.
+    """Write the stones as polyhedral cells, with the data of `stones_mesh`."""
+    mesh = stones_mesh(stones, velocities)
+    with replacing(path) as part:
+        mesh.write(part, file_format="vtu")
+
+
+def stones_mesh(stones: Assemblage, velocities: npt.ArrayLike | None = None) -> Any:
+    """Return the stones as polyhedral cells of a `meshio.Mesh`.
 
     Cell data: `stone` (index), `fixed`, `course`, `panel` and `material` (numbers in alphabetical order of the names),
     `unit_weight` N/m3. velocities (nb, 6): point data `velocity` (warp by it to see the mechanism), cell data `speed` of the
@@ -39,14 +46,12 @@ def write_vtu(path: str | Path, stones: Assemblage, velocities: npt.ArrayLike | 
         cell_data["speed"] = np.linalg.norm(motion[:, :3], axis=1)
     blocks, order = _cells(stones)
     split = np.cumsum([len(cells) for _, cells in blocks])[:-1]
-    mesh = meshio.Mesh(
+    return meshio.Mesh(
         stones.points,
         blocks,
         point_data=point_data,
         cell_data={name: [*np.split(values[order], split)] for name, values in cell_data.items()},
     )
-    with replacing(path) as part:
-        mesh.write(part, file_format="vtu")
 
 
 def _cells(stones: Assemblage) -> tuple[list[Any], IntArray]:

@@ -24,6 +24,7 @@ from churchpipe.model.arrays import (
     rows_of,
     store,
 )
+from churchpipe.model.card import card
 from churchpipe.model.polyhedra import FLATNESS, LEAST_WARP, face_normals, solid_properties
 from churchpipe.model.surfaces import DOUBLED, SurfaceFault, coincident, surface_fault, weld
 
@@ -168,6 +169,15 @@ class Assemblage:
             fixed=fixed_flags,
             block_id=_ids(block_id, count),
         )
+
+    def _repr_html_(self) -> str:
+        rows = {
+            "stones": self.count - int(self.fixed.sum()),
+            "fixed": int(self.fixed.sum()),
+            "weight, kN": float(self.weight.sum()) / 1e3,
+            "macro-elements": ", ".join(sorted({str(name) for name in self.panel[~self.fixed]} - {""})),
+        }
+        return card("Assemblage", rows)
 
 
 def assemble(

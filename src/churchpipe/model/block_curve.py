@@ -8,6 +8,7 @@ import numpy as np
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import one_of
 from churchpipe.model.arrays import FloatArray, IntArray, floats, indices, rows_of, store
+from churchpipe.model.card import card
 
 CurveStatus = Literal["vanished", "collapsed", "unfinished", "not-converged", "unstable", "unbounded", "failed"]
 CURVE_STATUSES = ("vanished", "collapsed", "unfinished", "not-converged", "unstable", "unbounded", "failed")
@@ -89,3 +90,7 @@ class BlockCapacityCurve:
     def initial(self) -> float:
         """The load factor that starts the motion, NaN where nothing was found."""
         return float(self.load_factor[0]) if len(self.load_factor) else float("nan")
+
+    def _repr_html_(self) -> str:
+        rows = {"first load factor": self.initial, "d0, m": self.d0, "status": self.status, "steps": len(self.load_factor)}
+        return card("Capacity curve of the stones", rows)

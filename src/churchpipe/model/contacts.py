@@ -8,6 +8,7 @@ from churchpipe.errors import InputError
 from churchpipe.model.arguments import check_kind, finite
 from churchpipe.model.arrays import FloatArray, IntArray, NameArray, floats, indices, names, pointers, rows_of, store
 from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.card import card
 
 # A contact point lies in the box of both its stones, or beyond it by this share of their diagonals at most.
 _SLACK = 0.05
@@ -133,6 +134,11 @@ class Contacts:
     def points_per_interface(self) -> IntArray:
         """Number of contact points of each interface (ni,)."""
         return np.diff(self.point_ptr)
+
+    def _repr_html_(self) -> str:
+        counts = {str(kind): int((self.kind == kind).sum()) for kind in KINDS}
+        rows = {"interfaces": len(self.blocks), "contact points": len(self.point), **{kind: n for kind, n in counts.items() if n}}
+        return card("Contacts", {**rows, "near misses": len(self.near_misses)})
 
 
 def check_contacts_of(stones: Assemblage, contacts: Contacts) -> None:

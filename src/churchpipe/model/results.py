@@ -8,6 +8,7 @@ import numpy as np
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import one_of
 from churchpipe.model.arrays import FloatArray, floats, store
+from churchpipe.model.card import card
 
 Status = Literal["optimal", "converged", "not-converged", "unstable", "unbounded", "failed"]
 
@@ -91,6 +92,14 @@ class LimitState:
             tie_sensitivity=floats("LimitState.tie_sensitivity", self.tie_sensitivity, (len(self.tie_forces),), finite=False),
         )
 
+    def _repr_html_(self) -> str:
+        rows: dict[str, object] = {"load factor": self.load_factor, "status": self.status, "flow rule": self.flow}
+        if self.flow == "associative":
+            rows |= {"lower bound": self.lower_bound, "upper bound": self.upper_bound}
+        else:
+            rows |= {"interval": "{:.4f} to {:.4f}".format(*self.interval), "gap": self.gap}
+        return card("Limit analysis of rigid blocks", rows | ({"message": self.message} if self.message else {}))
+
 
 @dataclass(frozen=True, slots=True)
 class ShellLimitState:
@@ -128,6 +137,10 @@ class ShellLimitState:
             edge_rotation=floats("ShellLimitState.edge_rotation", self.edge_rotation, (None,), finite=False),
             plastic=floats("ShellLimitState.plastic", self.plastic, (None, 6), finite=False),
         )
+
+    def _repr_html_(self) -> str:
+        rows = {"load factor": self.load_factor, "status": self.status}
+        return card("Limit analysis of the shell", {**rows, "lower bound": self.lower_bound, "upper bound": self.upper_bound})
 
 
 @dataclass(frozen=True, slots=True)
@@ -191,3 +204,7 @@ class CapacityCurve:
     def plateau(self) -> float:
         """The largest load factor reached."""
         return float(self.load_factor.max(initial=0.0))
+
+    def _repr_html_(self) -> str:
+        rows = {"plateau": self.plateau, "status": self.status, "steps": len(self.load_factor)}
+        return card("Capacity curve of the shell", rows)

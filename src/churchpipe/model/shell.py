@@ -6,6 +6,7 @@ import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, NameArray, flags, floats, indices, names, rows_of, store
+from churchpipe.model.card import card
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,3 +106,11 @@ class ShellModel:
     def weight(self) -> FloatArray:
         """Weight of each facet (nt,), N."""
         return self.area * self.surface_weight
+
+    def _repr_html_(self) -> str:
+        rows = {
+            "facets": len(self.triangles),
+            "nodes": len(self.points),
+            "macro-elements": ", ".join(map(str, np.unique(self.panel))),
+        }
+        return card("Homogenised shell", rows)

@@ -1,0 +1,97 @@
+"""Pictures and diagrams for notebooks."""
+
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from churchpipe.errors import Extra, InputError
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.block_curve import BlockCapacityCurve
+from churchpipe.model.results import CapacityCurve, LimitState, ShellLimitState
+from churchpipe.model.shell import ShellModel
+
+
+def plot(curve: CapacityCurve | BlockCapacityCurve) -> Any:
+    """Return the diagram of a capacity curve, load factor against displacement, as a matplotlib figure.
+
+    Parameters
+    ----------
+    curve
+        Of the shell, from `pushover`, or of the stones, from `block_pushover`.
+
+    Raises
+    ------
+    InputError
+        Not a curve, or one without steps; a package of `churchpipe[all]` is missing.
+    """
+    if not isinstance(curve, CapacityCurve | BlockCapacityCurve):
+        raise InputError("plot: curve", "not a capacity curve", found=type(curve).__name__, expected="of stones or of a shell")
+    with Extra("a diagram"):
+        from churchpipe.report.plots import new_plot
+
+        figure, (axes,) = new_plot(1, (6.4, 3.4))
+    if not len(curve.load_factor):
+        raise InputError("plot: curve", "a curve without steps", found=curve.status, expected="at least one step")
+    place = curve.control if isinstance(curve, CapacityCurve) else curve.displacement
+    axes.plot(1e3 * place, curve.load_factor, "-o", ms=3, lw=1.4)
+    axes.set_xlabel("displacement along the load, mm")
+    axes.set_ylabel("load factor")
+    axes.set_ylim(bottom=0)
+    return figure
+
+
+def show(model: Assemblage | ShellModel, state: LimitState | ShellLimitState | CapacityCurve | None = None) -> Any:
+    """Return a picture of a model, or of its mechanism, that a notebook shows.
+
+    Parameters
+    ----------
+    model
+        The stones or the shell.
+    state
+        A result of the same model: stones are displaced and coloured by their speed, a shell by its plastic strain. None: the
+        model as it stands.
+
+    Returns
+    -------
+    PIL.Image.Image
+        The picture; its own `show` opens it in a window.
+
+    Raises
+    ------
+    InputError
+        A result of another kind or of another model; a package of `churchpipe[all]` is missing.
+    """
+    with Extra("a picture"):
+        from PIL import Image
+
+        from churchpipe.report.figures import mechanism_picture
+        from churchpipe.report.shell_picture import shell_picture
+        from churchpipe.report.shell_view import motion_of
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "picture.png"
+        if isinstance(model, Assemblage):
+            velocities = None if state is None else _velocities(state, model)
+            mechanism_picture(model, velocities, path)
+        elif isinstance(model, ShellModel):
+            still = np.zeros((len(model.points), 3)), np.zeros((len(model.triangles), 6))
+            motion, plastic = still if state is None else (motion_of(_of_shell(state, model)), np.nan_to_num(state.plastic))
+            shell_picture(model, motion, plastic, path, np.array([0.55, -0.75, 0.4]) / np.linalg.norm([0.55, -0.75, 0.4]))
+        else:
+            raise InputError("show: model", "no picture of this", found=type(model).__name__, expected="stones or a shell")
+        with Image.open(path) as picture:
+            return picture.convert("RGB")
+
+
+def _velocities(state: object, stones: Assemblage) -> Any:
+    if not isinstance(state, LimitState) or len(state.velocities) != stones.count:
+        raise InputError("show: state", "not a result of these stones", found=type(state).__name__, expected="their LimitState")
+    return np.nan_to_num(state.velocities)
+
+
+def _of_shell(state: object, shell: ShellModel) -> Any:
+    motion = getattr(state, "velocities" if isinstance(state, ShellLimitState) else "displacement", ())
+    if not isinstance(state, ShellLimitState | CapacityCurve) or len(motion) != len(shell.points):
+        raise InputError("show: state", "not a result of this shell", found=type(state).__name__, expected="a result of it")
+    return state

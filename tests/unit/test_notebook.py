@@ -1,0 +1,88 @@
+"""Models and results in a notebook: tables, pictures, diagrams, files."""
+
+import io
+from dataclasses import fields, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import churchpipe as cp
+from churchpipe.errors import InputError
+from solids import box, on_ground
+
+STONES = on_ground(box((0, 1), (0, 1), (0, 2)), box((0, 1), (0, 1), (2, 3)), unit_weight=2e4, reach=3)
+CONTACTS = cp.find_contacts(STONES)
+STATE = cp.limit_analysis(STONES, CONTACTS, cp.LoadCase((1, 0, 0)), friction=0.7)
+BUILDING = cp.read_case(Path(__file__).parents[2] / "pipeline" / "cases" / "wall.toml").building()
+
+
+def same(one: object, other: object) -> bool:
+    pairs = [(getattr(one, field.name), getattr(other, field.name)) for field in fields(one)]
+    return all(np.array_equal(a, b, equal_nan=a.dtype.kind == "f") for a, b in pairs if isinstance(a, np.ndarray))
+
+
+def test_models_and_results_show_themselves() -> None:
+    assert "<td>2</td>" in STONES._repr_html_()
+    assert "interfaces" in CONTACTS._repr_html_()
+    html = STATE._repr_html_()
+    assert f"{STATE.load_factor:.6g}" in html
+    assert "optimal" in html
+    evil = replace(STONES, panel=np.array(["ground", "<script>", "b"]))
+    assert "<script>" not in evil._repr_html_()
+    assert "&lt;script&gt;" in evil._repr_html_()
+
+
+@pytest.mark.parametrize("value", [STONES, CONTACTS, STATE], ids=lambda value: type(value).__name__)
+def test_what_is_saved_is_loaded(value: object, tmp_path: Path) -> None:
+    cp.save(value, tmp_path / "value.npz")
+    found = cp.load(tmp_path / "value.npz")
+    assert type(found) is type(value)
+    assert same(value, found)
+
+
+def test_what_cannot_be_saved_or_loaded_is_named(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="save: value: not a model or a result; found dict; expected Assemblage"):
+        cp.save({}, tmp_path / "value.npz")
+    with pytest.raises(InputError, match="another ending"):
+        cp.save(STONES, tmp_path / "value.pkl")
+    (tmp_path / "value.npz").write_bytes(b"no archive")
+    with pytest.raises(InputError, match="damaged, or not a file of churchpipe"):
+        cp.load(tmp_path / "value.npz")
+
+
+def test_tables_have_a_row_a_stone_and_an_interface() -> None:
+    table = cp.to_pandas(STONES)
+    assert table["weight"].sum() == pytest.approx(6e4)
+    assert table.loc[~table["fixed"], "z"].tolist() == pytest.approx([1.0, 2.5])
+    assert len(cp.to_pandas(CONTACTS)) == len(CONTACTS.blocks)
+    with pytest.raises(InputError, match="no table of this"):
+        cp.to_pandas(STATE)
+
+
+def test_meshes_have_a_cell_a_stone_and_a_facet() -> None:
+    mesh = cp.to_meshio(STONES)
+    assert sum(len(block.data) for block in mesh.cells) == STONES.count
+    shell = cp.derive_shell(BUILDING, element_size=0.5)
+    assert len(cp.to_meshio(shell).cells[0].data) == len(shell.triangles)
+    with pytest.raises(InputError, match="no mesh of this"):
+        cp.to_meshio(CONTACTS)
+
+
+def test_pictures_of_a_model_and_of_its_mechanism_differ() -> None:
+    still, moved = np.asarray(cp.show(STONES)), np.asarray(cp.show(STONES, STATE))
+    assert np.ptp(still) > 100
+    assert (np.abs(np.subtract(still, moved, dtype=np.int16)) > 20).mean() > 0.01
+    other = on_ground(box((0, 1), (0, 1), (0, 2)), unit_weight=2e4, reach=3)
+    with pytest.raises(InputError, match="not a result of these stones"):
+        cp.show(other, STATE)
+
+
+def test_a_curve_is_drawn() -> None:
+    curve = cp.block_pushover(STONES, CONTACTS, cp.LoadCase((1, 0, 0)), friction=0.7, step=0.1)
+    figure = cp.plot(curve)
+    [line] = figure.axes[0].lines
+    assert line.get_xdata() == pytest.approx(1e3 * curve.displacement)
+    figure.savefig(io.BytesIO())
+    with pytest.raises(InputError, match="not a capacity curve"):
+        cp.plot(STATE)
