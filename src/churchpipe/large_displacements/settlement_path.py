@@ -44,18 +44,26 @@ def settlement_path(
 
     Parameters
     ----------
-    support, direction, friction, about, dead: as in `settlement_analysis`.
-    step: m, the largest displacement of a step; None: a tenth of the thinnest side of the stones.
-    steps, furthest: where to stop, after so many steps or a movement so large, m, or rad of one about an axis.
-    progress: called with a text and the share done.
+    stones, contacts, support, direction, friction, about, dead, solver
+        As in `settlement_analysis`.
+    step
+        Largest displacement of a step, m; None: a tenth of the thinnest side of the stones.
+    steps
+        Where to stop, after so many steps.
+    furthest
+        Where to stop, at a movement so large, m, or rad of one about an axis.
+    progress
+        Called with a text and the share done.
 
     Returns
     -------
-    SettlementPath: status "unstable", "unbounded" or "failed", with no steps, where the support cannot be moved.
+    SettlementPath
+        Status "unstable", "unbounded" or "failed", with no steps, where the support cannot be moved.
 
     Raises
     ------
-    InputError: arguments out of range, a support that is not there, not fixed or bears nothing.
+    InputError
+        Arguments out of range, a support that is not there, not fixed or bears nothing.
     """
     begin = perf_counter()
     whole("settlement_path: steps", steps, least=1)
