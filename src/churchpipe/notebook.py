@@ -75,8 +75,10 @@ def show(model: Assemblage | ShellModel, state: LimitState | ShellLimitState | C
             velocities = None if state is None else _velocities(state, model)
             mechanism_picture(model, velocities, path)
         elif isinstance(model, ShellModel):
-            still = np.zeros((len(model.points), 3)), np.zeros((len(model.triangles), 6))
-            motion, plastic = still if state is None else (motion_of(_of_shell(state, model)), np.nan_to_num(state.plastic))
+            motion, plastic = np.zeros((len(model.points), 3)), np.zeros((len(model.triangles), 6))
+            if state is not None:
+                found = _of_shell(state, model)
+                motion, plastic = motion_of(found), np.nan_to_num(found.plastic)
             shell_picture(model, motion, plastic, path, np.array([0.55, -0.75, 0.4]) / np.linalg.norm([0.55, -0.75, 0.4]))
         else:
             raise InputError("show: model", "no picture of this", found=type(model).__name__, expected="stones or a shell")
