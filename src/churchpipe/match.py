@@ -24,8 +24,13 @@ UNCOVERED = 0.001
 SUPPORTED = 0.02
 MEAN_ANGLE = 3.0
 LOADS = 1e-9
+# Facets of curved walls and vaults carry stones that reach beyond their own edges on one face and less far on the other: their
+# volume over area differs from the thickness by less than this share; where walls overlap at junctions, by more.
+CURVED = 0.1
 # A stone whose bed differs by more than this (degrees) is turned; part of the stones' volume that may be.
 TURNED, TURNED_SHARE = 20.0, 0.001
+# Facets within one stone whose normals differ by more than this (degrees) make it a stone that turns a corner.
+CORNER = 5.0
 # A joint crosses the line through a voussoir where the sine of their angle is at least this.
 LEAST_CROSSING = 0.4
 # Tells a normal from its opposite: no wall of a drawing lies along it.
@@ -187,7 +192,8 @@ def _facets_of(stones: Assemblage, shell: ShellModel, free: IntArray) -> tuple[I
 def _thickness(stones: Assemblage, shell: ShellModel, facet: IntArray) -> Figure:
     """Compare each stone's volume over the mean area of its front and back with the facet's thickness; means by volume.
 
-    A stone that lies off the mid-surface is one of two side by side: it reaches from there to the face of the wall.
+    A stone that lies off the mid-surface is one of two side by side: it reaches from there to the face of the wall. Stones that
+    turn a corner are left out.
     """
     found = np.flatnonzero(facet >= 0)
     if not len(found):
@@ -203,8 +209,28 @@ def _thickness(stones: Assemblage, shell: ShellModel, facet: IntArray) -> Figure
     corner = shell.points[shell.triangles[facet[found], 0]]
     off = np.abs(np.einsum("sc,sc->s", stones.centroid[found] - corner, shell.axes[facet[found], 2]))
     extent = np.where(off > thickness / 8, extent + 2 * off, extent)
+    odd = np.flatnonzero(np.abs(extent / thickness - 1) > THICKNESS)
+    measured = np.ones(len(found), dtype=np.bool_)
+    measured[odd[_turns_a_corner(stones, shell, found[odd])]] = False
+    if measured.any():
+        weight = np.where(measured, weight, 0.0) / weight[measured].sum()
     apart = float(weight @ np.minimum(np.abs(extent / thickness - 1), 1.0))
     return Figure("thickness", float(weight @ extent), float(weight @ thickness), "m", apart, THICKNESS)
+
+
+def _turns_a_corner(stones: Assemblage, shell: ShellModel, chosen: IntArray) -> BoolArray:
+    """Return which stones (n,) turn a corner of a vault: facets of their panel within their box look in directions apart.
+
+    Front and back of such a stone lie in several planes, so its volume over their area is no thickness.
+    """
+    middle = shell.points[shell.triangles].mean(axis=1)
+    out = np.zeros(len(chosen), dtype=np.bool_)
+    for place, stone in enumerate(chosen.tolist()):
+        corner = stones.points[slice(*stones.block_point_ptr[stone : stone + 2])]
+        inside = ((middle > corner.min(axis=0)) & (middle < corner.max(axis=0))).all(axis=1) & shell.yields
+        normal = shell.axes[inside & (shell.panel == stones.panel[stone]), 2]
+        out[place] = len(normal) > 0 and float(np.abs(normal @ normal.T).min()) < np.cos(np.radians(CORNER))
+    return out
 
 
 def _openings(stones: Assemblage, shell: ShellModel, facet: IntArray, outside: FloatArray) -> tuple[Figure, Figure]:
@@ -231,7 +257,10 @@ def _supported_area(stones: Assemblage, contacts: Contacts, shell: ShellModel, c
     ends, facet = boundary_edges(shell)
     on_base = shell.supported[ends].all(axis=1)
     length = np.linalg.norm(shell.points[ends[:, 1]] - shell.points[ends[:, 0]], axis=1)
-    return _relative("supported length x thickness", on_stones, float((length * carried[facet])[on_base].sum()), "m2", SUPPORTED)
+    # What curved facets carry differs from their thickness by some per cent, which is no overlap: see `CURVED`.
+    thickness = shell.thickness[facet]
+    bearing = np.where(np.abs(carried[facet] / thickness - 1) < CURVED, thickness, carried[facet])
+    return _relative("supported length x thickness", on_stones, float((length * bearing)[on_base].sum()), "m2", SUPPORTED)
 
 
 def boundary_edges(shell: ShellModel) -> tuple[IntArray, IntArray]:

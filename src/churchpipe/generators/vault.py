@@ -186,22 +186,26 @@ def _barrel(p: VaultParameters, material: str) -> list[Vault]:
     side = Side(np.zeros(2), np.array([1.0, 0.0]), np.array([0.0, 1.0]))
     stagger = p.heads == "staggered"
     lay = partial(add_barrel, side=side, span=(0.0, p.length), stone_length=p.stone_length, stagger=stagger)
-    courses = Courses()
-    below = _below(p)
-    for part, sections in below:
+    courses, rings, filled, under = Courses(), Courses(), Courses(), Courses()
+    for part, sections in _below(p):
         for suffix, mirrored in (("right", sections), ("left", [section.mirrored for section in sections])):
-            lay(courses, mirrored, part=f"{part}_{suffix}")
+            lay(filled if part == "backing" else courses, mirrored, part=f"{part}_{suffix}")
     profile = p.profile
     if p.laid == "courses":
         lay(courses, profile.whole.sections, part="vault", numbers=profile.voussoir)
-    _transverse(p, courses, side)
-    found = [courses.vault("vault", material)] if courses.runs else []
-    if p.laid == "rings":
-        rings = Courses()
+    else:
         cuts = np.linspace(0.0, p.length, max(1, round(p.length / p.stone_length)) + 1)
         add_arches(rings, profile.halved.sections, side, cuts, part="vault", stagger=stagger)
-        found.append(rings.vault("rings", material, beds="section"))
-    return found
+    _transverse(p, under, side)
+    found = _collected(material, courses, filled, under)
+    return [*found, rings.vault("rings", material, beds="section")] if rings.runs else found
+
+
+def _collected(material: str, courses: Courses, filled: Courses, under: Courses) -> list[Vault]:
+    """Return a vault with what it stands on, the masonry on its haunches, and the arches below or before it."""
+    found = [courses.vault("vault", material)] if courses.runs else []
+    found += [filled.vault("backing", material, surface=False)] if filled.runs else []
+    return [*found, under.vault("arches", material, surface=False)] if under.runs else found
 
 
 def _below(p: VaultParameters) -> list[tuple[str, list[Section]]]:
@@ -280,19 +284,19 @@ def _groin(p: VaultParameters, material: str) -> list[Vault]:
         corner=p.corner,
         stagger=stagger,
     )
-    courses = Courses()
+    courses, filled, under = Courses(), Courses(), Courses()
     for part, sections in [*_below(p), ("vault", to_middle(p.profile.half))]:
         named = "pier" if part == "wall" else part
         webs = sections, [section.stretched(ratio) for section in sections]
-        lay(courses, webs, borders=(border * ratio, border), part=named, key=part == "vault")
+        lay(filled if part == "backing" else courses, webs, borders=(border * ratio, border), part=named, key=part == "vault")
     if p.arch_width is not None:
         # As deep as vault and arch together: it stands before the end of the web.
         joints = p.profile.half.joints.copy()
         joints[:, 0] = _under(joints, p).joints[:, 0]
         arch = to_middle(Directrix(joints))
         ends = arch, [section.stretched(ratio) for section in arch]
-        add_wall_arches(courses, ends, centre=(0.0, 0.0), borders=(border * ratio, border), width=p.arch_width, part="arch")
-    return [courses.vault("vault", material)]
+        add_wall_arches(under, ends, centre=(0.0, 0.0), borders=(border * ratio, border), width=p.arch_width, part="arch")
+    return _collected(material, courses, filled, under)
 
 
 def _cloister(p: VaultParameters, material: str) -> list[Vault]:
@@ -305,7 +309,7 @@ def _cloister(p: VaultParameters, material: str) -> list[Vault]:
         corner=p.corner,
         stagger=p.heads == "staggered",
     )
-    courses = Courses()
+    courses, filled = Courses(), Courses()
     for part, sections in [*_below(p), ("vault", to_middle(p.profile.half))]:
-        lay(courses, sections, part=part, key=part == "vault")
-    return [courses.vault("vault", material)]
+        lay(filled if part == "backing" else courses, sections, part=part, key=part == "vault")
+    return _collected(material, courses, filled, Courses())

@@ -124,18 +124,21 @@ class Vault:
     """A vault, a dome or a part of one: courses that fit on one another because they share joints, sides and mitres.
 
     beds: what the continuous joints follow, the "path", or the "section" where rings of voussoirs stand side by side. A ring's
-    width is the `length` of its runs.
+    width is the `length` of its runs. surface: whether it has a mid-surface; masonry on the haunches and arches below a vault
+    have none, and the shell refuses them.
     """
 
     name: str
     runs: tuple[Run, ...]
     material: str = "default"
     beds: Literal["path", "section"] = "path"
+    surface: bool = True
 
     def __post_init__(self) -> None:
         where = f"Vault {text('Vault.name', self.name)}"
         one_of(f"{where}.beds", self.beds, "path", "section")
         text(f"{where}.material", self.material)
+        check_kind(f"{where}.surface", self.surface, bool)
         store(self, runs=tuple(listed(f"{where}.runs", self.runs, Run)))
         if not self.runs:
             raise InputError(f"{where}.runs", "no course", expected="at least one")

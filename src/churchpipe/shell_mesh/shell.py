@@ -21,6 +21,7 @@ from churchpipe.shell_mesh.midplanes import MidSurface, mid_surfaces
 from churchpipe.shell_mesh.self_weight import weight_factors
 from churchpipe.shell_mesh.subdivision import Subdivision, subdivide
 from churchpipe.shell_mesh.triangulation import Mesh, signed_areas, triangulated
+from churchpipe.shell_mesh.vault_facets import vault_facets
 
 # Share of a mid-surface that its mesh may miss, for rounding only.
 AREA_TOLERANCE = 1e-6
@@ -52,9 +53,11 @@ def derive_shell(building: Building, element_size: float, sizes: Mapping[str, fl
         stack bond that yields.
     """
     check_kind("derive_shell: building", building, Building, "read_case(...).building() makes one.")
-    if not building.panels:
-        raise InputError(f"building {building.name}", "no walls", found=0, expected="at least one panel")
+    if not building.panels and not building.vaults:
+        raise InputError(f"building {building.name}", "no walls", found=0, expected="at least one panel or vault")
     check_count(building)
+    if building.vaults:
+        return _vault_shell(building, element_size)
     _check_bonds(building)
     lengths = _sizes(building, element_size, sizes or {})
     surfaces = mid_surfaces(building.panels)
@@ -90,6 +93,46 @@ def derive_shell(building: Building, element_size: float, sizes: Mapping[str, fl
     return shell
 
 
+def _vault_shell(building: Building, element_size: float) -> ShellModel:
+    """Return the mid-surfaces of vaults, and of the walls that are laid with them."""
+    if building.panels:
+        raise InputError(
+            f"building {building.name}",
+            "no shell of vaults on walls with panels of their own",
+            found=", ".join(building.macro_elements),
+            expected='the walls of generator = "vault" or "dome"',
+            remedy="Rigid blocks take both together.",
+        )
+    size = finite("element size", element_size)
+    if not size > NODE_TOLERANCE * 10:
+        raise InputError("element size", "out of range", found=size, expected="> 0 m")
+    # The area of the mid-surfaces is about the volume over the thickness.
+    count = sum(4 * run.volume.sum() * run.section.height / run.section.area for v in building.vaults for run in v.runs) / size**2
+    _check_elements(count, size)
+    facets = vault_facets(building.vaults, size)
+    label = clusters(facets.corner.reshape(-1, 3))
+    points = facets.corner.reshape(-1, 3)[np.unique(label, return_index=True)[1]]
+    unit_cells, cell = np.unique(np.round(facets.cell, 12), axis=0, return_inverse=True)
+    weights = {name: material.unit_weight for name, material in by_name(building.materials).items()}
+    sides = facets.corner[:, 1:] - facets.corner[:, :1]
+    area = 0.5 * np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
+    shell = ShellModel(
+        points=points,
+        triangles=label.reshape(-1, 3),
+        axes=facets.axes,
+        thickness=facets.thickness,
+        surface_weight=np.array([weights[name] for name in facets.material.tolist()]) * facets.volume / area,
+        cell=cell.ravel(),
+        unit_cells=unit_cells,
+        material=facets.material,
+        panel=facets.panel,
+        yields=facets.yields,
+        supported=_supported(building, points),
+    )
+    _check_resting(shell)
+    return shell
+
+
 def _sizes(building: Building, element_size: float, sizes: Mapping[str, float]) -> list[float]:
     names = [panel.name for panel in building.panels]
     if not isinstance(sizes, Mapping):
@@ -106,15 +149,19 @@ def _sizes(building: Building, element_size: float, sizes: Mapping[str, float]) 
             )
     # Two triangles fill a square of that size.
     count = sum(2 * float(np.ptp(p.outline, axis=0).prod()) / size**2 for p, size in zip(building.panels, out, strict=True))
+    _check_elements(count, min(out))
+    return out
+
+
+def _check_elements(count: float, size: float) -> None:
     if count > MOST_ELEMENTS:
         raise InputError(
             "element size",
             "too small for this building",
-            found=f"about {count:,.0f} elements of {min(out):g} m",
+            found=f"about {count:,.0f} elements of {size:g} m",
             expected=f"at most {MOST_ELEMENTS:,}",
             remedy="Make it larger, or look whether a length is in another unit (mm for m).",
         )
-    return out
 
 
 def _meshes(surfaces: Sequence[MidSurface], cuts: Sequence[Subdivision]) -> list[Mesh]:

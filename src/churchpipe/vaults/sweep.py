@@ -32,9 +32,9 @@ class Courses:
         number = [self.numbers.setdefault((part, course, stone), len(self.numbers)) for stone in stones]
         self.runs.append(Run(section, side, np.array(stations, dtype=float), np.array(number), course, part, length))
 
-    def vault(self, name: str, material: str, beds: Literal["path", "section"] = "path") -> Vault:
+    def vault(self, name: str, material: str, beds: Literal["path", "section"] = "path", *, surface: bool = True) -> Vault:
         """Return the vault."""
-        return Vault(name, tuple(self.runs), material, beds)
+        return Vault(name, tuple(self.runs), material, beds, surface)
 
 
 def polygon_sides(centre: tuple[float, float], sides: int, start: float = 0.0, turn: float = 2 * np.pi) -> list[Side]:

@@ -1,0 +1,189 @@
+"""The mid-surfaces of vaults as flat facets: between two stations of a side, from the middle of one bed to that of the next."""
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from churchpipe.errors import InputError
+from churchpipe.model.arrays import BoolArray, FloatArray, NameArray
+from churchpipe.model.vault import Run, Section, Side, Vault
+from churchpipe.vaults.stones import places
+
+# Points closer than this are one, m.
+_ONE = 1e-6
+_SideKey = tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class VaultFacets:
+    """Triangles of the mid-surfaces of vaults: corner (nt, 3, 3) m, `corner_tkc`, corner k of triangle t; axes (nt, 3, 3) as in
+    `ShellModel`; thickness (nt,) m; volume (nt,) m3 of stones that each carries; cell (nt, 2) m; material, panel (nt,) names;
+    yields (nt,)."""
+
+    corner: FloatArray
+    axes: FloatArray
+    thickness: FloatArray
+    volume: FloatArray
+    cell: FloatArray
+    material: NameArray
+    panel: NameArray
+    yields: BoolArray
+
+
+@dataclass(frozen=True, slots=True)
+class _Patch:
+    """Flat triangles (k, 3, 3) m of one plane, the volume (k,) m3 that each carries, and what they have in common."""
+
+    corner: FloatArray
+    volume: FloatArray
+    axes: FloatArray
+    thickness: float
+    cell: tuple[float, float]
+    material: str
+    part: str
+    yields: bool
+
+
+def vault_facets(vaults: Sequence[Vault], element_size: float) -> VaultFacets:
+    """Return the mid-surfaces of vaults, with the walls and drums laid with them, as triangles that fit at their edges.
+
+    All courses on one side of a path are divided at the same stations, whatever their head joints, so that facets fit. Where one
+    bed lies on another and their middles are apart, a weightless level strip that does not yield carries the eccentricity.
+
+    Raises
+    ------
+    InputError: rings of voussoirs, masonry that has no mid-surface.
+    """
+    for vault in vaults:
+        if vault.beds == "section":
+            raise InputError(
+                f"vault {vault.name}",
+                "the shell of arches side by side is not derived",
+                found='laid = "rings"',
+                expected='laid = "courses"',
+                remedy="Rigid blocks take it as it is.",
+            )
+        if not vault.surface:
+            raise InputError(
+                f"vault {vault.name}",
+                "has no mid-surface of its own",
+                found=", ".join(vault.parts),
+                expected="vaults without backing, and without arches below them",
+                remedy="Rigid blocks take it as it is.",
+            )
+    across = _divisions_along(vaults, element_size)
+    patches = [patch for vault in vaults for patch in _facets(vault, element_size, across)]
+    patches += _strips(vaults, across)
+    counts = [len(patch.corner) for patch in patches]
+
+    def each(value: Callable[[_Patch], object]) -> np.ndarray:
+        return np.repeat(np.array([value(patch) for patch in patches]), counts, axis=0)
+
+    return VaultFacets(
+        np.concatenate([patch.corner for patch in patches]),
+        each(lambda patch: patch.axes),
+        each(lambda patch: patch.thickness),
+        np.concatenate([patch.volume for patch in patches]),
+        each(lambda patch: patch.cell),
+        each(lambda patch: patch.material),
+        each(lambda patch: patch.part),
+        each(lambda patch: patch.yields),
+    )
+
+
+def _key(side: Side) -> _SideKey:
+    return tuple(np.round(np.concatenate([side.origin, side.normal, side.along]), 9).tolist())
+
+
+def _divisions_along(vaults: Sequence[Vault], element_size: float) -> dict[_SideKey, int]:
+    """Return for each side the number of strips between its first and its last station."""
+    found: dict[_SideKey, int] = {}
+    for vault in vaults:
+        for run in vault.runs:
+            ends = run.stations[[0, -1]]
+            middle = np.array([run.section.lower[0], run.section.upper[0]])
+            length = float((ends[1, 0] - ends[0, 0] + (ends[1, 1] - ends[0, 1]) * middle).max())
+            found[_key(run.side)] = max(found.get(_key(run.side), 1), math.ceil(length / element_size - 1e-9))
+    return found
+
+
+def _facets(vault: Vault, element_size: float, across: dict[_SideKey, int]) -> Iterator[_Patch]:
+    # Webs that meet in a mitre have unequal sections where their spans are unequal, and the same number of rows.
+    rows: dict[tuple[str, int], int] = {}
+    for run in vault.runs:
+        place = run.part, run.course
+        rows[place] = max(rows.get(place, 1), math.ceil(run.section.height / element_size - 1e-9))
+    for run in vault.runs:
+        stations = _stations(run, across)
+        share = np.linspace(0, 1, rows[run.part, run.course] + 1)[:, None]
+        line = (1 - share) * run.section.lower + share * run.section.upper
+        place = places(run.side, line, stations)
+        volume = run.section.area * (np.diff(stations, axis=0) @ np.array([1.0, run.section.centroid[0]]))
+        height = run.section.height
+        along = np.append(run.side.along, 0.0)
+        rise = (run.section.upper - run.section.lower) / height
+        up = np.append(rise[0] * run.side.normal, rise[1])
+        cell = (height, run.length)
+        axes = np.stack([along, up, np.cross(along, up)])
+        for strip, carried in enumerate(volume.tolist()):
+            quads = [
+                _triangles(np.stack([place[strip, k], place[strip + 1, k], place[strip + 1, k + 1], place[strip, k + 1]]))
+                for k in range(len(line) - 1)
+            ]
+            corner = np.concatenate(quads)
+            area = _areas(corner)
+            yield _Patch(
+                corner, carried * area / area.sum(), axes, run.section.area / height, cell, vault.material, run.part, True
+            )
+
+
+def _stations(run: Run, across: dict[_SideKey, int]) -> FloatArray:
+    first, last = run.stations[0], run.stations[-1]
+    return first + np.linspace(0, 1, across[_key(run.side)] + 1)[:, None] * (last - first)
+
+
+def _triangles(quad: FloatArray) -> FloatArray:
+    """Return four triangles about the centre of a plane quadrilateral (4, 3) m, or the one that it is where corners coincide."""
+    apart = np.linalg.norm(quad - np.roll(quad, -1, axis=0), axis=1) > _ONE
+    corner = quad[apart]
+    if len(corner) == 3:
+        return corner[None]
+    return np.array([[a, b, corner.mean(axis=0)] for a, b in pairwise([*corner, corner[0]])])
+
+
+def _areas(corner: FloatArray) -> FloatArray:
+    return 0.5 * np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1)
+
+
+def _strips(vaults: Sequence[Vault], across: dict[_SideKey, int]) -> Iterator[_Patch]:
+    """Return the strips between the middles of two beds that lie on each other and are apart."""
+    sides: dict[_SideKey, list[tuple[Vault, Run]]] = {}
+    for vault in vaults:
+        for run in vault.runs:
+            sides.setdefault(_key(run.side), []).append((vault, run))
+    for runs in sides.values():
+        for vault, run in runs:
+            foot = run.section.lower
+            bearers = [below for _, below in runs if below is not run and _bears(below.section, foot)]
+            if not bearers or any(np.linalg.norm(below.section.upper - foot) < _ONE for below in bearers):
+                continue
+            below = bearers[0].section
+            place = places(run.side, np.array([below.upper, foot]), _stations(run, across))
+            quads = [_triangles(np.stack([start[0], stop[0], stop[1], start[1]])) for start, stop in pairwise(place)]
+            corner = np.concatenate(quads)
+            # Its normal points down, into the course that bears it.
+            along, down = np.append(run.side.along, 0.0), np.array([0.0, 0.0, -1.0])
+            axes = np.stack([along, np.cross(down, along), down])
+            thickness = min(each.area / each.height for each in (below, run.section))
+            cell = (run.section.height, run.length)
+            yield _Patch(corner, np.zeros(len(corner)), axes, thickness, cell, vault.material, run.part, False)
+
+
+def _bears(section: Section, point: FloatArray) -> bool:
+    """Return whether the level top of a section reaches below a point (2,) m."""
+    top = section.corner[np.abs(section.corner[:, 1] - point[1]) < _ONE, 0]
+    level = abs(section.upper[1] - point[1]) < _ONE
+    return level and len(top) > 1 and bool(top.min() - _ONE < point[0] < top.max() + _ONE)
