@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
@@ -11,8 +11,11 @@ from churchpipe.model.arrays import FloatArray
 from churchpipe.model.quantities import GRAVITY, Count, Quantity, Usual
 from churchpipe.spectrum import Demand, SiteSpectrum, Spectrum, StoreySpectrum
 
-# Of the lowest knowledge level, which the circular asks for where crushing of the masonry is not modelled, as here.
-CONFIDENCE_FACTOR = 1.35
+KnowledgeLevel = Literal["LC1", "LC2", "LC3"]
+# Confidence factors of the knowledge levels (C8.5.4). Where crushing of the masonry is not modelled the circular asks for that of
+# the lowest, whatever is known of the building (C8.7.1).
+LEVELS: dict[KnowledgeLevel, float] = {"LC1": 1.35, "LC2": 1.2, "LC3": 1.0}
+CONFIDENCE_FACTOR = LEVELS["LC1"]
 BEHAVIOUR_FACTOR = 2.0
 
 _GROUND = Quantity(
@@ -71,7 +74,8 @@ class Site:
     """What the earthquake asks, which no model knows.
 
     ground_acceleration: a_g, m/s2, on rock for the ultimate limit state (SLV); soil_factor: S = S_S S_T, None where the soil of
-    the spectrum gives it; behaviour_factor: q; confidence_factor: FC; floor: for a mechanism above the ground, besides;
+    the spectrum gives it; behaviour_factor: q; confidence_factor: FC; knowledge_level: whose factor takes its place in analyses
+    of stones that crush; floor: for a mechanism above the ground, besides;
     spectrum: for the displacement-based check.
 
     Raises
@@ -87,6 +91,10 @@ class Site:
     confidence_factor: Annotated[float, _CONFIDENCE, "FC: confidence factor, by the level of knowledge."] = CONFIDENCE_FACTOR
     floor: Annotated[Floor | None, "For a mechanism that begins above the ground."] = None
     spectrum: Annotated[SiteSpectrum | None, "Elastic spectrum, for the displacement-based check of capacity curves."] = None
+    knowledge_level: Annotated[
+        KnowledgeLevel | None,
+        "Its FC (1.35, 1.2, 1) takes the place of `confidence_factor` where the masonry crushes (`compressive_strength_MPa`).",
+    ] = None
 
     def __post_init__(self) -> None:
         _positive("ground acceleration a_g", self.ground_acceleration)
@@ -97,6 +105,10 @@ class Site:
         _positive("soil factor S", self.soil)
         _at_least("behaviour factor q", self.behaviour_factor, 1)
         _at_least("confidence factor FC", self.confidence_factor, 1)
+
+    def confidence(self, crushing: bool) -> float:
+        """Return FC of an analysis, whether or not the masonry crushes in it."""
+        return LEVELS[self.knowledge_level] if crushing and self.knowledge_level else self.confidence_factor
 
     @property
     def soil(self) -> float:
@@ -224,6 +236,8 @@ def verdict_record(site: Site, found: Activation) -> dict[str, Any]:
     """Return a check with what it rests on in the words of summary.json: with e* = 1 first, with e* of the stones besides."""
     verdict, of_stones = verify(found.lumped, site), verify(found.acceleration, site)
     floor = {} if verdict.floor is None else {"floor_demand_m_s2": verdict.floor}
+    share = found.confidence_factor / CONFIDENCE_FACTOR
+    careful = {} if share == 1.0 else {"zeta_e_lc1": share * verdict.index}
     return {
         "a_g_m_s2": site.ground_acceleration,
         "soil_factor": site.soil,
@@ -232,6 +246,7 @@ def verdict_record(site: Site, found: Activation) -> dict[str, Any]:
         **floor,
         "a_g_slv_m_s2": verdict.capacity,
         "zeta_e": verdict.index,
+        **careful,
         "satisfied": verdict.satisfied,
         "a_g_slv_stones_m_s2": of_stones.capacity,
         "zeta_e_stones": of_stones.index,

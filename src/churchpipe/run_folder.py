@@ -80,7 +80,8 @@ class RunFolder:
         """Return the macro-elements that move and, of the rigid blocks, the safety check."""
         if status not in ("optimal", "converged") or entry["kind"] == "pushover":
             return {}
-        load = load_of(read_json(self.folder(entry) / "settings.json"))
+        settings = read_json(self.folder(entry) / "settings.json")
+        load = load_of(settings)
         site = site_of(entry["check"]) if "check" in entry else None
         if entry["kind"] == "curve":
             return {"check": displacement_record(self.block_curve(entry), self.stones(entry["geometry"])[0], load, site)}
@@ -88,7 +89,8 @@ class RunFolder:
             mesh = read_npz(self._mesh(entry["shell"]), ShellModel)
             return compare.shell_parts(mesh, read_npz(self.folder(entry) / "limit.npz", ShellLimitState), load)
         stones, state = self.stones(entry["geometry"])[0], self.block_state(entry)
-        return compare.stone_parts(stones, state, load) | {"check": compare.safety(stones, state, load, site)}
+        crushing = all("compressive_strength" in values for values in settings["material"].values())
+        return compare.stone_parts(stones, state, load) | {"check": compare.safety(stones, state, load, site, crushing=crushing)}
 
     def movements(self, geometry: str | None = None) -> list[dict[str, Any]]:
         """Return the records of the supports that move, of all geometries or of one, as `record` does for the analyses."""

@@ -34,7 +34,7 @@ from churchpipe.model.building import Building
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength
-from churchpipe.model.names import MODELS
+from churchpipe.model.names import CONTACT_MODEL, MODELS
 from churchpipe.model.results import CapacityCurve, CapacityStep, ShellLimitState
 from churchpipe.model.shell import ShellModel
 from churchpipe.run_folder import read_run
@@ -249,17 +249,20 @@ def _analyse_shell(
 def rigid(settings: Path, assemblage: Path, contacts: Path, state: Path, record: Path, progress: Progress | None = None) -> None:
     """One rigid-block analysis -> its state and its record for the summary."""
     from churchpipe.rigid_blocks.limit import limit_analysis
-    from churchpipe.stones.joints import joint_strength
+    from churchpipe.stones.joints import crushing_strength, joint_strength
 
     table = read_json(settings)
     stones, joints = read_npz(assemblage, Assemblage), read_npz(contacts, Contacts)
     load, materials = load_of(table), strengths_of(table)
     friction, cohesion = joint_strength(stones, joints, materials)
-    options = {key: table[key] for key in ("flow", "solver", "method", "start", "bipotential_gap") if key in table}
+    keys = ("flow", "solver", "method", "start", "bipotential_gap", "contact_model", "crushing_parts")
+    options = {key: table[key] for key in keys if key in table}
+    crushing = crushing_strength(stones, joints, materials)
     used = set(stones.material[~stones.fixed].tolist())
-    found = limit_analysis(stones, joints, load, friction, cohesion, **options, progress=progress)
+    found = limit_analysis(stones, joints, load, friction, cohesion, compressive_strength=crushing, **options, progress=progress)
     write_npz(state, found)
-    write_record(record, record_of(found, load, [material for material in materials if material.name in used]))
+    here = [material for material in materials if material.name in used]
+    write_record(record, record_of(found, load, here, table.get("contact_model", CONTACT_MODEL)))
 
 
 def curve(settings: Path, assemblage: Path, contacts: Path, state: Path, record: Path, progress: Progress | None = None) -> None:

@@ -137,7 +137,7 @@ def results_table(summary: Mapping[str, Any]) -> Table:
             *([analysis.get("variant") or "as it is"] if variants else []),
             str(analysis["load"]),
             *([MODELS.get(analysis["model"], analysis["model"])] if both else []),
-            analysis_name(analysis.get("flow"), analysis.get("method"), analysis.get("planes")),
+            analysis_name(analysis),
             _words(analysis.get("friction")),
             *(_words(analysis.get("swept", {}).get(key)) for key in swept),
             "no limit" if analysis["status"] == "unbounded" else _figure(analysis.get("load_factor")),

@@ -8,8 +8,9 @@ from pydantic import AfterValidator, BeforeValidator, Field
 
 from churchpipe.config.tables import listed
 from churchpipe.errors import InputError
-from churchpipe.model.names import STRENGTH, Planes
+from churchpipe.model.names import CONTACT_MODEL, STRENGTH, ContactModel, Planes
 from churchpipe.model.quantities import Coordinate, Count, Length, Place, Quantity, Whole
+from churchpipe.rigid_blocks.crushing import PARTS
 
 Flow = Literal["associative", "non-associative"]
 Method = Literal["limit", "pushover"]
@@ -24,6 +25,12 @@ def _known_solver(value: str) -> str:
     """Return the name of a solver of cone programs, if it is one."""
     if value not in ("auto", "interior-point", "clarabel") and not re.fullmatch(r"cvxpy(:\w+)?", value):
         raise ValueError('"auto", "interior-point", "clarabel", "cvxpy" or "cvxpy:NAME"')
+    return value
+
+
+def _even(value: int) -> int:
+    if value % 2:
+        raise ValueError("an even number")
     return value
 
 
@@ -45,6 +52,15 @@ class RigidSettings:
     solver: Annotated[str, AfterValidator(_known_solver), "Of the cone programs."] = "auto"
     method: Annotated[Literal["default", "paper"], "Scheme of sliding without dilatancy."] = "default"
     start: Annotated[tuple[Start, ...], Field(min_length=1), _OneOrMore, "Starts of its iteration."] | None = None
+    contact_model: Annotated[
+        tuple[ContactModel, ...],
+        Field(min_length=1),
+        BeforeValidator(listed, json_schema_input_type=list[ContactModel] | ContactModel),
+        "Where friction acts in a joint: at its corners, which overrates torsion, or nearer to its middle; or both.",
+    ] = (CONTACT_MODEL,)
+    crushing_parts: Annotated[
+        int, Quantity("", 2, high=64), AfterValidator(_even), "Parts along each side of a joint that crushes, an even number."
+    ] = PARTS
     bipotential_gap: Annotated[float, Quantity("", 0.0, above=True, high=1, below=True), "Error at which its iteration ends."] = (
         1e-5
     )

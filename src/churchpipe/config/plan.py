@@ -3,12 +3,14 @@
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
+from itertools import product
 from typing import Any
 
 from churchpipe.config.case import Case, Drawing
 from churchpipe.config.plausible import questions
 from churchpipe.model import swept
 from churchpipe.model.loads import LoadCase
+from churchpipe.model.names import CONTACT_MODEL
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,9 +75,10 @@ def plan(cases: Sequence[Case]) -> Plan:
         of_shell = {key: value for key, value in case.swept.items() if not swept.of_rigid_blocks(key)}
         check = {"check": asdict(case.check)} if case.check else {}
         for load in case.loads:
-            for flow in case.rigid.flow:
-                settings = _rigid_settings(case, geometry, load, flow)
-                add("rigid", [load.name, flow], case, of_stones, settings, geometry=geometry, **check)
+            for flow, contact_model in product(case.rigid.flow, case.rigid.contact_model):
+                settings = _rigid_settings(case, geometry, load, flow, contact_model)
+                words = [load.name, flow, *([contact_model] if "contact_model" in settings else [])]
+                add("rigid", words, case, of_stones, settings, geometry=geometry, **check)
             if case.rigid.curve:
                 settings = _curve_settings(case, geometry, load)
                 add("curve", [load.name, "curve"], case, of_stones, settings, geometry=geometry, **check)
@@ -138,14 +141,18 @@ def _named_panels(case: Case) -> list[str]:
     return sorted({panel for load in case.loads for panel in load.panels or ()})
 
 
-def _rigid_settings(case: Case, geometry: str, load: LoadCase, flow: str) -> dict[str, Any]:
-    settings = {
+def _rigid_settings(case: Case, geometry: str, load: LoadCase, flow: str, contact_model: str) -> dict[str, Any]:
+    settings: dict[str, Any] = {
         "geometry": geometry,
         "load": _load_settings(load),
         "material": _strength(case),
         "flow": flow,
         "solver": case.rigid.solver,
     }
+    if contact_model != CONTACT_MODEL:
+        settings["contact_model"] = contact_model
+    if any("compressive_strength" in values for values in settings["material"].values()):
+        settings["crushing_parts"] = case.rigid.crushing_parts
     if flow == "associative":
         # It has no method and no start: changing them must not touch it.
         return settings
@@ -183,7 +190,12 @@ def _load_settings(load: LoadCase) -> dict[str, Any]:
 
 
 def _strength(case: Case) -> dict[str, dict[str, Any]]:
-    return {material.name: {"friction": material.friction, "cohesion": material.cohesion} for material in case.materials}
+    out: dict[str, dict[str, Any]] = {}
+    for material in case.materials:
+        out[material.name] = {"friction": material.friction, "cohesion": material.cohesion}
+        if material.compressive_strength is not None:
+            out[material.name]["compressive_strength"] = material.compressive_strength
+    return out
 
 
 def _words(values: dict[str, Any], case: Case) -> list[str]:

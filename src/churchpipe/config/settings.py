@@ -23,7 +23,7 @@ def load_of(settings: Mapping[str, Any]) -> LoadCase:
 def strengths_of(settings: Mapping[str, Any]) -> list[JointStrength]:
     """Return what the joints of each material of an analysis bear."""
     return [
-        JointStrength(name, values["friction"], values["cohesion"], Elastic(**values["elastic"]) if "elastic" in values else None)
+        JointStrength(name, **{**values, "elastic": Elastic(**values["elastic"]) if "elastic" in values else None})
         for name, values in settings["material"].items()
     ]
 

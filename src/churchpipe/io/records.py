@@ -1,7 +1,7 @@
 """Records of analyses: what a stage hands to the comparison, JSON in SI; and the same in the words and units of summary.json."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any, get_args
 
@@ -14,13 +14,14 @@ from churchpipe.model.arguments import finite, one_of, text
 from churchpipe.model.block_curve import CURVE_STATUSES, BlockCapacityCurve
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength
-from churchpipe.model.names import RIGID_BLOCKS, SHELL, Planes, ShellMethod
+from churchpipe.model.names import CONTACT_MODEL, RIGID_BLOCKS, SHELL, ContactModel, Planes, ShellMethod
 from churchpipe.model.results import CapacityCurve, LimitState, ShellLimitState, Status
 
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """What an analysis was asked: name and direction (3,) of the load, friction and cohesion (Pa) by material.
+    """What an analysis was asked: name and direction (3,) of the load, and by material friction, cohesion (Pa), and compressive
+    strength (Pa) where there is one.
 
     Raises
     ------
@@ -31,24 +32,29 @@ class Question:
     direction: tuple[float, ...]
     friction: dict[str, float]
     cohesion: dict[str, float]
+    compressive_strength: dict[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         text("record: load", self.load)
         if len(self.direction) != 3:
             raise InputError("record: direction", "wrong length", found=len(self.direction), expected="3 components")
-        for name, values in (("friction", self.friction), ("cohesion", self.cohesion)):
+        strength = ("friction", self.friction), ("cohesion", self.cohesion), ("compressive_strength", self.compressive_strength)
+        for name, values in strength:
             for material, value in values.items():
                 if finite(f"record: {name} of {material}", value) < 0:
                     raise InputError(f"record: {name} of {material}", "out of range", found=value, expected=">= 0")
 
     def as_words(self) -> dict[str, Any]:
-        """Return the keys of summary.json; friction and cohesion: one number, or one a material where they differ."""
+        """Return the keys of summary.json; each strength: one number, or one a material where they differ."""
         cohesion = {name: value / 1e3 for name, value in self.cohesion.items()}
+        crushing = {name: value / 1e6 for name, value in self.compressive_strength.items()}
+        all_crush = crushing.keys() == cohesion.keys()
         return {
             "load": self.load,
             "direction": list(self.direction),
             "friction": _common(self.friction),
             "cohesion_kPa": _common(cohesion),
+            **({"compressive_strength_MPa": _common(crushing) if all_crush else crushing} if crushing else {}),
         }
 
 
@@ -98,13 +104,16 @@ class RigidRecord:
     outcome: Outcome
     flow: str
     sliding: Sliding | None = None
+    contact_model: ContactModel = CONTACT_MODEL
 
     def __post_init__(self) -> None:
         one_of("record: flow", self.flow, "associative", "non-associative")
+        one_of("record: contact_model", self.contact_model, *get_args(ContactModel))
 
     def as_words(self) -> dict[str, Any]:
         """Return the record of summary.json."""
-        words = {"model": RIGID_BLOCKS, "flow": self.flow, **self.question.as_words(), **_ending(self.outcome, "cone_violation")}
+        words = {"model": RIGID_BLOCKS, "flow": self.flow, "contact_model": self.contact_model, **self.question.as_words()}
+        words |= _ending(self.outcome, "cone_violation")
         return words | (asdict(self.sliding) if self.sliding else {})
 
 
@@ -254,10 +263,13 @@ def question_of(load: LoadCase, materials: Sequence[JointStrength]) -> Question:
         tuple(load.direction.tolist()),
         {material.name: material.friction for material in materials},
         {material.name: material.cohesion for material in materials},
+        {one.name: one.compressive_strength for one in materials if one.compressive_strength is not None},
     )
 
 
-def record_of(state: LimitState, load: LoadCase, materials: Sequence[JointStrength]) -> RigidRecord:
+def record_of(
+    state: LimitState, load: LoadCase, materials: Sequence[JointStrength], contact_model: ContactModel = CONTACT_MODEL
+) -> RigidRecord:
     """Return the record of a rigid-block analysis."""
     outcome = Outcome(
         state.status,
@@ -275,7 +287,7 @@ def record_of(state: LimitState, load: LoadCase, materials: Sequence[JointStreng
     if state.flow == "non-associative":
         history = tuple(step.load_factor for step in state.history)
         sliding = Sliding(state.gap, state.interval, state.friction_violation, state.fixed_points, history)
-    return RigidRecord(question_of(load, materials), outcome, state.flow, sliding)
+    return RigidRecord(question_of(load, materials), outcome, state.flow, sliding, contact_model)
 
 
 def curve_record_of(curve: BlockCapacityCurve, load: LoadCase, materials: Sequence[JointStrength]) -> BlockCurveRecord:
@@ -283,7 +295,7 @@ def curve_record_of(curve: BlockCapacityCurve, load: LoadCase, materials: Sequen
 
     status: "converged" when all of its steps are proved, however it ends: `ending`.
     """
-    lost = "cohesion, which opening joints lose, is left out" if any(material.cohesion for material in materials) else ""
+    lost = ["cohesion, which opening joints lose, is left out"] if any(material.cohesion for material in materials) else []
     status: Status = "converged" if curve.proved and curve.status != "not-converged" else "not-converged"
     if curve.status in ("unstable", "failed") or (curve.status == "unbounded" and not len(curve.displacement)):
         status = curve.status
@@ -293,7 +305,7 @@ def curve_record_of(curve: BlockCapacityCurve, load: LoadCase, materials: Sequen
         equilibrium_residual=float(curve.residual.max(initial=0.0)),
         violation=float(curve.violation.max(initial=0.0)),
         seconds=curve.seconds,
-        message="; ".join(said for said in (curve.message, lost) if said),
+        message="; ".join(said for said in (curve.message, *lost, *_uncrushed(materials)) if said),
     )
     path = BlockPath(
         ending=curve.status,
@@ -347,7 +359,18 @@ def shell_record_of(
             curve = Curve(int(result.control_point), tuple(result.control.tolist()), tuple(result.load_factor.tolist()))
         case str():
             outcome = Outcome("failed", message=result)
-    return ShellRecord(question_of(load, materials), outcome, method, planes, curve)
+    said = "; ".join(words for words in (outcome.message, *_uncrushed(materials)) if words)
+    return ShellRecord(question_of(load, materials), replace(outcome, message=said), method, planes, curve)
+
+
+def _uncrushed(materials: Sequence[JointStrength]) -> list[str]:
+    """Return what an analysis that knows no crushing has to say of materials that do crush."""
+    strong = any(material.compressive_strength is not None for material in materials)
+    return (
+        ["the stones do not crush here: compressive_strength enters the limit analysis of the rigid blocks alone"]
+        if strong
+        else []
+    )
 
 
 def _ending(outcome: Outcome, violation: str) -> dict[str, Any]:

@@ -9,7 +9,12 @@ from churchpipe.model.arguments import check_kind, finite, text
 from churchpipe.model.quantities import Length, Quantity, Usual
 
 # Beyond these a number is in another unit, or lost to rounding. Smallest but zero, and largest: N/m3, -, Pa; Pa, m.
-_RANGES = {"unit_weight": (1e-6, 1e9), "friction": (1e-6, 1e3), "cohesion": (1e-6, 1e12)}
+_RANGES = {
+    "unit_weight": (1e-6, 1e9),
+    "friction": (1e-6, 1e3),
+    "cohesion": (1e-6, 1e12),
+    "compressive_strength": (1e-3, 1e15),
+}
 _MODULUS, _THICKNESS = (1e-3, 1e21), (1e-9, 1e2)
 
 _BLOCK = Quantity(low=0.0, above=True, usual=Usual(0.1, 200, "soft tuff to granite"), key="block_E_GPa")
@@ -17,6 +22,7 @@ _JOINT = Quantity(low=0.0, above=True, usual=Usual(0.001, 100, "dry joints of mo
 _WEIGHT = Quantity("_kN_m3", 0.0, above=True, usual=Usual(8, 35, "light tuff to basalt"))
 _FRICTION = Quantity(low=0.0, usual=Usual(0.1, 1.5, "slopes of 6 to 56 degrees; joints of stone have 0.4 to 0.8"))
 _COHESION = Quantity("_kPa", 0.0, usual=Usual(0, 2000, "joints of lime mortar reach 200 kPa, of cement mortar 2000"))
+_CRUSHING = Quantity("_MPa", 0.0, above=True, usual=Usual(0.3, 50, "rubble has some 1, brickwork 2 to 4, ashlar 6 and more"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,18 +72,21 @@ class UnitWeight:
 class JointStrength:
     """What joints of one masonry bear, all that an analysis asks of it: friction coefficient, cohesion Pa.
 
-    elastic: how it deforms; only needed by the shell.
+    elastic: how it deforms; only needed by the shell. compressive_strength: Pa, None where the masonry does not crush.
 
     Raises
     ------
     InputError
-        No number; not zero and outside 1e-6 to 1000, 1e-6 to 1e12 Pa.
+        No number; not zero and outside 1e-6 to 1000, 1e-6 to 1e12 Pa; a compressive strength outside 1e-3 to 1e15 Pa.
     """
 
     name: str
     friction: Annotated[float, _FRICTION, "Coefficient of friction of the joints, the tangent of the friction angle."]
     cohesion: Annotated[float, _COHESION, "Shear strength of a joint without compression."] = 0.0
     elastic: Annotated[Elastic | None, "How the masonry deforms, for the capacity curve of the shell."] = None
+    compressive_strength: Annotated[
+        float | None, _CRUSHING, "Pressure at which the masonry crushes, in the rigid blocks; left out: it does not."
+    ] = None
 
     def __post_init__(self) -> None:
         text("material: name", self.name)
@@ -85,12 +94,16 @@ class JointStrength:
         _check_field(self, "cohesion")
         if self.elastic is not None:
             check_kind(f"material {self.name}: elastic", self.elastic, Elastic)
+        if self.compressive_strength is not None:
+            where = f"material {self.name}: compressive_strength"
+            _check_range(where, self.compressive_strength, *_RANGES["compressive_strength"])
 
 
-# Fields in the order of its bases from the last: name, unit_weight, friction, cohesion, elastic.
+# Fields in the order of its bases from the last: name, unit_weight, friction, cohesion, elastic, compressive_strength.
 @dataclass(frozen=True)
 class Material(JointStrength, UnitWeight):
-    """One masonry: unit weight N/m3, friction coefficient, cohesion Pa; `elastic` is only needed by the shell.
+    """One masonry: unit weight N/m3, friction coefficient, cohesion Pa; `elastic` is only needed by the shell, the compressive
+    strength Pa by stones that crush.
 
     Raises
     ------

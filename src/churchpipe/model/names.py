@@ -1,10 +1,14 @@
 """Names of models, analyses and strengths: as records hold them, and as people read them."""
 
-from typing import Literal
+from collections.abc import Mapping
+from typing import Any, Literal
 
 Model = Literal["rigid-block", "homogenised-shell"]
 ShellMethod = Literal["limit", "pushover"]
 Planes = Literal["paper", "paper+torsion", "cell"]
+# Where the friction of a joint acts: at its corners, or so near to the middle that uniform pressure resists torsion as it should.
+ContactModel = Literal["corners", "torsion"]
+CONTACT_MODEL: ContactModel = "corners"
 
 RIGID_BLOCKS: Model = "rigid-block"
 SHELL: Model = "homogenised-shell"
@@ -22,7 +26,17 @@ OUTER: dict[str, str] = {
 }
 
 
-def analysis_name(flow: str | None, method: str | None, planes: str | None) -> str:
-    """Return flow rule or method in words, with the strength of a shell where it is not the exact one."""
-    words = flow or METHODS.get(str(method), str(method or ""))
-    return f"{words}, planes of the paper (too strong)" if planes in OUTER else words
+def analysis_name(record: Mapping[str, Any]) -> str:
+    """Return flow rule or method of an analysis in words: with what its joints do besides rubbing at their corners, and with the
+    strength of a shell where it is not the exact one."""
+    flow, method = record.get("flow"), record.get("method")
+    words = [str(flow or METHODS.get(str(method), str(method or "")))]
+    words += ["torsion"] if record.get("contact_model") == "torsion" else []
+    words += ["crushing"] if crushes(record) else []
+    words += ["planes of the paper (too strong)"] if record.get("planes") in OUTER else []
+    return ", ".join(words)
+
+
+def crushes(record: Mapping[str, Any]) -> bool:
+    """Whether the stones of an analysis crush: those of a limit analysis of the rigid blocks, if their masonry has a strength."""
+    return "flow" in record and bool(record.get("compressive_strength_MPa"))

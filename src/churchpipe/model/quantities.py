@@ -32,6 +32,7 @@ UNITS = {
     "_deg": Unit("degrees", math.pi, 180.0),
     "_kN_m3": Unit("kN/m3", 1e3),
     "_kPa": Unit("kPa", 1e3),
+    "_MPa": Unit("MPa", 1e6),
     "_GPa": Unit("GPa", 1e9),
     "_m_s2": Unit("m/s2"),
     "_g": Unit("g", GRAVITY),

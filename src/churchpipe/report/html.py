@@ -17,6 +17,7 @@ from churchpipe.model.results import LimitState
 from churchpipe.model.shell import ShellModel
 from churchpipe.report import both, viewer
 from churchpipe.report.block_curves import block_curve_plots
+from churchpipe.report.contact_models import contact_model_rows
 from churchpipe.report.displacements import displacement_checks
 from churchpipe.report.drawings import drawings_svg
 from churchpipe.report.figures import Job, mechanism_picture, mechanism_pictures
@@ -103,6 +104,7 @@ def write_report(
         cut_off=CUT_OFF,
         match=both.gate(summary, list(meshes)),
         compared=both.compared(summary, rows),
+        contact_models=contact_model_rows(summary),
         capacity=both.capacity_plots(rows),
         movements=movements_shown(moved),
         block_curves=block_curve_plots(summary.get("analyses", []), geometry),

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from churchpipe.mechanism import STILL
+from churchpipe.model.names import crushes
 from churchpipe.report.table import Row, figure, minus
 
 # Share of the mechanism's speed from which on a stone is said to move.
@@ -28,6 +29,7 @@ SITE = (
     ("a_Z / q", "demand at the height of the mechanism, m/s\u00b2", "floor_demand_m_s2", 3),
     ("a_g,SLV", "ground acceleration that the mechanism withstands, with e* = 1, m/s\u00b2", "a_g_slv_m_s2", 3),
     ("\u03b6_E", "a_g,SLV over a_g, with e* = 1", "zeta_e", 2),
+    ("\u03b6_E, FC 1.35", "\u03b6_E with the confidence factor of the lowest knowledge level, e* = 1", "zeta_e_lc1", 2),
     ("\u03b6_E of stones", "the same with e* of the stones", "zeta_e_stones", 2),
 )
 
@@ -46,6 +48,7 @@ def check_table(rows: Sequence[Row]) -> dict[str, Any] | None:
         "rows": [
             ([row.label, *(_cell(check.get(key), digits) for *_, key, digits in columns)], _word(check)) for row, check in good
         ],
+        "kinds": ["crushing" if crushes(row.record) else "" for row, _ in good],
         "sited": any("zeta_e" in check for _, check in good),
         "refused": [(row.label, check["message"]) for row, check in found if "message" in check],
     }

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from churchpipe.model.names import MODELS, SHELL, analysis_name
+from churchpipe.model.names import MODELS, SHELL, analysis_name, crushes
 from churchpipe.model.results import CapacityCurve, LimitState, ShellLimitState
 
 Record = Mapping[str, Any]
@@ -29,8 +29,7 @@ class Row:
     @property
     def kind(self) -> str:
         """Flow rule or method, and the strength where it is not the exact one."""
-        record = self.record
-        return analysis_name(record.get("flow"), record.get("method"), record.get("planes"))
+        return analysis_name(self.record)
 
     @property
     def of_shell(self) -> bool:
@@ -159,7 +158,7 @@ def _words_and_unit(key: str) -> tuple[str, str]:
     return name.replace("_", " "), unit.replace("_", "/").replace("3", "\u00b3").replace("s2", "s\u00b2")
 
 
-_UNIT = re.compile(r"_(mm|m|kPa|GPa|kN_m3|m_s2|percent|deg)$")
+_UNIT = re.compile(r"_(mm|m|kPa|MPa|GPa|kN_m3|m_s2|percent|deg)$")
 
 
 def friction_text(row: Row) -> str:
@@ -181,6 +180,10 @@ def _model(row: Row) -> str:
 def _cohesion(row: Row) -> str:
     value = row.record.get("cohesion_kPa")
     return _by_material(value) if value else ""
+
+
+def _crushing(row: Row) -> str:
+    return _by_material(row.record["compressive_strength_MPa"]) if crushes(row.record) else ""
 
 
 def _elements(row: Row) -> str:
@@ -206,6 +209,7 @@ COLUMNS = (
     Column("Friction", "friction coefficient of the joints", friction_text),
     Column("Elements", "facets of the shell's mesh", _elements),
     Column("Cohesion, kPa", "cohesion of the joints", _cohesion),
+    Column("Strength, MPa", "compressive strength of the joints, where the stones of the analysis crush", _crushing),
     Column(
         "Load factor",
         "lateral load over weight of the loaded part, at collapse",

@@ -1,7 +1,6 @@
 """Equilibrium of the free stones: A c + f_D + alpha f_L = 0, eq. (1)."""
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
@@ -12,10 +11,9 @@ from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts, check_contacts_of
 from churchpipe.model.loads import LoadCase, pushed_share
+from churchpipe.model.names import ContactModel
 from churchpipe.rigid_blocks.crushing import JointParts
 from churchpipe.rigid_blocks.torsion import friction_points
-
-ContactModel = Literal["corners", "torsion"]
 
 
 @dataclass(frozen=True, slots=True)

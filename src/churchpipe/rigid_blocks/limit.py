@@ -17,11 +17,12 @@ from churchpipe.model.arrays import FloatArray, array_of
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
+from churchpipe.model.names import ContactModel
 from churchpipe.model.results import LimitState, Status
 from churchpipe.model.ties import Tie
 from churchpipe.rigid_blocks.certificate import FLOW_TOLERANCE, UNPROVED, Certificate, Strength, certify, kinematic_bound
 from churchpipe.rigid_blocks.crushing import PARTS, JointParts, joint_parts
-from churchpipe.rigid_blocks.equilibrium import ContactModel, Equilibrium, equilibrium
+from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
 from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP
 from churchpipe.rigid_blocks.sliding import Method, SlidingOptions, Start, sliding_analysis
 from churchpipe.rigid_blocks.ties import point_forces, with_ties

@@ -6,7 +6,7 @@ import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import check_kind, listed
-from churchpipe.model.arrays import FloatArray
+from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts, check_contacts_of
 from churchpipe.model.materials import JointStrength, by_name
@@ -31,6 +31,29 @@ def joint_strength(stones: Assemblage, contacts: Contacts, materials: Sequence[J
     InputError
         Arguments of the wrong kind; a stone of a material that is not among `materials`, or one that is there twice.
     """
+    row, used = _materials_of(stones, contacts, materials)
+    out: list[FloatArray] = []
+    for values in ([one.friction for one in used], [one.cohesion for one in used]):
+        weaker = _weaker(stones, contacts, row, values)
+        # Ground on ground carries nothing that matters, but must be a number.
+        out.append(np.where(np.isfinite(weaker), weaker, 0.0))
+    return out[0], out[1]
+
+
+def crushing_strength(stones: Assemblage, contacts: Contacts, materials: Sequence[JointStrength]) -> FloatArray | None:
+    """Return the compressive strength (ni,) Pa of each interface, infinite where it does not crush; None where none does.
+
+    Where two materials meet the weaker one rules; on the ground that of the stone. Arguments and errors as of `joint_strength`.
+    """
+    row, used = _materials_of(stones, contacts, materials)
+    values = [np.inf if one.compressive_strength is None else one.compressive_strength for one in used]
+    return _weaker(stones, contacts, row, values) if np.isfinite(values).any() else None
+
+
+def _materials_of(
+    stones: Assemblage, contacts: Contacts, materials: Sequence[JointStrength]
+) -> tuple[IntArray, list[JointStrength]]:
+    """Return which material each stone (nb,) has, supports any, of the materials that are used."""
     check_kind("joint_strength: stones", stones, Assemblage)
     check_kind("joint_strength: contacts", contacts, Contacts)
     check_contacts_of(stones, contacts)
@@ -46,10 +69,9 @@ def joint_strength(stones: Assemblage, contacts: Contacts, materials: Sequence[J
             remedy=f"Add [material.{unknown[0]}] to the case.",
         )
     row = np.searchsorted(used, stones.material).clip(max=len(used) - 1)
-    out: list[FloatArray] = []
-    for values in ([known[str(n)].friction for n in used], [known[str(n)].cohesion for n in used]):
-        stone = np.where(stones.fixed, np.inf, np.array(values)[row])
-        weaker = stone[contacts.blocks].min(axis=1)
-        # Ground on ground carries nothing that matters, but must be a number.
-        out.append(np.where(np.isfinite(weaker), weaker, 0.0))
-    return out[0], out[1]
+    return row, [known[str(name)] for name in used]
+
+
+def _weaker(stones: Assemblage, contacts: Contacts, row: IntArray, values: Sequence[float]) -> FloatArray:
+    """Return the lesser value (ni,) of the two stones of each interface; supports have none."""
+    return np.where(stones.fixed, np.inf, np.array(values)[row])[contacts.blocks].min(axis=1)
