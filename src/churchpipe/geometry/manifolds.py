@@ -50,6 +50,18 @@ def polyhedron(solid: manifold3d.Manifold) -> tuple[FloatArray, list[IntArray]]:
     return np.asarray(mesh.vert_properties)[used, :3], np.split(inverse.ravel(), split)
 
 
+def trimmed(
+    points: FloatArray, faces: Sequence[tuple[int, ...]], cuts: Sequence[tuple[FloatArray, float]]
+) -> tuple[FloatArray, list[tuple[int, ...]]]:
+    """Return the part of a polyhedron below planes, each given by its unit normal (3,) and its level along it, m."""
+    rings = [np.array(face) for face in faces]
+    for normal, level in cuts:
+        x, y, z = (-normal).tolist()
+        # The cut has a small number of its own.
+        points, rings = polyhedron(manifold(points, rings, first=100_000).trim_by_plane((x, y, z), -level))
+    return points, [tuple(ring.tolist()) for ring in rings]
+
+
 def _polygons(triangles: IntArray) -> list[IntArray]:
     """Return the outlines of coplanar triangles (n, 3); the triangles of a part with a hole, or one that touches itself."""
     nodes, local = np.unique(triangles, return_inverse=True)

@@ -14,6 +14,7 @@ from churchpipe.geometry.planar import (
     Polygons,
     Region,
     all_coordinates,
+    area,
     bounds,
     boxes,
     clip,
@@ -42,6 +43,8 @@ from churchpipe.recognition.wall_parts import junction_spans, wall_parts
 
 # A single stone over an opening is a lintel if it is longer than this many stones of the wall.
 LINTEL = 1.25
+# A hole smaller than this part of a stone is a gap between corners, such as mortar where three stones meet, and no opening.
+LEAST_OPENING = 0.02
 GRID = 1e-6
 
 
@@ -126,6 +129,7 @@ def _panel(stones: Assemblage, wall: StoneWall, walls: Sequence[StoneWall], gap:
     arches, voussoirs = voussoir_rings(own, gap)
     laid = np.setdiff1d(np.arange(len(own)), voussoirs)
     cell = _cell(own[laid], stones.volume[wall.stones[laid]]) if len(laid) else arches[0].cell
+    openings = [hole for hole in openings if area(hole) > LEAST_OPENING * cell.a * cell.b]
     marks = all_coordinates(filled)
     outline = _outline(whole, marks)
     lintels = _lintels(own[laid], openings, cell)

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from churchpipe.geometry.clusters import components
+from churchpipe.geometry.manifolds import trimmed
 from churchpipe.geometry.mending import signed_volume
 from churchpipe.geometry.planar import area, common, overlapping, polygon, vertices
 from churchpipe.geometry.warped import split_warped
-from churchpipe.model.arrays import FloatArray, IntArray
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.polyhedra import face_normals
 
 Solid = tuple[FloatArray, Sequence[tuple[int, ...]]]
@@ -27,8 +28,11 @@ OUT_OF_LINE = 0.05
 # The main joint of a face is the one with the largest area over the square of its width. Another joint is dropped if its
 # mid-surface is farther from that of the main joint than this.
 ASTRAY = 0.25
-# The tip of a sharp corner moves farther than its sides, by up to this many joints.
+# The tip of a sharp corner moves farther than its sides, by up to this many joints. One that moves by more than a joint, because
+# its angle is less than 60 degrees, is cut off where it reaches beyond the stones that it faces.
 FARTHEST = 10.0
+# The ends of a face are the faces of its stone that make at least this angle with it (rad).
+END = np.radians(45.0)
 # Joints are searched up to a width of this share of the stones' smallest dimension.
 WIDEST_OF_STONE = 0.35
 
@@ -71,6 +75,7 @@ def close_joints(solids: Sequence[Solid], joint: float) -> Closed:
     flat = _Faces.of(solids)
     joints = _joints(flat, joint)
     plane = _mid_planes(flat, joints, joint)
+    opposite = _opposite(joints)
     out: list[Solid] = []
     stuck: list[int] = []
     before = np.array([signed_volume(points, [tuple(face) for face in faces]) for points, faces in solids])
@@ -84,8 +89,12 @@ def close_joints(solids: Sequence[Solid], joint: float) -> Closed:
         normal, level = flat.normal[own.start : own.stop].copy(), flat.level[own.start : own.stop].copy()
         for face, (n, d) in shifted.items():
             normal[face], level[face] = n, d
-        grown = points + np.array([_shift(points[v], v, faces, normal, level, joint) for v in range(len(points))])
-        split, _, _ = split_warped(grown, faces)
+        shift = np.array([_shift(points[v], v, faces, normal, level, joint) for v in range(len(points))])
+        grown = points + shift
+        split: Sequence[tuple[int, ...]] = split_warped(grown, faces)[0]
+        cuts = _beyond_neighbours(flat, plane, opposite, own, points, grown, np.linalg.norm(shift, axis=1) > joint)
+        if cuts:
+            grown, split = trimmed(grown, split, cuts)
         volume = signed_volume(grown, split)
         if not 0.5 * before[index] < volume < 3.0 * before[index]:
             stuck.append(index)
@@ -94,6 +103,48 @@ def close_joints(solids: Sequence[Solid], joint: float) -> Closed:
         after[index] = volume
         out.append((grown, tuple(split)))
     return Closed(out, joints, before, after, stuck)
+
+
+def _opposite(joints: Joints) -> dict[int, list[int]]:
+    """Return the faces across the joints of each face that has any."""
+    out: dict[int, list[int]] = {}
+    for i, j in joints.faces.tolist():
+        out.setdefault(i, []).append(j)
+        out.setdefault(j, []).append(i)
+    return out
+
+
+def _beyond_neighbours(
+    flat: "_Faces",
+    plane: dict[int, tuple[FloatArray, float]],
+    opposite: dict[int, list[int]],
+    own: range,
+    points: FloatArray,
+    grown: FloatArray,
+    sharp: BoolArray,
+) -> list[tuple[FloatArray, float]]:
+    """Return the planes, normal and level, in which the sharp tips of a grown stone are cut off.
+
+    A tip grows into the mortar where three stones meet, and may so reach over the end of the stone that it was drawn along, to
+    the next one. It is cut off in the plane of that end, where only tips lie beyond, and nothing that was drawn.
+    """
+    if not sharp.any():
+        return []
+    slack = TOUCHING * flat.size
+    cuts: list[tuple[FloatArray, float]] = []
+    along = sorted({face for k in own for face in opposite.get(k, [])})
+    ends = {
+        end: None
+        for face in along
+        for end in range(*flat.solid_ptr[flat.solid[face] : flat.solid[face] + 2])
+        if abs(flat.normal[end] @ flat.normal[face]) < np.cos(END)
+    }
+    for end in ends:
+        normal, level = plane.get(end, (flat.normal[end], float(flat.level[end])))
+        beyond = grown @ normal > level + slack
+        if (beyond & sharp).any() and not (beyond & ~sharp).any() and (points @ normal <= level + slack).all():
+            cuts.append((normal, level))
+    return cuts
 
 
 def open_joints(solids: Sequence[Solid]) -> Joints:
