@@ -33,6 +33,24 @@ def test_commands_exist(page: Path) -> None:
         command.make_parser(context).parse_args(arguments)
 
 
+def python_blocks(page: Path) -> str:
+    """Return the Python of a page, one block after the other, as a reader follows them."""
+    return "\n".join(re.findall(r"^```python\n(.*?)^```", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE))
+
+
+WITH_PYTHON = [page for page in PAGES if python_blocks(page)]
+
+
+@pytest.mark.parametrize("page", WITH_PYTHON, ids=lambda page: page.name)
+def test_python_of_the_pages_runs(page: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(ROOT)
+    exec(compile(python_blocks(page), str(page), "exec"), {})
+
+
+def test_the_readme_and_a_page_have_python() -> None:
+    assert {"README.md", "python.md"} <= {page.name for page in WITH_PYTHON}
+
+
 def test_manual_builds(tmp_path: Path) -> None:
     config = load_config(str(ROOT / "mkdocs.yml"), site_dir=str(tmp_path))
     config.plugins.on_startup(command="build", dirty=False)
