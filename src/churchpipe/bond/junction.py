@@ -11,7 +11,7 @@ from churchpipe.geometry.charts import along, base_level, footprint
 from churchpipe.geometry.planar import Region, area, areas, boxes, common, common_areas, pieces, vertices
 from churchpipe.geometry.polygons import TOLERANCE, snap_onto
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
-from churchpipe.model.building import Panel
+from churchpipe.model.building import Junction, Panel
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +37,7 @@ class Crossing:
     owner: IntArray
 
 
-def crossings(panels: Sequence[Panel], solids: Sequence[Region]) -> list[Crossing]:
+def crossings(panels: Sequence[Panel], solids: Sequence[Region], junctions: Sequence[Junction] = ()) -> list[Crossing]:
     """Return the crossings of walls in pairs, found from their footprints: corners, T-junctions, X-junctions, legs of an apse.
 
     Where both walls exist at a height, the stones of the junction belong to one of them, its owner: a wall with `runs_through`
@@ -46,12 +46,13 @@ def crossings(panels: Sequence[Panel], solids: Sequence[Region]) -> list[Crossin
 
     Parameters
     ----------
-    panels: the walls, upright. solids: outline less openings of each, chart coordinates.
+    panels: the walls, upright. solids: outline less openings of each, chart coordinates. junctions: of pairs of walls whose
+    owner is not found by this rule.
 
     Raises
     ------
     InputError: walls that cross at a slant or only in part, toothed walls whose courses do not line up, a junction that
-        neither wall fills.
+        neither wall fills, one that is declared of walls that do not meet.
     """
     plans = [footprint(p.chart, p.thickness, p.outline[:, 0].min(), p.outline[:, 0].max()) for p in panels]
     found: list[Crossing] = []
@@ -76,16 +77,23 @@ def crossings(panels: Sequence[Panel], solids: Sequence[Region]) -> list[Crossin
                 found=f"openings or slopes in both at z = {level:g} m",
                 remedy="Keep openings and slopes of one of the walls out of the junction.",
             )
-        first_owns = np.where(whole[0] == whole[1], _first_comes_first(panels[i], panels[j], course), whole[0])
+        by_rule = _first_owns(panels[i], panels[j], junctions, course)
+        first_owns = np.where(whole[0] == whole[1], by_rule, whole[0])
         found.append(Crossing((i, j), spans, levels, np.where(both, np.where(first_owns, 0, 1), -1)))
+    meeting = [{panels[wall].name for wall in crossing.walls} for crossing in found]
+    for junction in junctions:
+        if set(junction.walls) not in meeting:
+            raise InputError(
+                f"junction of {' and '.join(junction.walls)}", "the walls do not meet", expected="two walls that cross"
+            )
     return found
 
 
-def wall_junctions(panels: Sequence[Panel], solids: Sequence[Region]) -> list[WallJunctions]:
+def wall_junctions(panels: Sequence[Panel], solids: Sequence[Region], junctions: Sequence[Junction] = ()) -> list[WallJunctions]:
     """Return the junctions of each wall: their extent, and which parts belong to other walls. Arguments as for `crossings`."""
     zones: list[list[FloatArray]] = [[] for _ in panels]
     lost: list[list[FloatArray]] = [[] for _ in panels]
-    for crossing in crossings(panels, solids):
+    for crossing in crossings(panels, solids, junctions):
         for place, (wall, span) in enumerate(zip(crossing.walls, crossing.spans, strict=True)):
             loses = crossing.owner == 1 - place
             base = base_level(panels[wall].chart)
@@ -146,6 +154,23 @@ def _cover(panel: Panel, solid: Region, span: FloatArray, levels: FloatArray) ->
     level = np.ones(len(t) - 1)
     bands = boxes(np.stack([span[0] * level, t[:-1], span[1] * level, t[1:]], axis=1))
     return common_areas(bands, solid) / areas(bands)
+
+
+def _first_owns(first: Panel, second: Panel, junctions: Sequence[Junction], course: IntArray) -> BoolArray:
+    """Return on which courses (n,) the first of two walls that both fill their junction owns it."""
+    declared = next((junction for junction in junctions if set(junction.walls) == {first.name, second.name}), None)
+    if declared is None:
+        return _first_comes_first(first, second, course)
+    butting = first if first.name == declared.walls[1] else second
+    owns = np.zeros(len(course), dtype=np.bool_)
+    if declared.every:
+        # Of its own parity, on which a wall has a stone across the face of the junction.
+        owns = course % declared.every == (butting.runs_through or 0)
+    if declared.cracked is not None:
+        a, base = butting.regions[0].cell.a, base_level(butting.chart)
+        low, high = declared.cracked
+        owns &= (base + a * (course + 1) < low + TOLERANCE) | (base + a * course > high - TOLERANCE)
+    return owns if butting is first else ~owns
 
 
 def _first_comes_first(first: Panel, second: Panel, course: IntArray) -> BoolArray:

@@ -10,9 +10,9 @@ from churchpipe.generators.church import church
 from churchpipe.generators.church_parts import Apse
 from churchpipe.generators.fields import as_dataclass, coerce_fields
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
-from churchpipe.generators.wall_bonds import WallBond
+from churchpipe.generators.wall_bonds import OwnWall, WallBond, own
 from churchpipe.model.arguments import positive
-from churchpipe.model.building import Building
+from churchpipe.model.building import Building, Junction
 from churchpipe.model.materials import UnitWeight
 from churchpipe.model.quantities import Length
 
@@ -36,12 +36,21 @@ class ChapelParameters:
     apse: Apse | Given | None = None
     openings: Sequence[ArchedOpening | Given] = ()
     bonds: Sequence[WallBond | Given] = ()
+    walls: Sequence[OwnWall | Given] = ()
+    junctions: Sequence[Junction | Given] = ()
     joints: Literal["grid", "bay"] = "bay"
     first_course: Literal["x", "y"] = "x"
 
     def __post_init__(self) -> None:
         coerce_fields(self, "chapel.")
-        positive("chapel.length, less its walls", self.length - 2 * self.thickness)
+        ends = self.thicknesses["facade"] + self.thicknesses["east"]
+        positive("chapel.length, less its walls", self.length - ends)
+
+    @property
+    def thicknesses(self) -> dict[str, float]:
+        """Thickness of each of its straight walls, m."""
+        walls = [as_dataclass(OwnWall, f"chapel.walls.{k}", wall) for k, wall in enumerate(self.walls)]
+        return {name: own(walls, name, "thickness", self.thickness) for name in ("facade", "nave_left", "nave_right", "east")}
 
 
 # Prefixes of the parameters of a church in messages, and those of the same parameters of a chapel.
@@ -49,6 +58,7 @@ _PLACES = (
     *((f"church.{wall}.", "chapel.") for wall in ("nave", "facade", "east")),
     ("church.apses.0.", "chapel.apse."),
     ("church.", "chapel."),
+    ("church: ", "chapel: "),
 )
 
 
@@ -64,14 +74,15 @@ def chapel(*, name: str = "chapel", materials: tuple[UnitWeight, ...] = (DEFAULT
 
 
 def _church(p: ChapelParameters, end: dict[str, Any], name: str, materials: tuple[UnitWeight, ...]) -> Building:
+    thick = p.thicknesses
     return church(
         name=name,
         materials=materials,
         course=p.course,
         stone_length=p.stone_length,
         nave={
-            "width": p.width - p.thickness,
-            "length": p.length - p.thickness,
+            "width": p.width - (thick["nave_left"] + thick["nave_right"]) / 2,
+            "length": p.length - (thick["facade"] + thick["east"]) / 2,
             "height": p.height,
             "thickness": p.thickness,
         },
@@ -80,6 +91,8 @@ def _church(p: ChapelParameters, end: dict[str, Any], name: str, materials: tupl
         apses=() if p.apse is None else (p.apse,),
         openings=p.openings,
         bonds=p.bonds,
+        walls=p.walls,
+        junctions=p.junctions,
         joints=p.joints,
         first_course=p.first_course,
     )

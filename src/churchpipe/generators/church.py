@@ -1,9 +1,10 @@
 """A church on a Latin cross or a T: facade, nave, triumphal arch, transept, choir, apses, chapel and bell tower."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
+from churchpipe.errors import InputError
 from churchpipe.generators.apse import apse_legs, apse_panel
 from churchpipe.generators.arched import ArchedOpening, Given
 from churchpipe.generators.checks import whole_courses
@@ -12,8 +13,8 @@ from churchpipe.generators.church_plan import Plan, church_walls, cross_walls
 from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
 from churchpipe.generators.layout import WallLayout, check_clear, wall_panels
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
-from churchpipe.generators.wall_bonds import Bonding, WallBond, bonding_of, check_walls
-from churchpipe.model.building import Building, Panel
+from churchpipe.generators.wall_bonds import Bonding, OwnWall, WallBond, bonding_of, check_walls, own
+from churchpipe.model.building import Building, Junction, Panel
 from churchpipe.model.materials import UnitWeight
 from churchpipe.model.quantities import Length
 
@@ -42,6 +43,8 @@ class ChurchParameters:
     apses: Sequence[Apse | Given] = ()
     openings: Sequence[ArchedOpening | Given] = ()
     bonds: Sequence[WallBond | Given] = ()
+    walls: Sequence[OwnWall | Given] = ()
+    junctions: Sequence[Junction | Given] = ()
     joints: Literal["grid", "bay"] = "bay"
     first_course: Literal["x", "y"] = "x"
 
@@ -51,25 +54,41 @@ class ChurchParameters:
     @property
     def plan(self) -> Plan:
         """The parts, checked."""
+        walls = tuple(as_dataclass(OwnWall, f"church.walls.{k}", wall) for k, wall in enumerate(self.walls))
         plan = Plan(
             stone_length=self.stone_length,
             nave=part_of(Nave, "church.nave", self.nave),
-            facade=part_of(CrossWall, "church.facade", self.facade),
-            triumphal_arch=part_of(CrossWall, "church.triumphal_arch", self.triumphal_arch),
+            facade=_cross_wall("facade", self.facade, walls),
+            triumphal_arch=_cross_wall("triumphal_arch", self.triumphal_arch, walls),
             transept=part_of(Transept, "church.transept", self.transept),
-            choir_arch=part_of(CrossWall, "church.choir_arch", self.choir_arch),
+            choir_arch=_cross_wall("choir_arch", self.choir_arch, walls),
             choir=part_of(Choir, "church.choir", self.choir),
-            east=part_of(CrossWall, "church.east", self.east),
+            east=_cross_wall("east", self.east, walls),
             tower=part_of(Tower, "church.tower", self.tower),
             chapel=part_of(Chapel, "church.chapel", self.chapel),
             apses=tuple(part_of(Apse, f"church.apses.{k}", apse) for k, apse in enumerate(self.apses)),
             x_first=self.first_course == "x",
+            walls=walls,
         )
         for name in ("nave", "transept", "tower", "chapel"):
             height = getattr(getattr(plan, name), "height", None)
             if height is not None:
                 whole_courses(f"church.{name}.height", height, self.course)
+        for number, wall in enumerate(walls):
+            if wall.height is not None:
+                whole_courses(f"church.walls.{number}.height", wall.height, self.course)
+                for name in sorted(set(wall.walls) - {"nave_left", "nave_right"}):
+                    expected = "nave_left or nave_right; of walls across the nave, `ridge`; of others, that of their part"
+                    raise InputError(
+                        f"church.walls.{number}.height", "no wall with eaves of its own", found=name, expected=expected
+                    )
         return plan
+
+
+def _cross_wall(name: str, value: Any, walls: Sequence[OwnWall]) -> Any:
+    """Return a wall across the nave, with the thickness that it has of its own."""
+    part = part_of(CrossWall, f"church.{name}", value)
+    return part and replace(part, thickness=own(walls, name, "thickness", part.thickness))
 
 
 def church(*, name: str = "church", materials: tuple[UnitWeight, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
@@ -82,11 +101,19 @@ def church(*, name: str = "church", materials: tuple[UnitWeight, ...] = (DEFAULT
     p = as_dataclass(ChurchParameters, "church", parameters)
     materials = materials_of("church", materials)
     plan = p.plan
-    bonding = bonding_of("church", p, materials[0].name)
+    bonding = replace(bonding_of("church", p, materials[0].name), walls=plan.walls)
     walls = church_walls(plan)
     check_walls(bonding, [*(wall.name for wall in walls), *plan.apse_names], "church")
     apses, legs = _apses(plan, bonding, walls, p.course)
-    return Building(name, (*wall_panels(walls, bonding, legs), *apses), materials)
+    junctions = tuple(_junction(f"church.junctions.{k}", value) for k, value in enumerate(p.junctions))
+    return Building(name, (*wall_panels(walls, bonding, legs), *apses), materials, junctions=junctions)
+
+
+def _junction(where: str, value: Junction | Given) -> Junction:
+    try:
+        return as_dataclass(Junction, where, value)
+    except InputError as error:
+        raise (error if error.where.startswith(where) else error.at(f"{where}.{error.where.rpartition(': ')[2]}")) from error
 
 
 def _apses(plan: Plan, bonding: Bonding, walls: Sequence[WallLayout], course: float) -> tuple[list[Panel], list[WallLayout]]:

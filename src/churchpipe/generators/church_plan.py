@@ -6,6 +6,7 @@ from typing import Literal
 from churchpipe.errors import InputError
 from churchpipe.generators.church_parts import Apse, Chapel, Choir, CrossWall, Nave, Tower, Transept
 from churchpipe.generators.layout import CLOSE, WallLayout
+from churchpipe.generators.wall_bonds import OwnWall, own
 
 SIDES: tuple[Literal["left"], Literal["right"]] = ("left", "right")
 # Smallest clear width of a room between walls, in stone lengths.
@@ -29,6 +30,7 @@ class Plan:
     chapel: Chapel | None
     apses: tuple[Apse, ...]
     x_first: bool
+    walls: tuple[OwnWall, ...] = ()
 
     def __post_init__(self) -> None:
         for name, part, needs in (
@@ -52,13 +54,12 @@ class Plan:
             raise InputError("church.transept", "open at the back", expected="a part [source.east] (or a choir and its arch)")
         if self.tower and self.chapel and self.tower.side == self.chapel.side:
             raise InputError("church.chapel.side", "the tower stands there", found=self.chapel.side, expected="the other side")
+        eaves = max(map(self.eaves, SIDES))
         for wall in ("facade", "triumphal_arch", "choir_arch", "east"):
             ridge = getattr(getattr(self, wall), "ridge", None)
-            if ridge is not None and ridge < self.nave.height - CLOSE:
-                raise InputError(
-                    f"church.{wall}.ridge", "below the eaves", found=f"{ridge:g} m", expected=f">= {self.nave.height:g} m"
-                )
-        room = self.nave.width - self.nave.thickness
+            if ridge is not None and ridge < eaves - CLOSE:
+                raise InputError(f"church.{wall}.ridge", "below the eaves", found=f"{ridge:g} m", expected=f">= {eaves:g} m")
+        room = self.inner("left") + self.inner("right")
         if room < LEAST_ROOM * self.stone_length:
             raise InputError(
                 "church.nave.width", "no room inside", found=f"{room:.4g} m clear", expected=f">= {self.stone_length:g} m"
@@ -66,15 +67,21 @@ class Plan:
         if self.transept:
             _check_transept(self, self.transept)
 
-    @property
-    def inner(self) -> float:
-        """x of the inner faces of the side walls, m."""
-        return (self.nave.width - self.nave.thickness) / 2
+    def thickness(self, side: str) -> float:
+        """Return the thickness of a side wall of the nave, m."""
+        return own(self.walls, f"nave_{side}", "thickness", self.nave.thickness)
 
-    @property
-    def outer(self) -> float:
-        """x of their outer faces, m."""
-        return (self.nave.width + self.nave.thickness) / 2
+    def eaves(self, side: str) -> float:
+        """Return the height of the eaves of a side wall of the nave, m."""
+        return own(self.walls, f"nave_{side}", "height", self.nave.height)
+
+    def inner(self, side: str) -> float:
+        """Return the distance of the inner face of a side wall from the axis, m."""
+        return (self.nave.width - self.thickness(side)) / 2
+
+    def outer(self, side: str) -> float:
+        """Return the distance of its outer face, m."""
+        return (self.nave.width + self.thickness(side)) / 2
 
     @property
     def apse_names(self) -> list[str]:
@@ -101,13 +108,14 @@ class Plan:
 
 
 def _check_transept(plan: Plan, transept: Transept) -> None:
-    room = transept.width / 2 - transept.thickness - plan.outer
+    outer = max(map(plan.outer, SIDES))
+    room = transept.width / 2 - transept.thickness - outer
     if room < LEAST_ROOM * plan.stone_length:
         raise InputError(
             "church.transept.width",
             "no room in its arms",
-            found=f"{transept.width:g} m over all, {room:.4g} m clear beside the nave ({2 * plan.outer:g} m wide)",
-            expected=f">= {2 * (plan.outer + transept.thickness + plan.stone_length):.4g} m",
+            found=f"{transept.width:g} m over all, {room:.4g} m clear beside the nave ({2 * outer:g} m wide)",
+            expected=f">= {2 * (outer + transept.thickness + plan.stone_length):.4g} m",
         )
     behind = plan.choir_arch or plan.east
     front = plan.triumphal_arch
@@ -117,7 +125,7 @@ def _check_transept(plan: Plan, transept: Transept) -> None:
             "church.transept.depth", "no room inside", found=f"{deep:.4g} m clear", expected=f">= {plan.stone_length:g} m"
         )
     if plan.tower and plan.tower.width is not None:
-        widest = transept.width / 2 - plan.outer - plan.stone_length
+        widest = transept.width / 2 - outer - plan.stone_length
         if plan.tower.width > widest + CLOSE:
             raise InputError(
                 "church.tower.width",
@@ -166,10 +174,10 @@ def _transept_walls(plan: Plan) -> tuple[tuple[float, float], tuple[float, float
 
 
 def _cross_wall(plan: Plan, name: str, wall: CrossWall, y: float, parity: Literal[0, 1]) -> WallLayout:
-    eaves = plan.nave.height
+    eaves = max(map(plan.eaves, SIDES))
     ridge = eaves if wall.ridge is None else wall.ridge
-    left: list[tuple[float, float]] = [(-plan.outer, eaves)]
-    right: list[tuple[float, float]] = [(plan.outer, eaves)]
+    left: list[tuple[float, float]] = [(-plan.outer("left"), plan.eaves("left"))]
+    right: list[tuple[float, float]] = [(plan.outer("right"), plan.eaves("right"))]
     parts: list[tuple[str, float, float]] = []
     transept = plan.transept
     if transept and (name == "triumphal_arch" or abs(y - plan.nave.length - transept.depth) < CLOSE):
@@ -177,16 +185,17 @@ def _cross_wall(plan: Plan, name: str, wall: CrossWall, y: float, parity: Litera
         reach = transept.width / 2
         for side, sign in (("left", -1.0), ("right", 1.0)):
             arm, height = plan.arm(side)
-            steps = _arm_top(plan, reach, height, eaves + (ridge - eaves) * (1 - plan.inner / plan.outer), side)
+            rise = (ridge - plan.eaves(side)) * (1 - plan.inner(side) / plan.outer(side))
+            steps = _arm_top(plan, reach, height, plan.eaves(side) + rise, side)
             if side == "left":
                 left = [(-s, z) for s, z in steps]
             else:
                 right = steps[::-1]
             narrow = plan.narrow_tower(side)
-            stop = plan.inner if narrow is None else reach - narrow
+            stop = plan.inner(side) if narrow is None else reach - narrow
             parts.append((f"{arm}_{place}", *_sorted(sign * reach, sign * stop)))
             if narrow is not None:
-                parts.append((f"transept_{side}_{place}", *_sorted(sign * stop, sign * plan.inner)))
+                parts.append((f"transept_{side}_{place}", *_sorted(sign * stop, sign * plan.inner(side))))
     top = [*left, *([(0.0, ridge)] if ridge > eaves + CLOSE else []), *right]
     return WallLayout(name, "x", y, wall.thickness, tuple(top), parity, tuple(parts))
 
@@ -198,15 +207,15 @@ def _sorted(first: float, second: float) -> tuple[float, float]:
 def _arm_top(plan: Plan, reach: float, height: float, gable: float, side: str) -> list[tuple[float, float]]:
     """Return the top of one arm of a cross wall from its end inwards, distances from the axis and z, m; gable: z of the gable
     over the inner face of the side wall."""
-    eaves, narrow = plan.nave.height, plan.narrow_tower(side)
+    eaves, narrow = plan.eaves(side), plan.narrow_tower(side)
     steps = [(reach, height)]
     if narrow is not None:
         steps.append((reach - narrow, height))
         height = plan.arm_height
         steps.append((reach - narrow, height))
     if abs(height - eaves) < CLOSE:
-        return [*steps, (plan.outer, eaves)]
-    edge, end = (plan.inner, gable) if height > eaves else (plan.outer, eaves)
+        return [*steps, (plan.outer(side), eaves)]
+    edge, end = (plan.inner(side), gable) if height > eaves else (plan.outer(side), eaves)
     return [*steps, (edge, height), (edge, end)]
 
 
@@ -215,7 +224,7 @@ def _side_wall(plan: Plan, side: Literal["left", "right"], parity: Literal[0, 1]
     start = -plan.facade.thickness / 2 if plan.facade else 0.0
     last = walls[-1][2] + walls[-1][1].thickness / 2 if walls else 0.0
     stop = max(last, plan.nave.length)
-    eaves = plan.nave.height
+    eaves = plan.eaves(side)
     top = [(start, eaves), (stop, eaves)]
     parts: list[tuple[str, float, float]] = []
     if plan.transept:
@@ -229,7 +238,7 @@ def _side_wall(plan: Plan, side: Literal["left", "right"], parity: Literal[0, 1]
                 top += [(end, eaves), (stop, eaves)]
         parts.append((f"{arm}_inner", first, end))
     sign = -1.0 if side == "left" else 1.0
-    return WallLayout(f"nave_{side}", "y", sign * plan.nave.width / 2, plan.nave.thickness, tuple(top), parity, tuple(parts))
+    return WallLayout(f"nave_{side}", "y", sign * plan.nave.width / 2, plan.thickness(side), tuple(top), parity, tuple(parts))
 
 
 def _arm_walls(plan: Plan, transept: Transept, side: Literal["left", "right"], parity: Literal[0, 1]) -> list[WallLayout]:
@@ -240,7 +249,8 @@ def _arm_walls(plan: Plan, transept: Transept, side: Literal["left", "right"], p
     reach = transept.width / 2
     top = ((start, height), (stop, height))
     part = ((f"{arm}_outer", start, stop),)
-    walls = [WallLayout(f"transept_{side}", "y", sign * (reach - transept.thickness / 2), transept.thickness, top, parity, part)]
+    thickness = own(plan.walls, f"transept_{side}", "thickness", transept.thickness)
+    walls = [WallLayout(f"transept_{side}", "y", sign * (reach - thickness / 2), thickness, top, parity, part)]
     narrow = plan.narrow_tower(side)
     if narrow is not None:
         at = sign * (reach - narrow + transept.thickness / 2)

@@ -44,7 +44,7 @@ def curved_panel(
         outline,
         thickness,
         (bond, *(ring for hole in found for ring in hole.rings)),
-        material=bonding.material,
+        material=bonding.material_of(name),
         openings=tuple(hole.opening for hole in found),
         runs_through=runs_through,
     )

@@ -68,17 +68,21 @@ def _hints(kind: type[Any]) -> dict[str, Any]:
     return get_type_hints(kind, include_extras=True)
 
 
-def _fitted(where: str, value: Any, hint: Any) -> Any:
+def _fitted(where: str, value: Any, hint: Any, quantity: Quantity | None = None) -> Any:
+    """Return a value checked against an annotation; quantity: that of its numbers."""
     origin, options = get_origin(hint), get_args(hint)
+    if origin is Annotated:
+        return _fitted(where, value, options[0], next((extra for extra in options[1:] if isinstance(extra, Quantity)), quantity))
     if origin in (Union, UnionType):
-        return _one_of_kinds(where, value, options)
+        return _one_of_kinds(where, value, options, quantity)
     if origin is Literal:
         one_of(where, value, *options)
         return value
     if origin is tuple or origin is Sequence:
-        return tuple(_fitted(f"{where}[{number}]", item, options[0]) for number, item in enumerate(_items(where, value)))
-    if origin is Annotated:
-        return _number(where, value, options[0], options[1])
+        items = enumerate(_items(where, value))
+        return tuple(_fitted(f"{where}[{number}]", item, options[0], quantity) for number, item in items)
+    if quantity is not None and hint in (int, float):
+        return _number(where, value, hint, quantity)
     check_kind(where, value, hint if origin is None else origin)
     return value
 
@@ -96,20 +100,20 @@ def _number(where: str, value: Any, kind: type, quantity: Quantity) -> float | i
     return number
 
 
-def _one_of_kinds(where: str, value: Any, options: Sequence[Any]) -> Any:
+def _one_of_kinds(where: str, value: Any, options: Sequence[Any], quantity: Quantity | None) -> Any:
     """Return a value of one of several kinds: nothing, a thing, a mapping of its fields, or a list of such."""
     if value is None and NoneType in options:
         return None
     kinds = [option for option in options if option is not NoneType]
     if len(kinds) == 1:
-        return _fitted(where, value, kinds[0])
+        return _fitted(where, value, kinds[0], quantity)
     table: Any = next((kind for kind in kinds if is_dataclass(kind)), None)
     if table is not None:
         if not isinstance(value, (table, Mapping)):
             raise InputError(where, "wrong kind", found=describe(value), expected=f"{table.__name__}, or a mapping of its fields")
         return cast("Any", value)
     several, single = sorted(kinds, key=lambda kind: get_origin(kind) is not Sequence)
-    return _fitted(where, value, single if isinstance(value, str if single is str else Real) else several)
+    return _fitted(where, value, single if isinstance(value, str if single is str else Real) else several, quantity)
 
 
 def _items(where: str, value: Any) -> list[Any]:

@@ -68,7 +68,7 @@ def _panel(layout: WallLayout, bonding: Bonding, layouts: Sequence[WallLayout]) 
         outline,
         layout.thickness,
         (bonding.region(layout.name, outline), *(ring for hole in found for ring in hole.rings)),
-        material=bonding.material,
+        material=bonding.material_of(layout.name),
         openings=tuple(hole.opening for hole in found),
         runs_through=layout.runs_through,
         parts=tuple(Part(name, rectangle(low, 0.0, high, layout.height)) for name, low, high in layout.parts),

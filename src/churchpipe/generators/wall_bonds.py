@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Literal, Protocol
+from typing import Annotated, Any, Literal, Protocol
 
 from churchpipe.errors import InputError
 from churchpipe.generators.arched import ArchedOpening, Given
@@ -33,9 +33,32 @@ class WallBond:
 
 
 @dataclass(frozen=True, slots=True)
+class OwnWall:
+    """What one or more walls have of their own, unlike the others; what is left out is as elsewhere."""
+
+    wall: Annotated[str | Sequence[str], "Name of the wall, or a list of them."]
+    thickness: Annotated[Length | None, "Thickness."] = None
+    height: Annotated[Length | None, "Height of the eaves, of a side wall of the nave."] = None
+    material: Annotated[str | None, "Name of its material."] = None
+
+    def __post_init__(self) -> None:
+        coerce_fields(self, "walls: ")
+
+    @property
+    def walls(self) -> tuple[str, ...]:
+        """The walls that it is about."""
+        return (self.wall,) if isinstance(self.wall, str) else tuple(self.wall)
+
+
+def own(walls: Sequence[OwnWall], name: str, key: Literal["thickness", "height", "material"], default: Any) -> Any:
+    """Return what a wall has of its own, or the default."""
+    return next((value for wall in walls if name in wall.walls if (value := getattr(wall, key)) is not None), default)
+
+
+@dataclass(frozen=True, slots=True)
 class Bonding:
     """How the walls of a building are laid: unit cell, rule of the joints, material, openings. Walls not in `bonds` are in
-    running bond.
+    running bond; `walls`: what some have of their own.
     """
 
     cell: UnitCell
@@ -43,6 +66,11 @@ class Bonding:
     material: str = "default"
     openings: tuple[ArchedOpening, ...] = field(default=())
     bonds: tuple[WallBond, ...] = field(default=())
+    walls: tuple[OwnWall, ...] = field(default=())
+
+    def material_of(self, wall: str) -> str:
+        """Return the name of the material of a wall."""
+        return own(self.walls, wall, "material", self.material)
 
     def region(self, wall: str, outline: FloatArray) -> BondRegion:
         """Return the bond of a wall, over its outline (n, 2) m."""
@@ -79,7 +107,8 @@ def bonding_of(where: str, parameters: Laid, material: str) -> Bonding:
 
 def check_walls(bonding: Bonding, known: Sequence[str], where: str) -> None:
     """Raise InputError for an opening in, or a bond of, a wall that does not exist, and for a second bond of one wall."""
-    for name, walls in [(f"opening {o.name}", o.walls) for o in bonding.openings] + [("bonds", b.walls) for b in bonding.bonds]:
+    named = [(f"opening {o.name}", o.walls) for o in bonding.openings] + [("bonds", b.walls) for b in bonding.bonds]
+    for name, walls in named + [("walls", w.walls) for w in bonding.walls]:
         for wall in walls:
             if wall not in known:
                 raise InputError(f"{where}: {name}", "no such wall", found=f'"{wall}"', expected=", ".join(known))

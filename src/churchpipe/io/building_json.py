@@ -10,7 +10,7 @@ import numpy as np
 from churchpipe.errors import InputError
 from churchpipe.io.atomic import write_json
 from churchpipe.model.arguments import check_kind
-from churchpipe.model.building import BondRegion, Building, Chart, Opening, Panel, Part, Support, UnitCell
+from churchpipe.model.building import BondRegion, Building, Chart, Junction, Opening, Panel, Part, Support, UnitCell
 from churchpipe.model.materials import Elastic, Material, UnitWeight
 from churchpipe.model.vault import Run, Section, Side, Vault
 
@@ -19,7 +19,7 @@ SCHEMA = "churchpipe building 1"
 _TYPES = {
     kind.__name__: kind
     for kind in (
-        *(Building, Panel, Part, BondRegion, UnitCell, Opening, *get_args(Chart), Support),
+        *(Building, Panel, Junction, Part, BondRegion, UnitCell, Opening, *get_args(Chart), Support),
         *(Vault, Run, Section, Side, UnitWeight, Material, Elastic),
     )
 }

@@ -1,7 +1,7 @@
 """The one source description from which both models are derived."""
 
 from dataclasses import dataclass, field
-from typing import Any, Literal, cast, get_args
+from typing import Annotated, Any, Literal, cast, get_args
 
 import numpy as np
 
@@ -9,6 +9,7 @@ from churchpipe.errors import InputError
 from churchpipe.model.arguments import check_kind, describe, finite, listed, one_of, positive, text, whole
 from churchpipe.model.arrays import FloatArray, flags, floats, indices, store
 from churchpipe.model.materials import UnitWeight
+from churchpipe.model.quantities import Distance, Whole
 from churchpipe.model.vault import Vault
 
 Pattern = Literal["running", "stack", "header-stretcher", "voussoir", "single"]
@@ -212,6 +213,36 @@ class Panel:
 
 
 @dataclass(frozen=True, slots=True)
+class Junction:
+    """How two walls hold together where they meet, if they are not toothed into each other on every other course.
+
+    On all courses the first wall runs through, and the second one butts against it, but for its bonding courses.
+    """
+
+    walls: Annotated[tuple[str, str], "Names of the two walls: the one that runs through, and the one that butts against it."]
+    every: Annotated[Whole, "A stone of the second wall bonds them on every so many courses, an even number; 0: on none."] = 0
+    cracked: Annotated[tuple[Distance, Distance] | None, "From which height to which one no stone bonds them."] = None
+
+    def __post_init__(self) -> None:
+        names = tuple(listed("Junction.walls", self.walls, str))
+        where = f"junction of {' and '.join(names)}"
+        if len(names) != 2 or names[0] == names[1]:
+            raise InputError(f"{where}: walls", "not two walls", found=", ".join(names), expected="the names of two walls")
+        whole(f"{where}: every", self.every, least=0)
+        if self.every % 2:
+            remedy = "A wall has a joint over each stone: on odd courses its stones end at the face of the other wall."
+            raise InputError(
+                f"{where}: every", "an odd number of courses", found=self.every, expected="0, 2, 4 and so on", remedy=remedy
+            )
+        cracked = None
+        if self.cracked is not None:
+            low, high = cracked = tuple(floats(f"{where}: cracked", self.cracked, (2,)).tolist())
+            if not 0 <= low < high:
+                raise InputError(f"{where}: cracked", "no stretch of height", found=list(cracked), expected="0 <= from < to")
+        store(self, walls=names, every=int(self.every), cracked=cracked)
+
+
+@dataclass(frozen=True, slots=True)
 class Support:
     """A fixed body that is not the ground plane, such as the skewback of an arch: points (n, 3) m, faces outward."""
 
@@ -228,7 +259,7 @@ class Support:
 @dataclass(frozen=True, slots=True)
 class Building:
     """Panels and vaults, the unit weights of their materials (a `Material` has one), the height of the ground plane in m (None:
-    no ground plane) and further fixed bodies.
+    no ground plane), further fixed bodies, and the junctions that are not toothed as those of the panels are by themselves.
     """
 
     name: str
@@ -237,6 +268,7 @@ class Building:
     ground: float | None = 0.0
     supports: tuple[Support, ...] = ()
     vaults: tuple[Vault, ...] = ()
+    junctions: tuple[Junction, ...] = ()
 
     def __post_init__(self) -> None:
         where = f"Building {text('Building.name', self.name)}"
@@ -246,12 +278,19 @@ class Building:
             materials=tuple(listed(f"{where}.materials", self.materials, UnitWeight)),
             supports=tuple(listed(f"{where}.supports", self.supports, Support)),
             vaults=tuple(listed(f"{where}.vaults", self.vaults, Vault)),
+            junctions=tuple(listed(f"{where}.junctions", self.junctions, Junction)),
         )
         if self.ground is not None:
             finite(f"{where}.ground", self.ground)
         names = [p.name for p in self.panels] + [part for vault in self.vaults for part in vault.parts]
         if len(set(names)) != len(names):
             raise InputError(where, "names of panels and parts of vaults are not unique", found=names)
+        panels = [p.name for p in self.panels]
+        for junction in self.junctions:
+            for name in set(junction.walls) - set(panels):
+                raise InputError(
+                    f"junction of {' and '.join(junction.walls)}", "no such wall", found=name, expected=", ".join(panels)
+                )
         known = {m.name for m in self.materials}
         used = [(f"Panel {p.name}", {p.material, *(region.material for region in p.regions)}) for p in self.panels]
         for owner, materials in used + [(f"Vault {vault.name}", {vault.material}) for vault in self.vaults]:

@@ -13,7 +13,7 @@ from churchpipe.geometry.clusters import NODE_TOLERANCE
 from churchpipe.geometry.planar import Region, area, boxes, common, extent, less, polygon, vertices
 from churchpipe.geometry.polygons import TOLERANCE
 from churchpipe.model.arrays import FloatArray
-from churchpipe.model.building import Panel
+from churchpipe.model.building import Junction, Panel
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +36,7 @@ class MidSurface:
     levels: FloatArray
 
 
-def mid_surfaces(panels: Sequence[Panel]) -> list[MidSurface]:
+def mid_surfaces(panels: Sequence[Panel], junctions: Sequence[Junction] = ()) -> list[MidSurface]:
     """Return the mid-surface of each wall.
 
     Raises
@@ -44,7 +44,7 @@ def mid_surfaces(panels: Sequence[Panel]) -> list[MidSurface]:
     InputError: walls that cannot be laid either; see `crossings`.
     """
     solids = [wall_region(panel) for panel in panels]
-    found = crossings(panels, solids)
+    found = crossings(panels, solids, junctions)
     return [_mid_surface(panel, number, solids[number], found) for number, panel in enumerate(panels)]
 
 

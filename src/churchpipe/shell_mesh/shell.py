@@ -247,6 +247,18 @@ def _touching(support: Support, points: FloatArray) -> BoolArray:
 
 
 def _check_bonds(building: Building) -> None:
+    for junction in building.junctions:
+        if junction.every != 2 or junction.cracked:
+            raise InputError(
+                f"junction of {' and '.join(junction.walls)}",
+                "the shell joins walls as if they were toothed on every other course, and would overrate this junction",
+                found="cracked"
+                if junction.cracked
+                else f"every {junction.every} courses"
+                if junction.every
+                else "a butt junction",
+                remedy="Rigid blocks take it as it is.",
+            )
     for panel in building.panels:
         for region in panel.regions:
             if region.yields and region.pattern not in SHELL_PATTERNS:

@@ -51,7 +51,7 @@ def derive_blocks(building: Building) -> Assemblage:
         raise InputError(f"building {building.name}", "no walls", found=0, expected="at least one panel or vault")
     check_count(building)
     solids = [wall_region(panel) for panel in building.panels]
-    junctions = wall_junctions(building.panels, solids)
+    junctions = wall_junctions(building.panels, solids, building.junctions)
     tiles = [lay_wall(*wall) for wall in zip(building.panels, solids, junctions, strict=True)]
     walls = [_solids(panel, own) for panel, own in zip(building.panels, tiles, strict=True)]
     vaults = [solids_of(vault_stones(vault)) for vault in building.vaults]

@@ -1,8 +1,8 @@
 """Parameters of the generators in Python: what is wrong is named where it is given, and what is given counts."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import MISSING, Field, fields, replace
-from typing import Annotated, Any, get_args, get_origin, get_type_hints
+from typing import Any, get_type_hints
 
 import numpy as np
 import pytest
@@ -12,6 +12,7 @@ from churchpipe import generators
 from churchpipe.errors import InputError
 from churchpipe.generators.arched import ArchedOpening
 from churchpipe.generators.openings import RectangularOpening
+from churchpipe.model import quantities
 from churchpipe.model.building import BondRegion, Opening, Panel, Part, PlaneChart, UnitCell
 from churchpipe.model.quantities import Quantity
 
@@ -31,9 +32,9 @@ CELL = UnitCell(0.2, 0.4)
 def declared(kind: type) -> list[tuple[Field[Any], Quantity]]:
     """Return the fields of a parameter class that are one number, and what they are declared as."""
     hints = get_type_hints(kind, include_extras=True)
-    alone = [item for item in fields(kind) if get_origin(hints[item.name]) not in (tuple, Sequence)]
-    found = [(item, [hints[item.name], *get_args(hints[item.name])]) for item in alone]
-    return [(item, hint.__metadata__[0]) for item, options in found for hint in options if get_origin(hint) is Annotated]
+    known = [(item, quantities.declared(kind)[item.name].quantity) for item in fields(kind)]
+    several = [name for name, hint in hints.items() if any(word in str(hint) for word in ("tuple[", "Sequence["))]
+    return [(item, quantity) for item, quantity in known if quantity is not None and item.name not in several]
 
 
 def door(**changed: Any) -> cp.Building:

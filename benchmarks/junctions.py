@@ -1,0 +1,48 @@
+"""The table and the picture of docs/walls.md: what the bond of a facade with its side walls is worth.
+
+PYTHONPATH=tests/validation python benchmarks/junctions.py     # the picture goes to docs/pictures/facade_junctions.png
+"""
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from matplotlib.figure import Figure
+from matplotlib.image import imread
+from test_junctions import EAVES, FRICTION, facade
+
+import churchpipe as cp
+from churchpipe.report.figures import mechanism_picture
+
+PICTURE = Path("docs/pictures/facade_junctions.png")
+KINDS = {
+    "toothed": {},
+    "every 4th course": {"every": 4},
+    "every 8th course": {"every": 8},
+    "cracked above 2 m": {"every": 2, "cracked": (2.0, EAVES)},
+    "butt": {"every": 0},
+}
+SHOWN = ("toothed", "every 4th course", "butt")
+
+
+def main() -> None:
+    """Solve the facades, print the table and draw three of them side by side."""
+    figure = Figure(figsize=(12, 3.8), layout="constrained")
+    axes = dict(zip(SHOWN, figure.subplots(1, len(SHOWN)), strict=True))
+    load = cp.LoadCase((0, -1, 0), panels=("facade",))
+    print("| bond of the facade with its side walls | load factor |\n|---|---|")
+    with TemporaryDirectory() as scratch:
+        for name, junction in KINDS.items():
+            stones, contacts = facade(**junction)
+            state = cp.limit_analysis(stones, contacts, load, FRICTION)
+            print(f"| {name} | {state.load_factor:.3f} |")
+            if name in axes:
+                file = Path(scratch) / "mechanism.png"
+                mechanism_picture(stones, state.velocities, file, load.direction, size=(900, 800))
+                axes[name].imshow(imread(file))
+                axes[name].set_title(f"{name}: {state.load_factor:.3f}")
+                axes[name].axis("off")
+        figure.savefig(PICTURE, dpi=110)
+
+
+if __name__ == "__main__":
+    main()
