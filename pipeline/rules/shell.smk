@@ -46,6 +46,7 @@ rule match:
     input:
         code="code/match.txt",
         shell="shell/{mesh}/shell.npz",
+        carried="shell/{mesh}/carried.json",
         stones=lambda wildcards: f"geometry/{SHELLS[wildcards.mesh]}/{FITTED}",
         contacts=lambda wildcards: f"geometry/{SHELLS[wildcards.mesh]}/contacts.npz",
     output:
@@ -58,7 +59,7 @@ rule match:
     resources:
         mem_mb=memory_by("triangles", 0.035),
     shell:
-        STAGE + " match {wildcards.mesh:q} {input.shell:q} {input.stones:q} {input.contacts:q} {output.match:q}" + LOG
+        STAGE + " match {wildcards.mesh:q} {input.shell:q} {input.carried:q} {input.stones:q} {input.contacts:q} {output.match:q}" + LOG
 
 
 rule limit:
@@ -67,6 +68,7 @@ rule limit:
         settings="limit/{analysis}/settings.json",
         shell=lambda wildcards: f"shell/{MESH_OF[wildcards.analysis]}/shell.npz",
         match=lambda wildcards: f"shell/{MESH_OF[wildcards.analysis]}/match.json",
+        stones=stones_of,
     output:
         state="limit/{analysis}/limit.npz",
         record="limit/{analysis}/limit.json",
@@ -78,7 +80,7 @@ rule limit:
     resources:
         mem_mb=memory_by("triangles", 0.035),
     shell:
-        STAGE + " limit {wildcards.analysis:q} {input.settings:q} {input.shell:q} {input.match:q} {output.state:q}"
+        STAGE + " limit {wildcards.analysis:q} {input.settings:q} {input.shell:q} {input.match:q} {input.stones:q} {output.state:q}"
         " {output.record:q}" + LOG
 
 
@@ -88,6 +90,7 @@ rule pushover:
         settings="pushover/{analysis}/settings.json",
         shell=lambda wildcards: f"shell/{MESH_OF[wildcards.analysis]}/shell.npz",
         match=lambda wildcards: f"shell/{MESH_OF[wildcards.analysis]}/match.json",
+        stones=stones_of,
     output:
         state="pushover/{analysis}/pushover.npz",
         record="pushover/{analysis}/pushover.json",
@@ -99,5 +102,5 @@ rule pushover:
     resources:
         mem_mb=memory_by("triangles", 0.035),
     shell:
-        STAGE + " pushover {wildcards.analysis:q} {input.settings:q} {input.shell:q} {input.match:q} {output.state:q}"
+        STAGE + " pushover {wildcards.analysis:q} {input.settings:q} {input.shell:q} {input.match:q} {input.stones:q} {output.state:q}"
         " {output.record:q}" + LOG

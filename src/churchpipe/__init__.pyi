@@ -42,15 +42,15 @@ from .model.results import ShellLimitState as ShellLimitState
 from .model.settlement import SettlementPath as SettlementPath
 from .model.settlement import SettlementState as SettlementState
 from .model.shell import ShellModel as ShellModel
+from .model.tie_bars import AnchorPlace as AnchorPlace
 from .model.tie_bars import TieBar as TieBar
-from .model.tie_bars import WallPlace as WallPlace
 from .model.ties import Anchor as Anchor
+from .model.ties import RankedTie as RankedTie
 from .model.ties import Tie as Tie
 from .notebook import plot as plot
 from .notebook import show as show
 from .recognition.laying import lay_stones as lay_stones
 from .rigid_blocks.limit import limit_analysis as limit_analysis
-from .rigid_blocks.ranking import RankedTie as RankedTie
 from .rigid_blocks.ranking import rank_ties as rank_ties
 from .rigid_blocks.thickness import MinimumThickness as MinimumThickness
 from .rigid_blocks.thickness import minimum_thickness as minimum_thickness

@@ -1,5 +1,7 @@
 """What the stages of a run have left in its folder: stones, meshes, states and records, by the names of the plan."""
 
+import importlib.metadata
+import platform
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -130,3 +132,9 @@ class RunFolder:
 def read_run(plan: Path) -> RunFolder:
     """Return the run of a plan.json."""
     return RunFolder(plan.parent, read_json(plan))
+
+
+def versions() -> dict[str, str]:
+    """Return the versions that a result depends on."""
+    packages = ("churchpipe", "numpy", "scipy", "shapely", "clarabel", "ezdxf", "manifold3d", "gmsh")
+    return {"python": platform.python_version()} | {name: importlib.metadata.version(name) for name in packages}

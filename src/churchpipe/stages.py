@@ -4,18 +4,17 @@ A stage whose result is bad news (unstable, not converged, no shell to be had of
 JSON; only input that cannot be taken raises. What the shell refuses stops the shell alone: the rigid blocks go on.
 """
 
-import hashlib
-import importlib.metadata
-import platform
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from churchpipe import compare as results
 from churchpipe.closure import code_of
 from churchpipe.config.asrun import as_run
+from churchpipe.config.carries import carries_of, placed
 from churchpipe.config.case import read_variants
 from churchpipe.config.plan import plan
 from churchpipe.config.plausible import size_questions
@@ -26,9 +25,12 @@ from churchpipe.io.building_json import read_building, write_building
 from churchpipe.io.movement_record import movement_words, widest_cracks
 from churchpipe.io.npz import Absent, read_if_made, read_npz, write_npz
 from churchpipe.io.records import LeftOut, curve_record_of, record_of, shell_record_of, write_record
-from churchpipe.io.shell_vtu import write_shell_msh, write_shell_vtu
+from churchpipe.io.shell_vtu import write_shell_mechanism, write_shell_msh, write_shell_vtu
 from churchpipe.io.tables import read_json, write_table
+from churchpipe.io.tie_records import without_ties
 from churchpipe.io.vtu import write_vtu
+from churchpipe.loading.wrenches import loaded, shell_loaded
+from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import Building
 from churchpipe.model.contacts import Contacts
@@ -37,7 +39,8 @@ from churchpipe.model.materials import JointStrength
 from churchpipe.model.names import CONTACT_MODEL, MODELS
 from churchpipe.model.results import CapacityCurve, CapacityStep, ShellLimitState
 from churchpipe.model.shell import ShellModel
-from churchpipe.run_folder import read_run
+from churchpipe.model.ties import RankedTie, Tie
+from churchpipe.run_folder import read_run, versions
 
 Progress = Callable[[str, float], None]
 
@@ -46,17 +49,19 @@ def configure(case: str | Path, out: str | Path, overrides: Sequence[str] = ()) 
     """Write the plan of a run and the settings of each stage into `out`; a file whose content is unchanged is not touched.
 
     Files: plan.json, as-run.toml (the case with what --set changed), settings.json of each stage: geometry/NAME (with
-    tolerances.json, of its joints), shell/NAME, rigid/NAME, curve/NAME, movement/NAME, limit/NAME, pushover/NAME, and
-    code/STAGE.txt. Returns the path of plan.json.
+    tolerances.json, of its joints), shell/NAME (with carried.json, of its loads), rigid/NAME, curve/NAME, movement/NAME,
+    limit/NAME, pushover/NAME, and code/STAGE.txt. Returns the path of plan.json.
     """
     out = Path(out)
     todo = plan(read_variants(case, overrides))
     drawing = todo.index["drawing"]
     if drawing:
+        from churchpipe.meshes.reader import digest_of
+
         if not Path(drawing).exists():
             raise InputError(f"{case}: source", "no such file", found=drawing, remedy="Paths are relative to the case file.")
         for table in todo.geometries.values():
-            table["drawing"] = _content_of(Path(drawing))
+            table["drawing"] = digest_of(Path(drawing))
     folders = {f"geometry/{name}": table for name, table in todo.geometries.items()}
     folders |= {f"shell/{name}": table for name, table in todo.shells.items()}
     folders |= {f"{todo.kinds[name]}/{name}": table for name, table in todo.analyses.items()}
@@ -65,22 +70,14 @@ def configure(case: str | Path, out: str | Path, overrides: Sequence[str] = ()) 
         write_if_changed(out / folder / "settings.json", canonical_json(table))
     for name, table in todo.contacts.items():
         write_if_changed(out / "geometry" / name / "tolerances.json", canonical_json(table))
+    for name, table in todo.carried.items():
+        write_if_changed(out / "shell" / name / "carried.json", canonical_json(table))
     for stage in STAGES:
         # The rules take it as an input: an edited module runs again what depends on it.
         write_if_changed(out / "code" / f"{stage}.txt", code_of(stage))
     write_if_changed(out / "as-run.toml", as_run(Path(case), overrides))
     write_if_changed(out / "plan.json", canonical_json(todo.index))
     return out / "plan.json"
-
-
-def _content_of(drawing: Path) -> str:
-    """Return a digest of the files that a drawing, another file of stones or a folder of them is read from."""
-    from churchpipe.meshes.reader import files_of
-
-    digest = hashlib.sha256()
-    for file in files_of(drawing):
-        digest.update(file.name.encode() + b"\0" + file.read_bytes())
-    return digest.hexdigest()
 
 
 def source(settings: Path, building: Path) -> None:
@@ -178,28 +175,37 @@ def shell(settings: Path, building: Path, shell: Path) -> None:
     write_npz(shell, mesh)
 
 
-def match(shell: Path, assemblage: Path, contacts: Path, record: Path) -> None:
-    """Both models -> whether they are one building, and all figures of it."""
+def match(shell: Path, carried: Path, assemblage: Path, contacts: Path, record: Path) -> None:
+    """Both models and what they carry -> whether they are one building, and all figures of it."""
     from churchpipe.match import match_models
 
     mesh = read_if_made(shell, ShellModel)
     if isinstance(mesh, Absent):
         write_json(record, {"passed": False, "message": mesh.reason, "figures": []})
         return
-    found = match_models(read_npz(assemblage, Assemblage), read_npz(contacts, Contacts), mesh)
+    stones, carries = read_npz(assemblage, Assemblage), carries_of(read_json(carried))
+    found = match_models(stones, read_npz(contacts, Contacts), mesh, placed(carries, stones).loads if carries else None)
     write_json(record, found.as_dict() | {"message": ""})
 
 
-def limit(settings: Path, shell: Path, match: Path, state: Path, record: Path, progress: Progress | None = None) -> None:
+def limit(
+    settings: Path, shell: Path, match: Path, assemblage: Path, state: Path, record: Path, progress: Progress | None = None
+) -> None:
     """One limit analysis of the shell -> its state and its record; none where the gate failed."""
     from churchpipe.homogenised_shell.limit import shell_limit_analysis
 
     table = read_json(settings)
     options = {key: table[key] for key in ("planes", "membrane", "solver")}
-    _analyse_shell("limit", table, shell, match, state, record, partial(shell_limit_analysis, **options), progress)
+
+    def work(mesh: ShellModel, load: LoadCase, materials: list[JointStrength], ties: Sequence[Tie]) -> ShellLimitState:
+        return shell_limit_analysis(mesh, load, materials, ties=ties, **options)
+
+    _analyse_shell("limit", table, shell, match, assemblage, state, record, work, progress)
 
 
-def pushover(settings: Path, shell: Path, match: Path, state: Path, record: Path, progress: Progress | None = None) -> None:
+def pushover(
+    settings: Path, shell: Path, match: Path, assemblage: Path, state: Path, record: Path, progress: Progress | None = None
+) -> None:
     """One capacity curve of the shell -> the curve with the last step's state, and its record; none where the gate failed."""
     from churchpipe.homogenised_shell.pushover import pushover
 
@@ -210,10 +216,10 @@ def pushover(settings: Path, shell: Path, match: Path, state: Path, record: Path
         if progress:
             progress(f"load factor {step.load_factor:.4f}, {step.displacement * 1e3:.3g} mm", 0.0)
 
-    def work(mesh: ShellModel, load: LoadCase, materials: list[JointStrength]) -> CapacityCurve:
-        return pushover(mesh, load, materials, **options, progress=tell)
+    def work(mesh: ShellModel, load: LoadCase, materials: list[JointStrength], ties: Sequence[Tie]) -> CapacityCurve:
+        return without_ties(pushover(mesh, load, materials, **options, progress=tell), ties)
 
-    _analyse_shell("pushover", table, shell, match, state, record, work, progress)
+    _analyse_shell("pushover", table, shell, match, assemblage, state, record, work, progress)
 
 
 def _analyse_shell(
@@ -221,6 +227,7 @@ def _analyse_shell(
     table: dict[str, Any],
     shell: Path,
     match: Path,
+    assemblage: Path,
     state: Path,
     record: Path,
     work: Callable[..., ShellLimitState | CapacityCurve],
@@ -236,33 +243,42 @@ def _analyse_shell(
     words: dict[str, Any] = {"method": method, "planes": table["planes"]}
     if progress:
         progress(f"{len(mesh.triangles)} elements", 0.0)
+    stones = read_npz(assemblage, Assemblage)
+    borne = placed(carries_of(table), stones)
     try:
-        found = work(mesh, load, materials)
+        found = work(mesh, shell_loaded(load, mesh, stones, borne.loads), materials, borne.ties)
     except InputError as error:
         write_npz(state, Absent(str(error)))
         write_record(record, shell_record_of(str(error), load, used, **words))
         return
     write_npz(state, found)
-    write_record(record, shell_record_of(found, load, used, **words))
+    write_record(record, shell_record_of(found, load, used, ties=borne.ties, **words))
 
 
 def rigid(settings: Path, assemblage: Path, contacts: Path, state: Path, record: Path, progress: Progress | None = None) -> None:
     """One rigid-block analysis -> its state and its record for the summary."""
     from churchpipe.rigid_blocks.limit import limit_analysis
+    from churchpipe.rigid_blocks.ranking import rank_ties
     from churchpipe.stones.joints import crushing_strength, joint_strength
 
     table = read_json(settings)
     stones, joints = read_npz(assemblage, Assemblage), read_npz(contacts, Contacts)
     load, materials = load_of(table), strengths_of(table)
+    borne = placed(carries_of(table), stones)
+    pushed = loaded(load, stones, borne.loads)
     friction, cohesion = joint_strength(stones, joints, materials)
     keys = ("flow", "solver", "method", "start", "bipotential_gap", "contact_model", "crushing_parts")
     options = {key: table[key] for key in keys if key in table}
     crushing = crushing_strength(stones, joints, materials)
     used = set(stones.material[~stones.fixed].tolist())
-    found = limit_analysis(stones, joints, load, friction, cohesion, compressive_strength=crushing, **options, progress=progress)
+    options |= {"ties": borne.ties, "compressive_strength": crushing}
+    found = limit_analysis(stones, joints, pushed, friction, cohesion, **options, progress=progress)
+    ranked: tuple[RankedTie, ...] = ()
+    if borne.candidates and np.isfinite(found.load_factor):
+        ranked = rank_ties(found, borne.candidates, stones, joints, pushed, friction, cohesion, **options)
     write_npz(state, found)
-    here = [material for material in materials if material.name in used]
-    write_record(record, record_of(found, load, here, table.get("contact_model", CONTACT_MODEL)))
+    here, model = [one for one in materials if one.name in used], table.get("contact_model", CONTACT_MODEL)
+    write_record(record, record_of(found, load, here, model, borne.ties, ranked))
 
 
 def curve(settings: Path, assemblage: Path, contacts: Path, state: Path, record: Path, progress: Progress | None = None) -> None:
@@ -276,7 +292,9 @@ def curve(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
     friction, _ = joint_strength(stones, joints, materials)
     options = {key: table[key] for key in ("solver", "control", "step", "steps", "furthest") if key in table}
     used = set(stones.material[~stones.fixed].tolist())
-    found = block_pushover(stones, joints, load, friction, **options, progress=progress)
+    borne = placed(carries_of(table), stones)
+    found = block_pushover(stones, joints, loaded(load, stones, borne.loads), friction, **options, progress=progress)
+    found = without_ties(found, borne.ties)
     write_npz(state, found)
     write_record(record, curve_record_of(found, load, [material for material in materials if material.name in used]))
 
@@ -297,7 +315,12 @@ def movement(
 
     table, materials = read_json(settings), strengths_of(read_json(settings))
     stones, found = read_npz(assemblage, Assemblage), read_npz(contacts, Contacts)
-    moved = moved_support(stones, found, table, materials, read_json(tolerances), progress)
+    carries = carries_of(table)
+
+    def dead_on(cut: Assemblage) -> FloatArray | None:
+        return loaded(LoadCase((1, 0, 0)), cut, placed(carries, cut).loads).dead if carries else None
+
+    moved = moved_support(stones, found, table, materials, read_json(tolerances), dead_on, progress)
     used = set(stones.material[~stones.fixed].tolist())
     cracks = widest_cracks(moved.stones, moved.contacts, moved.opening, moved.slip)
     write_npz(cut, moved.stones)
@@ -341,7 +364,7 @@ def report(plan: Path, summary: Path, assemblage: Path, contacts: Path, html: Pa
         if isinstance(state, Absent):
             mechanism.unlink(missing_ok=True)
             continue
-        _write_shell_mechanism(mechanism, meshes[entry["shell"]], state)
+        write_shell_mechanism(mechanism, meshes[entry["shell"]], state)
         found.append((records[entry["name"]], entry["shell"], state))
     write_report(
         html,
@@ -356,21 +379,9 @@ def report(plan: Path, summary: Path, assemblage: Path, contacts: Path, html: Pa
         materials=run.index["materials"],
         moved=[(record, *run.moved(record["name"])) for record in run.movements(geometry)],
         case_text=(run.path / "as-run.toml").read_text(encoding="utf-8"),
-        versions=_versions(),
+        versions=versions(),
         figures_dir=html.parent / "figures",
     )
-
-
-def _write_shell_mechanism(path: Path, mesh: ShellModel, state: ShellLimitState | CapacityCurve) -> None:
-    motion = {"velocity": state.velocities} if isinstance(state, ShellLimitState) else {"displacement": state.displacement}
-    strain = {"plastic_membrane": state.plastic[:, :3], "plastic_curvature": state.plastic[:, 3:]}
-    write_shell_vtu(path, mesh, motion | strain)
-
-
-def _versions() -> dict[str, str]:
-    """Return the versions that a result depends on."""
-    packages = ("churchpipe", "numpy", "scipy", "shapely", "clarabel", "ezdxf", "manifold3d", "gmsh")
-    return {"python": platform.python_version()} | {name: importlib.metadata.version(name) for name in packages}
 
 
 # All arguments are paths; those in `LONG` take `progress` besides.

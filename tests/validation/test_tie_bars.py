@@ -1,5 +1,6 @@
 """Ties as bars with plates: what their strength is, which stones they pull on, closed forms, and which of several helps most."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from churchpipe.errors import InputError
 from churchpipe.generators.wall import wall as free_wall
 from churchpipe.loading.plates import plate_on
 from churchpipe.loading.ties import place_ties
+from shell_meshes import grid, shell, wall_points
 from solids import box
 
 STEEL = {"area": 4e-4, "steel_strength": 235e6}
@@ -127,3 +129,43 @@ BAD: list[tuple[Any, str]] = [
 def test_bad_bars(make: Any, said: str) -> None:
     with pytest.raises(InputError, match=said):
         place_ties(two_walls(), [make()])
+
+
+def tied_shell(rows: int, strength: float) -> tuple[float, cp.ShellLimitState]:
+    """A wall of .5 x 3 m, 2 m long, tied at 2.5 m to a post that stays where it is; its load factor by hand, and as a shell."""
+    thickness, height, length, z = 0.5, 3.0, 2.0, 2.5
+    weight = 18e3 * thickness * height * length
+    points, triangles = grid(round(rows * length / height), rows, length, height)
+    wall = wall_points(points)
+    post_points, post_triangles = grid(1, 2, length, height)
+    post = wall_points(post_points) + np.array([0.0, -3.0, 0.0])
+    nodes = np.concatenate([wall, post])
+    # The post is held at all of its nodes.
+    model = shell(
+        nodes,
+        np.concatenate([triangles, post_triangles + len(wall)]),
+        thickness=thickness,
+        cell=(0.5, 1.0),
+        surface_weight=18e3 * thickness,
+        supported=lambda p: (p[:, 2] < 1e-9) | (p[:, 1] < -1),
+    )
+    model = replace(model, surface_weight=np.where(np.arange(len(model.triangles)) < len(triangles), 18e3 * thickness, 0.0))
+    tie = cp.Tie("rod", start=(1.0, -3.0, z), end=(1.0, 0.0, z), strength=strength * weight)
+    state = cp.shell_limit_analysis(
+        model, cp.LoadCase((0, 1, 0)), [cp.Material("default", 18e3, 0.6)], membrane="CST", ties=[tie]
+    )
+    assert state.status == "optimal"
+    assert state.tie_forces == pytest.approx([strength * weight], rel=1e-9)
+    return thickness / height + 2 * strength * z / height, state
+
+
+def test_a_tied_shell_converges_to_the_closed_form() -> None:
+    # alpha = b / h + 2 T z / (W h), less what the wall bends between tie and corners: T small.
+    factors: list[float] = []
+    for rows in (4, 8, 16):
+        expected, state = tied_shell(rows, 0.02)
+        factors.append(state.load_factor)
+    coarse, middle, fine = factors
+    assert coarse > middle > fine > expected
+    ratio = (coarse - middle) / (middle - fine)
+    assert fine - (middle - fine) / (ratio - 1) == pytest.approx(expected, rel=0.01)

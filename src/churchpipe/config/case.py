@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 from churchpipe.code_check import Site
 from churchpipe.config import overrides as changes
 from churchpipe.config.analyses import MovementSettings, RigidSettings, ShellSettings
+from churchpipe.config.carries import KINDS, Carries, placed
 from churchpipe.config.places import located
 from churchpipe.config.project import Project
 from churchpipe.config.published import Published, check_published
@@ -64,6 +65,7 @@ class Case:
     check: Site | None = None
     movements: tuple[MovementSettings, ...] = ()
     published: tuple[Published, ...] = ()
+    carries: Carries = field(default_factory=Carries)
     project: Project = field(default_factory=Project)
     variant: Variant | None = None
     swept: dict[str, Any] = field(default_factory=dict)
@@ -75,7 +77,8 @@ class Case:
 
         Raises
         ------
-        InputError: a drawing has stones, not a building; parameters that contradict each other; a load on panels that it has not.
+        InputError: a drawing has stones, not a building; parameters that contradict each other; a load on walls that it has not,
+        or where they bear nothing.
         """
         if isinstance(self.source, Drawing):
             raise InputError(
@@ -98,6 +101,15 @@ class Case:
                 where, expected = f"{self.path}: load.{number}.panels", ", ".join(known)
                 error = InputError(where, "no such panel", found=name, expected=expected, remedy=nearest(name, known))
                 raise located(error, self.path, self.overrides, swept=self.swept, variant=self.variant)
+        if self.carries:
+            from churchpipe.stones.blocks import derive_blocks
+
+            try:
+                placed(self.carries, derive_blocks(building))
+            except InputError as error:
+                raise located(
+                    error.at(f"{self.path}: {error.where}"), self.path, self.overrides, swept=self.swept, variant=self.variant
+                ) from error
         return building
 
 
@@ -217,6 +229,7 @@ def _case(path: Path, table: dict[str, Any], swept: dict[str, Any], overrides: t
         check=record(Site, checked["check"], f"{file}: check") if "check" in checked else None,
         movements=movements,
         published=published,
+        carries=Carries(**{key: _all(kind, checked, key, file) for key, kind in KINDS.items()}),
         project=record(Project, checked.get("project", {}), f"{file}: project"),
         swept=swept,
         overrides=overrides,

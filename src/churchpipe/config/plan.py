@@ -12,14 +12,19 @@ from churchpipe.model import swept
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.names import CONTACT_MODEL
 
+# What acts in every analysis; candidates for ties are ranked by the rigid blocks alone.
+_LOADS = ("line_loads", "point_loads", "area_loads", "pressures")
+_BORNE = (*_LOADS, "ties")
+
 
 @dataclass(frozen=True, slots=True)
 class Plan:
     """What a run makes: `index` is the table of contents, the others the settings of each stage by the name of its folder.
 
     geometries: settings of the stones. contacts: the tolerances of their joints that the case gives, by the same names.
-    shells: of the meshes. analyses: of the analyses of both models; `kinds` has the kind of each: "rigid", "curve", "limit" or
-    "pushover". movements: of the supports that move.
+    shells: of the meshes. carried: what the building carries, by the names of the meshes, for their gate. analyses: of the
+    analyses of both models; `kinds` has the kind of each: "rigid", "curve", "limit" or "pushover". movements: of the supports
+    that move.
     A name is a label, nobody parses it.
     """
 
@@ -29,6 +34,7 @@ class Plan:
     shells: dict[str, dict[str, Any]]
     analyses: dict[str, dict[str, Any]]
     movements: dict[str, dict[str, Any]]
+    carried: dict[str, dict[str, Any]]
 
     @property
     def kinds(self) -> dict[str, str]:
@@ -51,6 +57,7 @@ def plan(cases: Sequence[Case]) -> Plan:
     moved: dict[str, dict[str, Any]] = {}
     places: dict[str, str] = {}
     variants: dict[str | None, dict[str, Any]] = {}
+    carried: dict[str, dict[str, Any]] = {}
 
     def add(kind: str, words: list[str], case: Case, swept: dict[str, Any], settings: dict[str, Any], **place: Any) -> None:
         check = place.get("check")
@@ -84,6 +91,7 @@ def plan(cases: Sequence[Case]) -> Plan:
                 add("curve", [load.name, "curve"], case, of_stones, settings, geometry=geometry, **check)
         for movement in case.movements:
             settings = {"geometry": geometry, "material": _strength(case), "solver": case.rigid.solver, **asdict(movement)}
+            settings |= case.carries.settings(*_LOADS)
             name = _same(case, movements, settings) or _keep(movements, [movement.name, *_words(of_stones, case)], settings)
             moved.setdefault(name, {"name": name, "geometry": geometry, "variant": _name(case), "swept": of_stones})
         if case.shell is None:
@@ -93,6 +101,7 @@ def plan(cases: Sequence[Case]) -> Plan:
         mesh = _same(case, shells, settings)
         mesh = mesh or _keep(shells, _words(meshed, case) or ["base"], settings)
         places[mesh] = geometry
+        carried.setdefault(mesh, case.carries.settings(*_LOADS))
         for load in case.loads:
             for method in case.shell.analyses:
                 settings = _shell_settings(case, mesh, load, method)
@@ -111,7 +120,7 @@ def plan(cases: Sequence[Case]) -> Plan:
         "materials": [asdict(material) for material in cases[0].materials],
         "questions": questions(cases),
     }
-    return Plan(index, geometries, contacts, shells, analyses, movements)
+    return Plan(index, geometries, contacts, shells, analyses, movements, carried)
 
 
 def _name(case: Case) -> str | None:
@@ -148,6 +157,7 @@ def _rigid_settings(case: Case, geometry: str, load: LoadCase, flow: str, contac
         "material": _strength(case),
         "flow": flow,
         "solver": case.rigid.solver,
+        **case.carries.settings(),
     }
     if contact_model != CONTACT_MODEL:
         settings["contact_model"] = contact_model
@@ -163,6 +173,7 @@ def _rigid_settings(case: Case, geometry: str, load: LoadCase, flow: str, contac
 def _curve_settings(case: Case, geometry: str, load: LoadCase) -> dict[str, Any]:
     assert case.rigid.curve is not None
     settings = {"geometry": geometry, "load": _load_settings(load), "material": _strength(case), "solver": case.rigid.solver}
+    settings |= case.carries.settings(*_BORNE)
     return settings | {key: value for key, value in asdict(case.rigid.curve).items() if value is not None}
 
 
@@ -171,6 +182,7 @@ def _shell_settings(case: Case, mesh: str, load: LoadCase, method: str) -> dict[
     assert shell is not None
     material = _strength(case)
     settings = {"shell": mesh, "load": _load_settings(load), "planes": shell.planes, "membrane": shell.membrane}
+    settings |= case.carries.settings(*_BORNE)
     if method == "limit":
         return settings | {"material": material, "solver": shell.solver}
     for known in case.materials:

@@ -6,6 +6,7 @@ from pydantic import Field, create_model
 
 from churchpipe.code_check import Site
 from churchpipe.config.analyses import MovementSettings, RigidSettings, ShellSettings
+from churchpipe.config.carries import KINDS, MEANINGS
 from churchpipe.config.project import Project
 from churchpipe.config.published import Published
 from churchpipe.config.section import Section, Table, gathered, validated
@@ -24,6 +25,7 @@ _CHECK = table_of(Site, "Check")
 _PUBLISHED, _VARIANT = table_of(Published, "Published"), table_of(Variant, "Variant")
 _MOVEMENT = table_of(MovementSettings, "Movement")
 _PROJECT = table_of(Project, "Project")
+_CARRIED = {kind: table_of(kind, kind.__name__) for kind in KINDS.values()}
 
 
 def _key(takes: Any, meaning: str, default: Any = None) -> Any:
@@ -41,6 +43,7 @@ CaseTable = create_model(
     load=_key(list[_LOAD], "What pushes, each analysed by itself.", []),
     rigid=_key(_RIGID | None, "The rigid blocks."),
     shell=_key(_SHELL | None, "The homogenised shell; left out: the rigid blocks alone."),
+    **{key: _key(list[_CARRIED[kind]], MEANINGS[key], []) for key, kind in KINDS.items()},
     check=_key(_CHECK | None, "What the earthquake asks; left out: no safety check."),
     variants=_key(list[_VARIANT], "What else the building could be, beside the building as it is.", []),
     movements=_key(list[_MOVEMENT], "Supports that move, each analysed by itself.", []),

@@ -13,12 +13,14 @@ from churchpipe.homogenised_shell.condensed import CondensedShell
 from churchpipe.homogenised_shell.element import Membrane, ShellElements, Stations, shell_elements
 from churchpipe.homogenised_shell.settings import LIMIT, SOLVER
 from churchpipe.homogenised_shell.strength import PlaneSet, with_warning
+from churchpipe.homogenised_shell.ties import tied_analysis
 from churchpipe.model.arguments import check_kind, listed
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength
 from churchpipe.model.names import STRENGTH
 from churchpipe.model.results import ShellLimitState, Status
 from churchpipe.model.shell import ShellModel
+from churchpipe.model.ties import Tie
 
 Solver = Literal["auto", "interior-point", "clarabel"]
 
@@ -37,6 +39,7 @@ def shell_limit_analysis(
     membrane: Membrane = "LST",
     stations: Stations = "inner",
     solver: Solver = "auto",
+    ties: Sequence[Tie] = (),
 ) -> ShellLimitState:
     """Return the collapse load factor of a shell and its mechanism, dead load first.
 
@@ -59,6 +62,8 @@ def shell_limit_analysis(
     solver
         "interior-point", condensed to the unknowns of the mesh; "clarabel", all stresses at once, for a few thousand facets;
         "auto", the first, and the second where that fails on a mesh that it can take.
+    ties
+        Bars that pull facets together, from `place_ties`; the result has their tensions and what their strength adds.
 
     Raises
     ------
@@ -72,13 +77,23 @@ def shell_limit_analysis(
         raise InputError("solver", "unknown solver", found=solver, expected=", ".join(get_args(Solver)))
     begin = perf_counter()
     elements = shell_elements(shell, membrane, stations)
-    condensed = CondensedShell(elements, load, materials, planes)
+    bars = listed("shell_limit_analysis: ties", ties, Tie)
+
+    def analysed(case: LoadCase) -> ShellLimitState:
+        return _solved(CondensedShell(elements, case, materials, planes), solver)
+
+    state = tied_analysis(shell, load, bars, analysed) if bars else analysed(load)
+    return replace(state, seconds=perf_counter() - begin, message=with_warning(state.message, planes))
+
+
+def _solved(condensed: CondensedShell, solver: Solver) -> ShellLimitState:
+    shell = condensed.elements.shell
     methods = ["interior-point", "clarabel"] if solver == "auto" and len(shell.triangles) <= SOLVER.clarabel_facets else [solver]
     for method in methods:
         state = _analysed(condensed, "clarabel" if method == "clarabel" else "interior-point")
         if state.status != "failed":
             break
-    return replace(state, seconds=perf_counter() - begin, message=with_warning(state.message, planes))
+    return state
 
 
 def _analysed(condensed: CondensedShell, method: str) -> ShellLimitState:

@@ -49,11 +49,7 @@ def live_load(elements: ShellElements, load: LoadCase) -> FloatArray:
 
 
 def _facet_load(elements: ShellElements, name: str, wrench: FloatArray | None) -> FloatArray:
-    """Return the forces (n,) at nodes of wrenches (nt, 6) N and Nm about the facets' centroids.
-
-    Each corner takes a third of the force; the moment M becomes the least forces w x r at the corners r that have it, with
-    M = sum r x (w x r).
-    """
+    """Return the forces (n,) at nodes of wrenches (nt, 6) N and Nm about the facets' centroids: `nodal_forces`."""
     shell = elements.shell
     out = np.zeros(elements.unknowns)
     if wrench is None:
@@ -61,10 +57,20 @@ def _facet_load(elements: ShellElements, name: str, wrench: FloatArray | None) -
     if wrench.shape != (len(shell.triangles), 6):
         remedy = "churchpipe.shell_loaded puts what a building carries on the facets of its shell."
         raise InputError(name, "wrong shape", found=wrench.shape, expected=f"({len(shell.triangles)}, 6)", remedy=remedy)
+    nodes = nodal_forces(shell, wrench)
+    out[: nodes.size] = nodes.ravel()
+    return out
+
+
+def nodal_forces(shell: ShellModel, wrench: FloatArray) -> FloatArray:
+    """Return the forces (nn, 3) N at the nodes of wrenches (nt, 6) N and Nm about the facets' centroids.
+
+    Each corner takes a third of the force; the moment M becomes the least forces w x r at the corners r that have it, with
+    M = sum r x (w x r).
+    """
     arm = shell.points[shell.triangles] - shell.centroid[:, None]
     inertia = (arm**2).sum(axis=(1, 2))[:, None, None] * np.eye(3) - np.einsum("fkc,fkd->fcd", arm, arm)
     turn = np.linalg.solve(inertia, wrench[:, 3:, None])[:, :, 0]
     nodes = np.zeros((len(shell.points), 3))
     np.add.at(nodes, shell.triangles, wrench[:, None, :3] / 3 + np.cross(turn[:, None], arm))
-    out[: nodes.size] = nodes.ravel()
-    return out
+    return nodes

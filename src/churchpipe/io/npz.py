@@ -34,7 +34,7 @@ SCHEMAS: dict[type, str] = {
     Contacts: "churchpipe contacts 2",
     LimitState: "churchpipe limit-state 2",
     ShellModel: "churchpipe shell 1",
-    ShellLimitState: "churchpipe shell-limit-state 1",
+    ShellLimitState: "churchpipe shell-limit-state 2",
     CapacityCurve: "churchpipe capacity-curve 1",
     BlockCapacityCurve: "churchpipe block-capacity-curve 1",
     SettlementPath: "churchpipe settlement-path 1",

@@ -10,12 +10,14 @@ import numpy as np
 from churchpipe.errors import InputError
 from churchpipe.io.atomic import write_json
 from churchpipe.io.tables import read_json
+from churchpipe.io.tie_records import TieCandidate, TieForce, candidates_of, tie_forces_of, tie_words
 from churchpipe.model.arguments import finite, one_of, text
 from churchpipe.model.block_curve import CURVE_STATUSES, BlockCapacityCurve
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength
 from churchpipe.model.names import CONTACT_MODEL, RIGID_BLOCKS, SHELL, ContactModel, Planes, ShellMethod
 from churchpipe.model.results import CapacityCurve, LimitState, ShellLimitState, Status
+from churchpipe.model.ties import RankedTie, Tie
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,13 +100,15 @@ class Sliding:
 
 @dataclass(frozen=True, slots=True)
 class RigidRecord:
-    """A rigid-block analysis."""
+    """A rigid-block analysis, with the ties of the structure and those that might be added."""
 
     question: Question
     outcome: Outcome
     flow: str
     sliding: Sliding | None = None
     contact_model: ContactModel = CONTACT_MODEL
+    ties: tuple[TieForce, ...] = ()
+    candidates: tuple[TieCandidate, ...] = ()
 
     def __post_init__(self) -> None:
         one_of("record: flow", self.flow, "associative", "non-associative")
@@ -114,7 +118,8 @@ class RigidRecord:
         """Return the record of summary.json."""
         words = {"model": RIGID_BLOCKS, "flow": self.flow, "contact_model": self.contact_model, **self.question.as_words()}
         words |= _ending(self.outcome, "cone_violation")
-        return words | (asdict(self.sliding) if self.sliding else {})
+        words |= {"tie_candidates": [one.as_words() for one in self.candidates]} if self.candidates else {}
+        return words | (asdict(self.sliding) if self.sliding else {}) | tie_words(self.ties)
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,6 +145,7 @@ class ShellRecord:
     method: ShellMethod
     planes: Planes
     curve: Curve | None = None
+    ties: tuple[TieForce, ...] = ()
 
     def __post_init__(self) -> None:
         one_of("record: method", self.method, *get_args(ShellMethod))
@@ -155,7 +161,7 @@ class ShellRecord:
         if self.curve:
             words |= {"steps": len(self.curve.control), "control_point": self.curve.control_point}
             words |= {"control_mm": [1e3 * place for place in self.curve.control], "load_factors": list(self.curve.load_factors)}
-        return words
+        return words | tie_words(self.ties)
 
 
 @dataclass(frozen=True, slots=True)
@@ -214,11 +220,12 @@ class LeftOut:
 
 Record = RigidRecord | BlockCurveRecord | ShellRecord | LeftOut
 _SCHEMAS: dict[str, type[Any]] = {
-    "churchpipe rigid-record 1": RigidRecord,
+    "churchpipe rigid-record 2": RigidRecord,
     "churchpipe block-curve-record 1": BlockCurveRecord,
-    "churchpipe shell-record 1": ShellRecord,
+    "churchpipe shell-record 2": ShellRecord,
     "churchpipe left-out 1": LeftOut,
 }
+_LISTS = {"ties": TieForce, "candidates": TieCandidate}
 _PARTS = {"question": Question, "outcome": Outcome, "sliding": Sliding, "curve": Curve, "path": BlockPath}
 
 
@@ -244,6 +251,8 @@ def read_record(path: str | Path) -> Record:
         parts = {
             key: _part(_PARTS[key], value) if key in _PARTS and value is not None else value for key, value in stored.items()
         }
+        lists = {key: parts[key] or () for key in _LISTS if key in parts}
+        parts |= {key: tuple(_part(_LISTS[key], one) for one in value) for key, value in lists.items()}
         return _SCHEMAS[schema](**parts)
     except (TypeError, AttributeError) as error:
         raise InputError(str(path), "a damaged record", found=error, expected=schema, remedy=remedy) from error
@@ -268,9 +277,14 @@ def question_of(load: LoadCase, materials: Sequence[JointStrength]) -> Question:
 
 
 def record_of(
-    state: LimitState, load: LoadCase, materials: Sequence[JointStrength], contact_model: ContactModel = CONTACT_MODEL
+    state: LimitState,
+    load: LoadCase,
+    materials: Sequence[JointStrength],
+    contact_model: ContactModel = CONTACT_MODEL,
+    ties: Sequence[Tie] = (),
+    ranked: Sequence[RankedTie] = (),
 ) -> RigidRecord:
-    """Return the record of a rigid-block analysis."""
+    """Return the record of a rigid-block analysis with these ties, and the ranking of others."""
     outcome = Outcome(
         state.status,
         state.load_factor,
@@ -287,7 +301,8 @@ def record_of(
     if state.flow == "non-associative":
         history = tuple(step.load_factor for step in state.history)
         sliding = Sliding(state.gap, state.interval, state.friction_violation, state.fixed_points, history)
-    return RigidRecord(question_of(load, materials), outcome, state.flow, sliding, contact_model)
+    tied = tie_forces_of(ties, state), candidates_of(ranked)
+    return RigidRecord(question_of(load, materials), outcome, state.flow, sliding, contact_model, *tied)
 
 
 def curve_record_of(curve: BlockCapacityCurve, load: LoadCase, materials: Sequence[JointStrength]) -> BlockCurveRecord:
@@ -326,6 +341,7 @@ def shell_record_of(
     *,
     method: ShellMethod,
     planes: Planes,
+    ties: Sequence[Tie] = (),
 ) -> ShellRecord:
     """Return the record of an analysis of the shell; result: a text where it was refused, and why.
 
@@ -359,8 +375,9 @@ def shell_record_of(
             curve = Curve(int(result.control_point), tuple(result.control.tolist()), tuple(result.load_factor.tolist()))
         case str():
             outcome = Outcome("failed", message=result)
+    tensions = tie_forces_of(ties, result) if isinstance(result, ShellLimitState) else ()
     said = "; ".join(words for words in (outcome.message, *_uncrushed(materials)) if words)
-    return ShellRecord(question_of(load, materials), replace(outcome, message=said), method, planes, curve)
+    return ShellRecord(question_of(load, materials), replace(outcome, message=said), method, planes, curve, tensions)
 
 
 def _uncrushed(materials: Sequence[JointStrength]) -> list[str]:

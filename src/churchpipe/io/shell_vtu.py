@@ -9,7 +9,15 @@ import numpy.typing as npt
 
 from churchpipe.errors import Extra, InputError
 from churchpipe.io.atomic import replacing
+from churchpipe.model.results import CapacityCurve, ShellLimitState
 from churchpipe.model.shell import ShellModel
+
+
+def write_shell_mechanism(path: str | Path, shell: ShellModel, state: ShellLimitState | CapacityCurve) -> None:
+    """Write the facets with the motion and the plastic strain of an analysis."""
+    motion = {"velocity": state.velocities} if isinstance(state, ShellLimitState) else {"displacement": state.displacement}
+    strain = {"plastic_membrane": state.plastic[:, :3], "plastic_curvature": state.plastic[:, 3:]}
+    write_shell_vtu(path, shell, motion | strain)
 
 
 def write_shell_vtu(path: str | Path, shell: ShellModel, fields: Mapping[str, npt.ArrayLike] | None = None) -> None:

@@ -1,6 +1,6 @@
 """A support of a case that moves: cut out of the ground, followed, and the cracks at its end."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, cast
 
@@ -37,9 +37,11 @@ def moved_support(
     settings: Mapping[str, Any],
     materials: Sequence[JointStrength],
     tolerances: Mapping[str, Any],
+    dead_on: Callable[[Assemblage], FloatArray | None],
     progress: Progress | None = None,
 ) -> MovedSupport:
-    """Return what a movement of a case does; settings: the fields of its `MovementSettings`, and the solver.
+    """Return what a movement of a case does; settings: the fields of its `MovementSettings`, and the solver; dead_on: the
+    wrenches (nb, 6) of what the building carries, on the stones with their ground cut.
 
     Raises
     ------
@@ -55,6 +57,7 @@ def moved_support(
             joints,
             foot.support,
             friction=friction,
+            dead=dead_on(foot.stones),
             furthest=settings["furthest"] if settings["about"] is None else settings["furthest_angle"],
             **{key: settings[key] for key in ("direction", "about", "step", "steps", "solver")},
             progress=progress,

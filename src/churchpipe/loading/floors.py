@@ -51,13 +51,13 @@ def floor_lines(load: AreaLoad, walls: Sequence[WallLine]) -> list[FloorLine]:
     for wall in walls:
         if load.bearing > wall.thickness / 2 + CLOSE:
             expected = f"at most half its thickness, {wall.thickness / 2:.6g} m"
-            raise InputError(f"{load.name}: bearing", f"beside the wall {wall.name}", found=load.bearing, expected=expected)
+            raise InputError(f"{load.called}: bearing", f"beside the wall {wall.name}", found=load.bearing, expected=expected)
     first = walls[0].axis
     along = [wall for wall in walls if abs(_cross(wall.axis, first)) < _PARALLEL]
     across = [wall for wall in walls if abs(float(wall.axis @ first)) < _PARALLEL]
     if (len(along), len(across)) not in ((2, 0), (2, 2)):
         expected = "two parallel walls" if len(walls) == 2 else "two pairs of parallel walls at right angles"
-        raise InputError(f"{load.name}: walls", "not around a floor", found=", ".join(load.walls), expected=expected)
+        raise InputError(f"{load.called}: walls", "not around a floor", found=", ".join(load.walls), expected=expected)
     pair = _facing(load, along)
     if not across:
         return _one_way(load, pair)
@@ -72,7 +72,7 @@ def _one_way(load: AreaLoad, pair: _Pair) -> list[FloorLine]:
     if begin < max(starts) - CLOSE or end > min(reach) + CLOSE or end - begin <= CLOSE:
         common = f"{max(starts) - starts[0]:.6g} to {min(reach) - starts[0]:.6g} m along {pair.walls[0].name}"
         raise InputError(
-            load.name,
+            load.called,
             "its walls do not face each other there",
             found=f"{begin - starts[0]:.6g} to {end - starts[0]:.6g} m",
             expected=f"within {common}",
@@ -98,7 +98,7 @@ def _two_ways(load: AreaLoad, along: _Pair, across: _Pair) -> list[FloorLine]:
         for wall, side in zip(pair.walls, _inward(pair), strict=True):
             start = float(wall.origin @ pair.walls[0].axis)
             if low - start < -CLOSE or high - start > wall.length + CLOSE:
-                raise InputError(load.name, f"the wall {wall.name} ends before the floor does", expected="walls all around it")
+                raise InputError(load.called, f"the wall {wall.name} ends before the floor does", expected="walls all around it")
             breaks = (half, length - half)
             out.append(FloorLine(wall, low - start, high - start, load.bearing * side, width, breaks))
     return out
@@ -109,7 +109,7 @@ def _facing(load: AreaLoad, walls: Sequence[WallLine]) -> _Pair:
     low = float(one.origin @ walls[0].normal) + one.thickness / 2
     high = float(two.origin @ walls[0].normal) - two.thickness / 2
     if high - low <= CLOSE:
-        raise InputError(load.name, "no floor between its walls", found=f"{high - low:.6g} m clear", expected="> 0")
+        raise InputError(load.called, "no floor between its walls", found=f"{high - low:.6g} m clear", expected="> 0")
     return _Pair((walls[0], walls[1]), low, high)
 
 

@@ -54,7 +54,7 @@ def place_loads(stones: Assemblage, loads: Iterable[Carried]) -> PlacedLoads:
     """
     check_kind("place_loads: stones", stones, Assemblage)
     parts = [
-        (load.name, part)
+        (load.called, part)
         for number, load in enumerate(checked_sequence("place_loads: loads", loads, "loads"))
         for part in _parts(stones, load, f"place_loads: loads[{number}]")
     ]
@@ -78,7 +78,7 @@ def _parts(stones: Assemblage, load: Any, where: str) -> list[_Part]:
         case AreaLoad():
             return _area(stones, load)
         case Pressure():
-            wall = wall_line(stones, load.wall, load.name)
+            wall = wall_line(stones, load.wall, load.called)
             return [_Part(point, stone, force, 0.0) for point, stone, force in pressure_forces(stones, wall, load)]
         case _:
             found, expected = describe(load), "a LineLoad, PointLoad, AreaLoad or Pressure"
@@ -87,20 +87,21 @@ def _parts(stones: Assemblage, load: Any, where: str) -> list[_Part]:
 
 def _line(stones: Assemblage, load: LineLoad) -> list[_Part]:
     if load.between is not None:
-        (first, last), height = load.between[:, :2], float(load.between[:, 2].max())
-        if abs(float(np.ptp(load.between[:, 2]))) > CLOSE or np.linalg.norm(last - first) <= CLOSE:
-            found = load.between.tolist()
-            raise InputError(f"{load.name}: between", "not a level line", found=found, expected="two points at one height")
+        ends = np.array(load.between)
+        (first, last), height = ends[:, :2], float(ends[:, 2].max())
+        if abs(float(np.ptp(ends[:, 2]))) > CLOSE or np.linalg.norm(last - first) <= CLOSE:
+            found = ends.tolist()
+            raise InputError(f"{load.called}: between", "not a level line", found=found, expected="two points at one height")
         on_top = _touches_tops(stones, height)
     else:
-        wall = wall_line(stones, load.wall or "", load.name)
+        wall = wall_line(stones, load.wall or "", load.called)
         begin, end = load.begin or 0.0, wall.length if load.end is None else load.end
-        _check_within(load.name, wall, begin, end)
-        aside = _aside(load.name, wall, load.eccentricity, load.toward)
+        _check_within(load.called, wall, begin, end)
+        aside = _aside(load.called, wall, load.eccentricity, load.toward)
         first, last = wall.at(begin, aside), wall.at(end, aside)
         height, on_top = (wall.top, True) if load.height is None else (load.height, False)
     dead = _force(load.dead, load.thrust, load.toward)
-    return _along(stones, load.name, first, last, height, on_top, dead, load.mass, lambda _: 1.0)
+    return _along(stones, load.called, first, last, height, on_top, dead, load.pushed, lambda _: 1.0)
 
 
 def _touches_tops(stones: Assemblage, height: float) -> bool:
@@ -140,31 +141,31 @@ def _along(
 
 def _point(stones: Assemblage, load: PointLoad) -> list[_Part]:
     if load.at is not None:
-        place, height, on_top = load.at[:2], float(load.at[2]), _touches_tops(stones, float(load.at[2]))
+        place, height, on_top = np.array(load.at[:2]), load.at[2], _touches_tops(stones, load.at[2])
     else:
-        wall = wall_line(stones, load.wall or "", load.name)
+        wall = wall_line(stones, load.wall or "", load.called)
         along = load.along or 0.0
-        _check_within(load.name, wall, along, along)
-        place = wall.at(along, _aside(load.name, wall, load.eccentricity, load.toward))
+        _check_within(load.called, wall, along, along)
+        place = wall.at(along, _aside(load.called, wall, load.eccentricity, load.toward))
         height, on_top = (wall.top, True) if load.height is None else (load.height, False)
-    found = bearing_stones(stones, place, place, height, on_top=on_top, where=load.name)
+    found = bearing_stones(stones, place, place, height, on_top=on_top, where=load.called)
     dead = _force(load.dead, load.thrust, load.toward)
     return [
-        _Part(np.append(place, z[0]), int(stone), share * dead, float(share) * load.mass)
+        _Part(np.append(place, z[0]), int(stone), share * dead, float(share) * load.pushed)
         for stone, share, z in zip(found.stone, found.share, found.z, strict=True)
     ]
 
 
 def _area(stones: Assemblage, load: AreaLoad) -> list[_Part]:
-    walls = [wall_line(stones, name, load.name) for name in load.walls]
+    walls = [wall_line(stones, name, load.called) for name in load.walls]
     parts: list[_Part] = []
     for line in floor_lines(load, walls):
         wall = line.wall
         first, last = (wall.at(along, line.aside) for along in (line.begin, line.end))
         height, on_top = (wall.top, True) if load.height is None else (load.height, False)
         dead = np.array([0.0, 0.0, -load.dead])
-        where = f"{load.name}, wall {wall.name}"
-        parts += _along(stones, where, first, last, height, on_top, dead, load.mass, line.width, line.breaks)
+        where = f"{load.called}, wall {wall.name}"
+        parts += _along(stones, where, first, last, height, on_top, dead, load.pushed, line.width, line.breaks)
     return parts
 
 

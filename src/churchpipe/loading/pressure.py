@@ -26,7 +26,7 @@ def pressure_forces(stones: Assemblage, wall: WallLine, load: Pressure) -> list[
     ------
     InputError: no face below the surface; a direction along the wall.
     """
-    side = -wall.side(load.name, load.toward)
+    side = -wall.side(load.called, load.toward)
     outward = side * np.append(wall.normal, 0.0)
     points = points_of(stones, wall.stones)
     edge = float((points @ outward).max()) - _OUTERMOST * wall.thickness
@@ -38,7 +38,7 @@ def pressure_forces(stones: Assemblage, wall: WallLine, load: Pressure) -> list[
             if normal @ outward > _AGAINST and (corners @ outward).min() > edge:
                 found += [(*part, stone, normal) for part in _on_face(_below(corners, load.top), load)]
     if not found:
-        raise InputError(load.name, f"no face of the wall {wall.name} below z = {load.top:g} m on that side")
+        raise InputError(load.called, f"no face of the wall {wall.name} below z = {load.top:g} m on that side")
     place = np.array([point for point, *_ in found])
     free = ~inside_stones(stones, place + 10 * CLOSE * np.array([normal for *_, normal in found]))
     return [

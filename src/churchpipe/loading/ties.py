@@ -11,7 +11,7 @@ from churchpipe.loading.walls import WallLine, points_of, wall_line
 from churchpipe.model.arguments import check_kind, listed
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
-from churchpipe.model.tie_bars import TieBar, WallPlace
+from churchpipe.model.tie_bars import AnchorPlace, TieBar
 from churchpipe.model.ties import Anchor, Tie
 
 # A bar runs along a wall, and not through it, if the cosine of its angle with the wall's normal is less than this.
@@ -104,7 +104,7 @@ def _single(stones: Assemblage, stone: int, place: FloatArray) -> Anchor:
 def _placed(stones: Assemblage, bar: TieBar) -> Tie:
     where = f"tie {bar.name}"
     walls = [
-        wall_line(stones, place.wall, f"{where}: {end}") if isinstance(place, WallPlace) else None
+        wall_line(stones, place.wall, f"{where}: {end}") if place.wall is not None else None
         for end, place in (("start", bar.start), ("end", bar.end))
     ]
     first, second = (
@@ -138,17 +138,17 @@ def _placed(stones: Assemblage, bar: TieBar) -> Tie:
         anchors=(anchors[0], anchors[1]),
         stiffness=bar.modulus * bar.area / length,
         pretension=bar.pretension,
-        ultimate=bar.ultimate_strain * length,
+        ultimate=np.inf if bar.ultimate_strain is None else bar.ultimate_strain * length,
         governs=governs,
     )
     anchors_of(stones, tie)
     return tie
 
 
-def _middle(where: str, place: "WallPlace | FloatArray", wall: WallLine | None) -> FloatArray:
+def _middle(where: str, place: AnchorPlace, wall: WallLine | None) -> FloatArray:
     """Return a place on the middle plane of its wall, or the point that it is (3,) m."""
-    if not isinstance(place, WallPlace) or wall is None:
-        return np.asarray(place)
+    if wall is None or place.along is None or place.height is None:
+        return np.array(place.at)
     if not -_CLOSE <= place.along <= wall.length + _CLOSE:
         expected = f"within 0 and {wall.length:.6g} m along it"
         raise InputError(where, f"beyond the wall {wall.name}", found=f"{place.along:g} m", expected=expected)

@@ -65,8 +65,7 @@ def wall_line(stones: Assemblage, name: str, where: str) -> WallLine:
     if not len(own):
         known = sorted(set(stones.panel[~stones.fixed].tolist()) - {""})
         raise InputError(where, "no such wall", found=name, expected=", ".join(known) or "stones with names of walls")
-    normal = _normal(stones, own, name, where)
-    axis = np.array([normal[1], -normal[0]])
+    axis = _axis(stones, own, name, where)
     if axis[0] < -1e-9 or (abs(axis[0]) <= 1e-9 and axis[1] < 0):
         axis = -axis
     normal = np.array([-axis[1], axis[0]])
@@ -92,20 +91,16 @@ def points_of(stones: Assemblage, chosen: IntArray) -> FloatArray:
     return stones.points[np.repeat(member, np.diff(stones.block_point_ptr))]
 
 
-def _normal(stones: Assemblage, own: IntArray, name: str, where: str) -> FloatArray:
-    """Return the direction (2,) that most of the upright faces of a wall look in, or the opposite."""
+def _axis(stones: Assemblage, own: IntArray, name: str, where: str) -> FloatArray:
+    """Return the direction (2,) of a wall: that of its upright faces, or square to them, in which it is longer."""
     area, normal, _ = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
     face = np.isin(np.repeat(np.arange(stones.count), np.diff(stones.block_face_ptr)), own)
     face &= np.abs(normal[:, 2]) < _UPRIGHT
     flat, size = normal[face, :2], np.linalg.norm(area[face], axis=1)
-    # Opposite faces look in one direction once angles are doubled; faces across the wall then weigh against those along it.
-    doubled = size @ ((flat[:, 0] + 1j * flat[:, 1]) ** 2)
-    if abs(doubled) < 1e-9 * size.sum():
-        # As long as thick: along x.
-        doubled = -1.0
-    angle = 0.5 * np.angle(doubled)
-    found = np.array([np.cos(angle), np.sin(angle)])
-    across = np.abs(flat @ found)
+    # Fronts and ends of stones look in one direction once angles are taken four times.
+    angle = 0.25 * np.angle(size @ ((flat[:, 0] + 1j * flat[:, 1]) ** 4))
+    one = np.array([np.cos(angle), np.sin(angle)])
+    across = np.abs(flat @ one)
     slanting = (across > _SLANT) & (across < np.sqrt(1 - _SLANT**2))
     if size[slanting].sum() > _BENT * size.sum():
         raise InputError(
@@ -114,4 +109,10 @@ def _normal(stones: Assemblage, own: IntArray, name: str, where: str) -> FloatAr
             expected="a straight wall",
             remedy="On a curved wall loads stand between points: give coordinates in place of the wall.",
         )
+    two = np.array([-one[1], one[0]])
+    plan = points_of(stones, own)[:, :2]
+    longer, other = np.ptp(plan @ one), np.ptp(plan @ two)
+    # As long as thick: that nearer to x.
+    level = abs(longer - other) < 1e-6 * (longer + other)
+    found = one if (abs(one[0]) > abs(two[0]) if level else longer > other) else two
     return np.where(np.abs(found) < 1e-12, 0.0, found)

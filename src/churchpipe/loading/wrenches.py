@@ -113,19 +113,19 @@ def resultants(stones: Assemblage, shell: ShellModel, placed: PlacedLoads) -> di
     facet = facets_of(shell, placed.point, placed.wall)
     return {
         name: (
-            resultant(stones.centroid, _wrench(stones.centroid, placed.point, force, placed.stone)),
-            resultant(shell.centroid, _wrench(shell.centroid, placed.point, force, facet)),
+            resultant(stones.centroid, wrenches_of(stones.centroid, placed.point, force, placed.stone)),
+            resultant(shell.centroid, wrenches_of(shell.centroid, placed.point, force, facet)),
         )
         for name, force in (("dead", placed.dead), ("masses", mass))
     }
 
 
 def _with(load: LoadCase, bodies: _Bodies, placed: PlacedLoads, owner: IntArray) -> LoadCase:
-    dead = _wrench(bodies.centroid, placed.point, placed.dead, owner)
+    dead = wrenches_of(bodies.centroid, placed.point, placed.dead, owner)
     live = np.zeros_like(dead)
     if load.direction.any():
         push = _masses_pushed(load, bodies, placed)
-        live = _wrench(bodies.centroid, placed.point, push.masses[:, None] * load.direction, owner)
+        live = wrenches_of(bodies.centroid, placed.point, push.masses[:, None] * load.direction, owner)
         live[:, :3] += push.more_of_bodies[:, None] * load.direction
     given = [np.zeros_like(dead) if part is None else part for part in (load.dead, load.live)]
     return LoadCase(
@@ -164,7 +164,7 @@ def _masses_pushed(load: LoadCase, bodies: _Bodies, placed: PlacedLoads) -> _Pus
     return _Pushed(placed.mass * share[len(own) :], together - alone)
 
 
-def _wrench(centroid: FloatArray, point: FloatArray, force: FloatArray, owner: IntArray) -> FloatArray:
+def wrenches_of(centroid: FloatArray, point: FloatArray, force: FloatArray, owner: IntArray) -> FloatArray:
     """Return the wrenches (nb, 6) about centroids (nb, 3) of forces (n, 3) N at points (n, 3) m of these bodies (n,)."""
     out = np.zeros((len(centroid), 6))
     moment = np.cross(point - centroid[owner], force)

@@ -1,5 +1,6 @@
 """Files of stones in any format: `read_stones` for stones and findings, `read_file` for all that a file tells."""
 
+import hashlib
 import os
 import re
 from collections.abc import Callable, Mapping
@@ -149,6 +150,14 @@ def files_of(path: Path) -> tuple[Path, ...]:
         return tuple(sorted(file for file in path.iterdir() if file.is_file() and _reader_of(file)))
     beside = [path.with_name(name) for name in BESIDE] if path.name == BODIES else []
     return (path, *(file for file in beside if file.is_file()))
+
+
+def digest_of(path: Path) -> str:
+    """Return a digest of the files that a file of stones or a folder of them is read from."""
+    digest = hashlib.sha256()
+    for file in files_of(path):
+        digest.update(file.name.encode() + b"\0" + file.read_bytes())
+    return digest.hexdigest()
 
 
 def _reader_of(path: Path) -> Callable[[Path], Source] | None:

@@ -1,6 +1,7 @@
 """What a building carries besides its own stones: roofs, floors, point loads, soil and water. SI; by the names of walls."""
 
 from dataclasses import dataclass
+from typing import Annotated, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -8,9 +9,16 @@ import numpy.typing as npt
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import describe, finite, listed, text
 from churchpipe.model.arrays import FloatArray, floats, store
+from churchpipe.model.quantities import Quantity
 
 TOWARD = {"+x": (1.0, 0.0, 0.0), "-x": (-1.0, 0.0, 0.0), "+y": (0.0, 1.0, 0.0), "-y": (0.0, -1.0, 0.0)}
 Toward = str | npt.ArrayLike
+Metres = Annotated[float, Quantity("_m")]
+Point = tuple[Metres, Metres, Metres]
+_ALONG = "Along the wall, from its end with the smaller x (of a wall along y, the smaller y); by default its own end."
+_TOWARD = "A level vector: where the thrust points, and to which side of the wall the eccentricity counts."
+_ECCENTRIC = "From the middle of the wall."
+_MASS = "Weight that the load factor multiplies; by default the dead load."
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,17 +55,17 @@ class LineLoad:
         No load, dead loads or masses below zero, a thrust or an eccentricity that points nowhere.
     """
 
-    name: str
-    wall: str | None
-    between: FloatArray | None
-    begin: float | None
-    end: float | None
-    height: float | None
-    dead: float
-    thrust: float
-    toward: FloatArray | None
-    eccentricity: float
-    mass: float
+    name: Annotated[str, "For messages and tables; by default that of the wall."] = ""
+    wall: Annotated[str | None, "The wall that bears it."] = None
+    between: Annotated[tuple[Point, Point] | None, Quantity("_m"), "In place of a wall: two points at one height."] = None
+    begin: Annotated[Metres | None, Quantity("_m", key="from_m"), _ALONG] = None
+    end: Annotated[Metres | None, Quantity("_m", key="to_m"), "Likewise its other end."] = None
+    height: Annotated[Metres | None, "Above z = 0; by default the top of the wall."] = None
+    dead: Annotated[float, Quantity("_kN_m", 0.0), "Downwards."] = 0.0
+    thrust: Annotated[float, Quantity("_kN_m"), "Level, in the direction `toward`."] = 0.0
+    toward: Annotated[FloatArray | None, _TOWARD] = None
+    eccentricity: Annotated[Metres, _ECCENTRIC] = 0.0
+    mass: Annotated[float | None, Quantity("_kN_m", 0.0, key="seismic_mass_kN_m"), _MASS] = None
 
     def __init__(
         self,
@@ -77,9 +85,19 @@ class LineLoad:
         where = _named(self, "line load", name, wall)
         _on_wall_or_at(where, "between", wall, between, begin=begin, end=end, height=height, eccentricity=eccentricity or None)
         _check_order(where, begin, end)
-        store(self, wall=wall, between=None if between is None else floats(f"{where}: between", between, (2, 3)))
+        store(self, wall=wall, between=None if between is None else _points(floats(f"{where}: between", between, (2, 3))))
         _store_numbers(self, where, begin=begin, end=end, height=height)
         _store_load(self, where, dead, thrust, toward, eccentricity, mass)
+
+    @property
+    def called(self) -> str:
+        """What messages call it."""
+        return _called("line load", self.name, self.wall)
+
+    @property
+    def pushed(self) -> float:
+        """What the load factor multiplies, as `mass`."""
+        return self.dead if self.mass is None else self.mass
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,16 +134,16 @@ class PointLoad:
         As `LineLoad`; a wall without a place on it.
     """
 
-    name: str
-    wall: str | None
-    at: FloatArray | None
-    along: float | None
-    height: float | None
-    dead: float
-    thrust: float
-    toward: FloatArray | None
-    eccentricity: float
-    mass: float
+    name: Annotated[str, "For messages and tables; by default that of the wall."] = ""
+    wall: Annotated[str | None, "The wall that bears it."] = None
+    at: Annotated[Point | None, Quantity("_m"), "In place of a wall: the point."] = None
+    along: Annotated[Metres | None, _ALONG] = None
+    height: Annotated[Metres | None, "Above z = 0; by default the top of the wall."] = None
+    dead: Annotated[float, Quantity("_kN", 0.0), "Downwards."] = 0.0
+    thrust: Annotated[float, Quantity("_kN"), "Level, in the direction `toward`."] = 0.0
+    toward: Annotated[FloatArray | None, _TOWARD] = None
+    eccentricity: Annotated[Metres, _ECCENTRIC] = 0.0
+    mass: Annotated[float | None, Quantity("_kN", 0.0, key="seismic_mass_kN"), _MASS] = None
 
     def __init__(
         self,
@@ -145,9 +163,19 @@ class PointLoad:
         _on_wall_or_at(where, "at", wall, at, along=along, height=height, eccentricity=eccentricity or None)
         if wall is not None and along is None:
             raise InputError(where, "no place on the wall", expected="along, m")
-        store(self, wall=wall, at=None if at is None else floats(f"{where}: at", at, (3,)))
+        store(self, wall=wall, at=None if at is None else tuple(floats(f"{where}: at", at, (3,)).tolist()))
         _store_numbers(self, where, along=along, height=height)
         _store_load(self, where, dead, thrust, toward, eccentricity, mass)
+
+    @property
+    def called(self) -> str:
+        """What messages call it."""
+        return _called("point load", self.name, self.wall)
+
+    @property
+    def pushed(self) -> float:
+        """What the load factor multiplies, as `mass`."""
+        return self.dead if self.mass is None else self.mass
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,14 +206,14 @@ class AreaLoad:
         Neither two walls nor four, no load, a negative one.
     """
 
-    name: str
-    walls: tuple[str, ...]
-    begin: float | None
-    end: float | None
-    height: float | None
-    dead: float
-    bearing: float
-    mass: float
+    walls: Annotated[tuple[str, ...], "Two parallel ones that it spans between, or four around a rectangle."]
+    name: Annotated[str, "For messages and tables; by default those of the walls."] = ""
+    begin: Annotated[Metres | None, Quantity("_m", key="from_m"), "Of two walls: along the first one, as in `line_loads`."] = None
+    end: Annotated[Metres | None, Quantity("_m", key="to_m"), "Likewise its other end."] = None
+    height: Annotated[Metres | None, "Where it bears, above z = 0; by default the tops of the walls."] = None
+    dead: Annotated[float, Quantity("_kN_m2", 0.0), "Downwards, on the clear area between the walls."] = 0.0
+    bearing: Annotated[float, Quantity("_m", 0.0), "Where it bears: from the middle of each wall towards the floor."] = 0.0
+    mass: Annotated[float | None, Quantity("_kN_m2", 0.0, key="seismic_mass_kN_m2"), _MASS] = None
 
     def __init__(
         self,
@@ -211,6 +239,16 @@ class AreaLoad:
         store(self, walls=named, bearing=float(bearing))
         _store_numbers(self, where, begin=begin, end=end, height=height)
         _store_load(self, where, dead, 0.0, None, 0.0, mass)
+
+    @property
+    def called(self) -> str:
+        """What messages call it."""
+        return _called("area load", self.name, " ".join(self.walls))
+
+    @property
+    def pushed(self) -> float:
+        """What the load factor multiplies, as `mass`."""
+        return self.dead if self.mass is None else self.mass
 
 
 @dataclass(frozen=True, slots=True)
@@ -242,13 +280,13 @@ class Pressure:
         No pressure, a negative one.
     """
 
-    name: str
-    wall: str
-    toward: FloatArray
-    unit_weight: float
-    top: float
-    coefficient: float
-    surcharge: float
+    wall: Annotated[str, "The wall that it presses on."]
+    toward: Annotated[FloatArray, "Where it pushes, a level vector: it acts on the face that looks the other way."]
+    unit_weight: Annotated[float, Quantity("_kN_m3", 0.0), "Of the soil or water."]
+    top: Annotated[Metres, "z of its surface."]
+    coefficient: Annotated[float, Quantity("", 0.0), "1 for water; of soil that of its pressure, active or at rest."] = 1.0
+    surcharge: Annotated[float, Quantity("_kPa", 0.0), "On its surface."] = 0.0
+    name: Annotated[str, "For messages and tables; by default that of the wall."] = ""
 
     def __init__(
         self,
@@ -270,19 +308,32 @@ class Pressure:
         store(self, wall=wall, toward=_level(where, toward), unit_weight=float(unit_weight))
         store(self, coefficient=float(coefficient), surcharge=float(surcharge), top=finite(f"{where}: top", top))
 
+    @property
+    def called(self) -> str:
+        """What messages call it."""
+        return _called("pressure", self.name, self.wall)
+
 
 Carried = LineLoad | PointLoad | AreaLoad | Pressure
 
 
 def _named(load: object, kind: str, name: object, wall: str | None) -> str:
-    """Store the name of a load, by default that of its wall, and return how messages call it."""
+    """Store the name of a load and return how messages call it."""
     if wall is not None:
         text(f"{kind}: wall", wall)
     if not isinstance(name, str):
         raise InputError(f"{kind}: name", "not a text", found=describe(name), expected="a text")
-    called = f"{kind} {name or wall or ''}".strip()
-    store(load, name=called)
-    return called
+    store(load, name=name)
+    return _called(kind, name, wall)
+
+
+def _called(kind: str, name: str, wall: str | None) -> str:
+    return f"{kind} {name or wall or ''}".strip()
+
+
+def _points(array: FloatArray) -> Any:
+    first, second = array.tolist()
+    return tuple(first), tuple(second)
 
 
 def _on_wall_or_at(where: str, key: str, wall: str | None, place: object, **on_wall: float | None) -> None:
@@ -319,7 +370,7 @@ def _store_load(
     if (thrust or eccentricity) and toward is None:
         what = "a thrust" if thrust else "an eccentricity"
         raise InputError(where, f"{what} without a direction", expected='toward: "+x", "-x", "+y", "-y" or a level vector')
-    store(load, dead=float(dead), mass=pushes)
+    store(load, dead=float(dead), mass=None if mass is None else pushes)
     if not isinstance(load, AreaLoad):
         side = None if toward is None else _level(where, toward)
         store(load, thrust=float(thrust), toward=side, eccentricity=float(eccentricity))

@@ -28,9 +28,13 @@ class Unit(NamedTuple):
 # By the end of the keys that have it.
 UNITS = {
     "_mm": Unit("mm", divide=1e3),
+    "_mm2": Unit("mm2", divide=1e6),
     "_m": Unit("m"),
     "_deg": Unit("degrees", math.pi, 180.0),
     "_kN_m3": Unit("kN/m3", 1e3),
+    "_kN": Unit("kN", 1e3),
+    "_kN_m": Unit("kN/m", 1e3),
+    "_kN_m2": Unit("kN/m2", 1e3),
     "_kPa": Unit("kPa", 1e3),
     "_MPa": Unit("MPa", 1e6),
     "_GPa": Unit("GPa", 1e9),

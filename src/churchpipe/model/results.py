@@ -107,6 +107,7 @@ class ShellLimitState:
 
     load_factor: NaN when unstable or failed, inf when unbounded. lower_bound, upper_bound: of the stress and of the velocity
     field, for the problem of this mesh (Morley bending is neither static nor kinematic: refine and extrapolate).
+    tie_forces (nt,) N and tie_sensitivity (nt,) 1/N as in `LimitState`.
     stress (nq, 6) N/m and N, in the axes of the facets; velocities (nn, 3) and edge_rotation (ne,), f_L . u = 1 per total weight
     (of an unstable shell: the falling mechanism, f_D . u = 1). plastic (nt, 6): its strain rates, 1/m and 1/m2, membrane and
     curvature, the mean of each facet in its own axes. equilibrium_residual over the total weight, yield_violation over the unit
@@ -127,6 +128,8 @@ class ShellLimitState:
     seconds: float = 0.0
     solver: str = "clarabel"
     message: str = ""
+    tie_forces: FloatArray = field(default_factory=_none)
+    tie_sensitivity: FloatArray = field(default_factory=_none)
 
     def __post_init__(self) -> None:
         one_of("ShellLimitState.status", self.status, *get_args(Status))
@@ -136,6 +139,8 @@ class ShellLimitState:
             velocities=floats("ShellLimitState.velocities", self.velocities, (None, 3), finite=False),
             edge_rotation=floats("ShellLimitState.edge_rotation", self.edge_rotation, (None,), finite=False),
             plastic=floats("ShellLimitState.plastic", self.plastic, (None, 6), finite=False),
+            tie_forces=floats("ShellLimitState.tie_forces", self.tie_forces, (None,), finite=False),
+            tie_sensitivity=floats("ShellLimitState.tie_sensitivity", self.tie_sensitivity, self.tie_forces.shape, finite=False),
         )
 
     def _repr_html_(self) -> str:

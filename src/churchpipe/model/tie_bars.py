@@ -1,33 +1,56 @@
 """Ties as an engineer describes them: a bar of steel, its plates, and where it is anchored."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
-import numpy as np
 import numpy.typing as npt
 
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import describe, finite, text
-from churchpipe.model.arrays import FloatArray, floats, store
+from churchpipe.model.arrays import floats, store
+from churchpipe.model.carried import Metres, Point
+from churchpipe.model.quantities import Length, Quantity
 
 STEEL_MODULUS = 210e9
 
 
 @dataclass(frozen=True, slots=True)
-class WallPlace:
-    """A place on a wall: its name, m along it (as in `LineLoad`), m above z = 0."""
+class AnchorPlace:
+    """Where a bar is anchored: a place on a wall, or a point.
 
-    wall: str
-    along: float
-    height: float
+    Parameters
+    ----------
+    wall
+        Name of the wall.
+    along
+        m along it, as in `LineLoad`.
+    height
+        m above z = 0.
+    at
+        In place of a wall: the point (3,) m.
+
+    Raises
+    ------
+    InputError
+        Neither or both of them, or half of one.
+    """
+
+    wall: Annotated[str | None, "The wall."] = None
+    along: Annotated[Metres | None, "Along it, as in `line_loads`."] = None
+    height: Annotated[Metres | None, "Above z = 0."] = None
+    at: Annotated[Point | None, Quantity("_m"), "In place of a wall: the point."] = None
 
     def __post_init__(self) -> None:
+        if self.at is not None:
+            if any(value is not None for value in (self.wall, self.along, self.height)):
+                raise InputError("place", "two places", found="a wall and a point", expected="one of them")
+            store(self, at=tuple(floats("place: at", self.at, (3,)).tolist()))
+            return
+        if self.wall is None or self.along is None or self.height is None:
+            raise InputError("place", "no place", expected="a wall, along it and a height; or a point")
         text("place: wall", self.wall)
         for key in ("along", "height"):
             store(self, **{key: finite(f"place on {self.wall}: {key}", getattr(self, key))})
-
-
-Place = WallPlace | FloatArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,8 +62,8 @@ class TieBar:
     name
         What messages and results call it.
     start, end
-        Points (3,) m, or places on walls: `WallPlace`, or (wall, along, height). A bar that crosses the wall of a place goes
-        through it, to an anchor on its far face.
+        `AnchorPlace`, or in short a point (3,) m or (wall, along, height). A bar that crosses the wall of a place goes through
+        it, to an anchor on its far face.
     area
         Of the steel, m2.
     steel_strength
@@ -56,7 +79,7 @@ class TieBar:
     modulus
         Of the steel, Pa.
     ultimate_strain
-        Elongation over length at which it breaks.
+        Elongation over length at which it breaks; None: never.
 
     Raises
     ------
@@ -64,23 +87,27 @@ class TieBar:
         Numbers out of range, masonry strengths without a plate, no place.
     """
 
-    name: str
-    start: Place
-    end: Place
-    area: float
-    steel_strength: float
-    plate: tuple[float, float] | None
-    bearing_strength: float | None
-    punching_strength: float | None
-    pretension: float
-    modulus: float
-    ultimate_strain: float
+    name: Annotated[str, "For messages and tables."]
+    start: Annotated[AnchorPlace, "Where it is anchored; through a wall that it crosses, to the far face."]
+    end: Annotated[AnchorPlace, "Likewise its other end."]
+    area: Annotated[float, Quantity("_mm2", 0.0, above=True), "Of the steel."]
+    steel_strength: Annotated[float, Quantity("_MPa", 0.0, above=True), "Yield strength of the steel."]
+    plate: Annotated[tuple[Length, Length] | None, "Width and height of its plates; left out: anchored in the stones."] = None
+    bearing_strength: Annotated[
+        float | None, Quantity("_MPa", 0.0, above=True), "Of the masonry under the plates; left out: not checked."
+    ] = None
+    punching_strength: Annotated[
+        float | None, Quantity("_MPa", 0.0, above=True), "Shear strength of the masonry around a plate; left out: not checked."
+    ] = None
+    pretension: Annotated[float, Quantity("_kN", 0.0), "It changes no load factor."] = 0.0
+    modulus: Annotated[float, Quantity("_GPa", 0.0, above=True), "Of the steel."] = STEEL_MODULUS
+    ultimate_strain: Annotated[float | None, Quantity("", 0.0, above=True), "Strain at which it breaks; left out: never."] = None
 
     def __init__(
         self,
         name: str,
-        start: "WallPlace | tuple[str, float, float] | npt.ArrayLike",
-        end: "WallPlace | tuple[str, float, float] | npt.ArrayLike",
+        start: "AnchorPlace | tuple[str, float, float] | npt.ArrayLike",
+        end: "AnchorPlace | tuple[str, float, float] | npt.ArrayLike",
         *,
         area: float,
         steel_strength: float,
@@ -89,21 +116,23 @@ class TieBar:
         punching_strength: float | None = None,
         pretension: float = 0.0,
         modulus: float = STEEL_MODULUS,
-        ultimate_strain: float = np.inf,
+        ultimate_strain: float | None = None,
     ) -> None:
         where = f"tie {text('TieBar.name', name)}"
         store(self, name=name, start=_place(f"{where}: start", start), end=_place(f"{where}: end", end))
         numbers = {"area": area, "steel_strength": steel_strength, "modulus": modulus}
         numbers |= {
             key: value
-            for key, value in (("bearing_strength", bearing_strength), ("punching_strength", punching_strength))
+            for key, value in (
+                ("bearing_strength", bearing_strength),
+                ("punching_strength", punching_strength),
+                ("ultimate_strain", ultimate_strain),
+            )
             if value is not None
         }
         for key, value in numbers.items():
             if not finite(f"{where}: {key}", value) > 0:
                 raise InputError(f"{where}: {key}", "out of range", found=value, expected="> 0")
-        if not ultimate_strain > 0:
-            raise InputError(f"{where}: ultimate_strain", "out of range", found=ultimate_strain, expected="> 0")
         if finite(f"{where}: pretension", pretension) < 0:
             raise InputError(f"{where}: pretension", "out of range", found=pretension, expected=">= 0 N")
         sides = None
@@ -116,7 +145,7 @@ class TieBar:
             raise InputError(where, "no plate", found="a strength of the masonry under it", expected="plate, (width, height) m")
         store(self, area=float(area), steel_strength=float(steel_strength), plate=sides, pretension=float(pretension))
         store(self, bearing_strength=bearing_strength, punching_strength=punching_strength)
-        store(self, modulus=float(modulus), ultimate_strain=float(ultimate_strain))
+        store(self, modulus=float(modulus), ultimate_strain=ultimate_strain)
 
     def capacity(self, thickness: tuple[float | None, float | None] = (None, None)) -> tuple[float, str]:
         """Return the largest tension, N, and what governs it.
@@ -142,18 +171,15 @@ class TieBar:
         return min(found, key=lambda item: item[0])
 
 
-def _place(where: str, value: Any) -> Place:
-    if isinstance(value, WallPlace):
+def _place(where: str, value: Any) -> AnchorPlace:
+    if isinstance(value, AnchorPlace):
         return value
     try:
         wall, along, height = value
     except (TypeError, ValueError) as error:
-        raise InputError(
-            where, "no place", found=describe(value), expected="x, y, z m, or (wall, m along it, m above z = 0)"
-        ) from error
-    if not isinstance(wall, str):
-        return floats(where, value, (3,))
+        expected = "x, y, z m, or (wall, m along it, m above z = 0)"
+        raise InputError(where, "no place", found=describe(value), expected=expected) from error
     try:
-        return WallPlace(wall, along, height)
+        return AnchorPlace(wall, along, height) if isinstance(wall, str) else AnchorPlace(at=(wall, along, height))
     except InputError as error:
         raise error.at(where) from error

@@ -141,3 +141,26 @@ class Tie:
         """Unit vector (3,) from start to end."""
         span = self.end - self.start
         return np.asarray(span / np.linalg.norm(span))
+
+
+@dataclass(frozen=True, slots=True)
+class RankedTie:
+    """What a candidate tie adds.
+
+    Parameters
+    ----------
+    tie
+        The candidate.
+    rate
+        d load_factor / d strength at strength 0, 1/N: the rate at which the mechanism lengthens it.
+    most
+        Load factor that it cannot exceed: that of the structure plus rate times strength. The load factor is concave in the
+        strength, so that the true one is less where another mechanism takes over.
+    load_factor
+        With the tie, by a new analysis; NaN where none was made.
+    """
+
+    tie: Tie
+    rate: float
+    most: float
+    load_factor: float = np.nan

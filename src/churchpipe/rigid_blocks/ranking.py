@@ -1,7 +1,7 @@
 """Which tie would help most: what each candidate adds to the load factor, from the mechanism, and from new analyses."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,31 +15,8 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.results import LimitState
-from churchpipe.model.ties import Tie
+from churchpipe.model.ties import RankedTie, Tie
 from churchpipe.rigid_blocks.limit import limit_analysis
-
-
-@dataclass(frozen=True, slots=True)
-class RankedTie:
-    """What a candidate tie adds.
-
-    Parameters
-    ----------
-    tie
-        The candidate.
-    rate
-        d load_factor / d strength at strength 0, 1/N: the rate at which the mechanism lengthens it.
-    most
-        Load factor that it cannot exceed: that of the structure plus rate times strength. The load factor is concave in the
-        strength, so that the true one is less where another mechanism takes over.
-    load_factor
-        With the tie, by a new analysis; NaN where none was made.
-    """
-
-    tie: Tie
-    rate: float
-    most: float
-    load_factor: float = np.nan
 
 
 def elongation_rate(stones: Assemblage, velocities: FloatArray, tie: Tie) -> float:

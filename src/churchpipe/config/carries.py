@@ -1,0 +1,113 @@
+"""What the building of a case carries, and the ties in it: as the file says it, and as the settings of a stage."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields, is_dataclass
+from typing import Any
+
+import numpy as np
+
+from churchpipe.errors import InputError
+from churchpipe.loading.placing import place_loads
+from churchpipe.loading.ties import place_ties
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.carried import AreaLoad, LineLoad, PointLoad, Pressure
+from churchpipe.model.placed_loads import PlacedLoads
+from churchpipe.model.tie_bars import AnchorPlace, TieBar
+from churchpipe.model.ties import Tie
+
+# The tables of a case, by their keys.
+KINDS: Mapping[str, type[Any]] = {
+    "line_loads": LineLoad,
+    "point_loads": PointLoad,
+    "area_loads": AreaLoad,
+    "pressures": Pressure,
+    "ties": TieBar,
+    "tie_candidates": TieBar,
+}
+MEANINGS = {
+    "line_loads": "Roofs, floors and thrusts along walls.",
+    "point_loads": "Loads at points of walls.",
+    "area_loads": "Floors and roofs that span between walls.",
+    "pressures": "Soil or water against walls.",
+    "ties": "Steel bars between walls.",
+    "tie_candidates": "Bars that might be added: ranked by what each of them would add to the load factor.",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Carries:
+    """The tables of a case by their keys, each a tuple of records; SI."""
+
+    line_loads: tuple[LineLoad, ...] = ()
+    point_loads: tuple[PointLoad, ...] = ()
+    area_loads: tuple[AreaLoad, ...] = ()
+    pressures: tuple[Pressure, ...] = ()
+    ties: tuple[TieBar, ...] = ()
+    tie_candidates: tuple[TieBar, ...] = ()
+
+    def __bool__(self) -> bool:
+        """Whether there is anything."""
+        return any(getattr(self, key) for key in KINDS)
+
+    def settings(self, *keys: str) -> dict[str, Any]:
+        """Return these tables as JSON has them, without the empty ones."""
+        return {key: [_plain(item) for item in getattr(self, key)] for key in keys or KINDS if getattr(self, key)}
+
+
+@dataclass(frozen=True, slots=True)
+class Placed:
+    """The same at the stones that bear it."""
+
+    loads: PlacedLoads
+    ties: tuple[Tie, ...]
+    candidates: tuple[Tie, ...]
+
+
+def carries_of(settings: Mapping[str, Any]) -> Carries:
+    """Return what the settings of a stage say, the inverse of `Carries.settings`."""
+    return Carries(**{key: tuple(_made(kind, table) for table in settings.get(key, ())) for key, kind in KINDS.items()})
+
+
+def placed(carries: Carries, stones: Assemblage) -> Placed:
+    """Return loads and ties at the stones that bear them.
+
+    Raises
+    ------
+    InputError: as `place_loads` and `place_ties`; it begins with the table at fault, such as "line_loads.0".
+    """
+    loads = [part for key in ("line_loads", "point_loads", "area_loads", "pressures") for part in _each(carries, key)]
+    for key, load in loads:
+        _tried(key, lambda load=load: place_loads(stones, [load]))
+    ties = [[_tried(name, lambda bar=bar: place_ties(stones, [bar]))[0] for name, bar in _each(carries, key)] for key in _BARS]
+    return Placed(place_loads(stones, [load for _, load in loads]), tuple(ties[0]), tuple(ties[1]))
+
+
+_BARS = "ties", "tie_candidates"
+
+
+def _each(carries: Carries, key: str) -> Iterator[tuple[str, Any]]:
+    yield from ((f"{key}.{number}", item) for number, item in enumerate(getattr(carries, key)))
+
+
+def _tried(key: str, place: Any) -> Any:
+    try:
+        return place()
+    except InputError as error:
+        raise InputError(
+            key, f"{error.where}: {error.problem}", found=error.found, expected=error.expected, remedy=error.remedy
+        ) from error
+
+
+def _plain(value: Any) -> Any:
+    """Return a record or a value as JSON has it; fields that have their default are left out."""
+    if is_dataclass(value) and not isinstance(value, type):
+        items = ((field, getattr(value, field.name)) for field in fields(value))
+        return {field.name: _plain(item) for field, item in items if item is not None and item is not field.default}
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    return [_plain(item) for item in value] if isinstance(value, tuple) else value
+
+
+def _made(kind: type[Any], table: Mapping[str, Any]) -> Any:
+    places = {key: AnchorPlace(**value) for key, value in table.items() if key in ("start", "end") and isinstance(value, dict)}
+    return kind(**{**table, **places})

@@ -1,0 +1,129 @@
+"""Ties in the limit analysis of a shell: the tensions with the largest load factor, by cutting planes.
+
+A tension is a dead load on the facets under the anchors. The load factor alpha(T) that a shell carries with given tensions T is
+concave, and the mechanism found at T_k bounds it everywhere by virtual work:
+
+    alpha(T) <= alpha_k + e_k . (T - T_k) / W,
+
+e_k the rates at which that mechanism lengthens the ties, W the weight. The largest value that all these planes allow within
+0 <= T <= T_max is an upper bound of the load factor with ties, the largest alpha_k a lower one. Ties that a mechanism lengthens
+yield: with all of them at T_max one analysis is often enough.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import linprog
+
+from churchpipe.homogenised_shell.loads import nodal_forces
+from churchpipe.homogenised_shell.settings import SOLVER
+from churchpipe.loading.wrenches import facets_of, wrenches_of
+from churchpipe.model.arrays import FloatArray
+from churchpipe.model.loads import LoadCase
+from churchpipe.model.results import ShellLimitState
+from churchpipe.model.shell import ShellModel
+from churchpipe.model.ties import Tie
+
+# Analyses at most; bounds that have not met by then are reported as they are.
+MOST_ANALYSES = 20
+
+
+@dataclass(frozen=True, slots=True)
+class _Cut:
+    """An analysis with given tensions (nt,), N: its state, and what each newton more of each tie would add (nt,), 1/N."""
+
+    tension: FloatArray
+    state: ShellLimitState
+    rate: FloatArray
+
+
+def unit_tension(shell: ShellModel, tie: Tie) -> FloatArray:
+    """Return the wrenches (nt, 6) on the facets, about their centroids, of a tension of one newton."""
+    point, force, wall = [tie.start[None], tie.end[None]], [tie.axis[None], -tie.axis[None]], [np.array([""]), np.array([""])]
+    if tie.anchors is not None:
+        point, wall = [anchor.point for anchor in tie.anchors], [anchor.wall for anchor in tie.anchors]
+        force = [sign * anchor.share[:, None] * tie.axis for anchor, sign in zip(tie.anchors, (1, -1), strict=True)]
+    places = np.concatenate(point)
+    return wrenches_of(shell.centroid, places, np.concatenate(force), facets_of(shell, places, np.concatenate(wall)))
+
+
+def tied_analysis(
+    shell: ShellModel, load: LoadCase, ties: Sequence[Tie], analysed: Callable[[LoadCase], ShellLimitState]
+) -> ShellLimitState:
+    """Return the limit state of a shell with ties; analysed: the analysis of a load case without them.
+
+    Status "not-converged": the bounds, which the state has, did not meet.
+    """
+    pull = np.array([unit_tension(shell, tie) for tie in ties])
+    nodes = np.array([nodal_forces(shell, wrench) for wrench in pull])
+    most = np.array([tie.strength for tie in ties])
+    weight = float(shell.weight.sum())
+    dead = np.zeros(pull.shape[1:]) if load.dead is None else load.dead
+    cuts: list[_Cut] = []
+
+    def at(tension: FloatArray) -> _Cut:
+        case = _with_dead(load, dead + np.einsum("t,tfc->fc", tension, pull))
+        state = analysed(case)
+        return _Cut(tension, state, -np.einsum("tnc,nc->t", nodes, state.velocities) / weight)
+
+    first = at(most)
+    if first.state.status in ("unstable", "failed"):
+        # Ties that are too strong may pull the walls down themselves.
+        first = at(np.zeros_like(most))
+    if first.state.status != "optimal":
+        return replace(first.state, tie_forces=first.tension, tie_sensitivity=np.full(len(ties), np.nan))
+    cuts.append(first)
+    seconds = first.state.seconds
+    upper, target = _highest(cuts, most)
+    while upper - _best(cuts).state.load_factor > _tolerance(upper) and len(cuts) < MOST_ANALYSES:
+        tried = at(target)
+        seconds += tried.state.seconds
+        while tried.state.status == "unstable" and np.abs(target - _best(cuts).tension).max() > 1e-9 * most.max():
+            target = 0.5 * (target + _best(cuts).tension)
+            tried = at(target)
+        if tried.state.status != "optimal":
+            break
+        cuts.append(tried)
+        upper, target = _highest(cuts, most)
+    best = _best(cuts)
+    met = upper - best.state.load_factor <= _tolerance(upper)
+    return replace(
+        best.state,
+        status="optimal" if met else "not-converged",
+        upper_bound=max(upper, best.state.load_factor),
+        tie_forces=best.tension,
+        tie_sensitivity=np.maximum(best.rate, 0.0),
+        seconds=seconds,
+        message="" if met else f"tensions of the ties not found in {len(cuts)} analyses; {best.state.message}",
+    )
+
+
+def _best(cuts: Sequence[_Cut]) -> _Cut:
+    return max(cuts, key=lambda cut: cut.state.load_factor)
+
+
+def _tolerance(upper: float) -> float:
+    return SOLVER.duality_gap * max(abs(upper), SOLVER.least_load_factor)
+
+
+def _highest(cuts: Sequence[_Cut], most: FloatArray) -> tuple[float, FloatArray]:
+    """Return the largest load factor that all planes allow, and the tensions there (nt,)."""
+    # Tensions over their strengths, so that all variables are of order one.
+    slopes = np.array([cut.rate * most for cut in cuts])
+    level = np.array([cut.state.upper_bound - cut.rate @ cut.tension for cut in cuts])
+    count = len(most)
+    found = linprog(
+        np.append(np.zeros(count), -1.0),
+        A_ub=np.column_stack([-slopes, np.ones(len(cuts))]),
+        b_ub=level,
+        bounds=[(0.0, 1.0)] * count + [(None, None)],
+        method="highs",
+    )
+    best: FloatArray = np.asarray(found.x)
+    return float(best[-1]), best[:-1] * most
+
+
+def _with_dead(load: LoadCase, dead: FloatArray) -> LoadCase:
+    direction = load.direction if load.direction.any() else None
+    return LoadCase(direction, load.name, load.panels, load.profile, dead=dead, live=load.live)

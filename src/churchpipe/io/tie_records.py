@@ -1,0 +1,84 @@
+"""Ties in the records of analyses: what each carries, and what candidates would add."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, TypeVar
+
+import numpy as np
+
+from churchpipe.model.block_curve import BlockCapacityCurve
+from churchpipe.model.results import CapacityCurve, LimitState, ShellLimitState
+from churchpipe.model.ties import RankedTie, Tie
+
+_Curve = TypeVar("_Curve", CapacityCurve, BlockCapacityCurve)
+# A tie yields at its strength, but for what a solver leaves.
+_YIELDING = 1e-4
+
+
+@dataclass(frozen=True, slots=True)
+class TieForce:
+    """A tie in an analysis: its tension and its strength, N, what governs that, and what each newton more would add, 1/N."""
+
+    name: str
+    tension: float
+    strength: float
+    governs: str
+    sensitivity: float
+
+    def as_words(self) -> dict[str, Any]:
+        """Return the tie in the words of summary.json; a tie at its strength yields."""
+        share = self.tension / self.strength if self.strength > 0 else np.nan
+        return {
+            "name": self.name,
+            "tension_kN": self.tension / 1e3,
+            "strength_kN": self.strength / 1e3,
+            "share": share,
+            "yielded": bool(share >= 1 - _YIELDING),
+            "governs": self.governs,
+            "sensitivity_1_kN": 1e3 * self.sensitivity,
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class TieCandidate:
+    """A tie that is not there: its strength, N, what each newton would add, 1/N, the most that it could make of the load factor,
+    and the load factor with it, NaN where it was not analysed."""
+
+    name: str
+    strength: float
+    rate: float
+    most: float
+    load_factor: float
+
+    def as_words(self) -> dict[str, Any]:
+        """Return the candidate in the words of summary.json."""
+        return {
+            "name": self.name,
+            "strength_kN": self.strength / 1e3,
+            "rate_1_kN": 1e3 * self.rate,
+            "most": self.most,
+            "load_factor": self.load_factor,
+        }
+
+
+def tie_forces_of(ties: Sequence[Tie], state: LimitState | ShellLimitState) -> tuple[TieForce, ...]:
+    """Return what each tie of an analysis carries."""
+    return tuple(
+        TieForce(tie.name, float(tension), tie.strength, tie.governs, float(gain))
+        for tie, tension, gain in zip(ties, state.tie_forces, state.tie_sensitivity, strict=bool(len(state.tie_forces)))
+    )
+
+
+def candidates_of(ranked: Sequence[RankedTie]) -> tuple[TieCandidate, ...]:
+    """Return what each candidate would add."""
+    return tuple(TieCandidate(one.tie.name, one.tie.strength, one.rate, one.most, one.load_factor) for one in ranked)
+
+
+def tie_words(ties: Sequence[TieForce]) -> dict[str, Any]:
+    """Return the key of summary.json, where there are ties."""
+    return {"tie_forces": [tie.as_words() for tie in ties]} if ties else {}
+
+
+def without_ties(curve: _Curve, ties: Sequence[Tie]) -> _Curve:
+    """Return a capacity curve that says that it leaves ties out, where there are any."""
+    return replace(curve, message="; ".join(filter(None, [curve.message, "the curve leaves the ties out"]))) if ties else curve

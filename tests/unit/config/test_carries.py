@@ -1,0 +1,103 @@
+"""What the building of a case carries: keys, units, the settings of stages, and errors with their lines."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from churchpipe.config.carries import carries_of, placed
+from churchpipe.config.case import read_case
+from churchpipe.errors import InputError
+from churchpipe.stones.blocks import derive_blocks
+
+CASE = """
+name = "loaded"
+[source]
+generator = "wall"
+length_m = 4.0
+brick_mm = [1000, 500, 500]
+courses = 6
+[material.default]
+unit_weight_kN_m3 = 18.0
+friction = 0.6
+[[load]]
+direction = [0, 1, 0]
+[[line_loads]]
+name = "roof"
+wall = "wall"
+from_m = 0.5
+to_m = 3.5
+dead_kN_m = 9.0
+thrust_kN_m = 0.5
+toward = [0, 1, 0]
+eccentricity_m = 0.1
+seismic_mass_kN_m = 4.0
+[[point_loads]]
+at_m = [2.0, 0.25, 3.0]
+dead_kN = 5.0
+[[pressures]]
+wall = "wall"
+toward = [0, -1, 0]
+unit_weight_kN_m3 = 10.0
+top_m = 1.0
+[[ties]]
+name = "chain"
+start = { wall = "wall", along_m = 0.0, height_m = 2.75 }
+end = { wall = "wall", along_m = 4.0, height_m = 2.75 }
+area_mm2 = 400
+steel_strength_MPa = 235
+plate_mm = [200, 200]
+bearing_strength_MPa = 2.0
+pretension_kN = 10
+"""
+
+
+def case_of(folder: Path, text: str = CASE) -> Path:
+    path = folder / "loaded.toml"
+    path.write_text(text)
+    return path
+
+
+def test_keys_become_si(tmp_path: Path) -> None:
+    carries = read_case(case_of(tmp_path)).carries
+    (roof,) = carries.line_loads
+    assert (roof.dead, roof.thrust, roof.mass, roof.begin, roof.end) == (9e3, 500.0, 4e3, 0.5, 3.5)
+    assert roof.toward == pytest.approx([0, 1, 0])
+    assert carries.point_loads[0].dead == 5e3
+    assert carries.pressures[0].unit_weight == 10e3
+    (chain,) = carries.ties
+    assert (chain.area, chain.steel_strength, chain.plate, chain.pretension) == (4e-4, 235e6, (0.2, 0.2), 10e3)
+
+
+def test_settings_of_a_stage_say_the_same(tmp_path: Path) -> None:
+    case = read_case(case_of(tmp_path))
+    again = carries_of(case.carries.settings())
+    assert again.settings() == case.carries.settings()
+    stones = derive_blocks(case.building())
+    first, second = placed(case.carries, stones), placed(again, stones)
+    np.testing.assert_array_equal(first.loads.dead, second.loads.dead)
+    assert first.loads.weight.sum() == pytest.approx(3 * 9e3 + 5e3)
+    assert first.ties[0].strength == second.ties[0].strength == pytest.approx(80e3)
+
+
+BAD = [
+    (
+        'wall = "wall"\nfrom',
+        'wall = "wal"\nfrom',
+        r"line 13, line_loads.0: line load roof: no such wall; found wal; expected wall",
+    ),
+    ("to_m = 3.5", "to_m = 4.5", r"line 13, line_loads.0: line load roof: beyond the wall wall"),
+    ("dead_kN_m = 9.0", "dead_kN_m = -9.0", r"line 18, line_loads.0.dead_kN_m: wrong value; found -9.0"),
+    ("dead_kN = 5.0", "dead_kN = 0", r"line 23, point_loads.0: no load"),
+    ("area_mm2 = 400", "area_mm2 = -400", r"line 35, ties.0.area_mm2: wrong value; found -400"),
+    ("along_m = 4.0", "along_m = 40.0", r"line 31, ties.0: tie chain: end: beyond the wall wall; found 40 m"),
+    ("plate_mm = [200, 200]", "plate_mm = [900, 200]", r"line 31, ties.0: tie chain: start: its plate overhangs the masonry"),
+    ("eccentricity_m", "eccentricity_mm", r"line 21, line_loads.0.eccentricity_mm: unknown key"),
+]
+
+
+@pytest.mark.parametrize(("given", "wrong", "said"), BAD)
+def test_what_is_wrong_is_said_with_its_line(tmp_path: Path, given: str, wrong: str, said: str) -> None:
+    assert given in CASE
+    with pytest.raises(InputError, match=rf"loaded\.toml: {said}"):
+        read_case(case_of(tmp_path, CASE.replace(given, wrong))).building()
