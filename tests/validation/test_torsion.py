@@ -7,6 +7,7 @@ import pytest
 
 import churchpipe as cp
 from churchpipe.errors import InputError
+from churchpipe.geometry.polygons import polygon_areas, symmetric_parts
 from churchpipe.rigid_blocks.torsion import friction_points, mean_distance
 from models import TILTING_LOADS, tilting_test
 from solids import box, on_ground
@@ -82,6 +83,46 @@ def test_mean_distance_of_a_polygon(name: str, centre: tuple[float, float]) -> N
     after = np.roll(np.arange(len(corners)), -1)
     exact = mean_distance(corners - centre, after, np.array([0]))
     assert exact == pytest.approx([np.hypot(*(inside - centre).T).mean()], rel=2e-4)
+
+
+def eccentric(e: tuple[float, float], b: float, h: float) -> tuple[cp.Assemblage, cp.LoadCase]:
+    """A flat block on which the pressure's centre lies e beside the middle, twisted about the vertical through that centre."""
+    stones = on_ground(box((-b / 2, b / 2), (-h / 2, h / 2), (0, 0.1)))
+    weight = stones.weight.sum()
+    dead, live = np.zeros((2, stones.count, 6))
+    # A load of nine weights, so far out that the resultant of all is at e.
+    dead[-1] = [0, 0, -9 * weight, -10 * weight * e[1], 10 * weight * e[0], 0]
+    live[-1, 5] = weight
+    return stones, cp.LoadCase(dead=dead, live=live)
+
+
+@pytest.mark.parametrize("crushing", [None, 1e9])
+@pytest.mark.parametrize("e", [(0.0, 0.0), (0.2, 0.0), (0.15, 0.1), (0.45, 0.0), (-0.3, 0.2)])
+def test_eccentric_torque_without_dilatancy(e: tuple[float, float], crushing: float | None) -> None:
+    b, h = 1.2, 0.7
+    stones, load = eccentric(e, b, h)
+    options = {"contact_model": "torsion", "flow": "non-associative", "compressive_strength": crushing}
+    state = cp.limit_analysis(stones, cp.find_contacts(stones), load, MU, **options)
+    # Uniform pressure on the rectangle about its centre, integrated at the middles of small squares.
+    wide, deep, cells = b - 2 * abs(e[0]), h - 2 * abs(e[1]), 600
+    x, y = (size * ((np.arange(cells) + 0.5) / cells - 0.5) for size in (wide, deep))
+    arm = np.hypot(*np.meshgrid(x, y)).mean()
+    assert state.status == "converged"
+    assert state.load_factor == pytest.approx(10 * MU * arm, rel=2e-3)
+    assert "centres of pressure" in state.message
+
+
+@pytest.mark.parametrize("e", [(0.0, 0.0), (0.2, 0.1), (-1.1, 0.4)])
+def test_area_that_is_symmetric_about_the_pressure(e: tuple[float, float]) -> None:
+    triangle = np.array([(0, 0), (3, 0), (1, 2)], dtype=float)
+    rectangle = np.array([(-2, -1), (2, -1), (2, 1), (-2, 1)], dtype=float)
+    corner, pointer = symmetric_parts(np.vstack([triangle, rectangle]), np.array([0, 3, 7]), np.array([[1.2, 0.6], e]))
+    area = polygon_areas(corner, pointer)
+    assert abs(area[1]) == pytest.approx((4 - 2 * abs(e[0])) * (2 - 2 * abs(e[1])), rel=1e-9)
+    mine = corner[: pointer[1]]
+    assert contains(triangle, mine + 1e-9 * ([1.2, 0.6] - mine)).all()
+    reflected = 2 * np.array([1.2, 0.6]) - mine
+    assert np.abs(reflected[:, None] - mine).max(axis=2).min(axis=1) == pytest.approx(np.zeros(len(mine)), abs=1e-9)
 
 
 def test_friction_of_a_square_acts_at_54_hundredths() -> None:

@@ -1,6 +1,7 @@
 """Polygons in chart coordinates: exact shared corners, flat corner arrays, areas."""
 
 import numpy as np
+import shapely
 
 from churchpipe.geometry.planar import Polygons, all_coordinates, moved, outer_rings, simple_parts
 from churchpipe.model.arrays import FloatArray, IntArray
@@ -74,6 +75,14 @@ def polygon_areas(corner: FloatArray, corner_ptr: IntArray) -> FloatArray:
     _, after = _neighbours(owner, len(corner_ptr) - 1)
     twice = np.bincount(owner, _cross(local, local[after]), minlength=len(corner_ptr) - 1)
     return 0.5 * twice.astype(np.float64)
+
+
+def symmetric_parts(corner: FloatArray, corner_ptr: IntArray, centre: FloatArray) -> tuple[FloatArray, IntArray]:
+    """Return what convex polygons share with their reflections about a point (n, 2) inside each, both as flat corner arrays."""
+    owner = np.repeat(np.arange(len(corner_ptr) - 1), np.diff(corner_ptr))
+    whole = shapely.polygons(shapely.linearrings(corner, indices=owner))
+    reflected = shapely.polygons(shapely.linearrings(2.0 * centre[owner] - corner, indices=owner))
+    return corners(np.asarray(shapely.intersection(whole, reflected)))
 
 
 def _cross(a: FloatArray, b: FloatArray) -> FloatArray:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from time import perf_counter
 from typing import Literal, get_args
 
@@ -26,12 +27,16 @@ from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
 from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP
 from churchpipe.rigid_blocks.sliding import Method, SlidingOptions, Start, sliding_analysis
 from churchpipe.rigid_blocks.ties import point_forces, with_ties
+from churchpipe.rigid_blocks.torsion import shift_about_pressure
 
 Progress = Callable[[str, float], None]
 Standing = Literal["stable", "unstable", "failed"]
 Flow = Literal["associative", "non-associative"]
 # Dead load that is carried but for this share is carried.
 _CARRIED = 1e-6
+# Friction follows the centres of pressure until the load factor changes by no more than this share, or for so many rounds.
+_AT_REST = 1e-3
+_ROUNDS = 8
 
 
 def limit_analysis(
@@ -118,6 +123,11 @@ def limit_analysis(
     balance, strength = with_ties(balance, strength, stones, listed("limit_analysis: ties", ties, Tie))
     _check_connected(stones, contacts, balance)
     state = _analysed(balance, strength, solver_for(balance.wrenches, solver), flow, options, progress)
+    if contact_model == "torsion" and flow == "non-associative" and state.flow == flow and np.isfinite(state.load_factor):
+        points = contacts if parts is None else parts.contacts
+        state = _about_pressure(
+            balance, strength, state, partial(shift_about_pressure, contacts, points), options, solver, progress
+        )
     forces = state.forces if parts is None else np.asarray(parts.shares.T @ state.forces)
     return replace(state, forces=forces, seconds=perf_counter() - begin)
 
@@ -145,6 +155,46 @@ def _analysed(
     elif state.status != "optimal":
         return replace(state, flow=flow)
     return sliding_analysis(balance, strength, state, options, solve, progress)
+
+
+def _about_pressure(
+    balance: Equilibrium,
+    strength: Strength,
+    state: LimitState,
+    shift_of: Callable[[FloatArray, FloatArray], FloatArray],
+    options: SlidingOptions,
+    solver: str,
+    progress: Progress | None,
+) -> LimitState:
+    """Return the state without dilatancy in which friction acts about the centres of pressure of that very state.
+
+    shift_of: `torsion.shift_about_pressure` of these joints, whose shifts are in m. From a state to the friction that fits its
+    pressure, and from there to the next state, until the load factor comes to rest.
+    """
+    change = np.inf
+    for count in range(1, _ROUNDS + 1):
+        shift = balance.wrenches.shift.copy()
+        here = slice(0, balance.contacts)
+        shift[here] = shift_of(np.maximum(state.forces[:, 0], 0.0), shift[here] * balance.length) / balance.length
+        balance = replace(balance, wrenches=replace(balance.wrenches, shift=shift))
+        solve = solver_for(balance.wrenches, solver)
+        associative = associative_state(balance, strength, solve, perf_counter())
+        if associative.status != "optimal":
+            break
+        # The state before is the start of the next.
+        start = replace(associative, forces=state.forces, tie_forces=state.tie_forces)
+        found = sliding_analysis(balance, strength, start, replace(options, starts=("associative",)), solve, progress)
+        if not np.isfinite(found.load_factor):
+            break
+        change = abs(found.load_factor - state.load_factor) / max(abs(found.load_factor), 1e-3)
+        state = replace(found, message=f"{found.message}; friction about the centres of pressure, round {count}: {change:.0e}")
+        if change <= _AT_REST:
+            return state
+    return replace(
+        state,
+        status="not-converged",
+        message=f"{state.message}; the centres of pressure did not come to rest, last change of the load factor {change:.0e}",
+    )
 
 
 def point_strength(
