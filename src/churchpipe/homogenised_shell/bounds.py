@@ -54,7 +54,7 @@ def proved_bounds(condensed: CondensedShell, state: StressState, dead: FloatArra
     scale = 1.0 / earned if earned > 0 else 1.0
     law = condensed.strength
     doubt = float((np.abs(state.unexplained) * np.abs(state.x)).sum())
-    cost = (law.right * state.multipliers).sum(axis=0) + (law.offset * state.strain).sum(axis=0)
+    cost = law.price(state.multipliers) + (law.offset * state.strain).sum(axis=0)
     lintel = ~condensed.elements.shell.yields[condensed.elements.facet]
     return Bounds(
         lower=state.load,

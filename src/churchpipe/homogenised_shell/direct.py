@@ -21,7 +21,7 @@ def solve_directly(problem: CoupledProblem, matrix: sp.csr_matrix[np.float64]) -
 
     "Almost solved" counts as failed. matrix: G of all local problems, rows in the order of the cones.
     """
-    columns, rows = problem.coupling.dimension * problem.coupling.count, problem.rows
+    columns, rows = problem.local.dimension * problem.local.count, problem.rows
     order, kinds = _order(problem)
     stacked = sp.vstack(
         [sp.hstack([problem.coupling.matrix(), sp.csr_matrix(problem.growth[:, None])]), _with_load(problem, matrix)[order]]

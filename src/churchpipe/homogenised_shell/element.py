@@ -18,6 +18,7 @@ import scipy.sparse as sp
 
 from churchpipe.errors import InputError
 from churchpipe.homogenised_shell.edges import Edges, find_edges
+from churchpipe.homogenised_shell.settings import SOLVER
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.shell import ShellModel
 
@@ -29,9 +30,6 @@ _STATIONS = {
     ("LST", "corners"): np.eye(3),
     ("CST", "inner"): np.ones((1, 3)) / 3,
 }
-# An edge is a fold if the sine of the angle between its facets is at least this. Corners of walls are folds, the edges between
-# the facets of an apse are not.
-_FOLD = 0.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,7 +143,7 @@ def _bubbles(shell: ShellModel, edges: Edges) -> tuple[IntArray, FloatArray]:
     mean /= np.sqrt((mean**2).sum(axis=1))[:, None]
     fold = np.zeros(len(along))
     np.maximum.at(fold, edges.of_facet, np.sqrt((np.cross(own, first) ** 2).sum(axis=2)))
-    everywhere, folded = np.arange(len(along), dtype=np.int64), np.flatnonzero(fold > _FOLD)
+    everywhere, folded = np.arange(len(along), dtype=np.int64), np.flatnonzero(fold > SOLVER.fold)
     directions = np.concatenate([along, np.cross(mean, along), mean[folded]])
     return np.concatenate([everywhere, everywhere, folded]), directions
 

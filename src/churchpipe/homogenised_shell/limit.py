@@ -98,16 +98,13 @@ def _solved(condensed: CondensedShell, solver: Solver) -> ShellLimitState:
 
 def _analysed(condensed: CondensedShell, method: str) -> ShellLimitState:
     dead, live = condensed.loads.dead, condensed.loads.live
-    # At the start the work of all points together is about that of a unit load, whatever the number of points. If each point
-    # started with that much, the steps of large models would become too short to reach the solution.
-    settings = replace(LIMIT, rate=1.0 / (LIMIT.force * len(condensed.elements.facet)))
     if method == "clarabel":
         found = condensed.solve_directly(None, dead, cap=1.0)
     else:
-        found = condensed.solve(None, dead, cap=1.0, settings=settings)
+        found = condensed.solve(None, dead, cap=1.0, settings=LIMIT)
     state = _verdict(condensed.elements, proved_bounds(condensed, found, np.zeros_like(dead), dead))
     if state is None:
-        found = condensed.solve_directly(dead, live) if method == "clarabel" else condensed.solve(dead, live, settings=settings)
+        found = condensed.solve_directly(dead, live) if method == "clarabel" else condensed.solve(dead, live, settings=LIMIT)
         state = _decided(condensed.elements, proved_bounds(condensed, found, dead, live))
     return replace(state, solver=method)
 

@@ -11,6 +11,9 @@ import numpy as np
 
 from churchpipe.conic.interior_point.cones import Scaling
 from churchpipe.conic.interior_point.nonnegative import Nonnegative, NonnegativeScaling
+from churchpipe.homogenised_shell.energy import Energy
+from churchpipe.homogenised_shell.points import PlaneStrength
+from churchpipe.homogenised_shell.settings import SOLVER
 from churchpipe.model.arrays import FloatArray, IntArray
 
 
@@ -106,6 +109,18 @@ class PlanePoints:
         more = np.empty((len(self._matrix), self.count))
         _push(self._last.triangle, self._last.column, self._last.rows, lack, more)
         return z + more.ravel()
+
+
+def plane_points(law: PlaneStrength, energy: Energy | None, proximal: FloatArray, start: FloatArray | None) -> PlanePoints:
+    """Return the local problems of points whose strength is bounded by planes, with their elastic energy in a step.
+
+    start (6 nq,): stresses near which the solver begins.
+    """
+    nq = law.matrix.shape[2]
+    inner = np.zeros((6, nq)) if start is None else start.reshape(6, nq).copy()
+    inner[:2] -= 1.0 if start is None else SOLVER.start_margin
+    quadratic, linear = (np.zeros((6, 6, nq)), np.zeros((6, nq))) if energy is None else (energy.compliance, energy.linear)
+    return PlanePoints(quadratic, linear, law.matrix, law.right, inner, proximal)
 
 
 def _root(quadratic: FloatArray) -> FloatArray:

@@ -1,7 +1,7 @@
 """Strength at each point of a shell, that of the point's facet: of a running bond or of a lintel."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -9,14 +9,29 @@ import numpy.typing as npt
 from churchpipe.errors import InputError
 from churchpipe.homogenised_shell.element import ShellElements
 from churchpipe.homogenised_shell.settings import SOLVER
-from churchpipe.homogenised_shell.strength import Cones, Planes, PlaneSet, strength
-from churchpipe.model.arrays import FloatArray
+from churchpipe.homogenised_shell.strength import Planes, PlaneSet, strength
+from churchpipe.homogenised_shell.unit_cell import cohesion_shift, joint_closing
+from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.materials import JointStrength, by_name
+
+
+@dataclass(frozen=True, slots=True)
+class PointCells:
+    """The exact strength of points as of `strength.Cones`, with one closing (corners, 3, 6 + still) for each kind of cell.
+
+    areas (ng,): of the wall that one cell of a kind fills, m2; kind (nq,) of each point; friction (nq,); apex (nq, 6) N/m and N.
+    """
+
+    closings: tuple[FloatArray, ...]
+    areas: FloatArray
+    kind: IntArray
+    friction: FloatArray
+    apex: FloatArray
 
 
 def point_strength(
     elements: ShellElements, materials: Sequence[JointStrength], planes: PlaneSet, unit: FloatArray
-) -> Planes | Cones:
+) -> Planes | PointCells:
     """Return the strength of all points (nq,). unit (nq, 6): of stress, N/m and N.
 
     Facets that do not yield, such as lintels, get the strength of a running bond with the friction and tension of
@@ -29,14 +44,26 @@ def point_strength(
     shell, facet = elements.shell, elements.facet
     friction, cohesion = by_facet(shell.material, materials)
     lintel = ~shell.yields[facet]
-    a, b = shell.unit_cells[shell.cell[facet]].T
     friction = np.where(lintel, SOLVER.lintel_friction, friction[facet])
-    law = strength(planes, a, b, shell.thickness[facet], friction, np.where(lintel, 0.0, cohesion[facet]))
-    apex = SOLVER.lintel_tension * unit * np.array([1.0, 1.0, 0.0, 0.0, 0.0, 0.0])
-    if isinstance(law, Planes):
-        limit = np.einsum("qpi,qi->qp", law.normal, apex)
-        return replace(law, limit=np.where(lintel[:, None], limit, law.limit))
-    return replace(law, apex=np.where(lintel[:, None], apex, law.apex))
+    cohesion = np.where(lintel, 0.0, cohesion[facet])
+    tension = SOLVER.lintel_tension * unit * np.array([1.0, 1.0, 0.0, 0.0, 0.0, 0.0])
+    sizes = np.column_stack([shell.unit_cells[shell.cell], shell.thickness])
+    if planes == "cell":
+        # Facets of one wall share one cell.
+        known, kind = np.unique(sizes, axis=0, return_inverse=True)
+        apex = cohesion_shift(sizes[facet, 2], friction, cohesion)
+        return PointCells(
+            closings=tuple(joint_closing(*known.T)),
+            areas=known[:, 0] * known[:, 1],
+            kind=kind.ravel()[facet].astype(np.int64),
+            friction=friction,
+            apex=np.where(lintel[:, None], tension, apex),
+        )
+    a, b, h = sizes[facet].T
+    law = strength(planes, a, b, h, friction, cohesion)
+    assert isinstance(law, Planes)
+    limit = np.einsum("qpi,qi->qp", law.normal, tension)
+    return replace(law, limit=np.where(lintel[:, None], limit, law.limit))
 
 
 def by_facet(names: npt.NDArray[np.str_], materials: Sequence[JointStrength]) -> tuple[FloatArray, FloatArray]:

@@ -4,74 +4,154 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.sparse as sp
 
-from churchpipe.conic.interior_point.cones import Cone
-from churchpipe.conic.interior_point.nonnegative import Nonnegative
-from churchpipe.conic.interior_point.second_order import SecondOrder
+from churchpipe.homogenised_shell.cell_forces import CellForces, cell_forces
 from churchpipe.homogenised_shell.element import ShellElements
-from churchpipe.homogenised_shell.point_strength import point_strength
+from churchpipe.homogenised_shell.flow import flow_of_cones, flow_of_planes
+from churchpipe.homogenised_shell.point_strength import PointCells, point_strength
 from churchpipe.homogenised_shell.strength import Planes, PlaneSet
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.materials import JointStrength
 
 
 @dataclass(frozen=True, slots=True)
-class LocalStrength:
-    """Strength of every point in variables x (d, nq), in units of stress.
+class PlaneStrength:
+    """Strength of every point by planes, in units of stress: matrix_riq stress <= right.
 
-    stress = offset (6, nq) + of_aiq x;  still_miq x = 0 (moments on the stones of the exact cell, or none);
-    right (rows, nq) - matrix_riq x in the cones; inner (d, nq) is inside.
-    size (rows, nq): multipliers divided by it and by the area are those of the planes of `strength.Planes`; of the exact cell
-    the first twelve are the openings of the joints' corners, m.
+    matrix (rows, 6, nq), right (rows, nq). size (rows, nq): multipliers divided by it and by the area are those of the planes of
+    `strength.Planes`. The variables x (6 nq,) are the stresses.
     """
 
-    of: FloatArray
-    offset: FloatArray
-    still: FloatArray
     matrix: FloatArray
     right: FloatArray
-    cones: tuple[Cone, ...]
-    inner: FloatArray
     size: FloatArray
+
+    @property
+    def variables(self) -> int:
+        """Number of variables."""
+        return self.matrix[0].size
+
+    @property
+    def multipliers(self) -> int:
+        """Number of multipliers."""
+        return self.right.size
+
+    @property
+    def offset(self) -> FloatArray:
+        """Stress (6, nq) of the variables zero."""
+        return np.zeros(self.matrix.shape[1:])
+
+    def stress(self, x: FloatArray) -> FloatArray:
+        """Return the stresses (6, nq)."""
+        return x.reshape(self.matrix.shape[1:])
+
+    def violation(self, x: FloatArray) -> float:
+        """Return the largest excess over the strength, at least zero."""
+        return max(0.0, float((np.einsum("riq,iq->rq", self.matrix, self.stress(x)) - self.right).max()))
+
+    def flow(self, rate: FloatArray, start: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return multipliers (rows nq,) that explain a rate conjugate to x, found from `start`, and the remainder (6 nq,)."""
+        z, rest = flow_of_planes(self.matrix, rate.reshape(self.matrix.shape[1:]), start.reshape(self.right.shape))
+        return z.ravel(), rest.ravel()
+
+    def price(self, multipliers: FloatArray) -> FloatArray:
+        """Return the dissipation (nq,) of multipliers beyond the work of the offset."""
+        return (self.right * multipliers.reshape(self.right.shape)).sum(axis=0)
+
+    def rates(self, multipliers: FloatArray) -> FloatArray:
+        """Return the rates (planes, nq) of the planes of `strength.Planes` times the areas of the points."""
+        return multipliers.reshape(self.size.shape) / self.size
+
+    def rows(self) -> sp.csr_matrix[np.float64]:
+        """Return the planes (rows nq, 6 nq), all component first, for solvers that take matrices."""
+        r, i, q = (index.ravel() for index in np.indices(self.matrix.shape))
+        count = self.matrix.shape[2]
+        matrix = sp.csr_matrix((self.matrix.ravel(), (r * count + q, i * count + q)))
+        matrix.eliminate_zeros()
+        return matrix
+
+
+@dataclass(frozen=True, slots=True)
+class CellStrength:
+    """Strength of every point by its cell, in units of stress: stress = offset (6, nq) + sums of the corner forces x.
+
+    friction (corners,) of the corners; opening (nq,): multipliers times it and over the area of the point are the openings of
+    the joints' corners, m. The variables x (3 corners,) are the forces, each within its cone.
+    """
+
+    forces: CellForces
+    offset: FloatArray
+    friction: FloatArray
+    opening: FloatArray
+
+    @property
+    def variables(self) -> int:
+        """Number of variables."""
+        return 3 * self.forces.count
+
+    @property
+    def multipliers(self) -> int:
+        """Number of multipliers."""
+        return self.variables
+
+    def stress(self, x: FloatArray) -> FloatArray:
+        """Return the stresses (6, nq)."""
+        return self.offset + self.forces.add_up(x.reshape(3, -1))[0]
+
+    def violation(self, x: FloatArray) -> float:
+        """Return the largest excess over the strength, at least zero."""
+        normal, *shear = x.reshape(3, -1)
+        return max(0.0, float((np.sqrt(shear[0] ** 2 + shear[1] ** 2) - self.friction * normal).max()))
+
+    def flow(self, rate: FloatArray, _start: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return multipliers (3 corners,) that explain a rate conjugate to x, and the remainder."""
+        scale = np.stack([-self.friction, -np.ones_like(self.friction), -np.ones_like(self.friction)])
+        z = flow_of_cones(rate.reshape(3, -1) / scale)
+        return z.ravel(), (rate.reshape(3, -1) - scale * z).ravel()
+
+    def price(self, _multipliers: FloatArray) -> FloatArray:
+        """Return the dissipation (nq,) of multipliers beyond the work of the offset: none, the offset is the cones' apex."""
+        return np.zeros_like(self.opening)
+
+    def rates(self, multipliers: FloatArray) -> FloatArray:
+        """Return the openings (m) of the joints' corners (most corners of a cell, nq) times the areas of the points."""
+        return self.forces.by_corner(multipliers[: len(self.friction)]) * self.opening
+
+    def rows(self) -> sp.csr_matrix[np.float64]:
+        """Return the rows of the cones (3 corners, 3 corners), component first, for solvers that take matrices."""
+        return sp.csr_matrix(sp.diags(-np.concatenate([self.friction, np.ones(2 * len(self.friction))])))
 
 
 def local_strength(
     elements: ShellElements, materials: Sequence[JointStrength], planes: PlaneSet, unit: FloatArray
-) -> LocalStrength:
+) -> PlaneStrength | CellStrength:
     """Return the strength of all points; unit (nq, 6). Raises as `point_strength`."""
     law = point_strength(elements, materials, planes, unit)
-    nq = len(elements.facet)
     if isinstance(law, Planes):
         normal = law.normal * unit[:, None]
         size = np.abs(normal).max(axis=2)
         matrix = np.moveaxis(normal / size[..., None], 0, 2)
-        inner = np.zeros((6, nq))
-        inner[:2] = -1.0
-        return LocalStrength(
-            of=np.broadcast_to(np.eye(6)[:, :, None], (6, 6, nq)),
-            offset=np.zeros((6, nq)),
-            still=np.zeros((0, 6, nq)),
-            matrix=np.ascontiguousarray(matrix),
-            right=np.ascontiguousarray((law.limit / size).T),
-            cones=(Nonnegative(matrix.shape[0], nq),),
-            inner=inner,
-            size=size.T,
-        )
-    a, b = elements.shell.unit_cells[elements.shell.cell[elements.facet]].T
-    # Variables component first, as the cones take them: 12 normal forces, then the shears.
-    closing = np.swapaxes(law.closing, 1, 2).reshape(nq, 36, 9)
-    size = np.abs(closing[..., :3] / unit[:, None, :3]).max(axis=(1, 2))[:, None, None]
-    turn = closing[..., 6:] / np.abs(closing[..., 6:]).max(axis=1, keepdims=True)
-    slope = np.repeat([1.0, 0.0], [12, 24])[:, None] * (law.friction - 1.0) + 1.0
-    inner = np.zeros((36, nq))
-    inner[:12] = 1.0
-    return LocalStrength(
-        of=np.ascontiguousarray(np.moveaxis(closing[..., :6] / unit[:, None] / size, 0, 2).swapaxes(0, 1)),
+        return PlaneStrength(np.ascontiguousarray(matrix), np.ascontiguousarray((law.limit / size).T), size.T)
+    forces, sizes = scaled_forces(law, unit)
+    return CellStrength(
+        forces=forces,
         offset=np.ascontiguousarray((law.apex / unit).T),
-        still=np.ascontiguousarray(np.moveaxis(turn, 0, 2).swapaxes(0, 1)),
-        matrix=-np.eye(36)[:, :, None] * slope,
-        right=np.zeros((36, nq)),
-        cones=(SecondOrder(3, 12, nq),),
-        inner=inner,
-        size=np.broadcast_to(1.0 / (size[:, 0, 0] * law.friction * a * b), (36, nq)),
+        friction=forces.of_each_corner(law.friction),
+        opening=(sizes * law.areas)[law.kind] * law.friction,
     )
+
+
+def scaled_forces(law: PointCells, unit: FloatArray) -> tuple[CellForces, FloatArray]:
+    """Return the sums of the corner forces of all points in units of stress, and the unit of force (ng,) of each kind.
+
+    Corner forces have units that give stresses of order one; the rows of the stones are scaled to one as well.
+    """
+    closings: list[FloatArray] = []
+    sizes = np.empty(len(law.closings))
+    for kind, closing in enumerate(law.closings):
+        mine = unit[int((law.kind == kind).argmax())]
+        sizes[kind] = np.abs(closing[..., :3] / mine[:3]).max()
+        still = closing[..., 6:] / np.abs(closing[..., 6:]).max(axis=(0, 1))
+        closings.append(np.concatenate([closing[..., :6] / mine / sizes[kind], still], axis=2))
+    return cell_forces(closings, law.kind), sizes

@@ -108,11 +108,11 @@ class _Path:
         size = elements.weight / (loads.weight * self._softness)
         flexibility = np.moveaxis(np.linalg.inv(stiffness)[elements.facet], 0, 2)
         self._compliance = flexibility * unit[:, None] * unit[None, :] * size
-        self._x = np.zeros_like(condensed.strength.inner)
         self._stress = np.zeros((6, len(elements.facet)))
+        self._state: StressState | None = None
         self._dead_motion = np.zeros(elements.unknowns)
         self._motion = np.zeros(elements.unknowns)
-        self._multipliers = np.zeros_like(condensed.strength.right)
+        self._multipliers = np.zeros(condensed.strength.multipliers)
         self._moved: list[FloatArray] = []
         self._steps: list[CapacityStep] = []
 
@@ -138,7 +138,7 @@ class _Path:
         travelled = factor = 0.0
         while len(self._steps) <= most:
             begin = perf_counter()
-            state = self._condensed.solve(loads.dead, loads.live, compliance=self._compliance, origin=self._x, reward=length)
+            state = self._condensed.solve(loads.dead, loads.live, compliance=self._compliance, before=self._state, reward=length)
             if not state.holds:
                 if length < SOLVER.shortest * SOLVER.first_step:
                     return "failed", f"step {len(self._steps)}: {_reason(state)}"
@@ -163,8 +163,7 @@ class _Path:
         node = int(along.argmax()) if control is None else control
         area = elements.weight
         total = np.bincount(elements.facet, area)
-        multipliers = self._multipliers * condensed.loads.weight * self._softness / (condensed.strength.size * area)
-        rows = _normal_rows(multipliers)
+        rows = condensed.strength.rates(self._multipliers) * condensed.loads.weight * self._softness / area
         mean = np.stack([np.bincount(elements.facet, area * row) / total for row in rows], axis=1)
         stress = self._stress * condensed.loads.unit.T
         facet_stress = np.stack([np.bincount(elements.facet, area * row) / total for row in stress], axis=1)
@@ -185,7 +184,7 @@ class _Path:
         )
 
     def _accept(self, state: StressState, displacement: float, factor: float, begin: float, progress: Progress | None) -> None:
-        self._x, self._stress = state.x, state.stress
+        self._stress, self._state = state.stress, state
         self._motion = self._motion + self._softness * state.motion
         self._multipliers = self._multipliers + state.multipliers
         self._moved.append(self._condensed.elements.translations(self._motion))
@@ -207,11 +206,6 @@ def _way(load: LoadCase) -> FloatArray:
     """Return the direction (3,) of a load; of one that pushes no weight, that of its live forces."""
     push = np.zeros(3) if load.live is None else load.live[:, :3].sum(axis=0)
     return load.direction if load.direction.any() else push / max(float(np.linalg.norm(push)), np.finfo(float).tiny)
-
-
-def _normal_rows(multipliers: FloatArray) -> FloatArray:
-    """Return the rows that stand for a plane or for the corner of a joint: of second-order cones the first components."""
-    return multipliers[:12] if len(multipliers) == 36 else multipliers
 
 
 def _reason(state: StressState) -> str:

@@ -10,6 +10,10 @@ from churchpipe.errors import InputError
 class SolverSettings:
     """Tolerances and lengths of limit analysis and capacity curve. Shares are relative unless a unit is given.
 
+    Mesh:
+        fold: sine of the angle between two facets from which on their edge is a fold, whose mid-side may move normal to them.
+        Corners of walls are folds, the edges between the facets of an apse are not.
+
     Proof of a limit load:
         duality_gap: greatest distance of the bounds, as a share of the load factor, or of `least_load_factor` if that is larger,
         so that a structure that nearly falls under its own weight can be decided. The residual of equilibrium over the weight,
@@ -33,10 +37,17 @@ class SolverSettings:
         of itself a step should raise the load factor. growth: greatest ratio of a step to the one before. plateau, longer: the
         plateau is reached by a step that makes the path longer by the factor `longer` and raises the load factor by less than
         `plateau`. shrink: factor on a step that was not solved. shortest: as a share of the first step, no shorter one is tried.
+        start_margin: a step begins at the stresses before it with so much compression more, in units of stress, which takes them
+        inside the strength. The nearer the start, the fewer iterations; but on the boundary itself the solver cannot move.
         correctors: centrality correctors in an iteration of a step with the exact cell, where linear solves cost more than the
         factorisation.
+
+    Flow rule with planes, solved at each point by Hildreth's sweeps over the planes:
+        flow_sweeps: between two looks at which points still change. flow_rounds: at most so many looks; planes that nearly
+        coincide need many. flow_settled: change of a rate, as a share of the largest, at which a point is left alone: rounding.
     """
 
+    fold: float = 0.5
     duality_gap: float = 1e-6
     least_load_factor: float = 1e-3
     standing: float = 1e-4
@@ -55,14 +66,28 @@ class SolverSettings:
     longer: float = 1.5
     shrink: float = 0.25
     shortest: float = 1e-4
+    start_margin: float = 0.03
     correctors: int = 2
+    flow_sweeps: int = 50
+    flow_rounds: int = 40
+    flow_settled: float = 1e-13
 
     def __post_init__(self) -> None:
         for field in fields(self):
             _check(field.name, getattr(self, field.name), getattr(self, field.name) > 0, "> 0")
         for name in ("growth", "longer"):
             _check(name, getattr(self, name), getattr(self, name) > 1, "> 1")
-        for name in ("duality_gap", "standing", "lintel_dissipation", "near", "plateau", "shrink", "shortest"):
+        for name in (
+            "fold",
+            "duality_gap",
+            "standing",
+            "lintel_dissipation",
+            "near",
+            "plateau",
+            "shrink",
+            "shortest",
+            "flow_settled",
+        ):
             _check(name, getattr(self, name), getattr(self, name) < 1, "< 1")
 
 

@@ -142,14 +142,16 @@ def _kernels(dimension: int, block: int) -> _Kernels:
     @numba.njit(cache=True, fastmath={"reassoc", "contract"})
     def spread(pointer: IntArray, blocks: IntArray, values: FloatArray, y: FloatArray, out: FloatArray) -> None:
         count = len(pointer) - 1
+        total = np.empty(dimension)
         for k in range(count):
-            for i in range(dimension):
-                total = 0.0
-                for touch in range(pointer[k], pointer[k + 1]):
-                    first = block * blocks[touch]
+            total[:] = 0.0
+            for touch in range(pointer[k], pointer[k + 1]):
+                first = block * blocks[touch]
+                for i in range(dimension):
                     for j in range(block):
-                        total += values[touch, i, j] * y[first + j]
-                out[i * count + k] = total
+                        total[i] += values[touch, i, j] * y[first + j]
+            for i in range(dimension):
+                out[i * count + k] = total[i]
 
     return _Kernels(couple, spread)
 
