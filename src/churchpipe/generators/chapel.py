@@ -10,6 +10,7 @@ from churchpipe.generators.church import church
 from churchpipe.generators.church_parts import Apse
 from churchpipe.generators.fields import as_dataclass, coerce_fields
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
+from churchpipe.generators.room_vaults import RoomVault
 from churchpipe.generators.wall_bonds import OwnWall, WallBond, own
 from churchpipe.model.arguments import positive
 from churchpipe.model.building import Building, Junction
@@ -23,7 +24,8 @@ class ChapelParameters:
     its walls, m.
 
     course, stone_length: m. apse: behind the end wall. openings: in the walls facade, nave_left, nave_right and east; x is 0
-    in the middle, y in the middle of the facade's thickness. bonds, joints, first_course as for a church.
+    in the middle, y in the middle of the facade's thickness. bonds, vaults (over "nave" and "apse"), joints, first_course
+    as for a church.
     """
 
     course: Length
@@ -38,6 +40,7 @@ class ChapelParameters:
     bonds: Sequence[WallBond | Given] = ()
     walls: Sequence[OwnWall | Given] = ()
     junctions: Sequence[Junction | Given] = ()
+    vaults: Sequence[RoomVault | Given] = ()
     joints: Literal["grid", "bay"] = "bay"
     first_course: Literal["x", "y"] = "x"
 
@@ -93,6 +96,7 @@ def _church(p: ChapelParameters, end: dict[str, Any], name: str, materials: tupl
         bonds=p.bonds,
         walls=p.walls,
         junctions=p.junctions,
+        vaults=p.vaults,
         joints=p.joints,
         first_course=p.first_course,
     )

@@ -13,6 +13,7 @@ from churchpipe.generators.church_plan import Plan, church_walls, cross_walls
 from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
 from churchpipe.generators.layout import WallLayout, check_clear, wall_panels
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
+from churchpipe.generators.room_vaults import RoomVault, room_vaults
 from churchpipe.generators.wall_bonds import Bonding, OwnWall, WallBond, bonding_of, check_walls, own
 from churchpipe.model.building import Building, Junction, Panel
 from churchpipe.model.materials import UnitWeight
@@ -26,7 +27,8 @@ class ChurchParameters:
     course, stone_length: height of the courses and target length of the stones, m. first_course: the walls that run through
     junctions on course 0, those along x or along y. joints as in `BondRegion`. Parts as in `church_parts`, or mappings of their
     fields; openings as in `ArchedOpening`, in the walls facade, nave_left, nave_right, triumphal_arch, transept_left,
-    transept_right, choir_arch, east and tower_inner, as far as these stand; bonds: of those that are not laid in running bond.
+    transept_right, choir_arch, east and tower_inner, as far as these stand; bonds: of those that are not laid in running bond;
+    vaults: over rooms and apses, as in `RoomVault`.
     """
 
     course: Length
@@ -45,6 +47,7 @@ class ChurchParameters:
     bonds: Sequence[WallBond | Given] = ()
     walls: Sequence[OwnWall | Given] = ()
     junctions: Sequence[Junction | Given] = ()
+    vaults: Sequence[RoomVault | Given] = ()
     joints: Literal["grid", "bay"] = "bay"
     first_course: Literal["x", "y"] = "x"
 
@@ -106,7 +109,10 @@ def church(*, name: str = "church", materials: tuple[UnitWeight, ...] = (DEFAULT
     check_walls(bonding, [*(wall.name for wall in walls), *plan.apse_names], "church")
     apses, legs = _apses(plan, bonding, walls, p.course)
     junctions = tuple(_junction(f"church.junctions.{k}", value) for k, value in enumerate(p.junctions))
-    return Building(name, (*wall_panels(walls, bonding, legs), *apses), materials, junctions=junctions)
+    over = [as_dataclass(RoomVault, f"church.vaults.{number}", vault) for number, vault in enumerate(p.vaults)]
+    vaults = room_vaults(plan, walls, over, p.stone_length, materials[0].name)
+    panels = (*wall_panels(walls, bonding, legs), *apses)
+    return Building(name, panels, materials, vaults=tuple(vaults), junctions=junctions)
 
 
 def _junction(where: str, value: Junction | Given) -> Junction:
