@@ -1,0 +1,106 @@
+"""Vaults over the rooms of churches and chapels."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import churchpipe as cp
+from churchpipe.errors import InputError
+from churchpipe.generators import chapel, church
+from churchpipe.stones.soundness import check_soundness
+
+APSE = {"inner_radius": 1.2, "thickness": 0.6, "height": 4.0}
+CHAPEL: dict[str, Any] = {
+    "course": 0.25, "stone_length": 0.5, "width": 6.0, "length": 6.0, "height": 5.0, "thickness": 0.7, "apse": APSE,
+}  # fmt: skip
+CROSS: dict[str, Any] = {
+    "course": 0.25,
+    "stone_length": 0.5,
+    "nave": {"width": 4.0, "length": 5.0, "height": 4.0, "thickness": 0.6},
+    "triumphal_arch": {"thickness": 0.6},
+    "transept": {"width": 9.0, "depth": 4.0, "thickness": 0.6},
+    "east": {"thickness": 0.6},
+}
+BARREL = {"over": "nave", "thickness": 0.3, "courses": 13}
+HALF_DOME = {"over": "apse", "kind": "half_dome", "thickness": 0.3, "courses": 6}
+
+
+def sound(building: cp.Building) -> tuple[cp.Assemblage, cp.Contacts]:
+    stones = cp.derive_blocks(building)
+    contacts = cp.find_contacts(stones)
+    check_soundness(stones, contacts)
+    return stones, contacts
+
+
+@pytest.mark.parametrize(
+    "vaults",
+    [
+        (BARREL, HALF_DOME),
+        (BARREL | {"shape": "segmental", "rise": 1.0, "backing": 0.6}, HALF_DOME | {"heads": "aligned"}),
+        (BARREL | {"shape": "pointed", "rise": 3.0},),
+        (BARREL | {"kind": "groin", "thickness": 0.4, "backing": 0.8},),
+        (BARREL | {"kind": "pavilion", "corner": "alternate"},),
+    ],
+)
+def test_vaults_of_a_chapel_are_sound(vaults: tuple[dict[str, Any], ...]) -> None:
+    stones, contacts = sound(chapel(vaults=vaults, **CHAPEL))
+    joined = {tuple(sorted(pair)) for pair in stones.panel[contacts.blocks].tolist()}
+    assert any("nave_left" in pair and any(name.startswith("vault_nave") for name in pair) for pair in joined)
+    if len(vaults) > 1:
+        # The half dome rests on the wall of the apse and leans on the end wall.
+        assert ("apse", "vault_apse") in joined
+        assert ("east", "vault_apse") in joined
+
+
+def test_a_crossing_with_level_walls_takes_a_groin_vault() -> None:
+    groin = {"over": "crossing", "kind": "groin", "thickness": 0.4, "courses": 13}
+    stones, _ = sound(church(vaults=(BARREL, groin), **CROSS))
+    assert {"vault_nave", "vault_crossing"} <= set(stones.panel)
+    crossing = stones.centroid[stones.panel == "vault_crossing"]
+    # Between the walls before and behind it, 5.3 m and 8.7 m.
+    assert crossing[:, 1].mean() == pytest.approx(7.0, abs=1e-6)
+
+
+def test_a_barrel_pushes_its_walls_apart() -> None:
+    # The load factor falls by more than half where a barrel presses on the walls without ties.
+    factors = []
+    for vaults in ((), (BARREL,)):
+        stones, contacts = sound(chapel(vaults=vaults, **CHAPEL))
+        factors.append(cp.limit_analysis(stones, contacts, cp.LoadCase((1, 0, 0)), 0.7).load_factor)
+    assert factors[1] < 0.5 * factors[0]
+
+
+@pytest.mark.parametrize(
+    ("build", "vault", "message"),
+    [
+        ("chapel", {"over": "tower"}, r"chapel\.vaults\.0\.over: no such room; found tower; expected nave, apse"),
+        ("chapel", {"thickness": 0.9}, r"vaults\.0\.thickness: thicker than the walls .*; found 0\.9 m; expected <= 0\.7 m"),
+        ("chapel", {"springing": 4.5}, r"springing: the walls go on beside the vault; found z = 4\.5 m; expected z = 5 m"),
+        ("chapel", {"courses": 12}, r"chapel\.vaults\.0\.courses: no key in the middle; found 12"),
+        ("chapel", {"kind": "half_dome"}, r'vaults\.0\.kind: no vault for nave; found half_dome; expected kind = "barrel"'),
+        ("chapel", {"over": "apse"}, r'chapel\.vaults\.0\.kind: no vault for apse; found barrel; expected kind = "half_dome"'),
+        ("gabled", {"kind": "groin"}, r"the wall facade is not level under the vault; found z = .*; expected z = 5 m from -2\.3"),
+        ("cross", {"over": "crossing", "kind": "pavilion"}, r"vaults\.0\.kind: the room is no square; found 3\.4 by 4\.4 m"),
+    ],
+)  # fmt: skip
+def test_what_does_not_fit_is_named_with_its_numbers(build: str, vault: dict[str, Any], message: str) -> None:
+    base = CHAPEL | {"ridge": 7.25} if build == "gabled" else CROSS if build == "cross" else CHAPEL
+    make = church if build == "cross" else chapel
+    if build == "cross":
+        base = base | {"transept": {"width": 9.0, "depth": 5.0, "thickness": 0.6}}
+    with pytest.raises(InputError, match=message):
+        make(vaults=(BARREL | vault,), **base)
+
+
+def test_a_room_has_one_vault() -> None:
+    with pytest.raises(InputError, match=r"chapel\.vaults\.1\.over: has a vault already; found nave"):
+        chapel(vaults=(BARREL, BARREL), **CHAPEL)
+
+
+def test_springings_lie_on_the_walls() -> None:
+    building = chapel(vaults=(BARREL, HALF_DOME), **CHAPEL)
+    assert [vault.foot for vault in building.vaults] == pytest.approx([5.0, 4.0])
+    nave = building.vaults[0]
+    inner = min(float(np.abs(run.section.corner[:, 0]).max()) for run in nave.runs if run.section.corner[:, 1].min() < 5.0 + 1e-9)
+    assert inner == pytest.approx(2.3 + 0.3)
