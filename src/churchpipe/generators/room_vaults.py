@@ -52,7 +52,8 @@ class RoomVault:
 
 @dataclass(frozen=True, slots=True)
 class _Room:
-    """Inner faces of a room, x and y in m, its top, the walls along y on both sides and those along x."""
+    """Inner faces of a room, x and y in m, its top, the thickness of the thinner wall beside it, the walls along y on both sides
+    and those along x."""
 
     x: tuple[float, float]
     y: tuple[float, float]
@@ -95,18 +96,20 @@ def room_vaults(
 def _rooms(plan: Plan, walls: Sequence[WallLayout]) -> dict[str, _Room]:
     """Return the rooms between the walls across the nave: nave, crossing and choir, as far as there are walls around them."""
     named = {wall.name: wall for wall in walls}
-    sides = (named["nave_left"], named["nave_right"])
-    across = cross_walls(plan)
+    left, right = named["nave_left"], named["nave_right"]
+    x = (left.at + left.thickness / 2, right.at - right.thickness / 2)
     names = ["nave", *(["crossing"] if plan.transept else []), *(["choir"] if plan.choir else [])]
-    faces = [(0.0, None) if not plan.facade else (plan.facade.thickness / 2, named["facade"])]
+    across = [named[name] for name, _, _ in cross_walls(plan)]
+    before = across[0] if plan.facade else None
+    behind = across[1:] if plan.facade else across
     rooms: dict[str, _Room] = {}
-    behind = [(name, wall, at) for name, wall, at in across if name != "facade"]
-    ends = [(at - wall.thickness / 2, at + wall.thickness / 2, named[name]) for name, wall, at in behind]
-    start, first = faces[0]
-    for name, (near, far, wall) in zip(names, ends or [(plan.nave.length, plan.nave.length, None)], strict=False):
-        closing = tuple(each for each in (first, wall) if each is not None)
-        rooms[name] = _Room((-plan.inner, plan.inner), (start, near), plan.nave.height, plan.nave.thickness, sides, closing)
-        start, first = far, wall
+    for number, name in enumerate(names):
+        after = behind[number] if number < len(behind) else None
+        y = (before.at + before.thickness / 2 if before else 0.0, after.at - after.thickness / 2 if after else plan.nave.length)
+        ends = tuple(wall for wall in (before, after) if wall)
+        top = min(z for wall in (left, right) for _, z in _tops(wall, y))
+        rooms[name] = _Room(x, y, top, min(left.thickness, right.thickness), (left, right), ends)
+        before = after
     return rooms
 
 
@@ -135,11 +138,11 @@ def _over_room(where: str, vault: RoomVault, room: _Room, stone_length: float, m
         laid.append((f"{name}_backing", layers))
     courses, filled = Courses(), Courses()
     stagger = vault.heads == "staggered"
-    middle = (0.0, (room.y[0] + room.y[1]) / 2)
+    middle = ((room.x[0] + room.x[1]) / 2, (room.y[0] + room.y[1]) / 2)
     if vault.kind == "barrel":
         lay = partial(
             add_barrel,
-            side=Side(np.zeros(2), np.array([1.0, 0.0]), np.array([0.0, 1.0])),
+            side=Side(np.array([middle[0], 0.0]), np.array([1.0, 0.0]), np.array([0.0, 1.0])),
             span=room.y,
             stone_length=stone_length,
             stagger=stagger,

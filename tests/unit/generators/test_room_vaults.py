@@ -98,6 +98,18 @@ def test_a_room_has_one_vault() -> None:
         chapel(vaults=(BARREL, BARREL), **CHAPEL)
 
 
+def test_a_barrel_lies_between_walls_of_unequal_thickness() -> None:
+    walls = ({"wall": "nave_left", "thickness": 1.0},)
+    stones, _ = sound(chapel(vaults=(BARREL,), walls=walls, **CHAPEL))
+    inner = {name: stones.points[_nodes(stones, stones.panel == name), 0] for name in ("nave_left", "nave_right", "vault_nave")}
+    clear = inner["nave_right"].min() - inner["nave_left"].max()
+    assert np.ptp(inner["vault_nave"]) == pytest.approx(clear + 2 * 0.3)
+
+
+def _nodes(stones: cp.Assemblage, chosen: np.ndarray) -> np.ndarray:
+    return np.repeat(chosen, np.diff(stones.block_point_ptr))
+
+
 def test_springings_lie_on_the_walls() -> None:
     building = chapel(vaults=(BARREL, HALF_DOME), **CHAPEL)
     assert [vault.foot for vault in building.vaults] == pytest.approx([5.0, 4.0])
