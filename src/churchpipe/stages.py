@@ -290,7 +290,7 @@ def curve(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
     stones, joints = read_npz(assemblage, Assemblage), read_npz(contacts, Contacts)
     load, materials = load_of(table), strengths_of(table)
     friction, _ = joint_strength(stones, joints, materials)
-    options = {key: table[key] for key in ("solver", "control", "step", "steps", "furthest") if key in table}
+    options = {key: table[key] for key in ("solver", "control", "step", "steps", "furthest", "halo") if key in table}
     used = set(stones.material[~stones.fixed].tolist())
     borne = placed(carries_of(table), stones)
     found = block_pushover(stones, joints, loaded(load, stones, borne.loads), friction, **options, progress=progress)

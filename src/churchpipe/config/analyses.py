@@ -42,6 +42,7 @@ class CurveSettings:
     steps: Annotated[Count, "Most steps."] = 400
     furthest: Annotated[Length | None, "Displacement of a stone at which the curve ends."] = None
     control: Annotated[Place | None, "Point that the curve follows; by default the mean of what is pushed."] = None
+    halo: Annotated[Whole, "Contacts from a moving stone to those held still; 0 holds none."] = 5
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,6 +86,7 @@ class MovementSettings:
     furthest_angle: Annotated[float | None, _FURTHEST, "Where it turns, likewise."] = None
     step: Annotated[Length | None, "Largest displacement of a step; by default a tenth of the thinnest stone."] = None
     steps: Annotated[Count, "Most steps."] = 200
+    halo: Annotated[Whole, "Contacts from a moving stone to those held still; 0 holds none."] = 5
 
     def __post_init__(self) -> None:
         if (self.support is None) == (self.within is None):

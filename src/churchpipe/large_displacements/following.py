@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
+from churchpipe.large_displacements.halo import grown
 from churchpipe.large_displacements.moving_model import MovingModel
 from churchpipe.large_displacements.path import (
     FIRST,
@@ -43,10 +44,16 @@ class Steps(Protocol):
         ...
 
 
-def follow(model: MovingModel, state: PathState, steps: int, record: Steps) -> Ending:
-    """Take step after step, so many at the most, and return how it ended. Stones that fall and can be spared are taken out."""
+def follow(model: MovingModel, state: PathState, steps: int, record: Steps, rings: int) -> Ending:
+    """Take step after step, so many at the most, and return how it ended. Stones that fall and can be spared are taken out.
+
+    rings: contacts from a moving stone to those held.
+    """
     for number in range(steps):
         taken = solve_state(model, state, PROGRAMS if number else FIRST)
+        while (wider := grown(model, taken, rings)) is not None:
+            model, state = wider
+            taken = solve_state(model, state, PROGRAMS)
         while taken.lost.any():
             if not may_go_on(model, taken):
                 return Ending("collapsed", f"{int(taken.lost.sum())} stones that cannot be spared fall")

@@ -1,6 +1,6 @@
 """Contact points that travel with their stones, and how far each is open."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -65,6 +65,16 @@ class Joints:
             sliding=self.sliding[point],
             rest=self.rest[point],
         )
+
+
+def joined(one: Joints, other: Joints) -> Joints:
+    """Return the interfaces of both, those of the first before those of the other."""
+    merged = {
+        item.name: np.concatenate([getattr(one, item.name), getattr(other, item.name)])
+        for item in fields(Joints)
+        if item.name != "point_ptr"
+    }
+    return Joints(point_ptr=np.concatenate([one.point_ptr, one.point_ptr[-1] + other.point_ptr[1:]]), **merged)
 
 
 def joints_of(contacts: Contacts, poses: Poses, gap: FloatArray | None = None) -> Joints:

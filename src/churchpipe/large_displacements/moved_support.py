@@ -59,7 +59,7 @@ def moved_support(
             friction=friction,
             dead=dead_on(foot.stones),
             furthest=settings["furthest"] if settings["about"] is None else settings["furthest_angle"],
-            **{key: settings[key] for key in ("direction", "about", "step", "steps", "solver")},
+            **{key: settings[key] for key in ("direction", "about", "step", "steps", "halo", "solver")},
             progress=progress,
         )
     except InputError as error:

@@ -5,10 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from churchpipe.large_displacements.renewal import PairFriction, pair_friction
+from churchpipe.large_displacements.joints import Joints
+from churchpipe.large_displacements.poses import start_poses
+from churchpipe.large_displacements.renewal import PairFriction, first_joints, pair_friction
 from churchpipe.large_displacements.supports import SupportMovement
 from churchpipe.large_displacements.travelling import TravellingLoads, dead_loads
-from churchpipe.model.arrays import BoolArray
+from churchpipe.model.arrays import BoolArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
@@ -23,12 +25,13 @@ _STEP, _REACH = 0.1, 0.2
 class MovingModel:
     """What stays the same on the way: stones as drawn, loads, friction of pairs.
 
-    driven: the loads that grow, or the support that moves.
-    held (nb,): stones that cannot move. moving N: the weight that moves at the start. force N and length m are the units of the
-    programs. step m: the largest displacement of a step. reach m: how far apart points may be that can still come to bear.
+    drawn: the joints as drawn, but for those between supports. driven: the loads that grow, or the support that moves.
+    held (nb,): stones that are held still. moving N: the weight that moves at the start. force N and length m are the units of
+    the programs. step m: the largest displacement of a step. reach m: how far apart points may be that can still come to bear.
     """
 
     stones: Assemblage
+    drawn: Joints
     dead: TravellingLoads
     driven: TravellingLoads | SupportMovement
     friction: PairFriction
@@ -54,9 +57,12 @@ def moving_model(
 ) -> MovingModel:
     """Return the model of stones of which `moving` (nb,) go first; balance: theirs as drawn; step m, None: by their thickness."""
     size = thinnest(stones, moving)
+    drawn = first_joints(contacts, stones, start_poses(stones), _REACH * size)
     interface = np.broadcast_to(np.asarray(friction, dtype=np.float64), contacts.area.shape)
     return MovingModel(
         stones=stones,
+        # Supports do not bear on each other: one that moves past another is not held by it.
+        drawn=drawn.selected(bearing(stones.fixed, contacts.blocks)),
         dead=dead_loads(stones, load),
         driven=driven,
         friction=pair_friction(contacts.blocks, interface, stones.count),
@@ -68,6 +74,12 @@ def moving_model(
         reach=_REACH * size,
         solver=solver,
     )
+
+
+def bearing(still: BoolArray, blocks: IntArray) -> BoolArray:
+    """Return which interfaces of stones (ni, 2) are not between two still ones (nb,)."""
+    first, second = blocks.T
+    return ~(still[first] & still[second])
 
 
 def thinnest(stones: Assemblage, moving: BoolArray) -> float:

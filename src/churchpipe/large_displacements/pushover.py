@@ -1,6 +1,7 @@
 """Capacity curve of rigid blocks: load factor against displacement until it vanishes."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from time import perf_counter
 from typing import cast
 
@@ -10,21 +11,24 @@ import numpy.typing as npt
 from churchpipe.errors import InputError
 from churchpipe.large_displacements.control import Control, control_of
 from churchpipe.large_displacements.following import Ending, follow
+from churchpipe.large_displacements.halo import HALO, STILL, held_around
 from churchpipe.large_displacements.moving_model import MovingModel, moving_model
-from churchpipe.large_displacements.path import PathStep, first_state
-from churchpipe.large_displacements.poses import start_poses
+from churchpipe.large_displacements.path import FIRST, PathState, PathStep, first_state, sliding_as, solve_state
 from churchpipe.large_displacements.record import Progress, Record
-from churchpipe.large_displacements.renewal import first_joints
 from churchpipe.large_displacements.travelling import live_loads
-from churchpipe.mechanism import moving_stones, stone_speed
+from churchpipe.mechanism import moving_stones, reference_speed, stone_speed
 from churchpipe.model.arguments import check_kind, positive, whole
+from churchpipe.model.arrays import BoolArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.block_curve import BlockCapacityCurve, CurveStatus
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.results import LimitState
 from churchpipe.rigid_blocks.equilibrium import equilibrium
-from churchpipe.rigid_blocks.limit import limit_analysis
+from churchpipe.rigid_blocks.limit import Flow, limit_analysis
+
+# A halo keeps the first load factor within this share; a start this far from a motion without dilatancy is not good enough.
+_KEPT, _STARTED = 0.01, 0.01
 
 
 def block_pushover(
@@ -38,6 +42,7 @@ def block_pushover(
     step: float | None = None,
     steps: int = 400,
     furthest: float | None = None,
+    halo: int = HALO,
     solver: str = "auto",
     progress: Progress | None = None,
 ) -> BlockCapacityCurve:
@@ -67,6 +72,9 @@ def block_pushover(
         Where to stop, after so many steps.
     furthest
         Where to stop, when a stone has gone so far, m.
+    halo
+        Contacts from a moving stone to those held still; more where the first load factor asks for it or the motion spreads.
+        0: no stone is held, the full model.
     solver
         As in `limit_analysis`.
     progress
@@ -83,19 +91,49 @@ def block_pushover(
         Arguments out of range, stones without a path to a support.
     """
     begin = perf_counter()
-    _check(ties, step, steps, furthest)
+    _check(ties, step, steps, furthest, halo)
     state = limit_analysis(stones, contacts, load, friction, solver=solver)
     if state.status != "optimal":
         return _nothing(stones, state, perf_counter() - begin)
     measure = control_of(stones, load, control)
-    moving = moving_stones(stone_speed(stones, state.velocities)) & ~stones.fixed
+    speed = stone_speed(stones, state.velocities)
+    moving = moving_stones(speed) & ~stones.fixed
     balance = equilibrium(stones, contacts, load)
     model = moving_model(stones, contacts, load, live_loads(stones, load), friction, balance, moving, step, solver)
-    poses = start_poses(stones)
-    first = first_state(first_joints(contacts, stones, poses, model.reach), poses, model.step)
+    model = replace(model, held=_held(model, contacts, load, friction, state, halo)) if halo else model
     record = _Curve(model, measure, furthest, progress)
-    ending = follow(model, first, int(steps), record)
+    ending = follow(model, _started(model, contacts, load, friction), int(steps), record, halo)
     return record.curve(ending, perf_counter() - begin)
+
+
+def _started(model: MovingModel, contacts: Contacts, load: LoadCase, friction: npt.ArrayLike) -> PathState:
+    """Return the state as drawn with the sliding of a motion without dilatancy: that of its own programs, or where these come
+    near it too slowly, that of the certified analysis."""
+    first = first_state(model)
+    step = solve_state(model, first, FIRST)
+    if step.answer.outcome != "solved" or step.misfit < _STARTED:
+        return step.state
+    found = _of_followed(model, contacts, load, friction, "non-associative")
+    return sliding_as(model, first, found.velocities) if found.status in ("converged", "not-converged") else step.state
+
+
+def _held(
+    model: MovingModel, contacts: Contacts, load: LoadCase, friction: npt.ArrayLike, state: LimitState, rings: int
+) -> BoolArray:
+    """Return the stones to hold still (nb,): without them the first load factor is kept to `_KEPT`."""
+    speed = stone_speed(model.stones, state.velocities)
+    while True:
+        held = held_around(model.stones, contacts.blocks, speed > STILL * reference_speed(speed), rings)
+        followed = _of_followed(replace(model, held=held), contacts, load, friction, "associative") if held.any() else state
+        if followed.status == "optimal" and followed.load_factor <= (1 + _KEPT) * state.load_factor:
+            return held
+        rings *= 2
+
+
+def _of_followed(model: MovingModel, contacts: Contacts, load: LoadCase, friction: npt.ArrayLike, flow: Flow) -> LimitState:
+    """Return the limit analysis of the stones that are not held."""
+    stones = replace(model.stones, fixed=model.stones.fixed | model.held)
+    return limit_analysis(stones, contacts, load, friction, flow=flow, solver=model.solver)
 
 
 class _Curve(Record):
@@ -135,11 +173,12 @@ class _Curve(Record):
         )
 
 
-def _check(ties: Sequence[object], step: float | None, steps: int, furthest: float | None) -> None:
+def _check(ties: Sequence[object], step: float | None, steps: int, furthest: float | None, halo: int) -> None:
     check_kind("block_pushover: ties", ties, Sequence)
     if len(ties):
         raise InputError("block_pushover: ties", "not yet followed at large displacements", found=len(ties), expected="none")
     whole("block_pushover: steps", steps, least=1)
+    whole("block_pushover: halo", halo, least=0)
     for name, value in (("step", step), ("furthest", furthest)):
         if value is not None:
             positive(f"block_pushover: {name}", value)

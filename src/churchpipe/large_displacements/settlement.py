@@ -7,13 +7,10 @@ import numpy as np
 import numpy.typing as npt
 
 from churchpipe.conic.solve import solver_for
-from churchpipe.large_displacements.moving_model import MovingModel, moving_model
+from churchpipe.large_displacements.moving_model import MovingModel, bearing, moving_model
 from churchpipe.large_displacements.path import FIRST, PathState, PathStep, first_state, solve_state
-from churchpipe.large_displacements.poses import start_poses
-from churchpipe.large_displacements.renewal import first_joints
 from churchpipe.large_displacements.supports import support_movement
 from churchpipe.model.arguments import check_kind, one_of
-from churchpipe.model.arrays import BoolArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
@@ -103,23 +100,14 @@ def settlement_model(
     movement = support_movement(stones, contacts, support, direction, about)
     standing, answer = dead_load_analysis(balance, strength, solver_for(balance.wrenches, solver))
     model = moving_model(stones, contacts, load, movement, friction, balance, ~stones.fixed, step, solver)
-    poses = start_poses(stones)
-    # Supports do not bear on each other: one that moves past another is not held by it.
-    joints = first_joints(contacts, stones, poses, model.reach).selected(_bearing(stones, contacts))
-    first = first_state(joints, poses, model.step)
+    first = first_state(model)
     message = "the dead load alone brings it down" if standing == "unstable" else answer.message
     return model, first, standing, message
 
 
-def _bearing(stones: Assemblage, contacts: Contacts) -> BoolArray:
-    """Return which interfaces (ni,) are not between two fixed stones."""
-    first, second = stones.fixed[contacts.blocks].T
-    return ~(first & second)
-
-
 def _state(model: MovingModel, contacts: Contacts, step: PathStep, flow: str, seconds: float) -> SettlementState:
     answer = step.answer
-    bears = np.repeat(_bearing(model.stones, contacts), contacts.points_per_interface)
+    bears = np.repeat(bearing(model.stones.fixed, contacts.blocks), contacts.points_per_interface)
     rate, forces = np.zeros((2, len(bears), 3))
     rate[bears], forces[bears] = step.rate, answer.forces * model.force
     fits = answer.gap < _FLOW * max(abs(answer.load_factor), 1e-3) if flow == "non-associative" else answer.bound_gap < _BOUNDS

@@ -1,5 +1,6 @@
 """A support that moves on and on: the reaction that is left, the cracks, and how far it may go."""
 
+from dataclasses import replace
 from time import perf_counter
 from typing import cast
 
@@ -8,12 +9,15 @@ import numpy.typing as npt
 
 from churchpipe.large_displacements.control import SupportTravel
 from churchpipe.large_displacements.following import Ending, follow
+from churchpipe.large_displacements.halo import HALO, STILL, held_around
 from churchpipe.large_displacements.moving_model import MovingModel
-from churchpipe.large_displacements.path import PathStep
+from churchpipe.large_displacements.path import PathStep, first_state
 from churchpipe.large_displacements.record import Progress, Record
 from churchpipe.large_displacements.settlement import settlement_analysis, settlement_model
 from churchpipe.large_displacements.supports import SupportMovement
+from churchpipe.mechanism import reference_speed, stone_speed
 from churchpipe.model.arguments import positive, whole
+from churchpipe.model.arrays import BoolArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.settlement import SettlementEnding, SettlementPath, SettlementState
@@ -34,6 +38,7 @@ def settlement_path(
     step: float | None = None,
     steps: int = 400,
     furthest: float | None = None,
+    halo: int = HALO,
     solver: str = "auto",
     progress: Progress | None = None,
 ) -> SettlementPath:
@@ -48,6 +53,8 @@ def settlement_path(
         As in `settlement_analysis`.
     step
         Largest displacement of a step, m; None: a tenth of the thinnest side of the stones.
+    halo
+        Contacts from a moving stone to those held still, as in `block_pushover`; 0: no stone is held.
     steps
         Where to stop, after so many steps.
     furthest
@@ -67,16 +74,29 @@ def settlement_path(
     """
     begin = perf_counter()
     whole("settlement_path: steps", steps, least=1)
+    whole("settlement_path: halo", halo, least=0)
     for name, value in (("step", step), ("furthest", furthest)):
         if value is not None:
             positive(f"settlement_path: {name}", value)
     least = settlement_analysis(stones, contacts, support, direction, friction, about=about, dead=dead, solver=solver)
     if least.status not in ("optimal", "not-converged"):
         return _nothing(stones, least, perf_counter() - begin)
-    model, first, _, _ = settlement_model(stones, contacts, support, direction, friction, about, dead, step, solver)
+    model, _, _, _ = settlement_model(stones, contacts, support, direction, friction, about, dead, step, solver)
+    if halo:
+        speed = stone_speed(stones, least.velocities)
+        moving = (speed > STILL * reference_speed(speed)) | _upon(contacts, np.asarray(support), stones.count)
+        model = replace(model, held=held_around(stones, contacts.blocks, moving, halo))
     record = _Movement(model, furthest, int(steps), progress)
-    ending = follow(model, first, int(steps), record)
+    ending = follow(model, first_state(model), int(steps), record, halo)
     return record.path(ending, least.reaction, perf_counter() - begin)
+
+
+def _upon(contacts: Contacts, support: IntArray, count: int) -> BoolArray:
+    """Return which stones (nb,) stand on a support (k,)."""
+    first, second = (np.isin(side, support) for side in contacts.blocks.T)
+    out = np.zeros(count, dtype=bool)
+    out[contacts.blocks[first | second]] = True
+    return out
 
 
 class _Movement(Record):

@@ -56,6 +56,7 @@ def test_a_case_asks_for_a_curve_of_each_load(tmp_path: Path) -> None:
     settings = todo.analyses["+y_curve"]
     assert (settings["step"], settings["steps"], settings["control"]) == (0.02, 400, (0.0, 0.0, 1.8))
     assert "furthest" not in settings
+    assert settings["halo"] == 5
     assert not any(entry["kind"] == "curve" for entry in plan([read(tmp_path, "")]).index["analyses"])
 
 

@@ -1,0 +1,80 @@
+"""The halo of still stones around those that move: the same curve as of the full model, and it grows where its rim moves."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import churchpipe as cp
+from churchpipe.large_displacements.halo import grown, held_around
+from churchpipe.large_displacements.moving_model import MovingModel, moving_model
+from churchpipe.large_displacements.path import first_state, next_state, solve_state
+from churchpipe.large_displacements.travelling import live_loads
+from churchpipe.model.contacts import Contacts
+from churchpipe.rigid_blocks.equilibrium import equilibrium
+from solids import box, on_ground
+
+PUSH = cp.LoadCase((1, 0, 0), panels=["column"])
+
+
+def row(count: int, courses: int) -> tuple[cp.Assemblage, Contacts]:
+    """A row of blocks side by side, with a column on the third that alone is pushed, and may lean on nothing."""
+    base = [box((i, i + 1), (0, 1), (0, 1)) for i in range(count)]
+    column = [box((2.3, 2.7), (0, 1), (1 + 0.5 * i, 1.5 + 0.5 * i)) for i in range(courses)]
+    plate = box((-9, count + 9), (-5, 5), (-1, 0))
+    panel = ["ground", *["base"] * count, *["column"] * courses]
+    stones = cp.Assemblage.from_polyhedra([plate, *base, *column], 18e3, fixed=[0], panel=panel)
+    return stones, cp.find_contacts(stones)
+
+
+def test_stones_far_from_what_moves_are_held() -> None:
+    stones, contacts = row(20, 4)
+    moving = stones.panel == "column"
+    held = held_around(stones, contacts.blocks, moving, 2)
+    # One contact to the third block, and one more to those beside it.
+    assert np.flatnonzero(~held[1:21]).tolist() == [1, 2, 3]
+    assert not held[moving].any()
+    assert not held[0]
+    # A halo that leaves out next to nothing, or nothing that moves: no stone is held.
+    assert not held_around(stones, contacts.blocks, moving, 18).any()
+    assert not held_around(stones, contacts.blocks, np.zeros(stones.count, dtype=bool), 2).any()
+
+
+@pytest.mark.parametrize("halo", [1, 3])
+def test_the_curve_is_that_of_the_full_model(halo: int) -> None:
+    stones, contacts = row(20, 4)
+    part = cp.block_pushover(stones, contacts, PUSH, 0.6, step=0.02, halo=halo)
+    full = cp.block_pushover(stones, contacts, PUSH, 0.6, step=0.02, halo=0)
+    assert part.load_factor == pytest.approx(full.load_factor, abs=1e-6)
+    assert part.d0 == pytest.approx(full.d0, rel=1e-6)
+    assert part.proved
+
+
+def sliding_top() -> tuple[MovingModel, Contacts]:
+    """A stack of eight blocks that slides on the third bed, all but the top one held."""
+    stones = on_ground(*[box((0, 1), (0, 1), (0.2 * i, 0.2 * i + 0.2)) for i in range(8)])
+    contacts = cp.find_contacts(stones)
+    lowest = contacts.blocks.min(axis=1)
+    friction = np.where(lowest == 2, 0.2, 0.6)
+    load = cp.LoadCase((1, 0, 0))
+    moving = np.arange(stones.count) > 2
+    balance = equilibrium(stones, contacts, load)
+    model = moving_model(stones, contacts, load, live_loads(stones, load), friction, balance, moving, None, "auto")
+    return replace(model, held=np.isin(np.arange(9), range(1, 8))), contacts
+
+
+def test_the_halo_grows_until_its_rim_stands_still() -> None:
+    model, _ = sliding_top()
+    step = solve_state(model, first_state(model))
+    # Held at the next bed below, the top block slides where friction is .6.
+    assert step.answer.load_factor == pytest.approx(0.6, abs=1e-6)
+    times = 0
+    while (wider := grown(model, step, 2)) is not None:
+        model, state = wider
+        step = solve_state(model, state)
+        times += 1
+    assert times > 1
+    assert step.answer.load_factor == pytest.approx(0.2, abs=1e-6)
+    assert np.flatnonzero(model.held).tolist() in ([], [1])
+    # The joints that were left out are those of the drawing.
+    assert len(next_state(model, step).joints.blocks) >= 7
