@@ -246,7 +246,8 @@ def test_an_edited_source_reruns_what_depends_on_it(
 def test_an_edited_reader_of_cases_reruns_what_it_decides(
     pristine: Copy, edited: Callable[[str, Callable[[str], str]], None]
 ) -> None:
-    edited("src/churchpipe/config/case.py", lambda text: text.replace('si["friction"]', '0.9 * si["friction"]'))
+    less = 'values | {"friction": 0.9 * values["friction"]}'
+    edited("src/churchpipe/config/case.py", lambda text: text.replace("record(Material, values,", f"record(Material, {less},"))
     assert pristine.stale() == {"rigid": 2, **RESULTS}
 
 
