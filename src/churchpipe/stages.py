@@ -300,15 +300,7 @@ def curve(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
 
 
 def movement(
-    settings: Path,
-    tolerances: Path,
-    assemblage: Path,
-    contacts: Path,
-    cut: Path,
-    joints: Path,
-    state: Path,
-    record: Path,
-    progress: Progress | None = None,
+    settings: Path, tolerances: Path, assemblage: Path, contacts: Path, *made: Path, progress: Progress | None = None
 ) -> None:
     """One support that moves -> the stones with their ground cut, their joints, the path and its record for the summary."""
     from churchpipe.large_displacements.moved_support import moved_support
@@ -321,13 +313,11 @@ def movement(
         return loaded(LoadCase((1, 0, 0)), cut, placed(carries, cut).loads).dead if carries else None
 
     moved = moved_support(stones, found, table, materials, read_json(tolerances), dead_on, progress)
-    used = set(stones.material[~stones.fixed].tolist())
+    for file, part in zip(made, (moved.stones, moved.contacts, moved.path), strict=False):
+        write_npz(file, part)
+    known = [material for material in materials if material.name in stones.material[~stones.fixed]]
     cracks = widest_cracks(moved.stones, moved.contacts, moved.opening, moved.slip)
-    write_npz(cut, moved.stones)
-    write_npz(joints, moved.contacts)
-    write_npz(state, moved.path)
-    known = [material for material in materials if material.name in used]
-    write_json(record, movement_words(moved.path, table, moved.stones, known, cracks))
+    write_json(made[-1], movement_words(moved.path, table, moved.stones, known, cracks))
 
 
 def compare(plan: Path, summary: Path, table: Path) -> None:
@@ -347,6 +337,7 @@ def compare(plan: Path, summary: Path, table: Path) -> None:
 def report(plan: Path, summary: Path, assemblage: Path, contacts: Path, html: Path) -> None:
     """Summary and states of one geometry -> report.html, its pictures, and the mechanisms for ParaView."""
     with Extra("the report"):
+        from churchpipe.report.frames import write_path
         from churchpipe.report.html import write_report
 
     run, geometry = read_run(plan), assemblage.parent.name
@@ -356,6 +347,11 @@ def report(plan: Path, summary: Path, assemblage: Path, contacts: Path, html: Pa
     states = {entry["name"]: run.block_state(entry) for entry in mine if entry["kind"] == "rigid"}
     for name, state in states.items():
         write_vtu(run.path / "rigid" / name / "mechanism.vtu", stones, state.velocities)
+    for entry in (entry for entry in mine if entry["kind"] == "curve"):
+        write_path(run.folder(entry) / "path.pvd", stones, run.block_curve(entry))
+    moved = [(record, *run.moved(record["name"])) for record in run.movements(geometry)]
+    for record, own, _, path in moved:
+        write_path(run.path / "movement" / record["name"] / "path.pvd", own, path)
     made = {mesh["name"]: run.shell(mesh["name"]) for mesh in run.index["shells"] if mesh["geometry"] == geometry}
     meshes = {name: mesh for name, mesh in made.items() if isinstance(mesh, ShellModel)}
     found: list[tuple[dict[str, Any], str, ShellLimitState | CapacityCurve]] = []
@@ -377,7 +373,7 @@ def report(plan: Path, summary: Path, assemblage: Path, contacts: Path, html: Pa
         published=run.index["published"],
         project=run.index["project"],
         materials=run.index["materials"],
-        moved=[(record, *run.moved(record["name"])) for record in run.movements(geometry)],
+        moved=moved,
         case_text=(run.path / "as-run.toml").read_text(encoding="utf-8"),
         versions=versions(),
         figures_dir=html.parent / "figures",

@@ -17,27 +17,36 @@ _ENDINGS = {
 
 
 def block_curve_plots(analyses: Sequence[Mapping[str, Any]], geometry: str | None) -> list[tuple[str, str, list[str]]]:
-    """Return (load, SVG, a sentence on each curve) for the loads that have curves of the stones.
+    """Return (load, SVG, a sentence on each curve) for the loads that have curves of the stones; those of the shell beside them.
 
     analyses: the records of the summary. geometry: that of the report where there are several.
     """
     of_load: dict[str, list[Mapping[str, Any]]] = {}
-    for record in analyses:
-        mine = record.get("method") == "curve" and record.get("displacement_m")
-        if mine and record.get("geometry") == geometry:
+    of_shell: dict[str, list[Mapping[str, Any]]] = {}
+    for record in (record for record in analyses if record.get("geometry") == geometry):
+        if record.get("method") == "curve" and record.get("displacement_m"):
             of_load.setdefault(str(record["load"]), []).append(record)
-    return [(load, _svg(records), [_sentence(record) for record in records]) for load, records in of_load.items()]
+        if record.get("method") == "pushover" and record.get("control_mm"):
+            of_shell.setdefault(str(record["load"]), []).append(record)
+    return [
+        (load, _svg(records, of_shell.get(load, ())), [*map(_sentence, records), *map(_of_shell, of_shell.get(load, ()))])
+        for load, records in of_load.items()
+    ]
 
 
-def _svg(records: Sequence[Mapping[str, Any]]) -> str:
+def _svg(records: Sequence[Mapping[str, Any]], shells: Sequence[Mapping[str, Any]]) -> str:
     figure, (axes,) = new_plot(1, (7.2, 3.4))
     for record in records:
         axes.plot(
             np.array(record["displacement_m"]) * 1e3, record["load_factors"], "-o", ms=2.5, lw=1.4, label=curve_label(record)
         )
+    furthest = max(1e3 * max(record["displacement_m"]) for record in records)
+    for record in shells:
+        axes.plot(record["control_mm"], record["load_factors"], "--s", ms=2.5, lw=1.2, label=f"shell, {curve_label(record)}")
     axes.set_xlabel("displacement along the load, mm", fontsize=8)
     axes.set_ylabel("load factor", fontsize=8)
-    axes.set_xlim(left=0)
+    # Displacements of the shell are small in its theory: its plateau goes on for ever.
+    axes.set_xlim(0, 1.05 * furthest if furthest > 0 else None)
     axes.set_ylim(bottom=0)
     legend_beside(axes)
     return svg_of(figure)
@@ -47,6 +56,12 @@ def curve_label(record: Mapping[str, Any]) -> str:
     """Return what tells a curve from others of its load: what was swept, or its friction."""
     swept = [f"{key.rpartition('.')[2]} = {value}" for key, value in record.get("swept", {}).items()]
     return ", ".join(swept) or f"friction {record['friction']}"
+
+
+def _of_shell(record: Mapping[str, Any]) -> str:
+    return (
+        f"Dashed: the shell at small displacements, elastic and associative, against that of its node {record['control_point']}."
+    )
 
 
 def _sentence(record: Mapping[str, Any]) -> str:

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from pathlib import Path
 
+import meshio
 import numpy as np
 import pytest
 
@@ -14,6 +15,7 @@ from churchpipe.io.npz import read_npz, write_npz
 from churchpipe.io.records import curve_record_of
 from churchpipe.model.block_curve import BlockCapacityCurve, FallenStones
 from churchpipe.report.block_curves import block_curve_plots
+from churchpipe.report.frames import frames, placed, write_path
 from solids import box, on_ground
 
 CASE = """
@@ -121,3 +123,32 @@ def test_curves_take_no_part_in_the_advice_nor_in_the_comparison(curve: BlockCap
         {"name": "s", "kind": "limit", "geometry": "base", "swept": {}, "shell": "base"},
     ]
     assert compare.pairs(entries, [record, shell]) == []
+
+
+def test_the_curve_of_the_shell_stands_in_the_same_diagram(curve: BlockCapacityCurve) -> None:
+    record = curve_record_of(curve, PUSH, [DRY]).as_words()
+    shell = record | {"model": "homogenised-shell", "method": "pushover", "control_mm": [0.0, 5.0, 900.0], "control_point": 7}
+    ((_, plot, sentences),) = block_curve_plots([record, shell | {"load_factors": [0.0, 0.2, 0.24]}], None)
+    assert "shell, friction 0.6" in plot
+    assert sentences[-1].startswith("Dashed: the shell at small displacements")
+    assert sentences[-1].endswith("node 7.")
+
+
+def test_the_path_for_paraview(tmp_path: Path, curve: BlockCapacityCurve) -> None:
+    stones = on_ground(box((0, 0.5), (0, 1), (0, 2)))
+    series = tmp_path / "path.pvd"
+    (tmp_path / "path_99.vtu").touch()
+    write_path(series, stones, curve)
+    files = sorted(file.name for file in tmp_path.glob("*.vtu"))
+    assert files == [f"path_{number:02d}.vtu" for number in range(len(frames(len(curve.displacement))))]
+    written = [line for line in series.read_text().splitlines() if "DataSet" in line]
+    assert [line.split('file="')[1].split('"')[0] for line in written] == files
+    # Where the last file has the stone is where the curve left it.
+    last = meshio.read(tmp_path / files[-1]).points
+    assert last == pytest.approx(placed(stones, curve.position[-1], curve.rotation[-1]).points, abs=1e-9)
+    assert frames(100)[[0, -1]].tolist() == [0, 99]
+    write_path(series, stones, cp.block_pushover(FALLEN, cp.find_contacts(FALLEN), PUSH))
+    assert list(tmp_path.iterdir()) == []
+
+
+FALLEN = on_ground(box((0, 1), (0, 1), (0, 1)), box((0.6, 1.6), (0, 1), (1, 2)))
