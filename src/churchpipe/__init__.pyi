@@ -52,6 +52,7 @@ from .notebook import show as show
 from .recognition.laying import lay_stones as lay_stones
 from .rigid_blocks.limit import limit_analysis as limit_analysis
 from .rigid_blocks.ranking import rank_ties as rank_ties
+from .rigid_blocks.study import LimitStudy as LimitStudy
 from .rigid_blocks.thickness import MinimumThickness as MinimumThickness
 from .rigid_blocks.thickness import minimum_thickness as minimum_thickness
 from .shell_mesh.shell import derive_shell as derive_shell

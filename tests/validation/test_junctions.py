@@ -30,6 +30,12 @@ def facade(**junction: Any) -> tuple[cp.Assemblage, cp.Contacts]:
     return stones, cp.find_contacts(stones)
 
 
+def without_dilatancy(stones: cp.Assemblage, contacts: cp.Contacts) -> cp.LimitState:
+    """The state without dilatancy."""
+    load = cp.LoadCase((0, -1, 0), panels=("facade",))
+    return cp.limit_analysis(stones, contacts, load, FRICTION, flow="non-associative")
+
+
 def load_factor(stones: cp.Assemblage, contacts: cp.Contacts, friction: Any = FRICTION) -> float:
     state = cp.limit_analysis(stones, contacts, cp.LoadCase((0, -1, 0), panels=("facade",)), friction)
     assert state.status == "optimal"
@@ -61,3 +67,8 @@ def test_a_butt_facade_without_friction_at_its_sides_turns_over_by_itself() -> N
     triangle = 0.5 * WIDTH * (RIDGE - EAVES)
     centroid = (WIDTH * EAVES * EAVES / 2 + triangle * (EAVES + (RIDGE - EAVES) / 3)) / (WIDTH * EAVES + triangle)
     assert load_factor(stones, contacts, smooth) == pytest.approx(THICKNESS / 2 / centroid, abs=1e-6)
+    # Friction along the joint resists in an associative analysis only.
+    state = without_dilatancy(stones, contacts)
+    assert state.status == "converged"
+    assert state.load_factor == pytest.approx(0.133, abs=5e-4)
+    assert state.interval == pytest.approx((0.133, 0.149), abs=5e-4)

@@ -121,8 +121,8 @@ def limit_analysis(
     balance = equilibrium(stones, contacts, load, contact_model, parts)
     strength = point_strength(contacts, friction, cohesion, balance.force, compressive_strength, parts)
     balance, strength = with_ties(balance, strength, stones, listed("limit_analysis: ties", ties, Tie))
-    _check_connected(stones, contacts, balance)
-    state = _analysed(balance, strength, solver_for(balance.wrenches, solver), flow, options, progress)
+    check_connected(stones, contacts, balance)
+    state = analysed(balance, strength, solver_for(balance.wrenches, solver), flow, options, progress)
     if contact_model == "torsion" and flow == "non-associative" and state.flow == flow and np.isfinite(state.load_factor):
         points = contacts if parts is None else parts.contacts
         state = _about_pressure(
@@ -132,16 +132,24 @@ def limit_analysis(
     return replace(state, forces=forces, seconds=perf_counter() - begin)
 
 
-def _analysed(
-    balance: Equilibrium, strength: Strength, solve: Solve, flow: Flow, options: SlidingOptions, progress: Progress | None
+def analysed(
+    balance: Equilibrium,
+    strength: Strength,
+    solve: Solve,
+    flow: Flow,
+    options: SlidingOptions,
+    progress: Progress | None,
+    *,
+    stands: bool = False,
 ) -> LimitState:
-    """Return the limit state with this flow, the dead load first."""
+    """Return the limit state with this flow, the dead load first; stands: whether that is known to be carried."""
     begin = perf_counter()
     if progress:
         progress("dead load", 0.0)
-    standing, dead_answer = dead_load_analysis(balance, strength, solve)
-    if standing != "stable":
-        return _fallen(balance, standing, dead_answer, flow, perf_counter() - begin)
+    if not stands:
+        standing, dead_answer = dead_load_analysis(balance, strength, solve)
+        if standing != "stable":
+            return _fallen(balance, standing, dead_answer, flow, perf_counter() - begin)
     if progress:
         progress("associative", 0.1)
     state = associative_state(balance, strength, solve, begin)
@@ -319,7 +327,7 @@ def unbounded_state(balance: Equilibrium, ray: ConeSolution, seconds: float, flo
     return _state(balance, still, "unbounded", np.inf, proof, seconds, flow=flow, message=message)
 
 
-def _check_connected(stones: Assemblage, contacts: Contacts, balance: Equilibrium) -> None:
+def check_connected(stones: Assemblage, contacts: Contacts, balance: Equilibrium) -> None:
     """Raise when a free stone has no contact at all or no path to a support: a solver would only say "infeasible"."""
     ones = np.ones(len(contacts.blocks))
     graph = sp.coo_matrix((ones, (contacts.blocks[:, 0], contacts.blocks[:, 1])), shape=(stones.count, stones.count))
