@@ -33,6 +33,8 @@ TURNED, TURNED_SHARE = 20.0, 0.001
 CORNER = 5.0
 # A joint crosses the line through a voussoir where the sine of their angle is at least this.
 LEAST_CROSSING = 0.4
+# Weight of that line among the joints of its stone when their mean direction is formed.
+SLIGHT = 1e-3
 # Tells a normal from its opposite: no wall of a drawing lies along it.
 SLANT = np.array([0.8367, 0.5476, 0.0123])
 
@@ -319,8 +321,19 @@ def _angle_to_joints(stones: Assemblage, contacts: Contacts, along: FloatArray, 
     neighbours = np.bincount(owner[in_ring], minlength=stones.count)
     voussoir = np.isin(neighbours, (1, 2))
     leading = np.where((neighbours > 0)[owner], in_ring, share > 0.5)
-    leading |= (neighbours == 1)[owner] & _runs_across(stones, contacts, in_ring, along, across, turn) & (share > 0.5)
-    mean = _mean_direction(stones.count, owner, turn, np.where(leading, area * share**2, 0.0))
+    line = _inward_lines(stones, contacts, in_ring, along, across)
+    # The extrados does not cross the line through its voussoir.
+    crosses = np.abs(np.sin(turn - line[owner])) > LEAST_CROSSING
+    leading |= (neighbours == 1)[owner] & crosses & (share > 0.5)
+    weight = np.where(leading, area * share**2, 0.0)
+    # Two joints at right angles have no mean direction: of the two bisectors the bed is the one across the line.
+    slight = SLIGHT * np.bincount(owner, weight, minlength=stones.count)
+    mean = _mean_direction(
+        stones.count,
+        np.concatenate([owner, np.arange(stones.count)]),
+        np.concatenate([turn, line + 0.5 * np.pi]),
+        np.concatenate([weight, np.where(neighbours > 0, slight, 0.0)]),
+    )
     off = _half_turn(turn - mean[owner])
     beds = np.where(voussoir[owner], leading, (np.abs(off) < np.pi / 4) & (share > 0.5))
     low, high = np.full(stones.count, np.inf), np.full(stones.count, -np.inf)
@@ -331,20 +344,19 @@ def _angle_to_joints(stones: Assemblage, contacts: Contacts, along: FloatArray, 
     return np.degrees(np.where(np.isfinite(low), np.minimum(outside, np.pi - outside), np.nan))
 
 
-def _runs_across(
-    stones: Assemblage, contacts: Contacts, in_ring: BoolArray, along: FloatArray, across: FloatArray, turn: FloatArray
-) -> BoolArray:
-    """Return which joints (2 ni,) of a stone cross the line from its joint in a ring to its centroid: the extrados does not.
+def _inward_lines(
+    stones: Assemblage, contacts: Contacts, in_ring: BoolArray, along: FloatArray, across: FloatArray
+) -> FloatArray:
+    """Return the direction (nb,) rad, from the bed direction, of the line from a joint in a ring to the centroid of the stone.
 
-    in_ring (2 ni,), turn (2 ni,) rad from the bed direction: of each joint as seen from its first stone, then from its second.
+    in_ring (2 ni,): of each joint as seen from its first stone, then from its second.
     """
     owner = contacts.blocks.ravel()
     count = np.diff(contacts.point_ptr)
     place = np.repeat(np.add.reduceat(contacts.point, contacts.point_ptr[:-1], axis=0) / count[:, None], 2, axis=0)
     inwards = np.zeros((stones.count, 3))
     inwards[owner[in_ring]] = stones.centroid[owner[in_ring]] - place[in_ring]
-    line = np.arctan2(np.einsum("bc,bc->b", inwards, across), np.einsum("bc,bc->b", inwards, along))
-    return np.abs(np.sin(turn - line[owner])) > LEAST_CROSSING
+    return np.arctan2(np.einsum("bc,bc->b", inwards, across), np.einsum("bc,bc->b", inwards, along))
 
 
 def _mean_direction(count: int, owner: IntArray, turn: FloatArray, weight: FloatArray) -> FloatArray:

@@ -13,6 +13,7 @@ from churchpipe.geometry.locate import facet_at, inside_stones
 from churchpipe.match import match_models
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import BondRegion, Opening, UnitCell
+from churchpipe.recognition.panels import fit_panels
 from churchpipe.shell_mesh.shell import derive_shell
 from churchpipe.stones.blocks import derive_blocks
 from churchpipe.stones.contacts import find_contacts
@@ -186,6 +187,18 @@ def test_the_facet_at_a_point():
         assert (outside == 0).all()
     _, outside = facet_at(shell, np.array([[0.3, 0.02, 0.65]]), "main")
     assert outside[0] == pytest.approx(0.02, rel=1e-9)
+
+
+@pytest.mark.parametrize("half_angle", [0.5, 1.0, math.pi / 2])
+def test_an_arch_of_two_voussoirs_matches(half_angle):
+    # Of a semicircle the two joints of each voussoir are at right angles.
+    bow = arch(mean_radius=2.0, thickness=0.4, width=0.6, voussoirs=2, half_angle=half_angle)
+    stones = derive_blocks(bow)
+    fitted = fit_panels(stones)
+    assert [region.pieces for region in fitted.panels[0].regions] == [2]
+    for building in (bow, fitted.building(bow.materials)):
+        shell = derive_shell(building, element_size=0.2)
+        assert match_models(replace(stones, panel=fitted.panel), find_contacts(stones), shell).passed
 
 
 def test_stones_beside_a_ring_are_not_taken_for_voussoirs():
