@@ -1,7 +1,7 @@
 """What is wrong or worth knowing in a file of stones: collected, never one at a time."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
@@ -134,6 +134,16 @@ class Place:
 
 
 @dataclass(frozen=True, slots=True)
+class Body:
+    """A body of a file with errors, to be drawn: its name, points (n, 3) m, faces in any state, whether it is fixed."""
+
+    name: str
+    points: Any
+    faces: Sequence[tuple[int, ...]]
+    fixed: bool
+
+
+@dataclass(frozen=True, slots=True)
 class Findings:
     """All findings of one file, in the order they were met. `str()` is the list to show, one line a kind.
 
@@ -159,6 +169,11 @@ class Findings:
     def warnings(self) -> tuple[Finding, ...]:
         """The findings that do not."""
         return tuple(f for f in self.items if f.severity == "warning")
+
+    @property
+    def stood_up(self) -> bool:
+        """Whether outlines drawn in x-y were taken for an elevation, so that y of a place is z of the stones."""
+        return any(f.code == "W24" and "elevation" in f.found for f in self.items)
 
     @property
     def codes(self) -> tuple[str, ...]:
@@ -188,12 +203,12 @@ class Findings:
 
 
 class FindingsError(InputError):
-    """A file that cannot become stones: `findings` says all that is wrong with it."""
+    """A file that cannot become stones: `findings` says all that is wrong with it, `bodies` are what was read before."""
 
-    def __init__(self, findings: Findings) -> None:
+    def __init__(self, findings: Findings, bodies: tuple[Body, ...] = ()) -> None:
         count = len(findings.errors)
         super().__init__(findings.file, f"{count} error{'s' if count != 1 else ''} in the file")
-        self.findings = findings
+        self.findings, self.bodies = findings, bodies
         self.args = (f"{self.args[0]}\n{findings}",)
 
 

@@ -1,27 +1,35 @@
 """From a drawing, or another file of stones, to a case file."""
 
+import importlib.util
 import json
 import math
 import re
+import shlex
 import shutil
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from churchpipe.config.imported import imported_case, material_names
 from churchpipe.config.json_schema import write_case
-from churchpipe.config.shell_table import shell_table
+from churchpipe.config.shell_table import ShellTable, shell_table
 from churchpipe.dxf.annotated import write_findings
 from churchpipe.dxf.reader import Drawing
 from churchpipe.dxf.reading import AS_DRAWN, Reading
 from churchpipe.dxf.schema import metres
-from churchpipe.errors import UsageError
-from churchpipe.findings import Findings
+from churchpipe.errors import InputError, UsageError
+from churchpipe.findings import Body, Findings
 from churchpipe.io.atomic import write_text
+from churchpipe.match import match_models
 from churchpipe.meshes.reader import files_of, read_file
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
+from churchpipe.model.materials import UnitWeight
+from churchpipe.shell_mesh.shell import derive_shell
 from churchpipe.stones.account import joints_lines, joints_record
 from churchpipe.stones.contacts import find_contacts
+from churchpipe.stones.histogram import histogram_lines
 from churchpipe.stones.soundness import check_soundness
 
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
@@ -43,8 +51,8 @@ class Imported:
 
 def check_drawing(
     path: Path, reading: Reading = AS_DRAWN, unit_weight: float | None = None, contact_gap: float | None = None
-) -> tuple[Drawing, list[str]]:
-    """Read a file of stones, look for stones that float or overlap, and say what was decided about its joints.
+) -> tuple[Drawing, Contacts]:
+    """Read a file of stones, find its joints, and look for stones that float or overlap.
 
     contact_gap: as in `churchpipe.find_contacts`, m.
 
@@ -55,7 +63,7 @@ def check_drawing(
     drawing = read_file(path, unit_weight=unit_weight, **asdict(reading))
     contacts = find_contacts(drawing.stones, reading.open_joint if contact_gap is None else contact_gap)
     check_soundness(drawing.stones, contacts)
-    return drawing, joints_lines(joints_record(drawing.stones, contacts))
+    return drawing, contacts
 
 
 def import_drawing(
@@ -89,7 +97,7 @@ def import_drawing(
     if case.exists():
         raise UsageError(str(case), "exists already", remedy="Choose another folder, or delete it first.")
     contact_gap = reading.open_joint if contact_gap is None else contact_gap
-    drawing, joints = check_drawing(path, reading, unit_weight, contact_gap)
+    drawing, contacts = check_drawing(path, reading, unit_weight, contact_gap)
     copies = _copies(path, folder)
     for file, copy in copies.items():
         if copy.exists() and not copy.samefile(file):
@@ -112,9 +120,40 @@ def import_drawing(
         if not copy.exists():
             shutil.copyfile(file, copy)
     write_case(case, text)
-    record_findings(drawing.findings, folder, drawing.units)
+    after = f"churchpipe run {shlex.quote(str(case))}"
+    record_findings(drawing.findings, folder, drawing.units, drawing.stones, f"{after} runs the case.")
     fixed = int(drawing.stones.fixed.sum())
-    return Imported(case, drawing.stones.count - fixed, fixed, drawing.findings, tuple(missing), shell.note, tuple(joints))
+    note = f"{shell.note} {gate_words(drawing.stones, contacts, shell)}".strip()
+    count = drawing.stones.count - fixed
+    return Imported(case, count, fixed, drawing.findings, tuple(missing), note, joint_words(drawing.stones, contacts))
+
+
+def joint_words(stones: Assemblage, contacts: Contacts) -> tuple[str, ...]:
+    """Return what was decided about the joints of stones, as sentences, and how far apart their faces are."""
+    lines = joints_lines(joints_record(stones, contacts))
+    return (*lines, *histogram_lines(contacts)) if lines else ()
+
+
+def gate_words(stones: Assemblage, contacts: Contacts, shell: ShellTable) -> str:
+    """Return whether the shell fitted to the stones passes the match gate, as a sentence; "" where there is no shell."""
+    if shell.fitted is None:
+        return ""
+    materials = tuple(UnitWeight(str(name), float(weight)) for name, weight in _weights(stones).items())
+    try:
+        mesh = derive_shell(shell.fitted.building(materials), shell.keys["element_size_mm"] / 1e3)
+    except InputError as error:
+        return f"Whether the shell matches the stones was not looked at: {error}"
+    match = match_models(replace(stones, panel=shell.fitted.panel), contacts, mesh)
+    if match.passed:
+        return f"The gate passed: shell and stones are one building, in {len(match.figures)} figures."
+    wrong = [figure for figure in match.figures if not figure.passed]
+    failed = [f"{figure.name} ({figure.stones:.4g} and {figure.shell:.4g} {figure.unit})" for figure in wrong]
+    return f"The gate failed, so that a run leaves the shell out: {'; '.join(failed)}. The rigid blocks stand alone."
+
+
+def _weights(stones: Assemblage) -> dict[str, float]:
+    free = ~stones.fixed
+    return dict(zip(stones.material[free].tolist(), stones.unit_weight[free].tolist(), strict=True))
 
 
 def _copies(path: Path, folder: Path) -> dict[Path, Path]:
@@ -169,11 +208,20 @@ def parse_length(option: str, text: str | None) -> float | None:
     return value
 
 
-def record_findings(findings: Findings, folder: Path, units: str) -> None:
-    """Write findings.json, and findings.dxf to lay over the drawing; nothing when there are none."""
+def record_findings(findings: Findings, folder: Path, units: str, stones: Assemblage | Sequence[Body], after: str) -> None:
+    """Write findings.html, with a picture of the stones, and where there are findings findings.json and findings.dxf, to lay over
+    the drawing.
+
+    stones: of a file with errors the bodies that were read. after: what to type next.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    if importlib.util.find_spec("jinja2"):
+        from churchpipe.report.findings_page import sound_stones, write_findings_page
+
+        drawn = stones if isinstance(stones, Assemblage) else sound_stones(stones)
+        write_findings_page(folder / "findings.html", findings, drawn, after)
     if not len(findings):
         return
-    folder.mkdir(parents=True, exist_ok=True)
     record = {"file": findings.file, "findings": findings.records()}
     write_text(folder / "findings.json", json.dumps(record, indent=1, ensure_ascii=False) + "\n")
     write_findings(findings, folder / "findings.dxf", units)

@@ -25,6 +25,7 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Elastic, Material
 from churchpipe.resources import sample_names
+from damaged_drawings import SAMPLES
 from imprecise import corner
 from solids import box, on_ground, prism
 
@@ -123,6 +124,17 @@ def test_generate_writes_a_case_once(capsys: pytest.CaptureFixture[str], tmp_pat
     assert code == 2
     assert "exists already" in err
     assert (tmp_path / "mine.toml").read_text() == "precious"
+
+
+def test_an_imported_case_is_exported_as_it_was_drawn(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    code, _, _ = call(capsys, "import", SAMPLES / "sound.dxf", "-o", tmp_path / "case")
+    assert code == 0
+    code, out, _ = call(capsys, "export-dxf", tmp_path / "case" / "case.toml", "-o", tmp_path / "again.dxf")
+    assert code == 0
+    first, again = (read_drawing(path).stones for path in (SAMPLES / "sound.dxf", tmp_path / "again.dxf"))
+    assert f"{int((~first.fixed).sum())} stones" in out
+    assert sorted(again.block_id) == sorted(first.block_id)
+    assert again.volume.sum() == pytest.approx(first.volume.sum(), rel=1e-12)
 
 
 def test_export_and_import_give_the_same_case(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """Commands of files of stones: import, check, export-dxf."""
 
+import shlex
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -73,16 +74,13 @@ def import_file(
     )
     _list(done.findings)
     out.print(f"{done.stones} stones on {done.fixed} fixed ones: {done.case}", markup=False, soft_wrap=True)
-    if len(done.findings):
-        out.print(
-            f"Findings: {folder / 'findings.json'} and findings.dxf, circles to lay over the drawing.",
-            markup=False,
-            soft_wrap=True,
-        )
+    more = ", findings.json, and findings.dxf with circles to lay over the drawing" if len(done.findings) else ""
+    out.print(f"Look at it: {folder / 'findings.html'}{more}", markup=False, soft_wrap=True)
     for line in (*done.joints, done.shell):
         out.print(line, markup=False, soft_wrap=True)
     for key in done.missing:
         out.print(f"Still to be filled in: {key}", markup=False, soft_wrap=True)
+    out.print(f"Next: churchpipe run {shlex.quote(str(done.case))}", markup=False, soft_wrap=True)
 
 
 @app.command()
@@ -114,22 +112,27 @@ def check(
         check_case(file)
         return
     from churchpipe.findings import FindingsError
-    from churchpipe.importing import check_drawing, parse_length, record_findings
+    from churchpipe.importing import check_drawing, joint_words, parse_length, record_findings
 
     reading = _reading(units, support, repair, thickness, plane, joint, joint_mode, mortar, up, scale, bond, course, stone)
     try:
-        read, joints = check_drawing(file, reading, contact_gap=parse_length("--contact-gap", contact_gap))
+        read, contacts = check_drawing(file, reading, contact_gap=parse_length("--contact-gap", contact_gap))
     except FindingsError as error:
         if folder:
-            record_findings(error.findings, folder, units or "m")
+            again = "Mend what the errors say, then check it again."
+            record_findings(error.findings, folder, units or "m", error.bodies, again)
+            err.print(f"Look at it: {folder / 'findings.html'}", markup=False, soft_wrap=True)
         raise
     _list(read.findings)
-    for line in joints:
+    for line in joint_words(read.stones, contacts):
         out.print(line, markup=False, soft_wrap=True)
+    after = f"churchpipe import {shlex.quote(str(file))}"
     if folder:
-        record_findings(read.findings, folder, read.units)
+        record_findings(read.findings, folder, read.units, read.stones, f"{after}, with the same options, makes a case of it.")
+        out.print(f"Look at it: {folder / 'findings.html'}", markup=False, soft_wrap=True)
     warnings = f"{len(read.findings)} warnings" if len(read.findings) else "nothing to report"
     out.print(f"{file}: {int((~read.stones.fixed).sum())} stones, {warnings}.", markup=False, soft_wrap=True)
+    out.print(f"Next: {after}, with the same options", markup=False, soft_wrap=True)
 
 
 @app.command("export-dxf")
@@ -139,14 +142,21 @@ def export_dxf(
     changes: Changes = None,
 ) -> None:
     """Write the stones of a case as a DXF drawing, its materials and loads inside."""
-    from churchpipe.config import read_case
+    from dataclasses import asdict
+
+    from churchpipe.config import Generated, read_case
     from churchpipe.dxf.writer import write_dxf
+    from churchpipe.meshes.reader import read_file
     from churchpipe.stones.blocks import derive_blocks
 
     if drawing.suffix.lower() != ".dxf":
         raise UsageError(f"--out {drawing}", "not the name of a drawing", expected="a name that ends in .dxf")
     read = read_case(case, changes or ())
-    stones = derive_blocks(read.building())
+    if isinstance(read.source, Generated):
+        stones = derive_blocks(read.building())
+    else:
+        weights = {material.name: material.unit_weight for material in read.materials}
+        stones = read_file(read.source.path, unit_weight=weights, **asdict(read.source.reading)).stones
     write_dxf(stones, drawing, materials=read.materials, loads=read.loads)
     out.print(f"{int((~stones.fixed).sum())} stones: {drawing}", soft_wrap=True)
 

@@ -9,7 +9,7 @@ from churchpipe.errors import InputError
 from churchpipe.geometry.planar import area, polygon
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import SHELL_PATTERNS, Panel
-from churchpipe.recognition.panels import fit_panels
+from churchpipe.recognition.panels import FittedPanels, fit_panels
 
 # Elements of a first mesh: enough to see the mechanism; a limit load takes half a minute, a capacity curve some minutes.
 ELEMENTS = 3000
@@ -17,11 +17,13 @@ ELEMENTS = 3000
 
 @dataclass(frozen=True, slots=True)
 class ShellTable:
-    """The keys of a [shell] table (none when no wall fits the stones), what the user should know, a comment on `analyses`."""
+    """The keys of a [shell] table (none when no wall fits the stones), what the user should know, a comment on `analyses`, and
+    the panels that were fitted, None where there is no shell."""
 
     keys: Mapping[str, Any]
     note: str
     comment: str = ""
+    fitted: FittedPanels | None = None
 
 
 def shell_table(stones: Assemblage, elastic: Mapping[str, bool]) -> ShellTable:
@@ -48,7 +50,7 @@ def shell_table(stones: Assemblage, elastic: Mapping[str, bool]) -> ShellTable:
     if len(fitted.unfit):
         few = ", ".join(fitted.unfit[:8])
         note += f" {len(fitted.unfit)} stones fit none: {few}{' ...' if len(fitted.unfit) > 8 else ''}."
-    return ShellTable(keys, note, comment)
+    return ShellTable(keys, note, comment, fitted)
 
 
 def element_size(panels: Sequence[Panel]) -> float:

@@ -18,7 +18,7 @@ from churchpipe.dxf.reading import Reading
 from churchpipe.dxf.stones import Stone, Survey, summary, survey
 from churchpipe.dxf.units import declared_unit, find_unit
 from churchpipe.errors import InputError
-from churchpipe.findings import Finding, Findings, FindingsError
+from churchpipe.findings import Body, Finding, Findings, FindingsError
 from churchpipe.model.arguments import finite, path_of
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
@@ -124,7 +124,7 @@ def read_drawing(
     findings = [finding.in_metres(schema.metres(unit)) for finding in findings] if unit else findings
     collected = Findings(path.name, tuple(findings))
     if collected.errors or unit is None:
-        raise FindingsError(collected)
+        raise FindingsError(collected, read_bodies(stones, schema.metres(unit) if unit else 1.0))
     return Drawing(assembled(stones, unit, weights, collected), materials, loads, collected, unit, unweighted)
 
 
@@ -234,6 +234,11 @@ def unit_weights(
         )
     fallback = {True: 0.0, False: RELATIVE_WEIGHT}
     return np.array([table.get(stone.material, fallback[stone.fixed]) for stone in stones]), unweighted
+
+
+def read_bodies(stones: Sequence[Stone], unit: float) -> tuple[Body, ...]:
+    """Return what was read of a file that has errors; unit: of its coordinates, m."""
+    return tuple(Body(stone.name, stone.points * unit, stone.faces, stone.fixed) for stone in stones)
 
 
 def assembled(stones: Sequence[Stone], unit: str, weights: FloatArray, findings: Findings) -> Assemblage:

@@ -62,6 +62,11 @@ def mend(points: FloatArray, faces: Iterable[Sequence[int]], *, repair: bool) ->
     given = [tuple(face) for face in faces]
     before = signed_volume(points, given)
     changes: Counter[str] = Counter()
+    if given and before > 0 and surface_fault(given) is None and not _doubled(points):
+        # Nearly every body of a file: closed, outward, each corner once.
+        shell, changes[SPLIT], worst = split_warped(points, given)
+        after = signed_volume(points, shell) if changes[SPLIT] else before
+        return Mended(points, shell, dict(+changes), before, after, worst)
     corners, shell = _welded(points, given, changes)
     shell = _outward(corners, shell, changes)
     if surface_fault(shell) and repair:
@@ -91,9 +96,14 @@ def flat(points: FloatArray, faces: Sequence[Face]) -> bool:
     return bool(spread[-1] <= NEARLY * spread[0])
 
 
+def _doubled(points: FloatArray) -> bool:
+    """Return whether two vertices are at one place."""
+    return len(coincident(points, np.zeros(len(points), dtype=np.int64))) > 0
+
+
 def _welded(points: FloatArray, faces: list[Face], changes: Counter[str]) -> tuple[FloatArray, list[Face]]:
     """Join equal vertices of a body that is not closed, or that proves to be two equal closed bodies once they are joined."""
-    if not len(coincident(points, np.zeros(len(points), dtype=np.int64))):
+    if not _doubled(points):
         return points, faces
     welded = weld(points, faces)
     fault = surface_fault(welded[1])

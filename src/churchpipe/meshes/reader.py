@@ -14,7 +14,16 @@ from churchpipe.dxf import schema
 from churchpipe.dxf.duplicates import distinct_stones
 from churchpipe.dxf.jointing import jointed
 from churchpipe.dxf.laying import laid_stones
-from churchpipe.dxf.reader import Drawing, assembled, given_weights, read_drawing, supported, uniquely_named, unit_weights
+from churchpipe.dxf.reader import (
+    Drawing,
+    assembled,
+    given_weights,
+    read_bodies,
+    read_drawing,
+    supported,
+    uniquely_named,
+    unit_weights,
+)
 from churchpipe.dxf.reading import Reading
 from churchpipe.dxf.units import length_text, plausible, unit_hint
 from churchpipe.errors import InputError
@@ -125,7 +134,7 @@ def read_file(path: str | os.PathLike[str], *, unit_weight: float | Mapping[str,
     weights[: len(share)] *= share
     collected = Findings(path.name, tuple(finding.in_metres(1.0) for finding in findings), source.reader)
     if collected.errors or unit is None:
-        raise FindingsError(collected)
+        raise FindingsError(collected, read_bodies(stones, 1.0))
     merged = dissolved(stones)
     stones = [replace(stone, points=points, faces=tuple(faces)) for stone, (points, faces) in zip(stones, merged, strict=True)]
     return Drawing(assembled(stones, "m", weights, collected), (), (), collected, unit, unweighted)

@@ -1,6 +1,7 @@
 """How far apart the faces are that meet or nearly meet: why the tolerances of joints are what they are."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -37,3 +38,20 @@ def _histogram(joints: FloatArray, near: FloatArray, least: float) -> Histogram:
     edges = np.geomspace(least, 1.001 * largest, BINS + 1)
     counts = [np.histogram(np.maximum(values, least), edges)[0].astype(np.int64) for values in (joints, near)]
     return Histogram(edges, counts[0], counts[1])
+
+
+def histogram_lines(contacts: Contacts) -> list[str]:
+    """Return the gaps and angles of joints and near misses as lines of text, one a decade."""
+    out: list[str] = []
+    tables = (
+        ("gap, mm", 1e3, np.abs(contacts.gap).max(axis=1, initial=0.0), np.abs(contacts.near_misses.gap), TOUCHING),
+        ("angle, degrees", float(np.degrees(1.0)), contacts.angle, contacts.near_misses.angle, PARALLEL),
+    )
+    for words, unit, joints, near, least in tables:
+        out.append(f"{words:>16}   joints   near misses")
+        edges = [0.0, *(least * 10.0 ** np.arange(0, 8)).tolist()]
+        for low, high in pairwise(edges):
+            counts = [int(((values >= low) & (values < high)).sum()) for values in (joints, near)]
+            if any(counts):
+                out.append(f"{'below' if not low else 'from':>7} {unit * (low or high):8.3g}   {counts[0]:6d}   {counts[1]:11d}")
+    return out

@@ -112,6 +112,14 @@ function start(canvas, renderer) {
   const byName = Object.fromEntries(data.panels.map((p, i) => [p.name, panelColours[i]]));
   const shell = data.shell ? new ShellView(data.shell, byName, data.colours.edge, scene) : null;
   if (data.ground) scene.add(ground(extent));
+  // Places of findings, seen through the stones before them.
+  for (const mark of data.marks ?? []) {
+    const ball = new THREE.Mesh(
+      new THREE.SphereGeometry(mark.radius, 24, 16),
+      new THREE.MeshBasicMaterial({ color: mark.colour, transparent: true, opacity: 0.6, depthTest: false }));
+    ball.position.set(...mark.place);
+    scene.add(ball);
+  }
   const arrow = new THREE.Group();
   scene.add(arrow);
 
