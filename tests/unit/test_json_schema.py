@@ -91,7 +91,7 @@ def test_check_examines_a_case(capsys: pytest.CaptureFixture[str], tmp_path: Pat
     path.write_text(sample_case("s22_friction"))
     code, out, _ = call(capsys, "check", path)
     assert code == 0
-    assert "1 structures" in out
+    assert "1 structure," in out
     path.write_text(sample_case("chapel").replace("height_m = 5.0", "height_m = 5.1"))
     code, _, err = call(capsys, "check", path)
     assert code == 1

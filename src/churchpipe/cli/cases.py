@@ -51,7 +51,12 @@ def check_case(path: Path) -> None:
         elif not case.source.path.exists():
             raise InputError(f"{path}: source", "no such file of stones", found=case.source.path)
     todo = plan(variants)
-    counts = ((todo.geometries, "structures"), (todo.shells, "meshes"), (todo.analyses, "analyses"))
-    out.print(f"{path}: {', '.join(f'{len(made)} {name}' for made, name in counts if made)}.", markup=False, soft_wrap=True)
+    counts = (
+        (todo.geometries, "structure", "structures"),
+        (todo.shells, "mesh", "meshes"),
+        (todo.analyses, "analysis", "analyses"),
+    )
+    words = [f"{len(made)} {one if len(made) == 1 else several}" for made, one, several in counts if made]
+    out.print(f"{path}: {', '.join(words)}.", markup=False, soft_wrap=True)
     for question in todo.index["questions"]:
         err.print(question, markup=False, soft_wrap=True)

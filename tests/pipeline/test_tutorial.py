@@ -1,0 +1,49 @@
+"""The tutorial: its case is sound at every step, and gives the numbers that the page prints."""
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from churchpipe import cli
+from churchpipe.config import read_case, read_variants
+
+PAGE = (Path(__file__).parents[2] / "docs" / "tutorial.md").read_text(encoding="utf-8")
+STEPS = re.findall(r"^```toml\n(.*?)^```", PAGE, flags=re.DOTALL | re.MULTILINE)
+
+
+def called(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
+    monkeypatch.setattr("sys.argv", ["churchpipe", *arguments])
+    with pytest.raises(SystemExit) as left:
+        cli.main()
+    return int(left.value.code or 0)
+
+
+@pytest.mark.parametrize("count", range(1, len(STEPS) + 1))
+def test_the_case_is_sound_after_each_step(count: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("nave.toml").write_text("\n".join(STEPS[:count]), encoding="utf-8")
+    assert called(monkeypatch, "check", "nave.toml") == 0
+    assert [case.name for case in read_variants("nave.toml")] == ["nave"] * (2 if count == len(STEPS) else 1)
+    assert {panel.name for panel in read_case("nave.toml").building().panels} >= {"facade", "nave_left", "nave_right", "east"}
+
+
+def load_factors(folder: Path) -> dict[tuple[str | None, str], float]:
+    records = json.loads((folder / "summary.json").read_text(encoding="utf-8"))["analyses"]
+    return {(record.get("variant") or None, record["load"]): record["load_factor"] for record in records}
+
+
+@pytest.mark.slow("docs/tutorial.md: load factors of the nave, with its roof and with ties")
+def test_the_numbers_of_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    rows = re.findall(r"^\| ([+-][xy]) \| (\.\d+) \|(?: (\.\d+) \|)?$", PAGE, flags=re.MULTILINE)
+    assert len(rows) == 4
+    for text, printed in ((STEPS[0], rows[:2]), ("\n".join(STEPS), rows[2:])):
+        Path("nave.toml").write_text(text, encoding="utf-8")
+        assert called(monkeypatch, "run", "nave.toml", "--out", "run") == 0
+        found = load_factors(Path("run"))
+        for load, bare, tied in printed:
+            assert found[None, load] == pytest.approx(float(bare), abs=5e-5)
+            if tied:
+                assert found["two ties", load] == pytest.approx(float(tied), abs=5e-5)
