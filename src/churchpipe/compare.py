@@ -154,8 +154,8 @@ def contact_models(analyses: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]
 # Load factors of both contact models that differ by no more than this share are alike.
 _ALIKE = 0.03
 _APART = (
-    "Joints twist in this mechanism: friction at their corners resists up to 1.85 times the torque that it resists under uniform "
-    "pressure. Use the lower load factor; that of the torsion model is nearer to tests of walls that twist."
+    "Where friction acts in a joint matters to this mechanism, whose stones twist on each other: at the corners it resists up to "
+    "1.85 times the torque that it resists under uniform pressure. Use the lower load factor."
 )
 
 

@@ -142,6 +142,14 @@ def test_tilting_tests(test: str, expected: float) -> None:
     assert state.load_factor == pytest.approx(expected, abs=6e-5 if test == "S5" else 1e-6)
 
 
+@pytest.mark.slow("docs/contact_models.md: S5 without dilatancy")
+def test_tilting_test_about_the_pressure() -> None:
+    stones, contacts = tilting_test("S5")
+    state = cp.limit_analysis(stones, contacts, TILTING_LOADS["S5"], MU, contact_model="torsion", flow="non-associative")
+    assert state.status == "converged"
+    assert state.load_factor == pytest.approx(0.383, abs=2e-3)
+
+
 def test_bad_arguments() -> None:
     stones = on_ground(box((0, 1), (0, 1), (0, 1)))
     contacts, load = cp.find_contacts(stones), cp.LoadCase((1, 0, 0))
