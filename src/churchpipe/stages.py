@@ -293,8 +293,8 @@ def curve(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
     options = {key: table[key] for key in ("solver", "control", "step", "steps", "furthest", "halo") if key in table}
     used = set(stones.material[~stones.fixed].tolist())
     borne = placed(carries_of(table), stones)
-    found = block_pushover(stones, joints, loaded(load, stones, borne.loads), friction, **options, progress=progress)
-    found = without_ties(found, borne.ties)
+    pushed = loaded(load, stones, borne.loads)
+    found = block_pushover(stones, joints, pushed, friction, borne.ties, **options, progress=progress)
     write_npz(state, found)
     write_record(record, curve_record_of(found, load, [material for material in materials if material.name in used]))
 

@@ -1,5 +1,6 @@
 """What stays the same while stones move: the drawing, loads and friction, and the lengths that steps are measured by."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,10 +11,12 @@ from churchpipe.large_displacements.poses import start_poses
 from churchpipe.large_displacements.renewal import PairFriction, first_joints, pair_friction
 from churchpipe.large_displacements.supports import SupportMovement
 from churchpipe.large_displacements.travelling import TravellingLoads, dead_loads
+from churchpipe.large_displacements.travelling_ties import TravellingTies, travelling_ties
 from churchpipe.model.arrays import BoolArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
+from churchpipe.model.ties import Tie
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
 
 # The largest displacement of a step, and how far apart points may be that can still come to bear, over the thinnest side of the
@@ -42,6 +45,7 @@ class MovingModel:
     step: float
     reach: float
     solver: str
+    ties: TravellingTies
 
 
 def moving_model(
@@ -54,6 +58,7 @@ def moving_model(
     moving: BoolArray,
     step: float | None,
     solver: str,
+    ties: Sequence[Tie] = (),
 ) -> MovingModel:
     """Return the model of stones of which `moving` (nb,) go first; balance: theirs as drawn; step m, None: by their thickness."""
     size = thinnest(stones, moving)
@@ -73,6 +78,7 @@ def moving_model(
         step=_STEP * size if step is None else step,
         reach=_REACH * size,
         solver=solver,
+        ties=travelling_ties(stones, ties),
     )
 
 

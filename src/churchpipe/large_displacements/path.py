@@ -1,6 +1,6 @@
 """The motion of an assemblage step by step: programs in the displaced geometry, and where each takes the stones."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import scipy.sparse as sp
@@ -41,7 +41,7 @@ class PathState:
     """Where a path has got to: poses, joints, which stones have fallen (nb,), length of the step, m per unit of work.
 
     fastest: speed of the fastest stone in the last step whose motion was credible. before (nb, 6): velocities of the last step
-    at the origin, way (m per unit of work) how far it went; None as drawn.
+    at the origin, way (m per unit of work) how far it went; None as drawn. rest (nt,) m: what ties have been pulled to.
     """
 
     poses: Poses
@@ -51,6 +51,7 @@ class PathState:
     fastest: float = np.inf
     before: FloatArray | None = None
     way: float = 0.0
+    rest: FloatArray = field(default_factory=lambda: np.zeros(0))
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +86,8 @@ def first_state(model: MovingModel) -> PathState:
     """Return the state as drawn."""
     still = model.stones.fixed | model.held
     joints = model.drawn.selected(bearing(still, model.drawn.blocks))
-    return PathState(start_poses(model.stones), joints, np.zeros(len(still), dtype=bool), model.step)
+    none = np.zeros(len(still), dtype=bool)
+    return PathState(start_poses(model.stones), joints, none, model.step, rest=model.ties.drawn)
 
 
 def sliding_as(model: MovingModel, state: PathState, velocities: FloatArray) -> PathState:
@@ -94,7 +96,8 @@ def sliding_as(model: MovingModel, state: PathState, velocities: FloatArray) -> 
     y = velocities[free]
     y = np.concatenate([y[:, :3], model.length * y[:, 3:]], axis=1).ravel()
     power = float(program.live @ y)
-    return replace(state, joints=replace(state.joints, sliding=program.slip(y / power))) if power > 0 else state
+    slip = program.slip(y / power)[: len(state.joints.sliding)] if power > 0 else state.joints.sliding
+    return replace(state, joints=replace(state.joints, sliding=slip))
 
 
 def solve_state(model: MovingModel, state: PathState, programs: int = PROGRAMS) -> PathStep:
@@ -106,7 +109,7 @@ def solve_state(model: MovingModel, state: PathState, programs: int = PROGRAMS) 
     """
     stones, program, free, gap = _program(model, state)
     solve = solver_for(program.balance, model.solver)
-    length, sliding = state.length, state.joints.sliding
+    length, sliding = state.length, np.append(state.joints.sliding, np.zeros(len(model.ties.name)))
     attempt, free_way, best = 0, True, None
     while True:
         answer = solve_step(program, np.maximum(gap / length + sliding, 0.0), gap / length, solve)
@@ -136,15 +139,21 @@ def solve_state(model: MovingModel, state: PathState, programs: int = PROGRAMS) 
     sliding = program.slip(answer.y) if answer.outcome == "solved" else sliding
     rate = program.rates(answer.y)
     return PathStep(
-        state=replace(state, joints=replace(state.joints, sliding=sliding), length=length),
+        state=replace(state, joints=replace(state.joints, sliding=sliding[: len(state.joints.sliding)]), length=length),
         answer=answer,
         speed=speed,
         velocity=velocity,
         rate=rate,
         way=way,
-        friction_power=-float((answer.forces[:, 1:] * rate[:, 1:]).sum()),
+        friction_power=-float((answer.forces[:, 1:] * rate[:, 1:]).sum()) - _yielding(model, answer, rate),
         lost=falling_stones(answer, speed, state.fastest, model.stones.weight, _spared(model, state)),
     )
+
+
+def _yielding(model: MovingModel, answer: StepAnswer, rate: FloatArray) -> float:
+    """Return the work of the tensions on the ends of the ties, per unit of work: negative where ties yield."""
+    tied = slice(len(rate) - len(model.ties.name), len(rate))
+    return float(answer.forces[tied, 0] @ rate[tied, 0])
 
 
 def next_state(model: MovingModel, step: PathStep, furthest: float = np.inf) -> PathState:
@@ -198,7 +207,8 @@ def _spared(model: MovingModel, state: PathState) -> float:
 
 def _renewed(model: MovingModel, state: PathState) -> PathState:
     stones = _standing(model, state)
-    return replace(state, joints=renewed(state.joints, stones, state.poses, state.fallen, model.reach))
+    joints = renewed(state.joints, stones, state.poses, state.fallen, model.reach)
+    return replace(state, joints=joints, rest=np.maximum(state.rest, model.ties.lengths(state.poses)))
 
 
 def _free(model: MovingModel, state: PathState) -> BoolArray:
@@ -210,6 +220,7 @@ def _standing(model: MovingModel, state: PathState) -> Assemblage:
 
 
 def _program(model: MovingModel, state: PathState) -> tuple[Assemblage, StepProgram, IntArray, FloatArray]:
+    """Return the stones, the program of a state, the free stones, and the gaps of its points; slack of its ties."""
     stones = _standing(model, state)
     contacts, gap = state.joints.at(state.poses)
     free = np.flatnonzero(~stones.fixed)
@@ -218,12 +229,14 @@ def _program(model: MovingModel, state: PathState) -> tuple[Assemblage, StepProg
     friction = model.friction.of(contacts.blocks, stones.count)[contacts.interface_of_point]
     if isinstance(model.driven, TravellingLoads):
         balance = contact_wrenches(stones, contacts, free, model.length)
-        return (
-            stones,
-            StepProgram(balance, dead, model.driven.rows(rotation, free, model.force, model.length), friction),
-            free,
-            gap,
-        )
+        live = model.driven.rows(rotation, free, model.force, model.length)
+        if not model.ties.name:
+            return stones, StepProgram(balance, dead, live, friction), free, gap
+        balance = balance.joined(model.ties.wrenches(state.poses, free, model.length))
+        broken = model.ties.broken(state.rest, state.fallen)
+        bound = np.where(broken, 0.0, model.ties.strength / model.force)
+        program = StepProgram(balance, dead, live, np.append(friction, np.zeros(len(bound))), bound)
+        return stones, program, free, np.append(gap, state.rest - model.ties.lengths(state.poses))
     twist = model.driven.twist(state.poses)
     twist[:, 3:] *= model.length
     balance = contact_wrenches(stones, contacts, np.append(free, model.driven.stones), model.length)

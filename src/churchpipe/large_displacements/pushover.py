@@ -8,7 +8,6 @@ from typing import cast
 import numpy as np
 import numpy.typing as npt
 
-from churchpipe.errors import InputError
 from churchpipe.large_displacements.control import Control, control_of
 from churchpipe.large_displacements.following import Ending, follow
 from churchpipe.large_displacements.halo import HALO, STILL, held_around
@@ -17,13 +16,14 @@ from churchpipe.large_displacements.path import FIRST, PathState, PathStep, firs
 from churchpipe.large_displacements.record import Progress, Record
 from churchpipe.large_displacements.travelling import live_loads
 from churchpipe.mechanism import moving_stones, reference_speed, stone_speed
-from churchpipe.model.arguments import check_kind, positive, whole
+from churchpipe.model.arguments import positive, whole
 from churchpipe.model.arrays import BoolArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.block_curve import BlockCapacityCurve, CurveStatus
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.results import LimitState
+from churchpipe.model.ties import Tie
 from churchpipe.rigid_blocks.equilibrium import equilibrium
 from churchpipe.rigid_blocks.limit import Flow, limit_analysis
 
@@ -36,7 +36,7 @@ def block_pushover(
     contacts: Contacts,
     load: LoadCase,
     friction: npt.ArrayLike = 0.6,
-    ties: Sequence[object] = (),
+    ties: Sequence[Tie] = (),
     control: npt.ArrayLike | None = None,
     *,
     step: float | None = None,
@@ -62,7 +62,8 @@ def block_pushover(
     friction
         Coefficient, a number or one an interface (ni,).
     ties
-        Ties; none can be given as yet.
+        Rigid-plastic: each pulls with its strength while it lengthens, hangs slack when its ends come nearer again, and breaks at
+        its ultimate elongation.
     control
         Point (3,) m of the drawing whose displacement along the load the curve is drawn against; None: the mean displacement
         of the pushed stones, weighed by their load.
@@ -91,49 +92,59 @@ def block_pushover(
         Arguments out of range, stones without a path to a support.
     """
     begin = perf_counter()
-    _check(ties, step, steps, furthest, halo)
-    state = limit_analysis(stones, contacts, load, friction, solver=solver)
+    _check(step, steps, furthest, halo)
+    state = limit_analysis(stones, contacts, load, friction, ties=ties, solver=solver)
     if state.status != "optimal":
         return _nothing(stones, state, perf_counter() - begin)
     measure = control_of(stones, load, control)
     speed = stone_speed(stones, state.velocities)
     moving = moving_stones(speed) & ~stones.fixed
     balance = equilibrium(stones, contacts, load)
-    model = moving_model(stones, contacts, load, live_loads(stones, load), friction, balance, moving, step, solver)
-    model = replace(model, held=_held(model, contacts, load, friction, state, halo)) if halo else model
+    model = moving_model(stones, contacts, load, live_loads(stones, load), friction, balance, moving, step, solver, ties)
+    model = replace(model, held=_held(model, contacts, load, friction, state, halo, ties)) if halo else model
     record = _Curve(model, measure, furthest, progress)
-    ending = follow(model, _started(model, contacts, load, friction), int(steps), record, halo)
+    ending = follow(model, _started(model, contacts, load, friction, ties), int(steps), record, halo)
     return record.curve(ending, perf_counter() - begin)
 
 
-def _started(model: MovingModel, contacts: Contacts, load: LoadCase, friction: npt.ArrayLike) -> PathState:
+def _started(model: MovingModel, contacts: Contacts, load: LoadCase, friction: npt.ArrayLike, ties: Sequence[Tie]) -> PathState:
     """Return the state as drawn with the sliding of a motion without dilatancy: that of its own programs, or where these come
     near it too slowly, that of the certified analysis."""
     first = first_state(model)
     step = solve_state(model, first, FIRST)
     if step.answer.outcome != "solved" or step.misfit < _STARTED:
         return step.state
-    found = _of_followed(model, contacts, load, friction, "non-associative")
+    found = _of_followed(model, contacts, load, friction, "non-associative", ties)
     return sliding_as(model, first, found.velocities) if found.status in ("converged", "not-converged") else step.state
 
 
 def _held(
-    model: MovingModel, contacts: Contacts, load: LoadCase, friction: npt.ArrayLike, state: LimitState, rings: int
+    model: MovingModel,
+    contacts: Contacts,
+    load: LoadCase,
+    friction: npt.ArrayLike,
+    state: LimitState,
+    rings: int,
+    ties: Sequence[Tie],
 ) -> BoolArray:
     """Return the stones to hold still (nb,): without them the first load factor is kept to `_KEPT`."""
     speed = stone_speed(model.stones, state.velocities)
+    moving = speed > STILL * reference_speed(speed)
+    moving[model.ties.stone] = True
     while True:
-        held = held_around(model.stones, contacts.blocks, speed > STILL * reference_speed(speed), rings)
-        followed = _of_followed(replace(model, held=held), contacts, load, friction, "associative") if held.any() else state
+        held = held_around(model.stones, contacts.blocks, moving, rings)
+        followed = _of_followed(replace(model, held=held), contacts, load, friction, "associative", ties) if held.any() else state
         if followed.status == "optimal" and followed.load_factor <= (1 + _KEPT) * state.load_factor:
             return held
         rings *= 2
 
 
-def _of_followed(model: MovingModel, contacts: Contacts, load: LoadCase, friction: npt.ArrayLike, flow: Flow) -> LimitState:
+def _of_followed(
+    model: MovingModel, contacts: Contacts, load: LoadCase, friction: npt.ArrayLike, flow: Flow, ties: Sequence[Tie]
+) -> LimitState:
     """Return the limit analysis of the stones that are not held."""
     stones = replace(model.stones, fixed=model.stones.fixed | model.held)
-    return limit_analysis(stones, contacts, load, friction, flow=flow, solver=model.solver)
+    return limit_analysis(stones, contacts, load, friction, flow=flow, ties=ties, solver=model.solver)
 
 
 class _Curve(Record):
@@ -142,10 +153,14 @@ class _Curve(Record):
     def __init__(self, model: MovingModel, control: Control, furthest: float | None, progress: Progress | None) -> None:
         super().__init__(model, control)
         self.furthest, self.progress = furthest, progress
+        self.broken: dict[str, float] = {}
 
     def add(self, step: PathStep) -> Ending | None:
         """Take down a step; it ends the curve when the load factor has vanished or a stone has gone far enough."""
         self.note(step)
+        ties, state = self.model.ties, step.state
+        for name in np.array(ties.name)[ties.broken(state.rest, state.fallen)]:
+            self.broken.setdefault(str(name), self.displacement[-1])
         if step.answer.load_factor <= 0:
             return Ending("vanished")
         if self.furthest is not None and self.largest[-1] >= self.furthest:
@@ -157,6 +172,7 @@ class _Curve(Record):
     def curve(self, ending: Ending, seconds: float) -> BlockCapacityCurve:
         """Return the curve."""
         gone, factor = self.displacement, self.load_factor
+        lost = [f"tie {name} broke at a displacement of {1e3 * at:.3g} mm" for name, at in self.broken.items()]
         d0 = gone[-1] if ending.status == "collapsed" and factor else float("nan")
         if ending.status == "vanished":
             share = factor[-2] / (factor[-2] - factor[-1]) if len(factor) > 1 else 0.0
@@ -168,15 +184,12 @@ class _Curve(Record):
             status=cast(CurveStatus, ending.status),
             d0=d0,
             fallen=tuple(self.fallen),
-            message=ending.message,
+            message="; ".join([*filter(None, [ending.message]), *lost]),
             seconds=seconds,
         )
 
 
-def _check(ties: Sequence[object], step: float | None, steps: int, furthest: float | None, halo: int) -> None:
-    check_kind("block_pushover: ties", ties, Sequence)
-    if len(ties):
-        raise InputError("block_pushover: ties", "not yet followed at large displacements", found=len(ties), expected="none")
+def _check(step: float | None, steps: int, furthest: float | None, halo: int) -> None:
     whole("block_pushover: steps", steps, least=1)
     whole("block_pushover: halo", halo, least=0)
     for name, value in (("step", step), ("furthest", furthest)):

@@ -1,6 +1,6 @@
 """One program of a path: the load factor and the velocities of stones where they are now."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -19,12 +19,14 @@ class StepProgram:
     """What a load factor is sought for: the balance of displaced stones and the friction of their contact points.
 
     balance (m, 3 nc): what the forces of the points do to the stones; dead and live (m,) as in `Equilibrium`; friction (nc,).
+    tie (nt,): the largest tension of the last points, which are ties, over the weight.
     """
 
     balance: Balance
     dead: FloatArray
     live: FloatArray
     friction: FloatArray
+    tie: FloatArray = field(default_factory=lambda: np.zeros(0))
 
     def rates(self, y: FloatArray) -> FloatArray:
         """Return the rates (nc, 3) n, t1, t2 of multipliers y (m,)."""
@@ -67,7 +69,9 @@ def solve_step(program: StepProgram, opening: FloatArray, closing: FloatArray, s
     sliding is known slide without dilating.
     """
     zero = np.zeros_like(opening)
-    cone = ConeProgram(program.balance, program.dead, program.live, zero, program.friction, opening, zero)
+    first = len(zero) - len(program.tie)
+    bound = np.append(np.full(first, np.inf), program.tie)
+    cone = ConeProgram(program.balance, program.dead, program.live, zero, program.friction, opening, zero, bound=bound)
     answer = solve(cone, duality_gap=_DUALITY_GAP)
     if answer.outcome != "solved":
         return StepAnswer(answer.outcome, answer.x, np.nan, answer.y, message=answer.message)
@@ -81,10 +85,19 @@ def solve_step(program: StepProgram, opening: FloatArray, closing: FloatArray, s
     upper = float(-program.dead @ y + n @ excess)
     undissipated = np.maximum(program.friction * n * slip + (x[:, 1:] * rate[:, 1:]).sum(axis=1), 0.0)
     opened = n * np.minimum(np.abs(rate[:, 0]), np.abs(rate[:, 0] + closing))
+    # A tie pulls at its strength while it lengthens, and not at all while it shortens or hangs slack.
+    lengthens = -(rate[first:, 0] + closing[first:])
+    opened[first:] = n[first:] * np.maximum(-lengthens, 0.0) + (program.tie - n[first:]) * np.maximum(lengthens, 0.0)
     return replace(
         StepAnswer("solved", x, tau, y, message=answer.message),
         residual=float(np.abs(cone.residual(x, tau)).max()),
-        violation=float(max(0.0, (shear - program.friction * n).max(initial=0.0), (-x[:, 0]).max(initial=0.0))),
+        violation=float(
+            max(
+                (shear - program.friction * n).max(initial=0.0),
+                (-x[:, 0]).max(initial=0.0),
+                (x[first:, 0] - program.tie).max(initial=0.0),
+            )
+        ),
         bound_gap=abs(upper - (tau - float(n @ opening))) / max(abs(tau), 1e-3),
         gap=float((opened + undissipated).sum()),
     )

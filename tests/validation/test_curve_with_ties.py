@@ -1,0 +1,73 @@
+"""Capacity curves of stones with ties, against a rocking block held by a force that travels with it.
+
+Block b x h, its top tied to a post at height z by a bar of strength T. As it rocks about its toe, the load factor is
+(W x + T lever)/(W z_c), the arms of weight and tie about the toe where they now are. As drawn that is b/h + 2 T z/(W h).
+"""
+
+import numpy as np
+import pytest
+
+import churchpipe as cp
+from solids import box
+
+B, H, Z = 1.0, 4.0, 3.5
+PUSH = cp.LoadCase((1, 0, 0))
+STONES = cp.Assemblage.from_polyhedra(
+    [box((-9, 9), (-5, 5), (-1, 0)), box((-4, -3), (0, 1), (0, 4)), box((0, B), (0, 1), (0, H))], 18e3, fixed=[0, 1]
+)
+WEIGHT = float(STONES.weight.sum())
+
+
+def curve_with(share: float, **options: float) -> cp.BlockCapacityCurve:
+    tie = cp.Tie("bar", (-3, 0.5, Z), (0, 0.5, Z), (1, 2), strength=share * WEIGHT, **options)
+    return cp.block_pushover(STONES, cp.find_contacts(STONES), PUSH, 0.9, [tie], step=0.05)
+
+
+def expected(curve: cp.BlockCapacityCurve, pull: np.ndarray) -> np.ndarray:
+    turn = curve.rotation[:, 2, 1]
+    toe = np.array([B, 0.0])
+
+    def placed(x: float, z: float) -> np.ndarray:
+        return toe + np.column_stack([(x - B) * np.cos(turn) + z * np.sin(turn), z * np.cos(turn) - (x - B) * np.sin(turn)])
+
+    centre, anchor = placed(B / 2, H / 2), placed(0.0, Z)
+    along = np.array([-3.0, Z]) - anchor
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    arm = anchor - toe
+    # Moments about the toe that hold the block back: of its weight, and of the tie towards -x.
+    back = arm[:, 0] * along[:, 1] - arm[:, 1] * along[:, 0]
+    return (-(centre - toe)[:, 0] + pull * back) / centre[:, 1]
+
+
+@pytest.mark.parametrize(("share", "start"), [(0.02, 0.285), (0.05, 0.3375), (0.1, 0.425)])
+def test_a_tie_that_yields(share: float, start: float) -> None:
+    curve = curve_with(share)
+    assert curve.load_factor[0] == pytest.approx(start, abs=1e-6)
+    assert curve.load_factor == pytest.approx(expected(curve, np.full(len(curve.load_factor), share)), abs=1e-6)
+    assert curve.status == "vanished"
+    assert curve.proved
+    assert curve.gap.max() < 1e-6
+    # The work of the load is what weight and tie have taken.
+    work = np.trapezoid(curve.load_factor, curve.displacement) * WEIGHT
+    lifted = (curve.position[-1, :, 2] - curve.position[0, :, 2]) @ STONES.weight
+    assert work == pytest.approx(lifted + curve.dissipation[-1], rel=2e-3)
+
+
+def test_a_tie_that_breaks() -> None:
+    curve = curve_with(0.1, ultimate=0.2)
+    turn = curve.rotation[:, 2, 1]
+    anchor = np.column_stack([B - B * np.cos(turn) + Z * np.sin(turn), Z * np.cos(turn) + B * np.sin(turn)])
+    longer = np.linalg.norm(anchor - [-3.0, Z], axis=1) - 3.0
+    pull = np.where(longer < 0.2, 0.1, 0.0)
+    assert 0 < (pull > 0).sum() < len(pull)
+    assert curve.load_factor == pytest.approx(expected(curve, pull), abs=1e-6)
+    assert curve.message.startswith("tie bar broke at a displacement of ")
+    free = cp.block_pushover(STONES, cp.find_contacts(STONES), PUSH, 0.9, step=0.05)
+    assert curve.d0 == pytest.approx(free.d0, rel=1e-4)
+
+
+def test_a_tie_on_the_other_side_hangs_slack() -> None:
+    tie = cp.Tie("bar", (-3, 0.5, Z), (0, 0.5, Z), (1, 2), strength=0.1 * WEIGHT)
+    curve = cp.block_pushover(STONES, cp.find_contacts(STONES), cp.LoadCase((-1, 0, 0)), 0.9, [tie], step=0.05)
+    assert curve.load_factor[0] == pytest.approx(B / H, abs=1e-6)
+    assert curve.d0 == pytest.approx(B / 2, abs=1e-5)
