@@ -28,8 +28,11 @@ CASES = {
     "tower": 0,
     "s5": 0,
     "s22": 0,
+    "vault": 0,
+    "dome": 0,
     "chapel": 0,
     "church": 0,
+    "church_vaults": 0,
 }
 
 

@@ -60,3 +60,7 @@ from .stones.blocks import derive_blocks as derive_blocks
 from .stones.contacts import find_contacts as find_contacts
 from .stones.joints import joint_strength as joint_strength
 from .stones.soundness import check_soundness as check_soundness
+from .thrust_lines import RingForces as RingForces
+from .thrust_lines import ThrustLine as ThrustLine
+from .thrust_lines import ring_forces as ring_forces
+from .thrust_lines import thrust_line as thrust_line

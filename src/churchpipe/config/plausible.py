@@ -38,9 +38,35 @@ def size_questions(stones: Assemblage) -> list[str]:
 def _of_case(case: "Case") -> Iterator[str]:
     for material in case.materials:
         yield from _of_record(material, f"material.{material.name}.")
+    yield from _of_vaults(case)
     for name, settings in (("rigid", case.rigid), ("shell", case.shell), ("check", case.check)):
         if settings is not None:
             yield from _of_record(settings, f"{name}.")
+
+
+def _of_vaults(case: "Case") -> Iterator[str]:
+    """Yield what to ask about vaults: where they mislead whoever meets them for the first time (docs/vaults.md)."""
+    generator = getattr(case.source, "generator", "")
+    given: dict[str, Any] = getattr(case.source, "parameters", {})
+    if generator not in ("vault", "dome") and not given.get("vaults"):
+        return
+    if "non-associative" not in case.rigid.flow:
+        yield (
+            "A vault is analysed with joints that open as they slide, an upper estimate, up to twice the load factor that is "
+            'safe: flow = "non-associative" in [rigid] gives the value to use. Is it left out on purpose?'
+        )
+    if given.get("plan") == "half" and given.get("front", "free") == "free":
+        yield (
+            "A half dome pushes outwards all round, and here nothing stands before it: it holds by friction along its rings "
+            'alone. Is front = "wall" meant?'
+        )
+    if generator == "dome" and given.get("laid") == "lunes" and given.get("stone_sides", 2) > 1:
+        turn = (1 if given.get("plan") == "half" else 2) * np.pi * given.get("stone_sides", 2) / given.get("sides", 32) / 2
+        bow = given["span"] / 2 * (1 - np.cos(turn))
+        yield (
+            f"Stones of {given.get('stone_sides', 2)} sides are bowed in plan by {1e3 * bow:.3g} mm, which acts as additional "
+            "thickness of their lunes. Is stone_sides = 1 meant?"
+        )
 
 
 def _of_record(record: Any, place: str) -> Iterator[str]:

@@ -50,6 +50,27 @@ def test_what_is_out_of_all_reason_is_questioned(change: dict[str, float], words
     assert question.endswith("Is it meant?")
 
 
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ('laid = "staggered"\n#', []),
+        ('plan = "half"\n#', ["A half dome pushes outwards all round"]),
+        ('plan = "half"\nfront = "wall"\n#', []),
+        ('laid = "lunes"\n#', ["Stones of 2 sides are bowed in plan by 57.6 mm"]),
+        ('[rigid]\nflow = ["associative"]\n#', ["A vault is analysed with joints that open as they slide"]),
+    ],
+)
+def test_vaults_that_mislead_are_questioned(change: str, words: list[str], tmp_path: Path) -> None:
+    path = tmp_path / "dome.toml"
+    rigid = "" if "[rigid]" in change else '[rigid]\nflow = ["associative", "non-associative"]\n'
+    source = '[source]\ngenerator = "dome"\nspan_m = 6.0\nthickness_m = 0.3\nrings = 6\n'
+    rest = "[material.default]\nunit_weight_kN_m3 = 18\nfriction = 0.6\n[[load]]\ndirection = [1, 0, 0]\n"
+    path.write_text(f"{source}{change}\n{rest}{rigid}")
+    found = questions([read_case(path)])
+    assert len(found) == len(words)
+    assert all(text.startswith(start) for text, start in zip(found, words, strict=True))
+
+
 def test_sizes_are_questioned() -> None:
     wall = on_ground(box((0, 3), (0, 1), (0, 250)), box((0, 3), (0, 1), (250, 500)), unit_weight=2e4)
     height, stone = size_questions(wall)

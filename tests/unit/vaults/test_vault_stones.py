@@ -3,12 +3,15 @@
 import math
 from collections.abc import Callable
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 from churchpipe import generators
+from churchpipe.dxf.reader import read_dxf
+from churchpipe.dxf.writer import write_dxf
 from churchpipe.errors import InputError
 from churchpipe.generators.profile import Profile, to_middle
 from churchpipe.model.assemblage import Assemblage
@@ -178,6 +181,21 @@ def test_a_pointed_key_is_one_stone_and_its_halves_meet_at_the_crown() -> None:
     assert key.corner[:, 1].max() > profile.half.joints[-2, 1, 1] + 0.01
     stones = laid(generators.vault(span=2.0, thickness=0.2, courses=9, shape="pointed", rise=1.5, stone_length=5.0, length=1.0))
     assert stones.count == 1 + 9
+
+
+def test_a_vault_goes_to_cad_and_back(tmp_path: Path) -> None:
+    sizes: dict[str, Any] = {"span": 3.0, "thickness": 0.3, "rings": 5, "sides": 16}
+    drum: dict[str, Any] = {"drum_height": 0.5, "drum_thickness": 0.4, "drum_course": 0.25}
+    groin: dict[str, Any] = {"span": 3.0, "thickness": 0.3, "courses": 9, "stone_length": 0.6, "kind": "groin"}
+    for building in (generators.dome(**sizes, **drum), generators.vault(**groin)):
+        stones = laid(building)
+        write_dxf(stones, tmp_path / "vault.dxf")
+        drawn, findings = read_dxf(tmp_path / "vault.dxf")
+        assert not findings.errors
+        assert drawn.volume.sum() == pytest.approx(stones.volume.sum(), rel=1e-12)
+        for key in ("panel", "course", "block_id"):
+            assert sorted(getattr(drawn, key).tolist()) == sorted(getattr(stones, key).tolist())
+        assert len(find_contacts(drawn).area) == len(find_contacts(stones).area)
 
 
 def test_macro_elements_have_names() -> None:

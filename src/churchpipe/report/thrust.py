@@ -1,0 +1,48 @@
+"""The line of thrust drawn in a section."""
+
+from pathlib import Path
+
+import numpy as np
+from scipy.spatial import ConvexHull
+
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.report import colours
+from churchpipe.thrust_lines import ThrustLine
+
+_INCHES, _DOTS = (6.0, 4.0), 130
+_STONE = "#efe7da"
+
+
+def thrust_picture(
+    stones: Assemblage,
+    line: ThrustLine,
+    path: str | Path,
+    panels: tuple[str, ...],
+    through: tuple[float, float] = (0.0, 0.0),
+    direction: tuple[float, float] = (1.0, 0.0),
+    width: float = 1.0,
+) -> None:
+    """Write a PNG of the stones of some panels within a strip about an upright section, and of the line of thrust in it.
+
+    panels, through, direction, width: as in `thrust_line`. The line is thicker where more force passes; a circle marks a joint
+    at whose edge it passes, a hinge.
+    """
+    from matplotlib.figure import Figure
+
+    along = np.append(np.asarray(direction, dtype=np.float64), 0.0)
+    along /= np.linalg.norm(along)
+    origin = np.append(np.asarray(through, dtype=np.float64), 0.0)
+    off = (stones.centroid - origin) @ np.cross([0.0, 0.0, 1.0], along)
+    figure = Figure(figsize=_INCHES, dpi=_DOTS, layout="constrained")
+    axes = figure.add_subplot(aspect="equal")
+    for stone in np.flatnonzero(np.isin(stones.panel, panels) & (np.abs(off) <= width / 2)).tolist():
+        corner = stones.points[slice(*stones.block_point_ptr[stone : stone + 2])]
+        flat = np.stack([(corner - origin) @ along, corner[:, 2]], axis=1)
+        axes.fill(*flat[ConvexHull(flat).vertices].T, facecolor=_STONE, edgecolor=colours.EDGE, linewidth=0.6)
+    for start, stop, force in zip(line.place[:-1], line.place[1:], line.force[:-1] / line.force.max(), strict=True):
+        axes.plot(*np.stack([start, stop]).T, color=colours.SPEED_STOPS[-1], linewidth=1.0 + 2.5 * force, solid_capstyle="round")
+    hinge = np.abs(line.eccentricity) > 0.98 * line.half
+    axes.plot(*line.place[hinge].T, "o", markerfacecolor="white", markeredgecolor=colours.SPEED_STOPS[-1], markersize=7)
+    axes.set_xlabel("along the section, m")
+    axes.set_ylabel("z, m")
+    figure.savefig(path)

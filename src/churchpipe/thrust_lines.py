@@ -1,0 +1,207 @@
+"""What the forces of an analysis say of a vault: the line of thrust in a section, hoop and meridian forces of a dome."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from churchpipe.errors import InputError
+from churchpipe.model.arguments import check_kind, positive
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, floats
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.contacts import Contacts, check_contacts_of
+
+# A joint that carries less than this share of the weight has no line of thrust through it.
+_NOTHING = 1e-9
+# Sine of the least slope at which a vault may stand on what carries it.
+_LEVEL = 0.4
+
+
+@dataclass(frozen=True, slots=True)
+class ThrustLine:
+    """The line of thrust in an upright section, joint after joint.
+
+    course (n, 2): of the stones on both sides of each joint, -1 for what has none. place (n, 2) m: where the thrust passes, s
+    along the section and z. force (n,) N: its component along the joint's normal. eccentricity (n,) m: distance of that place
+    from the middle of the joint, outwards. half (n,) m: half the width of the joint there, within which it stays.
+    """
+
+    course: IntArray
+    place: FloatArray
+    force: FloatArray
+    eccentricity: FloatArray
+    half: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class RingForces:
+    """The forces of a dome or drum, ring after ring from below: course (n,); height (n,) m of the middle; meridian (n,) N, the
+    sum of the normal forces in the bed below; vertical (n,) N, the vertical resultant there, the weight above less what other
+    parts take; hoop (n,) N, the mean normal force in the ring's head joints: pressure positive, there is no tension.
+    """
+
+    course: IntArray
+    height: FloatArray
+    meridian: FloatArray
+    vertical: FloatArray
+    hoop: FloatArray
+
+
+def thrust_line(
+    stones: Assemblage,
+    contacts: Contacts,
+    forces: npt.ArrayLike,
+    panels: str | tuple[str, ...],
+    through: tuple[float, float] = (0.0, 0.0),
+    direction: tuple[float, float] = (1.0, 0.0),
+    width: float = 1.0,
+) -> ThrustLine:
+    """Return the line of thrust in an upright section of a vault, of the joints within a strip about it.
+
+    Parameters
+    ----------
+    stones
+        Of the whole structure.
+    contacts
+        Their interfaces.
+    forces
+        (nc, 3) N at the contact points: of a `LimitState` or a `SettlementState`.
+    panels
+        The macro-elements whose bed joints are meant, one name or several.
+    through
+        x and y of a point of the section, m.
+    direction
+        Of the section in plan: along x for a barrel that runs along y.
+    width
+        Of the strip, m: joints count whose middle lies in it.
+
+    Raises
+    ------
+    InputError
+        Forces of other joints, names that no stone has, a strip without joints between courses.
+    """
+    force, inside = _checked(stones, contacts, forces, panels)
+    positive("thrust_line: width", width)
+    along = np.append(np.asarray(direction, dtype=np.float64), 0.0)
+    if not np.linalg.norm(along):
+        raise InputError("thrust_line: direction", "no direction", found=direction, expected="x and y, not both 0")
+    along /= np.linalg.norm(along)
+    middle = _means(contacts, contacts.point)
+    origin = np.append(np.asarray(through, dtype=np.float64), 0.0)
+    off = (middle - origin) @ np.cross([0.0, 0.0, 1.0], along)
+    course = np.where(inside, stones.course, -1)[contacts.blocks]
+    beds = inside[contacts.blocks].any(axis=1) & (course[:, 0] != course[:, 1]) & (np.abs(off) <= width / 2)
+    # With other masonry, those at the feet of the vault alone: what lies on its back is no bed.
+    within = stones.course[inside]
+    ends = np.isin(course.max(axis=1), (within.min(), within.max())) & (np.abs(contacts.frame[:, 0, 2]) > _LEVEL)
+    beds &= (course >= 0).all(axis=1) | ends
+    if not beds.any():
+        raise InputError("thrust_line", "no bed joint in the strip", found=f"{width:g} m about {through}", expected="a wider one")
+    point = np.stack([(contacts.point - origin) @ along, contacts.point[:, 2]], axis=1)
+    normal = force[:, 0]
+    side = np.sign(np.stack([(middle - origin) @ along], axis=1)[:, 0])
+    group, label = np.unique(np.column_stack([np.sort(course, axis=1), side])[beds], axis=0, return_inverse=True)
+    number = np.full(len(beds), -1)
+    number[beds] = label.ravel()
+    of_point = number[contacts.interface_of_point]
+    rows: list[tuple[FloatArray, float, float, float]] = []
+    kept: list[int] = []
+    for k in range(len(group)):
+        mine = of_point == k
+        total = float(normal[mine].sum())
+        if total <= _NOTHING * float(stones.weight.sum()):
+            continue
+        own = point[mine]
+        low, high = own[np.argmin(_spread(own))], own[np.argmax(_spread(own))]
+        half, axis = 0.5 * float(np.linalg.norm(high - low)), (high - low) / max(float(np.linalg.norm(high - low)), 1e-12)
+        centre = 0.5 * (low + high)
+        # Outwards: away from the middle of the section, and up.
+        axis = axis if axis @ [np.sign(centre[0]), 1.0] >= 0 else -axis
+        eccentricity = float((normal[mine] @ own / total - centre) @ axis)
+        rows.append((centre + eccentricity * axis, total, eccentricity, half))
+        kept.append(k)
+    place = np.array([row[0] for row in rows]).reshape(-1, 2)
+    # Up on one side, down on the other.
+    left = place[:, 0] < 0
+    order = np.lexsort((np.where(left, -1.0, 1.0) * place[:, 1], left))
+    figures = np.array([row[1:] for row in rows]).reshape(-1, 3)[order]
+    return ThrustLine(group[kept, :2].astype(np.int64)[order], place[order], figures[:, 0], figures[:, 1], figures[:, 2])
+
+
+def ring_forces(
+    stones: Assemblage,
+    contacts: Contacts,
+    forces: npt.ArrayLike,
+    panels: str | tuple[str, ...],
+) -> RingForces:
+    """Return hoop and meridian forces of a dome, of its drum or lantern, ring by ring.
+
+    Parameters
+    ----------
+    stones
+        Of the whole structure.
+    contacts
+        Their interfaces.
+    forces
+        (nc, 3) N at the contact points: of a `LimitState` or a `SettlementState`.
+    panels
+        The macro-elements meant, one name or several.
+
+    Raises
+    ------
+    InputError
+        Forces of other joints, names that no stone has, stones without courses.
+    """
+    force, inside = _checked(stones, contacts, forces, panels)
+    rings = np.unique(stones.course[inside & stones.coursed])
+    if not len(rings):
+        raise InputError("ring_forces: panels", "no stones in courses", found=panels, expected="a dome, drum or lantern")
+    # Normals point from the first stone of a joint to the second, and a force acts on the second.
+    world = np.einsum("pa,pac->pc", force, contacts.frame[contacts.interface_of_point])
+    normal = np.bincount(contacts.interface_of_point, force[:, 0], minlength=len(contacts.blocks))
+    up = np.bincount(contacts.interface_of_point, world[:, 2], minlength=len(contacts.blocks))
+    first, second = contacts.blocks.T
+    rows: list[tuple[float, float, float, float]] = []
+    for ring in rings.tolist():
+        mine = inside & (stones.course == ring)
+        below = inside & stones.coursed & (stones.course < ring)
+        # The lowest ring rests on what is not part of it.
+        below = below & (stones.course == ring - 1) if below.any() else ~inside
+        from_below, onto_below = below[first] & mine[second], mine[first] & below[second]
+        heads = mine[first] & mine[second]
+        weight = stones.weight[mine]
+        rows.append(
+            (
+                float(weight @ stones.centroid[mine, 2] / weight.sum()),
+                float(normal[from_below | onto_below].sum()),
+                float(up[from_below].sum() - up[onto_below].sum()),
+                float(normal[heads].mean()) if heads.any() else 0.0,
+            )
+        )
+    return RingForces(rings.astype(np.int64), *np.array(rows).T)
+
+
+def _checked(
+    stones: Assemblage, contacts: Contacts, forces: npt.ArrayLike, panels: str | tuple[str, ...]
+) -> tuple[FloatArray, BoolArray]:
+    check_kind("stones", stones, Assemblage)
+    check_kind("contacts", contacts, Contacts)
+    check_contacts_of(stones, contacts)
+    force = floats("forces", forces, (len(contacts.point), 3))
+    names = (panels,) if isinstance(panels, str) else tuple(panels)
+    known = np.unique(stones.panel[~stones.fixed]).tolist()
+    for name in names:
+        if name not in known:
+            raise InputError("panels", "no such panel", found=name, expected=", ".join(known))
+    return force, np.isin(stones.panel, names)
+
+
+def _means(contacts: Contacts, values: FloatArray) -> FloatArray:
+    counts = np.maximum(contacts.points_per_interface, 1)[:, None]
+    return np.add.reduceat(values, contacts.point_ptr[:-1], axis=0) / counts
+
+
+def _spread(points: FloatArray) -> FloatArray:
+    """Return the places (n,) of points (n, 2) along their longest extent."""
+    local = points - points.mean(axis=0)
+    return local @ np.linalg.svd(local, full_matrices=False)[2][0]

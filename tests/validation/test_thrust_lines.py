@@ -1,0 +1,66 @@
+"""Lines of thrust, hoop and meridian forces: by the balance of the stones, exactly."""
+
+import numpy as np
+import pytest
+
+import churchpipe as cp
+from churchpipe.errors import InputError
+from churchpipe.generators import dome, vault
+
+SLICE = {"span": 1.85, "thickness": 0.15, "courses": 27, "stone_length": 0.5, "length": 1.0}
+DOME = {"span": 1.9, "thickness": 0.1, "rings": 9, "sides": 32, "oculus": 0.5}
+DRUM = {"drum_height": 0.6, "drum_thickness": 0.14, "drum_course": 0.15}
+
+
+def test_thrust_of_a_barrel_at_collapse_touches_its_edges_in_four_hinges() -> None:
+    stones = cp.derive_blocks(vault(**SLICE))
+    contacts = cp.find_contacts(stones)
+    state = cp.limit_analysis(stones, contacts, cp.LoadCase((1, 0, 0)), friction=0.7)
+    line = cp.thrust_line(stones, contacts, state.forces, "vault", through=(0, 0.5))
+    # 26 joints between 27 courses and the two springings.
+    assert len(line.force) == 28
+    assert line.half == pytest.approx(0.075, abs=1e-6)
+    assert np.abs(line.eccentricity).max() <= 0.075 * (1 + 1e-6)
+    hinges = np.flatnonzero(np.abs(line.eccentricity) > 0.075 * (1 - 1e-4))
+    # A collapse of four hinges, outside and inside in turn along the arch.
+    assert len(hinges) == 4
+    assert (np.diff(np.sign(line.eccentricity[hinges])) != 0).all()
+    # The springings carry the weight: their joints are level.
+    springing = line.place[:, 1] < 1e-9
+    assert line.force[springing].sum() == pytest.approx(stones.weight.sum(), rel=1e-8)
+
+
+def test_masonry_on_the_back_of_a_vault_is_no_bed_of_it() -> None:
+    walls = {"wall_height": 1.0, "wall_thickness": 0.5, "wall_course": 0.5, "backing": 0.5}
+    stones = cp.derive_blocks(vault(**SLICE, **walls))
+    contacts = cp.find_contacts(stones)
+    state = cp.limit_analysis(stones, contacts, cp.LoadCase((1, 0, 0)), friction=0.7)
+    line = cp.thrust_line(stones, contacts, state.forces, "vault", through=(0, 0.5))
+    assert len(line.force) == 28
+    assert line.half == pytest.approx(0.075, abs=1e-6)
+
+
+def test_each_ring_of_a_dome_carries_what_is_above_it() -> None:
+    stones = cp.derive_blocks(dome(**DOME, **DRUM))
+    contacts = cp.find_contacts(stones)
+    state = cp.limit_analysis(stones, contacts, cp.LoadCase((1, 0, 0)), friction=0.7)
+    rings = cp.ring_forces(stones, contacts, state.forces, ("drum", "dome"))
+    above = [stones.weight[~stones.fixed & (stones.course >= ring)].sum() for ring in rings.course]
+    assert rings.vertical == pytest.approx(np.array(above), rel=1e-8)
+    # Beds of the drum are level, those of the dome lean: there the meridian force is larger than the weight it carries.
+    level = rings.course <= 4
+    assert rings.meridian[level] == pytest.approx(rings.vertical[level], rel=1e-8)
+    assert (rings.meridian[~level] > rings.vertical[~level]).all()
+    assert (rings.hoop >= 0).all()
+
+
+def test_bad_arguments_are_named() -> None:
+    stones = cp.derive_blocks(vault(**SLICE))
+    contacts = cp.find_contacts(stones)
+    forces = np.zeros((len(contacts.point), 3))
+    with pytest.raises(InputError, match="panels: no such panel; found roof; expected vault"):
+        cp.thrust_line(stones, contacts, forces, "roof")
+    with pytest.raises(InputError, match="thrust_line: no bed joint in the strip"):
+        cp.thrust_line(stones, contacts, forces, "vault", through=(0, 50))
+    with pytest.raises(InputError, match="forces: wrong shape"):
+        cp.ring_forces(stones, contacts, forces[1:], "vault")
