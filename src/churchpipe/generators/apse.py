@@ -1,20 +1,19 @@
 """Apses: half rounds of masonry, free-standing or behind a wall."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from churchpipe.generators.arched import ArchedOpening, Given
 from churchpipe.generators.checks import whole_courses
 from churchpipe.generators.curved import curved_panel
 from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
+from churchpipe.generators.laying import Bonds, Course, FirstCourse, Joints, Openings, StoneLength
 from churchpipe.generators.layout import WallLayout, check_clear, wall_panels
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
 from churchpipe.generators.openings import rectangle
-from churchpipe.generators.wall_bonds import Bonding, WallBond, bonding_of, check_walls
+from churchpipe.generators.wall_bonds import Bonding, bonding_of, check_walls
 from churchpipe.model.building import Building, CylinderChart, Panel
 from churchpipe.model.materials import UnitWeight
 from churchpipe.model.quantities import Length
@@ -22,26 +21,20 @@ from churchpipe.model.quantities import Length
 
 @dataclass(frozen=True, slots=True)
 class ApseParameters:
-    """An apse behind a wall along x with its middle at x = 0.
+    """An apse behind a wall along x with its middle at x = 0. The walls are called wall and apse."""
 
-    inner_radius, thickness, height: of the apse, m. wall_length, wall_thickness, wall_height: of the wall, m. course,
-    stone_length: m. openings: in the walls `wall` and `apse`. In the apse their centre is measured along its mid-surface, from
-    its middle towards -x. bonds: of walls that are not laid in running bond. joints: as in `BondRegion`. first_course: what runs
-    through the junctions on course 0, the wall ("x") or the apse ("y").
-    """
-
-    course: Length
-    stone_length: Length
-    inner_radius: Length
-    thickness: Length
-    height: Length
-    wall_length: Length
-    wall_thickness: Length
-    wall_height: Length
-    openings: Sequence[ArchedOpening | Given] = ()
-    bonds: Sequence[WallBond | Given] = ()
-    joints: Literal["grid", "bay"] = "bay"
-    first_course: Literal["x", "y"] = "x"
+    course: Course
+    stone_length: StoneLength
+    inner_radius: Annotated[Length, "Inner radius of the apse."]
+    thickness: Annotated[Length, "Thickness of the apse."]
+    height: Annotated[Length, "Height of the apse."]
+    wall_length: Annotated[Length, "Length of the wall."]
+    wall_thickness: Annotated[Length, "Thickness of the wall."]
+    wall_height: Annotated[Length, "Height of the wall."]
+    openings: Openings = ()
+    bonds: Bonds = ()
+    joints: Joints = "bay"
+    first_course: FirstCourse = "x"
 
     def __post_init__(self) -> None:
         coerce_fields(self, "apse.")

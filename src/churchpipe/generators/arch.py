@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -23,17 +23,13 @@ from churchpipe.stones.prisms import thicken
 
 @dataclass(frozen=True, slots=True)
 class ArchParameters:
-    """A circular arch in the x-z plane about the origin, y from 0 to `width`.
+    """A circular arch in the x-z plane about the origin, y from 0 to its width."""
 
-    mean_radius, thickness (in the plane of the arch), width: m. voussoirs: their number, straight-sided. half_angle: rad from the
-    crown to each springing; pi/2 is the semicircle.
-    """
-
-    mean_radius: Length
-    thickness: Length
-    width: Length
-    voussoirs: Count
-    half_angle: Angle = math.pi / 2
+    mean_radius: Annotated[Length, "Radius half way between intrados and extrados."]
+    thickness: Annotated[Length, "Depth of the voussoirs, in the plane of the arch."]
+    width: Annotated[Length, "Width, along y."]
+    voussoirs: Annotated[Count, "Number of voussoirs, straight-sided."]
+    half_angle: Annotated[Angle, "From the crown to each springing; 90 is the semicircle."] = math.pi / 2
 
     def __post_init__(self) -> None:
         coerce_fields(self, "arch.")

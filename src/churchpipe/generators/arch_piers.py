@@ -1,7 +1,7 @@
 """A free-standing arch on two piers, with its spandrels or a backfill."""
 
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
@@ -9,6 +9,7 @@ from churchpipe.errors import InputError
 from churchpipe.generators.arched import ArchedOpening
 from churchpipe.generators.checks import whole_courses
 from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
+from churchpipe.generators.laying import Course, StoneLength
 from churchpipe.generators.layout import WallLayout, wall_panels
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
 from churchpipe.generators.openings import rectangle
@@ -20,26 +21,23 @@ from churchpipe.model.quantities import Count, Length
 
 @dataclass(frozen=True, slots=True)
 class ArchPiersParameters:
-    """An arch along x about the origin: clear span, springing (the height of the piers), width of each pier, thickness along y,
-    height of the level top, m.
+    """An arch along x about the origin on two piers, with its spandrels or a backfill."""
 
-    depth: of the voussoirs, m; voussoirs: their number. shape, rise: as in `ArchedOpening`. course, stone_length: of the piers
-    and of what lies on the arch, m. backfill: name of the material that fills the space between the piers above the arch, laid
-    dry in the same courses; None: masonry as in the piers.
-    """
-
-    course: Length
-    stone_length: Length
-    span: Length
-    springing: Length
-    pier_width: Length
-    thickness: Length
-    height: Length
-    voussoirs: Count
-    depth: Length
-    shape: Literal["round", "segmental", "pointed"] = "round"
-    rise: Length | None = None
-    backfill: str | None = None
+    course: Course
+    stone_length: StoneLength
+    span: Annotated[Length, "Clear span."]
+    springing: Annotated[Length, "Height of the piers."]
+    pier_width: Annotated[Length, "Width of each pier."]
+    thickness: Annotated[Length, "Thickness, along y."]
+    height: Annotated[Length, "Height of the level top."]
+    voussoirs: Annotated[Count, "Number of voussoirs."]
+    depth: Annotated[Length, "Depth of the voussoirs."]
+    shape: Annotated[Literal["round", "segmental", "pointed"], "Shape of the arch."] = "round"
+    rise: Annotated[Length | None, "Rise over the springing, of a segmental or pointed arch."] = None
+    backfill: Annotated[
+        str | None,
+        "Material that fills the space above the arch, laid dry; by default masonry as in the piers.",
+    ] = None
 
     def __post_init__(self) -> None:
         coerce_fields(self, "arch_piers.")

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
@@ -23,24 +23,21 @@ Shape = Literal["round", "segmental", "pointed", "circle"]
 
 @dataclass(frozen=True, slots=True)
 class ArchedOpening:
-    """An opening under a ring of voussoirs, once or several times.
+    """An opening under a ring of voussoirs, once or several times."""
 
-    name: for messages, reports and region names. wall: one or more walls. centre: one or more places of its middle, x in
-    walls along x and y in walls along y, m. width: m. springing: z at which the arch begins; of a circle, z of its centre, m.
-    voussoirs: their number in the whole ring. depth: of the ring, m. sill: z, m. shape: "round" (a semicircle), "segmental"
-    and "pointed" with their `rise` over the springing, m, or "circle".
-    """
-
-    name: str
-    wall: str | Sequence[str]
-    centre: Coordinate | Sequence[Coordinate]
-    width: Length
-    springing: Length
-    voussoirs: Count
-    depth: Length
-    sill: Distance = 0.0
-    shape: Shape = "round"
-    rise: Length | None = None
+    name: Annotated[str, "For messages, reports and the names of its parts."]
+    wall: Annotated[str | Sequence[str], "Name of the wall, or a list of them."]
+    centre: Annotated[
+        Coordinate | Sequence[Coordinate],
+        "x in walls along x, y in walls along y, along the wall in round ones; one or several.",
+    ]
+    width: Annotated[Length, "Clear width."]
+    springing: Annotated[Length, "Height at which the arch begins; of a circle that of its centre."]
+    voussoirs: Annotated[Count, "Number of voussoirs in the whole ring."]
+    depth: Annotated[Length, "Depth of the voussoirs."]
+    sill: Annotated[Distance, "Height of the sill."] = 0.0
+    shape: Annotated[Shape, "Shape of the arch."] = "round"
+    rise: Annotated[Length | None, "Rise over the springing, of a segmental or pointed arch."] = None
 
     def __post_init__(self) -> None:
         where = f"opening {text('opening: name', self.name)}"

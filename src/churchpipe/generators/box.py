@@ -2,11 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Annotated, Any
 
 from churchpipe.errors import InputError
 from churchpipe.generators.checks import Brick, check_brick
 from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
+from churchpipe.generators.laying import Joints
 from churchpipe.generators.masonry import (
     DEFAULT_MATERIAL,
     Headers,
@@ -25,26 +26,20 @@ from churchpipe.model.quantities import Coordinate, Count, Length
 
 @dataclass(frozen=True, slots=True)
 class BoxParameters:
-    """A box with outer dimensions `length` (x) and `width` (y), m; walls toothed at the corners.
+    """A box of four walls, toothed at the corners."""
 
-    brick: length, thickness, height, m; thickness of the walls defaults to that of the brick, in header-stretcher bond to that of
-    two. pattern, headers as in `BondRegion`. openings_x: in both walls along x, openings_y: in both along y, `start` measured
-    from the outer corner (openings or mappings of their fields). Joint
-    offsets as in the prototypes: half a brick on through courses where the brick is no longer than the walls are thick.
-    """
-
-    length: Length
-    width: Length
-    courses: Count
-    brick: Brick
-    thickness: Length | None = None
-    pattern: Pattern = "running"
-    headers: Headers = "english"
-    joints: Literal["grid", "bay"] = "grid"
-    through_offset: Coordinate | None = None
-    cut_offset: Coordinate | None = None
-    openings_x: Sequence[OpeningLike] = ()
-    openings_y: Sequence[OpeningLike] = ()
+    length: Annotated[Length, "Along x, over all."]
+    width: Annotated[Length, "Along y, over all."]
+    courses: Annotated[Count, "Number of courses."]
+    brick: Annotated[Brick, "Length, thickness and height of a stone."]
+    thickness: Annotated[Length | None, "By default that of the brick, in header-stretcher bond that of two."] = None
+    pattern: Annotated[Pattern, "Bond."] = "running"
+    headers: Annotated[Headers, "How headers tie the two leaves of header-stretcher bond."] = "english"
+    joints: Joints = "grid"
+    through_offset: Annotated[Coordinate | None, 'Place of the joints of courses that run through, with "grid".'] = None
+    cut_offset: Annotated[Coordinate | None, 'Place of the joints of courses that are cut, with "grid".'] = None
+    openings_x: Annotated[Sequence[OpeningLike], "Openings in both walls along x, measured from the outer corner."] = ()
+    openings_y: Annotated[Sequence[OpeningLike], "Openings in both walls along y, measured from the outer corner."] = ()
 
     def __post_init__(self) -> None:
         coerce_fields(self, "box.")

@@ -2,47 +2,42 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Annotated, Any
 
 from churchpipe.errors import InputError
-from churchpipe.generators.arched import ArchedOpening, Given
+from churchpipe.generators.arched import Given
 from churchpipe.generators.church import church
 from churchpipe.generators.church_parts import Apse
 from churchpipe.generators.fields import as_dataclass, coerce_fields
+from churchpipe.generators.laying import Bonds, Course, FirstCourse, Joints, Junctions, Openings, StoneLength, Walls
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
 from churchpipe.generators.room_vaults import RoomVault
-from churchpipe.generators.wall_bonds import OwnWall, WallBond, own
+from churchpipe.generators.wall_bonds import OwnWall, own
 from churchpipe.model.arguments import positive
-from churchpipe.model.building import Building, Junction
+from churchpipe.model.building import Building
 from churchpipe.model.materials import UnitWeight
 from churchpipe.model.quantities import Length
 
 
 @dataclass(frozen=True, slots=True)
 class ChapelParameters:
-    """A chapel: width along x and length along y over all, height of the eaves, ridge of both gables (None: none), thickness of
-    its walls, m.
+    """A chapel of the walls facade, nave_left, nave_right and east. x is 0 in the middle, y in the middle of the facade."""
 
-    course, stone_length: m. apse: behind the end wall. openings: in the walls facade, nave_left, nave_right and east; x is 0
-    in the middle, y in the middle of the facade's thickness. bonds, vaults (over "nave" and "apse"), joints, first_course
-    as for a church.
-    """
-
-    course: Length
-    stone_length: Length
-    width: Length
-    length: Length
-    height: Length
-    thickness: Length
-    ridge: Length | None = None
-    apse: Apse | Given | None = None
-    openings: Sequence[ArchedOpening | Given] = ()
-    bonds: Sequence[WallBond | Given] = ()
-    walls: Sequence[OwnWall | Given] = ()
-    junctions: Sequence[Junction | Given] = ()
+    course: Course
+    stone_length: StoneLength
+    width: Annotated[Length, "Along x, over all."]
+    length: Annotated[Length, "Along y, over all, without the apse."]
+    height: Annotated[Length, "Height of the eaves."]
+    thickness: Annotated[Length, "Thickness of the walls."]
+    ridge: Annotated[Length | None, "Height of the ridge of both gables; by default there are none."] = None
+    apse: Annotated[Apse | Given | None, "Apse behind the end wall."] = None
+    openings: Openings = ()
+    bonds: Bonds = ()
+    walls: Walls = ()
+    junctions: Junctions = ()
     vaults: Sequence[RoomVault | Given] = ()
-    joints: Literal["grid", "bay"] = "bay"
-    first_course: Literal["x", "y"] = "x"
+    joints: Joints = "bay"
+    first_course: FirstCourse = "x"
 
     def __post_init__(self) -> None:
         coerce_fields(self, "chapel.")

@@ -2,54 +2,50 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Annotated, Any
 
 from churchpipe.errors import InputError
 from churchpipe.generators.apse import apse_legs, apse_panel
-from churchpipe.generators.arched import ArchedOpening, Given
+from churchpipe.generators.arched import Given
 from churchpipe.generators.checks import whole_courses
 from churchpipe.generators.church_parts import Apse, Chapel, Choir, CrossWall, Nave, Tower, Transept, part_of
 from churchpipe.generators.church_plan import Plan, church_walls, cross_walls
 from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
+from churchpipe.generators.laying import Bonds, Course, FirstCourse, Joints, Junctions, Openings, StoneLength, Walls
 from churchpipe.generators.layout import WallLayout, check_clear, wall_panels
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
 from churchpipe.generators.room_vaults import RoomVault, room_vaults
-from churchpipe.generators.wall_bonds import Bonding, OwnWall, WallBond, bonding_of, check_walls, own
+from churchpipe.generators.wall_bonds import Bonding, OwnWall, bonding_of, check_walls, own
 from churchpipe.model.building import Building, Junction, Panel
 from churchpipe.model.materials import UnitWeight
-from churchpipe.model.quantities import Length
 
 
 @dataclass(frozen=True, slots=True)
 class ChurchParameters:
-    """A church from its parts; x across the nave, y along it from the facade's centreline. Only the nave is required.
-
-    course, stone_length: height of the courses and target length of the stones, m. first_course: the walls that run through
-    junctions on course 0, those along x or along y. joints as in `BondRegion`. Parts as in `church_parts`, or mappings of their
-    fields; openings as in `ArchedOpening`, in the walls facade, nave_left, nave_right, triumphal_arch, transept_left,
-    transept_right, choir_arch, east and tower_inner, as far as these stand; bonds: of those that are not laid in running bond;
-    vaults: over rooms and apses, as in `RoomVault`.
+    """A church from its parts; x across the nave, y along it from the middle of the facade. Only the nave is needed. Its
+    walls are facade, nave_left, nave_right, triumphal_arch, transept_left, transept_right, choir_arch, east and tower_inner,
+    as far as these stand.
     """
 
-    course: Length
-    stone_length: Length
-    nave: Nave | Given
-    facade: CrossWall | Given | None = None
-    triumphal_arch: CrossWall | Given | None = None
-    transept: Transept | Given | None = None
-    choir_arch: CrossWall | Given | None = None
-    choir: Choir | Given | None = None
-    east: CrossWall | Given | None = None
-    tower: Tower | Given | None = None
-    chapel: Chapel | Given | None = None
-    apses: Sequence[Apse | Given] = ()
-    openings: Sequence[ArchedOpening | Given] = ()
-    bonds: Sequence[WallBond | Given] = ()
-    walls: Sequence[OwnWall | Given] = ()
-    junctions: Sequence[Junction | Given] = ()
+    course: Course
+    stone_length: StoneLength
+    nave: Annotated[Nave | Given, "The two side walls."]
+    facade: Annotated[CrossWall | Given | None, "Wall at the front."] = None
+    triumphal_arch: Annotated[CrossWall | Given | None, "Wall between nave and transept."] = None
+    transept: Annotated[Transept | Given | None, "Two arms behind the triumphal arch."] = None
+    choir_arch: Annotated[CrossWall | Given | None, "Wall between transept and choir."] = None
+    choir: Annotated[Choir | Given | None, "What lies behind the transept of a Latin cross."] = None
+    east: Annotated[CrossWall | Given | None, "The end wall."] = None
+    tower: Annotated[Tower | Given | None, "Bell tower over one arm of the transept."] = None
+    chapel: Annotated[Chapel | Given | None, "An arm of the transept with a height of its own."] = None
+    apses: Annotated[Sequence[Apse | Given], "Apses behind the end wall."] = ()
+    openings: Openings = ()
+    bonds: Bonds = ()
+    walls: Walls = ()
+    junctions: Junctions = ()
     vaults: Sequence[RoomVault | Given] = ()
-    joints: Literal["grid", "bay"] = "bay"
-    first_course: Literal["x", "y"] = "x"
+    joints: Joints = "bay"
+    first_course: FirstCourse = "x"
 
     def __post_init__(self) -> None:
         coerce_fields(self, "church.")

@@ -1,7 +1,7 @@
 """The parts of a church, described as an engineer would list them."""
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from churchpipe.generators.fields import as_dataclass, coerce_fields
 from churchpipe.model.quantities import Coordinate, Length
@@ -9,68 +9,64 @@ from churchpipe.model.quantities import Coordinate, Length
 
 @dataclass(frozen=True, slots=True)
 class Nave:
-    """Two side walls: width between their centrelines, length from the facade's centreline (y = 0) to that of the next cross
-    wall, height of the eaves, thickness, m."""
+    """Two side walls."""
 
-    width: Length
-    length: Length
-    height: Length
-    thickness: Length
+    width: Annotated[Length, "Between the centrelines."]
+    length: Annotated[Length, "From the centreline of the facade to that of the next wall across."]
+    height: Annotated[Length, "Height of the eaves."]
+    thickness: Annotated[Length, "Thickness."]
 
 
 @dataclass(frozen=True, slots=True)
 class CrossWall:
-    """A wall across the nave: thickness, m, and the height of the ridge of its gable, m (None: level with the eaves). Gables
-    slope from the outer faces of the side walls."""
+    """A wall across the nave. Gables slope from the outer faces of the side walls."""
 
-    thickness: Length
-    ridge: Length | None = None
+    thickness: Annotated[Length, "Thickness."]
+    ridge: Annotated[Length | None, "Height of the ridge of its gable; by default level with the eaves."] = None
 
 
 @dataclass(frozen=True, slots=True)
 class Transept:
-    """Two arms behind the triumphal wall: width over all, depth between the centrelines of the walls before and behind them,
-    thickness of the outer walls, height of the arms' eaves (None: that of the nave), m."""
+    """Two arms behind the triumphal arch."""
 
-    width: Length
-    depth: Length
-    thickness: Length
-    height: Length | None = None
+    width: Annotated[Length, "Along x, over all."]
+    depth: Annotated[Length, "Between the centrelines of the walls before and behind."]
+    thickness: Annotated[Length, "Thickness of the outer walls."]
+    height: Annotated[Length | None, "Height of the eaves; by default that of the nave."] = None
 
 
 @dataclass(frozen=True, slots=True)
 class Choir:
-    """What lies behind the transept of a Latin cross: length from the wall before it to the end wall, centrelines, m."""
+    """What lies behind the transept of a Latin cross."""
 
-    length: Length
+    length: Annotated[Length, "From the wall before it to the end wall, centrelines."]
 
 
 @dataclass(frozen=True, slots=True)
 class Tower:
-    """A bell tower that rises out of one arm of the transept, whose walls are made higher: height, width over all, m (None: the
-    whole arm, up to the inner face of the nave's side wall)."""
+    """A bell tower that rises out of one arm of the transept, whose walls are made higher."""
 
-    height: Length
-    side: Literal["left", "right"] = "left"
-    width: Length | None = None
+    height: Annotated[Length, "Height."]
+    side: Annotated[Literal["left", "right"], "Which arm."] = "left"
+    width: Annotated[Length | None, "Along x, over all; by default the whole arm, up to the side wall of the nave."] = None
 
 
 @dataclass(frozen=True, slots=True)
 class Chapel:
-    """One arm of the transept with a height of its own, m."""
+    """One arm of the transept with a height of its own."""
 
-    height: Length
-    side: Literal["left", "right"] = "right"
+    height: Annotated[Length, "Height."]
+    side: Annotated[Literal["left", "right"], "Which arm."] = "right"
 
 
 @dataclass(frozen=True, slots=True)
 class Apse:
-    """A half round of masonry behind the end wall: inner radius, thickness, height, x of its middle, m."""
+    """A half round of masonry behind the end wall."""
 
-    inner_radius: Length
-    thickness: Length
-    height: Length
-    centre: Coordinate = 0.0
+    inner_radius: Annotated[Length, "Inner radius."]
+    thickness: Annotated[Length, "Thickness."]
+    height: Annotated[Length, "Height."]
+    centre: Annotated[Coordinate, "x of its middle."] = 0.0
 
 
 def part_of(kind: type[Any], where: str, value: Any) -> Any:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -15,14 +15,13 @@ from churchpipe.model.quantities import Count, Distance, Length, Whole
 
 @dataclass(frozen=True, slots=True)
 class RectangularOpening:
-    """A door or window: start and width along the wall, m; sill and height in courses; bearing of a lintel of one course
-    on either side, m (0: no lintel)."""
+    """A door or window in whole courses."""
 
-    start: Distance
-    width: Length
-    height_courses: Count
-    lintel_bearing: Distance = 0.0
-    sill_courses: Whole = 0
+    start: Annotated[Distance, "Where it begins along the wall."]
+    width: Annotated[Length, "Clear width."]
+    height_courses: Annotated[Count, "Height in courses."]
+    lintel_bearing: Annotated[Distance, "Bearing of a lintel of one course on either side; 0: no lintel."] = 0.0
+    sill_courses: Annotated[Whole, "Courses below the sill."] = 0
 
     def __post_init__(self) -> None:
         coerce_fields(self, "opening.")

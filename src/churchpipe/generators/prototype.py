@@ -3,11 +3,12 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from churchpipe.errors import InputError
 from churchpipe.generators.checks import Brick, check_brick
 from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
+from churchpipe.generators.laying import Joints
 from churchpipe.generators.masonry import DEFAULT_MATERIAL, Masonry, bonded_offset, straight_wall
 from churchpipe.generators.openings import OpeningLike
 from churchpipe.model.arguments import positive
@@ -18,26 +19,19 @@ from churchpipe.model.quantities import Coordinate, Count, Length, Ratio
 
 @dataclass(frozen=True, slots=True)
 class PrototypeParameters:
-    """A main wall along x with its outer face at y = 0, and partitions along y behind it.
+    """A main wall along x with its outer face at y = 0, and partitions along y behind it, all as thick as the brick."""
 
-    brick: length, thickness, height, m; all walls are as thick as the brick. The main wall is `main_wall_bricks` bricks or
-    `main_wall_length` m long (give one). partitions_x: x of the left face of each partition, m; partition_length: from the
-    outer face of the main wall, m. opening: one in each partition, `start` measured from y = 0 (an opening or a mapping of
-    its fields). first_course: the wall that runs through on course 0. through_offset, cut_offset: joints of through and of cut
-    courses, m (rule "grid"); by default 0 and b/2, and b/2 and b for a brick no longer than the wall is thick.
-    """
-
-    brick: Brick
-    partitions_x: Sequence[Coordinate]
-    partition_length: Length
-    courses: Count
-    main_wall_bricks: Ratio | None = None
-    main_wall_length: Length | None = None
-    opening: OpeningLike | None = None
-    joints: Literal["grid", "bay"] = "grid"
-    first_course: Literal["main", "partitions"] = "main"
-    through_offset: Coordinate | None = None
-    cut_offset: Coordinate | None = None
+    brick: Annotated[Brick, "Length, thickness and height of a stone."]
+    partitions_x: Annotated[Sequence[Coordinate], "x of the left face of each partition."]
+    partition_length: Annotated[Length, "Length of the partitions from the outer face of the main wall."]
+    courses: Annotated[Count, "Number of courses."]
+    main_wall_bricks: Annotated[Ratio | None, "Length of the main wall in bricks; or give its length."] = None
+    main_wall_length: Annotated[Length | None, "Length of the main wall; or give it in bricks."] = None
+    opening: Annotated[OpeningLike | None, "Opening in each partition, measured from y = 0."] = None
+    joints: Joints = "grid"
+    first_course: Annotated[Literal["main", "partitions"], "Which walls run through the junctions on course 0."] = "main"
+    through_offset: Annotated[Coordinate | None, 'Place of the joints of courses that run through, with "grid".'] = None
+    cut_offset: Annotated[Coordinate | None, 'Place of the joints of courses that are cut, with "grid".'] = None
 
     def __post_init__(self) -> None:
         coerce_fields(self, "prototype.")

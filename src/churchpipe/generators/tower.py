@@ -3,19 +3,20 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
 from churchpipe.errors import InputError
-from churchpipe.generators.arched import ArchedOpening, Given
+from churchpipe.generators.arched import ArchedOpening
 from churchpipe.generators.checks import whole_courses
 from churchpipe.generators.curved import curved_panel
 from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
+from churchpipe.generators.laying import Bonds, Course, FirstCourse, Joints, Openings, StoneLength
 from churchpipe.generators.layout import WallLayout, wall_panels
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
 from churchpipe.generators.openings import rectangle
-from churchpipe.generators.wall_bonds import Bonding, WallBond, bonding_of, check_walls
+from churchpipe.generators.wall_bonds import Bonding, bonding_of, check_walls
 from churchpipe.model.building import Building, CylinderChart, Panel
 from churchpipe.model.materials import UnitWeight
 from churchpipe.model.quantities import Length
@@ -23,25 +24,21 @@ from churchpipe.model.quantities import Length
 
 @dataclass(frozen=True, slots=True)
 class TowerParameters:
-    """A tower about the origin: width over all along x, depth along y (None: the width), height, thickness of its walls, m.
-
-    course, stone_length: m. plan: "rectangular", or "round" with the width as its diameter, of stones cut to a wedge. openings:
-    of a rectangular one, in the walls front and back (along x, y < 0 and y > 0), left and right (along y); of a round one in the
-    wall round, the centre measured along half its thickness from +x, counter-clockwise. bonds: of walls not in running bond.
-    joints as in `BondRegion`. first_course: the walls that run through the corners on course 0, those along x or along y.
+    """A tower about the origin. A rectangular one has the walls front and back (along x), left and right (along y), a round
+    one the wall round.
     """
 
-    course: Length
-    stone_length: Length
-    width: Length
-    height: Length
-    thickness: Length
-    depth: Length | None = None
-    plan: Literal["rectangular", "round"] = "rectangular"
-    openings: Sequence[ArchedOpening | Given] = ()
-    bonds: Sequence[WallBond | Given] = ()
-    joints: Literal["grid", "bay"] = "bay"
-    first_course: Literal["x", "y"] = "x"
+    course: Course
+    stone_length: StoneLength
+    width: Annotated[Length, "Along x, over all; of a round tower its diameter."]
+    height: Annotated[Length, "Height."]
+    thickness: Annotated[Length, "Thickness of the walls."]
+    depth: Annotated[Length | None, "Along y, over all; by default the width."] = None
+    plan: Annotated[Literal["rectangular", "round"], "Plan; the stones of a round tower are cut to a wedge."] = "rectangular"
+    openings: Openings = ()
+    bonds: Bonds = ()
+    joints: Joints = "bay"
+    first_course: FirstCourse = "x"
 
     def __post_init__(self) -> None:
         coerce_fields(self, "tower.")

@@ -2,11 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Annotated, Any
 
 from churchpipe.errors import InputError
 from churchpipe.generators.checks import Brick, check_brick
 from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
+from churchpipe.generators.laying import Joints
 from churchpipe.generators.masonry import DEFAULT_MATERIAL, Headers, Masonry, Pattern, check_bond, straight_wall, thickness_of
 from churchpipe.generators.openings import OpeningLike
 from churchpipe.model.arguments import whole
@@ -17,24 +18,21 @@ from churchpipe.model.quantities import Coordinate, Count, Length
 
 @dataclass(frozen=True, slots=True)
 class WallParameters:
-    """A wall along x from 0 to `length`, y from 0 to `thickness`, m.
+    """A wall along x from 0 to its length, y from 0 to its thickness."""
 
-    brick: length, thickness, height, m. Height is given by `courses` or by `height` (a whole number of courses), m.
-    thickness defaults to that of the brick, in header-stretcher bond to that of two. pattern, headers as in `BondRegion`. Joint
-    offsets are for even (through) and odd (cut) courses, m. openings: doors and windows, or mappings of their fields.
-    """
-
-    length: Length
-    brick: Brick
-    courses: Count | None = None
-    height: Length | None = None
-    thickness: Length | None = None
-    pattern: Pattern = "running"
-    headers: Headers = "english"
-    joints: Literal["grid", "bay"] = "grid"
-    through_offset: Coordinate = 0.0
-    cut_offset: Coordinate | None = None
-    openings: Sequence[OpeningLike] = ()
+    length: Annotated[Length, "Length."]
+    brick: Annotated[Brick, "Length, thickness and height of a stone."]
+    courses: Annotated[Count | None, "Number of courses; or give the height."] = None
+    height: Annotated[Length | None, "Height, a whole number of courses; or give their number."] = None
+    thickness: Annotated[Length | None, "By default that of the brick, in header-stretcher bond that of two."] = None
+    pattern: Annotated[Pattern, "Bond."] = "running"
+    headers: Annotated[Headers, "How headers tie the two leaves of header-stretcher bond."] = "english"
+    joints: Joints = "grid"
+    through_offset: Annotated[Coordinate, 'Place of the joints of even courses, with "grid".'] = 0.0
+    cut_offset: Annotated[Coordinate | None, 'Place of the joints of odd courses, with "grid"; by default half a stone on.'] = (
+        None
+    )
+    openings: Annotated[Sequence[OpeningLike], "Doors and windows."] = ()
 
     def __post_init__(self) -> None:
         coerce_fields(self, "wall.")

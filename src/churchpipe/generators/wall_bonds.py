@@ -15,12 +15,12 @@ from churchpipe.model.quantities import Length
 
 @dataclass(frozen=True, slots=True)
 class WallBond:
-    """A bond of its own for one or more walls: pattern and headers as in `BondRegion`, stone_length m (None: as elsewhere)."""
+    """A bond of its own for one or more walls."""
 
-    wall: str | Sequence[str]
-    pattern: Pattern
-    headers: Headers = "english"
-    stone_length: Length | None = None
+    wall: Annotated[str | Sequence[str], "Name of the wall, or a list of them."]
+    pattern: Annotated[Pattern, "Bond; header-stretcher is two stones thick."]
+    headers: Annotated[Headers, "How headers tie the two leaves of header-stretcher bond."] = "english"
+    stone_length: Annotated[Length | None, "Length of the stones; by default as elsewhere."] = None
 
     def __post_init__(self) -> None:
         coerce_fields(self, "bond: ")

@@ -1,0 +1,20 @@
+"""Keys that several generators share: how the walls of a building are laid."""
+
+from collections.abc import Sequence
+from typing import Annotated, Literal
+
+from churchpipe.generators.arched import ArchedOpening, Given
+from churchpipe.generators.wall_bonds import OwnWall, WallBond
+from churchpipe.model.building import Junction
+from churchpipe.model.quantities import Length
+
+Course = Annotated[Length, "Height of the courses."]
+StoneLength = Annotated[Length, "Length of the stones, about: each clear stretch of wall is divided evenly."]
+Joints = Annotated[
+    Literal["grid", "bay"], 'Head joints at multiples of the stone ("grid"), or each clear stretch divided evenly ("bay").'
+]
+FirstCourse = Annotated[Literal["x", "y"], "Walls that run through the junctions on course 0: those along x or along y."]
+Openings = Annotated[Sequence[ArchedOpening | Given], "Arched openings."]
+Bonds = Annotated[Sequence[WallBond | Given], "Bonds of walls that are not laid in running bond."]
+Walls = Annotated[Sequence[OwnWall | Given], "Walls unlike the others."]
+Junctions = Annotated[Sequence[Junction | Given], "Junctions of walls that are not toothed."]
