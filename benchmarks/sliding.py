@@ -15,7 +15,7 @@ from churchpipe.rigid_blocks.iterations import certified_iteration
 from churchpipe.rigid_blocks.limit import associative_program, point_strength
 from churchpipe.rigid_blocks.settings import SchemeSettings
 from churchpipe.stones.contacts import find_contacts
-from models import FERRIS_TIN_LOI_LOAD, TILTING_LOADS, box_building, ferris_tin_loi_wall, tilting_test
+from models import FACADES, FERRIS_TIN_LOI_LOAD, TILTING_LOADS, box_building, facade, ferris_tin_loi_wall, tilting_test
 
 
 def problem(name: str) -> tuple[Any, Any]:
@@ -27,6 +27,10 @@ def problem(name: str) -> tuple[Any, Any]:
         test, _, swapped = name.partition("-")
         stones, contacts = tilting_test(test, first_course="partitions" if swapped else "main")
         load, friction = TILTING_LOADS[test], 0.7
+    elif name.partition("-")[0] in FACADES:
+        shape, _, friction = name.partition("-")
+        stones, contacts = facade(shape)
+        load, friction = LoadCase((1, 0, 0)), float(friction)
     else:
         stones, contacts = box_building(name)
         load, friction = LoadCase((1, 0, 0)), 0.6

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from churchpipe.generators import prototype
+from churchpipe.generators import prototype, wall
 from churchpipe.generators.box import box as box_walls
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
@@ -83,4 +83,43 @@ def box_building(name: str) -> tuple[Assemblage, Contacts]:
     """Stones and contacts of four walls around a room, by a name of `BOXES`."""
     length, width, courses = BOXES[name]
     stones = derive_blocks(box_walls(length=length, width=width, courses=courses, brick=(1.0, 0.5, 0.4)))
+    return stones, find_contacts(stones)
+
+
+# Plane walls of bricks .4 x .2 x .2 m with doors and windows: length in m, courses, and openings as (start, width, sill, height),
+# the last two in courses. Each has 1400 to 1700 stones.
+FACADES: dict[str, tuple[float, int, list[tuple[float, float, int, int]]]] = {
+    "long": (
+        32.0,
+        23,
+        [
+            (2.4, 1.2, 6, 8),
+            (6.4, 1.2, 0, 14),
+            (10.4, 1.2, 6, 8),
+            (15.2, 1.6, 0, 14),
+            (20.0, 1.2, 6, 8),
+            (24.4, 1.2, 0, 14),
+            (28.4, 1.2, 6, 8),
+        ],
+    ),
+    "storeys": (
+        13.2,
+        50,
+        [
+            *((start, 1.2, 6, 9) for start in (1.6, 10.0)),
+            (5.8, 1.6, 0, 15),
+            *((start, 1.2, 30, 9) for start in (1.6, 6.0, 10.0)),
+        ],
+    ),
+}
+
+
+def facade(name: str) -> tuple[Assemblage, Contacts]:
+    """Stones and contacts of a plane wall of `FACADES`."""
+    length, courses, openings = FACADES[name]
+    cut = [
+        {"start": start, "width": width, "sill_courses": sill, "height_courses": height, "lintel_bearing": 0.2}
+        for start, width, sill, height in openings
+    ]
+    stones = derive_blocks(wall(length=length, brick=(0.4, 0.2, 0.2), courses=courses, openings=cut))
     return stones, find_contacts(stones)
