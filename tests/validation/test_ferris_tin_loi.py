@@ -47,9 +47,10 @@ def test_iteration_of_the_paper(number: int) -> None:
 
 
 @pytest.mark.parametrize("number", [1, 2, 3, 4, 5, 6])
-def test_certified_scheme_and_the_interval_of_its_mechanism(number: int) -> None:
+def test_certified_search_and_the_interval_of_its_mechanism(number: int) -> None:
     stones = wall(number)
-    state = limit_analysis(stones, find_contacts(stones), LOAD, friction=0.65, flow="non-associative")
+    contacts = find_contacts(stones)
+    state = limit_analysis(stones, contacts, LOAD, friction=0.65, flow="non-associative", start="dead-load")
     assert state.status == "converged"
     assert 0 <= state.gap <= 1e-5 * state.load_factor
     assert state.cone_violation < 1e-8

@@ -14,7 +14,7 @@ from churchpipe.rigid_blocks.crushing import PARTS
 
 Flow = Literal["associative", "non-associative"]
 Method = Literal["limit", "pushover"]
-Start = Literal["dead-load", "uniform", "associative"]
+Start = Literal["centre", "dead-load", "uniform", "associative", "scattered"]
 _Corner = tuple[Coordinate, Coordinate]
 _FURTHEST = Quantity("_deg", 0.0, above=True, key="furthest_deg")
 _Part = Annotated[float, Quantity()]

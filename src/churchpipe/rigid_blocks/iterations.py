@@ -32,7 +32,7 @@ class SlidingRun:
     """One run of an iteration from one start: its last forces x (nc, 3), load factor, velocities y (6 nf,), history.
 
     carried: the load factor that the forces balance; it is `load_factor` unless that is a mean. settled: whether the run was
-    certified or came to rest. solves: convex programs solved; iterations: interior-point iterations in all of them.
+    certified or came to rest. solves: convex programs solved; iterations: factorisations, one an iteration of a program.
     """
 
     x: FloatArray
@@ -44,6 +44,11 @@ class SlidingRun:
     gap: float = np.nan
     solves: int = 0
     iterations: int = 0
+
+    @property
+    def relative_gap(self) -> float:
+        """g / alpha; a load factor of zero is measured against a thousandth of the weight."""
+        return self.gap / max(abs(self.load_factor), 1e-3)
 
 
 def paper_iteration(
@@ -105,16 +110,7 @@ def certified_iteration(
 
     Stage A approaches forces that hardly exceed friction: it maximises alpha - 1/2 sum R_k (mu n - mu n_hat)^2 with shear
     limited by mu n_hat, where alpha is the load factor, n_hat are the normal forces of the step before and R_k proximal weights.
-
-    Stage B closes the gap. A step finds the velocities of P(n), then the forces in the true cones that do the least work against
-    their sliding. Such steps alone converge slowly, so each is extended by a share of the one before (heavy ball, Polyak 1964).
-    After a slow step the next is not extended. The share is halved when the gap grows, and doubled, up to its first value, when
-    it falls.
-
-    The gap is concave in the forces alone, so that stage B can come to rest at a local minimum where a few joints keep what is
-    left of it: a hinge, for instance, whose force cannot reach its edge. When a step without extension is slow, the share of
-    these joints in the gap is given a larger weight from then on (breakout, Morris 1993). The programs lower this weighted gap,
-    so steps are judged by it; a step that frees a joint may raise the gap itself. A gap of zero is zero with any such weights.
+    Stage B, `closed_gap`, closes the gap.
     """
     settings = settings or SchemeSettings()
     count = SolveCount(solve)
@@ -128,6 +124,34 @@ def certified_iteration(
         history.append(iteration)
         if iteration.violation < settings.violation or change <= settings.settled:
             break
+    run = closed_gap(balance, strength, n, count, settings, progress)
+    if run is None:
+        return None
+    return replace(run, history=(*history, *run.history), solves=count.solves, iterations=count.iterations)
+
+
+def closed_gap(
+    balance: Equilibrium,
+    strength: Strength,
+    n: FloatArray,
+    solve: Solve,
+    settings: SchemeSettings,
+    progress: Progress | None = None,
+) -> SlidingRun | None:
+    """Close the gap of normal forces n (nc,) that hardly exceed friction: stage B.
+
+    A step finds the velocities of P(n), then the forces in the true cones that do the least work against
+    their sliding. Such steps alone converge slowly, so each is extended by a share of the one before (heavy ball, Polyak 1964).
+    After a slow step the next is not extended. The share is halved when the gap grows, and doubled, up to its first value, when
+    it falls.
+
+    The gap is concave in the forces alone, so that stage B can come to rest at a local minimum where a few joints keep what is
+    left of it: a hinge, for instance, whose force cannot reach its edge. When a step without extension is slow, the share of
+    these joints in the gap is given a larger weight from then on (breakout, Morris 1993). The programs lower this weighted gap,
+    so steps are judged by it; a step that frees a joint may raise the gap itself. A gap of zero is zero with any such weights.
+    """
+    count = SolveCount(solve)
+    history: list[Iteration] = []
     best: CoulombState | None = None
     last: CoulombState | None = None
     # The state with the least weighted gap. The search returns to it.

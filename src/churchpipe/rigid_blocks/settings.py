@@ -39,6 +39,43 @@ class PaperSettings:
 
 
 @dataclass(frozen=True, slots=True)
+class CentralSettings:
+    """Constants of the run from the centre of the cones (`central.py`, `contact_newton.py`).
+
+    force: the first normal force of a point, over the mean weight that a point would carry alone. roundness: how round the
+    multipliers are where a point neither opens nor slides; other_roundness: that of a second run, where the first stops short.
+    damping: of the steps, least and most, and while unit work is not yet done. pull: towards low load factors, over the sum of
+    the products. correctors: of centrality, at most. inner, inner_steps: error and steps of the conjugate gradients.
+    clip: a correction of the second order counts at most this share of the mean product. fraction: of the way to the boundary
+    of the cones that a step goes. steps: at most; patience: steps without half the gap after which a run stops,
+    less patient once the gap is below `near`: then stage B may close it from there, in at most `polish` steps.
+
+    roundness, damping and clip were chosen on the walls of Ferris and Tin-Loi, S5 and S22, pull on these for the lowest load
+    factors, with the facade of one storey at friction .7 as a check.
+    """
+
+    force: float = 10.0
+    roundness: float = 0.5
+    other_roundness: float = 1.0
+    damping: tuple[float, float] = (0.01, 0.1)
+    first_damping: float = 1e-4
+    pull: float = 0.2
+    correctors: int = 3
+    inner: float = 1e-2
+    inner_steps: int = 40
+    clip: float = 0.5
+    fraction: float = 0.95
+    steps: int = 120
+    patience: tuple[int, int] = (25, 8)
+    near: float = 1e-2
+    polish: int = 12
+
+    def __post_init__(self) -> None:
+        _check_positive(self)
+        _check_below_one(self, "pull", "inner", "clip", "fraction", "near")
+
+
+@dataclass(frozen=True, slots=True)
 class SchemeSettings:
     """Constants of the certified scheme.
 
@@ -87,14 +124,14 @@ class SchemeSettings:
         _check_below_one(self, "violation", "settled", "gap", "momentum", "slow", "blamed", "duality_gap", "share", "roughest")
 
 
-def _check_positive(settings: PaperSettings | SchemeSettings) -> None:
+def _check_positive(settings: PaperSettings | CentralSettings | SchemeSettings) -> None:
     for field in fields(settings):
         value = getattr(settings, field.name)
         if not all(item > 0 for item in (value if isinstance(value, tuple) else (value,))):
             raise InputError(f"{type(settings).__name__}.{field.name}", "out of range", found=value, expected="> 0")
 
 
-def _check_below_one(settings: PaperSettings | SchemeSettings, *names: str) -> None:
+def _check_below_one(settings: PaperSettings | CentralSettings | SchemeSettings, *names: str) -> None:
     for name in names:
         if getattr(settings, name) >= 1:
             raise InputError(f"{type(settings).__name__}.{name}", "out of range", found=getattr(settings, name), expected="< 1")

@@ -11,6 +11,7 @@ from churchpipe.errors import InputError
 from churchpipe.model.arguments import finite, listed
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.results import Iteration, LimitState, StartRun
+from churchpipe.rigid_blocks.central import from_centre, runs_from_centre
 from churchpipe.rigid_blocks.certificate import Strength, cone_violation
 from churchpipe.rigid_blocks.coulomb import (
     CoulombState,
@@ -29,21 +30,28 @@ from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP, SchemeSettings
 from churchpipe.rigid_blocks.ties import all_forces, point_forces
 
 Method = Literal["default", "paper"]
-Start = Literal["dead-load", "uniform", "associative"]
+Start = Literal["centre", "dead-load", "uniform", "associative", "scattered"]
 Progress = Callable[[str, float], None]
-_STARTS: dict[Method, tuple[Start, ...]] = {"default": ("dead-load", "associative"), "paper": ("associative",)}
+_STARTS: dict[Method, tuple[Start, ...]] = {"default": ("centre",), "paper": ("associative",)}
+# Where the run from the centre cannot begin, or stops short of a state, the search is tried from these.
+_OTHERS: tuple[Start, ...] = ("dead-load", "associative")
+_LAST: Start = "scattered"
+# Factors of the scattered forces, and the seed that draws them.
+_SCATTER, _SEED = (0.3, 3.0), 1
 
 
 @dataclass(frozen=True, slots=True)
 class SlidingOptions:
     """How sliding without dilatancy is analysed.
 
-    method: "default", the certified scheme, headline the first start that was certified; "paper", the iteration of eq. (3)
-    with n = 0 and n = n_0 before each start, headline the lowest that settled.
-    starts: the normal forces to begin with, "dead-load" (the least-squares forces of the dead load, canonical), "uniform" (their
-    mean at every point), "associative" (those of the associative solution); none given, the first and the last, with
-    method "paper" the last.
-    bipotential_gap: g / alpha at which the certified scheme stops looking. More than 1e-5 saves time on large models, but only
+    method: "default", a certified state; "paper", the iteration of eq. (3) with n = 0 and n = n_0 before each start. The lowest
+    state that was certified leads, or with method "paper" the lowest that settled.
+    starts: "centre", one interior-point run that begins at the centre of all cones; the others are the normal forces from which
+    a sequence of programs searches: "dead-load" (the least-squares forces of the dead load), "uniform" (their mean at every
+    point), "associative" (those of the associative solution), "scattered" (those of the dead load times factors between .3 and
+    3). None given, the first, with method "paper" the associative; where the run from the centre stops short of a state the
+    search is tried, from one start after another.
+    bipotential_gap: g / alpha at which the analysis stops looking. More than 1e-5 saves time on large models, but only
     1e-5 is called "converged".
     """
 
@@ -60,7 +68,14 @@ class SlidingOptions:
                     "limit_analysis: start",
                     "unknown start",
                     found=repr(start),
-                    expected='"dead-load", "uniform" or "associative", or several',
+                    expected='"centre", "dead-load", "uniform", "associative" or "scattered", or several',
+                )
+            if self.method == "paper" and start == "centre":
+                raise InputError(
+                    "limit_analysis: start",
+                    "the paper's iteration starts from forces",
+                    found=repr(start),
+                    expected='"dead-load", "uniform", "associative" or "scattered", or several',
                 )
         if not 0 < finite("limit_analysis: bipotential_gap", self.bipotential_gap) < 1:
             raise InputError(
@@ -83,43 +98,83 @@ def sliding_analysis(
     No such load factor is unique: self-stress at sliding contacts is statically free, so it depends on the start. Every
     distinct value found is in `fixed_points`, and what became of each start in `starts`.
     """
-    starts: tuple[Start, ...] = options.starts
+    search = _Search(balance, strength, associative, options, solve, progress)
+    starts: list[Start] = list(options.starts)
+    if "centre" in starts and not runs_from_centre(balance, strength):
+        starts = list(dict.fromkeys([*_OTHERS, *(start for start in starts if start != "centre")]))
     if associative.status != "optimal":
         # Forces that balance the lateral load alone are no start.
         others: list[Start] = [start for start in starts if start != "associative"]
-        starts = tuple(others) or ("dead-load",)
-    normal = associative.forces[:, 0] / balance.force
-    slack = np.zeros(balance.ties)
-    settings = SchemeSettings(gap=options.bipotential_gap)
-    found: list[SlidingRun] = []
-    ends: list[tuple[StartRun, SlidingRun, CoulombState | None]] = []
+        starts = others or ["dead-load"]
     for start in starts:
-        n = np.concatenate([_first_forces(start, normal, balance), slack])
-        if options.method == "default":
-            run = certified_iteration(balance, strength, n, solve, settings, progress)
-            runs = [] if run is None else [run]
-        else:
-            both = (paper_iteration(balance, strength, n, before, solve, progress=progress) for before in (np.zeros_like(n), n))
-            runs = [run for run in both if run is not None]
-        if runs:
-            run = min(runs, key=lambda run: (not run.settled, run.load_factor))
-            state = _certificate(balance, strength, run, options.method, solve)
-            found += runs
-            ends.append((_start_run(start, run, balance, strength, state, solve), run, state))
-    if not found:
+        search.begin(start)
+    if options.starts == _STARTS["default"]:
+        for start in (*_OTHERS, _LAST):
+            if start not in starts and not any(end[0].settled for end in search.ends):
+                search.begin(start)
+    if not search.ends:
         if associative.status != "optimal":
             return _nothing(associative)
         # The associative forces are within friction as well: an estimate from above, with the gap that it leaves.
-        last = _associative_run(balance, strength, associative, solve)
-        state = _certificate(balance, strength, last, "default", solve)
-        found.append(last)
-        ends.append((_start_run("associative", last, balance, strength, state, solve), last, state))
-    if options.method == "default":
-        # The first start is the headline unless only another one was certified.
-        chosen = next((end for end in ends if end[0].settled), ends[0])
-    else:
-        chosen = min(ends, key=lambda end: (not end[0].settled, end[0].load_factor))
-    return _state(balance, strength, associative, chosen, [end[0] for end in ends], found)
+        search.keep("associative", [_associative_run(balance, strength, associative, solve)], "default")
+    # Of states that were not certified the nearest is told. Eq. (3) has no measure of nearness.
+    nearest = [end for end in search.ends if end[0].settled] or sorted(search.ends, key=lambda end: _distance(end[0], options))
+    chosen = nearest[0] if not nearest[0][0].settled else min(nearest, key=lambda end: end[0].load_factor)
+    return _state(balance, strength, associative, chosen, [end[0] for end in search.ends], search.found)
+
+
+def _distance(run: StartRun, options: SlidingOptions) -> float:
+    if options.method == "paper":
+        return run.load_factor
+    return run.gap / max(abs(run.load_factor), 1e-3) if np.isfinite(run.gap) else np.inf
+
+
+_End = tuple[StartRun, SlidingRun, CoulombState | None]
+
+
+class _Search:
+    """What became of each start: found, all runs; ends, the best of each start with its certificate."""
+
+    def __init__(
+        self,
+        balance: Equilibrium,
+        strength: Strength,
+        associative: LimitState,
+        options: SlidingOptions,
+        solve: Solve,
+        progress: Progress | None,
+    ) -> None:
+        self._balance, self._strength, self._associative = balance, strength, associative
+        self._options, self._solve, self._progress = options, solve, progress
+        self.found: list[SlidingRun] = []
+        self.ends: list[_End] = []
+
+    def begin(self, start: Start) -> None:
+        """Run from a start."""
+        balance, strength, options, solve = self._balance, self._strength, self._options, self._solve
+        if start == "associative" and self._associative.status != "optimal":
+            return
+        if start == "centre":
+            runs = [from_centre(balance, strength, options.bipotential_gap, solve, self._progress)]
+        else:
+            normal = self._associative.forces[:, 0] / balance.force
+            n = np.concatenate([_first_forces(start, normal, balance), np.zeros(balance.ties)])
+            if options.method == "default":
+                settings = SchemeSettings(gap=options.bipotential_gap)
+                runs = [certified_iteration(balance, strength, n, solve, settings, self._progress)]
+            else:
+                before = np.zeros_like(n), n
+                runs = [paper_iteration(balance, strength, n, each, solve, progress=self._progress) for each in before]
+        self.keep(start, [run for run in runs if run is not None], options.method)
+
+    def keep(self, start: Start, runs: list[SlidingRun], method: Method) -> None:
+        """Keep these runs of a start, and the certificate of the best."""
+        if not runs:
+            return
+        run = min(runs, key=lambda run: (not run.settled, run.load_factor))
+        state = _certificate(self._balance, self._strength, run, method, self._solve)
+        self.found += runs
+        self.ends.append((_start_run(start, run, self._balance, self._strength, state, self._solve), run, state))
 
 
 def _associative_run(balance: Equilibrium, strength: Strength, associative: LimitState, solve: Solve) -> SlidingRun:
@@ -135,6 +190,8 @@ def _first_forces(start: Start, normal: FloatArray, balance: Equilibrium) -> Flo
     if start == "associative":
         return np.maximum(normal, 0.0)
     dead = dead_load_start(balance)
+    if start == "scattered":
+        return dead * np.random.default_rng(_SEED).uniform(*_SCATTER, len(dead))
     return dead if start == "dead-load" else np.full_like(normal, float(dead.mean()))
 
 
@@ -165,7 +222,7 @@ def _state(
     balance: Equilibrium,
     strength: Strength,
     associative: LimitState,
-    end: tuple[StartRun, SlidingRun, CoulombState | None],
+    end: _End,
     starts: list[StartRun],
     found: list[SlidingRun],
 ) -> LimitState:
@@ -198,7 +255,7 @@ def _state(
         velocities=balance.velocities(y / max(float(balance.live @ y), 1e-300)),
         equilibrium_residual=float(np.abs(residual).max()),
         cone_violation=cone_violation(x, strength),
-        iterations=sum(run.solves for run in found),
+        iterations=sum(run.iterations for run in found),
         solver=associative.solver,
         flow="non-associative",
         history=chosen.history,
@@ -212,17 +269,17 @@ def _state(
 
 
 def _cost(found: list[SlidingRun], associative: int) -> str:
-    """Say what each start cost, in convex programs and in solves of the associative problem with as many iterations."""
-    parts = [
-        f"{run.solves} convex programs, {run.iterations} iterations"
+    """Say what each start cost, in convex programs and in solves of the associative problem with as many factorisations."""
+    return "; ".join(
+        (f"{run.solves} convex programs, " if run.solves else "")
+        + f"{run.iterations} factorisations"
         + (f" = {run.iterations / associative:.1f} associative solves" if associative else "")
         for run in found
-    ]
-    return "; ".join(parts)
+    )
 
 
 def _why(chosen: SlidingRun, certified: CoulombState | None, violation: float) -> str:
-    if not chosen.solves:
+    if not chosen.iterations:
         return f"no start gave a feasible step; the associative forces, with gap g {chosen.gap:.1e}, are an estimate from above"
     settled = "the iteration settled" if chosen.settled else "the iteration did not settle"
     if certified is None:

@@ -111,7 +111,10 @@ def test_starts_of_the_iteration(tmp_path: Path) -> None:
     assert settings["+y_non-associative"]["bipotential_gap"] == 1e-4
     assert settings["+y_associative"] == plan(read_variants(path)).analyses["+y_associative"]
     for override, said in (
-        ("rigid.start=cold", "rigid.start.0: wrong value; found 'cold'; expected 'dead-load', 'uniform' or 'associative'"),
+        (
+            "rigid.start=cold",
+            "rigid.start.0: wrong value; found 'cold'; expected 'centre', 'dead-load', 'uniform', 'associative' or 'scattered'",
+        ),
         ("rigid.start=[]", "rigid.start: wrong value"),
         ("rigid.bipotential_gap=0", "rigid.bipotential_gap: wrong value"),
         ("rigid.bipotential_gap=1", "rigid.bipotential_gap: wrong value"),

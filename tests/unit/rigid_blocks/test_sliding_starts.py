@@ -57,13 +57,24 @@ def test_where_no_start_leads_anywhere_the_associative_forces_are_told() -> None
     balance, strength, _ = wall()
     solve = OnlyAssociative(solver_for(balance.wrenches))
     associative = associative_state(balance, strength, solve, 0.0)
-    state = sliding_analysis(balance, strength, associative, SlidingOptions(), solve)
+    options = SlidingOptions(starts=("dead-load", "associative"))
+    state = sliding_analysis(balance, strength, associative, options, solve)
     assert state.status == "not-converged"
     assert state.load_factor == pytest.approx(associative.load_factor)
     assert 0 < state.gap < np.inf
     assert state.interval[0] <= state.load_factor <= state.interval[1]
     assert "no start gave a feasible step" in state.message
     assert state.equilibrium_residual < 1e-8
+
+
+def test_the_run_from_the_centre_needs_no_forces_to_begin_with() -> None:
+    balance, strength, _ = wall()
+    solve = OnlyAssociative(solver_for(balance.wrenches))
+    associative = associative_state(balance, strength, solve, 0.0)
+    state = sliding_analysis(balance, strength, associative, SlidingOptions(), solve)
+    assert state.status == "converged"
+    assert [run.start for run in state.starts] == ["centre"]
+    assert 0 <= state.gap <= 1e-5 * state.load_factor
 
 
 @pytest.mark.parametrize("kind", ["turned", "shuffled", "thin", "enlarged"])

@@ -1,0 +1,251 @@
+"""Damped Newton steps for sliding without dilatancy: complementarity in the least-squares sense, the balance exactly.
+
+Forces are X = (mu n, t), rates R = (s, v) with w = mu s the opening and v the sliding. A collapse state without dilatancy
+balances the load, does unit work with it, and has X o Z = 0 at each point, both in the cone u_0 >= |u_1|, with
+Z = (s + r, v), r^2 = |v|^2 + roundness^2 s^2. On the way the products are nu e.
+
+With the Nesterov-Todd scaling W of X and Z, D = W^-1 dX, E = W J dR, J = dZ/dR, and the target r of D + E, a step solves
+
+    min 1/2 |D + E - r|^2 + 1/2 damping (|D|^2 + |E|^2) + pull dalpha    subject to the balance and to unit work
+
+(Levenberg 1944, Marquardt 1963). The matrix of a plain Newton step is neither symmetric nor definite, since the rates of a
+Coulomb point are no gradient. This one needs Cholesky factors only, of two matrices with the pattern of the normal matrix.
+"""
+
+from dataclasses import dataclass
+
+import numba
+import numpy as np
+
+from churchpipe.conic.cholesky import Cholesky, NotDefiniteError
+from churchpipe.conic.interior_point.normal import NormalMatrix
+from churchpipe.conic.interior_point.second_order import SecondOrder, SecondOrderScaling
+from churchpipe.conic.interior_point.wrenches import WrenchCoupling
+from churchpipe.conic.wrenches import BODY
+from churchpipe.model.arrays import FloatArray
+from churchpipe.rigid_blocks.certificate import Strength
+from churchpipe.rigid_blocks.equilibrium import Equilibrium
+from churchpipe.rigid_blocks.settings import CentralSettings
+
+# What is added to the diagonal of a matrix, over its entry there and over the largest of the stone, and more where that fails.
+_REGULARISATION, _OF_STONE, _MORE = 1e-14, 1e-8, 100.0
+_ATTEMPTS = 4
+# Sweeps that bring a step into balance to rounding.
+_SWEEPS = 2
+
+
+@dataclass(frozen=True, slots=True)
+class ContactState:
+    """Forces X and rates R of the points, both (3, nc), the load factor and the velocities y (6 nf,); or a step of all these."""
+
+    forces: FloatArray
+    load_factor: float
+    y: FloatArray
+    rates: FloatArray
+
+    def plus(self, step: "ContactState", length: float = 1.0) -> "ContactState":
+        """Return self + length step."""
+        return ContactState(
+            self.forces + length * step.forces,
+            self.load_factor + length * step.load_factor,
+            self.y + length * step.y,
+            self.rates + length * step.rates,
+        )
+
+
+class ContactSystem:
+    """The points of a balance, their cones, and the two matrices of a step: structure and symbolic analysis, done once."""
+
+    def __init__(self, balance: Equilibrium, strength: Strength, settings: CentralSettings) -> None:
+        self.settings = settings
+        self.friction, self.dead, self.live = strength.friction, balance.dead, balance.live
+        self.points = len(self.friction)
+        self.coupling = WrenchCoupling(balance.wrenches)
+        self.normal = NormalMatrix(self.coupling)
+        self.factors = Cholesky(self.normal.pattern, BODY), Cholesky(self.normal.pattern, BODY)
+        self.cone = SecondOrder(3, 1, self.points)
+        self.factorisations = 0
+
+    def couple(self, forces: FloatArray) -> FloatArray:
+        """Return the wrenches (6 nf,) of forces (3, nc)."""
+        return self.coupling.couple(np.concatenate([forces[0] / self.friction, forces[1], forces[2]]))
+
+    def rates(self, y: FloatArray) -> FloatArray:
+        """Return the rates (3, nc) of velocities y (6 nf,)."""
+        out = self.coupling.spread(y).reshape(3, -1)
+        out[0] /= self.friction
+        return out
+
+    def residual(self, at: ContactState) -> FloatArray:
+        """Return what is left of the balance (6 nf,)."""
+        return self.couple(at.forces) + self.dead + at.load_factor * self.live
+
+    def roundness(self, rates: FloatArray) -> FloatArray:
+        """Return r (nc,)."""
+        return np.sqrt(rates[1] ** 2 + rates[2] ** 2 + (self.settings.roundness * rates[0]) ** 2)
+
+    def multipliers(self, rates: FloatArray) -> FloatArray:
+        """Return Z (3, nc)."""
+        return np.stack([rates[0] + self.roundness(rates), rates[1], rates[2]])
+
+    def product(self, u: FloatArray, v: FloatArray) -> FloatArray:
+        """Return u o v."""
+        return self.cone.product(u[:, None], v[:, None])[:, 0]
+
+    def reach(self, u: FloatArray, step: FloatArray) -> float:
+        """Return 1 / t for the largest t with u + t step in the cones."""
+        return float(self.cone.rates(u[:, None], step[:, None], step[:, None], np.zeros(1)).max(initial=0.0))
+
+    def scaling(self, forces: FloatArray, multipliers: FloatArray) -> SecondOrderScaling:
+        """Return W."""
+        return self.cone.scaling(forces[:, None], multipliers[:, None])
+
+    def recentre(self, product: FloatArray, low: float, high: float) -> FloatArray:
+        """Return the correction that brings the eigenvalues of products (3, nc) into [low, high]."""
+        return self.cone.recentre(product[:, None], low, high)[:, 0]
+
+
+class Linearisation:
+    """The matrices of the steps from one state, factorised."""
+
+    def __init__(self, system: ContactSystem, forces: FloatArray, multipliers: FloatArray, rates: FloatArray, damping: float):
+        """multipliers (3, nc): Z, that of the rates unless they are far from it yet.
+
+        Raises
+        ------
+        NotDefiniteError
+        """
+        self._system, self._damping = system, damping
+        self._scaling = scaling = system.scaling(forces, multipliers)
+        self.point = scaling.point[:, 0]
+        rounded = np.maximum(system.roundness(rates), 1e-300)
+        self._slope = np.stack([1.0 + system.settings.roundness**2 * rates[0] / rounded, rates[1] / rounded, rates[2] / rounded])
+        w, square = scaling.w[:, 0], scaling.eta[0] ** 2
+        plain = 2.0 * w[:, None] * w[None]
+        plain[0, 0] -= 1.0
+        plain[1, 1] += 1.0
+        plain[2, 2] += 1.0
+        plain *= square
+        # J = (1, 0, 0)^T slope^T + diag(0, 1, 1): W^2 J and J^T W^2 J.
+        lower = np.array([0.0, 1.0, 1.0])
+        mixed = plain[:, :1] * self._slope + plain * lower[None, :, None]
+        both = self._slope[:, None] * mixed[0] + mixed * lower[:, None, None]
+        self._plain, self._mixed = plain / (1.0 + damping), mixed / (1.0 + damping)
+        self._both = damping * (2.0 + damping) / (1.0 + damping) * both
+        n = np.ones((3, system.points))
+        n[0] /= system.friction
+        self._lever = self._factor(0, self._plain * n[:, None] * n)
+        self._guess = self._factor(1, (1.0 + damping) * both * n[:, None] * n)
+        self._stiffness, self._guess_work = float(system.live @ self._lever), float(system.live @ self._guess)
+
+    def scaled_forces(self, forces: FloatArray) -> FloatArray:
+        """Return W^-1 of forces (3, nc)."""
+        return self._scaling.solve(forces[:, None])[:, 0]
+
+    def scaled(self, multipliers: FloatArray) -> FloatArray:
+        """Return W of multipliers (3, nc)."""
+        return self._scaling.apply(multipliers[:, None])[:, 0]
+
+    def divide(self, product: FloatArray) -> FloatArray:
+        """Return what a step D + E must be for the products (3, nc) to change by `product`."""
+        return self._scaling.divide(product[:, None])[:, 0]
+
+    def tangent(self, rates: FloatArray) -> FloatArray:
+        """Return J of rates (3, nc)."""
+        return np.stack([(self._slope * rates).sum(axis=0), rates[1], rates[2]])
+
+    def step(self, target: FloatArray, residual: FloatArray, excess: float, pull: float) -> ContactState:
+        """Return the step towards D + E = target (3, nc) that removes a residual (6 nf,) of the balance and an excess of work."""
+        system, damping, live = self._system, self._damping, self._system.live
+        wanted = self.scaled(target) / (1.0 + damping)
+        raised = np.stack([np.zeros(system.points), wanted[1], wanted[2]]) + self._slope * wanted[0]
+        rows = system.couple(wanted) + residual
+        right = damping * system.couple(raised) + self._crossed(self._free(rows) - self._lever * (pull / self._stiffness), True)
+        y = self._velocities(right, excess)
+        rates = system.rates(y)
+        lack = self._solve(0, rows - system.couple(self._apply(self._mixed, rates)))
+        gain = (float(live @ lack) + pull) / self._stiffness
+        u = system.rates(lack - self._lever * gain)
+        forces = wanted - self._apply(self._mixed, rates) - self._apply(self._plain, u)
+        load_factor = -gain
+        for _ in range(_SWEEPS):
+            left = self._solve(0, system.couple(forces) + live * load_factor + residual)
+            share = float(live @ left) / self._stiffness
+            forces = forces - self._apply(self._plain, system.rates(left - self._lever * share))
+            load_factor -= share
+        return ContactState(forces, load_factor, y, rates)
+
+    def _velocities(self, right: FloatArray, excess: float) -> FloatArray:
+        """Return dy with H dy = right, f_L . dy = -excess, by conjugate gradients."""
+        y = self._guess * (-excess / self._guess_work)
+        left = right - self._hessian(y) if excess else right
+        change = self._near(left)
+        along, size = change, float(left @ change)
+        goal = self._system.settings.inner**2 * size
+        for _ in range(self._system.settings.inner_steps):
+            if not size > goal:
+                break
+            bent = self._hessian(along)
+            length = size / float(along @ bent)
+            y, left = y + length * along, left - length * bent
+            change = self._near(left)
+            before, size = size, float(left @ change)
+            along = change + (size / before) * along
+        return y
+
+    def _hessian(self, y: FloatArray) -> FloatArray:
+        system = self._system
+        rates = system.rates(y)
+        free = self._free(system.couple(self._apply(self._mixed, rates)))
+        return system.couple(self._apply(self._both, rates) + self._apply(self._mixed, system.rates(free), True))
+
+    def _crossed(self, y: FloatArray, transposed: bool) -> FloatArray:
+        return self._system.couple(self._apply(self._mixed, self._system.rates(y), transposed))
+
+    def _free(self, rows: FloatArray) -> FloatArray:
+        """Return the solution for these rows that does no work with the live load."""
+        found = self._solve(0, rows)
+        return found - self._lever * (float(self._system.live @ found) / self._stiffness)
+
+    def _near(self, rows: FloatArray) -> FloatArray:
+        """Return the same with the matrix that stands for H."""
+        found = self._solve(1, rows)
+        return found - self._guess * (float(self._system.live @ found) / self._guess_work)
+
+    def _solve(self, which: int, rows: FloatArray) -> FloatArray:
+        return self._system.factors[which].solve(rows)
+
+    def _factor(self, which: int, compliance: FloatArray) -> FloatArray:
+        """Factorise a matrix and return its solution for the live load."""
+        system = self._system
+        values = system.normal.assemble(np.ascontiguousarray(compliance))
+        diagonal = values[system.normal.diagonal]
+        shift = _REGULARISATION * (diagonal + _OF_STONE * np.repeat(diagonal.reshape(-1, BODY).max(axis=1), BODY))
+        for attempt in range(_ATTEMPTS):
+            values[system.normal.diagonal] = diagonal + _MORE**attempt * shift
+            try:
+                system.factors[which].factor(values)
+                break
+            except NotDefiniteError:
+                if attempt == _ATTEMPTS - 1:
+                    raise
+        system.factorisations += 1
+        return self._solve(which, system.live)
+
+    def _apply(self, blocks: FloatArray, v: FloatArray, transposed: bool = False) -> FloatArray:
+        out = np.empty_like(v)
+        _multiply(blocks, v, transposed, out)
+        return out
+
+
+@numba.njit(cache=True)
+def _multiply(blocks: FloatArray, v: FloatArray, transposed: bool, out: FloatArray) -> None:
+    """Write blocks_ijk v_jk, or blocks_jik v_jk, into out_ik."""
+    for k in range(v.shape[1]):
+        a, b, c = v[0, k], v[1, k], v[2, k]
+        if transposed:
+            for i in range(3):
+                out[i, k] = blocks[0, i, k] * a + blocks[1, i, k] * b + blocks[2, i, k] * c
+        else:
+            for i in range(3):
+                out[i, k] = blocks[i, 0, k] * a + blocks[i, 1, k] * b + blocks[i, 2, k] * c
