@@ -52,6 +52,14 @@ def test_load_factors(name: str, load: cp.LoadCase, expected: float, ours: float
     assert state.load_factor == pytest.approx(ours, abs=1e-4)
 
 
+@pytest.mark.slow("docs/contact_models.md: church R14")
+def test_torsion_of_joints() -> None:
+    state = cp.limit_analysis(*laid("church"), cp.LoadCase((1, 0, 0)), friction=0.6, contact_model="torsion")
+    assert state.status == "optimal"
+    assert state.upper_bound - state.lower_bound < 1e-6
+    assert state.load_factor == pytest.approx(0.2174, abs=1e-4)
+
+
 # Load factor from the canonical start, as docs/church.md gives it.
 @pytest.mark.slow("docs/church.md: Sliding without dilatancy")
 @pytest.mark.parametrize(

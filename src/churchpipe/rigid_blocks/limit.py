@@ -84,7 +84,8 @@ def limit_analysis(
         Bars that pull stones together; the result has their tensions and what their strength adds.
     contact_model
         "corners", friction acts at the corners of an interface, which overrates its resistance to torsion; "torsion", it acts
-        so near to the middle that uniform pressure resists torsion exactly.
+        so near to the middle of the interface (non-associative: to the centre of its pressure) that uniform pressure resists
+        torsion exactly.
     compressive_strength
         Pa, scalar or one an interface (ni,), infinite for joints that do not crush; None: none does. The forces of the result
         are given at the corners of the joints all the same.

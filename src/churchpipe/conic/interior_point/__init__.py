@@ -1,4 +1,23 @@
-"""A primal-dual interior-point method for many small local problems that are coupled by common rows."""
+"""A primal-dual interior-point method for many small local problems that are coupled by common rows.
+
+It solves, with x_k the few variables of local problem k (the force at a contact point, the stress in a facet),
+
+    minimise    sum_k (1/2 x_k Q_k x_k + linear_k x_k) - reward load
+    subject to  B x + constant + load growth = 0,   G_k x_k + s_k = right_k,   s_k in a cone,   load <= cap
+
+B is the `coupling` (the balance of all bodies), y its multipliers (velocities); s are slacks and z their multipliers, the
+constraints of one local problem; theta and kappa are the pair that makes the problem homogeneous, so that certificates of
+infeasibility are solutions as well. In the order of reading:
+
+- `cones`, `nonnegative`, `second_order`: products, steps to the boundary, and the scaling W of Nesterov and Todd, W z = W^-1 s.
+- `local`: what a local problem must know; `coulomb`: contact points with friction; the shell has its own.
+- `coupling`, `wrenches`: products with B and its transpose.
+- `problem`: the problem above; `residuals`: how far an iterate is from solving it; `iterate`: iterates and steps.
+- `normal`: the sparse matrix B S B^T, where S_k = (Q_k + G_k^T W_k^-2 G_k)^-1 is the compliance of local problem k.
+- `kkt`: the linear system of one iteration, named after Karush, Kuhn and Tucker, reduced to that matrix and factorised.
+- `newton`: the directions of one iteration, all by one factor; `loop`: predictor, corrector and the end.
+- `solver`: cone programs of `conic.program` on this loop; `storage`: a program in a file.
+"""
 
 from churchpipe.conic.interior_point.info import Info
 from churchpipe.conic.interior_point.settings import Settings
