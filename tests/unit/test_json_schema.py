@@ -96,3 +96,16 @@ def test_check_examines_a_case(capsys: pytest.CaptureFixture[str], tmp_path: Pat
     code, _, err = call(capsys, "check", path)
     assert code == 1
     assert "source.height_m: not a whole number of courses" in err
+
+
+def test_every_key_has_a_meaning() -> None:
+    """Each is declared with a sentence; the tables of the reference and the hints of editors show it."""
+    schema = case_schema()
+    tables = {"the whole file": schema} | schema["$defs"]
+    missing = [
+        f"{name}.{key}"
+        for name, table in tables.items()
+        for key, value in table["properties"].items()
+        if not value.get("description")
+    ]
+    assert not missing

@@ -35,7 +35,7 @@ class ChapelParameters:
     bonds: Bonds = ()
     walls: Walls = ()
     junctions: Junctions = ()
-    vaults: Sequence[RoomVault | Given] = ()
+    vaults: Annotated[Sequence[RoomVault | Given], "Vaults over rooms and apses."] = ()
     joints: Joints = "bay"
     first_course: FirstCourse = "x"
 

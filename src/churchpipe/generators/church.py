@@ -43,7 +43,7 @@ class ChurchParameters:
     bonds: Bonds = ()
     walls: Walls = ()
     junctions: Junctions = ()
-    vaults: Sequence[RoomVault | Given] = ()
+    vaults: Annotated[Sequence[RoomVault | Given], "Vaults over rooms and apses."] = ()
     joints: Joints = "bay"
     first_course: FirstCourse = "x"
 

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
@@ -24,32 +24,26 @@ from churchpipe.vaults.sweep import Courses
 
 @dataclass(frozen=True, slots=True)
 class DomeParameters:
-    """A dome about the z axis, or a half dome behind the plane y = 0.
+    """A dome about the z axis, or a half dome behind the plane y = 0."""
 
-    span: clear diameter at the springing, thickness, m. rise of the soffit, m (None: a half sphere). rings: of stones, the
-    closing stone among them. sides: flat sides of the plan, of the half circle in a half dome; stone_sides: sides of one stone.
-    laid: rings "staggered" by half a stone, or in "lunes", upright joints from springing to crown. plan: "full" or "half".
-    oculus: clear diameter of the opening at the crown, m; the ring around it has a level back. drum_height, drum_thickness,
-    drum_course: of the wall below, m; None: the dome springs from the ground. lantern_height, lantern_thickness, lantern_course:
-    of a ring wall on the oculus, m. front: what stands before a half dome, nothing ("free") or a wall that holds it ("wall").
-    """
-
-    span: Length
-    thickness: Length
-    rings: Count
-    sides: Count = 32
-    stone_sides: Count = 2
-    rise: Length | None = None
-    laid: Literal["staggered", "lunes"] = "staggered"
-    plan: Literal["full", "half"] = "full"
-    oculus: Length | None = None
-    drum_height: Length | None = None
-    drum_thickness: Length | None = None
-    drum_course: Length | None = None
-    lantern_height: Length | None = None
-    lantern_thickness: Length | None = None
-    lantern_course: Length | None = None
-    front: Literal["free", "wall"] = "free"
+    span: Annotated[Length, "Clear diameter at the springing."]
+    thickness: Annotated[Length, "Thickness."]
+    rings: Annotated[Count, "Rings of stones, the closing stone among them."]
+    sides: Annotated[Count, "Flat sides of the plan; of a half dome those of the half circle."] = 32
+    stone_sides: Annotated[Count, "Sides of the plan that one stone covers."] = 2
+    rise: Annotated[Length | None, "Rise of the soffit; by default a half sphere."] = None
+    laid: Annotated[
+        Literal["staggered", "lunes"], "Rings staggered by half a stone, or lunes with upright joints from springing to crown."
+    ] = "staggered"
+    plan: Annotated[Literal["full", "half"], "A full dome or a half one."] = "full"
+    oculus: Annotated[Length | None, "Clear diameter of the opening at the crown; the ring around it has a level back."] = None
+    drum_height: Annotated[Length | None, "Height of the wall below; by default the dome springs from the ground."] = None
+    drum_thickness: Annotated[Length | None, "Thickness of that wall."] = None
+    drum_course: Annotated[Length | None, "Height of its courses."] = None
+    lantern_height: Annotated[Length | None, "Height of a ring wall on the oculus."] = None
+    lantern_thickness: Annotated[Length | None, "Thickness of that ring wall."] = None
+    lantern_course: Annotated[Length | None, "Height of its courses."] = None
+    front: Annotated[Literal["free", "wall"], "What stands before a half dome: nothing, or a wall that holds it."] = "free"
 
     def __post_init__(self) -> None:
         coerce_fields(self, "dome.")

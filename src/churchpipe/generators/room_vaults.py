@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 
@@ -25,26 +25,25 @@ from churchpipe.vaults.sweep import Courses
 
 @dataclass(frozen=True, slots=True)
 class RoomVault:
-    """A vault over a room of a church: over "nave", "crossing", "choir", or an apse by its name.
+    """A vault over a room of a church. Walls end at its springing."""
 
-    kind: "barrel" along y, "groin", "pavilion" (over a square), or "half_dome" over an apse. thickness, m. courses: from
-    springing to springing, odd; of a half dome the rings, its closing stone among them. springing: None or the top of the walls,
-    m: they do not go on beside it. stone_length, m (None: that of the walls). shape, rise, heads, corner, backing as in
-    `VaultParameters`; sides: of a half dome.
-    """
-
-    over: str
-    thickness: Length
-    courses: Count
-    kind: Literal["barrel", "groin", "pavilion", "half_dome"] = "barrel"
-    springing: Length | None = None
-    stone_length: Length | None = None
-    shape: Shape = "round"
-    rise: Length | None = None
-    heads: Literal["staggered", "aligned"] = "staggered"
-    corner: Corner = "round"
-    backing: Length | None = None
-    sides: Count = 16
+    over: Annotated[str, "Room: nave, crossing, choir, or an apse by its name."]
+    thickness: Annotated[Length, "Thickness."]
+    courses: Annotated[Count, "Courses from springing to springing, an odd number; of a half dome its rings."]
+    kind: Annotated[
+        Literal["barrel", "groin", "pavilion", "half_dome"],
+        "A barrel runs along y, a pavilion lies over a square, a half dome over an apse.",
+    ] = "barrel"
+    springing: Annotated[Length | None, "Height of the springing; by default the top of the walls."] = None
+    stone_length: Annotated[Length | None, "Length of the stones; by default that of the walls."] = None
+    shape: Annotated[Shape, "Shape of the soffit."] = "round"
+    rise: Annotated[Length | None, "Rise of the soffit, of a segmental or pointed vault."] = None
+    heads: Annotated[Literal["staggered", "aligned"], "Head joints of neighbouring courses: staggered, or in one line."] = (
+        "staggered"
+    )
+    corner: Annotated[Corner, "Which corner stones of crossed vaults run round the mitre: all, every other or none."] = "round"
+    backing: Annotated[Length | None, "Height over the springing of masonry on the haunches."] = None
+    sides: Annotated[Count, "Flat sides of the plan of a half dome."] = 16
 
     def __post_init__(self) -> None:
         coerce_fields(self, "vault: ")

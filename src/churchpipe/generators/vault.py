@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
@@ -28,40 +28,38 @@ Lay = Callable[..., None]
 
 @dataclass(frozen=True, slots=True)
 class VaultParameters:
-    """A vault about the origin; a barrel spans x and runs along y.
+    """A vault about the origin; a barrel spans x and runs along y."""
 
-    kind: "barrel" (of a length, m), "groin", "pavilion" or "octagonal". span: clear, between its springings, m; second_span: of a
-    groin vault along y (None: the same). thickness, m. courses: from springing to springing, odd. shape, rise of the soffit:
-    "round", "segmental" or "pointed" with its rise, m. laid: a barrel in "courses" along it or in "rings", arches as wide as a
-    stone is long. heads: head joints "staggered" or "aligned". corner: which corner stones of crossed vaults run round the mitre,
-    all ("round"), every other ("alternate") or none ("mitre").
-    wall_height, wall_thickness, wall_course: of walls or piers below, m; None: springings on the ground. wall_top: height to
-    which the walls of a barrel go on outside it, m. backing: height over the springing of masonry on the haunches, m. arches:
-    their number below a barrel, or on the four sides of a groin vault, with arch_width and arch_depth, m. foot: what carries it,
-    the "ground", or "abutments", fixed stones under each side of a barrel or corner of a groin vault, which may settle or spread.
-    """
-
-    span: Length
-    thickness: Length
-    courses: Count
-    stone_length: Length
-    kind: Literal["barrel", "groin", "pavilion", "octagonal"] = "barrel"
-    length: Length | None = None
-    second_span: Length | None = None
-    shape: Shape = "round"
-    rise: Length | None = None
-    laid: Literal["courses", "rings"] = "courses"
-    heads: Literal["staggered", "aligned"] = "staggered"
-    corner: Corner = "round"
-    wall_height: Length | None = None
-    wall_thickness: Length | None = None
-    wall_course: Length | None = None
-    wall_top: Length | None = None
-    backing: Length | None = None
-    arches: Count | None = None
-    arch_width: Length | None = None
-    arch_depth: Length | None = None
-    foot: Literal["ground", "abutments"] = "ground"
+    span: Annotated[Length, "Clear span between the springings."]
+    thickness: Annotated[Length, "Thickness."]
+    courses: Annotated[Count, "Courses from springing to springing, an odd number."]
+    stone_length: Annotated[Length, "Length of the stones, about."]
+    kind: Annotated[
+        Literal["barrel", "groin", "pavilion", "octagonal"],
+        "Kind of vault.",
+    ] = "barrel"
+    length: Annotated[Length | None, "Length of a barrel."] = None
+    second_span: Annotated[Length | None, "Clear span of a groin vault along y; by default the same."] = None
+    shape: Annotated[Shape, "Shape of the soffit."] = "round"
+    rise: Annotated[Length | None, "Rise of the soffit, of a segmental or pointed vault."] = None
+    laid: Annotated[
+        Literal["courses", "rings"], "A barrel in courses along it, or in rings: arches as wide as a stone is long."
+    ] = "courses"
+    heads: Annotated[Literal["staggered", "aligned"], "Head joints of neighbouring courses: staggered, or in one line."] = (
+        "staggered"
+    )
+    corner: Annotated[Corner, "Which corner stones of crossed vaults run round the mitre: all, every other or none."] = "round"
+    wall_height: Annotated[Length | None, "Height of walls or piers below; by default the vault springs from the ground."] = None
+    wall_thickness: Annotated[Length | None, "Thickness of these walls."] = None
+    wall_course: Annotated[Length | None, "Height of their courses."] = None
+    wall_top: Annotated[Length | None, "Height to which the walls of a barrel go on outside it."] = None
+    backing: Annotated[Length | None, "Height over the springing of masonry on the haunches."] = None
+    arches: Annotated[Count | None, "Number of arches below a barrel, or on the four sides of a groin vault."] = None
+    arch_width: Annotated[Length | None, "Width of these arches."] = None
+    arch_depth: Annotated[Length | None, "Depth of these arches."] = None
+    foot: Annotated[Literal["ground", "abutments"], "What carries it: the ground, or fixed stones that may settle or spread."] = (
+        "ground"
+    )
 
     def __post_init__(self) -> None:
         coerce_fields(self, "vault.")
