@@ -92,6 +92,7 @@ def plan(cases: Sequence[Case]) -> Plan:
         for movement in case.movements:
             settings = {"geometry": geometry, "material": _strength(case), "solver": case.rigid.solver, **asdict(movement)}
             settings |= case.carries.settings(*_LOADS)
+            settings["without_ties"] = bool(case.carries.settings("ties"))
             name = _same(case, movements, settings) or _keep(movements, [movement.name, *_words(of_stones, case)], settings)
             moved.setdefault(name, {"name": name, "geometry": geometry, "variant": _name(case), "swept": of_stones})
         if case.shell is None:

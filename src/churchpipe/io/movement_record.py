@@ -24,7 +24,8 @@ def movement_words(
     length, unit, force = ("deg", float(np.degrees(1.0)), "kNm") if turns else ("mm", 1e3, "kN")
     bad = path.status in ("unstable", "failed") or (path.status == "unbounded" and not len(path.movement))
     friction = {material.friction for material in materials}
-    lost = "cohesion, which opening joints lose, is left out" if any(material.cohesion for material in materials) else ""
+    lost = ["cohesion, which opening joints lose, is left out"] if any(material.cohesion for material in materials) else []
+    lost += ["ties are left out"] if settings["without_ties"] else []
     return {
         "movement": settings["name"],
         "direction": list(settings["direction"]),
@@ -32,7 +33,7 @@ def movement_words(
         "friction": friction.pop() if len(friction) == 1 else {material.name: material.friction for material in materials},
         "status": path.status if bad else "converged" if path.proved and path.status != "not-converged" else "not-converged",
         "ending": path.status,
-        "message": "; ".join(said for said in (path.message, lost) if said),
+        "message": "; ".join(said for said in (path.message, *lost) if said),
         f"least_reaction_{force}": path.least / 1e3,
         f"movement_{length}": (unit * path.movement).tolist(),
         f"reaction_{force}": (path.reaction / 1e3).tolist(),

@@ -63,7 +63,7 @@ def _sentence(record: Mapping[str, Any], path: SettlementPath) -> str:
     words += f" ({record[reaction][0]:.4g} {force} without dilatancy)"
     end = f"; at {record[movement][-1]:.4g} {length} {_ENDINGS[path.status]}"
     fallen = f". Stones that fell on the way: {', '.join(record['fallen_stones'])}" if record["fallen_stones"] else ""
-    return f"{words}{end}{fallen}."
+    return f"{words}{end}{fallen}." + (" Ties are left out." if "ties are left out" in record["message"] else "")
 
 
 def _reaction_svg(record: Mapping[str, Any]) -> str:

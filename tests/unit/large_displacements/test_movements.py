@@ -10,6 +10,7 @@ from case_texts import case_file
 from churchpipe import compare, stages
 from churchpipe.config.plan import plan
 from churchpipe.errors import InputError
+from churchpipe.io.movement_record import movement_words
 from churchpipe.io.npz import read_npz, write_npz
 from churchpipe.io.tables import read_json
 from churchpipe.model.settlement import SettlementPath
@@ -135,3 +136,16 @@ def test_the_artifact_comes_back(tmp_path: Path) -> None:
     assert again.status == path.status
     assert np.array_equal(again.rotation, path.rotation)
     assert read_json(out / "plan.json")["analyses"] == []
+
+
+def test_ties_that_are_left_out_are_told(tmp_path: Path) -> None:
+    ends = 'start = { wall = "wall", along_m = 0.2, height_m = 0.9 }\nend = { wall = "wall", along_m = 1.4, height_m = 0.9 }\n'
+    tie = f'[[ties]]\nname = "rod"\n{ends}area_mm2 = 100\nsteel_strength_MPa = 200\n'
+    path = case_file(tmp_path, f"{CASE}[[movements]]\n{CORNER}{tie}")
+    assert plan([cp.read_case(path)]).movements["corner"]["without_ties"]
+    assert not plan([read(tmp_path, CORNER)]).movements["corner"]["without_ties"]
+    words = {"name": "corner", "about": None, "direction": (0, 0, -1), "without_ties": True}
+    stones = on_ground(box((0, 1), (0, 1), (0, 1)))
+    moved = cp.settlement_path(stones, cp.find_contacts(stones), [0], step=0.1, furthest=0.1)
+    record = movement_words(moved, words, stones, [], [])
+    assert record["message"].endswith("; ties are left out")
