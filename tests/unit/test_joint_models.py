@@ -1,22 +1,28 @@
 """Contact models and crushing from the case file to the summary and the report."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from case_texts import WALL, case_file
 from churchpipe import stages
 from churchpipe.code_check import Site
 from churchpipe.compare import contact_models, guidance, safety
+from churchpipe.dxf.properties import decode_properties, encode_materials
+from churchpipe.io.records import shell_record_of
 from churchpipe.io.tables import read_json
 from churchpipe.model.loads import LoadCase
+from churchpipe.model.materials import JointStrength, Material
 from churchpipe.model.names import analysis_name
 from churchpipe.report.contact_models import contact_model_rows
 from churchpipe.report.safety import check_table
 from churchpipe.report.table import Row, columns_for
 from churchpipe.rigid_blocks.limit import limit_analysis
 from churchpipe.stones.contacts import find_contacts
+from churchpipe.stones.joints import crushing_strength
 from solids import box, on_ground
 
 CASE = WALL.replace("friction = 0.6\n", "friction = 0.6\ncompressive_strength_MPa = 0.1\n") + (
@@ -115,3 +121,34 @@ def test_the_knowledge_level_counts_where_stones_crush() -> None:
     assert table is not None
     assert "\u03b6_E, FC 1.35" in [title for title, _ in table["headings"]]
     assert table["kinds"] == ["crushing"]
+
+
+def test_analyses_without_crushing_say_so() -> None:
+    soft = JointStrength("tuff", 0.6, compressive_strength=2e6)
+    told = shell_record_of("refused", LoadCase((1, 0, 0)), [soft], method="limit", planes="cell").as_words()
+    assert told["message"] == (
+        "refused; the stones do not crush here: compressive_strength enters the limit analysis of the rigid blocks alone"
+    )
+    assert told["compressive_strength_MPa"] == 2.0
+    plain = shell_record_of("refused", LoadCase((1, 0, 0)), [JointStrength("tuff", 0.6)], method="limit", planes="cell")
+    assert plain.as_words()["message"] == "refused"
+
+
+def test_a_drawing_keeps_the_strength() -> None:
+    soft = Material("tuff", 16e3, 0.6, compressive_strength=2.5e6)
+    stored = encode_materials([soft])
+    assert '"compressive_strength_MPa": 2.5' in stored[0][1]
+    materials, _, findings = decode_properties(stored)
+    assert materials == (soft,)
+    assert not findings
+
+
+def test_the_weaker_material_crushes_where_two_meet() -> None:
+    stones = on_ground(box((0, 1), (0, 1), (0, 1)), box((0, 1), (0, 1), (1, 2)))
+    stones = replace(stones, material=np.array(["ground", "tuff", "brick"]))
+    contacts = find_contacts(stones)
+    tuff, brick = JointStrength("tuff", 0.6, compressive_strength=2e6), JointStrength("brick", 0.6, compressive_strength=1e6)
+    found = crushing_strength(stones, contacts, [tuff, brick])
+    assert found is not None
+    assert dict(zip(map(tuple, contacts.blocks.tolist()), found.tolist(), strict=True)) == {(0, 1): 2e6, (1, 2): 1e6}
+    assert crushing_strength(stones, contacts, [replace(tuff, compressive_strength=None), JointStrength("brick", 0.6)]) is None
