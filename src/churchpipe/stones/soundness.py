@@ -14,7 +14,8 @@ from churchpipe.model.arrays import BoolArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import TOUCHING, Contacts, check_contacts_of
 from churchpipe.model.polyhedra import face_normals
-from churchpipe.stones.account import near_miss_share, remedy_words, surface_account
+from churchpipe.stones.account import NAMED, near_miss_share, remedy_words, surface_account
+from churchpipe.stones.self_crossing import self_crossing_stones
 
 # A joint holds a stone from below when its normal rises by at least this much.
 LEAST_LIFT = 0.05
@@ -78,7 +79,7 @@ def overlapping_stones(
 
 
 def check_soundness(stones: Assemblage, contacts: Contacts, progress: Callable[[str, float], None] | None = None) -> None:
-    """Raise an error that names stones that float, coincide or overlap, and near misses that matter.
+    """Raise an error that names stones that float, coincide, overlap or cross themselves, and near misses that matter.
 
     Stones overlap if they interpenetrate by more than the contacts' own tolerance. A near miss matters where it is all that a
     stone has below it. All near misses matter together where they are more than `DECISIVE_SHARE` of the area of joints and near
@@ -107,6 +108,13 @@ def check_soundness(stones: Assemblage, contacts: Contacts, progress: Callable[[
     if len(double):
         problems.append(f"{len(double)} drawn twice ({_name_pairs(stones, double)})")
         remedies.append("Delete one of each pair.")
+    crossing = self_crossing_stones(stones)
+    if crossing:
+        named = ", ".join(
+            f"{stones.block_id[block]} at ({', '.join(f'{x:.3f}' for x in place)}) m" for block, place in crossing[:NAMED]
+        )
+        problems.append(f"{len(crossing)} whose surface crosses itself ({named})")
+        remedies.append("Draw them again, or cut each at the place named into bodies that do not.")
     overlap = overlapping_stones(stones, contacts.tolerances.overlap, progress)
     overlap = overlap[~(overlap[:, None] == double[None]).all(axis=2).any(axis=1)] if len(double) else overlap
     if len(overlap):

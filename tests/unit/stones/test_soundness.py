@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from churchpipe.errors import InputError
+from churchpipe.model.assemblage import Assemblage
 from churchpipe.stones.contacts import find_contacts
+from churchpipe.stones.self_crossing import self_crossing_stones
 from churchpipe.stones.soundness import (
     check_soundness,
     duplicate_stones,
@@ -112,3 +114,22 @@ def test_overlaps_within_the_tolerance_are_joints_and_deeper_ones_are_refused() 
         check_soundness(deep, find_contacts(deep))
     with pytest.raises(InputError, match="1 pairs overlap"):
         check_soundness(shallow, find_contacts(shallow, overlap=0.001))
+
+
+@pytest.mark.parametrize("fault", ["a corner through the opposite face", "sound and not convex"])
+def test_a_stone_that_crosses_itself_is_named_with_its_place(fault: str) -> None:
+    outline = [(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0), (1.0, 2.0), (0.0, 2.0)]
+    points, faces = prism(outline, 1.0)
+    if fault != "sound and not convex":
+        # The notch of the L reaches through its foot.
+        points[[3, 9], 2] = -0.5
+    stones = Assemblage.from_polyhedra([box((-9, 9), (-9, 9), (-3, -1)), (points, faces)], 1.0, fixed=[0])
+    found = self_crossing_stones(stones)
+    if fault == "sound and not convex":
+        assert not found
+        return
+    ((block, place),) = found
+    assert block == 1
+    assert place[2] == pytest.approx(0.0, abs=1e-9)
+    with pytest.raises(InputError, match=r"1 whose surface crosses itself \(B1 at"):
+        check_soundness(stones, find_contacts(stones))
