@@ -18,6 +18,7 @@ from .large_displacements.thrust import thrust_range as thrust_range
 from .loading.from_above import load_from_above as load_from_above
 from .loading.outward import outward_load as outward_load
 from .loading.placing import place_loads as place_loads
+from .loading.ring_beams import with_ring_beams as with_ring_beams
 from .loading.ties import place_ties as place_ties
 from .loading.wrenches import loaded as loaded
 from .loading.wrenches import shell_loaded as shell_loaded

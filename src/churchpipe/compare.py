@@ -8,12 +8,14 @@ import numpy as np
 
 from churchpipe.code_check import CONFIDENCE_FACTOR, Site, activation, along, verdict_record
 from churchpipe.errors import InputError
-from churchpipe.mechanism import moving_stones, parts, stone_speed
+from churchpipe.loading.wrenches import pushed_masses
+from churchpipe.mechanism import moving_stones, parts, stone_speed, velocity_at
 from churchpipe.model.arrays import BoolArray, FloatArray, NameArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.names import MODELS, OUTER, RIGID_BLOCKS, analysis_name, crushes
+from churchpipe.model.placed_loads import PlacedLoads
 from churchpipe.model.results import LimitState, ShellLimitState
 from churchpipe.model.shell import ShellModel
 from churchpipe.model.swept import of_both
@@ -227,18 +229,34 @@ def _parts(panel: NameArray, weight: FloatArray, velocity: FloatArray, moving: B
     return {"parts": [part.as_dict() for part in found]} if len(found) > 1 else {}
 
 
-def safety(stones: Assemblage, state: LimitState, load: LoadCase, site: Site | None, *, crushing: bool = False) -> dict[str, Any]:
+def safety(
+    stones: Assemblage,
+    state: LimitState,
+    load: LoadCase,
+    site: Site | None,
+    loads: PlacedLoads | None = None,
+    *,
+    crushing: bool = False,
+) -> dict[str, Any]:
     """Return the safety check of a mechanism, on all stones that move; {"message": why} where the code has none for it.
 
     site: None gives the acceleration that activates the mechanism, and nothing to compare it with. crushing: whether the masonry
-    crushes in the analysis, so that the confidence factor is that of the knowledge level.
+    crushes in the analysis, so that the confidence factor is that of the knowledge level. loads: what the stones carry, whose
+    masses are bodies of their own, as Q_k are in the circular.
     """
     moving = moving_stones(stone_speed(stones, state.velocities)) & ~stones.fixed
     confidence = site.confidence(crushing) if site else CONFIDENCE_FACTOR
     try:
+        weight, pushed = stones.weight[moving], lateral_weight(stones, load)[moving]
         displacement = along(load.direction, state.velocities)[moving]
-        pushed = lateral_weight(stones, load)[moving]
-        found = activation(state.load_factor, stones.weight[moving], pushed, displacement, confidence)
+        if loads is not None and loads.mass.any():
+            more, masses = pushed_masses(load, stones, loads)
+            on = moving[loads.stone]
+            velocity = velocity_at(stones, state.velocities, loads.stone, loads.point)[on]
+            weight = np.concatenate([weight, loads.mass[on]])
+            pushed = np.concatenate([pushed + more[moving], masses[on]])
+            displacement = np.concatenate([displacement, along(load.direction, velocity)])
+        found = activation(state.load_factor, weight, pushed, displacement, confidence)
     except InputError as error:
         return {"message": str(error)}
     record = found.as_dict() | {"moving_stones": int(moving.sum())}

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from churchpipe import compare
+from churchpipe.config.carries import carries_of, placed
 from churchpipe.config.settings import load_of, site_of
 from churchpipe.displacement_check import displacement_record
 from churchpipe.io.npz import Absent, read_if_made, read_npz
@@ -15,6 +16,7 @@ from churchpipe.io.tables import read_json
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.block_curve import BlockCapacityCurve
 from churchpipe.model.contacts import Contacts
+from churchpipe.model.placed_loads import Borne
 from churchpipe.model.results import CapacityCurve, LimitState, ShellLimitState
 from churchpipe.model.settlement import SettlementPath
 from churchpipe.model.shell import ShellModel
@@ -50,6 +52,10 @@ class RunFolder:
     def block_curve(self, entry: dict[str, Any]) -> BlockCapacityCurve:
         """Return a capacity curve of the stones."""
         return read_npz(self.folder(entry) / "curve.npz", BlockCapacityCurve)
+
+    def borne(self, name: str, stones: Assemblage) -> Borne:
+        """Return what the stones carry, and their ties, in a rigid-block analysis."""
+        return placed(carries_of(read_json(self.path / "rigid" / name / "settings.json")), stones)
 
     def shell_state(self, entry: dict[str, Any]) -> ShellLimitState | CapacityCurve | Absent:
         """Return the state of an analysis of the shell; of a capacity curve, its last step's."""
@@ -92,7 +98,9 @@ class RunFolder:
             return compare.shell_parts(mesh, read_npz(self.folder(entry) / "limit.npz", ShellLimitState), load)
         stones, state = self.stones(entry["geometry"])[0], self.block_state(entry)
         crushing = all("compressive_strength" in values for values in settings["material"].values())
-        return compare.stone_parts(stones, state, load) | {"check": compare.safety(stones, state, load, site, crushing=crushing)}
+        masses = self.borne(entry["name"], stones).loads
+        check = compare.safety(stones, state, load, site, masses, crushing=crushing)
+        return compare.stone_parts(stones, state, load) | {"check": check}
 
     def movements(self, geometry: str | None = None) -> list[dict[str, Any]]:
         """Return the records of the supports that move, of all geometries or of one, as `record` does for the analyses."""

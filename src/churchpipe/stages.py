@@ -374,6 +374,7 @@ def report(plan: Path, summary: Path, assemblage: Path, contacts: Path, html: Pa
         project=run.index["project"],
         materials=run.index["materials"],
         moved=moved,
+        borne={name: run.borne(name, stones) for name in states},
         case_text=(run.path / "as-run.toml").read_text(encoding="utf-8"),
         versions=versions(),
         figures_dir=html.parent / "figures",

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import churchpipe as cp
+from churchpipe.compare import safety
 from churchpipe.errors import InputError
 from churchpipe.generators.wall import wall as free_wall
 from churchpipe.loading.placing import place_loads
@@ -250,3 +251,52 @@ def test_a_push_of_nothing_but_a_live_force() -> None:
     live[1] = [1.0, 0, 0, 0, 1.0, 0]
     state = cp.limit_analysis(stones, cp.find_contacts(stones), cp.loaded(cp.LoadCase(live=live), stones, []), 2.0)
     assert state.load_factor == pytest.approx(36e3 * 0.5 / 2, rel=1e-6)
+
+
+def test_the_check_counts_the_masses() -> None:
+    # A block b x h of weight P that turns about its toe with a mass Q on its top: P moves by h / 2, Q by h.
+    stones = on_ground(box((0, 1), (0, 1), (0, 2)))
+    placed = place_loads(stones, [cp.PointLoad(at=(0.5, 0.5, 2.0), dead=9e3)])
+    load = cp.LoadCase((1, 0, 0))
+    state = cp.limit_analysis(stones, cp.find_contacts(stones), cp.loaded(load, stones, placed), 2.0)
+    assert state.load_factor == pytest.approx((36 * 0.5 + 9 * 0.5) / (36 * 1 + 9 * 2), rel=1e-6)
+    check = safety(stones, state, load, None, placed)
+    share = (36 * 1 + 9 * 2) ** 2 / ((36 + 9) * (36 * 1 + 9 * 4))
+    assert check["alpha0"] == pytest.approx(state.load_factor, rel=1e-6)
+    assert check["moving_weight_kN"] == pytest.approx(45)
+    assert check["mass_fraction"] == pytest.approx(share, rel=1e-6)
+
+
+def test_a_ring_beam_holds_a_wall_together() -> None:
+    # Two piers side by side, of which a load pushes one: alone it turns at b / h, under one beam it takes the other along.
+    plate = box((-50, 50), (-50, 50), (-1, 0))
+    piers = [box((x, x + 1), (0, 0.5), (0, 3)) for x in (0, 1)]
+    stones = cp.Assemblage.from_polyhedra([plate, *piers], GAMMA, [0], panel=["", "wall", "wall"])
+    push = np.zeros((3, 6))
+    push[1, 1] = 1.0
+    alone = cp.limit_analysis(stones, cp.find_contacts(stones), cp.LoadCase(live=push), 2.0)
+    assert alone.load_factor >= GAMMA * 0.5 * 3 * 0.25 / 1.5 * (1 - 1e-6)
+    beamed = cp.with_ring_beams(stones, ["wall"], height=0.25, unit_weight=24e3)
+    assert beamed.count == 4
+    assert beamed.weight[3] == pytest.approx(24e3 * 0.25 * 0.5 * 2)
+    assert beamed.panel[3] == "beam on wall"
+    contacts = cp.find_contacts(beamed)
+    # Pushed all alike they turn as one body about their toes.
+    pier, beam = GAMMA * 0.5 * 3, 24e3 * 0.25 * 0.5 * 2
+    alike = cp.limit_analysis(beamed, contacts, cp.LoadCase((0, 1, 0)), 2.0)
+    assert alike.load_factor == pytest.approx((2 * pier + beam) * 0.25 / (2 * pier * 1.5 + beam * 3.125), rel=1e-6)
+    # One pushed at h / 2 by a live force takes the other along by what friction allows, at most all of it.
+    live = np.zeros((4, 6))
+    live[1, 1] = 1.0
+    state = cp.limit_analysis(beamed, contacts, cp.LoadCase(live=live), 1e3)
+    assert state.status == "optimal"
+    assert state.load_factor > pier * 0.25 / 1.5
+    assert state.load_factor <= (2 * pier * 0.25 + beam * 0.25) / 1.5 * (1 + 1e-6)
+
+
+def test_a_ring_beam_needs_a_wall() -> None:
+    stones = cp.derive_blocks(brick_wall())
+    with pytest.raises(InputError, match="ring beam on roof: no such wall"):
+        cp.with_ring_beams(stones, ["roof"], height=0.3)
+    with pytest.raises(InputError, match=r"ring beam on wall: width: out of range; found 0\.7"):
+        cp.with_ring_beams(stones, ["wall"], height=0.3, width=0.7)

@@ -11,9 +11,8 @@ from churchpipe.loading.placing import place_loads
 from churchpipe.loading.ties import place_ties
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.carried import AreaLoad, LineLoad, PointLoad, Pressure
-from churchpipe.model.placed_loads import PlacedLoads
+from churchpipe.model.placed_loads import Borne
 from churchpipe.model.tie_bars import AnchorPlace, TieBar
-from churchpipe.model.ties import Tie
 
 # The tables of a case, by their keys.
 KINDS: Mapping[str, type[Any]] = {
@@ -54,21 +53,12 @@ class Carries:
         return {key: [_plain(item) for item in getattr(self, key)] for key in keys or KINDS if getattr(self, key)}
 
 
-@dataclass(frozen=True, slots=True)
-class Placed:
-    """The same at the stones that bear it."""
-
-    loads: PlacedLoads
-    ties: tuple[Tie, ...]
-    candidates: tuple[Tie, ...]
-
-
 def carries_of(settings: Mapping[str, Any]) -> Carries:
     """Return what the settings of a stage say, the inverse of `Carries.settings`."""
     return Carries(**{key: tuple(_made(kind, table) for table in settings.get(key, ())) for key, kind in KINDS.items()})
 
 
-def placed(carries: Carries, stones: Assemblage) -> Placed:
+def placed(carries: Carries, stones: Assemblage) -> Borne:
     """Return loads and ties at the stones that bear them.
 
     Raises
@@ -79,7 +69,7 @@ def placed(carries: Carries, stones: Assemblage) -> Placed:
     for key, load in loads:
         _tried(key, lambda load=load: place_loads(stones, [load]))
     ties = [[_tried(name, lambda bar=bar: place_ties(stones, [bar]))[0] for name, bar in _each(carries, key)] for key in _BARS]
-    return Placed(place_loads(stones, [load for _, load in loads]), tuple(ties[0]), tuple(ties[1]))
+    return Borne(place_loads(stones, [load for _, load in loads]), tuple(ties[0]), tuple(ties[1]))
 
 
 _BARS = "ties", "tie_candidates"

@@ -53,10 +53,19 @@ def loaded(load: LoadCase, stones: Assemblage, loads: "PlacedLoads | Iterable[Ca
     """
     check_kind("loaded: load", load, LoadCase)
     placed = loads if isinstance(loads, PlacedLoads) else place_loads(stones, loads)
+    return _with(load, _stones(stones), placed, placed.stone)
+
+
+def pushed_masses(load: LoadCase, stones: Assemblage, placed: PlacedLoads) -> tuple[FloatArray, FloatArray]:
+    """Return what a load case pushes of the stones (nb,) beyond what it does without masses, and of the masses (n,), N."""
+    found = _masses_pushed(load, _stones(stones), placed)
+    return found.more_of_bodies, found.masses
+
+
+def _stones(stones: Assemblage) -> _Bodies:
     free = ~stones.fixed
     lowest = float(stones.points[np.repeat(free, np.diff(stones.block_point_ptr)), 2].min())
-    bodies = _Bodies(stones.centroid, stones.weight, stones.panel, lowest)
-    return _with(load, bodies, placed, placed.stone)
+    return _Bodies(stones.centroid, stones.weight, stones.panel, lowest)
 
 
 def shell_loaded(load: LoadCase, shell: ShellModel, stones: Assemblage, loads: "PlacedLoads | Iterable[Carried]") -> LoadCase:

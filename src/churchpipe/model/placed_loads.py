@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from churchpipe.model.arrays import FloatArray, IntArray, NameArray, floats, indices, names, rows_of, store
+from churchpipe.model.ties import Tie
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,3 +51,12 @@ class PlacedLoads:
     def weight(self) -> FloatArray:
         """What presses downwards (n,), N."""
         return np.asarray(-self.dead[:, 2])
+
+
+@dataclass(frozen=True, slots=True)
+class Borne:
+    """What a building carries, its ties, and others that might be added, all at their stones."""
+
+    loads: PlacedLoads
+    ties: tuple[Tie, ...] = ()
+    candidates: tuple[Tie, ...] = ()

@@ -12,7 +12,9 @@ import numpy as np
 from churchpipe.mechanism import moving_stones, reference_speed, stone_of_point, stone_speed
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.placed_loads import Borne
 from churchpipe.report import colours
+from churchpipe.report.borne import add_borne
 from churchpipe.report.motion import (
     PUSH_LENGTH,
     camera_position,
@@ -36,6 +38,7 @@ def mechanism_picture(
     velocities: FloatArray | None,
     path: str | Path,
     push: FloatArray | None = None,
+    borne: Borne | None = None,
     *,
     amplitude: float | None = None,
     size: tuple[int, int] = PICTURE_SIZE,
@@ -43,7 +46,7 @@ def mechanism_picture(
     """Write a PNG of the structure displaced by velocities (nb, 6), stones coloured by speed; None: as it stands, by panel.
 
     amplitude: factor on the velocities; by default the mechanism moves by 8 % of the structure's size.
-    push: direction (3,) of the lateral load, drawn as an arrow.
+    push: direction (3,) of the lateral load, drawn as an arrow. borne: ties and loads, drawn as lines and arrows.
     """
     import pyvista as pv
     from matplotlib.colors import LinearSegmentedColormap, to_rgb
@@ -52,7 +55,8 @@ def mechanism_picture(
     arrow = None if push is None else np.asarray(push, dtype=float) / np.linalg.norm(push)
     speed = stone_speed(stones, motion)
     plate = ground_plate(stones)
-    points = displaced_points(stones, motion, natural_amplitude(stones, speed) if amplitude is None else amplitude)
+    factor = natural_amplitude(stones, speed) if amplitude is None else amplitude
+    points = displaced_points(stones, motion, factor)
     if velocities is None or not moving_stones(speed).any():
         kinds = np.unique(stones.panel, return_inverse=True)[1]
         stone_colour = np.array([to_rgb(colours.PANELS[k % len(colours.PANELS)]) for k in kinds])
@@ -75,6 +79,8 @@ def mechanism_picture(
         solid.mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(1.0, 1.0)
         plotter.add_mesh(lines, color=colours.EDGE, line_width=1.6, opacity=0.6)
         _add_surroundings(plotter, stones, arrow)
+        if borne is not None:
+            add_borne(plotter, stones, motion, factor, borne)
         framed = points[~plate[owner]]
         if arrow is not None:
             framed = np.concatenate([framed, push_arrow_start(stones, arrow)[None, :]])

@@ -13,10 +13,12 @@ from churchpipe.io.atomic import write_text
 from churchpipe.mechanism import stone_of_point
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import KINDS, Contacts
+from churchpipe.model.placed_loads import Borne
 from churchpipe.model.results import LimitState
 from churchpipe.model.shell import ShellModel
 from churchpipe.report import both, viewer
 from churchpipe.report.block_curves import block_curve_plots
+from churchpipe.report.borne import candidate_rows, load_rows, tie_rows
 from churchpipe.report.contact_models import contact_model_rows
 from churchpipe.report.displacements import displacement_checks
 from churchpipe.report.drawings import drawings_svg
@@ -54,6 +56,7 @@ def write_report(
     project: Mapping[str, str] | None = None,
     materials: Sequence[Mapping[str, Any]] = (),
     moved: Sequence[Moved] = (),
+    borne: Mapping[str, Borne] | None = None,
 ) -> None:
     """Write a self-contained report.
 
@@ -64,7 +67,7 @@ def write_report(
     figures_dir: where the pictures of the mechanisms are kept as PNG too (None: nowhere).
     shells: the meshes of the shell, by name. shell_results: for each analysis of the shell its record, its mesh, its state.
     published: load factors of others, see `published_rows`. project: the title block. materials: of the case, in SI.
-    moved: supports that move, see `movements_shown`.
+    moved: supports that move, see `movements_shown`. borne: loads and ties of the rigid-block analyses, by their names.
 
     A picture that cannot be drawn (no graphics library) is replaced by a sentence; the report is written all the same.
     """
@@ -72,7 +75,7 @@ def write_report(
     rows = rows_of(summary, results, shell_results)
     of_blocks = [row for row in rows if row.state is not None]
     of_shell = [row for row in rows if row.shell is not None]
-    pictures, picture_problem = _pictures(stones, contacts, meshes, of_blocks, of_shell, figures_dir)
+    pictures, picture_problem = _pictures(stones, contacts, meshes, of_blocks, of_shell, figures_dir, borne or {})
     domain, domain_words = both.domain_plot(meshes, rows)
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(Path(__file__).parent / "templates"),
@@ -114,6 +117,9 @@ def write_report(
         domain_words=domain_words,
         guidance=summary.get("guidance", []),
         questions=summary.get("questions", []),
+        load_rows=load_rows(borne or {}),
+        tie_rows=tie_rows(rows),
+        candidate_rows=candidate_rows(rows),
         notes=[(row.label, note) for row in rows if (note := status_note(stones, row))],
         published=published_rows(published, asis),
         sensitivity=sensitivity_plots(rows),
@@ -205,6 +211,7 @@ def _pictures(
     rows: Sequence[Row],
     of_shell: Sequence[Row],
     keep: Path | None,
+    borne: Mapping[str, Borne],
 ) -> tuple[list[tuple[str, str]], str]:
     """Return (label, PNG as base64) of the first analysis of each variant, load and kind, and why there is none, if so."""
     first: dict[tuple[str, str, str], Row] = {}
@@ -220,7 +227,8 @@ def _pictures(
             drawn.append((row.label, file))
             if row.state:
                 push = None if row.status == "unstable" else push_direction(row.record)
-                jobs.append((mechanism_picture, (stones, np.nan_to_num(row.state.velocities), file, push)))
+                carried = borne.get(str(row.record.get("name")))
+                jobs.append((mechanism_picture, (stones, np.nan_to_num(row.state.velocities), file, push, carried)))
             elif row.shell:
                 beside = rows[max(both.partner(row, rows), 0)].state if rows else None
                 still = np.zeros((stones.count, 6))

@@ -1,0 +1,93 @@
+"""What a building carries, and its ties: tables of the report, and lines and arrows on its pictures."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from churchpipe.loading.ties import anchors_of
+from churchpipe.mechanism import velocity_at
+from churchpipe.model.arrays import FloatArray
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.placed_loads import Borne
+from churchpipe.report import colours
+from churchpipe.report.table import Row, figure
+
+# Length of the longest arrow over the size of the building, and most arrows drawn of a load.
+_ARROW, _ARROWS = 0.08, 25
+
+
+def load_rows(borne: Mapping[str, Borne]) -> list[list[str]]:
+    """Return a row for each load of the analyses, by name: what presses, what pushes level, and the mass that the load factor
+    multiplies, kN."""
+    found: dict[str, list[str]] = {}
+    for one in borne.values():
+        loads = one.loads
+        for name in dict.fromkeys(loads.load.tolist()):
+            mine = loads.load == name
+            level = float(np.linalg.norm(loads.dead[mine].sum(axis=0)[:2]))
+            sums = (float(loads.weight[mine].sum()), level, float(loads.mass[mine].sum()))
+            walls = ", ".join(np.unique(loads.wall[mine]).tolist())
+            found.setdefault(name, [name, walls, *(f"{value / 1e3:.1f}" for value in sums)])
+    return list(found.values())
+
+
+def tie_rows(rows: Sequence[Row]) -> list[list[str]]:
+    """Return a row for each tie of each analysis: tension and strength, kN, their ratio, and what governs."""
+    return [
+        [
+            row.label,
+            str(tie["name"]),
+            f"{tie['tension_kN']:.1f}",
+            f"{tie['strength_kN']:.1f}",
+            f"{tie['share']:.2f}" if tie["share"] is not None else "",
+            "at its strength" if tie["yielded"] else "below it",
+            str(tie["governs"]),
+        ]
+        for row in rows
+        for tie in row.record.get("tie_forces") or ()
+    ]
+
+
+def candidate_rows(rows: Sequence[Row]) -> list[list[str]]:
+    """Return a row for each tie that might be added, by analysis: the most that it can make of the load factor, and the load
+    factor with it where that was analysed."""
+    return [
+        [
+            row.label,
+            str(one["name"]),
+            f"{one['strength_kN']:.1f}",
+            f"{one['rate_1_kN']:.2e}",
+            figure(one["most"], 4),
+            figure(one["load_factor"], 4) if one["load_factor"] is not None else "not analysed",
+        ]
+        for row in rows
+        for one in row.record.get("tie_candidates") or ()
+    ]
+
+
+def add_borne(plotter: Any, stones: Assemblage, motion: FloatArray, amplitude: float, borne: Borne) -> None:
+    """Add ties as lines between their anchors, displaced by the motion (nb, 6), and loads as arrows on the building."""
+    import pyvista as pv
+
+    for tie in borne.ties:
+        ends: list[FloatArray] = []
+        for anchor in anchors_of(stones, tie):
+            moved = velocity_at(stones, motion, anchor.stone, anchor.point)
+            ends.append(anchor.share @ (anchor.point + amplitude * moved))
+        plotter.add_mesh(pv.Line(*ends).tube(radius=0.004 * stones.size), color=colours.TIE, lighting=False)
+    loads = borne.loads
+    if not len(loads.load):
+        return
+    at = loads.point + amplitude * velocity_at(stones, motion, loads.stone, loads.point)
+    strongest = float(np.linalg.norm(loads.dead, axis=1).max()) or 1.0
+    for name in dict.fromkeys(loads.load.tolist()):
+        mine = np.flatnonzero((loads.load == name) & (np.linalg.norm(loads.dead, axis=1) > 0))
+        for part in mine[:: max(1, len(mine) // _ARROWS)]:
+            force = loads.dead[part]
+            length = _ARROW * stones.size * max(0.4, float(np.linalg.norm(force)) / strongest)
+            way = force / np.linalg.norm(force)
+            arrow = pv.Arrow(
+                start=at[part] - length * way, direction=way, scale=length, shaft_radius=0.02, tip_radius=0.07, tip_length=0.3
+            )
+            plotter.add_mesh(arrow, color=colours.LOAD, lighting=False)
