@@ -22,10 +22,12 @@ def with_ring_beams(
     height: float,
     unit_weight: float = 25e3,
     width: float | None = None,
+    begin: float | None = None,
+    end: float | None = None,
 ) -> Assemblage:
     """Return the stones with a rigid beam on the level top of each of some walls.
 
-    Each beam is one stone from end to end of its wall, in its middle, and rests on it by friction; beams that meet at a corner
+    Each beam is one stone along its wall, in its middle, and rests on it by friction; beams that meet at a corner
     butt against each other. Its weight presses and is pushed as that of any stone.
 
     Parameters
@@ -40,6 +42,8 @@ def with_ring_beams(
         N/m3; that of concrete unless given.
     width
         Of the beams, m; None: the thickness of each wall.
+    begin, end
+        m along each wall, as in `LineLoad`, where a beam stops short of what stands higher; None: the wall's own ends.
 
     Returns
     -------
@@ -66,12 +70,13 @@ def with_ring_beams(
         upper = wall.stones[high > wall.top - _LEVEL]
         covered = stones.points[np.isin(np.repeat(np.arange(stones.count), np.diff(stones.block_point_ptr)), upper)]
         along = covered[np.abs(covered[:, 2] - wall.top) < _LEVEL, :2] @ wall.axis - float(wall.origin @ wall.axis)
-        begin, end = float(along.min()), float(along.max())
+        span = float(along.min()) if begin is None else begin, float(along.max()) if end is None else end
+        if not along.min() - _LEVEL <= span[0] < span[1] <= along.max() + _LEVEL:
+            found, expected = f"from {span[0]:g} m to {span[1]:g} m", f"within {along.min():.6g} and {along.max():.6g} m"
+            raise InputError(where, "not on the wall's level top", found=found, expected=expected)
         for other, axis in taken:
-            begin, end = _shortened(wall.at(0.0), wall.axis, wide, (begin, end), other, axis)
-        corners = np.array(
-            [[*wall.at(s, a), wall.top + z] for s in (begin, end) for a in (-wide / 2, wide / 2) for z in (0.0, height)]
-        )
+            span = _shortened(wall.at(0.0), wall.axis, wide, span, other, axis)
+        corners = np.array([[*wall.at(s, a), wall.top + z] for s in span for a in (-wide / 2, wide / 2) for z in (0.0, height)])
         taken.append((corners, wall.axis))
         out = _joined(out, (corners, _BOX), unit_weight, f"beam on {name}", str(stones.material[wall.stones[0]]))
     return out

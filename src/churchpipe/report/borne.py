@@ -75,7 +75,7 @@ def add_borne(plotter: Any, stones: Assemblage, motion: FloatArray, amplitude: f
         for anchor in anchors_of(stones, tie):
             moved = velocity_at(stones, motion, anchor.stone, anchor.point)
             ends.append(anchor.share @ (anchor.point + amplitude * moved))
-        plotter.add_mesh(pv.Line(*ends).tube(radius=0.004 * stones.size), color=colours.TIE, lighting=False)
+        plotter.add_mesh(pv.Line(ends[0], ends[1]).tube(radius=0.004 * stones.size), color=colours.TIE, lighting=False)
     loads = borne.loads
     if not len(loads.load):
         return
