@@ -8,7 +8,7 @@ from typing import Any
 from churchpipe.errors import InputError
 from churchpipe.geometry.planar import area, polygon
 from churchpipe.model.assemblage import Assemblage
-from churchpipe.model.building import SHELL_PATTERNS, Panel
+from churchpipe.model.building import Panel
 from churchpipe.recognition.panels import FittedPanels, fit_panels
 
 # Elements of a first mesh: enough to see the mechanism; a limit load takes half a minute, a capacity curve some minutes.
@@ -30,18 +30,12 @@ def shell_table(stones: Assemblage, elastic: Mapping[str, bool]) -> ShellTable:
     """Return the [shell] table for the stones of a drawing.
 
     elastic: whether each material has elastic constants, by its name. Without them the table asks for the limit load alone.
-    Bonds whose strength is not derived have no shell.
     """
     try:
         fitted = fit_panels(stones)
     except InputError as error:
         return ShellTable({}, f"No shell: {error.problem}; the rigid blocks stand alone. {error.remedy}")
     size = element_size(fitted.panels)
-    for panel in fitted.panels:
-        for region in panel.regions:
-            if region.pattern not in SHELL_PATTERNS:
-                bond = f"{region.pattern} bond ({panel.name})"
-                return ShellTable({}, f"No shell: the strength of {bond} is not derived; the rigid blocks stand alone.")
     used = {panel.material for panel in fitted.panels}
     complete = all(elastic[name] for name in used)
     keys = {"element_size_mm": float(f"{1e3 * size:g}"), "analyses": ["limit", "pushover"] if complete else ["limit"]}

@@ -131,7 +131,7 @@ def _decided(elements: ShellElements, found: Bounds) -> ShellLimitState:
         share = found.lintels / found.upper
         tension = f"{SOLVER.lintel_tension:g} x weight / longest side"
         message = f"lintels reach their tension, {tension}; {share:.1e} of the dissipation is theirs"
-    return _state(elements, found, "optimal" if agree and found.outcome == "solved" else "failed", message)
+    return _state(elements, found, "optimal" if agree else "failed", message)
 
 
 def _state(elements: ShellElements, found: Bounds, status: Status, message: str) -> ShellLimitState:

@@ -1,4 +1,4 @@
-"""Strength at each point of a shell, that of the point's facet: of a running bond or of a lintel."""
+"""Strength at each point of a shell, that of the point's facet: of its bond or of a lintel."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -8,9 +8,10 @@ import numpy.typing as npt
 
 from churchpipe.errors import InputError
 from churchpipe.homogenised_shell.element import ShellElements
+from churchpipe.homogenised_shell.rigid_cell import rigid_cell
 from churchpipe.homogenised_shell.settings import SOLVER
 from churchpipe.homogenised_shell.strength import Planes, PlaneSet, strength
-from churchpipe.homogenised_shell.unit_cell import cohesion_shift, joint_closing
+from churchpipe.homogenised_shell.unit_cell import cohesion_shift
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.materials import JointStrength, by_name
 
@@ -39,7 +40,7 @@ def point_strength(
 
     Raises
     ------
-    InputError: as `strength.strength`; a material of the shell that is not given.
+    InputError: as `strength.strength`; planes for another bond than running bond; a material of the shell that is not given.
     """
     shell, facet = elements.shell, elements.facet
     friction, cohesion = by_facet(shell.material, materials)
@@ -48,16 +49,26 @@ def point_strength(
     cohesion = np.where(lintel, 0.0, cohesion[facet])
     tension = SOLVER.lintel_tension * unit * np.array([1.0, 1.0, 0.0, 0.0, 0.0, 0.0])
     sizes = np.column_stack([shell.unit_cells[shell.cell], shell.thickness])
+    bond, rank = np.unique(shell.bonds, return_inverse=True)
     if planes == "cell":
         # Facets of one wall share one cell.
-        known, kind = np.unique(sizes, axis=0, return_inverse=True)
+        known, kind = np.unique(np.column_stack([sizes, rank.ravel()[shell.cell]]), axis=0, return_inverse=True)
+        cells = [rigid_cell(str(bond[int(which)]), a, b, h) for a, b, h, which in known.tolist()]
         apex = cohesion_shift(sizes[facet, 2], friction, cohesion)
         return PointCells(
-            closings=tuple(joint_closing(*known.T)),
-            areas=known[:, 0] * known[:, 1],
+            closings=tuple(cell.closing for cell in cells),
+            areas=np.array([cell.area for cell in cells]),
             kind=kind.ravel()[facet].astype(np.int64),
             friction=friction,
             apex=np.where(lintel[:, None], tension, apex),
+        )
+    other = [str(name) for name in bond if name != "running"]
+    if other:
+        raise InputError(
+            "planes",
+            "the planes are those of running bond",
+            found=f"{planes}, and a wall in {other[0]} bond",
+            expected='planes = "cell", which is computed from the stones of any bond',
         )
     a, b, h = sizes[facet].T
     law = strength(planes, a, b, h, friction, cohesion)

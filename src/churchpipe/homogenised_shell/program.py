@@ -115,6 +115,8 @@ class _Local:
 
 def _local_strength(elements: ShellElements, materials: Sequence[JointStrength], planes: PlaneSet, unit: FloatArray) -> _Local:
     shell = elements.shell
+    if (shell.bonds != "running").any():
+        raise InputError("shell", "this statement knows running bond alone", found=str(shell.bonds[shell.bonds != "running"][0]))
     friction, cohesion = by_facet(shell.material, materials)
     yields = np.flatnonzero(shell.yields[elements.facet])
     facet = elements.facet[yields]

@@ -38,8 +38,9 @@ class CellLimit:
 
     factor: largest multiple of the direction on top of the base stress; inf when none is too large (outcome "unbounded"),
     NaN when no multiple lies in the domain ("infeasible") or no answer was proved to 1e-6 ("failed").
-    strain (6,), rotation (3,): the mechanism, scaled to strain . direction = 1. forces (12, 3): at the joint corners, N,
-    components normal (compression positive), in-plane and out-of-plane shear; not unique.
+    strain (6,), rotation (motions,): the mechanism, scaled to strain . direction = 1; motions are the rotation of the stone, of a
+    cell of several stones those of `rigid_cell`. forces (corners, 3): at the joint corners, N, components normal (compression
+    positive), in-plane and out-of-plane shear; not unique.
     """
 
     factor: float
@@ -94,8 +95,20 @@ def cell_limit(
     ------
     InputError: sizes, friction or cohesion out of range, no direction.
     """
+    return closing_limit(joint_closing(a, b, h), friction, h, direction, base=base, cohesion=cohesion)
+
+
+def closing_limit(
+    closing: FloatArray,
+    friction: float,
+    h: float,
+    direction: npt.ArrayLike,
+    *,
+    base: npt.ArrayLike = (0.0,) * 6,
+    cohesion: float = 0.0,
+) -> CellLimit:
+    """Return the same of a cell of any stones, from the closing (corners, 3, 6 + motions) of its joints."""
     shift = cohesion_shift(h, friction, cohesion)
-    closing = joint_closing(a, b, h)
     growth, start = floats("direction", direction, (6,)), floats("base", base, (6,)) - shift
     # Scaling: membrane forces as they are, moments divided by h, rotations multiplied by h.
     unit = np.array([1, 1, 1, h, h, h])
@@ -103,9 +116,12 @@ def cell_limit(
     if size == 0:
         raise InputError("direction", "no direction", found=growth.tolist(), expected="a stress that is not zero")
     scale = (float(np.abs(start / unit).max()) or 1.0) / size
-    zero, none = np.zeros(3), np.zeros(12)
+    corners, _, width = closing.shape
+    # Motions of the stones are scaled to close joints as much as strains do.
+    units = np.append(unit, np.abs(closing[..., 6:]).max(axis=(0, 1)) / np.abs(closing[..., :3]).max())
+    zero, none = np.zeros(width - 6), np.zeros(corners)
     program = ConeProgram(
-        balance=sp.csc_matrix((closing.reshape(36, 9) / np.append(unit, unit[3:])).T),
+        balance=sp.csc_matrix((closing.reshape(3 * corners, width) / units).T),
         constant=-np.append(start / unit, zero) / (scale * size),
         growth=-np.append(growth / unit, zero) / size,
         limit=none,
@@ -115,7 +131,7 @@ def cell_limit(
     )
     answer, outcome = _proved(program)
     factor = {"solved": answer.tau * scale, "unbounded": np.inf}.get(outcome, np.nan)
-    rate = -answer.y / np.append(unit, unit[3:]) / size
+    rate = -answer.y / units / size
     return CellLimit(factor, outcome, rate[:6], rate[6:], answer.x * scale * size)
 
 

@@ -14,8 +14,6 @@ from churchpipe.model.vault import Vault
 
 Pattern = Literal["running", "stack", "header-stretcher", "voussoir", "single"]
 Headers = Literal["english", "flemish", "none"]
-# Patterns whose strength is derived for the homogenised shell.
-SHELL_PATTERNS = ("running", "voussoir", "single")
 
 
 @dataclass(frozen=True, slots=True)

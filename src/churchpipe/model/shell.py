@@ -1,6 +1,6 @@
 """The mid-surface of a building as flat triangles with a bed-joint direction: the second model."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -17,7 +17,8 @@ class ShellModel:
     normal) and component c (x, y, z) of facet f, right-handed, the normal square to the facet whichever way round its vertices
     run; thickness (nt,) m; surface_weight (nt,) N/m2, zero where another wall's stones are counted; cell (nt,), row of
     unit_cells (nu, 2) m, course height a and stone length b; material, panel (nt,) names; yields (nt,) False for parts
-    kept elastic, such as a lintel; supported (nn,) nodes that are clamped.
+    kept elastic, such as a lintel; supported (nn,) nodes that are clamped. bonds (nu,): the bond of each unit cell, a name of
+    `bond.period`; running bond if left out.
     """
 
     points: FloatArray
@@ -31,6 +32,7 @@ class ShellModel:
     panel: NameArray
     yields: BoolArray
     supported: BoolArray
+    bonds: NameArray = field(default_factory=lambda: np.empty(0, dtype=np.str_))
 
     def __post_init__(self) -> None:
         nn, nt = rows_of("ShellModel.points", self.points), rows_of("ShellModel.triangles", self.triangles)
@@ -48,6 +50,7 @@ class ShellModel:
             panel=names("ShellModel.panel", self.panel, (nt,)),
             yields=flags("ShellModel.yields", self.yields, (nt,)),
             supported=flags("ShellModel.supported", self.supported, (nn,)),
+            bonds=names("ShellModel.bonds", self.bonds if np.size(self.bonds) else np.full(nu, "running"), (nu,)),
         )
         self._check_ranges()
         self._check_facets()

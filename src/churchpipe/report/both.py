@@ -139,11 +139,15 @@ def domain_plot(meshes: Mapping[str, ShellModel], rows: Sequence[Row]) -> tuple[
     friction = next((_one(row.record.get("friction"), shell) for row in rows if row.of_shell and shell is not None), None)
     if shell is None or not friction or not shell.yields.any():
         return "", ""
-    kinds = np.column_stack([shell.unit_cells[shell.cell], shell.thickness])[shell.yields]
+    bonds, rank = np.unique(shell.bonds, return_inverse=True)
+    kinds = np.column_stack([shell.unit_cells[shell.cell], shell.thickness, rank.ravel()[shell.cell]])[shell.yields]
     known, kind = np.unique(kinds, axis=0, return_inverse=True)
-    a, b, h = (float(size) for size in known[np.argmax(np.bincount(kind.ravel(), shell.area[shell.yields]))])
-    words = f"course height {1e3 * a:g} mm, stone length {1e3 * b:g} mm, thickness {1e3 * h:g} mm, friction {friction:g}"
-    return domain_svg(a, b, h, friction), words
+    a, b, h, which = (float(size) for size in known[np.argmax(np.bincount(kind.ravel(), shell.area[shell.yields]))])
+    bond = str(bonds[int(which)])
+    words = (
+        f"{bond} bond, course height {1e3 * a:g} mm, stone length {1e3 * b:g} mm, thickness {1e3 * h:g} mm, friction {friction:g}"
+    )
+    return domain_svg(a, b, h, friction, bond), words
 
 
 def _one(friction: object, shell: ShellModel) -> float | None:

@@ -5,8 +5,9 @@ from typing import Any
 
 import numpy as np
 
+from churchpipe.homogenised_shell.rigid_cell import rigid_cell
 from churchpipe.homogenised_shell.strength import paper_planes
-from churchpipe.homogenised_shell.unit_cell import cell_limit
+from churchpipe.homogenised_shell.unit_cell import closing_limit
 from churchpipe.model.arrays import FloatArray
 from churchpipe.report import colours
 from churchpipe.report.plots import legend_beside, new_plot, svg_of
@@ -80,12 +81,21 @@ def _across(axes: Any, lines: Sequence[Line]) -> None:
 
 
 def domain_section(
-    a: float, b: float, h: float, friction: float, first: int, second: int, kept: dict[int, float], rays: int = _RAYS
+    a: float,
+    b: float,
+    h: float,
+    friction: float,
+    first: int,
+    second: int,
+    kept: dict[int, float],
+    rays: int = _RAYS,
+    bond: str = "running",
 ) -> tuple[FloatArray, FloatArray]:
-    """Return a section of the exact strength domain of a unit cell, and of the eight planes, without cohesion.
+    """Return a section of the exact strength domain of the cell of a bond, and of the eight planes, without cohesion.
 
-    a, b, h: course height, stone length, wall thickness, m. first, second: which stresses (of N11, N22, N12, M11, M22, M12) span
-    the section. kept: the others' values that are not zero; membrane forces N/m, moments over h.
+    a, b, h: course height, stone length, wall thickness, m; the planes are those of running bond. first, second: which stresses
+    (of N11, N22, N12, M11, M22, M12) span the section. kept: the others' values that are not zero; membrane forces N/m, moments
+    over h.
 
     Returns corners (rays, 2) of either domain, seen from a point inside it; NaN where it is unbounded.
     """
@@ -97,7 +107,8 @@ def domain_section(
     angle = 2 * np.pi * np.arange(rays) / rays
     direction = np.zeros((rays, 6))
     direction[:, first], direction[:, second] = np.cos(angle), np.sin(angle)
-    cell = np.array([cell_limit(a, b, h, friction, ray * unit, base=base * unit).factor for ray in direction])
+    closing = rigid_cell(bond, a, b, h).closing
+    cell = np.array([closing_limit(closing, friction, h, ray * unit, base=base * unit).factor for ray in direction])
     planes = paper_planes(a, b, h, min(friction, 1.0))
     rate = direction * unit @ planes.normal.T
     room = planes.limit - planes.normal @ (base * unit)
@@ -109,15 +120,15 @@ def domain_section(
     return ends[0], ends[1]
 
 
-def domain_svg(a: float, b: float, h: float, friction: float) -> str:
-    """Return an SVG of sections of a unit cell's strength: the exact domain and the eight planes; sizes in m."""
+def domain_svg(a: float, b: float, h: float, friction: float, bond: str = "running") -> str:
+    """Return an SVG of sections of a bond's strength: the exact domain, and of running bond the eight planes; sizes in m."""
     figure, axes = new_plot(2, (9.0, 5.6), columns=3)
     for place, (title, first, second, kept) in zip(axes.ravel(), _SECTIONS, strict=True):
-        cell, planes = domain_section(a, b, h, friction, first, second, kept)
-        for corners, colour, style, label in (
-            (planes, colours.PUSH, "--", "eight planes"),
-            (cell, colours.ALARM, "-", "unit cell"),
-        ):
+        cell, planes = domain_section(a, b, h, friction, first, second, kept, bond=bond)
+        drawn = [(cell, colours.ALARM, "-", "unit cell" if bond == "running" else f"cell of {bond} bond")]
+        if bond == "running":
+            drawn.insert(0, (planes, colours.PUSH, "--", "eight planes"))
+        for corners, colour, style, label in drawn:
             closed = np.concatenate([corners, corners[:1]])
             place.plot(*closed.T, ls=style, lw=1.3, color=colour, label=label)
         place.set_title(title, fontsize=8)

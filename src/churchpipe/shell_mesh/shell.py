@@ -7,13 +7,14 @@ import numpy as np
 from churchpipe.bond.count import check_count
 from churchpipe.bond.parts import part_names
 from churchpipe.bond.patterns import bond_of
+from churchpipe.bond.period import bond_name
 from churchpipe.errors import InputError
 from churchpipe.geometry.charts import lift
 from churchpipe.geometry.clusters import NODE_TOLERANCE, clusters, components
 from churchpipe.geometry.planar import area
 from churchpipe.model.arguments import check_kind, describe, finite
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
-from churchpipe.model.building import SHELL_PATTERNS, BondRegion, Building, PlaneChart, Support
+from churchpipe.model.building import BondRegion, Building, PlaneChart, Support
 from churchpipe.model.materials import by_name
 from churchpipe.model.polyhedra import face_normals
 from churchpipe.model.shell import ShellModel
@@ -49,8 +50,7 @@ def derive_shell(building: Building, element_size: float, sizes: Mapping[str, fl
     Raises
     ------
     InputError
-        A wall that cannot be meshed, a size out of range or of an unknown panel, a wall that rests on nothing, a region in
-        stack bond that yields.
+        A wall that cannot be meshed, a size out of range or of an unknown panel, a wall that rests on nothing.
     """
     check_kind("derive_shell: building", building, Building, "read_case(...).building() makes one.")
     if not building.panels and not building.vaults:
@@ -70,7 +70,11 @@ def derive_shell(building: Building, element_size: float, sizes: Mapping[str, fl
         for panel in building.panels
         for region in panel.regions
     ]
-    unit_cells, cell = np.unique(np.array([bond[:2] for bond in bonds]), axis=0, return_inverse=True)
+    names = np.array([bond_name(region) for panel in building.panels for region in panel.regions])
+    _, rank = np.unique(names, return_inverse=True)
+    _, first, cell = np.unique(
+        np.column_stack([[bond[:2] for bond in bonds], rank.ravel()]), axis=0, return_index=True, return_inverse=True
+    )
     start = np.cumsum([0] + [len(panel.regions) for panel in building.panels])
     bond = np.concatenate([mesh.bond + offset for mesh, offset in zip(meshes, start[:-1], strict=True)])
     weights = {name: material.unit_weight for name, material in by_name(building.materials).items()}
@@ -83,7 +87,8 @@ def derive_shell(building: Building, element_size: float, sizes: Mapping[str, fl
         surface_weight=np.array([weights[name] for name in material.tolist()])
         * np.concatenate([_thickness_carried(*part) for part in zip(surfaces, meshes, facets, strict=True)]),
         cell=cell.ravel()[bond],
-        unit_cells=unit_cells,
+        unit_cells=np.array([bond[:2] for bond in bonds])[first],
+        bonds=names[first],
         material=material,
         panel=np.concatenate([part_names(p, m.corners.mean(axis=1)) for p, m in zip(building.panels, meshes, strict=True)]),
         yields=np.array([bond[2] for bond in bonds])[bond],
@@ -259,16 +264,6 @@ def _check_bonds(building: Building) -> None:
                 else "a butt junction",
                 remedy="Rigid blocks take it as it is.",
             )
-    for panel in building.panels:
-        for region in panel.regions:
-            if region.yields and region.pattern not in SHELL_PATTERNS:
-                raise InputError(
-                    f"Panel {panel.name}, region {region.name}",
-                    f"the strength of a shell in {region.pattern} bond is not derived",
-                    found=region.pattern,
-                    expected='"running", "voussoir" or "single"',
-                    remedy="Rigid blocks take it as it is; for a shell lay the region in running bond.",
-                )
 
 
 def _check_resting(shell: ShellModel) -> None:

@@ -12,8 +12,10 @@ from churchpipe.dxf.reader import read_dxf
 from churchpipe.dxf.writer import write_dxf
 from churchpipe.errors import InputError
 from churchpipe.generators import apse, box, chapel, tower, wall
+from churchpipe.homogenised_shell.limit import shell_limit_analysis
 from churchpipe.homogenised_shell.stiffness import wall_stiffness
 from churchpipe.match import match_models
+from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Elastic, Material
 from churchpipe.recognition.panels import fit_panels
 from churchpipe.shell_mesh.shell import derive_shell
@@ -187,12 +189,14 @@ def test_no_panel_is_fitted_to_leaves(headers, named):
         fit_panels(stones)
 
 
-def test_the_shell_knows_no_strength_and_no_stiffness_of_it():
-    with pytest.raises(InputError, match="the strength of a shell in header-stretcher bond is not derived"):
-        derive_shell(wall(**WALL), element_size=0.3)
+def test_the_shell_takes_its_strength_and_stiffness_from_the_stones():
+    shell = derive_shell(wall(**WALL), element_size=0.3)
+    assert shell.bonds.tolist() == ["english"]
     elastic = Elastic(10e9, 0.2, 1e9, 0.2, 0.01)
-    with pytest.raises(InputError, match="not derived for this bond; found header-stretcher"):
-        wall_stiffness("header-stretcher", 0.2, 0.5, 0.5, elastic)
+    for bond in ("english", "flemish", "leaves", "stack"):
+        assert np.linalg.eigvalsh(wall_stiffness(bond, 0.2, 0.5, 0.5, elastic)).min() > 0
+    with pytest.raises(InputError, match="planes: the planes are those of running bond; found paper, and a wall in"):
+        shell_limit_analysis(shell, LoadCase((0, 1, 0)), [Material("default", 18e3, 0.6)], planes="paper")
 
 
 def test_walls_of_a_tower_have_bonds_of_their_own():

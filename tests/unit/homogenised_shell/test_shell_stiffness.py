@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from churchpipe.errors import InputError
-from churchpipe.homogenised_shell.stiffness import running_joint_stiffness, stone_stiffness, wall_stiffness
+from churchpipe.homogenised_shell.stiffness import joint_stiffness, running_joint_stiffness, stone_stiffness, wall_stiffness
 from churchpipe.homogenised_shell.unit_cell import joint_closing
 from churchpipe.model.materials import Elastic
 
@@ -59,10 +59,12 @@ def test_facets_broadcast() -> None:
     np.testing.assert_allclose(many[1], wall_stiffness("running", 0.275, 0.57, 0.9, TABLE_1), rtol=1e-12)
 
 
-def test_a_ring_is_taken_as_running_bond_and_a_stack_is_refused() -> None:
-    np.testing.assert_array_equal(wall_stiffness("voussoir", A, B, H, TABLE_1), wall_stiffness("running", A, B, H, TABLE_1))
-    with pytest.raises(InputError, match="not derived for this bond; found stack"):
-        wall_stiffness("stack", A, B, H, TABLE_1)
+def test_running_bond_computed_from_its_stones_has_the_stiffness_of_table_1() -> None:
+    found = joint_stiffness("running", A, B, H, TABLE_1)
+    expected = running_joint_stiffness(A, B, H, TABLE_1)
+    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max())
+    with pytest.raises(InputError, match="bond: unknown; found dutch"):
+        wall_stiffness("dutch", A, B, H, TABLE_1)
 
 
 @pytest.mark.parametrize(

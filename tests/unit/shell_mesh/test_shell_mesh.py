@@ -59,12 +59,11 @@ def cross(height=2.2):
     return Building("cross", walls, (MATERIAL,))
 
 
-@pytest.mark.parametrize("pattern", ["stack", "header-stretcher"])
-def test_a_bond_without_derived_strength_is_refused_by_its_region(pattern):
+@pytest.mark.parametrize(("pattern", "name"), [("stack", "stack"), ("header-stretcher", "english"), ("running", "running")])
+def test_facets_take_the_bond_of_their_region(pattern, name):
     bond = BondRegion("plinth", rectangle(2, 1), pattern, CELL)
     panel = Panel("facade", PlaneChart(np.zeros(3), np.array([1.0, 0, 0])), rectangle(2, 1), 0.9, (bond,))
-    with pytest.raises(InputError, match=f"region plinth: the strength of a shell in {pattern} bond is not derived"):
-        derive_shell(Building("stacked", (panel,), (MATERIAL,)), 0.5)
+    assert derive_shell(Building("stacked", (panel,), (MATERIAL,)), 0.5).bonds.tolist() == [name]
     elastic = replace(panel, regions=(replace(bond, yields=False),))
     assert not derive_shell(Building("elastic", (elastic,), (MATERIAL,)), 0.5).yields.any()
 

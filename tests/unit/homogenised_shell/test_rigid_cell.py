@@ -1,0 +1,57 @@
+"""The periodic cell computed from its stones, against the one derived by hand and against Table 1."""
+
+import numpy as np
+import pytest
+
+from churchpipe.bond.period import period_of
+from churchpipe.errors import InputError
+from churchpipe.homogenised_shell.rigid_cell import joint_energy, rigid_cell
+from churchpipe.homogenised_shell.stiffness import running_joint_stiffness
+from churchpipe.homogenised_shell.unit_cell import cell_limit, closing_limit, joint_closing
+from churchpipe.model.materials import Elastic
+
+A, B, H, MU = 0.03, 0.08, 0.04, 0.7
+
+
+def test_running_bond_from_its_stones_is_the_cell_derived_by_hand() -> None:
+    rng = np.random.default_rng(1)
+    assert rigid_cell("running", A, B, H).closing.shape == joint_closing(A, B, H).shape
+    unit = np.array([1, 1, 1, H, H, H])
+    for _ in range(12):
+        direction, base = rng.normal(size=6) * unit, np.array([-2.0, -3.0, 0, 0, 0, 0])
+        expected = cell_limit(A, B, H, MU, direction, base=base)
+        found = closing_limit(rigid_cell("running", A, B, H).closing, MU, H, direction, base=base)
+        assert found.outcome == expected.outcome
+        assert found.factor == pytest.approx(expected.factor, rel=1e-6)
+
+
+def test_elastic_joints_of_running_bond_meet_table_1() -> None:
+    elastic = Elastic(3.18e9, 0.23, 0.303e9, 0.3, 1e-3)
+    t, nu = elastic.joint_thickness, elastic.joint_poisson
+    along = elastic.joint_modulus / (2 * (1 + nu)) / t
+    across = elastic.joint_modulus * (1 - nu) / ((1 + nu) * (1 - 2 * nu)) / t
+    whole = joint_energy(period_of("running", A + t, B + t, H), across, along)
+    found = whole[:6, :6] - whole[:6, 6:] @ np.linalg.solve(whole[6:, 6:], whole[6:, :6])
+    expected = running_joint_stiffness(A, B, H, elastic)
+    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize(
+    ("bond", "corners", "motions"), [("stack", 8, 3), ("leaves", 24, 6), ("flemish", 52, 15), ("english", 68, 21)]
+)
+def test_cells_have_the_joints_of_their_stones(bond: str, corners: int, motions: int) -> None:
+    closing = rigid_cell(bond, A, B, H).closing
+    assert closing.shape == (corners, 3, 6 + motions)
+
+
+@pytest.mark.parametrize("bond", ["running", "stack", "leaves", "flemish", "english"])
+def test_a_wall_rocks_out_of_its_plane_on_the_edge_of_a_bed(bond: str) -> None:
+    # Under a bed pressure N the bending moment of the beds is at most N h / 2, or of two loose leaves N h / 4.
+    arm = H / 4 if bond == "leaves" else H / 2
+    found = closing_limit(rigid_cell(bond, A, B, H).closing, MU, H, [0, 0, 0, 0, 1, 0], base=[0, -1, 0, 0, 0, 0])
+    assert found.factor == pytest.approx(arm, rel=1e-6)
+
+
+def test_an_unknown_bond_is_named() -> None:
+    with pytest.raises(InputError, match="bond: unknown; found dutch"):
+        period_of("dutch", A, B, H)
