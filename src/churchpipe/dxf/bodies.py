@@ -20,7 +20,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from churchpipe.dxf.schema import CORNER_TOLERANCE, LARGEST_COORDINATE
-from churchpipe.geometry.mending import mend
+from churchpipe.geometry.mending import REPAIRS, mend
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.surfaces import edges, without_repeats
 
@@ -103,6 +103,19 @@ def make_body(points: FloatArray, faces: Iterable[Sequence[int]]) -> Body:
     if mended.volume < 1e-12 * np.linalg.norm(np.ptp(points, axis=0)) ** 3:
         return Body(points, faces, "it has no volume", _place(points.mean(axis=0)))
     return Body(mended.points, tuple(mended.faces), warp=mended.warp)
+
+
+def repaired(body: Body) -> tuple[Body, list[str]]:
+    """Return a body with a flaw mended, and what was done; the body as it is, and nothing, where it cannot be mended."""
+    if not body.faces or len(body.points) < 4:
+        return body, []
+    mended = mend(body.points, body.faces, repair=True)
+    whole = make_body(mended.points, mended.faces) if mended.fault is None else body
+    if whole.flaw:
+        return body, []
+    before, after = abs(mended.volume_before), mended.volume
+    change = f"; volume {100 * (after / before - 1):+.3g} %" if before else ""
+    return whole, [f"{what} ({count}){change}" for what, count in mended.changes.items() if what in REPAIRS]
 
 
 def bag_bodies(faces: Sequence[Face3d]) -> tuple[list[tuple[Face3d, Body]], list[Face3d]]:

@@ -1,7 +1,7 @@
 """From model space to stones: nested, arrayed and mirrored inserts followed down to the bodies they place."""
 
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -10,7 +10,7 @@ from ezdxf.math import Vec3
 
 from churchpipe.dxf import schema
 from churchpipe.dxf.attributes import read_labels
-from churchpipe.dxf.bodies import BAD_ENTITY, NOT_SANE, Faces, ground_plate, is_sane
+from churchpipe.dxf.bodies import BAD_ENTITY, NOT_SANE, Faces, ground_plate, is_sane, repaired
 from churchpipe.dxf.definitions import Definition, Matrix, read_content, read_definition, transformed, warped
 from churchpipe.dxf.traces import KINDS, Trace, traces_of
 from churchpipe.findings import Finding, Place
@@ -149,10 +149,18 @@ def _visit(found: Survey, content: Definition, branch: _Branch) -> None:
         if layer in found.hidden:
             found.left_out[HIDDEN] += 1
             continue
+        if solid.body.flaw and found.repair:
+            body, changes = repaired(solid.body)
+            found.findings += [solid.place.finding("W41", change) for change in changes]
+            solid = replace(solid, body=body)
         if solid.body.flaw:
             expected = "faces that close"
             place = solid.place if solid.body.spot is None else _at(solid.place, branch.matrix, np.array(solid.body.spot))
-            found.findings.append(place.finding("E10", f"the body is no solid: {solid.body.flaw}", expected=expected))
+            remedy = (
+                "Close it in the CAD program." if found.repair or not repaired(solid.body)[1] else "Pass --repair to mend it."
+            )
+            what = f"the body is no solid: {solid.body.flaw}"
+            found.findings.append(place.finding("E10", what, expected=expected, remedy=remedy))
             found.flawed.append(solid.body.size)
             continue
         place = _at(solid.place, branch.matrix, solid.body.points[0])

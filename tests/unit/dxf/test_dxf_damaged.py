@@ -225,3 +225,21 @@ def test_paths_and_arguments_that_are_no_good(tmp_path) -> None:
         read_drawing(sound, support="air")
     with pytest.raises(InputError, match="out of range"):
         read_drawing(sound, unit_weight=-1.0)
+
+
+@pytest.mark.parametrize("repair", [False, True])
+def test_a_mesh_that_lacks_a_face_is_closed_on_request(repair: bool, tmp_path: Path) -> None:
+    document = ezdxf.new("R2010")
+    document.header["$INSUNITS"] = 6
+    for level, faces in ((0.0, BOX_FACES), (0.2, BOX_FACES[:-1])):
+        with document.modelspace().add_mesh().edit_data() as mesh:
+            mesh.vertices, mesh.faces = box((0, 0, level), (0.4, 0.2, 0.2))[0].tolist(), list(faces)
+    path = tmp_path / "a.dxf"
+    document.saveas(path)
+    if not repair:
+        with pytest.raises(FindingsError, match=r"E10 .* Pass --repair to mend it"):
+            read_drawing(path, support="base")
+        return
+    drawing = read_drawing(path, support="base", repair=True)
+    assert "W41" in drawing.findings.codes
+    assert drawing.stones.volume[~drawing.stones.fixed].sum() == pytest.approx(0.032, rel=1e-12)
