@@ -120,7 +120,7 @@ def test_equal_models_have_one_load_factor(number: int, kind: str) -> None:
     assert found[1] == pytest.approx(found[0], rel=1e-3)
 
 
-@pytest.mark.slow("docs/sliding.md: facades")
+@pytest.mark.slow("docs/validation.md: facades without dilatancy")
 @pytest.mark.parametrize("name", ["long", "storeys"])
 @pytest.mark.parametrize("friction", [0.4, 0.7])
 def test_plane_walls_with_openings_are_certified(name: str, friction: float) -> None:
