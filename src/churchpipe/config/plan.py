@@ -99,10 +99,11 @@ def plan(cases: Sequence[Case]) -> Plan:
             continue
         meshed = {key: value for key, value in case.swept.items() if swept.changes_mesh(key)}
         settings = {"geometry": geometry, "element_size": case.shell.element_size}
-        mesh = _same(case, shells, settings)
+        loads = case.carries.settings(*_LOADS)
+        mesh = _same(case, {key: (table, carried[key]) for key, table in shells.items()}, (settings, loads))
         mesh = mesh or _keep(shells, _words(meshed, case) or ["base"], settings)
         places[mesh] = geometry
-        carried.setdefault(mesh, case.carries.settings(*_LOADS))
+        carried.setdefault(mesh, loads)
         for load in case.loads:
             for method in case.shell.analyses:
                 settings = _shell_settings(case, mesh, load, method)

@@ -111,3 +111,33 @@ def test_what_a_generator_refuses_of_a_variant_is_said_of_it(tmp_path: Path) -> 
     )[1]
     with pytest.raises(InputError, match=r'line \d+, variant "v", source'):
         case.building()
+
+
+TIE = """
+[[variants]]
+name = "tied"
+[[variants.add.ties]]
+name = "rod"
+start = { wall = "wall", along_m = 0.6, height_m = 0.5 }
+end = { at_m = [0.6, 3.0, 0.5] }
+area_mm2 = 100
+steel_strength_MPa = 200
+[[variants]]
+name = "roofed"
+[[variants.add.line_loads]]
+name = "roof"
+wall = "wall"
+dead_kN_m = 2
+"""
+
+
+def test_ties_and_loads_are_added_by_a_variant(tmp_path: Path) -> None:
+    cases = read_variants(case_file(tmp_path, WALL + TIE + "[shell]\nelement_size_mm = 200\n"))
+    assert [(len(case.carries.ties), len(case.carries.line_loads)) for case in cases] == [(0, 0), (1, 0), (0, 1)]
+    todo = plan(cases)
+    assert list(todo.geometries) == ["base"]
+    assert "ties" in todo.analyses["+y_associative_tied"]
+    assert "ties" not in todo.analyses["+y_associative"]
+    # The gate compares what both models carry, so that another load is another match.
+    assert list(todo.shells) == ["base", "roofed"]
+    assert list(map(bool, todo.carried.values())) == [False, True]
