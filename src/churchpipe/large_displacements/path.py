@@ -24,9 +24,6 @@ FIRST, PROGRAMS = 12, 4
 _TURN = 0.02
 # A length of step that is right within this factor is kept; one shorter than this share of the largest ends the path.
 _NEAR, _SHORTEST = 1.6, 1e-3
-# What it costs a point to stay open is reckoned with a step no shorter than this share of the last one, however short the way: a
-# fast motion of few stones would let every joint that has lifted by a hair count as open.
-_SHORTER = 0.1
 # A motion fits its forces when its gap is less than this share of the load factor, of which the last is the least that counts; it
 # is credible up to the second.
 _FITTING, _CREDIBLE, _LEAST = 1e-3, 0.1, 0.01
@@ -124,15 +121,15 @@ def solve_state(model: MovingModel, state: PathState, programs: int = PROGRAMS) 
         wanted = _length(model, stones, velocity)
         # Where the load does hardly any work, as in a fall, rates are measured by the mean speed of the weight.
         answer = replace(answer, gap=answer.gap / max(1.0, _mean_speed(model, velocity)))
-        priced = max(wanted, _SHORTER * state.length)
-        near = not free_way or max(priced / length, length / priced) < _NEAR
-        if best is None or (near, -misfit(answer)) >= best[0]:
+        near = not free_way or max(wanted / length, length / wanted) < _NEAR
+        # As drawn nothing foretells the sliding, and the best program counts; later the last one, from which the path goes on.
+        if best is None or programs != FIRST or (near, -misfit(answer)) >= best[0]:
             best = (near, -misfit(answer)), answer, wanted, length
         if attempt == programs or (misfit(answer) < _FITTING and near):
             _, answer, wanted, length = best
             break
         sliding = program.slip(answer.y)
-        length = priced if free_way else min(length, priced)
+        length = wanted if free_way else min(length, wanted)
     velocity = _velocities(model, state, free, answer.y)
     speed = stone_speed(stones, velocity)
     way = min(length, wanted) if answer.outcome == "solved" else 0.0
