@@ -116,6 +116,9 @@ def limit_analysis(
     if not starts and start is not None:
         starts = listed("limit_analysis: start", start, str)
     one_of("limit_analysis: contact_model", contact_model, *get_args(ContactModel))
+    if contact_model == "torsion" and method == "default" and not starts:
+        # The centres of pressure are those of forces with as little self-stress as may be.
+        starts = ["dead-load", "associative"]
     options = SlidingOptions(method, tuple(starts), bipotential_gap)
     begin = perf_counter()
     parts = None if compressive_strength is None else joint_parts(contacts, crushing_parts)
