@@ -50,12 +50,11 @@ class _Patch:
 def vault_facets(vaults: Sequence[Vault], element_size: float) -> VaultFacets:
     """Return the mid-surfaces of vaults, with the walls and drums laid with them, as triangles that fit at their edges.
 
-    All courses on one side of a path are divided at the same stations, whatever their head joints, so that facets fit. Where one
-    bed lies on another and their middles are apart, a weightless level strip that does not yield carries the eccentricity.
+    All courses on one side of a path are divided at the same stations, whatever their head joints, so that facets fit.
 
     Raises
     ------
-    InputError: rings of voussoirs, masonry that has no mid-surface.
+    InputError: rings of voussoirs, masonry that has no mid-surface, courses whose middles do not meet.
     """
     for vault in vaults:
         if vault.beds == "section":
@@ -74,9 +73,9 @@ def vault_facets(vaults: Sequence[Vault], element_size: float) -> VaultFacets:
                 expected="vaults without backing, and without arches below them",
                 remedy="Rigid blocks take it as it is.",
             )
+    _check_middles(vaults)
     across = _divisions_along(vaults, element_size)
     patches = [patch for vault in vaults for patch in _facets(vault, element_size, across)]
-    patches += _strips(vaults, across)
     counts = [len(patch.corner) for patch in patches]
 
     def each(value: Callable[[_Patch], object]) -> np.ndarray:
@@ -158,28 +157,26 @@ def _areas(corner: FloatArray) -> FloatArray:
     return 0.5 * np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1)
 
 
-def _strips(vaults: Sequence[Vault], across: dict[_SideKey, int]) -> Iterator[_Patch]:
-    """Return the strips between the middles of two beds that lie on each other and are apart."""
-    sides: dict[_SideKey, list[tuple[Vault, Run]]] = {}
+def _check_middles(vaults: Sequence[Vault]) -> None:
+    """Raise InputError where one bed lies on another and their middles are apart: the shell would bend about the wrong line."""
+    sides: dict[_SideKey, list[Run]] = {}
     for vault in vaults:
         for run in vault.runs:
-            sides.setdefault(_key(run.side), []).append((vault, run))
+            sides.setdefault(_key(run.side), []).append(run)
     for runs in sides.values():
-        for vault, run in runs:
+        for run in runs:
             foot = run.section.lower
-            bearers = [below for _, below in runs if below is not run and _bears(below.section, foot)]
-            if not bearers or any(np.linalg.norm(below.section.upper - foot) < _ONE for below in bearers):
-                continue
-            below = bearers[0].section
-            place = places(run.side, np.array([below.upper, foot]), _stations(run, across))
-            quads = [_triangles(np.stack([start[0], stop[0], stop[1], start[1]])) for start, stop in pairwise(place)]
-            corner = np.concatenate(quads)
-            # Its normal points down, into the course that bears it.
-            along, down = np.append(run.side.along, 0.0), np.array([0.0, 0.0, -1.0])
-            axes = np.stack([along, np.cross(down, along), down])
-            thickness = min(each.area / each.height for each in (below, run.section))
-            cell = (run.section.height, run.length)
-            yield _Patch(corner, np.zeros(len(corner)), axes, thickness, cell, vault.material, run.part, False)
+            bearers = [below for below in runs if below is not run and _bears(below.section, foot)]
+            apart = [float(np.linalg.norm(below.section.upper - foot)) for below in bearers]
+            if apart and min(apart) > _ONE:
+                below = bearers[int(np.argmin(apart))]
+                raise InputError(
+                    f"shell of {run.part}",
+                    f"does not stand on the middle of {below.part}",
+                    found=f"middles {1e3 * min(apart):.4g} mm apart",
+                    expected="walls, drums and piers as thick as what springs from them",
+                    remedy="Rigid blocks take it as it is.",
+                )
 
 
 def _bears(section: Section, point: FloatArray) -> bool:

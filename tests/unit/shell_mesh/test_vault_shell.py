@@ -19,7 +19,8 @@ MATERIAL = (cp.Material("default", 18e3, 0.7),)
 BARREL: dict[str, Any] = {"courses": 27, "stone_length": 0.5, "length": 1.0}
 CROSSED: dict[str, Any] = {"courses": 19, "stone_length": 0.3}
 WALLS: dict[str, Any] = {"wall_height": 1.0, "wall_thickness": 0.5, "wall_course": 0.25}
-DRUM: dict[str, Any] = {"drum_height": 0.6, "drum_thickness": 0.14, "drum_course": 0.15}
+THIN: dict[str, Any] = {"wall_height": 1.0, "wall_course": 0.25}
+DRUM: dict[str, Any] = {"drum_height": 0.6, "drum_thickness": 0.1, "drum_course": 0.15}
 LANTERN: dict[str, Any] = {"oculus": 0.5, "lantern_height": 0.4, "lantern_course": 0.1, "lantern_thickness": 0.08}
 
 
@@ -33,13 +34,12 @@ def both(build: Callable[..., Building], thickness: float, size: float, **sizes:
     ("build", "thickness", "sizes"),
     [
         (vault, 0.15, BARREL),
-        (vault, 0.15, BARREL | WALLS | {"wall_top": 1.5}),
-        (vault, 0.15, BARREL | WALLS | {"shape": "segmental", "rise": 0.5}),
+        (vault, 0.15, BARREL | THIN | {"wall_thickness": 0.15}),
         (vault, 0.15, BARREL | {"shape": "pointed", "rise": 1.4}),
         (vault, 0.15, CROSSED | {"kind": "groin"}),
-        (vault, 0.15, CROSSED | {"kind": "groin", "corner": "mitre", "second_span": 1.5} | WALLS),
+        (vault, 0.15, CROSSED | {"kind": "groin", "corner": "mitre", "second_span": 1.5} | THIN | {"wall_thickness": 0.15}),
         (vault, 0.10, CROSSED | {"kind": "pavilion"}),
-        (vault, 0.10, CROSSED | {"kind": "octagonal", "corner": "alternate"} | WALLS),
+        (vault, 0.10, CROSSED | {"kind": "octagonal", "corner": "alternate"} | THIN | {"wall_thickness": 0.1}),
         (dome, 0.10, {"rings": 12, "sides": 32} | DRUM),
         (dome, 0.10, {"rings": 9, "sides": 32} | LANTERN),
         (dome, 0.15, {"rings": 12, "sides": 16, "plan": "half"}),
@@ -72,19 +72,10 @@ def test_load_factors(
     assert state.load_factor == pytest.approx(expected, abs=6e-5)
 
 
-def test_a_vault_thinner_than_its_wall_springs_from_a_strip_that_bears_no_weight() -> None:
-    _, shell, _ = both(vault, 0.15, 0.25, **BARREL, **WALLS)
-    strip = ~shell.yields
-    assert strip.any()
-    assert not shell.weight[strip].any()
-    # From the middle of the wall, .925 + .25, to that of the vault, 1.
-    assert np.ptp(np.abs(shell.points[shell.triangles[strip]][..., 0])) == pytest.approx(0.175, abs=1e-9)
-    assert np.ptp(shell.points[shell.triangles[strip]][..., 2]) == pytest.approx(0.0, abs=1e-9)
-
-
 @pytest.mark.parametrize(
     ("sizes", "message"),
     [
+        (BARREL | WALLS, r"shell of vault: does not stand on the middle of wall_right; found middles 175 mm apart"),
         (BARREL | {"laid": "rings"}, "the shell of arches side by side is not derived"),
         (BARREL | WALLS | {"backing": 0.5}, "vault backing: has no mid-surface of its own; found backing_right, backing_left"),
     ],
