@@ -74,17 +74,17 @@ def make(case: Path, *overrides: str, spoil: Callable[[Path], None] | None = Non
         stages.source(settings, building)
         stages.blocks(building, stones, base / "stones.dxf", base / "stones.vtu")
     stages.contacts(base / "tolerances.json", stones, contacts)
+    fitted = base / "fitted.npz" if index["drawing"] else stones
     for mesh in index["shells"]:
         folder = out / "shell" / mesh["name"]
         stages.shell(folder / "settings.json", building, folder / "shell.npz")
         if spoil:
             spoil(folder / "shell.npz")
-        fitted = base / "fitted.npz" if index["drawing"] else stones
-        stages.match(folder / "shell.npz", fitted, contacts, folder / "match.json")
+        stages.match(folder / "shell.npz", folder / "carried.json", fitted, contacts, folder / "match.json")
     for entry in index["analyses"]:
         folder = out / entry["kind"] / entry["name"]
         mesh = out / "shell" / entry.get("shell", "")
-        inputs = (stones, contacts) if entry["kind"] == "rigid" else (mesh / "shell.npz", mesh / "match.json")
+        inputs = (stones, contacts) if entry["kind"] == "rigid" else (mesh / "shell.npz", mesh / "match.json", fitted)
         results = (folder / f"{entry['kind']}.npz", folder / f"{entry['kind']}.json")
         stages.STAGES[entry["kind"]](folder / "settings.json", *inputs, *results)
     stages.compare(plan, out / "summary.json", out / "table.csv")

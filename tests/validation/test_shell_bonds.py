@@ -1,8 +1,10 @@
 """The shell of walls in any bond against their rigid blocks: docs/shell.md, "Any bond"."""
 
+from typing import Literal
+
 import pytest
 
-from churchpipe.generators import wall
+from churchpipe.generators import box, wall
 from churchpipe.homogenised_shell.limit import shell_limit_analysis
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
@@ -43,3 +45,21 @@ def test_running_bond_is_as_strong_as_the_whole_wall() -> None:
 def test_leaves_with_and_without_headers(headers: str, out: float, along: float) -> None:
     assert load_factor(OUT, pattern="header-stretcher", headers=headers) == pytest.approx(out, abs=2e-5)
     assert load_factor(ALONG, pattern="header-stretcher", headers=headers) == pytest.approx(along, abs=2e-5)
+
+
+@pytest.mark.parametrize(("headers", "expected"), [("english", 0.33869), ("flemish", 0.37624), ("none", 0.26442)])
+def test_a_box_of_two_leaves(headers: Literal["english", "flemish", "none"], expected: float) -> None:
+    building = box(
+        brick=(0.5, 0.25, 0.25),
+        length=4.0,
+        width=3.0,
+        courses=12,
+        thickness=THICKNESS,
+        pattern="header-stretcher",
+        headers=headers,
+        joints="bay",
+        materials=STONE,
+    )
+    state = shell_limit_analysis(derive_shell(building, element_size=0.6), LoadCase(ALONG), STONE)
+    assert state.status == "optimal"
+    assert state.load_factor == pytest.approx(expected, abs=2e-5)
