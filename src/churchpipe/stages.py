@@ -24,7 +24,8 @@ from churchpipe.io.atomic import canonical_json, write_if_changed, write_json
 from churchpipe.io.building_json import read_building, write_building
 from churchpipe.io.movement_record import movement_words, widest_cracks
 from churchpipe.io.npz import Absent, read_if_made, read_npz, write_npz
-from churchpipe.io.records import LeftOut, curve_record_of, record_of, shell_record_of, write_record
+from churchpipe.io.recording import curve_record_of, record_of, shell_record_of
+from churchpipe.io.records import LeftOut, write_record
 from churchpipe.io.shell_vtu import write_shell_mechanism, write_shell_msh, write_shell_vtu
 from churchpipe.io.tables import read_json, write_table
 from churchpipe.io.tie_records import without_ties

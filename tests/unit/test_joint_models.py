@@ -12,7 +12,7 @@ from churchpipe import stages
 from churchpipe.code_check import Site
 from churchpipe.compare import contact_models, guidance, safety
 from churchpipe.dxf.properties import decode_properties, encode_materials
-from churchpipe.io.records import shell_record_of
+from churchpipe.io.recording import shell_record_of
 from churchpipe.io.tables import read_json
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength, Material

@@ -16,7 +16,7 @@ from churchpipe.large_displacements.path import FIRST, PathState, PathStep, firs
 from churchpipe.large_displacements.record import Progress, Record
 from churchpipe.large_displacements.travelling import live_loads
 from churchpipe.mechanism import moving_stones, reference_speed, stone_speed
-from churchpipe.model.arguments import positive, whole
+from churchpipe.model.arguments import listed, positive, whole
 from churchpipe.model.arrays import BoolArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.block_curve import BlockCapacityCurve, CurveStatus
@@ -93,6 +93,7 @@ def block_pushover(
     """
     begin = perf_counter()
     _check(step, steps, furthest, halo)
+    listed("block_pushover: ties", ties, Tie)
     state = limit_analysis(stones, contacts, load, friction, ties=ties, solver=solver)
     if state.status != "optimal":
         return _nothing(stones, state, perf_counter() - begin)

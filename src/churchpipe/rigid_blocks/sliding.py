@@ -32,7 +32,7 @@ from churchpipe.rigid_blocks.ties import all_forces, point_forces
 Method = Literal["default", "paper"]
 Start = Literal["centre", "dead-load", "uniform", "associative", "scattered"]
 Progress = Callable[[str, float], None]
-_STARTS: dict[Method, tuple[Start, ...]] = {"default": ("centre",), "paper": ("associative",)}
+_STARTS: dict[Method, tuple[Start, ...]] = {"default": ("centre", "dead-load"), "paper": ("associative",)}
 # Where the run from the centre cannot begin, or stops short of a state, the search is tried from these.
 _OTHERS: tuple[Start, ...] = ("dead-load", "associative")
 _LAST: Start = "scattered"
@@ -49,8 +49,8 @@ class SlidingOptions:
     starts: "centre", one interior-point run that begins at the centre of all cones; the others are the normal forces from which
     a sequence of programs searches: "dead-load" (the least-squares forces of the dead load), "uniform" (their mean at every
     point), "associative" (those of the associative solution), "scattered" (those of the dead load times factors between .3 and
-    3). None given, the first, with method "paper" the associative; where the run from the centre stops short of a state the
-    search is tried, from one start after another.
+    3). None given, the centre and the dead load, of which the lower certified load factor leads, with method "paper" the
+    associative forces; where neither ends in a state the search is tried from the others.
     bipotential_gap: g / alpha at which the analysis stops looking. More than 1e-5 saves time on large models, but only
     1e-5 is called "converged".
     """

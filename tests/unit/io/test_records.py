@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from churchpipe.errors import InputError
+from churchpipe.io.recording import shell_record_of
 from churchpipe.io.records import (
     Curve,
     LeftOut,
@@ -17,7 +18,6 @@ from churchpipe.io.records import (
     ShellRecord,
     Sliding,
     read_record,
-    shell_record_of,
     write_record,
 )
 from churchpipe.model.loads import LoadCase

@@ -12,7 +12,7 @@ from churchpipe import compare
 from churchpipe.config.plan import plan
 from churchpipe.errors import InputError
 from churchpipe.io.npz import read_npz, write_npz
-from churchpipe.io.records import curve_record_of
+from churchpipe.io.recording import curve_record_of
 from churchpipe.model.block_curve import BlockCapacityCurve, FallenStones
 from churchpipe.report.block_curves import block_curve_plots
 from churchpipe.report.frames import frames, placed, write_path

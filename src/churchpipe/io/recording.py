@@ -1,0 +1,140 @@
+"""Records made of results: what was asked, what came out, what an analysis left out of it."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from churchpipe.io.records import BlockCurveRecord, BlockPath, Curve, Outcome, Question, RigidRecord, ShellRecord, Sliding
+from churchpipe.io.tie_records import candidates_of, tie_forces_of
+from churchpipe.model.block_curve import BlockCapacityCurve
+from churchpipe.model.loads import LoadCase
+from churchpipe.model.materials import JointStrength
+from churchpipe.model.names import CONTACT_MODEL, ContactModel, Planes, ShellMethod
+from churchpipe.model.results import CapacityCurve, LimitState, ShellLimitState, Status
+from churchpipe.model.ties import RankedTie, Tie
+
+
+def question_of(load: LoadCase, materials: Sequence[JointStrength]) -> Question:
+    """Return what an analysis of a structure of these materials is asked."""
+    return Question(
+        load.name,
+        tuple(load.direction.tolist()),
+        {material.name: material.friction for material in materials},
+        {material.name: material.cohesion for material in materials},
+        {one.name: one.compressive_strength for one in materials if one.compressive_strength is not None},
+    )
+
+
+def record_of(
+    state: LimitState,
+    load: LoadCase,
+    materials: Sequence[JointStrength],
+    contact_model: ContactModel = CONTACT_MODEL,
+    ties: Sequence[Tie] = (),
+    ranked: Sequence[RankedTie] = (),
+) -> RigidRecord:
+    """Return the record of a rigid-block analysis with these ties, and the ranking of others."""
+    outcome = Outcome(
+        state.status,
+        state.load_factor,
+        state.lower_bound,
+        state.upper_bound,
+        state.equilibrium_residual,
+        state.cone_violation,
+        state.iterations,
+        state.seconds,
+        state.solver,
+        state.message,
+    )
+    sliding = None
+    if state.flow == "non-associative":
+        history = tuple(step.load_factor for step in state.history)
+        sliding = Sliding(state.gap, state.interval, state.friction_violation, state.fixed_points, history)
+    tied = tie_forces_of(ties, state), candidates_of(ranked)
+    return RigidRecord(question_of(load, materials), outcome, state.flow, sliding, contact_model, *tied)
+
+
+def curve_record_of(curve: BlockCapacityCurve, load: LoadCase, materials: Sequence[JointStrength]) -> BlockCurveRecord:
+    """Return the record of a capacity curve of the stones; its load factor is that which starts the motion.
+
+    status: "converged" when all of its steps are proved, however it ends: `ending`.
+    """
+    lost = ["cohesion, which opening joints lose, is left out"] if any(material.cohesion for material in materials) else []
+    status: Status = "converged" if curve.proved and curve.status != "not-converged" else "not-converged"
+    if curve.status in ("unstable", "failed") or (curve.status == "unbounded" and not len(curve.displacement)):
+        status = curve.status
+    outcome = Outcome(
+        status,
+        load_factor=curve.initial,
+        equilibrium_residual=float(curve.residual.max(initial=0.0)),
+        violation=float(curve.violation.max(initial=0.0)),
+        seconds=curve.seconds,
+        message="; ".join(said for said in (curve.message, *lost, *_uncrushed(materials)) if said),
+    )
+    path = BlockPath(
+        ending=curve.status,
+        d0=curve.d0,
+        displacement=tuple(curve.displacement.tolist()),
+        load_factors=tuple(curve.load_factor.tolist()),
+        largest=float(curve.largest.max(initial=0.0)),
+        fallen=sum(len(part.stones) for part in curve.fallen),
+        gap=float(np.median(curve.gap)) if len(curve.gap) else np.nan,
+    )
+    return BlockCurveRecord(question_of(load, materials), outcome, path)
+
+
+def shell_record_of(
+    result: ShellLimitState | CapacityCurve | str,
+    load: LoadCase,
+    materials: Sequence[JointStrength],
+    *,
+    method: ShellMethod,
+    planes: Planes,
+    ties: Sequence[Tie] = (),
+) -> ShellRecord:
+    """Return the record of an analysis of the shell; result: a text where it was refused, and why.
+
+    The load factor of a capacity curve is the largest one reached.
+    """
+    curve = None
+    match result:
+        case ShellLimitState():
+            outcome = Outcome(
+                result.status,
+                result.load_factor,
+                result.lower_bound,
+                result.upper_bound,
+                result.equilibrium_residual,
+                result.yield_violation,
+                result.iterations,
+                result.seconds,
+                result.solver,
+                result.message,
+            )
+        case CapacityCurve():
+            outcome = Outcome(
+                result.status,
+                result.plateau if result.status in ("converged", "not-converged") else np.nan,
+                equilibrium_residual=max((step.residual for step in result.steps), default=np.nan),
+                violation=max((step.violation for step in result.steps), default=np.nan),
+                iterations=sum(step.iterations for step in result.steps),
+                seconds=result.seconds,
+                message=result.message,
+            )
+            curve = Curve(int(result.control_point), tuple(result.control.tolist()), tuple(result.load_factor.tolist()))
+        case str():
+            outcome = Outcome("failed", message=result)
+    tensions = tie_forces_of(ties, result) if isinstance(result, ShellLimitState) else ()
+    said = "; ".join(words for words in (outcome.message, *_uncrushed(materials)) if words)
+    return ShellRecord(question_of(load, materials), replace(outcome, message=said), method, planes, curve, tensions)
+
+
+def _uncrushed(materials: Sequence[JointStrength]) -> list[str]:
+    """Return what an analysis that knows no crushing has to say of materials that do crush."""
+    strong = any(material.compressive_strength is not None for material in materials)
+    return (
+        ["the stones do not crush here: compressive_strength enters the limit analysis of the rigid blocks alone"]
+        if strong
+        else []
+    )
