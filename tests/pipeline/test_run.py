@@ -256,7 +256,7 @@ def test_an_edited_stage_reruns_itself_alone(
     stage: str, pristine: Copy, edited: Callable[[str, Callable[[str], str]], None]
 ) -> None:
     head = f"\ndef {stage}("
-    edited("src/churchpipe/stages.py", lambda text: text.replace(head, f"\n@partial(lambda work: work){head}"))
+    edited("src/churchpipe/stages.py", lambda text: text.replace(head, f"\n@(lambda work: work){head}"))
     assert pristine.stale() == ({"rigid": 2, **RESULTS} if stage == "rigid" else {"report": 1, "all": 1})
 
 
