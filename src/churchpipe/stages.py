@@ -63,16 +63,14 @@ def configure(case: str | Path, out: str | Path, overrides: Sequence[str] = ()) 
             raise InputError(f"{case}: source", "no such file", found=drawing, remedy="Paths are relative to the case file.")
         for table in todo.geometries.values():
             table["drawing"] = digest_of(Path(drawing))
-    folders = {f"geometry/{name}": table for name, table in todo.geometries.items()}
-    folders |= {f"shell/{name}": table for name, table in todo.shells.items()}
-    folders |= {f"{todo.kinds[name]}/{name}": table for name, table in todo.analyses.items()}
-    folders |= {f"movement/{name}": table for name, table in todo.movements.items()}
-    for folder, table in folders.items():
-        write_if_changed(out / folder / "settings.json", canonical_json(table))
-    for name, table in todo.contacts.items():
-        write_if_changed(out / "geometry" / name / "tolerances.json", canonical_json(table))
-    for name, table in todo.carried.items():
-        write_if_changed(out / "shell" / name / "carried.json", canonical_json(table))
+    tables = {f"geometry/{name}/settings": table for name, table in todo.geometries.items()}
+    tables |= {f"geometry/{name}/tolerances": table for name, table in todo.contacts.items()}
+    tables |= {f"shell/{name}/settings": table for name, table in todo.shells.items()}
+    tables |= {f"shell/{name}/carried": table for name, table in todo.carried.items()}
+    tables |= {f"{todo.kinds[name]}/{name}/settings": table for name, table in todo.analyses.items()}
+    tables |= {f"movement/{name}/settings": table for name, table in todo.movements.items()}
+    for name, table in tables.items():
+        write_if_changed(out / f"{name}.json", canonical_json(table))
     for stage in STAGES:
         # The rules take it as an input: an edited module runs again what depends on it.
         write_if_changed(out / "code" / f"{stage}.txt", code_of(stage))
