@@ -118,7 +118,8 @@ def _elements(coupling: Coupling) -> tuple[IntArray, IntArray]:
 def _block_graph(coupling: Coupling, first: IntArray, width: IntArray) -> sp.csc_matrix[np.float64]:
     """Return the lower triangle of which blocks meet in an element, the diagonal always."""
     count = coupling.rows // coupling.block
-    rows, columns = [np.arange(count)], [np.arange(count)]
+    rows: list[IntArray] = [np.arange(count)]
+    columns: list[IntArray] = [np.arange(count)]
     for p in range(1, int(width.max(initial=0))):
         start = first[width > p]
         for q in range(p):
