@@ -257,7 +257,9 @@ def _thrust_line(stones: Assemblage, curve: BlockCapacityCurve, step: int, close
 def test_s22(step: float) -> None:
     stones, contacts = model("S22")
     curve = block_pushover(stones, contacts, LOADS["S22"], 0.7, step=step)
-    assert curve.status == "vanished"
+    # Where next to nothing holds the wall any more, stones may fall before the load factor is zero.
+    fallen = curve.status == "collapsed" and curve.load_factor[-1] < 0.01 * curve.load_factor[0]
+    assert curve.status == "vanished" or fallen
     # The interval of the certified load factor without dilatancy as drawn.
     assert 0.1882 <= curve.load_factor[0] <= 0.1889
     # Measured: .01935 m in steps of 4 mm, .01911 of 3 mm, .01930 of 2 mm.
