@@ -23,8 +23,8 @@ class Wrenches:
     force x_k, in the axes frames[frame[k]] (rows n, t1, t2, orthonormal and right-handed), times the sign of the touch acts at
     the arm from the centre of the body. Shear may act beside the point: by `shift` (c, 2) along t1 and t2.
 
-    pointer (c + 1,); bodies, signs (touches,), 1 or -1; arms (touches, 3); frames (f, 3, 3), one for all points of a joint;
-    frame (c,). As a matrix it has five times as many numbers.
+    pointer (c + 1,); bodies (touches,); signs (touches,), 1 or -1, or a share of it where a force is spread over several bodies;
+    arms (touches, 3); frames (f, 3, 3), one for all points of a joint; frame (c,). As a matrix it has five times as many numbers.
     """
 
     count: int
