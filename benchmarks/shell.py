@@ -1,7 +1,7 @@
 """Speed and size of the homogenised shell: limit load and capacity curve, beside the same stated in cvxpy. S22 by default.
 
-    python benchmarks/shell.py --runs limit:65000:CST step:10000:LST pushover:10000:LST
-    python benchmarks/shell.py --one limit:0.5m:LST:church:-y interior-point
+    PYTHONPATH=tests python benchmarks/shell.py --runs limit:65000:CST step:10000:LST pushover:10000:LST
+    PYTHONPATH=tests python benchmarks/shell.py --one limit:0.5m:LST:church:-y interior-point
 
 Every run is a process of its own with one thread, capped at 600 s of wall time (ours at 3600 s, for machines that are shared).
 "limit" is the limit load, "step" dead load and one step of a tenth of the elastic displacement at load factor one (in cvxpy
@@ -80,8 +80,8 @@ def before_step(elements: Any, load: Any, materials: Any, membrane: Any) -> tupl
 def stated(elements: Any, load: Any, materials: Any, prepared: tuple[np.ndarray, float] | None) -> dict[str, Any]:
     """Solve the statement in cvxpy: the limit load, or the first step after dead load (which is not timed)."""
     from churchpipe.homogenised_shell.program import shell_program
-    from churchpipe.homogenised_shell.reference import reference_load_factor, reference_step
     from churchpipe.homogenised_shell.stiffness import facet_stiffness
+    from shell_reference import reference_load_factor, reference_step
 
     program = shell_program(elements, load, materials, PLANES)
     if prepared is None:

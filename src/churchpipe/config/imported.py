@@ -12,7 +12,7 @@ from tomlkit.items import Item, Table
 from churchpipe.config.shell_table import ShellTable
 from churchpipe.dxf.reader import Drawing
 from churchpipe.dxf.reading import Reading
-from churchpipe.model.loads import LoadCase, direction_name
+from churchpipe.model.loads import LoadCase, direction_name, load_table
 from churchpipe.model.materials import Material
 from churchpipe.model.quantities import as_written, written
 
@@ -93,14 +93,10 @@ def _material_table(stored: Material | None, unit_weight: float | None, friction
 
 
 def _load_table(load: LoadCase) -> Table:
-    table = _table({"direction": [_number(value) for value in load.direction]})
-    if load.name != direction_name(load.direction):
-        table["name"] = load.name
-    if load.panels is not None:
-        table["panels"] = list(load.panels)
-    if load.profile != "uniform":
-        table["profile"] = load.profile
-    return table
+    values = load_table(load, defaults=False)
+    if load.name == direction_name(load.direction):
+        values.pop("name")
+    return _table(values | {"direction": [_number(value) for value in load.direction]})
 
 
 def _rigid_table(stones: int, contact_gap: float | None) -> Table:

@@ -9,7 +9,7 @@ from typing import Any
 from churchpipe.config.case import Case, Drawing
 from churchpipe.config.plausible import questions
 from churchpipe.model import swept
-from churchpipe.model.loads import LoadCase
+from churchpipe.model.loads import LoadCase, load_table
 from churchpipe.model.names import CONTACT_MODEL
 
 # What acts in every analysis; candidates for ties are ranked by the rigid blocks alone.
@@ -155,7 +155,7 @@ def _named_panels(case: Case) -> list[str]:
 def _rigid_settings(case: Case, geometry: str, load: LoadCase, flow: str, contact_model: str) -> dict[str, Any]:
     settings: dict[str, Any] = {
         "geometry": geometry,
-        "load": _load_settings(load),
+        "load": load_table(load),
         "material": _strength(case),
         "flow": flow,
         "solver": case.rigid.solver,
@@ -174,7 +174,7 @@ def _rigid_settings(case: Case, geometry: str, load: LoadCase, flow: str, contac
 
 def _curve_settings(case: Case, geometry: str, load: LoadCase) -> dict[str, Any]:
     assert case.rigid.curve is not None
-    settings = {"geometry": geometry, "load": _load_settings(load), "material": _strength(case), "solver": case.rigid.solver}
+    settings = {"geometry": geometry, "load": load_table(load), "material": _strength(case), "solver": case.rigid.solver}
     settings |= case.carries.settings(*_BORNE)
     return settings | {key: value for key, value in asdict(case.rigid.curve).items() if value is not None}
 
@@ -183,7 +183,7 @@ def _shell_settings(case: Case, mesh: str, load: LoadCase, method: str) -> dict[
     shell = case.shell
     assert shell is not None
     material = _strength(case)
-    settings = {"shell": mesh, "load": _load_settings(load), "planes": shell.planes, "membrane": shell.membrane}
+    settings = {"shell": mesh, "load": load_table(load), "planes": shell.planes, "membrane": shell.membrane}
     settings |= case.carries.settings(*_BORNE)
     if method == "limit":
         return settings | {"material": material, "solver": shell.solver}
@@ -192,15 +192,6 @@ def _shell_settings(case: Case, mesh: str, load: LoadCase, method: str) -> dict[
             material[known.name]["elastic"] = asdict(known.elastic)
     given = {"control_point": shell.control, "steps": shell.steps}
     return settings | {"material": material} | {key: value for key, value in given.items() if value is not None}
-
-
-def _load_settings(load: LoadCase) -> dict[str, Any]:
-    return {
-        "direction": load.direction.tolist(),
-        "name": load.name,
-        "panels": None if load.panels is None else list(load.panels),
-        "profile": load.profile,
-    }
 
 
 def _strength(case: Case) -> dict[str, dict[str, Any]]:

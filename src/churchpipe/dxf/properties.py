@@ -9,11 +9,10 @@ from typing import Any, Final, TypeVar
 from churchpipe.dxf.schema import LOAD_PROPERTY, MATERIAL_PROPERTY, check_text
 from churchpipe.errors import InputError
 from churchpipe.findings import Finding
-from churchpipe.model.loads import LoadCase
+from churchpipe.model.loads import LoadCase, load_table
 from churchpipe.model.materials import Material
 from churchpipe.model.quantities import Declared, as_written, declared, si
 
-_LOAD_KEYS: Final = ("direction", "panels", "profile")
 # A DXF string holds 2049 bytes.
 LONGEST_PROPERTY: Final = 2000
 
@@ -33,9 +32,7 @@ def encode_loads(loads: Sequence[LoadCase]) -> list[Property]:
     for load in loads:
         if load.dead is not None or load.live is not None:
             raise InputError(f"load {load.name}", "a drawing cannot hold extra wrenches", expected="dead and live = None")
-        table: dict[str, Any] = {"direction": load.direction.tolist(), "profile": load.profile}
-        if load.panels is not None:
-            table["panels"] = list(load.panels)
+        table = {key: value for key, value in load_table(load).items() if key != "name"}
         out.append(_encode(LOAD_PROPERTY, load.name, table))
     return out
 
@@ -52,7 +49,8 @@ def decode_properties(properties: Sequence[Property]) -> tuple[tuple[Material, .
             elif tag.startswith(LOAD_PROPERTY):
                 loads.append(_load(tag.removeprefix(LOAD_PROPERTY), json.loads(text)))
         except (ValueError, TypeError, AttributeError, RecursionError) as error:
-            keys = _LOAD_KEYS if tag.startswith(LOAD_PROPERTY) else _keys(Material, "name")
+            kind = LoadCase if tag.startswith(LOAD_PROPERTY) else Material
+            keys = _keys(kind, "name")
             findings.append(
                 Finding(
                     "E16",
@@ -75,7 +73,7 @@ def _encode(prefix: str, name: str, table: dict[str, Any]) -> Property:
 
 
 def _keys(kind: type, *without: str) -> dict[str, Declared]:
-    return {item.key: item for item in declared(kind).values() if item.name not in without}
+    return {item.key: item for item in declared(kind).values() if item.meaning and item.name not in without}
 
 
 def _record(kind: type[_Kind], table: dict[str, Any], **given: Any) -> _Kind:
@@ -92,7 +90,7 @@ def _record(kind: type[_Kind], table: dict[str, Any], **given: Any) -> _Kind:
 
 
 def _load(name: str, table: dict[str, Any]) -> LoadCase:
-    _check_keys(table, set(_LOAD_KEYS), {"direction"})
+    _check_keys(table, set(_keys(LoadCase, "name")), {"direction"})
     panels = table.get("panels")
     if panels is not None and not (isinstance(panels, list) and all(isinstance(p, str) for p in panels)):
         raise ValueError("panels is not a list of names")

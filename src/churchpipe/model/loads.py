@@ -1,7 +1,7 @@
 """Lateral load cases."""
 
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -9,6 +9,7 @@ import numpy.typing as npt
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import listed, one_of, text
 from churchpipe.model.arrays import FloatArray, NameArray, floats, store
+from churchpipe.model.quantities import as_written, declared
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +63,18 @@ class LoadCase:
             dead=None if dead is None else floats("LoadCase.dead", dead, (None, 6)),
             live=grows,
         )
+
+
+def load_keys() -> tuple[str, ...]:
+    """Return the keys of a load in a case file or a drawing: of the fields with a meaning there; wrenches belong to stones."""
+    return tuple(item.key for item in declared(LoadCase).values() if item.meaning)
+
+
+def load_table(load: LoadCase, *, defaults: bool = True) -> dict[str, Any]:
+    """Return a load by the keys that it has in a case file; without `defaults` only where a value is not the default."""
+    table = as_written(load, defaults=defaults)
+    table["direction"] = load.direction.tolist()
+    return {key: table[key] for key in load_keys() if key in table}
 
 
 def _unit(direction: npt.ArrayLike) -> FloatArray:

@@ -1,28 +1,31 @@
 """What the stones and joints are made of."""
 
+import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, TypeVar
 
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import check_kind, finite, text
-from churchpipe.model.quantities import Length, Quantity, Usual
+from churchpipe.model.quantities import Quantity, Usual, declared
 
-# Beyond these a number is in another unit, or lost to rounding. Smallest but zero, and largest: N/m3, -, Pa; Pa, m.
-_RANGES = {
-    "unit_weight": (1e-6, 1e9),
-    "friction": (1e-6, 1e3),
-    "cohesion": (1e-6, 1e12),
-    "compressive_strength": (1e-3, 1e15),
-}
-_MODULUS, _THICKNESS = (1e-3, 1e21), (1e-9, 1e2)
-
-_BLOCK = Quantity(low=0.0, above=True, usual=Usual(0.1, 200, "soft tuff to granite"), key="block_E_GPa")
-_JOINT = Quantity(low=0.0, above=True, usual=Usual(0.001, 100, "dry joints of models to cement mortar"), key="joint_E_GPa")
-_WEIGHT = Quantity("_kN_m3", 0.0, above=True, usual=Usual(8, 35, "light tuff to basalt"))
-_FRICTION = Quantity(low=0.0, usual=Usual(0.1, 1.5, "slopes of 6 to 56 degrees; joints of stone have 0.4 to 0.8"))
-_COHESION = Quantity("_kPa", 0.0, usual=Usual(0, 2000, "joints of lime mortar reach 200 kPa, of cement mortar 2000"))
-_CRUSHING = Quantity("_MPa", 0.0, above=True, usual=Usual(0.3, 50, "rubble has some 1, brickwork 2 to 4, ashlar 6 and more"))
+_MODULUS = (1e-3, 1e21)
+_BLOCK = Quantity(low=0.0, above=True, usual=Usual(0.1, 200, "soft tuff to granite"), span=_MODULUS, key="block_E_GPa")
+_JOINT = Quantity(
+    low=0.0, above=True, usual=Usual(0.001, 100, "dry joints of models to cement mortar"), span=_MODULUS, key="joint_E_GPa"
+)
+_POISSON = Quantity("", 0.0, high=0.5, below=True)
+_MORTAR = Quantity("_mm", 0.0, above=True, span=(1e-9, 1e2))
+_WEIGHT = Quantity("_kN_m3", 0.0, above=True, usual=Usual(8, 35, "light tuff to basalt"), span=(1e-6, 1e9))
+_FRICTION = Quantity(
+    low=0.0, usual=Usual(0.1, 1.5, "slopes of 6 to 56 degrees; joints of stone have 0.4 to 0.8"), span=(1e-6, 1e3)
+)
+_COHESION = Quantity(
+    "_kPa", 0.0, usual=Usual(0, 2000, "joints of lime mortar reach 200 kPa, of cement mortar 2000"), span=(1e-6, 1e12)
+)
+_CRUSHING = Quantity(
+    "_MPa", 0.0, above=True, usual=Usual(0.3, 50, "rubble has some 1, brickwork 2 to 4, ashlar 6 and more"), span=(1e-3, 1e15)
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,14 +39,14 @@ class Elastic:
     """
 
     block_modulus: Annotated[float, _BLOCK, "Young's modulus of the stones."]
-    block_poisson: Annotated[float, Quantity("", 0.0, high=0.5, below=True, key="block_nu"), "Poisson's ratio of the stones."]
+    block_poisson: Annotated[float, replace(_POISSON, key="block_nu"), "Poisson's ratio of the stones."]
     joint_modulus: Annotated[float, _JOINT, "Young's modulus of the mortar."]
-    joint_poisson: Annotated[float, Quantity("", 0.0, high=0.5, below=True, key="joint_nu"), "Poisson's ratio of the mortar."]
-    joint_thickness: Annotated[Length, "Thickness of the joints."]
+    joint_poisson: Annotated[float, replace(_POISSON, key="joint_nu"), "Poisson's ratio of the mortar."]
+    joint_thickness: Annotated[float, _MORTAR, "Thickness of the joints."]
 
     def __post_init__(self) -> None:
-        for key, (low, high) in (("block_modulus", _MODULUS), ("joint_modulus", _MODULUS), ("joint_thickness", _THICKNESS)):
-            _check_range(f"elastic.{key}", getattr(self, key), low, high)
+        for key in ("block_modulus", "joint_modulus", "joint_thickness"):
+            _check_span("elastic.", self, key)
         for key in ("block_poisson", "joint_poisson"):
             value = finite(f"elastic.{key}", getattr(self, key))
             if not -1 < value < 0.5:
@@ -65,7 +68,7 @@ class UnitWeight:
 
     def __post_init__(self) -> None:
         text("material: name", self.name)
-        _check_field(self, "unit_weight")
+        _check_span(f"material {self.name}: ", self, "unit_weight", or_zero=True)
 
 
 @dataclass(frozen=True)
@@ -90,13 +93,13 @@ class JointStrength:
 
     def __post_init__(self) -> None:
         text("material: name", self.name)
-        _check_field(self, "friction")
-        _check_field(self, "cohesion")
+        where = f"material {self.name}: "
+        _check_span(where, self, "friction", or_zero=True)
+        _check_span(where, self, "cohesion", or_zero=True)
         if self.elastic is not None:
-            check_kind(f"material {self.name}: elastic", self.elastic, Elastic)
+            check_kind(f"{where}elastic", self.elastic, Elastic)
         if self.compressive_strength is not None:
-            where = f"material {self.name}: compressive_strength"
-            _check_range(where, self.compressive_strength, *_RANGES["compressive_strength"])
+            _check_span(where, self, "compressive_strength")
 
 
 # Fields in the order of its bases from the last: name, unit_weight, friction, cohesion, elastic, compressive_strength.
@@ -134,12 +137,10 @@ def by_name(materials: Iterable[_Named]) -> dict[str, _Named]:
     return known
 
 
-def _check_field(material: UnitWeight | JointStrength, key: str) -> None:
-    where, value = f"material {material.name}: {key}", getattr(material, key)
-    if finite(where, value) != 0:
-        _check_range(where, value, *_RANGES[key], other="0, or ")
-
-
-def _check_range(where: str, value: object, low: float, high: float, other: str = "") -> None:
-    if not low <= finite(where, value) <= high:
-        raise InputError(where, "out of range", found=value, expected=f"{other}{low:g} to {high:g}")
+def _check_span(where: str, record: object, name: str, *, or_zero: bool = False) -> None:
+    """Raise unless a field of a dataclass is a number within the span of its declaration, or zero where that is allowed."""
+    quantity, value = declared(record.__class__)[name].quantity, finite(f"{where}{name}", getattr(record, name))
+    low, high = quantity.span if quantity and quantity.span else (-math.inf, math.inf)
+    if not (low <= value <= high or (or_zero and value == 0)):
+        zero = "0, or " if or_zero else ""
+        raise InputError(f"{where}{name}", "out of range", found=value, expected=f"{zero}{low:g} to {high:g}")

@@ -59,8 +59,8 @@ class Quantity:
     """A number of a case file; its values are in the unit of its key.
 
     suffix: of the key, the unit. low: what it is not below, or, with `above`, is above; high, below: likewise.
-    usual: outside of it a value is questioned. key: the whole key, where it is not the field's name with the suffix. other: a
-    key with another unit that may be given instead.
+    usual: outside of it a value is questioned. span: in SI, beyond it a number is in another unit or lost to rounding. key: the
+    whole key, where it is not the field's name with the suffix. other: a key with another unit that may be given instead.
     """
 
     suffix: str = ""
@@ -69,6 +69,7 @@ class Quantity:
     high: float | None = None
     below: bool = False
     usual: Usual | None = None
+    span: tuple[float, float] | None = None
     key: str = ""
     other: str = ""
 
@@ -159,7 +160,7 @@ def as_written(record: Any, *, defaults: bool = True) -> dict[str, Any]:
     out: dict[str, Any] = {}
     for item in declared(record.__class__).values():
         value = getattr(record, item.name)
-        if value is not None and (defaults or value != item.default):
+        if value is not None and (defaults or item.default is MISSING or value != item.default):
             out[item.key] = written(item.key, value, defaults=defaults)
     return out
 
