@@ -5,7 +5,8 @@ a scalar that any number of facets share at any angle. With LST also the transla
 two ends.
 
 A mid-side translation has a component normal to the surface at folds only. Bending does not depend on it: in a plate nothing
-would resist it, and in a curved roof made of facets it would make the membrane too soft (docs/development.md).
+would resist it, and in a curved roof made of facets it would make the membrane too soft (docs/development.md). At a level fold,
+where the thrust of a vault changes its direction, as under a lantern, nothing but bending would hold it: it has none there.
 
 Sources: L. S. D. Morley (1968), Aeronautical Quarterly 19; B. Fraeijs de Veubeke (1965) for the LST.
 """
@@ -143,7 +144,8 @@ def _bubbles(shell: ShellModel, edges: Edges) -> tuple[IntArray, FloatArray]:
     mean /= np.sqrt((mean**2).sum(axis=1))[:, None]
     fold = np.zeros(len(along))
     np.maximum.at(fold, edges.of_facet, np.sqrt((np.cross(own, first) ** 2).sum(axis=2)))
-    everywhere, folded = np.arange(len(along), dtype=np.int64), np.flatnonzero(fold > SOLVER.fold)
+    level = np.abs(along[:, 2]) < SOLVER.level
+    everywhere, folded = np.arange(len(along), dtype=np.int64), np.flatnonzero((fold > SOLVER.fold) & ~level)
     directions = np.concatenate([along, np.cross(mean, along), mean[folded]])
     return np.concatenate([everywhere, everywhere, folded]), directions
 

@@ -13,6 +13,7 @@ class SolverSettings:
     Mesh:
         fold: sine of the angle between two facets from which on their edge is a fold, whose mid-side may move normal to them.
         Corners of walls are folds, the edges between the facets of an apse are not.
+        level: an edge that rises by less than this share of its length is level; its mid-side has no motion normal to a fold.
 
     Proof of a limit load:
         duality_gap: greatest distance of the bounds, as a share of the load factor, or of `least_load_factor` if that is larger,
@@ -48,6 +49,7 @@ class SolverSettings:
     """
 
     fold: float = 0.5
+    level: float = 1e-6
     duality_gap: float = 1e-6
     least_load_factor: float = 1e-3
     standing: float = 1e-4
@@ -79,6 +81,7 @@ class SolverSettings:
             _check(name, getattr(self, name), getattr(self, name) > 1, "> 1")
         for name in (
             "fold",
+            "level",
             "duality_gap",
             "standing",
             "lintel_dissipation",

@@ -166,6 +166,14 @@ def test_mid_sides_move_out_of_the_surface_at_folds_only() -> None:
     np.testing.assert_array_equal(count, np.where(shared, 3, 2))
 
 
+def test_mid_sides_of_level_folds_move_in_the_surface_alone() -> None:
+    # A wall under a slope of 45 degrees: no membrane resists a kink of the thrust between the ends of their common edge.
+    points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 0, 1], [1, 0, 1], [0, -1, 2], [1, -1, 2]])
+    triangles = np.array([[0, 1, 3], [0, 3, 2], [2, 3, 5], [2, 5, 4]])
+    elements = shell_elements(shell(points, triangles), "LST")
+    assert (np.bincount(elements.bubble_edge) == 2).all()
+
+
 def test_edges_are_shared_by_any_number_of_facets() -> None:
     edges = find_edges(np.array([[0, 1, 2], [1, 0, 3], [4, 0, 1]]))
     shared = np.flatnonzero((edges.nodes == [0, 1]).all(axis=1))[0]
