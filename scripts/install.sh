@@ -51,10 +51,12 @@ else
 fi
 say "installing churchpipe and the versions of uv.lock"
 # --inexact keeps uv itself. Where only pip's own index can be reached, pip installs the same versions from there.
-if ! "$uv" sync -q --frozen --inexact --all-extras "$@"; then
+# Byte code is made now: each stage of a run is a process, and would take two seconds to make its own where none may be kept.
+if ! "$uv" sync -q --frozen --inexact --all-extras --compile-bytecode "$@"; then
     say "uv did not succeed; pip installs the same versions"
     "$uv" export -q --frozen --all-extras --no-hashes --no-emit-project "$@" >.venv/locked.txt
     .venv/bin/python -m pip install -q -r .venv/locked.txt
     .venv/bin/python -m pip install -q --no-deps -e .
 fi
+.venv/bin/python -m compileall -q src
 say "installed: .venv/bin/churchpipe"

@@ -21,12 +21,20 @@ def run(
     changes: Changes = None,
 ) -> None:
     """Run a case: stones, contacts, load factors, report. What is up to date is not done again."""
-    from churchpipe import engine, stages
+    from churchpipe import engine
+    from churchpipe.finished import finished, note_finished, run_name
+    from churchpipe.io.tables import read_json
+
+    named = out_dir or Path("runs") / run_name(case)
+    if case.is_file() and (good := finished(named, case, changes or ())) is not None:
+        err.print("Nothing has changed since the last run.")
+        _tell(named, good=good)
+        return
+    from churchpipe import stages
     from churchpipe.compare import bad_news
     from churchpipe.compilation import compiled
     from churchpipe.config import Generated, read_case
     from churchpipe.config.asrun import claim, other_case
-    from churchpipe.io.tables import read_json
     from churchpipe.terminal import Display
 
     # A case with mistakes is refused before anything is written.
@@ -64,11 +72,10 @@ def run(
     if code:
         err.print(f"A stage crashed; see {folder / 'run.log'}", style="red", soft_wrap=True)
         raise typer.Exit(STRUCTURE)
-    summary = read_json(folder / "summary.json")
-    _print_results(summary)
-    out.print(f"Report: {folder / 'report.html'}", soft_wrap=True)
-    if bad_news(summary):
-        raise typer.Exit(STRUCTURE)
+    good = not bad_news(read_json(folder / "summary.json"))
+    drawing = None if isinstance(read.source, Generated) else read.source.path
+    note_finished(folder, case, changes or (), drawing, good=good)
+    _tell(folder, good=good)
 
 
 @app.command()
@@ -104,6 +111,16 @@ def _result_of(folder: Path, name: str) -> Path:
     if not (folder / name).is_file():
         raise InputError(str(folder), "no results", expected=name, remedy="churchpipe run CASE.toml makes it.")
     return folder / name
+
+
+def _tell(folder: Path, *, good: bool) -> None:
+    """Print the results of a run that has ended; leave with the code for bad news, if they are."""
+    from churchpipe.io.tables import read_json
+
+    _print_results(read_json(folder / "summary.json"))
+    out.print(f"Report: {folder / 'report.html'}", soft_wrap=True)
+    if not good:
+        raise typer.Exit(STRUCTURE)
 
 
 def _print_results(summary: dict[str, Any]) -> None:

@@ -17,6 +17,7 @@ from churchpipe.conic.interior_point.nonnegative import Nonnegative
 from churchpipe.conic.interior_point.normal import NormalMatrix
 from churchpipe.conic.interior_point.problem import CoupledProblem
 from churchpipe.conic.interior_point.second_order import SecondOrder
+from churchpipe.conic.interior_point.second_order_kernels import kernels
 from churchpipe.conic.interior_point.settings import Settings
 from churchpipe.conic.interior_point.wrenches import WrenchCoupling
 from churchpipe.generators import arch_piers
@@ -35,6 +36,12 @@ rng = np.random.default_rng(1)
 def interior(product: ProductCone) -> np.ndarray:
     v = rng.normal(size=product.size)
     return v + (0.1 - min(product.margin(v), 0.0)) * product.identity()
+
+
+def test_no_loop_encloses_another_compiled_one() -> None:
+    # Numba keeps a compiled loop by the values that it encloses; another loop is a new value in every process.
+    enclosed = [cell.cell_contents for loop in kernels(3) for cell in loop.py_func.__closure__]
+    assert set(enclosed) == {3}
 
 
 def test_scaling_maps_both_points_to_one() -> None:

@@ -24,18 +24,20 @@ class Kernels(NamedTuple):
     recentre: _Loop
 
 
+# At the level of the module, not inside `kernels`: a loop that encloses another compiled one is compiled anew in each process.
+@numba.njit(cache=True, error_model="numpy")
+def _determinant(s: FloatArray, k: int, dimension: int) -> float:
+    square = 0.0
+    for i in range(1, dimension):
+        square += s[i, k] * s[i, k]
+    length = np.sqrt(square)
+    return (s[0, k] - length) * (s[0, k] + length)
+
+
 @lru_cache
 def kernels(dimension: int) -> Kernels:
     """Return the loops for cones of one dimension."""
     compiled: Callable[[Any], Any] = numba.njit(cache=True, error_model="numpy")
-
-    @compiled
-    def determinant(s: FloatArray, k: int) -> float:
-        square = 0.0
-        for i in range(1, dimension):
-            square += s[i, k] * s[i, k]
-        length = np.sqrt(square)
-        return (s[0, k] - length) * (s[0, k] + length)
 
     @compiled
     def scale(v: FloatArray, w: FloatArray, eta: FloatArray, sign: float, out: FloatArray) -> None:
@@ -72,7 +74,7 @@ def kernels(dimension: int) -> Kernels:
             along = 0.0
             for i in range(1, dimension):
                 along += p[i, k] * v[i, k]
-            first = (p[0, k] * v[0, k] - along) / determinant(p, k)
+            first = (p[0, k] * v[0, k] - along) / _determinant(p, k, dimension)
             out[0, k] = first
             for i in range(1, dimension):
                 out[i, k] = (v[i, k] - first * p[i, k]) / p[0, k]
@@ -96,7 +98,7 @@ def kernels(dimension: int) -> Kernels:
         for j in range(len(weights)):
             weight = weights[j]
             for k in range(s.shape[1]):
-                root = np.sqrt(determinant(s, k))
+                root = np.sqrt(_determinant(s, k, dimension))
                 first = step[0, k] + weight * more[0, k]
                 rho = s[0, k] * first
                 for i in range(1, dimension):
@@ -112,7 +114,7 @@ def kernels(dimension: int) -> Kernels:
     @compiled
     def nesterov_todd(s: FloatArray, z: FloatArray, eta: FloatArray, w: FloatArray) -> None:
         for k in range(s.shape[1]):
-            root_s, root_z = np.sqrt(determinant(s, k)), np.sqrt(determinant(z, k))
+            root_s, root_z = np.sqrt(_determinant(s, k, dimension)), np.sqrt(_determinant(z, k, dimension))
             both = 0.0
             for i in range(dimension):
                 both += (s[i, k] / root_s) * (z[i, k] / root_z)

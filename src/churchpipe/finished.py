@@ -1,0 +1,69 @@
+"""Whether a run folder still holds all that a case asks for. If so, its results are told without starting the engine.
+
+The engine would find the same out, in some seconds. This looks at dates and sizes only: whatever differs, even a date, is left
+to the engine, which compares contents.
+"""
+
+import hashlib
+import json
+import os
+import tomllib
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+
+from churchpipe.engine import UNFINISHED
+from churchpipe.io.atomic import write_text
+from churchpipe.resources import pipeline_folder
+
+# Lies in a run folder: the question that its results answer, and all its files as they were when it had ended.
+RECORD = Path(".snakemake", "finished.json")
+# Date and size of a file, by its path.
+_Stamps = dict[str, list[int]]
+
+
+def run_name(case: Path) -> str:
+    """Return the name of the run of a case file, "" where the text does not tell it."""
+    try:
+        name = tomllib.loads(case.read_text(encoding="utf-8-sig")).get("name", case.stem)
+    except (OSError, ValueError):
+        return ""
+    return name if isinstance(name, str) else ""
+
+
+def note_finished(folder: Path, case: Path, changes: Sequence[str], drawing: Path | None, *, good: bool) -> None:
+    """Note that a folder holds the results of a case with these changes, whether they are good, and the drawing they come from."""
+    files = [path for path in _files(folder) if folder / RECORD.parent not in path.parents]
+    stamps = _stamps([*files, *([drawing.resolve()] if drawing else [])])
+    write_text(folder / RECORD, json.dumps({"question": _question(case, changes), "good": good, "files": stamps}))
+
+
+def finished(folder: Path, case: Path, changes: Sequence[str]) -> bool | None:
+    """Return whether the results that lie in a folder are good; None where they may not answer this case with these changes."""
+    record = folder / RECORD
+    if not record.is_file() or (folder / UNFINISHED).exists():
+        return None
+    noted = json.loads(record.read_text(encoding="utf-8"))
+    try:
+        same = noted["question"] == _question(case, changes) and noted["files"] == _stamps(map(Path, noted["files"]))
+    except FileNotFoundError:
+        return None
+    return noted["good"] if same else None
+
+
+def _question(case: Path, changes: Sequence[str]) -> str:
+    """Return what decides the results besides the drawing: the case, what was changed in it, and the program."""
+    own, pipeline = Path(__file__).parent, pipeline_folder()
+    program = [path for path in _files(own) if "__pycache__" not in path.parts]
+    program += [pipeline / "Snakefile", *_files(pipeline / "rules"), *_files(pipeline / "profiles")]
+    told = [str(case.resolve()), hashlib.sha256(case.read_bytes()).hexdigest(), list(changes), _stamps(program)]
+    return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()
+
+
+def _files(folder: Path) -> Iterator[Path]:
+    for where, _, names in os.walk(folder.resolve()):
+        yield from (Path(where, name) for name in names)
+
+
+def _stamps(files: Iterable[Path]) -> _Stamps:
+    found = {str(path): path.stat() for path in files}
+    return {name: [stat.st_mtime_ns, stat.st_size] for name, stat in found.items()}

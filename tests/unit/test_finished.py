@@ -1,0 +1,76 @@
+"""Results that lie in a run folder are told again without the engine, and only if nothing differs at all."""
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from case_texts import WALL, case_file
+from churchpipe.engine import UNFINISHED
+from churchpipe.finished import finished, note_finished, run_name
+
+
+@pytest.fixture
+def run(tmp_path: Path) -> tuple[Path, Path]:
+    """A case file, and a folder with its run."""
+    case, folder = case_file(tmp_path, WALL), tmp_path / "run"
+    for name in (".snakemake/state", "plan.json", "rigid/+x/rigid.json"):
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text("{}")
+    note_finished(folder, case, ["load.scale=2"], None, good=True)
+    return case, folder
+
+
+def test_the_same_case_with_the_same_changes_is_finished(run: tuple[Path, Path]) -> None:
+    case, folder = run
+    assert finished(folder, case, ["load.scale=2"]) is True
+    # What the engine keeps for itself is no result.
+    (folder / ".snakemake" / "state").write_text("else")
+    assert finished(folder, case, ["load.scale=2"]) is True
+
+
+def test_another_question_is_not(run: tuple[Path, Path]) -> None:
+    case, folder = run
+    assert finished(folder, case, []) is None
+    case.write_text(case.read_text() + "\n")
+    assert finished(folder, case, ["load.scale=2"]) is None
+
+
+@pytest.mark.parametrize(
+    "disturb",
+    [
+        lambda folder: (folder / "plan.json").write_text("[]"),
+        lambda folder: os.utime(folder / "plan.json", (0, 0)),
+        lambda folder: (folder / "rigid" / "+x" / "rigid.json").unlink(),
+        lambda folder: (folder / UNFINISHED).touch(),
+    ],
+    ids=["edited", "another date", "deleted", "stopped later"],
+)
+def test_a_folder_that_was_touched_is_not(run: tuple[Path, Path], disturb: Callable[[Path], object]) -> None:
+    case, folder = run
+    disturb(folder)
+    assert finished(folder, case, ["load.scale=2"]) is None
+
+
+def test_a_drawing_is_a_part_of_the_question(tmp_path: Path) -> None:
+    case, drawing = case_file(tmp_path, WALL), tmp_path / "stones.dxf"
+    drawing.write_text("0")
+    note_finished(tmp_path / "run", case, [], drawing, good=False)
+    assert finished(tmp_path / "run", case, []) is False
+    drawing.write_text("1 2")
+    assert finished(tmp_path / "run", case, []) is None
+
+
+def test_nothing_is_finished_that_never_ran(tmp_path: Path) -> None:
+    assert finished(tmp_path, case_file(tmp_path, WALL), []) is None
+
+
+def test_the_name_of_a_run_is_that_of_the_case_or_of_its_file(tmp_path: Path) -> None:
+    case = tmp_path / "mine.toml"
+    case.write_text('name = "church"')
+    assert run_name(case) == "church"
+    case.write_text("name =")
+    assert run_name(case) == ""
+    case.write_text("")
+    assert run_name(case) == "mine"
