@@ -31,8 +31,9 @@ def run_name(case: Path) -> str:
 
 
 def note_finished(folder: Path, case: Path, changes: Sequence[str], drawing: Path | None, *, good: bool) -> None:
-    """Note that a folder holds the results of a case with these changes, whether they are good, and the drawing they come from."""
-    files = [path for path in _files(folder) if folder / RECORD.parent not in path.parents]
+    """Note that a folder holds the results of a case with these changes, are they good or not, and of this drawing, if of one."""
+    engine = folder.resolve() / RECORD.parent
+    files = [path for path in _files(folder) if engine not in path.parents]
     stamps = _stamps([*files, *([drawing.resolve()] if drawing else [])])
     write_text(folder / RECORD, json.dumps({"question": _question(case, changes), "good": good, "files": stamps}))
 

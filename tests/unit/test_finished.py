@@ -12,9 +12,10 @@ from churchpipe.finished import finished, note_finished, run_name
 
 
 @pytest.fixture
-def run(tmp_path: Path) -> tuple[Path, Path]:
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Path, Path]:
     """A case file, and a folder with its run."""
-    case, folder = case_file(tmp_path, WALL), tmp_path / "run"
+    monkeypatch.chdir(tmp_path)
+    case, folder = case_file(tmp_path, WALL), Path("run")
     for name in (".snakemake/state", "plan.json", "rigid/+x/rigid.json"):
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_text("{}")
