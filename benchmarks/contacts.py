@@ -4,13 +4,11 @@ PYTHONPATH=tests python benchmarks/contacts.py --seeds 20 --solved 5
 """
 
 import argparse
-from collections.abc import Callable, Iterator
 from time import process_time
 
 import numpy as np
 
 from churchpipe.config import read_case
-from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import TOUCHING
 from churchpipe.model.loads import LoadCase
 from churchpipe.resources import pipeline_folder
@@ -18,30 +16,9 @@ from churchpipe.rigid_blocks.limit import limit_analysis
 from churchpipe.stones.blocks import derive_blocks
 from churchpipe.stones.contacts import find_contacts
 from churchpipe.stones.coplanar import coplanar_interfaces
-from imprecise import corner, dome, joined_pairs, noisy, rounded, tilted, triangulated, turned_wall, voussoir_arch
+from imprecise import FIRST_SEED, MODELS, changes, corner, joined_pairs, noisy
 
-MODELS: dict[str, Callable[[], Assemblage]] = {
-    "arch": voussoir_arch,
-    "wall": turned_wall,
-    "corner": corner,
-    "dome": lambda: dome(oculus=0.1),
-}
-# Seeds are fresh: no constant of the product was chosen with them.
-FIRST_SEED = 1000
 FRICTION = 0.7
-
-
-def changes(stones: Assemblage, seeds: int) -> Iterator[tuple[str, list[Assemblage]]]:
-    """Yield what is done to a model, in words, and the models that come of it."""
-    low, high = (edge.reduceat(stones.points, stones.block_point_ptr[:-1], axis=0) for edge in (np.minimum, np.maximum))
-    size = float(np.median(np.linalg.norm(high - low, axis=1)[~stones.fixed]))
-    series = range(FIRST_SEED, FIRST_SEED + seeds)
-    yield "triangles", [triangulated(stones)]
-    for share in (1e-6, 1e-5, 1e-4, 1e-3, 3e-3):
-        yield f"noise {share:g} of the size, {1e3 * share * size:.2g} mm", [noisy(stones, share * size, seed) for seed in series]
-    for degrees in (0.1, 0.3, 0.5):
-        yield f"tilted up to {degrees} degrees", [tilted(stones, np.radians(degrees), seed) for seed in series]
-    yield "rounded to 3 decimals", [rounded(stones, 3)]
 
 
 def accuracy(name: str, seeds: int, solved: int) -> None:

@@ -1,6 +1,6 @@
 """Damage files of every format, thousands of times, and read them: no traceback, no hang, no silently smaller structure.
 
-    .venv/bin/python benchmarks/fuzz_readers.py [FILES_A_FORMAT] [SEED] > docs/fuzz_readers.md
+    .venv/bin/python benchmarks/fuzz_readers.py [FILES_A_FORMAT] [SEED] [FORMAT ...] > docs/fuzz_readers.md
 
 A wall of 12 bricks on a plate is written in each format and changed at random: bytes changed, cut out, put in, lines swapped and
 doubled, numbers changed, the end cut off. Each file is read in a process that is stopped after 20 s. What may come of it: stones,
@@ -90,7 +90,8 @@ def main() -> None:
     each = int(sys.argv[1]) if len(sys.argv) > 1 else 700
     seed = int(sys.argv[2]) if len(sys.argv) > 2 else 1
     keep = Path(tempfile.gettempdir()) / "fuzz_readers"
-    table = run(each, seed, keep, {**WRITERS, "dxf": write_dxf_drawing})
+    writers = {**WRITERS, "dxf": write_dxf_drawing}
+    table = run(each, seed, keep, {name: writers[name] for name in sys.argv[3:] or writers})
     kinds = ["read", "another shape", "refused", "silently smaller", "traceback", "hang"]
     print("# Damaged files\n")
     print(f"`benchmarks/fuzz_readers.py {each} {seed}`: {sum(sum(c.values()) for c, _ in table.values())} files.\n")

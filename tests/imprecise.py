@@ -1,6 +1,6 @@
 """Exact assemblies, and what surveys and drawings make of them: noise, tilted beds, open joints, rounded coordinates."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -14,6 +14,8 @@ from churchpipe.stones.blocks import derive_blocks
 from solids import BOX_FACES, box, moved
 
 LENGTH, THICKNESS, HEIGHT = 0.5, 0.25, 0.275
+# Seeds are fresh: no constant of the product was chosen with them.
+FIRST_SEED = 1000
 
 
 def voussoir_arch() -> Assemblage:
@@ -46,21 +48,25 @@ def corner(*, head_gap: float = 0.0, courses: int = 8) -> Assemblage:
     return Assemblage.from_polyhedra(stones, 18e3, fixed=[0])
 
 
-def dome(*, sectors: int = 16, rings: int = 18, thickness: float = 0.06, oculus: float = 0.0) -> Assemblage:
-    """A dome of mean radius 1 m in plane stones, `sectors` by `rings`, its lowest ring fixed. oculus: rad."""
+def dome(*, sectors: int = 16, courses: int = 18, thickness: float = 0.06) -> Assemblage:
+    """A dome of mean radius 1 m on a fixed plate: rings of `sectors` plane stones and a key, all courses of one angle."""
     around = 2 * np.pi * np.arange(sectors) / sectors
-    up = np.linspace(0.0, np.pi / 2 - oculus, rings + 1)
-    stones: list[Polyhedron] = []
-    for low, high in pairwise(up):
-        for left, right in pairwise([*around, around[0]]):
-            points = [
-                [r * np.cos(v) * np.cos(u), r * np.cos(v) * np.sin(u), r * np.sin(v)]
-                for r in (1 - thickness / 2, 1 + thickness / 2)
-                for u in (left, right)
-                for v in (low, high)
-            ]
-            stones.append((np.array(points), BOX_FACES))
-    return Assemblage.from_polyhedra(stones, 18e3, fixed=range(sectors))
+    up = 0.5 * np.pi * np.arange(courses) / courses
+    radii = (1 - 0.5 * thickness, 1 + 0.5 * thickness)
+    stones = [box((-2, 2), (-2, 2), (-0.3, 0))]
+    for span in pairwise(up):
+        for sides in pairwise([*around, around[0]]):
+            stones.append((np.array([_on_sphere(r, u, v) for r in radii for u in sides for v in span]), BOX_FACES))
+    key = np.array([_on_sphere(r, u, up[-1]) for r in radii for u in around])
+    low = list(range(sectors))
+    edges = pairwise([*low, 0])
+    stones.append((key, [low[::-1], [n + sectors for n in low], *([a, b, b + sectors, a + sectors] for a, b in edges)]))
+    return Assemblage.from_polyhedra(stones, 18e3, fixed=[0])
+
+
+def _on_sphere(radius: float, longitude: float, latitude: float) -> tuple[float, float, float]:
+    level = radius * np.cos(latitude)
+    return level * np.cos(longitude), level * np.sin(longitude), radius * np.sin(latitude)
 
 
 def triangulated(stones: Assemblage) -> Assemblage:
@@ -99,6 +105,24 @@ def tilted(stones: Assemblage, angle: float, seed: int) -> Assemblage:
     return _changed(stones, turn)
 
 
+def changes(stones: Assemblage, seeds: int) -> Iterator[tuple[str, list[Assemblage]]]:
+    """What is done to a model, in words, and the models that come of it."""
+    series = range(FIRST_SEED, FIRST_SEED + seeds)
+    yield "triangles", [triangulated(stones)]
+    for share in (1e-6, 1e-5, 1e-4, 1e-3, 3e-3):
+        noise = share * median_size(stones)
+        yield f"noise {share:g} of the size, {1e3 * noise:.2g} mm", [noisy(stones, noise, seed) for seed in series]
+    for degrees in (0.1, 0.3, 0.5):
+        yield f"tilted up to {degrees} degrees", [tilted(stones, np.radians(degrees), seed) for seed in series]
+    yield "rounded to 3 decimals", [rounded(stones, 3)]
+
+
+def median_size(stones: Assemblage) -> float:
+    """The diagonal of the median free stone, m."""
+    low, high = (edge.reduceat(stones.points, stones.block_point_ptr[:-1], axis=0) for edge in (np.minimum, np.maximum))
+    return float(np.median(np.linalg.norm(high - low, axis=1)[~stones.fixed]))
+
+
 def joined_pairs(blocks: Sequence[Sequence[int]]) -> set[tuple[int, int]]:
     """Pairs of stones that meet, in order."""
     return {(min(pair), max(pair)) for pair in blocks}
@@ -114,3 +138,6 @@ def _changed(stones: Assemblage, change: Callable[[FloatArray, list[list[int]]],
         ]
         polyhedra.append(change(stones.points[start:stop], faces))
     return Assemblage.from_polyhedra(polyhedra, stones.unit_weight, np.flatnonzero(stones.fixed).tolist())
+
+
+MODELS: dict[str, Callable[[], Assemblage]] = {"arch": voussoir_arch, "wall": turned_wall, "corner": corner, "dome": dome}

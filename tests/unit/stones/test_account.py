@@ -19,7 +19,7 @@ from solids import box, on_ground
         noisy(corner(), 1e-3, seed=7),
         tilted(turned_wall(), np.radians(0.5), seed=7),
         rounded(voussoir_arch(), 3),
-        noisy(dome(oculus=0.1), 1e-4, seed=7),
+        noisy(dome(), 1e-4, seed=7),
     ],
     ids=["exact", "open", "noise", "tilt", "rounded", "dome"],
 )

@@ -152,7 +152,7 @@ def test_exact_stones_give_the_joints_in_one_plane_to_the_last_bit(name: str) ->
     assert not len(found.near_misses)
 
 
-ASSEMBLIES = {"arch": voussoir_arch(), "wall": turned_wall(), "corner": corner(), "dome": dome(oculus=0.1)}
+ASSEMBLIES = {"arch": voussoir_arch(), "wall": turned_wall(), "corner": corner(), "dome": dome()}
 IMPRECISE = {
     "triangles": triangulated,
     "noise": lambda stones: noisy(stones, 2e-4, seed=100),
