@@ -32,9 +32,18 @@ def triangles(points: FloatArray, faces: list[list[int]]) -> list[list[int]]:
     return [list(triangle) for face in faces for triangle in split(points, face)]
 
 
-def write_obj(stones: Assemblage, path: Path, *, triangulated: bool = False, digits: str = ".17g") -> Path:
+def write_obj(
+    stones: Assemblage,
+    path: Path,
+    *,
+    triangulated: bool = False,
+    digits: str = ".17g",
+    bend: Callable[[FloatArray], FloatArray] = np.asarray,
+) -> Path:
+    """bend: moves the corners; a file may hold faces that are not plane."""
     lines, offset = ["# stones", "mtllib wall.mtl"], 1
-    for name, points, faces, _ in solids(stones):
+    for name, corners, faces, _ in solids(stones):
+        points = bend(corners)
         lines += [f"o {name}", "usemtl stone", *("v " + " ".join(f"{value:{digits}}" for value in point) for point in points)]
         around = triangles(points, faces) if triangulated else faces
         lines += ["f " + " ".join(str(node + offset) for node in face) for face in around]
@@ -43,7 +52,7 @@ def write_obj(stones: Assemblage, path: Path, *, triangulated: bool = False, dig
     return path
 
 
-def write_stl(stones: Assemblage, path: Path, *, binary: bool = False) -> Path:
+def write_stl(stones: Assemblage, path: Path, *, binary: bool = False, digits: str = ".17g") -> Path:
     facets = [(name, points[t]) for name, points, faces, _ in solids(stones) for t in triangles(points, faces)]
     if binary:
         body = b"".join(struct.pack("<12fH", 0, 0, 0, *corners.ravel().astype(np.float32).tolist(), 0) for _, corners in facets)
@@ -53,7 +62,7 @@ def write_stl(stones: Assemblage, path: Path, *, binary: bool = False) -> Path:
     for name, points, faces, _ in solids(stones):
         lines.append(f"solid {name}")
         for t in triangles(points, faces):
-            corners = [f"vertex {x!r} {y!r} {z!r}" for x, y, z in points[t].tolist()]
+            corners = [f"vertex {x:{digits}} {y:{digits}} {z:{digits}}" for x, y, z in points[t].tolist()]
             lines += ["facet normal 0 0 0", "outer loop", *corners, "endloop", "endfacet"]
         lines.append(f"endsolid {name}")
     path.write_text("\n".join(lines) + "\n")

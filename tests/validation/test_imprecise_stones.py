@@ -27,7 +27,7 @@ def check_joints(exact: Assemblage, changed: Assemblage, *, too_far: bool = Fals
 
 
 def check_proportion(stones: Assemblage, seed: int) -> None:
-    """Assert that noise moves the load factor by the same multiple of it, from a millionth of the stones' size to a thousandth."""
+    """Assert that noise moves the load factor by the same multiple of it, from 1e-6 to 1e-3 of the stones' size."""
     exact, size = load_factor(stones), median_size(stones)
     noise = size * np.array([1e-6, 1e-5, 1e-4, 1e-3])
     slope = np.array([load_factor(noisy(stones, amount, seed)) - exact for amount in noise]) / noise

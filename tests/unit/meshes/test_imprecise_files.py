@@ -1,0 +1,98 @@
+"""Files whose stones do not quite fit, as programs write them: imported, they stand with the load factor they should have."""
+
+from collections.abc import Callable
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import churchpipe as cp
+from churchpipe.generators import vault
+from churchpipe.model.arrays import FloatArray
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.contacts import Contacts
+from churchpipe.model.materials import UnitWeight
+from imprecise import joined_pairs, voussoir_arch
+from mesh_files import write_obj, write_stl
+from solids import prism
+
+# Of an arch of 27 voussoirs, t/R .2, and of a barrel of 27 courses: an independent calculation (test_arches).
+ARCH = 0.284337
+# What so many digits of some metres may do to a load factor.
+DIGITS = {".17g": 1e-5, ".7g": 1e-5, ".6g": 1e-4, ".5g": 1e-3}
+
+
+def bridge(gap: float = 0.0) -> Assemblage:
+    """22 voussoirs of radius 5 m over 120 degrees, on two fixed skewbacks; the beds between them are open by `gap`, m."""
+    angle = np.radians(np.linspace(30, 150, 23))
+    half = 0.5 * gap
+    ring = [prism([(r * np.cos(a), r * np.sin(a)) for r, a in _voussoir(s, t, half)], 2.0) for s, t in pairwise(angle)]
+    feet = []
+    for a in (angle[0], angle[-1]):
+        (x0, z0), (x1, z1) = ((r * np.cos(a), r * np.sin(a)) for r in (5.0, 5.8))
+        feet.append(prism([(x0, z0), (x1, z1), (x1, 1.0), (x0, 1.0)], 2.0))
+    return Assemblage.from_polyhedra([*ring, *feet], 20e3, fixed=[22, 23])
+
+
+def _voussoir(start: float, stop: float, half: float) -> list[tuple[float, float]]:
+    return [(r, end + sign * half / r) for r, end, sign in ((5.0, start, 1), (5.8, start, 1), (5.8, stop, -1), (5.0, stop, -1))]
+
+
+def read(path: Path, exact: Assemblage, expected: set[str]) -> tuple[Assemblage, Contacts]:
+    """The stones of a file and their joints, which are those of the exact stones; the file has the findings expected."""
+    stones, findings = cp.read_stones(path, unit_weight=20e3)
+    assert set(findings.codes) == expected
+    contacts = cp.find_contacts(stones)
+    cp.check_soundness(stones, contacts)
+    assert joined_pairs(contacts.blocks.tolist()) == joined_pairs(cp.find_contacts(exact).blocks.tolist())
+    assert not len(contacts.near_misses)
+    return stones, contacts
+
+
+def load_factor(stones: Assemblage, contacts: Contacts) -> float:
+    state = cp.limit_analysis(stones, contacts, cp.LoadCase((1, 0, 0)), friction=0.7)
+    assert state.status == "optimal"
+    return state.load_factor
+
+
+@pytest.mark.parametrize("digits", [".17g", ".7g", ".6g", ".5g"])
+def test_a_bridge_with_open_beds_and_few_digits_stands(digits: str, tmp_path: Path) -> None:
+    gap, exact = 2e-6, bridge()
+    path = write_obj(bridge(gap), tmp_path / "bridge.obj", triangulated=True, digits=digits)
+    stones, contacts = read(path, exact, {"W43", "W45"})
+    between = ~stones.fixed[contacts.blocks].any(axis=1)
+    assert between.sum() == 21
+    if digits == ".17g":
+        assert contacts.gap[between] == pytest.approx(gap, rel=1e-3)
+    expected = load_factor(exact, cp.find_contacts(exact))
+    assert load_factor(stones, contacts) == pytest.approx(expected, rel=DIGITS[digits])
+
+
+@pytest.mark.parametrize("write", [write_obj, write_stl])
+def test_an_arch_with_five_digits_stands(write: Callable[..., Path], tmp_path: Path) -> None:
+    exact = voussoir_arch()
+    options = {"triangulated": True} if write is write_obj else {}
+    path = write(exact, tmp_path / f"arch.{write.__name__[6:]}", digits=".5g", **options)
+    stones, contacts = read(path, exact, {"W43", "W45"})
+    assert load_factor(stones, contacts) == pytest.approx(ARCH, rel=1e-3)
+
+
+@pytest.mark.parametrize(("heads", "depth"), [("staggered", 0.002), ("aligned", 0.008)])
+def test_a_vault_of_warped_faces_stands(heads: str, depth: float, tmp_path: Path) -> None:
+    sizes = {"span": 1.8, "thickness": 0.2, "length": 1.5, "courses": 27, "stone_length": 0.5}
+    exact = cp.derive_blocks(vault(**sizes, heads=heads, materials=(UnitWeight("default", 20e3),)))
+    assert load_factor(exact, cp.find_contacts(exact)) == pytest.approx(ARCH, abs=1e-6)
+    change = []
+    for share in (0.5, 1.0):
+        # Waves that neighbours share and that rise from nothing at the ground: beds and heads are no longer plane.
+        def bend(points: FloatArray, height: float = share * depth) -> FloatArray:
+            x, y, z = 5.0 * points.T
+            return points + height * points[:, 2:] * np.stack([np.sin(y + z), np.sin(z - x), np.sin(x - y)], axis=1)
+
+        path = write_obj(exact, tmp_path / "vault.obj", bend=bend)
+        stones, contacts = read(path, exact, {"W10", "W43", "W45"})
+        change.append((load_factor(stones, contacts) - ARCH) / share)
+    # In proportion to the waves, and by about as much as their height is of the radius.
+    assert change[0] == pytest.approx(change[1], rel=0.05)
+    assert abs(change[1]) < 2 * depth
