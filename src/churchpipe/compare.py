@@ -108,10 +108,14 @@ def _place(record: Mapping[str, Any]) -> dict[str, Any]:
 
 def _advice(records: Sequence[Mapping[str, Any]]) -> str:
     ordered = sorted(records, key=lambda record: (record.get("planes") in OUTER, record["load_factor"]))
-    first, *others = [f"{record['load_factor']:.4f} ({_kind(record)})" for record in ordered]
+    least = f"{ordered[0]['load_factor']:.4f}"
+    alike = [record for record in ordered if f"{record['load_factor']:.4f}" == least]
+    others = [f"{record['load_factor']:.4f} ({_kind(record)})" for record in ordered if record not in alike]
     variant = f"{ordered[0]['variant']}, load" if ordered[0].get("variant") else "Load"
-    start = f"{variant} {ordered[0]['load']}: use {first}, the careful value, not {', '.join(others)}"
-    return f"{start}; they differ because {_reasons(records)}."
+    start = f"{variant} {ordered[0]['load']}: use {least} ({'; '.join(map(_kind, alike))})"
+    if not others:
+        return f"{start}, in which all analyses agree."
+    return f"{start}, the careful value, not {', '.join(others)}; they differ because {_reasons(records)}."
 
 
 def _kind(record: Mapping[str, Any]) -> str:

@@ -39,11 +39,17 @@ def say(event: Event) -> str:
     return MARK + json.dumps([event.kind, event.stage, event.name, event.text, event.share])
 
 
-def run(folder: str | Path, jobs: int, watch: Callable[[Event], None], prepare: Callable[[], object] | None = None) -> int:
+def run(
+    folder: str | Path,
+    jobs: int,
+    watch: Callable[[Event], None],
+    prepare: Callable[[], object] | None = None,
+    until: str = "",
+) -> int:
     """Make everything that is missing or stale in a run folder; return Snakemake's exit code.
 
-    `prepare` writes the plan, once no other run can be at work on it. All output goes to run.log. An interrupt stops the
-    engine and its jobs; what was finished stays.
+    `prepare` writes the plan, once no other run can be at work on it. until: the last stage to make, all where it is empty.
+    All output goes to run.log. An interrupt stops the engine and its jobs; what was finished stays.
 
     Raises
     ------
@@ -69,8 +75,10 @@ def run(folder: str | Path, jobs: int, watch: Callable[[Event], None], prepare: 
         for part in folder.rglob(f"{PART}*"):
             part.unlink(missing_ok=True)
         with (folder / "run.log").open("w", encoding="utf-8") as log:
-            code = _follow(_start(folder, jobs, lock), log, follow)
-        if code:
+            code = _follow(_start(folder, jobs, lock, until), log, follow)
+        if not code and until:
+            mark.write_text(f"it was asked for no more than the stage {until}\n", encoding="utf-8")
+        elif code:
             mark.write_text("\n".join(dict.fromkeys(errors)) or "a stage crashed, see run.log", encoding="utf-8")
         else:
             mark.unlink()
@@ -83,13 +91,14 @@ def unfinished(folder: str | Path) -> str:
     return mark.read_text(encoding="utf-8", errors="replace").strip() if mark.is_file() else ""
 
 
-def command(folder: Path, jobs: int) -> list[str]:
-    """Return the command line of Snakemake for a run folder."""
+def command(folder: Path, jobs: int, until: str = "") -> list[str]:
+    """Return the command line of Snakemake for a run folder. until: the last stage to make."""
     pipeline = pipeline_folder()
     return [
         *(sys.executable, "-m", "snakemake", "--nocolor", "--cores", str(jobs), "--directory", str(folder)),
         *("--snakefile", str(pipeline / "Snakefile"), "--profile", str(pipeline / "profiles" / "local")),
         *("--resources", f"mem_mb={memory()}"),
+        *(["--until", until] if until else []),
     ]
 
 
@@ -98,10 +107,10 @@ def memory() -> int:
     return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 2**20
 
 
-def _start(folder: Path, jobs: int, lock: IO[str]) -> "subprocess.Popen[str]":
+def _start(folder: Path, jobs: int, lock: IO[str], until: str) -> "subprocess.Popen[str]":
     # A session of its own: an interrupt reaches engine and jobs through `_follow` alone, once, from whatever cause.
     process = subprocess.Popen(
-        command(folder, jobs),
+        command(folder, jobs, until),
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,

@@ -6,7 +6,7 @@ import math
 import re
 import shlex
 import shutil
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
@@ -50,11 +50,14 @@ class Imported:
 
 
 def check_drawing(
-    path: Path, reading: Reading = AS_DRAWN, unit_weight: float | None = None, contact_gap: float | None = None
+    path: Path,
+    reading: Reading = AS_DRAWN,
+    unit_weight: float | Mapping[str, float] | None = None,
+    contact_gap: float | None = None,
 ) -> tuple[Drawing, Contacts]:
     """Read a file of stones, find its joints, and look for stones that float or overlap.
 
-    contact_gap: as in `churchpipe.find_contacts`, m.
+    unit_weight: N/m3, of all stones or by material. contact_gap: as in `churchpipe.find_contacts`, m.
 
     Raises
     ------

@@ -18,6 +18,7 @@ from churchpipe.config.carries import carries_of, placed
 from churchpipe.config.case import read_variants
 from churchpipe.config.plan import plan
 from churchpipe.config.plausible import size_questions
+from churchpipe.config.selection import ALL, Selection, selected
 from churchpipe.config.settings import load_of, strengths_of, weights_of
 from churchpipe.errors import Extra, InputError
 from churchpipe.io.atomic import canonical_json, write_if_changed, write_json
@@ -46,7 +47,7 @@ from churchpipe.run_folder import read_run, versions
 Progress = Callable[[str, float], None]
 
 
-def configure(case: str | Path, out: str | Path, overrides: Sequence[str] = ()) -> Path:
+def configure(case: str | Path, out: str | Path, overrides: Sequence[str] = (), selection: Selection = ALL) -> Path:
     """Write the plan of a run and the settings of each stage into `out`; a file whose content is unchanged is not touched.
 
     Files: plan.json, as-run.toml (the case with what --set changed), settings.json of each stage: geometry/NAME (with
@@ -54,9 +55,8 @@ def configure(case: str | Path, out: str | Path, overrides: Sequence[str] = ()) 
     limit/NAME, pushover/NAME, and code/STAGE.txt. Returns the path of plan.json.
     """
     out = Path(out)
-    todo = plan(read_variants(case, overrides))
-    drawing = todo.index["drawing"]
-    if drawing:
+    todo = plan(selected(read_variants(case, overrides), selection))
+    if drawing := todo.index["drawing"]:
         from churchpipe.meshes.reader import digest_of
 
         if not Path(drawing).exists():

@@ -3,26 +3,32 @@
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
+from datetime import datetime
+from pathlib import Path
 from typing import Any, TextIO
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TaskID, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, Progress, SpinnerColumn, TaskID, TextColumn, TimeElapsedColumn
 from rich.table import Table
 from rich.text import Text
 
+from churchpipe.compare import GOOD
 from churchpipe.doctor import Finding
-from churchpipe.engine import Event, say
+from churchpipe.engine import Event, say, unfinished
 from churchpipe.errors import InputError
+from churchpipe.io.tables import read_summary
 from churchpipe.model.names import MODELS, analysis_name
+from churchpipe.report.safety import NOT_SATISFIED, verdict, what_moves
 
-# Between two lines of progress of one stage, seconds.
-PAUSE = 0.25
+# Between two lines of progress of one stage, seconds: on a terminal, and where each line stays.
+PAUSE, PATIENCE = 0.25, 30.0
 STATUS_STYLES = {"optimal": "green", "converged": "green", "unbounded": "cyan"}
 
 
 class Display:
-    """Progress of a run: a bar on a terminal, a line for each finished stage elsewhere. Errors are kept for the end."""
+    """Progress of a run: a bar on a terminal; elsewhere a line for each finished stage, and now and then one for those that take
+    long. Errors are kept for the end."""
 
     def __init__(self, console: Console) -> None:
         self.errors: list[str] = []
@@ -32,7 +38,7 @@ class Display:
             SpinnerColumn(),
             TextColumn("{task.description}", markup=False),
             BarColumn(),
-            MofNCompleteColumn(),
+            TextColumn("{task.percentage:3.0f} %"),
             TimeElapsedColumn(),
             console=console,
             transient=True,
@@ -40,6 +46,8 @@ class Display:
         )
         self._all = self._bar.add_task("all stages", total=None)
         self._running: dict[tuple[str, str], TaskID] = {}
+        self._said: dict[tuple[str, str], float] = {}
+        self._total = 0.0
 
     def __enter__(self) -> "Display":
         self._bar.start()
@@ -53,12 +61,17 @@ class Display:
         key = (event.stage, event.name)
         match event.kind:
             case "total":
+                self._total = event.share
                 self._bar.update(self._all, total=event.share)
             case "start":
+                self._said[key] = time.perf_counter()
                 self._running[key] = self._bar.add_task(f"{event.stage}  {event.name}", total=100)
             case "progress" if key in self._running:
                 description = f"{event.stage}  {event.name}: {event.text}"
                 self._bar.update(self._running[key], description=description, completed=100 * event.share)
+                if not self._console.is_terminal and time.perf_counter() - self._said[key] >= PATIENCE:
+                    self._said[key] = time.perf_counter()
+                    self._console.print(f"{description}, {100 * event.share:.0f} %", soft_wrap=True)
             case "done" | "error":
                 if key in self._running:
                     self._bar.remove_task(self._running.pop(key))
@@ -70,7 +83,8 @@ class Display:
             return
         self.finished += 1
         self._bar.advance(self._all)
-        self._console.print(f"{event.stage:<9} {event.name:<44} {event.share:7.1f} s", markup=False)
+        share = f"{100 * self.finished / self._total:6.0f} %" if self._total else ""
+        self._console.print(f"{event.stage:<9} {event.name:<44} {event.share:7.1f} s{share}")
 
 
 class Reporter:
@@ -127,11 +141,13 @@ def results_table(summary: Mapping[str, Any]) -> Table:
         *swept,
     ):
         table.add_column(title)
-    checks = [analysis.get("check", {}) for analysis in analyses]
+    checks = [analysis.get("check") or {} for analysis in analyses]
     safety = {"zeta_E": "zeta_e", "of stones": "zeta_e_stones"} if any("zeta_e" in check for check in checks) else {}
     for title in ("load factor", "bounds apart", *safety, "s"):
         table.add_column(title, justify="right")
     table.add_column("status")
+    if safety:
+        table.add_column("check")
     for analysis, check in zip(analyses, checks, strict=True):
         table.add_row(
             *([analysis.get("variant") or "as it is"] if variants else []),
@@ -145,8 +161,55 @@ def results_table(summary: Mapping[str, Any]) -> Table:
             *(_figure(check[key], 2) if key in check else "" for key in safety.values()),
             f"{analysis.get('seconds') or 0:.1f}",
             Text(analysis["status"], STATUS_STYLES.get(analysis["status"], "red")),
+            *([Text(word := verdict(check), "red" if word == NOT_SATISFIED else "")] if safety else []),
         )
     return table
+
+
+def mechanism_table(summary: Mapping[str, Any]) -> Table | None:
+    """Return what moves in each mechanism and what the safety check finds of it, None where nothing is known of either."""
+    told = [one for one in summary["analyses"] if one.get("parts") or "a0_lumped_m_s2" in (one.get("check") or {})]
+    if not told:
+        return None
+    table = Table(title="Mechanisms", title_justify="left", title_style="bold", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
+    table.add_column("analysis")
+    if named := any(one.get("parts") for one in told):
+        table.add_column("what moves: share of the motion")
+    for title in ("moving, kN", "a0*, m/s2", "e* of stones"):
+        table.add_column(title, justify="right")
+    for one in told:
+        check = one.get("check") or {}
+        figures = [check.get(key) for key in ("moving_weight_kN", "a0_lumped_m_s2", "mass_fraction")]
+        words = [what_moves(one)] if named else []
+        table.add_row(str(one.get("name", one["load"])), *words, *("" if v is None else f"{v:.4g}" for v in figures))
+    return table
+
+
+def runs_table(folder: Path) -> Table | None:
+    """Return the runs that lie in a folder, the latest first, None where there is none."""
+    runs = [plan.parent for plan in folder.glob("*/plan.json")]
+    if not runs:
+        return None
+    table = Table(title=f"Runs in {folder}", title_justify="left", title_style="bold", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
+    for title in ("run", "when", "analyses", "load factors", "end"):
+        table.add_column(title)
+    for run in sorted(runs, key=lambda run: -(run / "plan.json").stat().st_mtime):
+        table.add_row(run.name, *_run_words(run))
+    return table
+
+
+def _run_words(run: Path) -> list[str]:
+    when = datetime.fromtimestamp((run / "plan.json").stat().st_mtime).strftime("%Y-%m-%d %H:%M")
+    if why := unfinished(run):
+        return [when, "", "", why.splitlines()[0]]
+    try:
+        analyses = read_summary(run / "summary.json")["analyses"]
+    except (InputError, OSError):
+        return [when, "", "", "no results"]
+    factors = [one["load_factor"] for one in analyses if isinstance(one.get("load_factor"), float)]
+    ends = f"{min(factors):.4f}" + (f" to {max(factors):.4f}" if len(factors) > 1 else "") if factors else "none"
+    bad = sum(one["status"] not in GOOD for one in analyses)
+    return [when, str(len(analyses)), ends, f"{bad} without a result" if bad else "well"]
 
 
 def gate_lines(summary: Mapping[str, Any]) -> list[str]:
@@ -174,10 +237,19 @@ def remarks(summary: Mapping[str, Any]) -> list[str]:
     return [
         *account_of_joints(summary),
         *gate_lines(summary),
+        *(_movement(one) for one in summary.get("movements", ())),
         *summary.get("guidance", ()),
         *(f"Load {one['load']}: {one['check']['governs']}" for one in summary["analyses"] if "governs" in one.get("check", {})),
         *(f"Question: {text}" for text in summary.get("questions", ())),
     ]
+
+
+def _movement(record: Mapping[str, Any]) -> str:
+    unit = "deg" if record["turns"] else "mm"
+    cracks = [f"{crack['opening_mm']:.3g} mm in {crack['wall']}" for crack in record["cracks"][:1]]
+    return f"Support {record['movement']}: {record[f'ultimate_{unit}']:.4g} {unit}, {record['ending']}; widest crack " + (
+        cracks[0] if cracks else "none"
+    )
 
 
 def findings_table(findings: Sequence[Finding]) -> Table:

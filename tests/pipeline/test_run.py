@@ -267,6 +267,39 @@ def test_an_edited_stage_reruns_itself_alone(
     assert pristine.stale() == ({"rigid": 2, **RESULTS} if stage == "rigid" else {"report": 1, "all": 1})
 
 
+def test_a_dry_run_says_what_would_be_done_and_does_nothing(pristine: Copy) -> None:
+    def contents() -> dict[str, bytes]:
+        return {
+            str(path): path.read_bytes() for path in pristine.out.rglob("*") if path.is_file() and ".snakemake" not in str(path)
+        }
+
+    before, beside = contents(), sorted(pristine.root.iterdir())
+    code, out, _ = pristine.run("--dry-run", "--set", "material.default.friction=0.5")
+    assert code == 0
+    assert out.count("its settings have changed") == 2
+    assert "compare   summary.json" in out
+    assert out.endswith("4 stages would be run.\n")
+    code, out, _ = pristine.run("--dry-run", "--only", "contacts", "--set", "source.courses=4")
+    assert [line.split()[0] for line in out.splitlines()] == ["source", "blocks", "contacts", "3"]
+    assert (contents(), sorted(pristine.root.iterdir())) == (before, beside)
+    assert pristine.run("--dry-run")[1] == "Everything is up to date.\n"
+
+
+def test_a_run_ends_with_the_stage_that_is_asked_for(pristine: Copy, tmp_path: Path) -> None:
+    out = tmp_path / "run"
+    code, said, err = pristine.call("churchpipe", "run", pristine.case, "--out", out, "--only", "contacts")
+    assert code == 0, err
+    assert said == f"Made as far as the stage contacts: {out}\n"
+    assert (out / "geometry" / "base" / "contacts.npz").is_file()
+    assert not (out / "summary.json").exists()
+    code, _, err = pristine.call("churchpipe", "show", out)
+    assert code == 1
+    assert "no more than the stage contacts" in err
+    code, _, err = pristine.call("churchpipe", "run", pristine.case, "--out", out, "--only", "shell")
+    assert code == 2
+    assert "expected source, blocks, contacts, rigid, compare, report" in err
+
+
 def test_what_was_deleted_is_made_again(pristine: Copy) -> None:
     contacts, log = pristine.out / "geometry" / "base" / "contacts.npz", pristine.out / "log" / "contacts" / "base.txt"
     contacts.unlink()

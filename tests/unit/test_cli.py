@@ -1,7 +1,9 @@
 """The command line: what it answers, and with which exit code. The pipeline itself is tested in tests/pipeline."""
 
+import io
 import json
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -9,6 +11,7 @@ from pathlib import Path
 import ezdxf
 import numpy as np
 import pytest
+from rich.console import Console
 
 import churchpipe
 from case_texts import WALL, case_file
@@ -18,6 +21,7 @@ from churchpipe.config.case import Drawing
 from churchpipe.dxf.reader import read_drawing
 from churchpipe.dxf.reading import Reading
 from churchpipe.dxf.writer import write_dxf
+from churchpipe.engine import Event
 from churchpipe.importing import parse_direction
 from churchpipe.io.atomic import write_json
 from churchpipe.io.tables import read_json
@@ -25,6 +29,8 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Elastic, Material
 from churchpipe.resources import sample_names
+from churchpipe.terminal import Display
+from corpus_files import CORPUS
 from damaged_drawings import SAMPLES
 from imprecise import corner
 from solids import box, on_ground, prism
@@ -414,7 +420,75 @@ def test_show_does_not_show_what_a_failed_run_left(capsys: pytest.CaptureFixture
     (tmp_path / engine.UNFINISHED).write_text("load +x: panels: no such panel")
     code, out, err = call(capsys, "show", tmp_path)
     assert (code, out) == (1, "")
-    assert "the last run did not end well; found load +x: panels: no such panel" in err
+    assert "the last run did not go to its end; found load +x: panels: no such panel" in err
+
+
+def test_show_tells_what_moves_and_what_the_check_finds(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    parts = [{"name": "facade", "motion": 0.9}, {"name": "nave", "motion": 0.1}, {"name": "apse", "motion": 0.0}]
+    check = {"moving_weight_kN": 123.4, "a0_lumped_m_s2": 1.937, "mass_fraction": 0.4368, "zeta_e": 0.8, "satisfied": False}
+    analysis = {"name": "-y_associative", "load": "-y", "flow": "associative", "load_factor": 0.2, "status": "optimal"}
+    movement = {"movement": "pier", "turns": False, "ultimate_mm": 87.2, "ending": "unbounded", "status": "converged"}
+    movement |= {"cracks": [{"wall": "nave", "opening_mm": 12.0, "slip_mm": 1.0}]}
+    summary = {
+        "case": "w",
+        "blocks": 1,
+        "interfaces": 1,
+        "weight_kN": 1.0,
+        "analyses": [analysis | {"parts": parts, "check": check}],
+    }
+    write_json(tmp_path / "summary.json", summary | {"movements": [movement]})
+    _, out, _ = call(capsys, "show", tmp_path)
+    for text in ("facade 90 %, nave 10 %", "123.4", "1.937", "0.4368", "not satisfied"):
+        assert text in out
+    assert "Support pier: 87.2 mm, unbounded; widest crack 12 mm in nave" in out
+
+
+def test_show_lists_the_runs_of_a_folder(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    words = {"load": "+x", "flow": "associative", "status": "optimal"}
+    analyses = [{**words, "load_factor": factor} for factor in (0.25, 0.5)]
+    for name in ("good", "stopped", "empty"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "plan.json").write_text("{}")
+    write_json(
+        tmp_path / "good" / "summary.json", {"case": "w", "blocks": 1, "interfaces": 1, "weight_kN": 1, "analyses": analyses}
+    )
+    (tmp_path / "stopped" / engine.UNFINISHED).write_text("it was stopped")
+    code, out, _ = call(capsys, "show", tmp_path)
+    assert code == 0
+    assert re.search(r"good .* 2 +0\.2500 to 0\.5000 +well", out)
+    assert re.search(r"stopped .* it was stopped", out)
+    assert re.search(r"empty .* no results", out)
+
+
+def test_a_case_of_a_drawing_is_checked_with_its_drawing(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    assert call(capsys, "import", SAMPLES / "sound.dxf", "-o", tmp_path / "made")[0] == 0
+    case = tmp_path / "made" / "case.toml"
+    code, out, _ = call(capsys, "check", case)
+    assert code == 0
+    assert "stones." in out
+    assert "analys" in out
+    (tmp_path / "made" / "sound.dxf").write_bytes((CORPUS / "open-body.dxf").read_bytes())
+    code, _, err = call(capsys, "check", case)
+    assert code == 1
+    assert "5 errors in the file" in err
+
+
+def test_progress_elsewhere_than_on_a_terminal_is_lines(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = [0.0]
+    monkeypatch.setattr("churchpipe.terminal.time.perf_counter", lambda: now[0])
+    page = io.StringIO()
+    with Display(Console(file=page, width=120)) as display:
+        display.show(Event("total", share=2))
+        display.show(Event("start", "rigid", "+x"))
+        display.show(Event("progress", "rigid", "+x", "dead load", 0.0))
+        now[0] = 40.0
+        display.show(Event("progress", "rigid", "+x", "non-associative", 0.4))
+        display.show(Event("progress", "rigid", "+x", "non-associative", 0.5))
+        display.show(Event("done", "rigid", "+x", share=50.0))
+    lines = page.getvalue().splitlines()
+    assert lines[0] == "rigid  +x: non-associative, 40 %"
+    assert lines[1].split() == ["rigid", "+x", "50.0", "s", "50", "%"]
+    assert len(lines) == 2
 
 
 def test_a_place_that_cannot_be_written_to_is_named(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
@@ -452,9 +526,13 @@ def test_a_joint_wider_than_the_stones_is_a_slip_of_the_pen(capsys: pytest.Captu
 def test_a_case_of_a_folder_of_stones_is_checked(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     folder = tmp_path / "stones"
     folder.mkdir()
-    text = WALL.replace('generator = "wall"\nlength_m = 1.2\nbrick_mm = [400, 250, 200]\ncourses = 3', 'file = "stones"')
-    assert call(capsys, "check", case_file(tmp_path, text))[0] == 0
-    folder.rmdir()
+    shutil.copy(CORPUS / "sound.obj", folder / "part.obj")
+    keys = 'file = "stones"\nunits = "m"\nsupport = "base"'
+    text = WALL.replace('generator = "wall"\nlength_m = 1.2\nbrick_mm = [400, 250, 200]\ncourses = 3', keys)
+    code, out, err = call(capsys, "check", case_file(tmp_path, text))
+    assert code == 0, err
+    assert re.search(r"stones: \d+ stones", out)
+    shutil.rmtree(folder)
     code, _, err = call(capsys, "check", case_file(tmp_path, text))
     assert code == 1
     assert "case.toml: source: no such file of stones" in err

@@ -96,6 +96,9 @@ def test_a_sentence_says_which_load_factor_to_use_and_why_they_differ() -> None:
         assert reason in sentence
     assert "planes of the paper" not in sentence
     # Too large by nature: planes never lead where something else is known.
+    assert guidance([associative, analysed(0.206501, flow="non-associative")]) == [
+        "Load -y: use 0.2065 (rigid blocks, associative; rigid blocks, non-associative), in which all analyses agree."
+    ]
     [sentence] = guidance([associative, analysed(0.15, method="limit", planes="paper")])
     assert sentence.startswith("Load -y: use 0.2065 (rigid blocks, associative)")
     assert "planes of the paper are an outer approximation" in sentence

@@ -1,8 +1,9 @@
 """Commands of case files: generate, schema."""
 
 import shlex
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -40,23 +41,55 @@ def schema(
     out.print(reference_page() if markdown else schema_text(), markup=False, end="", soft_wrap=True)
 
 
-def check_case(path: Path) -> None:
+def read_sound(path: Path, changes: Sequence[str]) -> Any:
+    """Return the cases of a file, after its first building was made: mistakes are found before anything is written."""
+    from churchpipe.config import Generated, read_variants
+
+    cases = read_variants(path, changes)
+    source = cases[0].source
+    if isinstance(source, Generated):
+        cases[0].building()
+    elif not source.path.resolve().is_relative_to(path.resolve().parent):
+        err.print(f"The drawing lies elsewhere: {source.path.resolve()}", soft_wrap=True)
+    return cases
+
+
+def check_case(path: Path, changes: Sequence[str]) -> None:
+    """Make all buildings of a case, or read its drawing, and say what a run would make."""
     from churchpipe.config import Generated, read_variants
     from churchpipe.config.plan import plan
 
-    variants = read_variants(path)
-    for case in variants:
+    cases = read_variants(path, changes)
+    drawn: list[Any] = []
+    for case in cases:
         if isinstance(case.source, Generated):
             case.building()
-        elif not case.source.path.exists():
-            raise InputError(f"{path}: source", "no such file of stones", found=case.source.path)
-    todo = plan(variants)
+        elif case.source not in drawn:
+            drawn.append(case.source)
+            _check_drawn(path, case)
+    todo = plan(cases)
     counts = (
         (todo.geometries, "structure", "structures"),
         (todo.shells, "mesh", "meshes"),
         (todo.analyses, "analysis", "analyses"),
+        (todo.movements, "support that moves", "supports that move"),
     )
     words = [f"{len(made)} {one if len(made) == 1 else several}" for made, one, several in counts if made]
-    out.print(f"{path}: {', '.join(words)}.", markup=False, soft_wrap=True)
+    out.print(f"{path}: {', '.join(words)}.", soft_wrap=True)
     for question in todo.index["questions"]:
-        err.print(question, markup=False, soft_wrap=True)
+        err.print(question, soft_wrap=True)
+
+
+def _check_drawn(path: Path, case: Any) -> None:
+    from churchpipe.importing import check_drawing, joint_words
+
+    if not case.source.path.exists():
+        raise InputError(f"{path}: source", "no such file of stones", found=case.source.path)
+    weights = {material.name: material.unit_weight for material in case.materials}
+    read, contacts = check_drawing(case.source.path, case.source.reading, weights, case.rigid.contact_gap)
+    if len(read.findings):
+        err.print(str(read.findings), soft_wrap=True)
+    free = int((~read.stones.fixed).sum())
+    out.print(f"{case.source.path}: {free} stones.", soft_wrap=True)
+    for line in joint_words(read.stones, contacts):
+        out.print(line, soft_wrap=True)

@@ -7,6 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from churchpipe.cli.app import FINDINGS, INTERRUPTED, STRUCTURE, app, err, out
+from churchpipe.cli.cases import read_sound
 from churchpipe.errors import InputError, UsageError
 from churchpipe.options import CaseFile, Changes, RunFolder
 
@@ -19,48 +20,60 @@ def run(
     ] = None,
     jobs: Annotated[int | None, typer.Option("--jobs", "-j", min=1, help="Stages at one time; default: one a core.")] = None,
     changes: Changes = None,
+    load: Annotated[
+        list[str] | None, typer.Option(metavar="NAME", help="This load alone, or the support that moves. Repeatable.")
+    ] = None,
+    model: Annotated[str, typer.Option(help='One model alone: "blocks" or "shell".', show_default=False)] = "",
+    only: Annotated[
+        str, typer.Option(metavar="STAGE", help="No more than this stage and what it needs: contacts, shell, rigid ...")
+    ] = "",
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Say what would be done and why, and do nothing.")] = False,
 ) -> None:
     """Run a case: stones, contacts, load factors, report. What is up to date is not done again."""
     from churchpipe import engine
     from churchpipe.finished import finished, note_finished, run_name
-    from churchpipe.io.tables import read_json
 
+    picked = [*(f"--load {name}" for name in load or ()), *([f"--model {model}"] if model else [])]
+    asked = [*(changes or ()), *picked]
     named = out_dir or Path("runs") / run_name(case)
-    if case.is_file() and (good := finished(named, case, changes or ())) is not None:
+    if not only and case.is_file() and (good := finished(named, case, asked)) is not None:
         err.print("Nothing has changed since the last run.")
-        _tell(named, good=good)
+        if not dry_run:
+            _tell(named, good=good)
         return
     from churchpipe import stages
     from churchpipe.compare import bad_news
     from churchpipe.compilation import compiled
-    from churchpipe.config import Generated, read_case
-    from churchpipe.config.asrun import claim, other_case
+    from churchpipe.config import Generated
+    from churchpipe.config.asrun import claim
+    from churchpipe.config.plan import plan
+    from churchpipe.config.selection import Selection, selected
+    from churchpipe.io.tables import read_json
     from churchpipe.terminal import Display
 
     # A case with mistakes is refused before anything is written.
-    read = read_case(case, changes or ())
-    if isinstance(read.source, Generated):
-        read.building()
-    elif not read.source.path.resolve().is_relative_to(case.resolve().parent):
-        err.print(f"The drawing lies elsewhere: {read.source.path.resolve()}", markup=False, soft_wrap=True)
-    folder = out_dir or Path("runs") / read.name
-    if folder.exists() and not folder.is_dir():
-        raise UsageError(str(folder), "a file, where the folder of the run would be", remedy="Choose another folder with --out.")
-    if other := other_case(folder, case):
-        if out_dir is None:
-            remedy = "Give one of them another name, or a folder of its own with --out."
-            raise UsageError(str(folder), "holds the run of another case of this name", found=other, remedy=remedy)
-        err.print(f"{folder} held the run of {other} until now.", soft_wrap=True)
+    cases = read_sound(case, changes or ())
+    selection = Selection(tuple(load or ()), model)
+    known = plan(selected(cases, selection)).stages
+    if only and only not in known:
+        raise UsageError(f"--only {only}", "no such stage in this case", expected=", ".join(known))
+    until = only if only != known[-1] else ""
+    folder = _folder_of(case, cases[0].name, out_dir)
 
-    def prepare() -> None:
-        stages.configure(case, folder, changes or ())
-        claim(folder, case)
+    def prepare(place: Path = folder) -> None:
+        stages.configure(case, place, changes or (), selection)
+        claim(place, case)
 
+    if dry_run:
+        from churchpipe.pending import pending
+
+        _print_pending(pending(folder, prepare, until))
+        return
     if not compiled():
         err.print("First start: the solvers are compiled once, which takes some 10 to 20 s a model.", soft_wrap=True)
     try:
         with Display(err) as display:
-            code = engine.run(folder, jobs or os.cpu_count() or 1, display.show, prepare)
+            code = engine.run(folder, jobs or os.cpu_count() or 1, display.show, prepare, until)
     except KeyboardInterrupt:
         err.print("Stopped. What was finished stays; run it again to go on.")
         raise typer.Exit(INTERRUPTED) from None
@@ -72,17 +85,46 @@ def run(
     if code:
         err.print(f"A stage crashed; see {folder / 'run.log'}", style="red", soft_wrap=True)
         raise typer.Exit(STRUCTURE)
+    if until:
+        out.print(f"Made as far as the stage {until}: {folder}", soft_wrap=True)
+        return
     good = not bad_news(read_json(folder / "summary.json"))
-    drawing = None if isinstance(read.source, Generated) else read.source.path
-    note_finished(folder, case, changes or (), drawing, good=good)
+    source = cases[0].source
+    note_finished(folder, case, asked, None if isinstance(source, Generated) else source.path, good=good)
     _tell(folder, good=good)
+
+
+def _folder_of(case: Path, name: str, out_dir: Path | None) -> Path:
+    """Return the folder of the run of a case, if it is free for it. name: of the case."""
+    from churchpipe.config.asrun import other_case
+
+    folder = out_dir or Path("runs") / name
+    if folder.exists() and not folder.is_dir():
+        raise UsageError(str(folder), "a file, where the folder of the run would be", remedy="Choose another folder with --out.")
+    if other := other_case(folder, case):
+        if out_dir is None:
+            remedy = "Give one of them another name, or a folder of its own with --out."
+            raise UsageError(str(folder), "holds the run of another case of this name", found=other, remedy=remedy)
+        err.print(f"{folder} held the run of {other} until now.", soft_wrap=True)
+    return folder
+
+
+def _print_pending(jobs: Any) -> None:
+    for job in jobs:
+        out.print(f"{job.stage:<9} {job.name:<44} {job.why}", soft_wrap=True)
+    count = f"{len(jobs)} stage{'s' if len(jobs) > 1 else ''} would be run." if jobs else "Everything is up to date."
+    out.print(count)
 
 
 @app.command()
 def show(folder: RunFolder) -> None:
-    """Show the results of a run as a table."""
+    """Show the results of a run: load factors, what moves, the safety check. Of a folder of runs: which runs lie in it."""
     from churchpipe.io.tables import read_summary
+    from churchpipe.terminal import runs_table
 
+    if runs := runs_table(folder):
+        out.print(runs)
+        return
     _print_results(read_summary(_result_of(folder, "summary.json")))
 
 
@@ -107,7 +149,9 @@ def _result_of(folder: Path, name: str) -> Path:
     from churchpipe.engine import unfinished
 
     if why := unfinished(folder):
-        raise InputError(str(folder), "the last run did not end well", found=why, remedy="Mend what it says and run it again.")
+        raise InputError(
+            str(folder), "the last run did not go to its end", found=why, remedy="Run it again, with what it says mended."
+        )
     if not (folder / name).is_file():
         raise InputError(str(folder), "no results", expected=name, remedy="churchpipe run CASE.toml makes it.")
     return folder / name
@@ -124,8 +168,10 @@ def _tell(folder: Path, *, good: bool) -> None:
 
 
 def _print_results(summary: dict[str, Any]) -> None:
-    from churchpipe.terminal import remarks, results_table
+    from churchpipe.terminal import mechanism_table, remarks, results_table
 
     out.print(results_table(summary))
+    if mechanisms := mechanism_table(summary):
+        out.print(mechanisms)
     for line in remarks(summary):
         out.print(line, soft_wrap=True)

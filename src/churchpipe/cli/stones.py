@@ -100,6 +100,7 @@ def check(
     bond: Bond = None,
     course: Course = None,
     stone: StoneLength = None,
+    changes: Changes = None,
     folder: Annotated[
         Path | None, typer.Option("--out", "-o", help="Folder for findings.json and findings.dxf.", show_default=False)
     ] = None,
@@ -109,7 +110,7 @@ def check(
     Exit code 1 for errors.
     """
     if file.suffix.lower() == ".toml":
-        check_case(file)
+        check_case(file, changes or ())
         return
     from churchpipe.findings import FindingsError
     from churchpipe.importing import check_drawing, joint_words, parse_length, record_findings

@@ -13,6 +13,8 @@ from churchpipe.model.arguments import listed
 
 # Each is analysed at least once, and a stage each.
 MOST_COMBINATIONS = 10_000
+# Optional tables, which "--set shell=false" leaves out.
+SWITCHES = ("shell", "rigid.curve", "check")
 # Levels of tables and lists; a case has six.
 DEEPEST = 20
 
@@ -72,8 +74,23 @@ def apply_overrides(table: Table, overrides: Sequence[str]) -> Table:
 def override(table: Table, overrides: Sequence[str]) -> None:
     """Set overrides in place, as `apply_overrides` does."""
     for key, value in map(parse_override, listed("overrides", overrides, str)):
-        set_key(table, key, value)
+        if key in SWITCHES and isinstance(value, bool):
+            _switch(table, key, value)
+        else:
+            set_key(table, key, value)
         not_swept(table, key)
+
+
+def _switch(table: Table, key: str, on: bool) -> None:
+    """Leave out an optional table, or see to it that there is one, with its defaults."""
+    *path, last = key.split(".")
+    place: Any = table
+    for part in path:
+        place = place.setdefault(part, {})
+    if on:
+        place.setdefault(last, {})
+    else:
+        place.pop(last, None)
 
 
 def not_swept(table: Table, key: str) -> None:

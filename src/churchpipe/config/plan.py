@@ -41,6 +41,16 @@ class Plan:
         """Kind of each analysis, by its name."""
         return {entry["name"]: entry["kind"] for entry in self.index["analyses"]}
 
+    @property
+    def stages(self) -> tuple[str, ...]:
+        """Names of the stages that make it, in the order of the work."""
+        shells, kinds = bool(self.shells), set(self.kinds.values())
+        drawn = self.index["drawing"] is not None
+        first = ("drawing", "contacts", *(["panels"] if shells else [])) if drawn else ("source", "blocks", "contacts")
+        solved = [kind for kind in ("rigid", "curve", "limit", "pushover") if kind in kinds]
+        moved = ["movement"] if self.movements else []
+        return (*first, *(["shell", "match"] if shells else []), *solved, *moved, "compare", "report")
+
 
 def plan(cases: Sequence[Case]) -> Plan:
     """Return the plan of a case's variants and of the combinations of its swept values.

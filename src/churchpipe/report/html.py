@@ -173,7 +173,7 @@ def _card(row: Row, both_models: bool) -> dict[str, str]:
         "label": model + row.label,
         "value": figure(row.value("load_factor"), 4),
         "status": row.status,
-        "moves": what_moves(row),
+        "moves": what_moves(row.record),
         "safety": safety_index(row),
         "verdict": "unsafe" if fails(row) else "",
     }

@@ -5,10 +5,12 @@ from typing import Any
 
 from churchpipe.mechanism import STILL
 from churchpipe.model.names import crushes
-from churchpipe.report.table import Row, figure, minus
+from churchpipe.report.table import Record, Row, figure, minus
 
 # Share of the mechanism's speed from which on a stone is said to move.
 CUT_OFF = f"1/{1 / STILL:.0f}"
+
+NOT_SATISFIED = "not satisfied"
 
 # Headings with what they mean; those from "a_g" on stand only where the case says what the earthquake asks.
 ACTIVATION = (
@@ -46,7 +48,7 @@ def check_table(rows: Sequence[Row]) -> dict[str, Any] | None:
     return {
         "headings": [(title, meaning) for title, meaning, _, _ in columns],
         "rows": [
-            ([row.label, *(_cell(check.get(key), digits) for *_, key, digits in columns)], _word(check)) for row, check in good
+            ([row.label, *(_cell(check.get(key), digits) for *_, key, digits in columns)], verdict(check)) for row, check in good
         ],
         "kinds": ["crushing" if crushes(row.record) else "" for row, _ in good],
         "sited": any("zeta_e" in check for _, check in good),
@@ -60,12 +62,13 @@ def _cell(value: object, digits: int) -> str:
     return f"{value:,.0f}" if digits == 0 and isinstance(value, int | float) else figure(value, digits)
 
 
-def _word(check: Mapping[str, Any]) -> str:
+def verdict(check: Mapping[str, Any]) -> str:
+    """Return whether a safety check is satisfied, in words; "" where the case says nothing of the site."""
     if "satisfied" not in check:
         return ""
     if check["satisfied"]:
         return "satisfied"
-    return "only with e* of stones" if check.get("satisfied_stones") else "not satisfied"
+    return "only with e* of stones" if check.get("satisfied_stones") else NOT_SATISFIED
 
 
 def safety_index(row: Row) -> str:
@@ -73,7 +76,7 @@ def safety_index(row: Row) -> str:
     check = row.record.get("check")
     if not isinstance(check, Mapping) or "zeta_e" not in check:
         return ""
-    words = f"\u03b6_E = {figure(check['zeta_e'], 2)}, {_word(check)}"
+    words = f"\u03b6_E = {figure(check['zeta_e'], 2)}, {verdict(check)}"
     stones = check.get("zeta_e_stones")
     return words if stones is None else f"{words}; with e* of the stones {figure(stones, 2)}"
 
@@ -106,9 +109,9 @@ def part_overview(rows: Sequence[Row]) -> dict[str, Any] | None:
     }
 
 
-def what_moves(row: Row, share: float = 0.05) -> str:
+def what_moves(record: Record, share: float = 0.05) -> str:
     """Return the macro-elements that carry at least a share of the motion, with the most first; "" where none is known."""
-    parts = [part for part in row.record.get("parts", ()) if part["motion"] >= share]
+    parts = [part for part in record.get("parts", ()) if part["motion"] >= share]
     return ", ".join(f"{part['name']} {_percent(part['motion'])}" for part in parts)
 
 

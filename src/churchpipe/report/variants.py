@@ -45,7 +45,7 @@ def variants_section(summary: Mapping[str, Any], geometry: str) -> dict[str, Any
                     "name": name,
                     "link": _link(geometry, variant["geometry"], first),
                     "factors": [_factor(found.get(kind), asis.get(kind), name) for kind in kinds],
-                    "moves": next((words for row in found.values() if (words := what_moves(row))), ""),
+                    "moves": next((words for row in found.values() if (words := what_moves(row.record))), ""),
                     "check": _check(found.values()),
                     "costs": [_cost(variant["cost"].get(key)) for key in costs],
                 }

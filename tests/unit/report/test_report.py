@@ -19,9 +19,9 @@ from churchpipe.mechanism import moving_stones, reference_speed, stone_of_point,
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.polyhedra import face_normals
 from churchpipe.model.results import Iteration, LimitState
-from churchpipe.report import write_report
 from churchpipe.report.drawings import drawings_svg
 from churchpipe.report.figures import mechanism_picture
+from churchpipe.report.html import write_report
 from churchpipe.report.motion import camera_position, displaced_points, ground_plate, natural_amplitude, push_direction, viewpoint
 from churchpipe.report.notes import status_note
 from churchpipe.report.plots import convergence_svg, gaps_svg

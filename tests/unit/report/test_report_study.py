@@ -155,8 +155,8 @@ def test_macro_elements_of_all_loads_stand_in_one_table(tmp_path: Path) -> None:
     assert overview["rows"] == [["belfry", "3 %", "100 %"], ["shaft", "97 %", "< 1 %"]]
     assert overview["still"] == ["apse"]
     assert part_overview(rows[:1]) is None
-    assert what_moves(rows[0]) == "shaft 97 %"
-    assert what_moves(row()) == ""
+    assert what_moves(rows[0].record) == "shaft 97 %"
+    assert what_moves(row().record) == ""
     page = Page(report(tmp_path, [(first, state), (second, state)]))
     assert "moves: belfry 100 %" in page.text
     assert ["shaft", "97 %", "< 1 %"] in page.rows
