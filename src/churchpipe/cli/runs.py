@@ -37,9 +37,11 @@ def run(
     asked = [*(changes or ()), *picked]
     named = out_dir or Path("runs") / run_name(case)
     if not only and case.is_file() and (good := finished(named, case, asked)) is not None:
+        if dry_run:
+            _print_pending([])
+            return
         err.print("Nothing has changed since the last run.")
-        if not dry_run:
-            _tell(named, good=good)
+        _tell(named, good=good)
         return
     from churchpipe import stages
     from churchpipe.compare import bad_news
