@@ -44,6 +44,8 @@ def stones_of(build: Callable[..., Building], thickness: float, **sizes: Any) ->
         (dome, LUNES, 0.7, (0.042, 0.044), (0.0426, 0.0428)),
         # Half a dome pushes outwards and lives on friction along its rings, own: .0414; against a wall in lunes: .0180.
         (dome, {"rings": 16, "sides": 32, "plan": "half"}, 0.7, (0.04, 0.043), (0.0413, 0.0415)),
+        # Free, in lunes of two sides: the bow of a lune is what it lives on, own: .0943.
+        (dome, LUNES | {"plan": "half", "stone_sides": 2}, 0.7, (0.093, 0.096), (0.0942, 0.0945)),
         (dome, LUNES | {"plan": "half", "front": "wall"}, 0.7, (0.017, 0.019), (0.0179, 0.0181)),
     ],
 )  # fmt: skip

@@ -82,9 +82,13 @@ def find_contacts(
 
 
 def _exact(stones: Assemblage, facets: Facets, gap: float) -> Interfaces:
-    """Return the interfaces of faces in one plane, by their facets; of a triangulated drawing those of whole facets alone."""
+    """Return the interfaces of faces in one plane, by their facets; of a triangulated drawing those of whole facets alone.
+
+    Of others all faces count: the two sides of a bed round a corner are a joint each, as drawn, however small the angle.
+    """
     whole = facets.single[facets.of_face]
-    looked_at = whole if whole.mean() < 0.5 else np.ones(len(whole), dtype=bool)
+    triangulated = (np.diff(stones.face_ptr) == 3).mean() > 0.5
+    looked_at = whole if triangulated else np.ones(len(whole), dtype=bool)
     found = coplanar_interfaces(stones, looked_at, gap)
     return replace(found, side=facets.of_face[found.side])
 
