@@ -118,7 +118,7 @@ def main() -> None:
         what, mesh, membrane, *where = chosen.one[0].split(":")
         print(json.dumps(run(what, mesh, membrane, chosen.one[1], *where)))
         return
-    command = f"python benchmarks/shell.py --runs {' '.join(chosen.runs)} --solvers {' '.join(chosen.solvers)}"
+    command = f"PYTHONPATH=tests python benchmarks/shell.py --runs {' '.join(chosen.runs)} --solvers {' '.join(chosen.solvers)}"
     lines = ["# The homogenised shell: speed and size", "", f"    {command}", ""]
     lines += ["S22, friction .7, no cohesion, planes f1-8. Limit loads: the two bounds that the result proves.", ""]
     lines += ["| " + " | ".join(HEAD) + " |", "|" + "---|" * len(HEAD)]
