@@ -13,6 +13,7 @@ from churchpipe.conic.solve import solver_for
 from churchpipe.errors import InputError
 from churchpipe.generators.box import box
 from churchpipe.model.loads import LoadCase
+from churchpipe.model.results import StartRun
 from churchpipe.rigid_blocks.central import central_run
 from churchpipe.rigid_blocks.certificate import Strength, cone_violation
 from churchpipe.rigid_blocks.coulomb import EXACT, CoulombState, bipotential_gap, dead_load_start
@@ -20,6 +21,7 @@ from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
 from churchpipe.rigid_blocks.interval import mechanism_interval
 from churchpipe.rigid_blocks.iterations import certified_iteration
 from churchpipe.rigid_blocks.limit import associative_program, limit_analysis, point_strength
+from churchpipe.rigid_blocks.sliding import leading
 from churchpipe.stones.blocks import derive_blocks
 from churchpipe.stones.contacts import find_contacts
 from models import FERRIS_TIN_LOI_LOAD as LOAD
@@ -222,6 +224,21 @@ def test_each_start_says_what_became_of_it() -> None:
         assert run.history[-1].load_factor == pytest.approx(run.load_factor)
     (alone,) = limit_analysis(stones, contacts, LOAD, friction=0.65, flow="non-associative", start="associative").starts
     assert alone.load_factor == pytest.approx(state.starts[1].load_factor, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("found", "leads"),
+    [
+        ({"centre": 0.18845, "dead-load": 0.18797}, "centre"),
+        ({"centre": 0.30698, "dead-load": 0.26397}, "dead-load"),
+        ({"centre": 0.18845, "dead-load": 0.18871}, "centre"),
+        ({"dead-load": 0.18845, "associative": 0.18797}, "associative"),
+    ],
+)
+def test_rounding_does_not_choose_the_load_factor_that_leads(found: dict[str, float], leads: str) -> None:
+    """S22 from the dead load ends at .18797 on one machine and at .18871 on another, from the centre at .1884532 on both."""
+    runs = [StartRun(start, value, True, 0.0, (0.0, 1.0), ()) for start, value in found.items()]
+    assert runs[leading(runs)].start == leads
 
 
 def test_the_printed_iteration_keeps_one_run_a_start() -> None:

@@ -49,7 +49,8 @@ def convergence_note(row: Row) -> str:
         parts.append(f"Load factors compatible with this mechanism: {figure(low, 4)} to {figure(high, 4)}.")
     if len(state.starts) > 1:
         parts += [_start_note(run) for run in state.starts]
-        parts += ["The lowest of them is the safe one."] if len(state.fixed_points) > 1 else []
+        lowest = min(state.fixed_points, default=math.nan)
+        parts += [f"The lowest value found is {figure(lowest, 4)}."] if len(state.fixed_points) > 1 else []
     elif len(state.fixed_points) == 1:
         parts.append(f"Every start led to {figure(state.fixed_points[0], 4)}.")
     elif state.fixed_points:

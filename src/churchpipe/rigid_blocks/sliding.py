@@ -1,6 +1,6 @@
 """Non-associative limit analysis: several starts, one headline, and the certificate of each."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
 
@@ -26,7 +26,7 @@ from churchpipe.rigid_blocks.coulomb import (
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
 from churchpipe.rigid_blocks.interval import mechanism_interval
 from churchpipe.rigid_blocks.iterations import SlidingRun, certified_iteration, paper_iteration
-from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP, SchemeSettings
+from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP, SEARCH_SPREAD, SchemeSettings
 from churchpipe.rigid_blocks.ties import all_forces, point_forces
 
 Method = Literal["default", "paper"]
@@ -49,8 +49,8 @@ class SlidingOptions:
     starts: "centre", one interior-point run that begins at the centre of all cones; the others are the normal forces from which
     a sequence of programs searches: "dead-load" (the least-squares forces of the dead load), "uniform" (their mean at every
     point), "associative" (those of the associative solution), "scattered" (those of the dead load times factors between .3 and
-    3). None given, the centre and the dead load, of which the lower certified load factor leads, with method "paper" the
-    associative forces; where neither ends in a state the search is tried from the others.
+    3). None given, the centre and the dead load, with method "paper" the associative forces; where neither ends in a state the
+    search is tried from the others. Of several that end in one, `leading` says which is reported.
     bipotential_gap: g / alpha at which the analysis stops looking. More than 1e-5 saves time on large models, but only
     1e-5 is called "converged".
     """
@@ -118,9 +118,23 @@ def sliding_analysis(
         # The associative forces are within friction as well: an estimate from above, with the gap that it leaves.
         search.keep("associative", [_associative_run(balance, strength, associative, solve)], "default")
     # Of states that were not certified the nearest is told. Eq. (3) has no measure of nearness.
-    nearest = [end for end in search.ends if end[0].settled] or sorted(search.ends, key=lambda end: _distance(end[0], options))
-    chosen = nearest[0] if not nearest[0][0].settled else min(nearest, key=lambda end: end[0].load_factor)
+    settled = [end for end in search.ends if end[0].settled]
+    if settled:
+        chosen = settled[leading([end[0] for end in settled])]
+    else:
+        chosen = min(search.ends, key=lambda end: _distance(end[0], options))
     return _state(balance, strength, associative, chosen, [end[0] for end in search.ends], search.found)
+
+
+def leading(runs: Sequence[StartRun]) -> int:
+    """Return which of several settled runs leads: the lowest, or the run from the centre where it is as low.
+
+    As low: but for the share that rounding alone moves the end of a search. The run from the centre does not depend on rounding,
+    so that a model has one load factor whatever its order of stones and the machine.
+    """
+    lowest = min(range(len(runs)), key=lambda k: runs[k].load_factor)
+    allowed = (1.0 + SEARCH_SPREAD) * runs[lowest].load_factor
+    return next((k for k, run in enumerate(runs) if run.start == "centre" and run.load_factor <= allowed), lowest)
 
 
 def _distance(run: StartRun, options: SlidingOptions) -> float:
