@@ -4,6 +4,7 @@ from .dxf.reader import read_dxf as read_dxf
 from .dxf.writer import write_dxf as write_dxf
 from .errors import InputError as InputError
 from .geometry.repair import repair_polyhedra as repair_polyhedra
+from .homogenised_shell.joint_groups import shell_joint_groups as shell_joint_groups
 from .homogenised_shell.limit import shell_limit_analysis as shell_limit_analysis
 from .homogenised_shell.pushover import pushover as pushover
 from .io.exchange import load as load
@@ -18,7 +19,6 @@ from .large_displacements.thrust import thrust_range as thrust_range
 from .loading.from_above import load_from_above as load_from_above
 from .loading.outward import outward_load as outward_load
 from .loading.placing import place_loads as place_loads
-from .loading.ring_beams import with_ring_beams as with_ring_beams
 from .loading.ties import place_ties as place_ties
 from .loading.wrenches import loaded as loaded
 from .loading.wrenches import shell_loaded as shell_loaded
@@ -32,6 +32,7 @@ from .model.carried import LineLoad as LineLoad
 from .model.carried import PointLoad as PointLoad
 from .model.carried import Pressure as Pressure
 from .model.contacts import Contacts as Contacts
+from .model.joint_group import JointGroup as JointGroup
 from .model.loads import LoadCase as LoadCase
 from .model.materials import Elastic as Elastic
 from .model.materials import JointStrength as JointStrength
@@ -41,6 +42,7 @@ from .model.placed_loads import PlacedLoads as PlacedLoads
 from .model.results import CapacityCurve as CapacityCurve
 from .model.results import LimitState as LimitState
 from .model.results import ShellLimitState as ShellLimitState
+from .model.ring_beam import RingBeam as RingBeam
 from .model.settlement import SettlementPath as SettlementPath
 from .model.settlement import SettlementState as SettlementState
 from .model.shell import ShellModel as ShellModel
@@ -54,6 +56,8 @@ from .notebook import show as show
 from .recognition.laying import lay_stones as lay_stones
 from .rigid_blocks.limit import limit_analysis as limit_analysis
 from .rigid_blocks.ranking import rank_ties as rank_ties
+from .rigid_blocks.sensitivity import Sensitivities as Sensitivities
+from .rigid_blocks.sensitivity import sensitivities as sensitivities
 from .rigid_blocks.study import LimitStudy as LimitStudy
 from .rigid_blocks.thickness import MinimumThickness as MinimumThickness
 from .rigid_blocks.thickness import minimum_thickness as minimum_thickness
@@ -61,6 +65,7 @@ from .shell_mesh.shell import derive_shell as derive_shell
 from .stones.blocks import derive_blocks as derive_blocks
 from .stones.contacts import find_contacts as find_contacts
 from .stones.joints import joint_strength as joint_strength
+from .stones.ring_beams import with_ring_beams as with_ring_beams
 from .stones.soundness import check_soundness as check_soundness
 from .thrust_lines import RingForces as RingForces
 from .thrust_lines import ThrustLine as ThrustLine

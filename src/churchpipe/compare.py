@@ -9,11 +9,12 @@ import numpy as np
 from churchpipe.code_check import CONFIDENCE_FACTOR, Site, activation, along, verdict_record
 from churchpipe.errors import InputError
 from churchpipe.loading.wrenches import pushed_masses
-from churchpipe.mechanism import moving_stones, parts, stone_speed, velocity_at
+from churchpipe.mechanism import moving_stones, parts, stone_speed
 from churchpipe.model.arrays import BoolArray, FloatArray, NameArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
+from churchpipe.model.motion import velocity_at
 from churchpipe.model.names import MODELS, OUTER, RIGID_BLOCKS, analysis_name, crushes
 from churchpipe.model.placed_loads import PlacedLoads
 from churchpipe.model.results import LimitState, ShellLimitState

@@ -73,12 +73,6 @@ def stone_speed(stones: Assemblage, velocities: FloatArray) -> FloatArray:
     return speed
 
 
-def velocity_at(stones: Assemblage, velocities: FloatArray, stone: IntArray, point: FloatArray) -> FloatArray:
-    """Return the velocities (n, 3) at points (n, 3) m of some stones (n,), whose motion is velocities (nb, 6)."""
-    motion = velocities[stone]
-    return motion[:, :3] + np.cross(motion[:, 3:], point - stones.centroid[stone])
-
-
 def reference_speed(speed: FloatArray) -> float:
     """Return the speed that stands for the mechanism: most moving stones are slower, and none is more than 4 times faster."""
     fastest = float(speed.max(initial=0.0))

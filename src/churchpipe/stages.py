@@ -19,7 +19,7 @@ from churchpipe.config.case import read_variants
 from churchpipe.config.plan import plan
 from churchpipe.config.plausible import size_questions
 from churchpipe.config.selection import ALL, Selection, selected
-from churchpipe.config.settings import load_of, strengths_of, weights_of
+from churchpipe.config.settings import beams_of, joints_of, load_of, strengths_of, weights_of
 from churchpipe.errors import Extra, InputError
 from churchpipe.io.atomic import canonical_json, write_if_changed, write_json
 from churchpipe.io.building_json import read_building, write_building
@@ -84,7 +84,8 @@ def source(settings: Path, building: Path) -> None:
     from churchpipe.generators import generate
 
     table = read_json(settings)
-    write_building(building, generate(**table["source"], materials=weights_of(table), name=table["name"]))
+    made = generate(**table["source"], materials=weights_of(table), name=table["name"], ring_beams=beams_of(table))
+    write_building(building, made)
 
 
 def blocks(building: Path, assemblage: Path, dxf: Path, vtu: Path) -> None:
@@ -102,6 +103,7 @@ def drawing(settings: Path, file: Path, assemblage: Path, vtu: Path) -> None:
     """Drawing, or another file of stones -> its stones, exactly as drawn; those of no wall get the names of walls fitted."""
     from churchpipe.meshes.reader import read_file
     from churchpipe.recognition.panels import wall_names
+    from churchpipe.stones.ring_beams import add_beams
 
     table = read_json(settings)
     weights: dict[str, float] = table["unit_weight"]
@@ -115,7 +117,8 @@ def drawing(settings: Path, file: Path, assemblage: Path, vtu: Path) -> None:
             expected=", ".join(weights),
             remedy=f"Add [material.{missing[0]}] with unit_weight_kN_m3 and friction to the case.",
         )
-    stones = replace(drawn.stones, panel=wall_names(drawn.stones))
+    named = replace(drawn.stones, panel=wall_names(drawn.stones))
+    stones = add_beams(named, beams_of(table), weights)
     known = sorted(set(stones.panel[~stones.fixed].tolist()) - {""})
     unknown = [name for name in table["panels"] if name not in known]
     if unknown:
@@ -145,6 +148,9 @@ def panels(settings: Path, assemblage: Path, building: Path, fitted: Path, fit: 
     table, stones = read_json(settings), read_npz(assemblage, Assemblage)
     materials = tuple(weights_of(table))
     try:
+        if stones.butts.any() or table.get("ring_beams"):
+            what = "butt joints" if stones.butts.any() else "ring beams"
+            raise InputError("drawing", f"the shell of a drawing has no {what}", remedy="Rigid blocks take them as they are.")
         found = fit_panels(stones)
         made = found.building(materials, table["name"])
     except InputError as error:
@@ -232,6 +238,8 @@ def _analyse_shell(
     work: Callable[..., ShellLimitState | CapacityCurve],
     progress: Progress | None,
 ) -> None:
+    from churchpipe.homogenised_shell.joint_groups import shell_joint_groups
+
     load, materials = load_of(table), strengths_of(table)
     if not read_json(match)["passed"]:
         write_npz(state, Absent("the two models do not match"))
@@ -245,6 +253,7 @@ def _analyse_shell(
     stones = read_npz(assemblage, Assemblage)
     borne = placed(carries_of(table), stones)
     try:
+        mesh, materials = shell_joint_groups(mesh, materials, joints_of(table))
         found = work(mesh, shell_loaded(load, mesh, stones, borne.loads), materials, borne.ties)
     except InputError as error:
         write_npz(state, Absent(str(error)))
@@ -265,7 +274,7 @@ def rigid(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
     load, materials = load_of(table), strengths_of(table)
     borne = placed(carries_of(table), stones)
     pushed = loaded(load, stones, borne.loads)
-    friction, cohesion = joint_strength(stones, joints, materials)
+    friction, cohesion = joint_strength(stones, joints, materials, joints_of(table))
     keys = ("flow", "solver", "method", "start", "bipotential_gap", "contact_model", "crushing_parts")
     options = {key: table[key] for key in keys if key in table}
     crushing = crushing_strength(stones, joints, materials)
@@ -288,7 +297,7 @@ def curve(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
     table = read_json(settings)
     stones, joints = read_npz(assemblage, Assemblage), read_npz(contacts, Contacts)
     load, materials = load_of(table), strengths_of(table)
-    friction, _ = joint_strength(stones, joints, materials)
+    friction, _ = joint_strength(stones, joints, materials, joints_of(table))
     options = {key: table[key] for key in ("solver", "control", "step", "steps", "furthest", "halo") if key in table}
     used = set(stones.material[~stones.fixed].tolist())
     borne = placed(carries_of(table), stones)
@@ -311,7 +320,7 @@ def movement(
     def dead_on(cut: Assemblage) -> FloatArray | None:
         return loaded(LoadCase((1, 0, 0)), cut, placed(carries, cut).loads).dead if carries else None
 
-    moved = moved_support(stones, found, table, materials, read_json(tolerances), dead_on, progress)
+    moved = moved_support(stones, found, table, materials, read_json(tolerances), dead_on, progress, joints_of(table))
     for file, part in zip(made, (moved.stones, moved.contacts, moved.path), strict=False):
         write_npz(file, part)
     known = [material for material in materials if material.name in stones.material[~stones.fixed]]

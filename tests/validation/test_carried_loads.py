@@ -300,3 +300,45 @@ def test_a_ring_beam_needs_a_wall() -> None:
         cp.with_ring_beams(stones, ["roof"], height=0.3)
     with pytest.raises(InputError, match=r"ring beam on wall: width: out of range; found 0\.7"):
         cp.with_ring_beams(stones, ["wall"], height=0.3, width=0.7)
+
+
+def test_one_beam_along_two_walls_is_one_body() -> None:
+    # The same two piers as two walls end to end: by moments they turn as one body about their toes.
+    plate = box((-50, 50), (-50, 50), (-1, 0))
+    piers = [box((x, x + 1), (0, 0.5), (0, 3)) for x in (0, 1)]
+    stones = cp.Assemblage.from_polyhedra([plate, *piers], GAMMA, [0], panel=["", "west", "east"])
+    beamed = cp.with_ring_beams(stones, ["west", "east"], height=0.25, unit_weight=24e3, closed=True)
+    assert beamed.count == 4
+    pier, beam = GAMMA * 0.5 * 3, 24e3 * 0.25 * 0.5 * 2
+    alike = cp.limit_analysis(beamed, cp.find_contacts(beamed), cp.LoadCase((0, 1, 0)), 2.0)
+    assert alike.load_factor == pytest.approx((2 * pier + beam) * 0.25 / (2 * pier * 1.5 + beam * 3.125), rel=1e-6)
+
+
+def test_a_closed_ring_beam_goes_all_around() -> None:
+    stones = room()
+    walls = ["west", "south", "east", "north"]
+    beamed = cp.with_ring_beams(stones, walls, height=0.2, unit_weight=24e3, closed=True)
+    assert beamed.count == stones.count + 1
+    # Outer 5 x 7 m less the clear 4 x 6 m.
+    assert beamed.volume[-1] == pytest.approx((5 * 7 - 4 * 6) * 0.2, rel=1e-9)
+    contacts = cp.find_contacts(beamed)
+    below = set(contacts.blocks[(contacts.blocks == beamed.count - 1).any(axis=1)].ravel().tolist()) - {beamed.count - 1}
+    assert {str(beamed.panel[stone]) for stone in below} == set(walls)
+    cp.check_soundness(beamed, contacts)
+    # Each wall bears on the beam over its whole top.
+    bears = (contacts.blocks == beamed.count - 1).any(axis=1)
+    assert contacts.area[bears].sum() == pytest.approx(5 * 7 - 4 * 6, rel=1e-6)
+    with pytest.raises(InputError, match=r"ring beam west east: its walls do not meet; found 2 parts"):
+        cp.with_ring_beams(stones, ["west", "east"], height=0.2, closed=True)
+
+
+def test_a_closed_ring_beam_holds_a_wall_that_falls_outwards() -> None:
+    # Separate beams let the west wall fall by itself; one body has to slide on all four walls.
+    load = cp.LoadCase((-1, 0, 0), panels=("west",))
+    found = []
+    for closed in (False, True):
+        stones = cp.with_ring_beams(room(), ["west", "south", "east", "north"], height=0.2, closed=closed)
+        state = cp.limit_analysis(stones, cp.find_contacts(stones), load, 0.6)
+        assert state.status == "optimal"
+        found.append(state.load_factor)
+    assert found[1] > 1.1 * found[0]

@@ -18,16 +18,20 @@ TABLE = {"toothed": 0.486, "every 4th course": 0.363, "every 8th course": 0.220,
 
 def facade(**junction: Any) -> tuple[cp.Assemblage, cp.Contacts]:
     """A gable facade with two side walls behind it."""
+    stones = cp.derive_blocks(facade_building(**junction))
+    return stones, cp.find_contacts(stones)
+
+
+def facade_building(**junction: Any) -> cp.Building:
+    """A gable facade with two side walls behind it."""
     walls = [{"walls": ("facade", side), **junction} for side in ("nave_left", "nave_right")]
-    building = generators.church(
+    return generators.church(
         course=0.5,
         stone_length=1.0,
         nave={"width": WIDTH - THICKNESS, "length": 3.0, "height": EAVES, "thickness": THICKNESS},
         facade={"thickness": THICKNESS, "ridge": RIDGE},
         junctions=walls if junction else (),
     )
-    stones = cp.derive_blocks(building)
-    return stones, cp.find_contacts(stones)
 
 
 def without_dilatancy(stones: cp.Assemblage, contacts: cp.Contacts) -> cp.LimitState:
@@ -63,7 +67,7 @@ def test_the_weaker_the_bond_the_lower_the_load_factor() -> None:
 
 def test_a_butt_facade_without_friction_at_its_sides_turns_over_by_itself() -> None:
     stones, contacts = facade(every=0)
-    smooth = np.where(contacts.kind == "junction", 0.0, FRICTION)
+    smooth = np.where(contacts.kind == "butt", 0.0, FRICTION)
     triangle = 0.5 * WIDTH * (RIDGE - EAVES)
     centroid = (WIDTH * EAVES * EAVES / 2 + triangle * (EAVES + (RIDGE - EAVES) / 3)) / (WIDTH * EAVES + triangle)
     assert load_factor(stones, contacts, smooth) == pytest.approx(THICKNESS / 2 / centroid, abs=1e-6)
@@ -72,3 +76,63 @@ def test_a_butt_facade_without_friction_at_its_sides_turns_over_by_itself() -> N
     assert state.status == "converged"
     assert state.load_factor == pytest.approx(0.133, abs=5e-4)
     assert state.interval == pytest.approx((0.133, 0.149), abs=5e-4)
+
+
+GROUTED = cp.Material("default", unit_weight=18e3, friction=FRICTION, cohesion=20e3)
+LOAD = cp.LoadCase((0, -1, 0), panels=("facade",))
+
+
+def with_cohesion(stones: cp.Assemblage, contacts: cp.Contacts) -> float:
+    state = cp.limit_analysis(stones, contacts, LOAD, *cp.joint_strength(stones, contacts, [GROUTED]))
+    assert state.status == "optimal"
+    return state.load_factor
+
+
+def test_butt_joints_and_cracks_have_no_cohesion() -> None:
+    stones, contacts = facade(every=0)
+    assert set(contacts.kind.tolist()) == {"base", "bed", "head", "butt"}
+    _, cohesion = cp.joint_strength(stones, contacts, [GROUTED])
+    assert (cohesion[contacts.kind == "butt"] == 0).all()
+    assert (cohesion[contacts.kind != "butt"] == 20e3).all()
+    # Each butt joint lies in the inner face of the facade.
+    assert contacts.point[np.isin(contacts.interface_of_point, np.flatnonzero(contacts.kind == "butt")), 1] == pytest.approx(0.3)
+    # One number for all joints does not bond them either.
+    scalar = cp.limit_analysis(stones, contacts, LOAD, FRICTION, 20e3)
+    assert scalar.load_factor == pytest.approx(with_cohesion(stones, contacts), abs=1e-7)
+    # A crack below 2 m leaves what is above it joined with mortar.
+    stones, contacts = facade(every=2, cracked=(0.0, 2.0))
+    height = np.array([contacts.point[slice(*contacts.point_ptr[i : i + 2]), 2].mean() for i in range(len(contacts.kind))])
+    assert height[contacts.kind == "butt"].max() < 2.0 < height[contacts.kind == "junction"].min()
+    assert not (facade(every=2)[1].kind == "butt").any()
+
+
+def test_a_butt_facade_of_one_piece_turns_about_its_toe_for_all_the_mortar_elsewhere() -> None:
+    # Mortar so strong that no wall breaks, and none below the facade: half its thickness over its centroid's height, by moments.
+    stones, contacts = facade(every=0)
+    friction = np.where(contacts.kind == "butt", 0.0, FRICTION)
+    _, cohesion = cp.joint_strength(stones, contacts, [GROUTED])
+    state = cp.limit_analysis(stones, contacts, LOAD, friction, np.where(contacts.kind == "base", 0.0, 1e3 * cohesion))
+    triangle = 0.5 * WIDTH * (RIDGE - EAVES)
+    centroid = (WIDTH * EAVES * EAVES / 2 + triangle * (EAVES + (RIDGE - EAVES) / 3)) / (WIDTH * EAVES + triangle)
+    assert state.load_factor == pytest.approx(THICKNESS / 2 / centroid, abs=1e-6)
+
+
+def test_a_drawing_keeps_its_butt_joints(tmp_path) -> None:
+    stones, contacts = facade(every=0)
+    cp.write_dxf(stones, tmp_path / "facade.dxf")
+    read, _ = cp.read_dxf(tmp_path / "facade.dxf", unit_weight=18e3)
+    assert (read.butts == stones.butts).all()
+    assert (cp.find_contacts(read).kind == contacts.kind).all()
+
+
+def test_the_shell_has_butt_joints_and_cracks() -> None:
+    found = {}
+    for name, junction in (("toothed", {}), ("butt", {"every": 0}), ("cracked", {"every": 2, "cracked": (2.0, EAVES)})):
+        building = facade_building(**junction)
+        shell, stones = cp.derive_shell(building, 0.6), cp.derive_blocks(building)
+        assert shell.weight.sum() == pytest.approx(stones.weight.sum(), rel=1e-8)
+        assert ("butt" in shell.bonds) == bool(junction)
+        state = cp.shell_limit_analysis(shell, LOAD, [GROUTED])
+        assert state.status == "optimal"
+        found[name] = state.load_factor
+    assert found["butt"] < found["cracked"] < found["toothed"]

@@ -17,10 +17,12 @@ from churchpipe.model.building import Junction, Panel
 @dataclass(frozen=True, slots=True)
 class WallJunctions:
     """The junctions of one wall: zones (nz, 2), s from face to face, disjoint and sorted; lost (nl, 4), rectangles s0, t0,
-    s1, t1 of the zones that belong to other walls. All in m, chart coordinates."""
+    s1, t1 of the zones that belong to other walls; dry (nd, 4), those of them that the wall butts against without mortar. All in
+    m, chart coordinates."""
 
     zones: FloatArray
     lost: FloatArray
+    dry: FloatArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,13 +30,15 @@ class Crossing:
     """Where two walls cross: the junction zone is the intersection of their footprints in plan.
 
     walls: their numbers, first and second. spans (2, 2) m: s of the zone's faces along each. levels (n + 1,) m: z that bound
-    bands; owner (n,): 0 or 1, the wall that owns the zone in each band, -1 where only one of them exists.
+    bands; owner (n,): 0 or 1, the wall that owns the zone in each band, -1 where only one of them exists; dry (n,): where the
+    other wall butts against it without mortar.
     """
 
     walls: tuple[int, int]
     spans: FloatArray
     levels: FloatArray
     owner: IntArray
+    dry: BoolArray
 
 
 def crossings(panels: Sequence[Panel], solids: Sequence[Region], junctions: Sequence[Junction] = ()) -> list[Crossing]:
@@ -77,9 +81,14 @@ def crossings(panels: Sequence[Panel], solids: Sequence[Region], junctions: Sequ
                 found=f"openings or slopes in both at z = {level:g} m",
                 remedy="Keep openings and slopes of one of the walls out of the junction.",
             )
-        by_rule = _first_owns(panels[i], panels[j], junctions, course)
-        first_owns = np.where(whole[0] == whole[1], by_rule, whole[0])
-        found.append(Crossing((i, j), spans, levels, np.where(both, np.where(first_owns, 0, 1), -1)))
+        declared = next((one for one in junctions if set(one.walls) == {panels[i].name, panels[j].name}), None)
+        by_rule = _first_owns(panels[i], panels[j], declared, course)
+        owner = np.where(both, np.where(np.where(whole[0] == whole[1], by_rule, whole[0]), 0, 1), -1)
+        dry = np.zeros(len(course), dtype=np.bool_)
+        if declared is not None:
+            butting = (i, j).index(next(k for k in (i, j) if panels[k].name == declared.walls[1]))
+            dry = (owner == 1 - butting) & ((declared.every != 2) | _cracked(declared, panels[(i, j)[butting]], course))
+        found.append(Crossing((i, j), spans, levels, owner, dry))
     meeting = [{panels[wall].name for wall in crossing.walls} for crossing in found]
     for junction in junctions:
         if set(junction.walls) not in meeting:
@@ -93,16 +102,20 @@ def wall_junctions(panels: Sequence[Panel], solids: Sequence[Region], junctions:
     """Return the junctions of each wall: their extent, and which parts belong to other walls. Arguments as for `crossings`."""
     zones: list[list[FloatArray]] = [[] for _ in panels]
     lost: list[list[FloatArray]] = [[] for _ in panels]
+    dry: list[list[FloatArray]] = [[] for _ in panels]
     for crossing in crossings(panels, solids, junctions):
         for place, (wall, span) in enumerate(zip(crossing.walls, crossing.spans, strict=True)):
             loses = crossing.owner == 1 - place
             base = base_level(panels[wall].chart)
             low, high = crossing.levels[:-1][loses] - base, crossing.levels[1:][loses] - base
+            rectangles = np.stack([np.full(len(low), span[0]), low, np.full(len(low), span[1]), high], axis=1)
             zones[wall].append(span)
-            lost[wall].append(np.stack([np.full(len(low), span[0]), low, np.full(len(low), span[1]), high], axis=1))
+            lost[wall].append(rectangles)
+            dry[wall].append(rectangles[crossing.dry[loses]])
+    none = np.empty((0, 4))
     return [
-        WallJunctions(_merged(z), np.concatenate(rectangles) if rectangles else np.empty((0, 4)))
-        for z, rectangles in zip(zones, lost, strict=True)
+        WallJunctions(_merged(z), np.concatenate([none, *all_lost]), np.concatenate([none, *all_dry]))
+        for z, all_lost, all_dry in zip(zones, lost, dry, strict=True)
     ]
 
 
@@ -156,9 +169,8 @@ def _cover(panel: Panel, solid: Region, span: FloatArray, levels: FloatArray) ->
     return common_areas(bands, solid) / areas(bands)
 
 
-def _first_owns(first: Panel, second: Panel, junctions: Sequence[Junction], course: IntArray) -> BoolArray:
+def _first_owns(first: Panel, second: Panel, declared: Junction | None, course: IntArray) -> BoolArray:
     """Return on which courses (n,) the first of two walls that both fill their junction owns it."""
-    declared = next((junction for junction in junctions if set(junction.walls) == {first.name, second.name}), None)
     if declared is None:
         return _first_comes_first(first, second, course)
     butting = first if first.name == declared.walls[1] else second
@@ -166,11 +178,17 @@ def _first_owns(first: Panel, second: Panel, junctions: Sequence[Junction], cour
     if declared.every:
         # Of its own parity, on which a wall has a stone across the face of the junction.
         owns = course % declared.every == (butting.runs_through or 0)
-    if declared.cracked is not None:
-        a, base = butting.regions[0].cell.a, base_level(butting.chart)
-        low, high = declared.cracked
-        owns &= (base + a * (course + 1) < low + TOLERANCE) | (base + a * course > high - TOLERANCE)
+    owns &= ~_cracked(declared, butting, course)
     return owns if butting is first else ~owns
+
+
+def _cracked(junction: Junction, wall: Panel, course: IntArray) -> BoolArray:
+    """Return which courses (n,) of a wall the crack of its junction touches."""
+    if junction.cracked is None:
+        return np.zeros(len(course), dtype=np.bool_)
+    a, base = wall.regions[0].cell.a, base_level(wall.chart)
+    low, high = junction.cracked
+    return (base + a * (course + 1) > low + TOLERANCE) & (base + a * course < high - TOLERANCE)
 
 
 def _first_comes_first(first: Panel, second: Panel, course: IntArray) -> BoolArray:

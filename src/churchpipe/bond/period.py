@@ -10,7 +10,8 @@ from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion
 
 # "leaves": two leaves in running bond that no header ties.
-BondName: TypeAlias = Literal["running", "stack", "english", "flemish", "leaves"]
+# "butt": a stack whose joints have no cohesion, where a wall butts against another one.
+BondName: TypeAlias = Literal["running", "stack", "english", "flemish", "leaves", "butt"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +46,7 @@ def period_of(bond: str, a: float, b: float, h: float) -> Period:
     match bond:
         case "running":
             return _period([((0, b), 0, whole)], a, (b, 0), (b / 2, a))
-        case "stack":
+        case "stack" | "butt":
             return _period([((0, b), 0, whole)], a, (b, 0), (0, a))
         case "leaves":
             return _period([((0, b), 0, leaf) for leaf in leaves], a, (b, 0), (b / 2, a), layers=(-h / 4, h / 4))

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from churchpipe.geometry.planar import Polygons, polygons_of
-from churchpipe.geometry.polygons import corners, polygon_areas
+from churchpipe.geometry.polygons import TOLERANCE, corners, polygon_areas
 from churchpipe.model.arrays import (
     BoolArray,
     FloatArray,
@@ -75,6 +75,15 @@ def tiles_of(polygons: Polygons, course: IntArray, region: str, *, voussoir: boo
     return TileSet(
         corner, corner_ptr, course, np.array([region] * len(polygons), dtype=np.str_), through, np.full(len(polygons), voussoir)
     )
+
+
+def beside(tiles: TileSet, rectangles: FloatArray) -> BoolArray:
+    """Return which tiles (nt,) end at an upright side of one of some rectangles (n, 4): s0, t0, s1, t1, m."""
+    low, high = (edge.reduceat(tiles.corner, tiles.corner_ptr[:-1])[:, None] for edge in (np.minimum, np.maximum))
+    begin, end = rectangles[:, :2], rectangles[:, 2:]
+    meets = (np.abs(high[..., 0] - begin[:, 0]) < TOLERANCE) | (np.abs(low[..., 0] - end[:, 0]) < TOLERANCE)
+    level = np.minimum(high[..., 1], end[:, 1]) - np.maximum(low[..., 1], begin[:, 1]) > TOLERANCE
+    return (meets & level).any(axis=1)
 
 
 def leaves_of(tiles: TileSet, split: BoolArray) -> TileSet:

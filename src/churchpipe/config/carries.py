@@ -1,8 +1,8 @@
 """What the building of a case carries, and the ties in it: as the file says it, and as the settings of a stage."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, fields, is_dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from churchpipe.model.carried import AreaLoad, LineLoad, PointLoad, Pressure
 from churchpipe.model.placed_loads import Borne
 from churchpipe.model.tie_bars import AnchorPlace, TieBar
 
+_Placed = TypeVar("_Placed")
 # The tables of a case, by their keys.
 KINDS: Mapping[str, type[Any]] = {
     "line_loads": LineLoad,
@@ -50,7 +51,7 @@ class Carries:
 
     def settings(self, *keys: str) -> dict[str, Any]:
         """Return these tables as JSON has them, without the empty ones."""
-        return {key: [_plain(item) for item in getattr(self, key)] for key in keys or KINDS if getattr(self, key)}
+        return {key: [plain(item) for item in getattr(self, key)] for key in keys or KINDS if getattr(self, key)}
 
 
 def carries_of(settings: Mapping[str, Any]) -> Carries:
@@ -67,8 +68,8 @@ def placed(carries: Carries, stones: Assemblage) -> Borne:
     """
     loads = [part for key in ("line_loads", "point_loads", "area_loads", "pressures") for part in _each(carries, key)]
     for key, load in loads:
-        _tried(key, lambda load=load: place_loads(stones, [load]))
-    ties = [[_tried(name, lambda bar=bar: place_ties(stones, [bar]))[0] for name, bar in _each(carries, key)] for key in _BARS]
+        tried(key, lambda load=load: place_loads(stones, [load]))
+    ties = [[tried(name, lambda bar=bar: place_ties(stones, [bar]))[0] for name, bar in _each(carries, key)] for key in _BARS]
     return Borne(place_loads(stones, [load for _, load in loads]), tuple(ties[0]), tuple(ties[1]))
 
 
@@ -79,7 +80,8 @@ def _each(carries: Carries, key: str) -> Iterator[tuple[str, Any]]:
     yield from ((f"{key}.{number}", item) for number, item in enumerate(getattr(carries, key)))
 
 
-def _tried(key: str, place: Any) -> Any:
+def tried(key: str, place: Callable[[], _Placed]) -> _Placed:
+    """Return what is placed; an error names the table at fault, such as "ties.0"."""
     try:
         return place()
     except InputError as error:
@@ -88,14 +90,14 @@ def _tried(key: str, place: Any) -> Any:
         ) from error
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
     """Return a record or a value as JSON has it; fields that have their default are left out."""
     if is_dataclass(value) and not isinstance(value, type):
         items = ((field, getattr(value, field.name)) for field in fields(value))
-        return {field.name: _plain(item) for field, item in items if item is not None and item is not field.default}
+        return {field.name: plain(item) for field, item in items if item is not None and item is not field.default}
     if isinstance(value, np.ndarray):
         return value.tolist()
-    return [_plain(item) for item in value] if isinstance(value, tuple) else value
+    return [plain(item) for item in value] if isinstance(value, tuple) else value
 
 
 def _made(kind: type[Any], table: Mapping[str, Any]) -> Any:

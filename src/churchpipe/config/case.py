@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 from churchpipe.code_check import Site
 from churchpipe.config import overrides as changes
 from churchpipe.config.analyses import MovementSettings, RigidSettings, ShellSettings
-from churchpipe.config.carries import KINDS, Carries, placed
+from churchpipe.config.carries import KINDS, Carries, placed, tried
 from churchpipe.config.places import located
 from churchpipe.config.project import Project
 from churchpipe.config.published import Published, check_published
@@ -21,9 +21,11 @@ from churchpipe.dxf.reading import AS_DRAWN, Reading
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import path_of
 from churchpipe.model.building import Building
+from churchpipe.model.joint_group import JointGroup
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
 from churchpipe.model.quantities import in_si
+from churchpipe.model.ring_beam import RingBeam
 
 _Record = TypeVar("_Record")
 
@@ -65,6 +67,8 @@ class Case:
     check: Site | None = None
     movements: tuple[MovementSettings, ...] = ()
     published: tuple[Published, ...] = ()
+    joints: tuple[JointGroup, ...] = ()
+    ring_beams: tuple[RingBeam, ...] = ()
     carries: Carries = field(default_factory=Carries)
     project: Project = field(default_factory=Project)
     variant: Variant | None = None
@@ -90,27 +94,40 @@ class Case:
         from churchpipe.generators import generate
 
         try:
-            building = generate(self.source.generator, self.source.parameters, self.materials, self.name)
+            building = generate(self.source.generator, self.source.parameters, self.materials, self.name, self.ring_beams)
         except InputError as error:
             raise located(
                 error, self.path, self.overrides, self.source.generator, swept=self.swept, variant=self.variant
             ) from error
         known = building.macro_elements
-        for number, load in enumerate(self.loads):
-            for name in {*(load.panels or ())} - {*known}:
-                where, expected = f"{self.path}: load.{number}.panels", ", ".join(known)
+        named = [(f"load.{number}.panels", load.panels or ()) for number, load in enumerate(self.loads)]
+        named += [(f"joints.{number}", group.named) for number, group in enumerate(self.joints)]
+        for place, names in named:
+            for name in {*names} - {*known}:
+                where, expected = f"{self.path}: {place}", ", ".join(known)
                 error = InputError(where, "no such panel", found=name, expected=expected, remedy=nearest(name, known))
                 raise located(error, self.path, self.overrides, swept=self.swept, variant=self.variant)
-        if self.carries:
-            from churchpipe.stones.blocks import derive_blocks
-
+        if self.carries or self.ring_beams:
             try:
-                placed(self.carries, derive_blocks(building))
+                self._bear(building)
             except InputError as error:
                 raise located(
                     error.at(f"{self.path}: {error.where}"), self.path, self.overrides, swept=self.swept, variant=self.variant
                 ) from error
         return building
+
+    def _bear(self, building: Building) -> None:
+        """Raise InputError, with the table at fault, for beams, loads and ties that the walls cannot bear."""
+        from churchpipe.stones.blocks import derive_blocks
+        from churchpipe.stones.ring_beams import add_beams
+
+        stones = derive_blocks(replace(building, ring_beams=()))
+        weights = {material.name: material.unit_weight for material in self.materials}
+        for number in range(len(self.ring_beams)):
+            beams = self.ring_beams[: number + 1]
+            tried(f"ring_beams.{number}", lambda beams=beams: add_beams(stones, beams, weights))
+        if self.carries:
+            placed(self.carries, add_beams(stones, self.ring_beams, weights))
 
 
 def read_case(path: str | Path, overrides: Sequence[str] = ()) -> Case:
@@ -213,6 +230,11 @@ def _case(path: Path, table: dict[str, Any], swept: dict[str, Any], overrides: t
     if len(set(names)) != len(names):
         raise InputError(f"{file}: load", "two loads of one name", found=", ".join(names), expected="a name of its own for each")
     check_published(file, published, names)
+    beams = _all(RingBeam, checked, "ring_beams", file)
+    for number, beam in enumerate(beams):
+        if beam.material and beam.material not in checked["material"]:
+            where, expected = f"{file}: ring_beams.{number}.material", ", ".join(checked["material"])
+            raise InputError(where, "unknown material", found=beam.material, expected=expected)
     movements = _all(MovementSettings, checked, "movements", file)
     names = [movement.name for movement in movements]
     if len(set(names)) != len(names):
@@ -229,6 +251,8 @@ def _case(path: Path, table: dict[str, Any], swept: dict[str, Any], overrides: t
         check=record(Site, checked["check"], f"{file}: check") if "check" in checked else None,
         movements=movements,
         published=published,
+        joints=_all(JointGroup, checked, "joints", file),
+        ring_beams=beams,
         carries=Carries(**{key: _all(kind, checked, key, file) for key, kind in KINDS.items()}),
         project=record(Project, checked.get("project", {}), f"{file}: project"),
         swept=swept,

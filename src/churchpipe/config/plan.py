@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass
 from itertools import product
 from typing import Any
 
+from churchpipe.config.carries import plain
 from churchpipe.config.case import Case, Drawing
 from churchpipe.config.plausible import questions
 from churchpipe.model import swept
@@ -100,7 +101,7 @@ def plan(cases: Sequence[Case]) -> Plan:
                 settings = _curve_settings(case, geometry, load)
                 add("curve", [load.name, "curve"], case, of_stones, settings, geometry=geometry, **check)
         for movement in case.movements:
-            settings = {"geometry": geometry, "material": _strength(case), "solver": case.rigid.solver, **asdict(movement)}
+            settings = {"geometry": geometry, **_strengths(case), "solver": case.rigid.solver, **asdict(movement)}
             settings |= case.carries.settings(*_LOADS)
             settings["without_ties"] = bool(case.carries.settings("ties"))
             name = _same(case, movements, settings) or _keep(movements, [movement.name, *_words(of_stones, case)], settings)
@@ -153,6 +154,7 @@ def _geometry_settings(case: Case) -> dict[str, Any]:
         "name": case.name,
         "source": source,
         "unit_weight": {material.name: material.unit_weight for material in case.materials},
+        **({"ring_beams": [plain(beam) for beam in case.ring_beams]} if case.ring_beams else {}),
         **({"panels": _named_panels(case)} if isinstance(case.source, Drawing) else {}),
     }
 
@@ -166,7 +168,7 @@ def _rigid_settings(case: Case, geometry: str, load: LoadCase, flow: str, contac
     settings: dict[str, Any] = {
         "geometry": geometry,
         "load": load_table(load),
-        "material": _strength(case),
+        **_strengths(case),
         "flow": flow,
         "solver": case.rigid.solver,
         **case.carries.settings(),
@@ -184,7 +186,7 @@ def _rigid_settings(case: Case, geometry: str, load: LoadCase, flow: str, contac
 
 def _curve_settings(case: Case, geometry: str, load: LoadCase) -> dict[str, Any]:
     assert case.rigid.curve is not None
-    settings = {"geometry": geometry, "load": load_table(load), "material": _strength(case), "solver": case.rigid.solver}
+    settings = {"geometry": geometry, "load": load_table(load), **_strengths(case), "solver": case.rigid.solver}
     settings |= case.carries.settings(*_BORNE)
     return settings | {key: value for key, value in asdict(case.rigid.curve).items() if value is not None}
 
@@ -192,25 +194,28 @@ def _curve_settings(case: Case, geometry: str, load: LoadCase) -> dict[str, Any]
 def _shell_settings(case: Case, mesh: str, load: LoadCase, method: str) -> dict[str, Any]:
     shell = case.shell
     assert shell is not None
-    material = _strength(case)
+    strengths = _strengths(case)
+    material = strengths["material"]
     settings = {"shell": mesh, "load": load_table(load), "planes": shell.planes, "membrane": shell.membrane}
     settings |= case.carries.settings(*_BORNE)
     if method == "limit":
-        return settings | {"material": material, "solver": shell.solver}
+        return settings | strengths | {"solver": shell.solver}
     for known in case.materials:
         if known.elastic:
             material[known.name]["elastic"] = asdict(known.elastic)
     given = {"control_point": shell.control, "steps": shell.steps}
-    return settings | {"material": material} | {key: value for key, value in given.items() if value is not None}
+    return settings | strengths | {key: value for key, value in given.items() if value is not None}
 
 
-def _strength(case: Case) -> dict[str, dict[str, Any]]:
+def _strengths(case: Case) -> dict[str, Any]:
+    """Return the settings of the materials, and of the joints with a strength of their own, where there are any."""
     out: dict[str, dict[str, Any]] = {}
     for material in case.materials:
         out[material.name] = {"friction": material.friction, "cohesion": material.cohesion}
         if material.compressive_strength is not None:
             out[material.name]["compressive_strength"] = material.compressive_strength
-    return out
+    groups = {"joints": [plain(group) for group in case.joints]} if case.joints else {}
+    return {"material": out, **groups}
 
 
 def _words(values: dict[str, Any], case: Case) -> list[str]:

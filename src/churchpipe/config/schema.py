@@ -14,8 +14,10 @@ from churchpipe.config.sources import check_source
 from churchpipe.config.tables import table_of
 from churchpipe.config.variants import Variant
 from churchpipe.errors import InputError
+from churchpipe.model.joint_group import JointGroup
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
+from churchpipe.model.ring_beam import RingBeam
 
 _Name = Annotated[str, Field(pattern=r"^\w[\w .+-]*$", max_length=100)]
 _MATERIAL = table_of(Material, "Material", without=("name",), may_lack=("unit_weight", "friction"))
@@ -25,6 +27,7 @@ _CHECK = table_of(Site, "Check")
 _PUBLISHED, _VARIANT = table_of(Published, "Published"), table_of(Variant, "Variant")
 _MOVEMENT = table_of(MovementSettings, "Movement")
 _PROJECT = table_of(Project, "Project")
+_RING_BEAM, _JOINTS = table_of(RingBeam, "RingBeam"), table_of(JointGroup, "Joints")
 _CARRIED = {kind: table_of(kind, kind.__name__) for kind in KINDS.values()}
 
 
@@ -40,10 +43,12 @@ CaseTable = create_model(
     name=_key(_Name, "Of the run, for tables, pictures and folders; by default the name of the file.", ...),
     source=_key(dict[str, Any], "What the building is.", ...),
     material=_key(dict[str, _MATERIAL], "What stones and joints are made of, by name.", {}),
+    joints=_key(list[_JOINTS], "Joints with a strength of their own, in place of that of their materials.", []),
     load=_key(list[_LOAD], "What pushes, each analysed by itself.", []),
     rigid=_key(_RIGID | None, "The rigid blocks."),
     shell=_key(_SHELL | None, "The homogenised shell; left out: the rigid blocks alone."),
     **{key: _key(list[_CARRIED[kind]], MEANINGS[key], []) for key, kind in KINDS.items()},
+    ring_beams=_key(list[_RING_BEAM], "Rigid beams on the tops of walls.", []),
     check=_key(_CHECK | None, "What the earthquake asks; left out: no safety check."),
     variants=_key(list[_VARIANT], "What else the building could be, beside the building as it is.", []),
     movements=_key(list[_MOVEMENT], "Supports that move, each analysed by itself.", []),

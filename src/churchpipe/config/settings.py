@@ -5,14 +5,26 @@ from collections.abc import Mapping
 from typing import Any
 
 from churchpipe.code_check import Floor, Site
+from churchpipe.model.joint_group import JointGroup
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Elastic, JointStrength, UnitWeight
+from churchpipe.model.ring_beam import RingBeam
 from churchpipe.spectrum import SiteSpectrum
 
 
 def weights_of(settings: Mapping[str, Any]) -> list[UnitWeight]:
     """Return the unit weights of the materials of a geometry."""
     return [UnitWeight(name, weight) for name, weight in settings["unit_weight"].items()]
+
+
+def beams_of(settings: Mapping[str, Any]) -> list[RingBeam]:
+    """Return the ring beams of a geometry."""
+    return [RingBeam(**table) for table in settings.get("ring_beams", ())]
+
+
+def joints_of(settings: Mapping[str, Any]) -> list[JointGroup]:
+    """Return the joints of an analysis that have a strength of their own."""
+    return [JointGroup(**table) for table in settings.get("joints", ())]
 
 
 def load_of(settings: Mapping[str, Any]) -> LoadCase:

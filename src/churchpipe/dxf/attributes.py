@@ -18,6 +18,7 @@ class Labels:
     material: str
     panel: str
     course: int
+    butts: bool
     findings: tuple[Finding, ...]
 
 
@@ -48,8 +49,9 @@ def read_labels(
         findings += check_volume(texts[schema.VOLUME], volume, place, repair)
     course, wrong = _course(texts.get(schema.COURSE, constants.get(schema.COURSE, "")), place, repair)
     panel = texts.get(schema.PANEL_NAME, constants.get(schema.PANEL_NAME, ""))
+    butts, doubtful = _butts(texts.get(schema.BUTTS, constants.get(schema.BUTTS, "")), place, repair)
     material = instead if material is None else material
-    return Labels(name or place.handle, material, panel, course, (*findings, *wrong))
+    return Labels(name or place.handle, material, panel, course, butts, (*findings, *wrong, *doubtful))
 
 
 def check_volume(text: str, volume: float, place: Place, repair: bool) -> list[Finding]:
@@ -63,6 +65,16 @@ def check_volume(text: str, volume: float, place: Place, repair: bool) -> list[F
     if abs(float(text) - volume) > schema.VOLUME_TOLERANCE * volume:
         return [place.finding("W14", found, expected=f"{volume:.6g} from the faces, which is used")]
     return []
+
+
+def _butts(text: str, place: Place, repair: bool) -> tuple[bool, list[Finding]]:
+    if text in ("", "0", "1"):
+        return text == "1", []
+    found = f'attribute BUTTS = "{text}"'
+    if repair:
+        return True, [place.finding("W07", f"{found}: taken as 1, without mortar")]
+    remedy = "Correct it, or pass --repair to take it as 1."
+    return True, [place.finding("E07", found, expected="1, without mortar to the walls beside it, or 0", remedy=remedy)]
 
 
 def _course(text: str, place: Place, repair: bool) -> tuple[int, list[Finding]]:

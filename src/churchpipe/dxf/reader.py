@@ -252,6 +252,7 @@ def assembled(stones: Sequence[Stone], unit: str, weights: FloatArray, findings:
             material=[stone.material for stone in stones],
             panel=[stone.panel for stone in stones],
             course=[stone.course for stone in stones],
+            butts=[stone.butts for stone in stones],
             block_id=[stone.name for stone in stones],
         )
     except InputError as error:

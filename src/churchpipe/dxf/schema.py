@@ -28,7 +28,7 @@ CENTROID_TAG: Final = "G"
 
 # Attributes of a definition (constant) and of an insert (variable).
 VOLUME, NFACES = "VOLUME", "NFACES"
-ID, MATERIAL, PANEL_NAME, COURSE = "ID", "MATERIAL", "PANEL", "COURSE"
+ID, MATERIAL, PANEL_NAME, COURSE, BUTTS = "ID", "MATERIAL", "PANEL", "COURSE", "BUTTS"
 
 # Custom document properties.
 SCHEMA_PROPERTY: Final = "CP_SCHEMA"

@@ -46,6 +46,7 @@ class Stone:
     material: str
     panel: str = ""
     course: int = -1
+    butts: bool = False
     size: float | None = None
 
 
@@ -362,7 +363,9 @@ def _add_stone(found: Survey, content: Definition, texts: dict[str, str], branch
     )
     found.findings += labels.findings
     name = "/".join((*branch.names, labels.name + suffix))
-    found.stones.append(Stone(points, faces, branch.fixed, place, name, labels.material, labels.panel, labels.course))
+    found.stones.append(
+        Stone(points, faces, branch.fixed, place, name, labels.material, labels.panel, labels.course, labels.butts)
+    )
 
 
 def _placed(points: FloatArray, faces: Faces, matrix: Matrix) -> tuple[FloatArray, Faces]:

@@ -66,6 +66,7 @@ def write_dxf(
     scale = 1.0 / schema.metres(units)
     optional = [schema.PANEL_NAME] if (assemblage.panel != "").any() else []
     optional += [schema.COURSE] if assemblage.coursed.any() else []
+    optional += [schema.BUTTS] if assemblage.butts.any() else []
     for number, shape in enumerate(recurrence.shapes):
         _add_definition(document, f"{schema.BLOCK_PREFIX}{number + 1}", shape, scale, optional)
     _save(document, _inserts(document, assemblage, recurrence, scale), path)
@@ -139,6 +140,8 @@ def _inserts(document: Any, stones: Assemblage, recurrence: Recurrence, scale: f
             texts[schema.PANEL_NAME] = str(stones.panel[index])
         if stones.course[index] >= 0:
             texts[schema.COURSE] = str(stones.course[index])
+        if stones.butts[index]:
+            texts[schema.BUTTS] = "1"
         for tag, text in texts.items():
             text = schema.check_text(f"stone {stones.block_id[index]}: {tag}", text)
             parts.append(f"  0\nATTRIB\n  5\n{handles.next()}\n{common}100\nAcDbText\n{where} 40\n2.5\n  1\n{text}\n")

@@ -1,7 +1,7 @@
 """Parameters in, a building out: one module a family of structures."""
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from churchpipe.generators.apse import ApseParameters, apse
@@ -17,6 +17,7 @@ from churchpipe.generators.vault import VaultParameters, vault
 from churchpipe.generators.wall import WallParameters, wall
 from churchpipe.model.building import Building
 from churchpipe.model.materials import UnitWeight
+from churchpipe.model.ring_beam import RingBeam
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +61,9 @@ __all__ = [
 ]
 
 
-def generate(generator: str, parameters: Mapping[str, Any], materials: Iterable[UnitWeight], name: str) -> Building:
-    """Return the building that a generator makes of its parameters, SI."""
-    return GENERATORS[generator].build(**parameters, name=name, materials=tuple(materials))
+def generate(
+    generator: str, parameters: Mapping[str, Any], materials: Iterable[UnitWeight], name: str, ring_beams: Iterable[RingBeam] = ()
+) -> Building:
+    """Return the building that a generator makes of its parameters, SI, with ring beams."""
+    built = GENERATORS[generator].build(**parameters, name=name, materials=tuple(materials))
+    return replace(built, ring_beams=tuple(ring_beams)) if ring_beams else built

@@ -46,7 +46,8 @@ def point_strength(
     friction, cohesion = by_facet(shell.material, materials)
     lintel = ~shell.yields[facet]
     friction = np.where(lintel, SOLVER.lintel_friction, friction[facet])
-    cohesion = np.where(lintel, 0.0, cohesion[facet])
+    dry = lintel | (shell.bonds[shell.cell] == "butt")[facet]
+    cohesion = np.where(dry, 0.0, cohesion[facet])
     tension = SOLVER.lintel_tension * unit * np.array([1.0, 1.0, 0.0, 0.0, 0.0, 0.0])
     sizes = np.column_stack([shell.unit_cells[shell.cell], shell.thickness])
     bond, rank = np.unique(shell.bonds, return_inverse=True)

@@ -12,6 +12,7 @@ from churchpipe.io.atomic import write_json
 from churchpipe.model.arguments import check_kind
 from churchpipe.model.building import BondRegion, Building, Chart, Junction, Opening, Panel, Part, Support, UnitCell
 from churchpipe.model.materials import Elastic, Material, UnitWeight
+from churchpipe.model.ring_beam import RingBeam
 from churchpipe.model.vault import Run, Section, Side, Vault
 
 SCHEMA = "churchpipe building 1"
@@ -19,7 +20,7 @@ SCHEMA = "churchpipe building 1"
 _TYPES = {
     kind.__name__: kind
     for kind in (
-        *(Building, Panel, Junction, Part, BondRegion, UnitCell, Opening, *get_args(Chart), Support),
+        *(Building, RingBeam, Panel, Junction, Part, BondRegion, UnitCell, Opening, *get_args(Chart), Support),
         *(Vault, Run, Section, Side, UnitWeight, Material, Elastic),
     )
 }

@@ -30,7 +30,7 @@ class Absent:
 
 # Raise the number when the fields of a type change: an artifact of another version is then named, not misread.
 SCHEMAS: dict[type, str] = {
-    Assemblage: "churchpipe assemblage 1",
+    Assemblage: "churchpipe assemblage 2",
     Contacts: "churchpipe contacts 2",
     LimitState: "churchpipe limit-state 2",
     ShellModel: "churchpipe shell 1",

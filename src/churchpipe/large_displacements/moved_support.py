@@ -13,6 +13,7 @@ from churchpipe.large_displacements.settlement_path import settlement_path
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
+from churchpipe.model.joint_group import JointGroup
 from churchpipe.model.materials import JointStrength
 from churchpipe.model.settlement import SettlementPath
 from churchpipe.stones.contacts import find_contacts
@@ -39,9 +40,11 @@ def moved_support(
     tolerances: Mapping[str, Any],
     dead_on: Callable[[Assemblage], FloatArray | None],
     progress: Progress | None = None,
+    groups: Sequence[JointGroup] = (),
 ) -> MovedSupport:
     """Return what a movement of a case does; settings: the fields of its `MovementSettings`, and the solver; dead_on: the
-    wrenches (nb, 6) of what the building carries, on the stones with their ground cut.
+    wrenches (nb, 6) of what the building carries, on the stones with their ground cut; groups: joints with a strength of their
+    own.
 
     Raises
     ------
@@ -51,7 +54,7 @@ def moved_support(
     try:
         foot = footing(stones, contacts, place)
         joints = find_contacts(foot.stones, **tolerances) if foot.cut else contacts
-        friction, _ = joint_strength(foot.stones, joints, materials)
+        friction, _ = joint_strength(foot.stones, joints, materials, groups)
         path = settlement_path(
             foot.stones,
             joints,

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial import ConvexHull
 
 from churchpipe.errors import InputError
-from churchpipe.loading.walls import points_of
+from churchpipe.geometry.walls import points_of
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.polyhedra import face_normals

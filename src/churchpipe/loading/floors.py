@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from churchpipe.errors import InputError
+from churchpipe.geometry.walls import WallLine
 from churchpipe.loading.bearing import CLOSE
-from churchpipe.loading.walls import WallLine
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.carried import AreaLoad
 

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from churchpipe.errors import InputError
+from churchpipe.geometry.walls import WallLine, wall_line
 from churchpipe.loading.bearing import CLOSE, bearing_stones
 from churchpipe.loading.floors import floor_lines
 from churchpipe.loading.pressure import pressure_forces
-from churchpipe.loading.walls import WallLine, wall_line
 from churchpipe.model.arguments import check_kind, describe
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage, checked_sequence

@@ -4,8 +4,8 @@ import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.geometry.locate import inside_stones
+from churchpipe.geometry.walls import WallLine, points_of
 from churchpipe.loading.bearing import CLOSE
-from churchpipe.loading.walls import WallLine, points_of
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.carried import Pressure

@@ -6,8 +6,8 @@ import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.geometry.locate import stones_at
+from churchpipe.geometry.walls import WallLine, points_of, wall_line
 from churchpipe.loading.plates import plate_on
-from churchpipe.loading.walls import WallLine, points_of, wall_line
 from churchpipe.model.arguments import check_kind, listed
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage

@@ -1,7 +1,7 @@
 """The stones of a building as flat arrays."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, cast
 
 import numpy as np
@@ -42,7 +42,8 @@ class Assemblage:
     nodes `face_nodes[face_ptr[f]:face_ptr[f + 1]]`, indices into `points`.
 
     Fields: points (nv, 3) m; centroid (nb, 3) m; volume (nb,) m3; unit_weight (nb,) N/m3; material, panel (nb,) names;
-    course (nb,), counted from 0 at the bottom, -1 unknown; fixed (nb,) True for ground; block_id (nb,) unique names.
+    course (nb,), counted from 0 at the bottom, -1 unknown; fixed (nb,) True for ground; block_id (nb,) unique names; butts (nb,)
+    True for stones that no mortar joins to those of other panels beside them, False if left out.
     """
 
     points: FloatArray
@@ -58,6 +59,7 @@ class Assemblage:
     course: IntArray
     fixed: BoolArray
     block_id: NameArray
+    butts: BoolArray = field(default_factory=lambda: np.empty(0, dtype=np.bool_))
 
     def __post_init__(self) -> None:
         nv, nb = rows_of("Assemblage.points", self.points), rows_of("Assemblage.volume", self.volume)
@@ -77,6 +79,7 @@ class Assemblage:
             course=_courses(self.course, nb),
             fixed=flags("Assemblage.fixed", self.fixed, (nb,)),
             block_id=names("Assemblage.block_id", self.block_id, (nb,)),
+            butts=flags("Assemblage.butts", self.butts if np.size(self.butts) else np.zeros(nb, dtype=np.bool_), (nb,)),
         )
         _check_solids(self)
 
@@ -112,6 +115,7 @@ class Assemblage:
         panel: str | Sequence[str] = "",
         course: int | Sequence[int] = -1,
         block_id: Sequence[str] | None = None,
+        butts: bool | Sequence[bool] = False,
     ) -> "Assemblage":
         """Build an assemblage from anybody's polyhedra.
 
@@ -125,7 +129,7 @@ class Assemblage:
             N/m3, scalar or one a stone.
         fixed
             Indices of the stones that are ground, or a flag for each stone.
-        material, panel, course, block_id
+        material, panel, course, block_id, butts
             One value for all or one a stone; ids default to "B0", "B1", ...
 
         Raises
@@ -168,6 +172,7 @@ class Assemblage:
             course=one_each("course", array_of("course", course, "iu", "whole numbers").astype(np.int64), count),
             fixed=fixed_flags,
             block_id=_ids(block_id, count),
+            butts=one_each("butts", array_of("butts", butts, "b", "True or False"), count),
         )
 
     def _repr_html_(self) -> str:
@@ -193,6 +198,7 @@ def assemble(
     course: IntArray,
     fixed: BoolArray,
     block_id: NameArray,
+    butts: BoolArray | None = None,
 ) -> Assemblage:
     """Build an `Assemblage` from flat arrays, computing volumes and centroids; inside-out solids are turned."""
     volume, centroid = solid_properties(points, face_nodes, face_ptr, block_face_ptr)
@@ -213,6 +219,7 @@ def assemble(
         course=course,
         fixed=fixed,
         block_id=block_id,
+        butts=np.zeros(len(fixed), dtype=np.bool_) if butts is None else butts,
     )
 
 

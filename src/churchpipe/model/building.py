@@ -10,6 +10,7 @@ from churchpipe.model.arguments import check_kind, describe, finite, listed, one
 from churchpipe.model.arrays import FloatArray, flags, floats, indices, store
 from churchpipe.model.materials import UnitWeight
 from churchpipe.model.quantities import Distance, Whole
+from churchpipe.model.ring_beam import RingBeam
 from churchpipe.model.vault import Vault
 
 Pattern = Literal["running", "stack", "header-stretcher", "voussoir", "single"]
@@ -257,7 +258,8 @@ class Support:
 @dataclass(frozen=True, slots=True)
 class Building:
     """Panels and vaults, the unit weights of their materials (a `Material` has one), the height of the ground plane in m (None:
-    no ground plane), further fixed bodies, and the junctions that are not toothed as those of the panels are by themselves.
+    no ground plane), further fixed bodies, the junctions that are not toothed as those of the panels are by themselves, and ring
+    beams.
     """
 
     name: str
@@ -267,6 +269,7 @@ class Building:
     supports: tuple[Support, ...] = ()
     vaults: tuple[Vault, ...] = ()
     junctions: tuple[Junction, ...] = ()
+    ring_beams: tuple[RingBeam, ...] = ()
 
     def __post_init__(self) -> None:
         where = f"Building {text('Building.name', self.name)}"
@@ -277,6 +280,7 @@ class Building:
             supports=tuple(listed(f"{where}.supports", self.supports, Support)),
             vaults=tuple(listed(f"{where}.vaults", self.vaults, Vault)),
             junctions=tuple(listed(f"{where}.junctions", self.junctions, Junction)),
+            ring_beams=tuple(listed(f"{where}.ring_beams", self.ring_beams, RingBeam)),
         )
         if self.ground is not None:
             finite(f"{where}.ground", self.ground)
@@ -291,15 +295,17 @@ class Building:
                 )
         known = {m.name for m in self.materials}
         used = [(f"Panel {p.name}", {p.material, *(region.material for region in p.regions)}) for p in self.panels]
-        for owner, materials in used + [(f"Vault {vault.name}", {vault.material}) for vault in self.vaults]:
+        used += [(f"Vault {vault.name}", {vault.material}) for vault in self.vaults]
+        for owner, materials in used + [(f"ring beam {' '.join(beam.walls)}", {beam.material}) for beam in self.ring_beams]:
             for name in materials - known - {""}:
                 raise InputError(f"{owner}.material", "unknown material", found=name, expected=", ".join(sorted(known)))
 
     @property
     def macro_elements(self) -> tuple[str, ...]:
-        """Names of its panels, of their parts and of the parts of its vaults."""
+        """Names of its panels, of their parts, of the parts of its vaults, and of its ring beams."""
         walls = [name for panel in self.panels for name in (panel.name, *(part.name for part in panel.parts))]
-        return (*walls, *(part for vault in self.vaults for part in vault.parts))
+        vaults = (part for vault in self.vaults for part in vault.parts)
+        return (*walls, *vaults, *(body for beam in self.ring_beams for body in beam.bodies))
 
 
 def _outline(where: str, outline: FloatArray) -> FloatArray:

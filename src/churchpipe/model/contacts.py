@@ -1,6 +1,7 @@
 """Interfaces between stones and their contact points: geometry only."""
 
 from dataclasses import dataclass, field
+from typing import Literal, get_args
 
 import numpy as np
 
@@ -12,7 +13,9 @@ from churchpipe.model.card import card
 
 # A contact point lies in the box of both its stones, or beyond it by this share of their diagonals at most.
 _SLACK = 0.05
-KINDS = ("bed", "head", "radial", "junction", "base")
+# What joints are; "butt": a junction of two walls without mortar, so without cohesion.
+ContactKind = Literal["bed", "head", "radial", "junction", "butt", "base"]
+KINDS: tuple[ContactKind, ...] = get_args(ContactKind)
 # Faces nearer than this, m, touch: so much is lost where coordinates are rounded to six decimals.
 TOUCHING = 1e-6
 

@@ -17,10 +17,10 @@ _JOINT = Quantity(
 _POISSON = Quantity("", 0.0, high=0.5, below=True)
 _MORTAR = Quantity("_mm", 0.0, above=True, span=(1e-9, 1e2))
 _WEIGHT = Quantity("_kN_m3", 0.0, above=True, usual=Usual(8, 35, "light tuff to basalt"), span=(1e-6, 1e9))
-_FRICTION = Quantity(
+FRICTION = Quantity(
     low=0.0, usual=Usual(0.1, 1.5, "slopes of 6 to 56 degrees; joints of stone have 0.4 to 0.8"), span=(1e-6, 1e3)
 )
-_COHESION = Quantity(
+COHESION = Quantity(
     "_kPa", 0.0, usual=Usual(0, 2000, "joints of lime mortar reach 200 kPa, of cement mortar 2000"), span=(1e-6, 1e12)
 )
 _CRUSHING = Quantity(
@@ -84,8 +84,8 @@ class JointStrength:
     """
 
     name: str
-    friction: Annotated[float, _FRICTION, "Coefficient of friction of the joints, the tangent of the friction angle."]
-    cohesion: Annotated[float, _COHESION, "Shear strength of a joint without compression."] = 0.0
+    friction: Annotated[float, FRICTION, "Coefficient of friction of the joints, the tangent of the friction angle."]
+    cohesion: Annotated[float, COHESION, "Shear strength of a joint without compression."] = 0.0
     elastic: Annotated[Elastic | None, "How the masonry deforms, for the capacity curve of the shell."] = None
     compressive_strength: Annotated[
         float | None, _CRUSHING, "Pressure at which the masonry crushes, in the rigid blocks; left out: it does not."

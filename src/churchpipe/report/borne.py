@@ -6,10 +6,11 @@ from typing import Any
 import numpy as np
 
 from churchpipe.loading.ties import anchors_of
-from churchpipe.mechanism import velocity_at
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.motion import velocity_at
 from churchpipe.model.placed_loads import Borne
+from churchpipe.model.ring_beam import RING_BEAM
 from churchpipe.report import colours
 from churchpipe.report.table import Row, figure
 
@@ -30,6 +31,16 @@ def load_rows(borne: Mapping[str, Borne]) -> list[list[str]]:
             walls = ", ".join(np.unique(loads.wall[mine]).tolist())
             found.setdefault(name, [name, walls, *(f"{value / 1e3:.1f}" for value in sums)])
     return list(found.values())
+
+
+def beam_rows(stones: Assemblage) -> list[list[str]]:
+    """Return a row for each ring beam: name, material, height m and weight kN."""
+    rows: list[list[str]] = []
+    for stone in np.flatnonzero(np.char.startswith(stones.panel, RING_BEAM) & (stones.course < 0)).tolist():
+        height = np.ptp(stones.points[slice(*stones.block_point_ptr[stone : stone + 2]), 2])
+        name, material = str(stones.panel[stone]), str(stones.material[stone])
+        rows.append([name, material, f"{height:.2f}", f"{stones.weight[stone] / 1e3:.1f}"])
+    return rows
 
 
 def tie_rows(rows: Sequence[Row]) -> list[list[str]]:

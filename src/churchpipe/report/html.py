@@ -18,7 +18,7 @@ from churchpipe.model.results import LimitState
 from churchpipe.model.shell import ShellModel
 from churchpipe.report import both, viewer
 from churchpipe.report.block_curves import block_curve_plots
-from churchpipe.report.borne import candidate_rows, load_rows, tie_rows
+from churchpipe.report.borne import beam_rows, candidate_rows, load_rows, tie_rows
 from churchpipe.report.contact_models import contact_model_rows
 from churchpipe.report.displacements import displacement_checks
 from churchpipe.report.drawings import drawings_svg
@@ -118,6 +118,7 @@ def write_report(
         guidance=summary.get("guidance", []),
         questions=summary.get("questions", []),
         load_rows=load_rows(borne or {}),
+        beam_rows=beam_rows(stones),
         tie_rows=tie_rows(rows),
         candidate_rows=candidate_rows(rows),
         notes=[(row.label, note) for row in rows if (note := status_note(stones, row))],

@@ -223,6 +223,8 @@ def point_strength(
     compressive strength (Pa).
     """
     mu, c = (_of_interfaces(name, value, contacts) for name, value in (("friction", friction), ("cohesion", cohesion)))
+    if np.ndim(cohesion) == 0:
+        c = np.where(contacts.kind == "butt", 0.0, c)
     if parts is None:
         interface = contacts.interface_of_point
         area = (contacts.area / np.maximum(contacts.points_per_interface, 1))[interface]

@@ -14,6 +14,7 @@ from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
+from churchpipe.model.motion import velocity_at
 from churchpipe.model.results import LimitState
 from churchpipe.model.ties import RankedTie, Tie
 from churchpipe.rigid_blocks.limit import limit_analysis
@@ -23,8 +24,7 @@ def elongation_rate(stones: Assemblage, velocities: FloatArray, tie: Tie) -> flo
     """Return how fast velocities (nb, 6) lengthen a tie, in their unit of length."""
     ends: list[float] = []
     for anchor in anchors_of(stones, tie):
-        motion = velocities[anchor.stone]
-        moved = motion[:, :3] + np.cross(motion[:, 3:], anchor.point - stones.centroid[anchor.stone])
+        moved = velocity_at(stones, velocities, anchor.stone, anchor.point)
         ends.append(float(anchor.share @ moved @ tie.axis))
     return ends[1] - ends[0]
 

@@ -7,7 +7,6 @@ import numpy as np
 from churchpipe.bond.count import check_count
 from churchpipe.bond.parts import part_names
 from churchpipe.bond.patterns import bond_of
-from churchpipe.bond.period import bond_name
 from churchpipe.errors import InputError
 from churchpipe.geometry.charts import lift
 from churchpipe.geometry.clusters import NODE_TOLERANCE, clusters, components
@@ -18,6 +17,7 @@ from churchpipe.model.building import BondRegion, Building, PlaneChart, Support
 from churchpipe.model.materials import by_name
 from churchpipe.model.polyhedra import face_normals
 from churchpipe.model.shell import ShellModel
+from churchpipe.shell_mesh.butt_joints import with_butt_joints
 from churchpipe.shell_mesh.midplanes import MidSurface, mid_surfaces
 from churchpipe.shell_mesh.self_weight import weight_factors
 from churchpipe.shell_mesh.subdivision import Subdivision, subdivide
@@ -56,41 +56,45 @@ def derive_shell(building: Building, element_size: float, sizes: Mapping[str, fl
     if not building.panels and not building.vaults:
         raise InputError(f"building {building.name}", "no walls", found=0, expected="at least one panel or vault")
     check_count(building)
+    if building.ring_beams:
+        found = ", ".join(body for beam in building.ring_beams for body in beam.bodies)
+        remedy = "Rigid blocks take them as they are."
+        raise InputError(f"building {building.name}", "the shell has no ring beams", found=found, remedy=remedy)
     if building.vaults:
         return _vault_shell(building, element_size)
-    _check_bonds(building)
     lengths = _sizes(building, element_size, sizes or {})
-    surfaces = mid_surfaces(building.panels)
+    panels, names = with_butt_joints(building)
+    surfaces = mid_surfaces(panels, building.junctions)
     meshes = _meshes(surfaces, subdivide(surfaces, lengths))
     counts = [len(mesh.bond) for mesh in meshes]
     points, triangles = _merged(surfaces, meshes)
     facets = [points[part] for part in np.split(triangles, np.cumsum(counts)[:-1])]
     bonds = [
         (region.cell.a, region.cell.b, region.yields and region.pattern != "single")
-        for panel in building.panels
+        for panel in panels
         for region in panel.regions
     ]
-    names = np.array([bond_name(region) for panel in building.panels for region in panel.regions])
+    names = np.array(names)
     _, rank = np.unique(names, return_inverse=True)
     _, first, cell = np.unique(
         np.column_stack([[bond[:2] for bond in bonds], rank.ravel()]), axis=0, return_index=True, return_inverse=True
     )
-    start = np.cumsum([0] + [len(panel.regions) for panel in building.panels])
+    start = np.cumsum([0] + [len(panel.regions) for panel in panels])
     bond = np.concatenate([mesh.bond + offset for mesh, offset in zip(meshes, start[:-1], strict=True)])
     weights = {name: material.unit_weight for name, material in by_name(building.materials).items()}
-    material = np.array([region.material or panel.material for panel in building.panels for region in panel.regions])[bond]
+    material = np.array([region.material or panel.material for panel in panels for region in panel.regions])[bond]
     shell = ShellModel(
         points=points,
         triangles=triangles,
         axes=np.concatenate([_axes(*part) for part in zip(surfaces, meshes, facets, strict=True)]),
-        thickness=np.repeat([panel.thickness for panel in building.panels], counts),
+        thickness=np.repeat([panel.thickness for panel in panels], counts),
         surface_weight=np.array([weights[name] for name in material.tolist()])
         * np.concatenate([_thickness_carried(*part) for part in zip(surfaces, meshes, facets, strict=True)]),
         cell=cell.ravel()[bond],
         unit_cells=np.array([bond[:2] for bond in bonds])[first],
         bonds=names[first],
         material=material,
-        panel=np.concatenate([part_names(p, m.corners.mean(axis=1)) for p, m in zip(building.panels, meshes, strict=True)]),
+        panel=np.concatenate([part_names(p, m.corners.mean(axis=1)) for p, m in zip(panels, meshes, strict=True)]),
         yields=np.array([bond[2] for bond in bonds])[bond],
         supported=_supported(building, points),
     )
@@ -249,21 +253,6 @@ def _touching(support: Support, points: FloatArray) -> BoolArray:
     nodes = np.array([node for face in support.faces for node in face], dtype=np.int64)
     _, normal, mean = face_normals(support.points, nodes, np.cumsum([0] + [len(face) for face in support.faces]))
     return (points @ normal.T - np.einsum("fc,fc->f", normal, mean) < NODE_TOLERANCE).all(axis=1)
-
-
-def _check_bonds(building: Building) -> None:
-    for junction in building.junctions:
-        if junction.every != 2 or junction.cracked:
-            raise InputError(
-                f"junction of {' and '.join(junction.walls)}",
-                "the shell joins walls as if they were toothed on every other course, and would overrate this junction",
-                found="cracked"
-                if junction.cracked
-                else f"every {junction.every} courses"
-                if junction.every
-                else "a butt junction",
-                remedy="Rigid blocks take it as it is.",
-            )
 
 
 def _check_resting(shell: ShellModel) -> None:

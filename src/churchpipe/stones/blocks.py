@@ -7,7 +7,7 @@ import numpy as np
 from churchpipe.bond.count import check_count
 from churchpipe.bond.junction import wall_junctions
 from churchpipe.bond.parts import part_names
-from churchpipe.bond.tiles import TileSet
+from churchpipe.bond.tiles import TileSet, beside
 from churchpipe.bond.voids import voids_of
 from churchpipe.bond.volume import masonry_volume
 from churchpipe.bond.walls import lay_wall, wall_region
@@ -15,13 +15,14 @@ from churchpipe.errors import InputError
 from churchpipe.geometry.planar import centroids
 from churchpipe.geometry.polygons import TOLERANCE, snap
 from churchpipe.model.arguments import check_kind
-from churchpipe.model.arrays import FloatArray, IntArray, NameArray
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, NameArray
 from churchpipe.model.assemblage import Assemblage, assemble
 from churchpipe.model.building import Building, CylinderChart, Panel
 from churchpipe.model.materials import by_name
 from churchpipe.model.vault import Vault
 from churchpipe.stones.pierced import pierced_solids
 from churchpipe.stones.prisms import Solids, solids_of, stations_of, thicken
+from churchpipe.stones.ring_beams import add_beams
 from churchpipe.vaults.stones import stone_parts, vault_stones
 
 # Relative difference allowed between the stones and the walls.
@@ -31,7 +32,7 @@ GROUND = "ground"
 
 def derive_blocks(building: Building) -> Assemblage:
     """Return the stones of a building: first the fixed bodies (ground plate, supports), then the stones of the walls, panel by
-    panel, then those of the vaults.
+    panel, then those of the vaults, and ring beams.
 
     Stones are named "panel-course-number", numbered along the course; voussoirs "panel-region-number". The volume of the stones
     is checked against that of the walls and vaults.
@@ -55,7 +56,8 @@ def derive_blocks(building: Building) -> Assemblage:
     tiles = [lay_wall(*wall) for wall in zip(building.panels, solids, junctions, strict=True)]
     walls = [_solids(panel, own) for panel, own in zip(building.panels, tiles, strict=True)]
     vaults = [solids_of(vault_stones(vault)) for vault in building.vaults]
-    stones = _assemble(building, tiles, [*_fixed_bodies(building, [*walls, *vaults]), *walls, *vaults])
+    butts = [beside(own, wall.dry) for own, wall in zip(tiles, junctions, strict=True)]
+    stones = _assemble(building, tiles, [*_fixed_bodies(building, [*walls, *vaults]), *walls, *vaults], butts)
     stations = [stations_of(panel.chart, wall) for panel, wall in zip(building.panels, tiles, strict=True)]
     expected = sum(vault.volume for vault in building.vaults)
     if building.panels:
@@ -69,7 +71,7 @@ def derive_blocks(building: Building) -> Assemblage:
             expected=f"{expected:.9g} m3 of walls and vaults",
             remedy="Look for rings, lintels or walls that overlap, or parts of a wall without a bond.",
         )
-    return stones
+    return add_beams(stones, building.ring_beams, {material.name: material.unit_weight for material in building.materials})
 
 
 def _solids(panel: Panel, tiles: TileSet) -> Solids:
@@ -115,7 +117,7 @@ def _ground_plate(points: FloatArray, level: float) -> Solids:
     )
 
 
-def _assemble(building: Building, tiles: Sequence[TileSet], bodies: Sequence[Solids]) -> Assemblage:
+def _assemble(building: Building, tiles: Sequence[TileSet], bodies: Sequence[Solids], butts: Sequence[BoolArray]) -> Assemblage:
     point_offset = np.cumsum([0] + [len(body.points) for body in bodies])
     node_offset = np.cumsum([0] + [len(body.face_nodes) for body in bodies])
     face_offset = np.cumsum([0] + [len(body.face_ptr) - 1 for body in bodies])
@@ -149,6 +151,9 @@ def _assemble(building: Building, tiles: Sequence[TileSet], bodies: Sequence[Sol
         course=np.concatenate([np.full(len(fixed_names), -1), *(t.course for t in tiles), *(course for _, course in parts)]),
         fixed=np.arange(len(material)) < len(fixed_names),
         block_id=np.array([*fixed_names, *names]),
+        butts=np.concatenate(
+            [np.zeros(len(fixed_names), dtype=np.bool_), *butts, np.zeros(sum(len(p) for p, _ in parts), dtype=np.bool_)]
+        ),
     )
 
 

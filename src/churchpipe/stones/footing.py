@@ -137,5 +137,6 @@ def _with_boxes(
         course=np.concatenate([stones.course[keep], np.full(more, -1)]),
         fixed=np.concatenate([stones.fixed[keep], np.ones(more, dtype=bool)]),
         block_id=np.concatenate([stones.block_id[keep], names]),
+        butts=np.concatenate([stones.butts[keep], np.zeros(more, dtype=bool)]),
     )
     return found, np.arange(found.count - len(moving), found.count)

@@ -89,5 +89,6 @@ def _kinds(stones: Assemblage, blocks: IntArray, found: Interfaces) -> np.ndarra
     level = np.where(found.exact, 1e-6, 1.0 - np.cos(UPRIGHT))
     kind = np.select([upward > 1 - level, upward < np.where(found.exact, 1e-6, np.sin(UPRIGHT))], ["bed", "head"], "radial")
     panels = stones.panel[blocks]
-    kind = np.where((panels[:, 0] != panels[:, 1]) & (kind == "head"), "junction", kind)
+    of_walls = np.where(stones.butts[blocks].any(axis=1), "butt", "junction")
+    kind = np.where((panels[:, 0] != panels[:, 1]) & (kind == "head"), of_walls, kind)
     return np.where(stones.fixed[blocks].any(axis=1), "base", kind)

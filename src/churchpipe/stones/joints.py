@@ -6,16 +6,19 @@ import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import check_kind, listed
-from churchpipe.model.arrays import FloatArray, IntArray
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts, check_contacts_of
+from churchpipe.model.joint_group import JointGroup
 from churchpipe.model.materials import JointStrength, by_name
 
 
-def joint_strength(stones: Assemblage, contacts: Contacts, materials: Sequence[JointStrength]) -> tuple[FloatArray, FloatArray]:
+def joint_strength(
+    stones: Assemblage, contacts: Contacts, materials: Sequence[JointStrength], groups: Sequence[JointGroup] = ()
+) -> tuple[FloatArray, FloatArray]:
     """Return friction coefficient (ni,) and cohesion (ni,) Pa of each interface.
 
-    Where two materials meet the weaker one rules; on the ground that of the stone.
+    Where two materials meet the weaker one rules; on the ground that of the stone. Butt joints have no cohesion.
 
     Parameters
     ----------
@@ -25,11 +28,14 @@ def joint_strength(stones: Assemblage, contacts: Contacts, materials: Sequence[J
         Its joints, from `find_contacts`.
     materials
         Strength of the joints of each masonry, by name.
+    groups
+        Joints with a strength of their own; of two that pick a joint, the one listed later rules.
 
     Raises
     ------
     InputError
-        Arguments of the wrong kind; a stone of a material that is not among `materials`, or one that is there twice.
+        Arguments of the wrong kind; a stone of a material that is not among `materials`, or one that is there twice; a group of
+        walls that are not there, or of no joint.
     """
     row, used = _materials_of(stones, contacts, materials)
     out: list[FloatArray] = []
@@ -37,7 +43,43 @@ def joint_strength(stones: Assemblage, contacts: Contacts, materials: Sequence[J
         weaker = _weaker(stones, contacts, row, values)
         # Ground on ground carries nothing that matters, but must be a number.
         out.append(np.where(np.isfinite(weaker), weaker, 0.0))
-    return out[0], out[1]
+    friction, cohesion = out[0], np.where(contacts.kind == "butt", 0.0, out[1])
+    for group in listed("joint_strength: groups", groups, JointGroup):
+        chosen = joints_of(stones, contacts, group)
+        if group.friction is not None:
+            friction = np.where(chosen, group.friction, friction)
+        if group.cohesion is not None:
+            cohesion = np.where(chosen, group.cohesion, cohesion)
+    return friction, cohesion
+
+
+def joints_of(stones: Assemblage, contacts: Contacts, group: JointGroup) -> BoolArray:
+    """Return which interfaces (ni,) a group picks.
+
+    Raises
+    ------
+    InputError: walls that are not there, no such joint.
+    """
+    known = sorted(set(stones.panel[~stones.fixed].tolist()) - {""})
+    for name in group.named:
+        if name not in known:
+            raise InputError(f"joints {group.name}", "no such wall", found=name, expected=", ".join(known))
+    panels, held = stones.panel[contacts.blocks], stones.fixed[contacts.blocks]
+    chosen = np.ones(len(contacts.blocks), dtype=np.bool_)
+    if group.kind is not None:
+        chosen &= contacts.kind == group.kind
+    if group.walls:
+        chosen &= (held | np.isin(panels, group.walls)).all(axis=1) & ~held.all(axis=1)
+    if group.between is not None:
+        chosen &= np.isin(panels, group.between).all(axis=1) & (panels[:, 0] != panels[:, 1])
+    z = np.add.reduceat(contacts.point[:, 2], contacts.point_ptr[:-1]) / contacts.points_per_interface
+    if group.above is not None:
+        chosen &= z > group.above
+    if group.below is not None:
+        chosen &= z < group.below
+    if not chosen.any():
+        raise InputError(f"joints {group.name}", "no such joint", expected="kind, walls and heights that some joint has")
+    return chosen
 
 
 def crushing_strength(stones: Assemblage, contacts: Contacts, materials: Sequence[JointStrength]) -> FloatArray | None:

@@ -6,8 +6,12 @@ import numpy as np
 import pytest
 
 from churchpipe.config.carries import carries_of, placed
-from churchpipe.config.case import read_case
+from churchpipe.config.case import read_case, read_variants
+from churchpipe.config.plan import plan
+from churchpipe.config.settings import joints_of
 from churchpipe.errors import InputError
+from churchpipe.io.building_json import read_building, write_building
+from churchpipe.shell_mesh.shell import derive_shell
 from churchpipe.stones.blocks import derive_blocks
 
 CASE = """
@@ -101,3 +105,78 @@ def test_what_is_wrong_is_said_with_its_line(tmp_path: Path, given: str, wrong: 
     assert given in CASE
     with pytest.raises(InputError, match=rf"loaded\.toml: {said}"):
         read_case(case_of(tmp_path, CASE.replace(given, wrong))).building()
+
+
+BEAM = """
+[[ring_beams]]
+walls = ["wall"]
+height_m = 0.3
+material = "concrete"
+[material.concrete]
+unit_weight_kN_m3 = 25.0
+friction = 0.5
+"""
+
+
+def test_a_ring_beam_of_a_case_is_a_stone_on_its_wall(tmp_path: Path) -> None:
+    building = read_case(case_of(tmp_path, CASE + BEAM)).building()
+    write_building(tmp_path / "building.json", building)
+    stones = derive_blocks(read_building(tmp_path / "building.json"))
+    assert (str(stones.panel[-1]), str(stones.material[-1])) == ("beam on wall", "concrete")
+    assert stones.weight[-1] == pytest.approx(25e3 * 4.0 * 0.5 * 0.3)
+    assert building.macro_elements == ("wall", "beam on wall")
+    with pytest.raises(InputError, match="the shell has no ring beams; found beam on wall"):
+        derive_shell(building, 0.5)
+
+
+BAD_BEAMS = [
+    (
+        'walls = ["wall"]',
+        'walls = ["roof"]',
+        r"line 41, ring_beams.0: ring beam on roof: no such wall; found roof",
+    ),
+    ("height_m = 0.3", "height_m = 0", r"line 43, ring_beams.0.height_m: wrong value"),
+    (
+        "height_m = 0.3",
+        "height_m = 0.3\nwidth_m = 0.6",
+        r"line 41, ring_beams.0: ring beam on wall: width: out of range",
+    ),
+    ("height_m = 0.3", "height_m = 0.3\nto_m = 5.0", r"line 41, ring_beams.0: ring beam on wall: not on the wall's level top"),
+    ('material = "concrete"', 'material = "timber"', r"line 44, ring_beams.0.material: unknown material; found timber"),
+]
+
+
+@pytest.mark.parametrize(("given", "wrong", "said"), BAD_BEAMS)
+def test_what_is_wrong_with_a_beam_is_said_with_its_line(tmp_path: Path, given: str, wrong: str, said: str) -> None:
+    assert given in BEAM
+    with pytest.raises(InputError, match=rf"loaded\.toml: .*{said}"):
+        read_case(case_of(tmp_path, CASE + BEAM.replace(given, wrong))).building()
+
+
+JOINTS = """
+[[joints]]
+name = "damp course"
+kind = "base"
+friction = 0.3
+[[joints]]
+name = "grouted"
+walls = ["wall"]
+above_m = 1.0
+cohesion_kPa = 50
+"""
+
+
+def test_joints_with_a_strength_of_their_own_reach_the_settings_of_the_analyses(tmp_path: Path) -> None:
+    index = plan(read_variants(case_of(tmp_path, CASE + JOINTS)))
+    (settings,) = index.analyses.values()
+    base, grouted = joints_of(settings)
+    assert (base.kind, base.friction, base.cohesion) == ("base", 0.3, None)
+    assert (grouted.walls, grouted.above, grouted.cohesion) == (("wall",), 1.0, 50e3)
+    for given, wrong, said in (
+        ('walls = ["wall"]', 'walls = ["roof"]', "line 45, joints.1: no such panel; found roof"),
+        ('kind = "base"', 'kind = "bass"', "line 43, joints.0.kind"),
+        ("friction = 0.3", "", "line 41, joints.0: no strength"),
+        ("friction = 0.3", "friction = -0.3", "line 44, joints.0.friction: wrong value"),
+    ):
+        with pytest.raises(InputError, match=rf"loaded\.toml: {said}"):
+            read_case(case_of(tmp_path, CASE + JOINTS.replace(given, wrong))).building()

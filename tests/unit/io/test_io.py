@@ -106,7 +106,7 @@ def test_npz_of_equal_content_is_equal_to_the_byte(tmp_path: Path) -> None:
 
 def test_npz_of_another_type_or_form_is_named(tmp_path: Path) -> None:
     write_npz(tmp_path / "stones.npz", irrational())
-    with pytest.raises(InputError, match=r"another schema; found churchpipe assemblage 1; expected churchpipe contacts 2"):
+    with pytest.raises(InputError, match=r"another schema; found churchpipe assemblage 2; expected churchpipe contacts 2"):
         read_npz(tmp_path / "stones.npz", Contacts)
     whole = (tmp_path / "stones.npz").read_bytes()
     (tmp_path / "cut.npz").write_bytes(whole[: len(whole) // 2])

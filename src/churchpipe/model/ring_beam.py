@@ -1,0 +1,58 @@
+"""Ring beams on the tops of walls."""
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from churchpipe.errors import InputError
+from churchpipe.model.arguments import finite, listed, positive, text
+from churchpipe.model.arrays import flags, store
+from churchpipe.model.carried import Metres
+from churchpipe.model.quantities import Quantity
+
+# How the names of beams as panels begin.
+RING_BEAM = "beam "
+_Size = Annotated[float, Quantity("_m", 0.0, above=True)]
+
+
+@dataclass(frozen=True, slots=True)
+class RingBeam:
+    """Rigid beams on the level tops of walls, which friction alone holds to the masonry: one on each, or one along all of them.
+
+    Raises
+    ------
+    InputError
+        No walls, one twice, sizes that are not above zero, ends that are not in order.
+    """
+
+    walls: Annotated[tuple[str, ...], "Names of straight walls."]
+    height: Annotated[_Size, "Of the beam."]
+    width: Annotated[_Size | None, "Of the beam; left out: the thickness of each wall."] = None
+    begin: Annotated[Metres | None, Quantity("_m", key="from_m"), "Along each wall, as in `line_loads`; by default its end."] = (
+        None
+    )
+    end: Annotated[Metres | None, Quantity("_m", key="to_m"), "Likewise its other end."] = None
+    closed: Annotated[bool, "One rigid beam along all its walls, which have to meet; false: one on each wall."] = False
+    material: Annotated[str, "A [material] of the case; left out: that of each wall."] = ""
+    name: Annotated[str, "For messages, tables and pictures; by default those of its walls."] = ""
+
+    def __post_init__(self) -> None:
+        walls = tuple(text("ring beam: walls", wall) for wall in listed("ring beam: walls", self.walls, str))
+        where = f"ring beam {self.name or ' '.join(walls)}".strip()
+        if not walls or len(set(walls)) < len(walls):
+            raise InputError(f"{where}: walls", "not walls to lie on", found=", ".join(walls), expected="each named once")
+        for key in ("height", "width"):
+            if getattr(self, key) is not None:
+                positive(f"{where}: {key}", getattr(self, key))
+        ends = [
+            None if one is None else finite(f"{where}: {key}", one) for key, one in (("begin", self.begin), ("end", self.end))
+        ]
+        if None not in ends and not ends[0] < ends[1]:  # pyright: ignore[reportOptionalOperand]
+            raise InputError(where, "no length", found=f"from {ends[0]:g} m to {ends[1]:g} m", expected="begin < end")
+        store(self, walls=walls, begin=ends[0], end=ends[1], closed=bool(flags(f"{where}: closed", self.closed, ())))
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """Names of its beams, as panels of the stones."""
+        if self.closed:
+            return (f"{RING_BEAM}{self.name or ' '.join(self.walls)}",)
+        return tuple(f"{RING_BEAM}on {wall}" for wall in self.walls)

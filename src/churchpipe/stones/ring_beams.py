@@ -1,0 +1,180 @@
+"""Ring beams: rigid stones along the tops of walls, which friction alone holds to the masonry."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from churchpipe.errors import InputError
+from churchpipe.geometry.planar import pieces, polygon, united
+from churchpipe.geometry.prism import prism_of
+from churchpipe.geometry.walls import WallLine, wall_line
+from churchpipe.model.arguments import check_kind, positive
+from churchpipe.model.arrays import FloatArray
+from churchpipe.model.assemblage import Assemblage, Polyhedron, assemble
+from churchpipe.model.ring_beam import RingBeam
+
+# A wall's top is level to this, m.
+_LEVEL = 1e-5
+# Beams of several walls that meet within this are one, m.
+_MEET = 1e-6
+CONCRETE = 25e3
+
+
+@dataclass(frozen=True, slots=True)
+class _Stretch:
+    """A beam along one wall: span (2,) m along it, its width m."""
+
+    wall: WallLine
+    span: tuple[float, float]
+    width: float
+
+    @property
+    def plan(self) -> FloatArray:
+        """Its corners (4, 2) m, counter-clockwise."""
+        (s0, s1), half = self.span, self.width / 2
+        return np.array([self.wall.at(s0, -half), self.wall.at(s1, -half), self.wall.at(s1, half), self.wall.at(s0, half)])
+
+
+def with_ring_beams(
+    stones: Assemblage,
+    walls: Sequence[str],
+    *,
+    height: float,
+    unit_weight: float = CONCRETE,
+    width: float | None = None,
+    begin: float | None = None,
+    end: float | None = None,
+    closed: bool = False,
+) -> Assemblage:
+    """Return the stones with a rigid beam on the level top of each of some walls, or with one along all of them.
+
+    A beam lies in the middle of its wall and rests on it by friction. Single beams that meet at a corner butt against each other.
+    Its weight presses and is pushed as that of any stone.
+
+    Parameters
+    ----------
+    stones
+        With the names of their walls as `panel`.
+    walls
+        Names of straight walls.
+    height
+        Of the beams, m.
+    unit_weight
+        N/m3; that of concrete unless given.
+    width
+        Of the beams, m; None: the thickness of each wall.
+    begin, end
+        m along each wall, as in `LineLoad`, where a beam stops short of what stands higher; None: the wall's own ends.
+    closed
+        One rigid beam along all the walls, which have to meet, at one level.
+
+    Returns
+    -------
+    Assemblage
+        The stones, and after them the beams, as panels "beam on WALL", or "beam WALLS", of the material of their wall.
+
+    Raises
+    ------
+    InputError
+        A wall that is not there, is not straight or has no level top; a beam wider than its wall, or without height; walls of
+        one beam that do not meet, or not at one level.
+    """
+    check_kind("with_ring_beams: stones", stones, Assemblage)
+    positive("ring beam: unit weight", unit_weight)
+    beam = RingBeam(tuple(walls), height, width, begin, end, closed)
+    return add_beams(stones, [beam], dict.fromkeys(stones.material.tolist(), unit_weight))
+
+
+def add_beams(stones: Assemblage, beams: Iterable[RingBeam], unit_weight: Mapping[str, float]) -> Assemblage:
+    """Return the stones with beams after them; unit_weight: of each material, N/m3. Errors as of `with_ring_beams`."""
+    out = stones
+    taken: list[_Stretch] = []
+    for beam in beams:
+        solids: list[Polyhedron] = []
+        own: list[_Stretch] = []
+        for name in beam.walls:
+            stretch = _stretch(stones, beam, name)
+            if not beam.closed:
+                stretch = _shortened(stretch, taken)
+                taken.append(stretch)
+                solids.append(_over(stretch.plan, stretch.wall.top, beam.height))
+            own.append(stretch)
+        if beam.closed:
+            taken += own
+            solids = [_along_all(beam, own)]
+        for solid, name, stretch in zip(solids, beam.bodies, own, strict=False):
+            material = beam.material or str(stones.material[stretch.wall.stones[0]])
+            out = _joined(out, solid, unit_weight[material], name, material)
+    return out
+
+
+def _stretch(stones: Assemblage, beam: RingBeam, name: str) -> _Stretch:
+    where = f"ring beam on {name}"
+    wall = wall_line(stones, name, where)
+    width = wall.thickness if beam.width is None else beam.width
+    if not width <= wall.thickness + _LEVEL:
+        raise InputError(f"{where}: width", "out of range", found=width, expected=f"at most {wall.thickness:.6g} m")
+    high = np.maximum.reduceat(stones.points[:, 2], stones.block_point_ptr[:-1])[wall.stones]
+    upper = wall.stones[high > wall.top - _LEVEL]
+    covered = stones.points[np.isin(np.repeat(np.arange(stones.count), np.diff(stones.block_point_ptr)), upper)]
+    along = covered[np.abs(covered[:, 2] - wall.top) < _LEVEL, :2] @ wall.axis - float(wall.origin @ wall.axis)
+    low, high = float(along.min()), float(along.max())
+    span = low if beam.begin is None else beam.begin, high if beam.end is None else beam.end
+    if not low - _LEVEL <= span[0] < span[1] <= high + _LEVEL:
+        found, expected = f"from {span[0]:g} m to {span[1]:g} m", f"within {low:.6g} and {high:.6g} m"
+        raise InputError(where, "not on the wall's level top", found=found, expected=expected)
+    return _Stretch(wall, span, width)
+
+
+def _shortened(one: _Stretch, taken: Iterable[_Stretch]) -> _Stretch:
+    """Return a beam up to the faces of those that it would run into."""
+    begin, end = one.span
+    origin = one.wall.at(0.0)
+    for other in taken:
+        if abs(float(one.wall.axis @ other.wall.axis)) > 0.5:
+            continue
+        along, across = (other.plan - origin) @ one.wall.axis, (other.plan - origin) @ one.wall.normal
+        low, high = float(along.min()), float(along.max())
+        if across.min() >= one.width / 2 or across.max() <= -one.width / 2 or low >= end or high <= begin:
+            continue
+        begin, end = (high, end) if low <= begin + one.width else (begin, low)
+    return _Stretch(one.wall, (begin, end), one.width)
+
+
+def _along_all(beam: RingBeam, stretches: Sequence[_Stretch]) -> Polyhedron:
+    """Return one body over the walls of a beam."""
+    where = f"ring beam {beam.name or ' '.join(beam.walls)}"
+    tops = [stretch.wall.top for stretch in stretches]
+    if max(tops) - min(tops) > _LEVEL:
+        found = ", ".join(f"{stretch.wall.name} at {stretch.wall.top:.6g} m" for stretch in stretches)
+        raise InputError(where, "its walls do not end at one level", found=found, expected="one height for one rigid beam")
+    parts = pieces(united([polygon(stretch.plan) for stretch in stretches], _MEET))
+    if len(parts) > 1:
+        found = f"{len(parts)} parts"
+        raise InputError(
+            where, "its walls do not meet", found=found, expected="walls that meet at corners", remedy="closed = false"
+        )
+    points, faces = prism_of(parts[0])
+    return points * [1.0, 1.0, beam.height] + [0.0, 0.0, max(tops)], faces
+
+
+def _over(plan: FloatArray, level: float, height: float) -> Polyhedron:
+    points, faces = prism_of(polygon(plan))
+    return points * [1.0, 1.0, height] + [0.0, 0.0, level], faces
+
+
+def _joined(stones: Assemblage, solid: Polyhedron, unit_weight: float, panel: str, material: str) -> Assemblage:
+    beam = Assemblage.from_polyhedra([solid], unit_weight, material=material, panel=panel, block_id=[panel])
+    points, faces = len(stones.points), len(stones.face_ptr) - 1
+    return assemble(
+        points=np.concatenate([stones.points, beam.points]),
+        face_nodes=np.concatenate([stones.face_nodes, beam.face_nodes + points]),
+        face_ptr=np.concatenate([stones.face_ptr, beam.face_ptr[1:] + len(stones.face_nodes)]),
+        block_face_ptr=np.concatenate([stones.block_face_ptr, beam.block_face_ptr[1:] + faces]),
+        block_point_ptr=np.concatenate([stones.block_point_ptr, beam.block_point_ptr[1:] + points]),
+        **{
+            name: np.concatenate([getattr(stones, name), getattr(beam, name)])
+            for name in ("unit_weight", "material", "panel", "course", "fixed", "block_id", "butts")
+        },
+    )
