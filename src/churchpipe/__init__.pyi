@@ -4,6 +4,7 @@ from .dxf.reader import read_dxf as read_dxf
 from .dxf.writer import write_dxf as write_dxf
 from .errors import InputError as InputError
 from .geometry.repair import repair_polyhedra as repair_polyhedra
+from .hand_on import write_report as write_report
 from .homogenised_shell.joint_groups import shell_joint_groups as shell_joint_groups
 from .homogenised_shell.limit import shell_limit_analysis as shell_limit_analysis
 from .homogenised_shell.pushover import pushover as pushover

@@ -86,3 +86,15 @@ def test_a_curve_is_drawn() -> None:
     figure.savefig(io.BytesIO())
     with pytest.raises(InputError, match="not a capacity curve"):
         cp.plot(STATE)
+
+
+def test_results_are_written_as_a_report(tmp_path: Path) -> None:
+    load = cp.LoadCase((1, 0, 0))
+    brick = cp.Material("default", 2e4, 0.7)
+    cp.write_report(tmp_path / "r.html", STONES, CONTACTS, [(load, STATE)], materials=[brick], name="Two <stones>")
+    html = (tmp_path / "r.html").read_text(encoding="utf-8")
+    assert f"{STATE.load_factor:.4f}" in html
+    assert "Two &lt;stones&gt;" in html
+    with pytest.raises(InputError, match="write_report: results: not a result of this model; found 3"):
+        cp.write_report(tmp_path / "no.html", STONES, CONTACTS, [(load, 3)], materials=[brick])  # pyright: ignore
+    assert not (tmp_path / "no.html").exists()

@@ -14,10 +14,11 @@ _TITLES = {"client": "client", "author": "author", "date": "date", "revision": "
 def title_block(project: Mapping[str, str], case_text: str, versions: Mapping[str, str]) -> list[tuple[str, str]]:
     """Return title and text of the entries of a title block.
 
-    The case is known by the first digits of the SHA-256 of its text: two reports with the same digits are of the same input.
+    A case is known by the first digits of the SHA-256 of its text: two reports with the same digits are of the same input.
     """
     entries = [(title, project[key]) for key, title in _TITLES.items() if project.get(key)]
-    entries.append(("case file", f"SHA-256 {hashlib.sha256(case_text.encode()).hexdigest()[:12]}"))
+    if case_text:
+        entries.append(("case file", f"SHA-256 {hashlib.sha256(case_text.encode()).hexdigest()[:12]}"))
     if "churchpipe" in versions:
         entries.append(("made with", f"churchpipe {versions['churchpipe']}"))
     return entries

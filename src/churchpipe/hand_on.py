@@ -1,0 +1,114 @@
+"""The report of results obtained in Python."""
+
+import os
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from churchpipe import compare
+from churchpipe.errors import Extra, InputError
+from churchpipe.io.recording import record_of, shell_record_of
+from churchpipe.loading.placing import place_loads
+from churchpipe.match import match_models
+from churchpipe.model.arguments import check_kind, describe, listed, path_of
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.carried import Carried
+from churchpipe.model.contacts import Contacts, check_contacts_of
+from churchpipe.model.loads import LoadCase
+from churchpipe.model.materials import JointStrength
+from churchpipe.model.names import STRENGTH
+from churchpipe.model.placed_loads import Borne
+from churchpipe.model.results import CapacityCurve, LimitState, ShellLimitState
+from churchpipe.model.shell import ShellModel
+from churchpipe.model.ties import Tie
+from churchpipe.run_folder import versions
+
+Result = LimitState | ShellLimitState | CapacityCurve
+_MESH = "shell"
+
+
+def write_report(
+    path: str | os.PathLike[str],
+    stones: Assemblage,
+    contacts: Contacts,
+    results: Iterable[tuple[LoadCase, Result]],
+    *,
+    materials: Sequence[JointStrength],
+    shell: ShellModel | None = None,
+    loads: Iterable[Carried] = (),
+    ties: Sequence[Tie] = (),
+    name: str = "Results",
+) -> None:
+    """Write results obtained in Python as the report that a run of a case makes: one HTML file, drawings and mechanisms in it.
+
+    Parameters
+    ----------
+    path
+        The file to write, such as "report.html".
+    stones, contacts
+        The structure.
+    results
+        Load case and result of each analysis: states of the stones, and states or capacity curves of the shell.
+    materials
+        Strength of the joints of each masonry, by name.
+    shell
+        The mesh of the results of the shell; the report says whether it matches the stones.
+    loads
+        What the stones carry in these analyses; `loaded` made the load cases of it.
+    ties
+        Those of the analyses of the stones and of the shell.
+    name
+        Title of the report.
+
+    Raises
+    ------
+    InputError
+        Arguments of the wrong kind, a result of other stones or of another mesh, a package of `churchpipe[all]` that is missing.
+    """
+    check_kind("write_report: stones", stones, Assemblage)
+    check_kind("write_report: contacts", contacts, Contacts)
+    check_contacts_of(stones, contacts)
+    html = path_of("write_report: path", path)
+    materials = listed("write_report: materials", materials, JointStrength)
+    with Extra("the report"):
+        from churchpipe.report.html import write_report as write_html
+    borne = Borne(place_loads(stones, loads), tuple(listed("write_report: ties", ties, Tie)))
+    of_blocks: list[tuple[dict[str, Any], LimitState]] = []
+    of_shell: list[tuple[dict[str, Any], str, ShellLimitState | CapacityCurve]] = []
+    for number, (load, result) in enumerate(results, 1):
+        check_kind("write_report: load", load, LoadCase)
+        label = {"name": f"{number} {load.name}", "variant": None}
+        if isinstance(result, LimitState) and len(result.velocities) == stones.count:
+            record = record_of(result, load, materials, ties=borne.ties).as_words()
+            of_blocks.append((label | record | compare.stone_parts(stones, result, load), result))
+            continue
+        motion = result.displacement if isinstance(result, CapacityCurve) else getattr(result, "velocities", ())
+        if not isinstance(result, Result) or isinstance(result, LimitState) or shell is None or len(motion) != len(shell.points):
+            expected = "a result of these stones" if shell is None else "a result of these stones or of this shell"
+            raise InputError("write_report: results", "not a result of this model", found=describe(result), expected=expected)
+        method = "pushover" if isinstance(result, CapacityCurve) else "limit"
+        record = shell_record_of(result, load, materials, method=method, planes=STRENGTH, ties=borne.ties).as_words()
+        parts = compare.shell_parts(shell, result, load) if isinstance(result, ShellLimitState) else {}
+        of_shell.append((label | record | parts, _MESH, result))
+    meshes = {}
+    if shell is not None:
+        gate = match_models(stones, contacts, shell, borne.loads).as_dict() | {"message": ""}
+        size = float(np.sqrt(2 * np.median(shell.area)))
+        meshes = {_MESH: compare.shell_figures(shell, gate, "base", round(size, 3))}
+    analyses = [record for record, *_ in (*of_blocks, *of_shell)]
+    write_html(
+        html,
+        summary=compare.summary(name, {"base": compare.figures(stones, contacts)}, meshes, analyses, []),
+        stones=stones,
+        contacts=contacts,
+        results=of_blocks,
+        shells={} if shell is None else {_MESH: shell},
+        shell_results=of_shell,
+        project={"title": name},
+        materials=[asdict(material) for material in materials],
+        borne={str(record["name"]): borne for record, _ in of_blocks},
+        case_text="",
+        versions=versions(),
+    )
