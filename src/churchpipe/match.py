@@ -1,5 +1,6 @@
 """The gate: proof that stones and shell are one building."""
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -81,7 +82,9 @@ class Match:
         return {"passed": self.passed, "junction_overlap": self.junction_overlap, "figures": figures}
 
 
-def match_models(stones: Assemblage, contacts: Contacts, shell: ShellModel, loads: PlacedLoads | None = None) -> Match:
+def match_models(
+    stones: Assemblage, contacts: Contacts, shell: ShellModel, loads: PlacedLoads | Sequence[PlacedLoads] | None = None
+) -> Match:
     """Compare the two models of a building.
 
     Weight, in all and wall by wall (panels side by side in one plane, toothed into one another, are one); centroid; volume
@@ -94,11 +97,12 @@ def match_models(stones: Assemblage, contacts: Contacts, shell: ShellModel, load
     stones, contacts, shell
         The two models, by the same panel names.
     loads
-        What the building carries, whose forces and moments must come to the same on both.
+        What the building carries, whose forces and moments must come to the same on both; of several cases of one mesh, of each.
     """
     for name, value, kind in (("stones", stones, Assemblage), ("contacts", contacts, Contacts), ("shell", shell, ShellModel)):
         check_kind(f"match_models: {name}", value, kind)
     check_contacts_of(stones, contacts)
+    cases = () if loads is None else (loads,) if isinstance(loads, PlacedLoads) else tuple(loads)
     free = ~stones.fixed
     # Stones without a panel have no mid-surface to compare with; the figures of the whole count them.
     panels = np.setdiff1d(np.concatenate([stones.panel[free], shell.panel]), [""])
@@ -126,13 +130,13 @@ def match_models(stones: Assemblage, contacts: Contacts, shell: ShellModel, load
             *_openings(stones, shell, facet, outside),
             _supported_area(stones, contacts, shell, carried),
             *_beds(stones, contacts, shell, facet),
-            *(_carried(stones, shell, loads) if loads is not None else ()),
+            *(figure for part in enumerate(cases, 1) for figure in _carried(stones, shell, *part)),
         ),
         float(shell.area @ shell.thickness) / volume - 1,
     )
 
 
-def _carried(stones: Assemblage, shell: ShellModel, loads: PlacedLoads) -> list[Figure]:
+def _carried(stones: Assemblage, shell: ShellModel, number: int, loads: PlacedLoads) -> list[Figure]:
     """Compare force and moment of the loads, moments over the size of the building, by the larger one."""
     figures: list[Figure] = []
     arm = np.repeat([1.0, 1.0 / stones.size], 3)
@@ -140,7 +144,8 @@ def _carried(stones: Assemblage, shell: ShellModel, loads: PlacedLoads) -> list[
         sizes = [float(np.abs(arm * part).max()) for part in (of_stones, of_shell)]
         apart = float(np.abs(arm * (of_shell - of_stones)).max()) / (max(sizes) or 1.0)
         ours, theirs = (float(np.linalg.norm(part[:3])) for part in (of_stones, of_shell))
-        figures.append(Figure(f"loads carried: {name}", ours, theirs, "N", apart, LOADS))
+        which = f", case {number}" if number > 1 else ""
+        figures.append(Figure(f"loads carried: {name}{which}", ours, theirs, "N", apart, LOADS))
     return figures
 
 

@@ -188,8 +188,9 @@ def match(shell: Path, carried: Path, assemblage: Path, contacts: Path, record: 
     if isinstance(mesh, Absent):
         write_json(record, {"passed": False, "message": mesh.reason, "figures": []})
         return
-    stones, carries = read_npz(assemblage, Assemblage), carries_of(read_json(carried))
-    found = match_models(stones, read_npz(contacts, Contacts), mesh, placed(carries, stones).loads if carries else None)
+    stones = read_npz(assemblage, Assemblage)
+    loads = [placed(carries_of(table), stones).loads for table in read_json(carried) if table]
+    found = match_models(stones, read_npz(contacts, Contacts), mesh, loads)
     write_json(record, found.as_dict() | {"message": ""})
 
 

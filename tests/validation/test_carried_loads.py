@@ -156,6 +156,9 @@ def test_both_models_carry_the_same(size: float) -> None:
     ]
     assert [figure.name for figure in figures] == ["loads carried: dead", "loads carried: masses"]
     assert all(figure.passed and figure.tolerance == 1e-9 for figure in figures)
+    # Several cases of one mesh are compared each.
+    twice = cp.match_models(stones, cp.find_contacts(stones), shell, [placed, place_loads(stones, loads[:1])]).figures
+    assert [figure.name for figure in twice[-2:]] == ["loads carried: dead, case 2", "loads carried: masses, case 2"]
 
 
 def shell_of_wall(rows: int, length: float = 2.0) -> cp.ShellModel:

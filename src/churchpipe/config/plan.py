@@ -23,8 +23,8 @@ class Plan:
     """What a run makes: `index` is the table of contents, the others the settings of each stage by the name of its folder.
 
     geometries: settings of the stones. contacts: the tolerances of their joints that the case gives, by the same names.
-    shells: of the meshes. carried: what the building carries, by the names of the meshes, for their gate. analyses: of the
-    analyses of both models; `kinds` has the kind of each: "rigid", "curve", "limit" or "pushover". movements: of the supports
+    shells: of the meshes. carried: what the building carries in each case of a mesh, by their names, for their gate. analyses: of
+    both models; `kinds` has the kind of each: "rigid", "curve", "limit" or "pushover". movements: of the supports
     that move.
     A name is a label, nobody parses it.
     """
@@ -35,7 +35,7 @@ class Plan:
     shells: dict[str, dict[str, Any]]
     analyses: dict[str, dict[str, Any]]
     movements: dict[str, dict[str, Any]]
-    carried: dict[str, dict[str, Any]]
+    carried: dict[str, list[dict[str, Any]]]
 
     @property
     def kinds(self) -> dict[str, str]:
@@ -68,7 +68,7 @@ def plan(cases: Sequence[Case]) -> Plan:
     moved: dict[str, dict[str, Any]] = {}
     places: dict[str, str] = {}
     variants: dict[str | None, dict[str, Any]] = {}
-    carried: dict[str, dict[str, Any]] = {}
+    carried: dict[str, list[dict[str, Any]]] = {}
 
     def add(kind: str, words: list[str], case: Case, swept: dict[str, Any], settings: dict[str, Any], **place: Any) -> None:
         check = place.get("check")
@@ -111,10 +111,10 @@ def plan(cases: Sequence[Case]) -> Plan:
         meshed = {key: value for key, value in case.swept.items() if swept.changes_mesh(key)}
         settings = {"geometry": geometry, "element_size": case.shell.element_size}
         loads = case.carries.settings(*_LOADS)
-        mesh = _same(case, {key: (table, carried[key]) for key, table in shells.items()}, (settings, loads))
-        mesh = mesh or _keep(shells, _words(meshed, case) or ["base"], settings)
+        mesh = _same(case, shells, settings) or _keep(shells, _words(meshed, case) or ["base"], settings)
         places[mesh] = geometry
-        carried.setdefault(mesh, loads)
+        if loads not in carried.setdefault(mesh, []):
+            carried[mesh].append(loads)
         for load in case.loads:
             for method in case.shell.analyses:
                 settings = _shell_settings(case, mesh, load, method)

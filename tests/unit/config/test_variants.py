@@ -138,6 +138,13 @@ def test_ties_and_loads_are_added_by_a_variant(tmp_path: Path) -> None:
     assert list(todo.geometries) == ["base"]
     assert "ties" in todo.analyses["+y_associative_tied"]
     assert "ties" not in todo.analyses["+y_associative"]
-    # The gate compares what both models carry, so that another load is another match.
-    assert list(todo.shells) == ["base", "roofed"]
-    assert list(map(bool, todo.carried.values())) == [False, True]
+    # The gate of a mesh compares what both models carry in each case of it.
+    assert list(todo.shells) == ["base"]
+    assert [len(table) for table in todo.carried["base"]] == [0, 1]
+
+
+def test_the_gate_of_a_mesh_knows_the_loads_of_all_swept_cases(tmp_path: Path) -> None:
+    roof = '[[line_loads]]\nwall = "wall"\ndead_kN_m = 2\n[shell]\nelement_size_mm = 200\n'
+    todo = plan(read_variants(case_file(tmp_path, WALL + roof + '[sweep]\n"line_loads.0.dead_kN_m" = [1.0, 2.0, 3.0]\n')))
+    (swept,) = todo.carried.values()
+    assert [table["line_loads"][0]["dead"] for table in swept] == [1e3, 2e3, 3e3]
