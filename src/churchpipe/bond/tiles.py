@@ -83,7 +83,7 @@ def beside(tiles: TileSet, rectangles: FloatArray) -> BoolArray:
     begin, end = rectangles[:, :2], rectangles[:, 2:]
     meets = (np.abs(high[..., 0] - begin[:, 0]) < TOLERANCE) | (np.abs(low[..., 0] - end[:, 0]) < TOLERANCE)
     level = np.minimum(high[..., 1], end[:, 1]) - np.maximum(low[..., 1], begin[:, 1]) > TOLERANCE
-    return (meets & level).any(axis=1)
+    return np.any(meets & level, axis=1)
 
 
 def leaves_of(tiles: TileSet, split: BoolArray) -> TileSet:

@@ -43,12 +43,10 @@ class RingBeam:
         for key in ("height", "width"):
             if getattr(self, key) is not None:
                 positive(f"{where}: {key}", getattr(self, key))
-        ends = [
-            None if one is None else finite(f"{where}: {key}", one) for key, one in (("begin", self.begin), ("end", self.end))
-        ]
-        if None not in ends and not ends[0] < ends[1]:  # pyright: ignore[reportOptionalOperand]
-            raise InputError(where, "no length", found=f"from {ends[0]:g} m to {ends[1]:g} m", expected="begin < end")
-        store(self, walls=walls, begin=ends[0], end=ends[1], closed=bool(flags(f"{where}: closed", self.closed, ())))
+        begin, end = (None if one is None else finite(f"{where}: ends", one) for one in (self.begin, self.end))
+        if begin is not None and end is not None and not begin < end:
+            raise InputError(where, "no length", found=f"from {begin:g} m to {end:g} m", expected="begin < end")
+        store(self, walls=walls, begin=begin, end=end, closed=bool(flags(f"{where}: closed", self.closed, ())))
 
     @property
     def bodies(self) -> tuple[str, ...]:

@@ -91,7 +91,8 @@ def sensitivities(state: LimitState, stones: Assemblage, contacts: Contacts, loa
     sides = row[contacts.blocks]
     of_wall = sides >= 0
     share = joint[:, None] / np.maximum(of_wall.sum(axis=1), 1)[:, None]
-    cohesion = np.bincount(sides[of_wall], np.broadcast_to(share, sides.shape)[of_wall], len(panel))
+    halves = np.broadcast_to(share, sides.shape)[of_wall].astype(np.float64)
+    cohesion = np.bincount(sides[of_wall], halves, len(panel)).astype(np.float64)
     pushed = np.ones(stones.count) if load.panels is None else np.isin(stones.panel, load.panels).astype(np.float64)
     gain = state.velocities[:, 2] - state.load_factor * pushed * (state.velocities[:, :3] @ load.direction)
     volume = np.where(free, stones.volume, 0.0)[free]

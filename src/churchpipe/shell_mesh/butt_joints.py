@@ -7,6 +7,7 @@ joint does: pressure across it, and along it the friction of that pressure.
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import repeat
 
 import numpy as np
 
@@ -43,7 +44,8 @@ def with_butt_joints(building: Building) -> tuple[tuple[Panel, ...], list[BondNa
     for panel, junctions in zip(building.panels, wall_junctions(building.panels, solids, building.junctions), strict=True):
         strips = _strips(panel, _stacked(junctions.dry))
         panels.append(replace(panel, regions=(*panel.regions, *strips)))
-        bonds += [*(bond_name(region) for region in panel.regions), *(["butt"] * len(strips))]
+        bonds.extend(bond_name(region) for region in panel.regions)
+        bonds.extend(repeat("butt", len(strips)))
     return tuple(panels), bonds
 
 
