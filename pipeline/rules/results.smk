@@ -11,9 +11,9 @@ rule compare:
         records=files_of(ANALYSES, "json"),
         states=files_of(ANALYSES, "npz"),
         movements=expand("movement/{movement}/movement.json", movement=MOVEMENTS),
+        samples=expand("sample/{sample}/records.json", sample=SAMPLES),
     output:
-        summary="summary.json",
-        table="table.csv",
+        **{"summary": "summary.json", "table": "table.csv"} | ({"samples": "samples.csv"} if SAMPLES else {}),
     log:
         "log/compare/all.txt",
     benchmark:
@@ -22,7 +22,7 @@ rule compare:
     resources:
         mem_mb=MEMORY,
     shell:
-        STAGE + " compare all {input.plan:q} {output.summary:q} {output.table:q}" + LOG
+        STAGE + " compare all {input.plan:q} {output:q}" + LOG
 
 
 for number, geometry in enumerate(GEOMETRIES):

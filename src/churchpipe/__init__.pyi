@@ -1,5 +1,7 @@
 from ._version import __version__ as __version__
 from .config import read_case as read_case
+from .config.distributions import SampledParameter as SampledParameter
+from .config.distributions import sample_points as sample_points
 from .dxf.reader import read_dxf as read_dxf
 from .dxf.writer import write_dxf as write_dxf
 from .errors import InputError as InputError
@@ -72,3 +74,5 @@ from .thrust_lines import RingForces as RingForces
 from .thrust_lines import ThrustLine as ThrustLine
 from .thrust_lines import ring_forces as ring_forces
 from .thrust_lines import thrust_line as thrust_line
+from .uncertainty import Uncertainty as Uncertainty
+from .uncertainty import assess_uncertainty as assess_uncertainty

@@ -9,7 +9,7 @@ import numpy as np
 from churchpipe.code_check import CONFIDENCE_FACTOR, Site, activation, along, verdict_record
 from churchpipe.errors import InputError
 from churchpipe.loading.wrenches import pushed_masses
-from churchpipe.mechanism import moving_stones, parts, stone_speed
+from churchpipe.mechanism import mechanism_name, moving_stones, parts, stone_speed
 from churchpipe.model.arrays import BoolArray, FloatArray, NameArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
@@ -217,7 +217,7 @@ def _is_number(value: object) -> bool:
 
 
 def stone_parts(stones: Assemblage, state: LimitState, load: LoadCase) -> dict[str, Any]:
-    """Return {"parts": ...}, the macro-elements of a mechanism of the stones; nothing where there are no two of them."""
+    """Return the macro-elements of a mechanism of the stones ("parts") and its name; nothing where there are no two of them."""
     moving = moving_stones(stone_speed(stones, state.velocities))
     return _parts(stones.panel, stones.weight, state.velocities[:, :3], moving, load)
 
@@ -231,7 +231,7 @@ def shell_parts(shell: ShellModel, state: ShellLimitState, load: LoadCase) -> di
 
 def _parts(panel: NameArray, weight: FloatArray, velocity: FloatArray, moving: BoolArray, load: LoadCase) -> dict[str, Any]:
     found = parts(panel, weight, velocity, moving, load.direction)
-    return {"parts": [part.as_dict() for part in found]} if len(found) > 1 else {}
+    return {"parts": [part.as_dict() for part in found], "mechanism": mechanism_name(found)} if len(found) > 1 else {}
 
 
 def safety(

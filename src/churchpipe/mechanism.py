@@ -1,5 +1,6 @@
 """What moves in a collapse mechanism, and how much of each named part."""
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -10,6 +11,8 @@ from churchpipe.model.assemblage import Assemblage
 
 # A stone slower than this share of the mechanism's speed stands still: solvers leave such a dust of velocities.
 STILL = 1e-3
+# A macro-element takes part in a mechanism when it has this share of the motion.
+TAKES_PART = 0.05
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +59,11 @@ def parts(
     columns = (own, total(moving.astype(float)) / own, mean / (largest or 1.0), motion / (whole or 1.0))
     found = [Part(str(name), *map(float, values)) for name, *values in zip(names, *columns, strict=True)]
     return tuple(sorted(found, key=lambda one: -one.motion))
+
+
+def mechanism_name(found: Sequence[Part]) -> str:
+    """Return what tells a mechanism from others: the names of the macro-elements that take part in it."""
+    return ", ".join(sorted(part.name for part in found if part.motion >= TAKES_PART))
 
 
 def stone_of_point(stones: Assemblage) -> IntArray:

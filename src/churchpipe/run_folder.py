@@ -123,6 +123,11 @@ class RunFolder:
         stones = read_npz(folder / "assemblage.npz", Assemblage)
         return stones, read_npz(folder / "contacts.npz", Contacts), read_npz(folder / "movement.npz", SettlementPath)
 
+    def samples(self) -> dict[str, dict[str, Any]]:
+        """Return what the samples of a case have left, by name: the records of their "analyses", or a "message"."""
+        names = self.index["sample"]["names"] if self.index["sample"] else ()
+        return {name: read_json(self.path / "sample" / name / "records.json") for name in names}
+
     def overlap(self, blocks: str, shell: str) -> dict[str, Any]:
         """Return how far the mechanisms of two analyses, by name, are the same."""
         entries = {entry["name"]: entry for entry in self.index["analyses"]}

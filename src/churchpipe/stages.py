@@ -15,10 +15,9 @@ from churchpipe import compare as results
 from churchpipe.closure import code_of
 from churchpipe.config.asrun import as_run
 from churchpipe.config.carries import carries_of, placed
-from churchpipe.config.case import read_variants
-from churchpipe.config.plan import plan
 from churchpipe.config.plausible import size_questions
-from churchpipe.config.selection import ALL, Selection, selected
+from churchpipe.config.samples import plan_with_samples
+from churchpipe.config.selection import ALL, Selection
 from churchpipe.config.settings import beams_of, joints_of, load_of, strengths_of, weights_of
 from churchpipe.errors import Extra, InputError
 from churchpipe.io.atomic import canonical_json, write_if_changed, write_json
@@ -43,6 +42,8 @@ from churchpipe.model.results import CapacityCurve, CapacityStep, ShellLimitStat
 from churchpipe.model.shell import ShellModel
 from churchpipe.model.ties import RankedTie, Tie
 from churchpipe.run_folder import read_run, versions
+from churchpipe.sample_run import run_sample
+from churchpipe.uncertainty import sample_rows, uncertainty_record
 
 Progress = Callable[[str, float], None]
 
@@ -52,24 +53,11 @@ def configure(case: str | Path, out: str | Path, overrides: Sequence[str] = (), 
 
     Files: plan.json, as-run.toml (the case with what --set changed), settings.json of each stage: geometry/NAME (with
     tolerances.json, of its joints), shell/NAME (with carried.json, of its loads), rigid/NAME, curve/NAME, movement/NAME,
-    limit/NAME, pushover/NAME, and code/STAGE.txt. Returns the path of plan.json.
+    limit/NAME, pushover/NAME, sample/NAME, and code/STAGE.txt. Returns the path of plan.json.
     """
     out = Path(out)
-    todo = plan(selected(read_variants(case, overrides), selection))
-    if drawing := todo.index["drawing"]:
-        from churchpipe.meshes.reader import digest_of
-
-        if not Path(drawing).exists():
-            raise InputError(f"{case}: source", "no such file", found=drawing, remedy="Paths are relative to the case file.")
-        for table in todo.geometries.values():
-            table["drawing"] = digest_of(Path(drawing))
-    tables = {f"geometry/{name}/settings": table for name, table in todo.geometries.items()}
-    tables |= {f"geometry/{name}/tolerances": table for name, table in todo.contacts.items()}
-    tables |= {f"shell/{name}/settings": table for name, table in todo.shells.items()}
-    tables |= {f"shell/{name}/carried": table for name, table in todo.carried.items()}
-    tables |= {f"{todo.kinds[name]}/{name}/settings": table for name, table in todo.analyses.items()}
-    tables |= {f"movement/{name}/settings": table for name, table in todo.movements.items()}
-    for name, table in tables.items():
+    todo, samples = plan_with_samples(case, overrides, selection)
+    for name, table in (todo.files | {f"sample/{name}/settings": table for name, table in samples.items()}).items():
         write_if_changed(out / f"{name}.json", canonical_json(table))
     for stage in STAGES:
         # The rules take it as an input: an edited module runs again what depends on it.
@@ -88,14 +76,16 @@ def source(settings: Path, building: Path) -> None:
     write_building(building, made)
 
 
-def blocks(building: Path, assemblage: Path, dxf: Path, vtu: Path) -> None:
+def blocks(building: Path, assemblage: Path, dxf: Path | None = None, vtu: Path | None = None) -> None:
     """Building -> its stones, for the next stages, for CAD and for ParaView."""
     from churchpipe.dxf.writer import write_dxf
     from churchpipe.stones.blocks import derive_blocks
 
     stones = derive_blocks(read_building(building))
-    write_dxf(stones, dxf)
-    write_vtu(vtu, stones)
+    if dxf:
+        write_dxf(stones, dxf)
+    if vtu:
+        write_vtu(vtu, stones)
     write_npz(assemblage, stones)
 
 
@@ -329,8 +319,18 @@ def movement(
     write_json(made[-1], movement_words(moved.path, table, moved.stones, known, cracks))
 
 
-def compare(plan: Path, summary: Path, table: Path) -> None:
-    """All analyses of a plan -> summary.json and table.csv."""
+def sample(settings: Path, file: Path, record: Path, *shared: Path) -> None:
+    """One sample, with the drawing and what it shares with the building as it is -> its records, or why it cannot be built."""
+    stages = (source, blocks, drawing, contacts, panels, shell, match, rigid, curve, limit, pushover)
+    try:
+        found = run_sample(read_json(settings), file, shared, {stage.__name__: stage for stage in stages})
+        write_json(record, {"analyses": found})
+    except InputError as error:
+        write_json(record, {"analyses": [], "message": str(error)})
+
+
+def compare(plan: Path, summary: Path, table: Path, samples: Path | None = None) -> None:
+    """All analyses of a plan -> summary.json and table.csv; those of all samples -> samples.csv."""
     run = read_run(plan)
     sizes = {name: results.figures(*run.stones(name)) for name in run.index["geometries"]}
     shells = {mesh["name"]: run.shell_figures(mesh["name"], mesh["geometry"]) for mesh in run.index["shells"]}
@@ -340,7 +340,11 @@ def compare(plan: Path, summary: Path, table: Path) -> None:
     stones = [run.stones(name)[0] for name in run.index["geometries"]]
     asked = dict.fromkeys([*run.index["questions"], *(text for one in stones for text in size_questions(one))])
     variants, movements = run.index["variants"], run.movements()
-    write_json(summary, results.summary(run.index["case"], sizes, shells, analyses, compared, list(asked), variants, movements))
+    words = results.summary(run.index["case"], sizes, shells, analyses, compared, list(asked), variants, movements)
+    if samples:
+        words["uncertainty"] = uncertainty_record(run.index["sample"], run.samples(), analyses)
+        write_table(samples, sample_rows(run.index["sample"], run.samples()))
+    write_json(summary, words)
 
 
 def report(plan: Path, summary: Path, assemblage: Path, contacts: Path, html: Path) -> None:
@@ -391,20 +395,6 @@ def report(plan: Path, summary: Path, assemblage: Path, contacts: Path, html: Pa
 
 
 # All arguments are paths; those in `LONG` take `progress` besides.
-STAGES: dict[str, Callable[..., None]] = {
-    "source": source,
-    "blocks": blocks,
-    "drawing": drawing,
-    "contacts": contacts,
-    "panels": panels,
-    "shell": shell,
-    "match": match,
-    "rigid": rigid,
-    "curve": curve,
-    "movement": movement,
-    "limit": limit,
-    "pushover": pushover,
-    "compare": compare,
-    "report": report,
-}
+_ALL = (source, blocks, drawing, contacts, panels, shell, match, rigid, curve, movement, sample, limit, pushover, compare, report)
+STAGES: dict[str, Callable[..., None]] = {stage.__name__: stage for stage in _ALL}
 LONG = frozenset({"contacts", "rigid", "curve", "movement", "limit", "pushover"})

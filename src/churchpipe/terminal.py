@@ -231,10 +231,13 @@ def gate_lines(summary: Mapping[str, Any]) -> list[str]:
 
 
 def remarks(summary: Mapping[str, Any]) -> list[str]:
-    """Return what stands under the table: joints and near misses, the gate, which load factor to use and why, doubtful input."""
+    """Return what stands under the table: joints and near misses, the gate, which load factor to use and why, doubtful input;
+    before it what samples say."""
     from churchpipe.compare import account_of_joints
+    from churchpipe.report.uncertainty import uncertainty_lines
 
     return [
+        *uncertainty_lines(summary),
         *account_of_joints(summary),
         *gate_lines(summary),
         *(_movement(one) for one in summary.get("movements", ())),

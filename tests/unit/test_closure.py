@@ -87,7 +87,7 @@ def modules(stage: str) -> Iterator[str]:
 
 
 def test_the_solves_know_neither_cases_nor_generators() -> None:
-    for stage in STAGES.keys() - {"source"}:
+    for stage in STAGES.keys() - {"source", "sample"}:
         assert not [name for name in modules(stage) if name.startswith("generators/")], stage
         assert "config/case.py" not in modules(stage), stage
     assert "generators/church.py" in modules("source")
@@ -96,7 +96,7 @@ def test_the_solves_know_neither_cases_nor_generators() -> None:
 
 
 def test_what_reads_the_folder_of_a_run_decides_the_results_alone() -> None:
-    assert {stage for stage in STAGES if "run_folder.py" in modules(stage)} == {"compare", "report"}
+    assert {stage for stage in STAGES if "run_folder.py" in modules(stage)} == {"compare", "report", "sample"}
 
 
 def test_every_stage_that_the_rules_name_has_its_code() -> None:

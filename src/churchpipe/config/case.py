@@ -1,20 +1,24 @@
 """A case: one source, materials, loads, analyses. Plain dataclasses, in SI."""
 
+import copy
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, TypeVar
+
+import numpy as np
 
 from churchpipe.code_check import Site
 from churchpipe.config import overrides as changes
 from churchpipe.config.analyses import MovementSettings, RigidSettings, ShellSettings
 from churchpipe.config.carries import KINDS, Carries, placed, tried
+from churchpipe.config.distributions import SampleSettings, quantile
 from churchpipe.config.places import located
 from churchpipe.config.project import Project
 from churchpipe.config.published import Published, check_published
 from churchpipe.config.schema import check
-from churchpipe.config.section import Section, Table, nearest
+from churchpipe.config.section import GatheredError, Section, Table, nearest
 from churchpipe.config.tables import record
 from churchpipe.config.variants import Variant, applied, variants_of
 from churchpipe.dxf.reading import AS_DRAWN, Reading
@@ -52,7 +56,7 @@ class Case:
     [sweep] that tell it from the others, by dotted key.
 
     shell: None for the rigid blocks alone. check: what the earthquake asks, None where the file does not say. movements: supports
-    that move. published: load factors of others, for the report.
+    that move. published: load factors of others, for the report. sample: parameters that are not known exactly.
 
     `table` is the checked file, as it is written, without its sweep; overrides: what --set changed in it.
     """
@@ -71,6 +75,7 @@ class Case:
     ring_beams: tuple[RingBeam, ...] = ()
     carries: Carries = field(default_factory=Carries)
     project: Project = field(default_factory=Project)
+    sample: SampleSettings | None = None
     variant: Variant | None = None
     swept: dict[str, Any] = field(default_factory=dict)
     overrides: tuple[str, ...] = ()
@@ -153,6 +158,19 @@ def read_variants(path: str | Path, overrides: Sequence[str] = ()) -> tuple[Case
     path = path_of("read_case: path", path)
     table = changes.apply_overrides(read_table(path), overrides)
     table.setdefault("name", path.stem)
+    cases = cases_of(table, path, overrides)
+    if cases[0].sample:
+        _check_sample(table, path, overrides, cases)
+    return cases
+
+
+def cases_of(
+    table: dict[str, Any], path: Path, overrides: Sequence[str] = (), drawn: Mapping[str, Any] | None = None
+) -> tuple[Case, ...]:
+    """Return the cases of a file's table, as `read_variants` does; drawn: values that [sample] gives keys."""
+    table, values = copy.deepcopy(table), dict(drawn or {})
+    for key, value in values.items():
+        changes.set_key(table, key, value)
     cases: list[Case] = []
     variant: Variant | None = None
     swept: dict[str, Any] = {}
@@ -167,8 +185,35 @@ def read_variants(path: str | Path, overrides: Sequence[str] = ()) -> tuple[Case
                 _check_source(cases[0], cases[-1], f"{path}: variants.{number}")
     except InputError as error:
         named = error if error.where.startswith(str(path)) else error.at(f"{path}: {error.where}")
-        raise located(named, path, overrides, swept=swept, variant=variant) from error
+        raise located(named, path, overrides, swept=swept, drawn=values, variant=variant) from error
     return tuple(cases)
+
+
+# Of the values that a distribution gives, one in a million is beyond its least or its greatest that are checked.
+_TAILS = np.array([1e-6, 1 - 1e-6])
+
+
+def _check_sample(table: dict[str, Any], path: Path, overrides: Sequence[str], cases: Sequence[Case]) -> None:
+    """Raise InputError for a distribution that reaches values that a key cannot have, for a key that is swept besides, and for a
+    variant with a [sample] of its own."""
+    sample = cases[0].sample
+    assert sample is not None
+    if any(case.sample != sample for case in cases):
+        raise InputError(f"{path}: variants", "a variant changes [sample]", expected="one for all variants")
+    for number, parameter in enumerate(sample.parameters):
+        place = f"{path}: sample.parameters.{number}"
+        for key in parameter.key:
+            if key in cases[0].swept or key in ("name", "sample"):
+                problem = "swept and sampled" if key in cases[0].swept else "not to be sampled"
+                raise located(InputError(f"{place}.key", problem, found=key, expected="another key"), path, overrides)
+        for value in quantile(parameter, _TAILS).tolist():
+            try:
+                cases_of(table, path, overrides, dict.fromkeys(parameter.key, value))
+            except InputError as error:
+                first = error.problems[0] if isinstance(error, GatheredError) else error
+                remedy = first.remedy or "Bound it by low and high, or take a lognormal, uniform or beta distribution."
+                problem = f"its distribution reaches {value:.4g}: {first.problem}"
+                raise InputError(first.where, problem, found=first.found, expected=first.expected, remedy=remedy) from error
 
 
 def _check_source(first: Case, case: Case, where: str) -> None:
@@ -253,6 +298,7 @@ def _case(path: Path, table: dict[str, Any], swept: dict[str, Any], overrides: t
         published=published,
         joints=_all(JointGroup, checked, "joints", file),
         ring_beams=beams,
+        sample=record(SampleSettings, checked["sample"], f"{file}: sample") if "sample" in checked else None,
         carries=Carries(**{key: _all(kind, checked, key, file) for key, kind in KINDS.items()}),
         project=record(Project, checked.get("project", {}), f"{file}: project"),
         swept=swept,

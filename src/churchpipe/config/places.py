@@ -23,6 +23,7 @@ def located(
     generator: str = "",
     *,
     swept: Mapping[str, Any] = EMPTY,
+    drawn: Mapping[str, Any] = EMPTY,
     variant: Variant | None = None,
 ) -> InputError:
     """Return an error with the key that the person wrote, and the line of the file, the --set or the [sweep] where it stands.
@@ -31,11 +32,13 @@ def located(
     ----------
     error: its place is "FILE: KEY", with the key as the schema or the generator has it.
     generator: its name, for what it says of its parameters: "NAME.parameter".
-    swept: values of the combination at fault, by their dotted keys. variant: the one at fault, None: the building as it is.
+    swept: values of the combination at fault, by their dotted keys; drawn: those that [sample] draws. variant: the one at fault,
+    None: the building as it is.
     """
     if isinstance(error, GatheredError):
         return gathered(
-            str(path), [located(problem, path, overrides, swept=swept, variant=variant) for problem in error.problems]
+            str(path),
+            [located(problem, path, overrides, swept=swept, drawn=drawn, variant=variant) for problem in error.problems],
         )
     key = error.where.removeprefix(f"{path}: ")
     if generator and f"{key}.".startswith(f"{generator}."):
@@ -48,18 +51,21 @@ def located(
         number = next((n for n, one in enumerate(asked.get("variants", [])) if variant and one["name"] == variant.name), None)
         if variant and number is not None and not key.startswith("variants."):
             table = applied(asked, number, variant)
-        for swept_key, swept_value in swept.items():
-            set_key(table, swept_key, swept_value)
+        distribution = _distributions(asked) if drawn else {}
+        for new_key, new_value in {**drawn, **swept}.items():
+            set_key(table, new_key, new_value)
     except (OSError, ValueError):
         return error
     parts = re.sub(r"\[(\d+)\]", r".\1", key).split(".")
     written, value = _followed(table, parts)
     missing = parts[len(written) :]
     changed = [parse_override(change)[0].split(".") for change in overrides]
-    if any(written[: len(change)] == change for change in changed):
+    if any(_begins(written, ".".join(change)) for change in changed):
         place = "--set"
-    elif any(written[: len(change)] == change for change in (name.split(".") for name in swept)):
+    elif any(_begins(written, name) for name in swept):
         place = "[sweep]"
+    elif at := next((at for name, at in distribution.items() if name in drawn and _begins(written, name)), None):
+        place = f"line {line_of(text, at)}, [sample]"
     else:
         own = _of_variant(asked, variant, number, written)
         place = f"line {line_of(text, own or written)}" + (f', variant "{variant.name}"' if own and variant else "")
@@ -68,6 +74,23 @@ def located(
         return error.at(where)
     # Lengths were converted on the way to their check.
     return InputError(where, WRONG, found=shortened(value), expected=error.expected, remedy=error.remedy)
+
+
+def _begins(written: Sequence[str], key: str) -> bool:
+    """Whether a path leads to what a dotted key holds; to a whole vector where the key is that of a component."""
+    parts = key.split(".")
+    if len(written) < len(parts) and parts[-1].isdecimal():
+        parts.pop()
+    return list(written[: len(parts)]) == parts
+
+
+def _distributions(table: Mapping[str, Any]) -> dict[str, list[str]]:
+    """Return the keys that lead to the distribution of each key that [sample] draws."""
+    found: dict[str, list[str]] = {}
+    for number, one in enumerate(table.get("sample", {}).get("parameters", [])):
+        keys = one["key"] if isinstance(one["key"], list) else [one["key"]]
+        found |= {key: ["sample", "parameters", str(number), "key"] for key in keys}
+    return found
 
 
 def _of_variant(table: Any, variant: Variant | None, number: int | None, written: Sequence[str]) -> list[str]:

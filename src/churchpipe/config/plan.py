@@ -38,6 +38,16 @@ class Plan:
     carried: dict[str, list[dict[str, Any]]]
 
     @property
+    def files(self) -> dict[str, Any]:
+        """The settings of all stages, by their files' paths in the folder of the run, without ".json"."""
+        tables = {f"geometry/{name}/settings": table for name, table in self.geometries.items()}
+        tables |= {f"geometry/{name}/tolerances": table for name, table in self.contacts.items()}
+        tables |= {f"shell/{name}/settings": table for name, table in self.shells.items()}
+        tables |= {f"shell/{name}/carried": table for name, table in self.carried.items()}
+        tables |= {f"{self.kinds[name]}/{name}/settings": table for name, table in self.analyses.items()}
+        return tables | {f"movement/{name}/settings": table for name, table in self.movements.items()}
+
+    @property
     def kinds(self) -> dict[str, str]:
         """Kind of each analysis, by its name."""
         return {entry["name"]: entry["kind"] for entry in self.index["analyses"]}
@@ -50,7 +60,8 @@ class Plan:
         first = ("drawing", "contacts", *(["panels"] if shells else [])) if drawn else ("source", "blocks", "contacts")
         solved = [kind for kind in ("rigid", "curve", "limit", "pushover") if kind in kinds]
         moved = ["movement"] if self.movements else []
-        return (*first, *(["shell", "match"] if shells else []), *solved, *moved, "compare", "report")
+        sampled = ["sample"] if self.index["sample"] else []
+        return (*first, *(["shell", "match"] if shells else []), *solved, *moved, *sampled, "compare", "report")
 
 
 def plan(cases: Sequence[Case]) -> Plan:
@@ -132,6 +143,7 @@ def plan(cases: Sequence[Case]) -> Plan:
         "project": asdict(cases[0].project),
         "materials": [asdict(material) for material in cases[0].materials],
         "questions": questions(cases),
+        "sample": asdict(cases[0].sample) if cases[0].sample else None,
     }
     return Plan(index, geometries, contacts, shells, analyses, movements, carried)
 

@@ -7,6 +7,7 @@ from pydantic import Field, create_model
 from churchpipe.code_check import Site
 from churchpipe.config.analyses import MovementSettings, RigidSettings, ShellSettings
 from churchpipe.config.carries import KINDS, MEANINGS
+from churchpipe.config.distributions import SampleSettings
 from churchpipe.config.project import Project
 from churchpipe.config.published import Published
 from churchpipe.config.section import Section, Table, gathered, validated
@@ -25,7 +26,7 @@ _LOAD = table_of(LoadCase, "Load", without=("dead", "live"))
 _RIGID, _SHELL = table_of(RigidSettings, "Rigid"), table_of(ShellSettings, "Shell")
 _CHECK = table_of(Site, "Check")
 _PUBLISHED, _VARIANT = table_of(Published, "Published"), table_of(Variant, "Variant")
-_MOVEMENT = table_of(MovementSettings, "Movement")
+_MOVEMENT, _SAMPLE = table_of(MovementSettings, "Movement"), table_of(SampleSettings, "Sample")
 _PROJECT = table_of(Project, "Project")
 _RING_BEAM, _JOINTS = table_of(RingBeam, "RingBeam"), table_of(JointGroup, "Joints")
 _CARRIED = {kind: table_of(kind, kind.__name__) for kind in KINDS.values()}
@@ -52,6 +53,7 @@ CaseTable = create_model(
     check=_key(_CHECK | None, "What the earthquake asks; left out: no safety check."),
     variants=_key(list[_VARIANT], "What else the building could be, beside the building as it is.", []),
     movements=_key(list[_MOVEMENT], "Supports that move, each analysed by itself.", []),
+    sample=_key(_SAMPLE | None, "Parameters that are not known exactly."),
     published=_key(list[_PUBLISHED], "Load factors of others, for the report.", []),
     project=_key(_PROJECT | None, "The title block of the report."),
 )

@@ -36,6 +36,7 @@ COLUMNS = (
     "zeta_e_lc1",
     "satisfied",
     "zeta_e_stones",
+    "mechanism",
     "iterations",
     "seconds",
 )

@@ -34,6 +34,7 @@ from churchpipe.report.shell_picture import shell_picture
 from churchpipe.report.shell_view import ShellState, joint_outlines, motion_of, shell_data
 from churchpipe.report.table import Record, Row, columns_for, figure, friction_text, rows_of, swept
 from churchpipe.report.title_block import MATERIAL_HEADINGS, material_rows, title_block
+from churchpipe.report.uncertainty import uncertainty_section
 from churchpipe.report.variants import variants_section
 from churchpipe.stones.account import joints_lines, joints_record
 
@@ -98,6 +99,7 @@ def write_report(
         joints=joints_lines(joints_record(stones, contacts)),
         gaps=gaps_svg(contacts),
         cards=[_card(row, bool(of_shell)) for row in asis] if len(asis) <= CARDS else [],
+        uncertainty=uncertainty_section(summary),
         variants=variants_section(summary, str(geometry or "")),
         columns=columns,
         rows=[(row, [column.text(row) for column in columns]) for row in rows],

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from churchpipe.mechanism import STILL
+from churchpipe.mechanism import STILL, TAKES_PART
 from churchpipe.model.names import crushes
 from churchpipe.report.table import Record, Row, figure, minus
 
@@ -109,7 +109,7 @@ def part_overview(rows: Sequence[Row]) -> dict[str, Any] | None:
     }
 
 
-def what_moves(record: Record, share: float = 0.05) -> str:
+def what_moves(record: Record, share: float = TAKES_PART) -> str:
     """Return the macro-elements that carry at least a share of the motion, with the most first; "" where none is known."""
     parts = [part for part in record.get("parts", ()) if part["motion"] >= share]
     return ", ".join(f"{part['name']} {_percent(part['motion'])}" for part in parts)

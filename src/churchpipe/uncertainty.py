@@ -1,0 +1,244 @@
+"""From the load factors of many samples to what is known of a building whose parameters are not known exactly."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from churchpipe.errors import InputError
+from churchpipe.model.arrays import FloatArray
+
+LEVELS = (0.05, 0.16, 0.5, 0.84, 0.95)
+# Of the band about an estimated probability.
+CONFIDENCE = 0.9
+# Load factors that differ less than this share of the largest are of one rank: solvers certify no more.
+_ALIKE = 1e-5
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Uncertainty:
+    """Load factors of samples, and what they say.
+
+    capacity: (n,) ascending; infinite where no load is too large, 0 where the structure does not bear its own weight.
+    unknown: samples without a load factor, which are left out of all figures.
+    mean, standard_deviation: of the load factors. quantiles: by level.
+    median, dispersion: of the lognormal fragility curve, exp of the mean and the standard deviation of the logarithms of the load
+        factors above 0; NaN where there are none.
+    rank_correlation: (np,) of Spearman, of each parameter with the load factor; NaN where one of both does not vary.
+    explained: share of the variance of the ranks that a linear combination of the parameters' ranks accounts for; below some 0.7
+        parameters act together, or not in one direction only.
+    """
+
+    capacity: FloatArray
+    unknown: int
+    mean: float
+    standard_deviation: float
+    quantiles: dict[float, float]
+    median: float
+    dispersion: float
+    rank_correlation: FloatArray
+    explained: float
+
+    @property
+    def count(self) -> int:
+        """Samples with a load factor."""
+        return len(self.capacity)
+
+    def probability(self, demand: float) -> tuple[float, float, float]:
+        """Return the probability that a structure bears less than a demand, and the limits of its band: see `band`."""
+        below = int(np.searchsorted(self.capacity, demand, side="left"))
+        low, high = band(np.array([below]), self.count)
+        return below / self.count if self.count else np.nan, float(low[0]), float(high[0])
+
+
+def band(below: Any, count: int) -> tuple[FloatArray, FloatArray]:
+    """Return the limits (n,) of probabilities that `below` (n,) of `count` samples estimate, each with 5 % beyond it.
+
+    Clopper and Pearson (1934): exact for independent samples; those of Sobol or a Latin hypercube spread less.
+    """
+    from scipy.stats import beta
+
+    tail = (1 - CONFIDENCE) / 2
+    below = np.asarray(below, dtype=float)
+    low = np.where(below > 0, beta.ppf(tail, np.maximum(below, 0.5), count - below + 1), 0.0)
+    high = np.where(below < count, beta.ppf(1 - tail, below + 1, np.maximum(count - below, 0.5)), 1.0)
+    return low, high
+
+
+def assess_uncertainty(points: FloatArray, load_factors: FloatArray) -> Uncertainty:
+    """Return what the load factors of samples say.
+
+    Parameters
+    ----------
+    points
+        Values (n, np) of the parameters of each sample, such as `sample_points` gives.
+    load_factors
+        Those of the samples (n,): NaN where there is no result, 0 where the weight is not borne.
+
+    Raises
+    ------
+    InputError: not as many load factors as points.
+    """
+    points, factors = np.asarray(points, dtype=float), np.asarray(load_factors, dtype=float)
+    if points.ndim != 2 or factors.shape != (len(points),):
+        found = f"{factors.shape} and {points.shape}"
+        raise InputError("assess_uncertainty: load_factors", "wrong shape", found=found, expected="as many as points (n, np)")
+    known = ~np.isnan(factors)
+    points, factors = points[known], factors[known]
+    unlimited = np.isinf(factors).any()
+    spread = 0.0 if not len(factors) or np.ptp(factors) == 0 else np.nan if unlimited else float(factors.std(ddof=1))
+    logarithms = np.log(factors[(factors > 0) & np.isfinite(factors)])
+    correlation, explained = _ranks(points, factors)
+    quantiles = np.quantile(factors, LEVELS, method="inverted_cdf" if unlimited else "linear") if len(factors) else [np.nan] * 5
+    return Uncertainty(
+        np.sort(factors),
+        int((~known).sum()),
+        float(factors.mean()) if len(factors) else np.nan,
+        spread,
+        dict(zip(LEVELS, map(float, quantiles), strict=True)),
+        float(np.exp(logarithms.mean())) if len(logarithms) else np.nan,
+        float(logarithms.std(ddof=min(1, len(logarithms) - 1))) if len(logarithms) else np.nan,
+        correlation,
+        explained,
+    )
+
+
+def _ranks(points: FloatArray, factors: FloatArray) -> tuple[FloatArray, float]:
+    """Return Spearman's correlation (np,) of each parameter, and the share of the ranks' variance that all of them explain."""
+    from scipy.stats import rankdata
+
+    size = np.abs(factors[np.isfinite(factors)]).max(initial=0.0) or 1.0
+    rounded = np.round(factors / (size * _ALIKE))
+    ranks = (
+        np.column_stack([rankdata(column) for column in (*points.T, rounded)])
+        if len(factors)
+        else np.empty((0, points.shape[1] + 1))
+    )
+    ranks = ranks - ranks.mean(axis=0) if len(ranks) else ranks
+    own, answer = ranks[:, :-1], ranks[:, -1]
+    length = np.linalg.norm(own, axis=0) * np.linalg.norm(answer)
+    correlation = np.full(points.shape[1], np.nan)
+    np.divide(answer @ own, length, out=correlation, where=length > 0)
+    total = float(answer @ answer)
+    if total == 0 or len(factors) <= points.shape[1] + 1:
+        return correlation, np.nan
+    rest = answer - own @ np.linalg.lstsq(own, answer, rcond=None)[0]
+    return correlation, 1 - float(rest @ rest) / total
+
+
+def uncertainty_record(
+    sample: Mapping[str, Any], made: Mapping[str, Mapping[str, Any]], analyses: Sequence[Mapping[str, Any]]
+) -> dict[str, Any]:
+    """Return what samples say of each analysis in the words of summary.json.
+
+    Parameters
+    ----------
+    sample: of the plan, with "settings", "names" and "points".
+    made: by the name of a sample its "analyses", which have the names of those of the building as it is, or a "message" where it
+        could not be built.
+    analyses: records of the building as it is.
+    """
+    settings, names, points = sample["settings"], sample["names"], sample["points"]
+    refused = [{"sample": name, "message": made[name]["message"]} for name in names if "message" in made[name]]
+    records = {name: {record["name"]: record for record in made[name].get("analyses", ())} for name in names}
+    place = np.array(list(points.values()), dtype=float).T
+    found = [
+        _analysis(one, [records[name].get(one["name"], {}) for name in names], place, list(points), settings["demands"])
+        for one in analyses
+    ]
+    kept = {key: settings[key] for key in ("number", "seed", "method", "parameters")}
+    return kept | {"points": points, "refused": refused, "analyses": found}
+
+
+def sample_rows(sample: Mapping[str, Any], made: Mapping[str, Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """Return the records of all samples for a table: with the sample's name and its values before what is swept."""
+    drawn = [dict(zip(sample["points"], values, strict=True)) for values in zip(*sample["points"].values(), strict=True)]
+    return [
+        {**record, "swept": {"sample": name, **values, **record.get("swept", {})}}
+        for name, values in zip(sample["names"], drawn, strict=True)
+        for record in made[name]["analyses"]
+    ]
+
+
+_ASKED = ("name", "variant", "model", "flow", "method", "planes", "contact_model", "load", "swept")
+
+
+def _analysis(
+    asis: Mapping[str, Any],
+    records: Sequence[Mapping[str, Any]],
+    points: FloatArray,
+    keys: Sequence[str],
+    demands: Sequence[float],
+) -> dict[str, Any]:
+    factors = np.array([_capacity(record, record.get("load_factor")) for record in records])
+    known = assess_uncertainty(points, factors)
+    words = {key: asis[key] for key in _ASKED if key in asis} | {"as_it_is": asis.get("load_factor")}
+    words |= {"load_factors": factors.tolist(), **_figures(known), "explained": known.explained}
+    words["rank_correlation"] = dict(zip(keys, known.rank_correlation.tolist(), strict=True))
+    words["without_result"] = Counter(
+        str(record.get("status", "refused")) for record, f in zip(records, factors, strict=True) if np.isnan(f)
+    )
+    words["demands"] = [_asked(known, demand) for demand in demands]
+    words["mechanism_of"] = [record.get("mechanism", "") for record in records]
+    words["mechanisms"] = _mechanisms(records, factors)
+    ground = [_capacity(record, record.get("check", {}).get("a_g_slv_m_s2")) for record in records]
+    site = next((record["check"]["a_g_m_s2"] for record in records if "a_g_m_s2" in record.get("check", {})), None)
+    if site is not None:
+        of_ground = assess_uncertainty(points, np.array(ground))
+        words["ground_acceleration"] = {"capacity_m_s2": ground, **_figures(of_ground), "demands": [_asked(of_ground, site)]}
+    return words
+
+
+def _capacity(record: Mapping[str, Any], value: float | None) -> float:
+    """Return what a sample bears: 0 where it falls under its own weight, infinite where nothing is too much, NaN if not known."""
+    if record.get("status") == "unstable":
+        return 0.0
+    if record.get("status") == "unbounded":
+        return np.inf
+    return value if value is not None and record.get("status") in ("optimal", "converged") else np.nan
+
+
+def _figures(known: Uncertainty) -> dict[str, Any]:
+    """Return mean, spread and quantiles, and the fragility curve from below the least to above the greatest capacity."""
+    finite = known.capacity[np.isfinite(known.capacity)]
+    demand = np.linspace(0.9 * finite.min(), 1.1 * finite.max(), 41) if len(finite) else np.empty(0)
+    below = np.searchsorted(known.capacity, demand, side="left")
+    low, high = band(below, known.count)
+    curve = {"demand": demand, "probability": below / max(known.count, 1), "low": low, "high": high}
+    return {
+        "count": known.count,
+        "mean": known.mean,
+        "standard_deviation": known.standard_deviation,
+        "quantiles": {f"{level:g}": value for level, value in known.quantiles.items()},
+        "median": known.median,
+        "dispersion": known.dispersion,
+        "fragility": {key: values.tolist() for key, values in curve.items()},
+    }
+
+
+def _asked(known: Uncertainty, demand: float) -> dict[str, float]:
+    probability, low, high = known.probability(demand)
+    return {"demand": demand, "probability": probability, "low": low, "high": high}
+
+
+def _mechanisms(records: Sequence[Mapping[str, Any]], factors: FloatArray) -> list[dict[str, Any]]:
+    """Return the mechanisms that were found, by what moves in them, the most frequent first."""
+    kinds: dict[str, list[float]] = {}
+    for record, factor in zip(records, factors.tolist(), strict=True):
+        if np.isfinite(factor) and factor > 0 and record.get("method") not in ("curve", "pushover"):
+            kinds.setdefault(record.get("mechanism", ""), []).append(factor)
+    total = sum(map(len, kinds.values()))
+    ordered = sorted(kinds.items(), key=lambda kind: (-len(kind[1]), kind[0]))
+    return [
+        {
+            "moves": name,
+            "count": len(own),
+            "share": len(own) / total,
+            "mean": float(np.mean(own)),
+            "low": min(own),
+            "high": max(own),
+        }
+        for name, own in ordered
+    ]

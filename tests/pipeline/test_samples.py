@@ -1,0 +1,78 @@
+"""Samples as jobs: more of them add to those there, a kill loses nothing that was finished. Jobs are counted, not timed."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from case_texts import WALL, case_file
+from churchpipe import engine
+
+SAMPLE = """
+[sample]
+number = 3
+[[sample.parameters]]
+key = "source.thickness_mm"
+distribution = "normal"
+mean = 250
+standard_deviation = 20
+"""
+
+
+def start(case: Path, *options: str) -> "subprocess.Popen[str]":
+    command = [sys.executable, "-m", "churchpipe", "run", case, "--out", case.parent / "run", "--jobs", "2", *options]
+    return subprocess.Popen(command, cwd=case.parent, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def done(case: Path) -> list[tuple[str, str]]:
+    """Stages that the last run finished, and their names."""
+    lines = (case.parent / "run" / "run.log").read_text().splitlines()
+    events = [engine.Event(*json.loads(line.removeprefix(engine.MARK))) for line in lines if line.startswith(engine.MARK)]
+    return [(event.stage, event.name) for event in events if event.kind == "done"]
+
+
+def run(case: Path, *options: str) -> Counter[str]:
+    process = start(case, *options)
+    out, err = process.communicate(timeout=600)
+    assert process.returncode == 0, out + err + (case.parent / "run" / "run.log").read_text()
+    return Counter(stage for stage, _ in done(case))
+
+
+def load_factors(case: Path) -> list[float]:
+    summary = json.loads((case.parent / "run" / "summary.json").read_text())
+    return summary["uncertainty"]["analyses"][0]["load_factors"]
+
+
+def test_more_samples_add_to_those_there(tmp_path: Path) -> None:
+    case = case_file(tmp_path, WALL + SAMPLE)
+    assert run(case) == {"source": 1, "blocks": 1, "contacts": 1, "rigid": 1, "sample": 3, "compare": 1, "report": 1}
+    first = load_factors(case)
+    assert run(case) == {}
+    assert run(case, "--set", "sample.number=5") == {"sample": 2, "compare": 1, "report": 1}
+    assert [name for stage, name in done(case) if stage == "sample"] in (["00004", "00005"], ["00005", "00004"])
+    assert load_factors(case)[:3] == first
+    assert "Uncertainty" in (case.parent / "run" / "report.html").read_text()
+
+
+@pytest.mark.slow("doc: samples that were killed go on")
+def test_a_kill_in_the_middle_loses_no_sample_that_was_finished(tmp_path: Path) -> None:
+    case = case_file(tmp_path, WALL + SAMPLE.replace("number = 3", "number = 12"))
+    process = start(case)
+    log = case.parent / "run" / "run.log"
+    while process.poll() is None and (not log.exists() or sum(stage == "sample" for stage, _ in done(case)) < 4):
+        time.sleep(0.1)
+    assert process.poll() is None
+    os.kill(process.pid, signal.SIGKILL)
+    process.wait()
+    finished = len(list((case.parent / "run" / "sample").glob("*/records.json")))
+    assert 4 <= finished < 12
+    again = run(case)
+    # A job that was at work when the engine died may have ended before the engine was stopped.
+    assert 12 - finished - 2 <= again["sample"] <= 12 - finished
+    assert len(load_factors(case)) == 12

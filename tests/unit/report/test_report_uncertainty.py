@@ -1,0 +1,71 @@
+"""The section of the report and the lines of the terminal about samples."""
+
+import numpy as np
+import pytest
+
+from churchpipe.report.uncertainty import uncertainty_lines, uncertainty_section
+from churchpipe.uncertainty import uncertainty_record
+
+PARAMETER = {
+    "key": ["material.default.friction"],
+    "distribution": "normal",
+    "mean": 0.6,
+    "standard_deviation": 0.05,
+    "low": 0.4,
+    "high": None,
+}
+
+
+@pytest.fixture
+def summary() -> dict[str, object]:
+    """Forty samples of two loads: one whose load factor is the friction, with two mechanisms, and one without any result."""
+    friction = np.linspace(0.5, 0.7, 40)
+    names = [f"{number:05d}" for number in range(1, 41)]
+    asis = [
+        {"name": load, "load": load, "model": "rigid-block", "flow": "associative", "load_factor": 0.6} for load in ("+x", "+y")
+    ]
+    made = {
+        name: {
+            "analyses": [
+                asis[0] | {"load_factor": mu, "status": "optimal", "mechanism": "apse" if mu < 0.55 else "apse, nave"},
+                asis[1] | {"load_factor": None, "status": "not-converged"},
+            ]
+        }
+        for name, mu in zip(names[:-1], friction.tolist(), strict=False)
+    } | {names[-1]: {"analyses": [], "message": "a door beyond its wall"}}
+    sample = {
+        "settings": {"number": 40, "seed": 0, "method": "sobol", "parameters": [PARAMETER], "demands": [0.55]},
+        "names": names,
+        "points": {"material.default.friction": friction.tolist()},
+    }
+    return {"uncertainty": uncertainty_record(sample, made, asis)}
+
+
+def test_the_section_has_figures_mechanisms_and_what_is_missing(summary: dict[str, object]) -> None:
+    section = uncertainty_section(summary)
+    assert section is not None
+    assert section["parameters"] == [("friction", "normal, mean 0.6, standard deviation 0.05, from 0.4")]
+    assert [one["sample"] for one in section["refused"]] == ["00040"]
+    (_, cells, matters, left_out), (_, nothing, _, all_left_out) = section["rows"]
+    assert cells[0] == "0.6000"
+    assert float(cells[1]) == pytest.approx(0.5974, abs=1e-4)
+    assert matters == "friction +1.00"
+    assert left_out == ["1 without a result (refused)"]
+    assert nothing == ["0.6000", *[""] * 5]
+    assert all_left_out == ["39 without a result (not-converged)", "1 without a result (refused)"]
+    (shown,) = section["shown"]
+    assert [row[:2] for row in shown["mechanisms"]] == [("apse, nave", "74.4 %"), ("apse", "25.6 %")]
+    assert shown["spread"].startswith("<svg")
+    assert "rank correlation" in shown["influence"]
+    # 10 of 39 frictions are below 0.55.
+    assert "probability of 25.6 %" in section["demands"][0][1]
+
+
+def test_the_terminal_says_it_in_sentences(summary: dict[str, object]) -> None:
+    text = "\n".join(uncertainty_lines(summary))
+    assert "39 samples, load factor 0.5974 in the mean" in text
+    assert "it hangs on friction +1.00" in text
+    assert "74 % fall by: apse, nave" in text
+    assert "1 of 40 samples could not be built; the first: a door beyond its wall" in text
+    assert uncertainty_section({}) is None
+    assert uncertainty_lines({}) == []
