@@ -30,7 +30,8 @@ class Iteration:
 class StartRun:
     """What the non-associative iteration made of one start: all that `LimitState` says of the one it reports, for each of them.
 
-    settled: the iteration came to its end; whether it is a collapse state is what the gap says.
+    settled: the iteration came to its end; whether it is a collapse state is what the gap says. interval: of the start that
+    leads, NaN for others, since it costs as much as a search.
     """
 
     start: str

@@ -2,7 +2,8 @@
 
 import base64
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -76,8 +77,6 @@ def write_report(
     rows = rows_of(summary, results, shell_results)
     of_blocks = [row for row in rows if row.state is not None]
     of_shell = [row for row in rows if row.shell is not None]
-    pictures, picture_problem = _pictures(stones, contacts, meshes, of_blocks, of_shell, figures_dir, borne or {})
-    domain, domain_words = both.domain_plot(meshes, rows)
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(Path(__file__).parent / "templates"),
         autoescape=True,
@@ -88,59 +87,61 @@ def write_report(
     columns = columns_for(rows)
     asis = [row for row in rows if not row.variant]
     geometry = next((row.record.get("geometry") for row in (*of_blocks, *of_shell, *rows)), None)
-    text = environment.get_template("report.html").render(
-        name=(project or {}).get("title") or summary.get("case", ""),
-        title_block=title_block(project or {}, case_text, versions),
-        drawings=drawings_svg(stones),
-        material_headings=MATERIAL_HEADINGS,
-        materials=material_rows(stones, materials),
-        facts=_facts(_sizes(summary, of_blocks), stones),
-        kinds=_interface_kinds(contacts),
-        joints=joints_lines(joints_record(stones, contacts)),
-        gaps=gaps_svg(contacts),
-        cards=[_card(row, bool(of_shell)) for row in asis] if len(asis) <= CARDS else [],
-        uncertainty=uncertainty_section(summary),
-        variants=variants_section(summary, str(geometry or "")),
-        columns=columns,
-        rows=[(row, [column.text(row) for column in columns]) for row in rows],
-        parts=part_tables(rows),
-        part_overview=part_overview(rows),
-        check=check_table(rows),
-        cut_off=CUT_OFF,
-        match=both.gate(summary, list(meshes)),
-        compared=both.compared(summary, rows),
-        contact_models=contact_model_rows(summary),
-        capacity=both.capacity_plots(rows),
-        movements=movements_shown(moved),
-        block_curves=block_curve_plots(summary.get("analyses", []), geometry),
-        displacements=displacement_checks(summary.get("analyses", []), geometry),
-        mesh_plot=both.mesh_plot(rows),
-        domain=domain,
-        domain_words=domain_words,
-        guidance=summary.get("guidance", []),
-        questions=summary.get("questions", []),
-        load_rows=load_rows(borne or {}),
-        beam_rows=beam_rows(stones),
-        tie_rows=tie_rows(rows),
-        candidate_rows=candidate_rows(rows),
-        notes=[(row.label, note) for row in rows if (note := status_note(stones, row))],
-        published=published_rows(published, asis),
-        sensitivity=sensitivity_plots(rows),
-        convergence=_convergence(rows),
-        non_associative=any(row.record.get("flow") == "non-associative" for row in rows),
-        pictures=pictures,
-        picture_problem=picture_problem,
-        choices=[f"{row.label}: {figure(row.value('load_factor'), 4)}" for row in of_blocks],
-        shell_choices=[f"{row.label}: {figure(row.value('load_factor'), 4)}" for row in of_shell] if of_blocks else [],
-        viewer_data=viewer.script_json(_viewer_data(stones, contacts, meshes, of_blocks, of_shell)),
-        import_map=viewer.import_map(),
-        viewer_script=viewer.static_text("viewer.js"),
-        tables_script=viewer.static_text("tables.js"),
-        three_licence=viewer.static_text("three/LICENSE"),
-        style=viewer.static_text("report.css"),
-        case_text=case_text,
-        versions=versions,
-    )
+    with _pictures(stones, contacts, meshes, of_blocks, of_shell, figures_dir, borne or {}) as pictures:
+        domain, domain_words = both.domain_plot(meshes, rows)
+        text = environment.get_template("report.html").render(
+            name=(project or {}).get("title") or summary.get("case", ""),
+            title_block=title_block(project or {}, case_text, versions),
+            drawings=drawings_svg(stones),
+            material_headings=MATERIAL_HEADINGS,
+            materials=material_rows(stones, materials),
+            facts=_facts(_sizes(summary, of_blocks), stones),
+            kinds=_interface_kinds(contacts),
+            joints=joints_lines(joints_record(stones, contacts)),
+            gaps=gaps_svg(contacts),
+            cards=[_card(row, bool(of_shell)) for row in asis] if len(asis) <= CARDS else [],
+            uncertainty=uncertainty_section(summary),
+            variants=variants_section(summary, str(geometry or "")),
+            columns=columns,
+            rows=[(row, [column.text(row) for column in columns]) for row in rows],
+            parts=part_tables(rows),
+            part_overview=part_overview(rows),
+            check=check_table(rows),
+            cut_off=CUT_OFF,
+            match=both.gate(summary, list(meshes)),
+            compared=both.compared(summary, rows),
+            contact_models=contact_model_rows(summary),
+            capacity=both.capacity_plots(rows),
+            movements=movements_shown(moved),
+            block_curves=block_curve_plots(summary.get("analyses", []), geometry),
+            displacements=displacement_checks(summary.get("analyses", []), geometry),
+            mesh_plot=both.mesh_plot(rows),
+            domain=domain,
+            domain_words=domain_words,
+            guidance=summary.get("guidance", []),
+            questions=summary.get("questions", []),
+            load_rows=load_rows(borne or {}),
+            beam_rows=beam_rows(stones),
+            tie_rows=tie_rows(rows),
+            candidate_rows=candidate_rows(rows),
+            notes=[(row.label, note) for row in rows if (note := status_note(stones, row))],
+            published=published_rows(published, asis),
+            sensitivity=sensitivity_plots(rows),
+            convergence=_convergence(rows),
+            non_associative=any(row.record.get("flow") == "non-associative" for row in rows),
+            choices=[f"{row.label}: {figure(row.value('load_factor'), 4)}" for row in of_blocks],
+            shell_choices=[f"{row.label}: {figure(row.value('load_factor'), 4)}" for row in of_shell] if of_blocks else [],
+            viewer_data=viewer.script_json(_viewer_data(stones, contacts, meshes, of_blocks, of_shell)),
+            import_map=viewer.import_map(),
+            viewer_script=viewer.static_text("viewer.js"),
+            tables_script=viewer.static_text("tables.js"),
+            three_licence=viewer.static_text("three/LICENSE"),
+            style=viewer.static_text("report.css"),
+            case_text=case_text,
+            versions=versions,
+            # Last, since they are drawn while all that stands before is made.
+            **pictures(),
+        )
     write_text(path, text)
 
 
@@ -207,6 +208,7 @@ def _viewer_data(
     return data | {"shell": shell_data(meshes, found, stones, contacts, velocities, viewer.origin_of(stones))}
 
 
+@contextmanager
 def _pictures(
     stones: Assemblage,
     contacts: Contacts,
@@ -215,8 +217,9 @@ def _pictures(
     of_shell: Sequence[Row],
     keep: Path | None,
     borne: Mapping[str, Borne],
-) -> tuple[list[tuple[str, str]], str]:
-    """Return (label, PNG as base64) of the first analysis of each variant, load and kind, and why there is none, if so."""
+) -> Iterator[Callable[[], dict[str, Any]]]:
+    """Draw the first analysis of each variant, load and kind; yield what waits for the pictures: label and PNG as base64 of
+    each, and why there is none, if so."""
     first: dict[tuple[str, str, str], Row] = {}
     for row in (*rows, *of_shell):
         first.setdefault((row.variant, row.load, row.kind), row)
@@ -245,6 +248,11 @@ def _pictures(
                     joints = joint_outlines(contacts, np.flatnonzero(opened_joints(joint_opening(contacts, stones, moved))))
                     drawn.append((f"{row.label}: plastic strain, and the joints of the stones that open", overlay))
                     jobs.append((shell_picture, (*scene, overlay, toward, joints)))
-        problem = mechanism_pictures(jobs)
-        pictures = [(label, base64.b64encode(file.read_bytes()).decode("ascii")) for label, file in drawn if file.exists()]
-    return pictures, problem
+        with mechanism_pictures(jobs) as wait:
+
+            def made() -> dict[str, Any]:
+                problem = wait()
+                found = [(label, base64.b64encode(file.read_bytes()).decode("ascii")) for label, file in drawn if file.exists()]
+                return {"pictures": found, "picture_problem": problem}
+
+            yield made

@@ -157,7 +157,11 @@ def closed_gap(
     # The state with the least weighted gap. The search returns to it.
     base: CoulombState | None = None
     ahead, excess, momentum = n, np.zeros_like(n), settings.momentum
+    # The step at which the gap was last halved, and the gap then.
+    halved, mark = 0, np.inf
     for pair in range(settings.stage_b):
+        if pair - halved > settings.patience:
+            break
         if progress:
             progress("non-associative", pair / settings.stage_b)
         plain = ahead is n
@@ -171,6 +175,8 @@ def closed_gap(
         history.append(Iteration(state.load_factor, 0.0, state.relative_gap))
         if best is None or state.gap < best.gap:
             best = state
+        if state.gap < 0.5 * mark:
+            halved, mark = pair, state.gap
         if state.relative_gap <= settings.gap:
             break
         reached, left, least = (_weighted_gap(balance, strength, each, excess) for each in (state, last, base))

@@ -85,7 +85,8 @@ class SchemeSettings:
         no more than this share of the friction is overdrawn, or when the load factor changes by no more than this share.
         weight_a: its proximal weight, which keeps a step near the forces before it. cohesion: fictitious, over the largest
         normal force; more_cohesion: over the largest load, tried in turn where the start carries too little of the dead load.
-    Stage B alternates between velocities and forces. stage_b: its steps, at most. weight_b: its proximal weight, at most
+    Stage B alternates between velocities and forces. stage_b: its steps, at most; patience: steps without half the gap after
+        which it gives up. weight_b: its proximal weight, at most
         `nearness` times the gap, so that keeping near costs less than what is left to gain. momentum: share of its last step
         that a step goes on by, at most. slow: a weighted gap above this share of the last one is slow. lost: above so many
         times the least gap the search returns to where that was found. blamed, stress: points that add more than this share to
@@ -104,6 +105,7 @@ class SchemeSettings:
 
     stage_a: int = 15
     stage_b: int = 60
+    patience: int = 60
     violation: float = 1e-4
     settled: float = 5e-3
     gap: float = BIPOTENTIAL_GAP

@@ -1,7 +1,7 @@
 """Non-associative limit analysis: several starts, one headline, and the certificate of each."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
 import numpy as np
@@ -33,6 +33,8 @@ Method = Literal["default", "paper"]
 Start = Literal["centre", "dead-load", "uniform", "associative", "scattered"]
 Progress = Callable[[str, float], None]
 _STARTS: dict[Method, tuple[Start, ...]] = {"default": ("centre", "dead-load"), "paper": ("associative",)}
+# Nobody waits long for a second opinion: once a state is certified, a search gives up after so many steps without half the gap.
+_PATIENCE = 8
 # Where the run from the centre cannot begin, or stops short of a state, the search is tried from these.
 _OTHERS: tuple[Start, ...] = ("dead-load", "associative")
 _LAST: Start = "scattered"
@@ -123,7 +125,11 @@ def sliding_analysis(
         chosen = settled[leading([end[0] for end in settled])]
     else:
         chosen = min(search.ends, key=lambda end: _distance(end[0], options))
-    return _state(balance, strength, associative, chosen, [end[0] for end in search.ends], search.found)
+    told, run, state = chosen
+    if state is not None:
+        told = replace(told, interval=mechanism_interval(balance, strength, state, solve))
+    starts = [told if end is chosen else end[0] for end in search.ends]
+    return _state(balance, strength, associative, (told, run, state), starts, search.found)
 
 
 def leading(runs: Sequence[StartRun]) -> int:
@@ -175,6 +181,8 @@ class _Search:
             n = np.concatenate([_first_forces(start, normal, balance), np.zeros(balance.ties)])
             if options.method == "default":
                 settings = SchemeSettings(gap=options.bipotential_gap)
+                if options.starts == _STARTS["default"] and any(end[0].settled for end in self.ends):
+                    settings = replace(settings, patience=_PATIENCE)
                 runs = [certified_iteration(balance, strength, n, solve, settings, self._progress)]
             else:
                 before = np.zeros_like(n), n
@@ -188,7 +196,9 @@ class _Search:
         run = min(runs, key=lambda run: (not run.settled, run.load_factor))
         state = _certificate(self._balance, self._strength, run, method, self._solve)
         self.found += runs
-        self.ends.append((_start_run(start, run, self._balance, self._strength, state, self._solve), run, state))
+        gap = np.nan if state is None else state.gap
+        told = StartRun(start, run.load_factor, run.settled, gap, (np.nan, np.nan), run.history)
+        self.ends.append((told, run, state))
 
 
 def _associative_run(balance: Equilibrium, strength: Strength, associative: LimitState, solve: Solve) -> SlidingRun:
@@ -216,20 +226,6 @@ def _certificate(balance: Equilibrium, strength: Strength, run: SlidingRun, meth
     n = np.maximum(run.x[:, 0], 0.0)
     y = sliding_velocities(balance, strength, n, solve)
     return None if y is None else coulomb_step(balance, strength, n, y, solve, nearness=SchemeSettings().weight_b)
-
-
-def _start_run(
-    start: Start,
-    run: SlidingRun,
-    balance: Equilibrium,
-    strength: Strength,
-    certified: CoulombState | None,
-    solve: Solve,
-) -> StartRun:
-    if certified is None:
-        return StartRun(start, run.load_factor, run.settled, np.nan, (np.nan, np.nan), run.history)
-    interval = mechanism_interval(balance, strength, certified, solve)
-    return StartRun(start, run.load_factor, run.settled, certified.gap, interval, run.history)
 
 
 def _state(

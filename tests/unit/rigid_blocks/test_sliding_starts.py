@@ -10,8 +10,9 @@ from churchpipe.model.loads import LoadCase
 from churchpipe.rigid_blocks.certificate import Strength
 from churchpipe.rigid_blocks.coulomb import dead_load_start
 from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
-from churchpipe.rigid_blocks.iterations import certified_iteration
+from churchpipe.rigid_blocks.iterations import certified_iteration, closed_gap
 from churchpipe.rigid_blocks.limit import associative_state, point_strength
+from churchpipe.rigid_blocks.settings import SchemeSettings
 from churchpipe.rigid_blocks.sliding import SlidingOptions, sliding_analysis
 from churchpipe.stones.contacts import find_contacts
 from solids import box, moved, on_ground
@@ -74,6 +75,17 @@ def test_the_run_from_the_centre_needs_no_forces_to_begin_with() -> None:
     state = sliding_analysis(balance, strength, associative, SlidingOptions(starts=("centre",)), solve)
     assert state.status == "converged"
     assert 0 <= state.gap <= 1e-5 * state.load_factor
+
+
+def test_a_search_without_patience_gives_up_where_the_gap_falls_no_more() -> None:
+    balance, strength, _ = wall()
+    # A gap below rounding is never reached.
+    settings = SchemeSettings(gap=1e-14, patience=2)
+    run = closed_gap(balance, strength, dead_load_start(balance), solver_for(balance.wrenches), settings)
+    assert run is not None
+    gaps = [step.gap for step in run.history]
+    assert 2 < len(gaps) < 30
+    assert all(min(gaps[:k]) < 0.5 * min(gaps[: k - 3]) for k in range(4, len(gaps) - 1))
 
 
 @pytest.mark.parametrize("kind", ["turned", "shuffled", "thin", "enlarged"])
