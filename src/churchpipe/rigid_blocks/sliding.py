@@ -128,8 +128,8 @@ def sliding_analysis(
     told, run, state = chosen
     if state is not None:
         told = replace(told, interval=mechanism_interval(balance, strength, state, solve))
-    starts = [told if end is chosen else end[0] for end in search.ends]
-    return _state(balance, strength, associative, (told, run, state), starts, search.found)
+    runs = [told if end is chosen else end[0] for end in search.ends]
+    return _state(balance, strength, associative, (told, run, state), runs, search.found)
 
 
 def leading(runs: Sequence[StartRun]) -> int:
