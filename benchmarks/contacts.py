@@ -8,7 +8,7 @@ from time import process_time
 
 import numpy as np
 
-from churchpipe.config import read_case
+from churchpipe.config.case import read_case
 from churchpipe.model.contacts import TOUCHING
 from churchpipe.model.loads import LoadCase
 from churchpipe.resources import pipeline_folder

@@ -1,6 +1,7 @@
-"""Speed and size of limit analysis on box buildings: our interior-point core, Clarabel, cvxpy.
+"""Speed and size of limit analysis on box buildings and other shapes: our interior-point core, Clarabel, cvxpy.
 
     PYTHONPATH=tests python benchmarks/limit_analysis.py --models 1k 5k 10k 20k 50k
+    PYTHONPATH=tests python benchmarks/limit_analysis.py --models low tube street church --solvers interior-point clarabel --to X
 
 Every run is a process of its own with one thread, so that peak memory and processor time are its own. Clarabel has its default
 settings and the form that suits it best (kinematic, forces in the weight of a stone). With `--mkl DIR` it also runs with the
@@ -27,13 +28,18 @@ DOCUMENT = Path(__file__).parents[1] / "docs" / "benchmarks_limit_analysis.md"
 
 
 def model(name: str) -> tuple[Any, Any]:
-    """Return balance and strength of a box building; friction .6, pushed along x."""
+    """Return balance and strength of a box building, a facade, or the sample church; friction .6, pushed along x."""
+    import churchpipe as cp
     from churchpipe.model.loads import LoadCase
     from churchpipe.rigid_blocks.equilibrium import equilibrium
     from churchpipe.rigid_blocks.limit import point_strength
-    from models import box_building
+    from models import FACADES, box_building, facade
 
-    stones, contacts = box_building(name)
+    if name == "church":
+        stones = cp.derive_blocks(cp.read_case("pipeline/cases/church.toml").building())
+        contacts = cp.find_contacts(stones)
+    else:
+        stones, contacts = facade(name) if name in FACADES else box_building(name)
     balance = equilibrium(stones, contacts, LoadCase((1, 0, 0)))
     return balance, point_strength(contacts, 0.6, 0.0, balance.force)
 
@@ -88,14 +94,14 @@ def clarabel_settings(solver: str) -> Any:
     return settings
 
 
-def in_child(name: str, solver: str, mkl: str) -> dict[str, Any]:
-    """Run one solve in a process with one thread, capped at `CAP` seconds of wall time."""
+def in_child(name: str, solver: str, mkl: str, cap: float) -> dict[str, Any]:
+    """Run one solve in a process with one thread, capped at so many seconds of wall time."""
     threads = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
     if solver == "clarabel-mkl":
         threads = {"LD_LIBRARY_PATH": mkl, "MKL_NUM_THREADS": "2"}
     command = [sys.executable, __file__, "--one", name, solver]
     try:
-        done = subprocess.run(command, env=os.environ | threads, capture_output=True, text=True, timeout=CAP, check=True)
+        done = subprocess.run(command, env=os.environ | threads, capture_output=True, text=True, timeout=cap, check=True)
     except (subprocess.TimeoutExpired, subprocess.CalledProcessError) as error:
         return {"model": name, "solver": solver, "outcome": type(error).__name__}
     return json.loads(done.stdout.splitlines()[-1])
@@ -144,6 +150,8 @@ def main() -> None:
     parser.add_argument("--models", nargs="+", default=["1k", "5k", "10k", "20k", "50k"])
     parser.add_argument("--solvers", nargs="+", default=["interior-point", "clarabel", "cvxpy"], choices=LIMITS)
     parser.add_argument("--mkl", default="", metavar="DIR", help="folder with libmkl_rt.so, for clarabel-mkl")
+    parser.add_argument("--to", type=Path, default=DOCUMENT, help="file that the table is written to")
+    parser.add_argument("--cap", type=float, default=CAP, help="of one run, s of wall time")
     parser.add_argument("--one", nargs=2, metavar=("MODEL", "SOLVER"), help="one run, as JSON")
     chosen = parser.parse_args()
     if chosen.one:
@@ -153,12 +161,12 @@ def main() -> None:
     for name in chosen.models:
         for solver in chosen.solvers:
             if all(row.get("stones", 0) <= LIMITS[solver] for row in rows if row["model"] == name):
-                rows.append(in_child(name, solver, chosen.mkl))
+                rows.append(in_child(name, solver, chosen.mkl, chosen.cap))
                 print(rows[-1], flush=True)
     command = f"PYTHONPATH=tests python benchmarks/limit_analysis.py --models {' '.join(chosen.models)}"
     command += f" --solvers {' '.join(chosen.solvers)}"
     command += " --mkl DIR" if chosen.mkl else ""
-    DOCUMENT.write_text(table(rows, command), encoding="utf-8")
+    chosen.to.write_text(table(rows, command), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 """Sliding without dilatancy as one run from the centre: value, gap, cost and spread of test models, box buildings and facades.
 
     PYTHONPATH=tests python benchmarks/sliding.py wall1 S5 S5-swapped S22 1k 5k long-.4 storeys-.7 --starts 12
+    PYTHONPATH=tests python benchmarks/sliding.py church+x church-y church-tower barrel
     PYTHONPATH=tests python benchmarks/sliding.py wall1 S5 S22 --search
 
 With --search the sequence of programs from the dead-load forces instead. A disturbed start is the model with each dead load
@@ -13,8 +14,11 @@ from time import process_time
 from typing import Any
 
 import numpy as np
+from church import LOADS
 
+import churchpipe as cp
 from churchpipe.conic.solve import solver_for
+from churchpipe.generators import vault
 from churchpipe.model.loads import LoadCase
 from churchpipe.rigid_blocks.central import from_centre
 from churchpipe.rigid_blocks.coulomb import EXACT, dead_load_start
@@ -27,8 +31,16 @@ from models import FACADES, FERRIS_TIN_LOI_LOAD, TILTING_LOADS, box_building, fa
 
 
 def problem(name: str) -> tuple[Any, Any]:
-    """Return balance and strength of a model of tests/models.py."""
-    if name.startswith("wall"):
+    """Return balance and strength of a model of tests/models.py, of the sample church, or of a barrel of ten staggered rings."""
+    if name.startswith("church"):
+        stones = cp.derive_blocks(cp.read_case("pipeline/cases/church.toml").building())
+        contacts = find_contacts(stones)
+        load, friction = LOADS["tower +x" if name == "church-tower" else name.removeprefix("church")], 0.6
+    elif name == "barrel":
+        stones = cp.derive_blocks(vault(span=1.85, thickness=0.15, length=2.5, courses=27, stone_length=0.25, laid="rings"))
+        contacts = find_contacts(stones)
+        load, friction = LoadCase((1, 0, 0)), 0.7
+    elif name.startswith("wall"):
         stones, load, friction = ferris_tin_loi_wall(int(name[4:])), FERRIS_TIN_LOI_LOAD, 0.65
         contacts = find_contacts(stones)
     elif name.startswith("S"):

@@ -56,6 +56,9 @@ BOXES = {
     "10k": (34, 22, 92),
     "20k": (48, 32, 128),
     "50k": (76, 50, 200),
+    "100k": (108, 72, 280),
+    "low": (76, 12, 30),
+    "tube": (6, 6, 224),
 }
 
 
@@ -87,7 +90,7 @@ def box_building(name: str) -> tuple[Assemblage, Contacts]:
 
 
 # Plane walls of bricks .4 x .2 x .2 m with doors and windows: length in m, courses, and openings as (start, width, sill, height),
-# the last two in courses. Each has 1400 to 1700 stones.
+# the last two in courses. The first two have 1400 to 1700 stones, the last 5500.
 FACADES: dict[str, tuple[float, int, list[tuple[float, float, int, int]]]] = {
     "long": (
         32.0,
@@ -110,6 +113,11 @@ FACADES: dict[str, tuple[float, int, list[tuple[float, float, int, int]]]] = {
             (5.8, 1.6, 0, 15),
             *((start, 1.2, 30, 9) for start in (1.6, 6.0, 10.0)),
         ],
+    ),
+    "street": (
+        40.0,
+        60,
+        [(start, 1.2, sill, 9) for sill in (6, 24, 42) for start in (1.6, 6.0, 10.4, 14.8, 19.2, 23.6, 28.0, 32.4, 36.8)],
     ),
 }
 

@@ -1,5 +1,5 @@
 from ._version import __version__ as __version__
-from .config import read_case as read_case
+from .config.case import read_case as read_case
 from .config.distributions import SampledParameter as SampledParameter
 from .config.distributions import sample_points as sample_points
 from .dxf.reader import read_dxf as read_dxf

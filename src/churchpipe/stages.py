@@ -7,16 +7,15 @@ JSON; only input that cannot be taken raises. What the shell refuses stops the s
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from churchpipe import compare as results
+from churchpipe.closure import code_of
 from churchpipe.config.carries import carries_of, placed
-from churchpipe.config.plausible import size_questions
 from churchpipe.config.settings import beams_of, joints_of, load_of, strengths_of, weights_of
 from churchpipe.errors import Extra, InputError
-from churchpipe.io.atomic import write_json
+from churchpipe.io.atomic import canonical_json, write_if_changed, write_json
 from churchpipe.io.building_json import read_building, write_building
 from churchpipe.io.movement_record import movement_words, widest_cracks
 from churchpipe.io.npz import Absent, read_if_made, read_npz, write_npz
@@ -24,6 +23,7 @@ from churchpipe.io.recording import curve_record_of, record_of, shell_record_of
 from churchpipe.io.records import LeftOut, write_record
 from churchpipe.io.shell_vtu import write_shell_mechanism, write_shell_msh, write_shell_vtu
 from churchpipe.io.tables import read_json, write_table
+from churchpipe.io.tie_records import without_ties
 from churchpipe.io.vtu import write_vtu
 from churchpipe.loading.wrenches import loaded, shell_loaded
 from churchpipe.model.arrays import FloatArray
@@ -36,11 +36,34 @@ from churchpipe.model.names import CONTACT_MODEL, MODELS
 from churchpipe.model.results import CapacityCurve, CapacityStep, ShellLimitState
 from churchpipe.model.shell import ShellModel
 from churchpipe.model.ties import RankedTie, Tie
-from churchpipe.run_folder import read_run, versions
-from churchpipe.sample_run import run_sample
-from churchpipe.uncertainty import sample_rows, uncertainty_record
+
+if TYPE_CHECKING:
+    from churchpipe.config.selection import Selection
 
 Progress = Callable[[str, float], None]
+
+
+def configure(case: str | Path, out: str | Path, overrides: Sequence[str] = (), selection: "Selection | None" = None) -> Path:
+    """Write the plan of a run and the settings of each stage into `out`; a file whose content is unchanged is not touched.
+
+    Files: plan.json, as-run.toml (the case with what --set changed), settings.json of each stage: geometry/NAME (with
+    tolerances.json, of its joints), shell/NAME (with carried.json, of its loads), rigid/NAME, curve/NAME, movement/NAME,
+    limit/NAME, pushover/NAME, sample/NAME, and code/STAGE.txt. Returns the path of plan.json.
+    """
+    from churchpipe.config.asrun import as_run
+    from churchpipe.config.samples import plan_with_samples
+    from churchpipe.config.selection import ALL
+
+    out = Path(out)
+    todo, samples = plan_with_samples(case, overrides, selection or ALL)
+    for name, table in (todo.files | {f"sample/{name}/settings": table for name, table in samples.items()}).items():
+        write_if_changed(out / f"{name}.json", canonical_json(table))
+    for stage in STAGES:
+        # The rules take it as an input: an edited module runs again what depends on it.
+        write_if_changed(out / "code" / f"{stage}.txt", code_of(stage))
+    write_if_changed(out / "as-run.toml", as_run(Path(case), overrides))
+    write_if_changed(out / "plan.json", canonical_json(todo.index))
+    return out / "plan.json"
 
 
 def source(settings: Path, building: Path) -> None:
@@ -189,7 +212,7 @@ def pushover(
             progress(f"load factor {step.load_factor:.4f}, {step.displacement * 1e3:.3g} mm", 0.0)
 
     def work(mesh: ShellModel, load: LoadCase, materials: list[JointStrength], ties: Sequence[Tie]) -> CapacityCurve:
-        return pushover(mesh, load, materials, **options, ties=ties, progress=tell)
+        return without_ties(pushover(mesh, load, materials, **options, progress=tell), ties)
 
     _analyse_shell("pushover", table, shell, match, assemblage, state, record, work, progress)
 
@@ -297,6 +320,8 @@ def movement(
 
 def sample(settings: Path, file: Path, record: Path, *shared: Path) -> None:
     """One sample, with the drawing and what it shares with the building as it is -> its records, or why it cannot be built."""
+    from churchpipe.sample_run import run_sample
+
     stages = (source, blocks, drawing, contacts, panels, shell, match, rigid, curve, limit, pushover)
     try:
         found = run_sample(read_json(settings), file, shared, {stage.__name__: stage for stage in stages})
@@ -307,6 +332,11 @@ def sample(settings: Path, file: Path, record: Path, *shared: Path) -> None:
 
 def compare(plan: Path, summary: Path, table: Path, samples: Path | None = None) -> None:
     """All analyses of a plan -> summary.json and table.csv; those of all samples -> samples.csv."""
+    from churchpipe import compare as results
+    from churchpipe.config.plausible import size_questions
+    from churchpipe.run_folder import read_run
+    from churchpipe.uncertainty import sample_rows, uncertainty_record
+
     run = read_run(plan)
     sizes = {name: results.figures(*run.stones(name)) for name in run.index["geometries"]}
     shells = {mesh["name"]: run.shell_figures(mesh["name"], mesh["geometry"]) for mesh in run.index["shells"]}
@@ -328,6 +358,8 @@ def report(plan: Path, summary: Path, assemblage: Path, contacts: Path, html: Pa
     with Extra("the report"):
         from churchpipe.report.frames import write_path
         from churchpipe.report.html import write_report
+
+    from churchpipe.run_folder import read_run, versions
 
     run, geometry = read_run(plan), assemblage.parent.name
     stones = read_npz(assemblage, Assemblage)

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from churchpipe import cli
-from churchpipe.config import read_case, read_variants
+from churchpipe.config.case import read_case, read_variants
 
 PAGE = (Path(__file__).parents[2] / "docs" / "tutorial.md").read_text(encoding="utf-8")
 STEPS = re.findall(r"^```toml\n(.*?)^```", PAGE, flags=re.DOTALL | re.MULTILINE)

@@ -7,8 +7,8 @@ import pytest
 from test_cli import call
 
 from churchpipe import cli, engine
-from churchpipe.config import Drawing, read_case, read_variants
 from churchpipe.config.asrun import claim, other_case
+from churchpipe.config.case import Drawing, read_case, read_variants
 from churchpipe.config.plan import plan
 from churchpipe.dxf.reader import read_dxf
 from churchpipe.dxf.writer import write_dxf

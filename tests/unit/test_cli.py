@@ -16,8 +16,7 @@ from rich.console import Console
 import churchpipe
 from case_texts import WALL, case_file
 from churchpipe import cli, engine
-from churchpipe.config import read_case
-from churchpipe.config.case import Drawing
+from churchpipe.config.case import Drawing, read_case
 from churchpipe.dxf.reader import read_drawing
 from churchpipe.dxf.reading import Reading
 from churchpipe.dxf.writer import write_dxf

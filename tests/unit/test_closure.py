@@ -1,5 +1,7 @@
 """What decides a stage: found through the imports of the sources, in a small package with every kind of them."""
 
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -102,3 +104,10 @@ def test_what_reads_the_folder_of_a_run_decides_the_results_alone() -> None:
 def test_every_stage_that_the_rules_name_has_its_code() -> None:
     rules = "".join(path.read_text() for path in (Path(churchpipe.__file__).parents[2] / "pipeline" / "rules").glob("*.smk"))
     assert all(f'code="code/{stage}.txt"' in rules for stage in STAGES)
+
+
+def test_a_stage_is_loaded_without_the_reader_of_cases_and_without_solvers() -> None:
+    # Each stage is a process: what all of them load, a person waits for some ten times.
+    heavy = ["pydantic", "tomlkit", "numba", "ezdxf", "clarabel", "churchpipe.config.case", "churchpipe.compare"]
+    code = f"import churchpipe.stages, sys; print([m for m in {heavy} if m in sys.modules])"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"

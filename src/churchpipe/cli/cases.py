@@ -43,7 +43,7 @@ def schema(
 
 def read_sound(path: Path, changes: Sequence[str]) -> Any:
     """Return the cases of a file, after its first building was made: mistakes are found before anything is written."""
-    from churchpipe.config import Generated, read_variants
+    from churchpipe.config.case import Generated, read_variants
 
     cases = read_variants(path, changes)
     source = cases[0].source
@@ -56,7 +56,7 @@ def read_sound(path: Path, changes: Sequence[str]) -> Any:
 
 def check_case(path: Path, changes: Sequence[str]) -> None:
     """Make all buildings of a case, or read its drawing, and say what a run would make."""
-    from churchpipe.config import Generated, read_variants
+    from churchpipe.config.case import Generated, read_variants
     from churchpipe.config.plan import plan
 
     cases = read_variants(path, changes)

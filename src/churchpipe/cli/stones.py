@@ -145,7 +145,7 @@ def export_dxf(
     """Write the stones of a case as a DXF drawing, its materials and loads inside."""
     from dataclasses import asdict
 
-    from churchpipe.config import Generated, read_case
+    from churchpipe.config.case import Generated, read_case
     from churchpipe.dxf.writer import write_dxf
     from churchpipe.meshes.reader import read_file
     from churchpipe.stones.blocks import derive_blocks
@@ -158,8 +158,7 @@ def export_dxf(
     else:
         weights = {material.name: material.unit_weight for material in read.materials}
         stones = read_file(read.source.path, unit_weight=weights, **asdict(read.source.reading)).stones
-    carried = read.carries
-    write_dxf(stones, drawing, materials=read.materials, loads=read.loads, ties=carried.ties, line_loads=carried.line_loads)
+    write_dxf(stones, drawing, materials=read.materials, loads=read.loads)
     out.print(f"{int((~stones.fixed).sum())} stones: {drawing}", soft_wrap=True)
 
 

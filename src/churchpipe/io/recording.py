@@ -125,7 +125,7 @@ def shell_record_of(
             curve = Curve(int(result.control_point), tuple(result.control.tolist()), tuple(result.load_factor.tolist()))
         case str():
             outcome = Outcome("failed", message=result)
-    tensions = () if isinstance(result, str) else tie_forces_of(ties, result)
+    tensions = tie_forces_of(ties, result) if isinstance(result, ShellLimitState) else ()
     said = "; ".join(words for words in (outcome.message, *_uncrushed(materials)) if words)
     return ShellRecord(question_of(load, materials), replace(outcome, message=said), method, planes, curve, tensions)
 

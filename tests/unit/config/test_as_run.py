@@ -5,9 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from churchpipe.config import read_case, read_variants
 from churchpipe.config.asrun import as_run
-from churchpipe.config.case import read_table
+from churchpipe.config.case import read_case, read_table, read_variants
 from churchpipe.config.overrides import apply_overrides
 from churchpipe.resources import sample_case, sample_names
 

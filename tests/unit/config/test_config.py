@@ -11,7 +11,8 @@ import pytest
 import tomli_w
 
 from case_texts import case_file
-from churchpipe.config import Drawing, Generated, ShellSettings, read_case, read_variants
+from churchpipe.config.analyses import ShellSettings
+from churchpipe.config.case import Drawing, Generated, read_case, read_variants
 from churchpipe.config.overrides import parse_override, set_key
 from churchpipe.config.plan import Plan, plan
 from churchpipe.config.section import Section, section_in

@@ -6,7 +6,7 @@ import pytest
 
 from case_texts import WALL, case_file
 from churchpipe.code_check import Floor, Site
-from churchpipe.config import read_case, read_variants
+from churchpipe.config.case import read_case, read_variants
 from churchpipe.config.plan import plan
 from churchpipe.config.settings import site_of
 from churchpipe.errors import InputError

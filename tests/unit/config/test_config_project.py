@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from case_texts import case_file
-from churchpipe.config import read_case
+from churchpipe.config.case import read_case
 from churchpipe.config.project import Project
 from churchpipe.errors import InputError
 from churchpipe.resources import sample_case

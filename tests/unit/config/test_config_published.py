@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from case_texts import WALL, case_file
-from churchpipe.config import read_case, read_variants
+from churchpipe.config.case import read_case, read_variants
 from churchpipe.config.plan import plan
 from churchpipe.config.published import Published
 from churchpipe.errors import InputError

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from case_texts import WALL, case_file
-from churchpipe.config import read_case, read_variants
+from churchpipe.config.case import read_case, read_variants
 from churchpipe.config.places import line_of
 from churchpipe.errors import InputError
 from churchpipe.resources import sample_case, sample_names

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from churchpipe.config import read_case
+from churchpipe.config.case import read_case
 from churchpipe.config.plausible import questions, size_questions
 from churchpipe.resources import sample_case, sample_names
 from churchpipe.stones.blocks import derive_blocks

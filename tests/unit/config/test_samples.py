@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from case_texts import WALL, case_file
-from churchpipe.config import read_case
+from churchpipe.config.case import read_case
 from churchpipe.config.samples import plan_with_samples
 from churchpipe.errors import InputError
 

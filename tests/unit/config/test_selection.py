@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from case_texts import WALL, case_file
-from churchpipe.config import read_case, read_variants
 from churchpipe.config.asrun import as_run
+from churchpipe.config.case import read_case, read_variants
 from churchpipe.config.plan import plan
 from churchpipe.config.selection import Selection, selected
 from churchpipe.errors import UsageError

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from case_texts import WALL, case_file
-from churchpipe.config import read_variants
+from churchpipe.config.case import read_variants
 from churchpipe.config.plan import plan
 from churchpipe.errors import InputError
 

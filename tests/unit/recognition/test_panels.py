@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 from churchpipe.bond.voussoir import ring_outline
-from churchpipe.config import read_case
+from churchpipe.config.case import read_case
 from churchpipe.dxf.reader import read_drawing
 from churchpipe.dxf.writer import write_dxf
 from churchpipe.errors import InputError

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from churchpipe.config import read_case
+from churchpipe.config.case import read_case
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage, assemble
 from churchpipe.model.loads import LoadCase
