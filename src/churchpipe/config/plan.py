@@ -166,6 +166,8 @@ def _geometry_settings(case: Case) -> dict[str, Any]:
         "name": case.name,
         "source": source,
         "unit_weight": {material.name: material.unit_weight for material in case.materials},
+        # Walls are of the first one unless they say otherwise, and JSON sorts the keys of a table.
+        "materials": [material.name for material in case.materials],
         **({"ring_beams": [plain(beam) for beam in case.ring_beams]} if case.ring_beams else {}),
         **({"panels": _named_panels(case)} if isinstance(case.source, Drawing) else {}),
     }

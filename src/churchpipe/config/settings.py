@@ -13,8 +13,8 @@ from churchpipe.spectrum import SiteSpectrum
 
 
 def weights_of(settings: Mapping[str, Any]) -> list[UnitWeight]:
-    """Return the unit weights of the materials of a geometry."""
-    return [UnitWeight(name, weight) for name, weight in settings["unit_weight"].items()]
+    """Return the unit weights of the materials of a geometry, in the order of the case."""
+    return [UnitWeight(name, settings["unit_weight"][name]) for name in settings["materials"]]
 
 
 def beams_of(settings: Mapping[str, Any]) -> list[RingBeam]:

@@ -12,6 +12,7 @@ from churchpipe.config.settings import joints_of
 from churchpipe.errors import InputError
 from churchpipe.io.building_json import read_building, write_building
 from churchpipe.shell_mesh.shell import derive_shell
+from churchpipe.stages import configure, source
 from churchpipe.stones.blocks import derive_blocks
 
 CASE = """
@@ -180,3 +181,11 @@ def test_joints_with_a_strength_of_their_own_reach_the_settings_of_the_analyses(
     ):
         with pytest.raises(InputError, match=rf"loaded\.toml: {said}"):
             read_case(case_of(tmp_path, CASE + JOINTS.replace(given, wrong))).building()
+
+
+def test_walls_are_of_the_first_material_of_the_case_in_a_run_too(tmp_path: Path) -> None:
+    case = read_case(case_of(tmp_path, CASE + BEAM))
+    assert {panel.material for panel in case.building().panels} == {"default"}
+    configure(tmp_path / "loaded.toml", tmp_path / "run")
+    source(tmp_path / "run/geometry/base/settings.json", tmp_path / "building.json")
+    assert {panel.material for panel in read_building(tmp_path / "building.json").panels} == {"default"}
