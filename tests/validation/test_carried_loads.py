@@ -345,3 +345,26 @@ def test_a_closed_ring_beam_holds_a_wall_that_falls_outwards() -> None:
         assert state.status == "optimal"
         found.append(state.load_factor)
     assert found[1] > 1.1 * found[0]
+
+
+def test_a_rigid_floor_ties_two_walls_by_friction_or_by_its_anchors() -> None:
+    # Two walls 0.5 m thick, 3 m high, 6 m long under a plate; pushed outwards at mid-height, the west one turns about its toe.
+    plate, walls = box((-50, 50), (-50, 50), (-1, 0)), [box((x, x + 0.5), (0, 6), (0, 3)) for x in (0, 4)]
+    stones = cp.Assemblage.from_polyhedra([plate, *walls], GAMMA, [0], panel=["", "west", "east"])
+    floored = cp.with_ring_beams(stones, ["west", "east"], height=0.2, unit_weight=25e3, slab=True)
+    assert floored.volume[-1] == pytest.approx(4.5 * 6 * 0.2)
+    contacts = cp.find_contacts(floored)
+    wall, floor = GAMMA * 0.5 * 3 * 6, 25e3 * 4.5 * 6 * 0.2
+    live = np.zeros((floored.count, 6))
+    live[1, 0] = -wall
+    kind = np.where((contacts.blocks == 3).any(axis=1), 0.2, 2.0)
+    state = cp.limit_analysis(floored, contacts, cp.LoadCase(live=live), kind)
+    # By moments about the toe: the wall, half of the plate on its inner edge, and its friction, 0.2 of that, at the top; at most.
+    bare = (wall * 0.25) / (wall * 1.5)
+    most = (wall * 0.25 + 0.5 * floor * 0.5 + 0.2 * 0.5 * floor * 3) / (wall * 1.5)
+    assert bare < state.load_factor <= most * (1 + 1e-6)
+    # Anchored to both, it takes the other wall along.
+    anchored = [cp.JointGroup(name, between=("beam west east", name), cohesion=1e4) for name in ("west", "east")]
+    strength = cp.joint_strength(floored, contacts, [cp.Material("default", GAMMA, 0.2)], anchored)
+    held = cp.limit_analysis(floored, contacts, cp.LoadCase(live=live), kind, strength[1])
+    assert held.load_factor > 1.2 * state.load_factor

@@ -16,7 +16,8 @@ _Size = Annotated[float, Quantity("_m", 0.0, above=True)]
 
 @dataclass(frozen=True, slots=True)
 class RingBeam:
-    """Rigid beams on the level tops of walls, which friction alone holds to the masonry: one on each, or one along all of them.
+    """Rigid beams on the level tops of walls, which friction alone holds to the masonry: one on each, one along all of them, or a
+    rigid floor or roof on all of them.
 
     Raises
     ------
@@ -32,6 +33,7 @@ class RingBeam:
     )
     end: Annotated[Metres | None, Quantity("_m", key="to_m"), "Likewise its other end."] = None
     closed: Annotated[bool, "One rigid beam along all its walls, which have to meet; false: one on each wall."] = False
+    slab: Annotated[bool, "One rigid plate over its walls and what lies between them: a floor or a roof."] = False
     material: Annotated[str, "A [material] of the case; left out: that of each wall."] = ""
     name: Annotated[str, "For messages, tables and pictures; by default those of its walls."] = ""
 
@@ -46,11 +48,13 @@ class RingBeam:
         begin, end = (None if one is None else finite(f"{where}: ends", one) for one in (self.begin, self.end))
         if begin is not None and end is not None and not begin < end:
             raise InputError(where, "no length", found=f"from {begin:g} m to {end:g} m", expected="begin < end")
-        store(self, walls=walls, begin=begin, end=end, closed=bool(flags(f"{where}: closed", self.closed, ())))
+        for key in ("closed", "slab"):
+            store(self, **{key: bool(flags(f"{where}: {key}", getattr(self, key), ()))})
+        store(self, walls=walls, begin=begin, end=end)
 
     @property
     def bodies(self) -> tuple[str, ...]:
         """Names of its beams, as panels of the stones."""
-        if self.closed:
+        if self.closed or self.slab:
             return (f"{RING_BEAM}{self.name or ' '.join(self.walls)}",)
         return tuple(f"{RING_BEAM}on {wall}" for wall in self.walls)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from churchpipe.errors import InputError
-from churchpipe.geometry.planar import pieces, polygon, united
+from churchpipe.geometry.planar import hull, pieces, polygon, rings, united
 from churchpipe.geometry.prism import prism_of
 from churchpipe.geometry.walls import WallLine, wall_line
 from churchpipe.model.arguments import check_kind, positive
@@ -46,6 +46,7 @@ def with_ring_beams(
     begin: float | None = None,
     end: float | None = None,
     closed: bool = False,
+    slab: bool = False,
 ) -> Assemblage:
     """Return the stones with a rigid beam on the level top of each of some walls, or with one along all of them.
 
@@ -68,6 +69,8 @@ def with_ring_beams(
         m along each wall, as in `LineLoad`, where a beam stops short of what stands higher; None: the wall's own ends.
     closed
         One rigid beam along all the walls, which have to meet, at one level.
+    slab
+        One rigid plate over the walls and what lies between them: a floor or a roof.
 
     Returns
     -------
@@ -82,7 +85,7 @@ def with_ring_beams(
     """
     check_kind("with_ring_beams: stones", stones, Assemblage)
     positive("ring beam: unit weight", unit_weight)
-    beam = RingBeam(tuple(walls), height, width, begin, end, closed)
+    beam = RingBeam(tuple(walls), height, width, begin, end, closed, slab)
     return add_beams(stones, [beam], dict.fromkeys(stones.material.tolist(), unit_weight))
 
 
@@ -95,12 +98,12 @@ def add_beams(stones: Assemblage, beams: Iterable[RingBeam], unit_weight: Mappin
         own: list[_Stretch] = []
         for name in beam.walls:
             stretch = _stretch(stones, beam, name)
-            if not beam.closed:
+            if not (beam.closed or beam.slab):
                 stretch = _shortened(stretch, taken)
                 taken.append(stretch)
                 solids.append(_over(stretch.plan, stretch.wall.top, beam.height))
             own.append(stretch)
-        if beam.closed:
+        if beam.closed or beam.slab:
             taken += own
             solids = [_along_all(beam, own)]
         for solid, name, stretch in zip(solids, beam.bodies, own, strict=False):
@@ -150,6 +153,9 @@ def _along_all(beam: RingBeam, stretches: Sequence[_Stretch]) -> Polyhedron:
         found = ", ".join(f"{stretch.wall.name} at {stretch.wall.top:.6g} m" for stretch in stretches)
         raise InputError(where, "its walls do not end at one level", found=found, expected="one height for one rigid beam")
     parts = pieces(united([polygon(stretch.plan) for stretch in stretches], _MEET))
+    if beam.slab:
+        # Over the walls around a room, or between walls that do not meet.
+        parts = pieces(polygon(rings(parts[0])[0]) if len(parts) == 1 else hull(np.concatenate([one.plan for one in stretches])))
     if len(parts) > 1:
         found = f"{len(parts)} parts"
         raise InputError(
