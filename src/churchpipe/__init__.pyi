@@ -35,6 +35,7 @@ from .model.carried import LineLoad as LineLoad
 from .model.carried import PointLoad as PointLoad
 from .model.carried import Pressure as Pressure
 from .model.contacts import Contacts as Contacts
+from .model.fill import Fill as Fill
 from .model.joint_group import JointGroup as JointGroup
 from .model.loads import LoadCase as LoadCase
 from .model.materials import Elastic as Elastic

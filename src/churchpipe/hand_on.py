@@ -16,6 +16,7 @@ from churchpipe.model.arguments import check_kind, describe, listed, path_of
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.carried import Carried
 from churchpipe.model.contacts import Contacts, check_contacts_of
+from churchpipe.model.fill import Fill
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength
 from churchpipe.model.names import STRENGTH
@@ -37,7 +38,7 @@ def write_report(
     *,
     materials: Sequence[JointStrength],
     shell: ShellModel | None = None,
-    loads: Iterable[Carried] = (),
+    loads: Iterable[Carried | Fill] = (),
     ties: Sequence[Tie] = (),
     name: str = "Results",
 ) -> None:

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import churchpipe as cp
+from churchpipe import generators
 from churchpipe.compare import safety
 from churchpipe.errors import InputError
 from churchpipe.generators.wall import wall as free_wall
@@ -368,3 +369,46 @@ def test_a_rigid_floor_ties_two_walls_by_friction_or_by_its_anchors() -> None:
     strength = cp.joint_strength(floored, contacts, [cp.Material("default", GAMMA, 0.2)], anchored)
     held = cp.limit_analysis(floored, contacts, cp.LoadCase(live=live), kind, strength[1])
     assert held.load_factor > 1.2 * state.load_factor
+
+
+def test_fill_weighs_what_lies_above_each_stone() -> None:
+    # Beside each other a stone 1 m high, one 2 m high, and one whose top slopes from 2 m down to 1 m.
+    wedge = (
+        np.array([[2, 0, 0], [3, 0, 0], [3, 1, 0], [2, 1, 0], [2, 0, 2], [3, 0, 1], [3, 1, 1], [2, 1, 2]], dtype=float),
+        [[3, 2, 1, 0], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]],
+    )
+    solids = [box((0, 1), (0, 1), (0, 1)), box((1, 2), (0, 1), (0, 2)), wedge]
+    plate = box((-50, 50), (-50, 50), (-1, 0))
+    stones = cp.Assemblage.from_polyhedra([plate, *solids], GAMMA, [0], panel=["", "low", "high", "slope"])
+    found = place_loads(stones, [cp.Fill(on=("low", "high", "slope"), unit_weight=16e3, top=2.5, mass=8e3)])
+    weight = {name: float(found.weight[found.wall == name].sum()) for name in ("low", "high", "slope")}
+    assert weight == pytest.approx({"low": 16e3 * 1.5, "high": 16e3 * 0.5, "slope": 16e3 * 1.0}, rel=1e-12)
+    assert found.mass.sum() == pytest.approx(0.5 * found.weight.sum(), rel=1e-12)
+    # The column over the slope is a trapezium, 0.5 m deep at one side and 1.5 m at the other.
+    mine = found.wall == "slope"
+    assert found.weight[mine] @ found.point[mine, 0] / found.weight[mine].sum() == pytest.approx(2 + (0.5 / 2 + 1 / 3), rel=1e-12)
+    # A surface at 1.5 m reaches the low stone and half of the slope alone.
+    low = place_loads(stones, [cp.Fill(on=("low", "high", "slope"), unit_weight=16e3, top=1.5)])
+    assert low.weight.sum() == pytest.approx(16e3 * (0.5 + 0.5 * 0.5 * 0.5), rel=1e-12)
+    with pytest.raises(InputError, match="fill vault: on: no such vault; found vault; expected high, low, slope"):
+        place_loads(stones, [cp.Fill(on=("vault",), unit_weight=16e3, top=2.5)])
+    with pytest.raises(InputError, match="fill low: nothing that it could lie on"):
+        place_loads(stones, [cp.Fill(on=("low",), unit_weight=16e3, top=0.5)])
+
+
+def test_fill_on_a_barrel_comes_to_the_same_in_both_models() -> None:
+    building = generators.vault(
+        span=4.0, thickness=0.3, courses=15, length=2.0, stone_length=1.0, materials=(cp.Material("default", GAMMA, 0.6),)
+    )
+    stones, shell = cp.derive_blocks(building), cp.derive_shell(building, 1.0)
+    crown = stones.points[~np.repeat(stones.fixed, np.diff(stones.block_point_ptr)), 2].max()
+    placed = place_loads(stones, [cp.Fill(on=("vault",), unit_weight=16e3, top=crown + 0.1)])
+    # The column over a chord of the extrados, which has the outer radius at its corners.
+    angle = np.linspace(0, np.pi, 16)
+    x, z = 2.3 * np.cos(angle), 2.3 * np.sin(angle)
+    z += crown - z.max()
+    area = sum(0.5 * abs(x[i + 1] - x[i]) * (2 * (crown + 0.1) - z[i] - z[i + 1]) for i in range(15))
+    assert placed.weight.sum() == pytest.approx(16e3 * area * 2.0, rel=1e-6)
+    figures = [f for f in cp.match_models(stones, cp.find_contacts(stones), shell, placed).figures if "loads" in f.name]
+    assert len(figures) == 2
+    assert all(figure.passed for figure in figures)

@@ -11,6 +11,7 @@ from churchpipe.loading.placing import place_loads
 from churchpipe.loading.ties import place_ties
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.carried import AreaLoad, LineLoad, PointLoad, Pressure
+from churchpipe.model.fill import Fill
 from churchpipe.model.placed_loads import Borne
 from churchpipe.model.tie_bars import AnchorPlace, TieBar
 
@@ -21,6 +22,7 @@ KINDS: Mapping[str, type[Any]] = {
     "point_loads": PointLoad,
     "area_loads": AreaLoad,
     "pressures": Pressure,
+    "fills": Fill,
     "ties": TieBar,
     "tie_candidates": TieBar,
 }
@@ -29,6 +31,7 @@ MEANINGS = {
     "point_loads": "Loads at points of walls.",
     "area_loads": "Floors and roofs that span between walls.",
     "pressures": "Soil or water against walls.",
+    "fills": "Fill on the backs of vaults.",
     "ties": "Steel bars between walls.",
     "tie_candidates": "Bars that might be added: ranked by what each of them would add to the load factor.",
 }
@@ -42,6 +45,7 @@ class Carries:
     point_loads: tuple[PointLoad, ...] = ()
     area_loads: tuple[AreaLoad, ...] = ()
     pressures: tuple[Pressure, ...] = ()
+    fills: tuple[Fill, ...] = ()
     ties: tuple[TieBar, ...] = ()
     tie_candidates: tuple[TieBar, ...] = ()
 
@@ -66,7 +70,7 @@ def placed(carries: Carries, stones: Assemblage) -> Borne:
     ------
     InputError: as `place_loads` and `place_ties`; it begins with the table at fault, such as "line_loads.0".
     """
-    loads = [part for key in ("line_loads", "point_loads", "area_loads", "pressures") for part in _each(carries, key)]
+    loads = [part for key in ("line_loads", "point_loads", "area_loads", "pressures", "fills") for part in _each(carries, key)]
     for key, load in loads:
         tried(key, lambda load=load: place_loads(stones, [load]))
     ties = [[tried(name, lambda bar=bar: place_ties(stones, [bar]))[0] for name, bar in _each(carries, key)] for key in _BARS]

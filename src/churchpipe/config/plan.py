@@ -14,7 +14,7 @@ from churchpipe.model.loads import LoadCase, load_table
 from churchpipe.model.names import CONTACT_MODEL
 
 # What acts in every analysis; candidates for ties are ranked by the rigid blocks alone.
-_LOADS = ("line_loads", "point_loads", "area_loads", "pressures")
+_LOADS = ("line_loads", "point_loads", "area_loads", "pressures", "fills")
 _BORNE = (*_LOADS, "ties")
 
 

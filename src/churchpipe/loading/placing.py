@@ -10,11 +10,12 @@ from churchpipe.errors import InputError
 from churchpipe.geometry.walls import WallLine, wall_line
 from churchpipe.loading.bearing import CLOSE, bearing_stones
 from churchpipe.loading.floors import floor_lines
-from churchpipe.loading.pressure import pressure_forces
+from churchpipe.loading.pressure import fill_weights, pressure_forces
 from churchpipe.model.arguments import check_kind, describe
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage, checked_sequence
 from churchpipe.model.carried import AreaLoad, Carried, LineLoad, PointLoad, Pressure
+from churchpipe.model.fill import Fill
 from churchpipe.model.placed_loads import PlacedLoads
 
 # Parts that the share of one stone is cut into: facets of a shell may be smaller than stones.
@@ -29,7 +30,7 @@ class _Part:
     mass: float
 
 
-def place_loads(stones: Assemblage, loads: Iterable[Carried]) -> PlacedLoads:
+def place_loads(stones: Assemblage, loads: Iterable[Carried | Fill]) -> PlacedLoads:
     """Return loads at the stones that bear them.
 
     A line on top of a wall bears on the highest stones under it, one at a height on the stones there (at a bed joint on those
@@ -40,7 +41,7 @@ def place_loads(stones: Assemblage, loads: Iterable[Carried]) -> PlacedLoads:
     stones
         With the names of their walls as `panel`.
     loads
-        `LineLoad`, `PointLoad`, `AreaLoad` or `Pressure`.
+        `LineLoad`, `PointLoad`, `AreaLoad`, `Pressure` or `Fill`.
 
     Returns
     -------
@@ -80,8 +81,12 @@ def _parts(stones: Assemblage, load: Any, where: str) -> list[_Part]:
         case Pressure():
             wall = wall_line(stones, load.wall, load.called)
             return [_Part(point, stone, force, 0.0) for point, stone, force in pressure_forces(stones, wall, load)]
+        case Fill():
+            share = load.pushed / load.unit_weight
+            down = np.array([0.0, 0.0, -1.0])
+            return [_Part(point, stone, weight * down, share * weight) for point, stone, weight in fill_weights(stones, load)]
         case _:
-            found, expected = describe(load), "a LineLoad, PointLoad, AreaLoad or Pressure"
+            found, expected = describe(load), "a LineLoad, PointLoad, AreaLoad, Pressure or Fill"
             raise InputError(where, "wrong kind", found=found, expected=expected)
 
 

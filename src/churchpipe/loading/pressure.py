@@ -1,4 +1,6 @@
-"""Soil or water against the face of a wall."""
+"""Soil or water against the face of a wall, and fill on the back of a vault."""
+
+from collections.abc import Callable
 
 import numpy as np
 
@@ -9,11 +11,14 @@ from churchpipe.loading.bearing import CLOSE
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.carried import Pressure
+from churchpipe.model.fill import Fill
 from churchpipe.model.polyhedra import face_normals
 
 # A face bears pressure if it looks against it to this cosine, and lies within this share of the thickness of the wall's face.
 _AGAINST = 0.9
 _OUTERMOST = 0.05
+# A face bears fill if its normal rises more than this.
+_UP = 1e-6
 
 
 def pressure_forces(stones: Assemblage, wall: WallLine, load: Pressure) -> list[tuple[FloatArray, int, FloatArray]]:
@@ -31,12 +36,16 @@ def pressure_forces(stones: Assemblage, wall: WallLine, load: Pressure) -> list[
     points = points_of(stones, wall.stones)
     edge = float((points @ outward).max()) - _OUTERMOST * wall.thickness
     found: list[tuple[FloatArray, float, int, FloatArray]] = []
+
+    def pressed(z: FloatArray) -> FloatArray:
+        return load.coefficient * (load.unit_weight * (load.top - z) + load.surcharge)
+
     for stone in wall.stones.tolist():
         for face in range(*stones.block_face_ptr[stone : stone + 2]):
             corners = stones.points[stones.face_nodes[stones.face_ptr[face] : stones.face_ptr[face + 1]]]
             _, (normal,), _ = face_normals(corners, np.arange(len(corners)), np.array([0, len(corners)]))
             if normal @ outward > _AGAINST and (corners @ outward).min() > edge:
-                found += [(*part, stone, normal) for part in _on_face(_below(corners, load.top), load)]
+                found += [(*part, stone, normal) for part in _on_face(_below(corners, load.top), pressed)]
     if not found:
         raise InputError(load.called, f"no face of the wall {wall.name} below z = {load.top:g} m on that side")
     place = np.array([point for point, *_ in found])
@@ -46,6 +55,35 @@ def pressure_forces(stones: Assemblage, wall: WallLine, load: Pressure) -> list[
         for (point, size, stone, normal), bare in zip(found, free.tolist(), strict=True)
         if bare and size > 0
     ]
+
+
+def fill_weights(stones: Assemblage, load: Fill) -> list[tuple[FloatArray, int, float]]:
+    """Return the weight of the fill over parts of the stones below it: point (3,) m, stone, weight N.
+
+    Each column of fill stands on the face under it. What another stone covers bears none.
+
+    Raises
+    ------
+    InputError: a vault that is not there, nothing below the surface that looks up.
+    """
+    known = sorted(set(stones.panel[~stones.fixed].tolist()) - {""})
+    for name in load.on:
+        if name not in known:
+            raise InputError(f"{load.called}: on", "no such vault", found=name, expected=", ".join(known))
+    _, normal, _ = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
+    owner = np.repeat(np.arange(stones.count), np.diff(stones.block_face_ptr))
+    found: list[tuple[FloatArray, float, int, FloatArray]] = []
+    for face in np.flatnonzero((normal[:, 2] > _UP) & np.isin(stones.panel, load.on)[owner]).tolist():
+        corners = stones.points[stones.face_nodes[stones.face_ptr[face] : stones.face_ptr[face + 1]]]
+        parts = _on_face(_below(corners, load.top), lambda z: load.unit_weight * (load.top - z))
+        found += [(point, size * float(normal[face, 2]), int(owner[face]), normal[face]) for point, size in parts]
+    if found:
+        bare = ~inside_stones(stones, np.array([point + 10 * CLOSE * up for point, _, _, up in found]))
+        found = [part for part, free in zip(found, bare.tolist(), strict=True) if free]
+    if not found:
+        expected = f"faces of {', '.join(load.on)} that look up, below z = {load.top:g} m"
+        raise InputError(load.called, "nothing that it could lie on", expected=expected)
+    return [(point, stone, weight) for point, weight, stone, _ in found]
 
 
 def _below(corners: FloatArray, level: float) -> FloatArray:
@@ -59,13 +97,13 @@ def _below(corners: FloatArray, level: float) -> FloatArray:
     return np.array(out).reshape(-1, 3)
 
 
-def _on_face(polygon: FloatArray, load: Pressure) -> list[tuple[FloatArray, float]]:
-    """Return the force of each triangle of a polygon, N, and where it acts (3,) m."""
+def _on_face(polygon: FloatArray, pressed: Callable[[FloatArray], FloatArray]) -> list[tuple[FloatArray, float]]:
+    """Return the force of each triangle of a polygon, N, and where it acts (3,) m; pressed: the pressure at heights (n,), Pa."""
     parts: list[tuple[FloatArray, float]] = []
     for k in range(1, len(polygon) - 1):
         triangle = polygon[[0, k, k + 1]]
         area = 0.5 * float(np.linalg.norm(np.cross(triangle[1] - triangle[0], triangle[2] - triangle[0])))
-        at_corners = load.coefficient * (load.unit_weight * (load.top - triangle[:, 2]) + load.surcharge)
+        at_corners = pressed(triangle[:, 2])
         if not area > 0 or not at_corners.sum() > 0:
             continue
         # A pressure linear over a triangle: corner k of three shares of A / 12 (p_k + sum p).

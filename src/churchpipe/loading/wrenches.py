@@ -11,6 +11,7 @@ from churchpipe.model.arguments import check_kind
 from churchpipe.model.arrays import FloatArray, IntArray, NameArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.carried import Carried
+from churchpipe.model.fill import Fill
 from churchpipe.model.loads import LoadCase, pushed_share
 from churchpipe.model.placed_loads import PlacedLoads
 from churchpipe.model.shell import ShellModel
@@ -26,7 +27,7 @@ class _Bodies:
     lowest: float
 
 
-def loaded(load: LoadCase, stones: Assemblage, loads: "PlacedLoads | Iterable[Carried]") -> LoadCase:
+def loaded(load: LoadCase, stones: Assemblage, loads: "PlacedLoads | Iterable[Carried | Fill]") -> LoadCase:
     """Return a load case with what a building carries, for the analyses of its stones.
 
     The load factor is then base shear over the weight of the pushed stones and of the pushed masses together.
@@ -68,7 +69,9 @@ def _stones(stones: Assemblage) -> _Bodies:
     return _Bodies(stones.centroid, stones.weight, stones.panel, lowest)
 
 
-def shell_loaded(load: LoadCase, shell: ShellModel, stones: Assemblage, loads: "PlacedLoads | Iterable[Carried]") -> LoadCase:
+def shell_loaded(
+    load: LoadCase, shell: ShellModel, stones: Assemblage, loads: "PlacedLoads | Iterable[Carried | Fill]"
+) -> LoadCase:
     """Return a load case with what a building carries, for the analyses of its shell.
 
     Parameters
