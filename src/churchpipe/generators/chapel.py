@@ -11,7 +11,7 @@ from churchpipe.generators.church_parts import Apse
 from churchpipe.generators.fields import as_dataclass, coerce_fields
 from churchpipe.generators.laying import Bonds, Course, FirstCourse, Joints, Junctions, Openings, StoneLength, Walls
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
-from churchpipe.generators.room_vaults import RoomVault
+from churchpipe.generators.rooms import RoomVault
 from churchpipe.generators.wall_bonds import OwnWall, own
 from churchpipe.model.arguments import positive
 from churchpipe.model.building import Building

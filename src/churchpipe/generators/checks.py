@@ -1,5 +1,7 @@
 """Checks of parameters that the generators share."""
 
+from typing import Any
+
 from churchpipe.errors import InputError
 from churchpipe.model.quantities import Length
 
@@ -22,3 +24,11 @@ def whole_courses(where: str, height: float, course: float) -> None:
             found=f"{height:g} m, {count:.4g} courses of {course:g} m",
             expected=f"{max(1, round(count)) * course:.6g} m",
         )
+
+
+def together(where: str, record: Any, *keys: str) -> None:
+    """Raise InputError where some of a record's fields are given and others are None."""
+    given = [key for key in keys if getattr(record, key) is not None]
+    if given and len(given) < len(keys):
+        missing = next(key for key in keys if key not in given)
+        raise InputError(f"{where}.{missing}", "missing", found=f"{', '.join(given)} alone", expected=", ".join(keys))

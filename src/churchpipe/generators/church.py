@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 from churchpipe.errors import InputError
 from churchpipe.generators.apse import apse_legs, apse_panel
-from churchpipe.generators.arched import Given
+from churchpipe.generators.arched import Given, holes
 from churchpipe.generators.checks import whole_courses
 from churchpipe.generators.church_parts import Apse, Chapel, Choir, CrossWall, Nave, Tower, Transept, part_of
 from churchpipe.generators.church_plan import Plan, church_walls, cross_walls
@@ -14,7 +14,8 @@ from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_
 from churchpipe.generators.laying import Bonds, Course, FirstCourse, Joints, Junctions, Openings, StoneLength, Walls
 from churchpipe.generators.layout import WallLayout, check_clear, wall_panels
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
-from churchpipe.generators.room_vaults import RoomVault, room_vaults
+from churchpipe.generators.room_vaults import room_vaults
+from churchpipe.generators.rooms import RoomVault
 from churchpipe.generators.wall_bonds import Bonding, OwnWall, bonding_of, check_walls, own
 from churchpipe.model.building import Building, Junction, Panel
 from churchpipe.model.materials import UnitWeight
@@ -106,7 +107,8 @@ def church(*, name: str = "church", materials: tuple[UnitWeight, ...] = (DEFAULT
     apses, legs = _apses(plan, bonding, walls, p.course)
     junctions = tuple(_junction(f"church.junctions.{k}", value) for k, value in enumerate(p.junctions))
     over = [as_dataclass(RoomVault, f"church.vaults.{number}", vault) for number, vault in enumerate(p.vaults)]
-    vaults = room_vaults(plan, walls, over, p.stone_length, materials[0].name)
+    openings = {wall.name: holes(bonding.openings, wall.name) for wall in walls}
+    vaults = room_vaults(plan, walls, over, p.stone_length, materials[0].name, openings)
     panels = (*wall_panels(walls, bonding, legs), *apses)
     return Building(name, panels, materials, vaults=tuple(vaults), junctions=junctions)
 

@@ -11,7 +11,7 @@ from churchpipe.errors import InputError
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import Support
 from churchpipe.model.vault import Section
-from churchpipe.vaults.directrix import Directrix, between, circular, pointed, polygon_section, to_crown
+from churchpipe.vaults.directrix import Directrix, between, block, circular, pointed, polygon_section, to_crown
 
 Shape = Literal["round", "segmental", "pointed"]
 
@@ -117,13 +117,6 @@ def to_middle(half: Directrix) -> list[Section]:
     return half.sections if abs(last[:, 0]).max() < 1e-9 else [*half.sections, between(last, last * np.array([0.0, 1.0]))]
 
 
-def block(inner: float, outer: float, low: float, high: float) -> Section:
-    """Return the section of a course of a wall: its faces at d = inner and outer, its beds at z = low and high, m."""
-    corner = np.array([(inner, low), (outer, low), (outer, high), (inner, high)])
-    middle = (inner + outer) / 2
-    return polygon_section(corner, np.array([middle, low]), np.array([middle, high]))
-
-
 def fixed_box(name: str, x: tuple[float, float], y: tuple[float, float], z: tuple[float, float]) -> Support:
     """Return a fixed block with its faces at these places, m."""
     corner = np.array([[a, b, c] for c in z for a, b in ((x[0], y[0]), (x[1], y[0]), (x[1], y[1]), (x[0], y[1]))])
@@ -164,3 +157,10 @@ def backing(joints: FloatArray, outer: float, height: float) -> list[Section]:
             polygon_section(corner, np.array([(low[0] + outer) / 2, low[1]]), np.array([(high[0] + outer) / 2, high[1]]))
         )
     return found
+
+
+def under_soffit(joints: FloatArray, depth: float) -> Directrix:
+    """Return the curve of an arch of this depth, m, below the soffit of a vault, with its joints (m + 1, 2, 2)."""
+    inner, outer = joints[:, 0], joints[:, 1]
+    ray = (outer - inner) / np.linalg.norm(outer - inner, axis=1, keepdims=True)
+    return Directrix(np.stack([inner - depth * ray, inner], axis=1))

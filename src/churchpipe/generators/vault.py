@@ -8,11 +8,11 @@ from typing import Annotated, Any, Literal
 import numpy as np
 
 from churchpipe.errors import InputError
-from churchpipe.generators.checks import whole_courses
+from churchpipe.generators.checks import together, whole_courses
 from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
-from churchpipe.generators.profile import Profile, Shape, backing, fixed_box, skewback, to_middle, wall
-from churchpipe.model.arrays import FloatArray
+from churchpipe.generators.profile import Profile, Shape, backing, fixed_box, skewback, to_middle, under_soffit, wall
+from churchpipe.generators.transverse import add_transverse
 from churchpipe.model.building import Building, Support
 from churchpipe.model.materials import UnitWeight
 from churchpipe.model.quantities import Count, Length
@@ -78,8 +78,8 @@ class VaultParameters:
             raise InputError("vault.length", "missing", expected="the length of the barrel")
         if self.laid == "rings" and not barrel:
             raise InputError("vault.laid", "only a barrel is laid in rings", found=self.kind, expected='laid = "courses"')
-        _together(self, "wall_height", "wall_thickness", "wall_course")
-        _together(self, "arches", "arch_width", "arch_depth")
+        together("vault", self, "wall_height", "wall_thickness", "wall_course")
+        together("vault", self, "arches", "arch_width", "arch_depth")
         if self.wall_height is not None and self.wall_course is not None:
             whole_courses("vault.wall_height", self.wall_height, self.wall_course)
         self._check_walls()
@@ -142,13 +142,6 @@ class VaultParameters:
         return float(self.profile.whole.joints[0, 1, 0])
 
 
-def _together(parameters: VaultParameters, *keys: str) -> None:
-    given = [key for key in keys if getattr(parameters, key) is not None]
-    if given and len(given) < len(keys):
-        missing = [key for key in keys if key not in given]
-        raise InputError(f"vault.{missing[0]}", "missing", found=f"{', '.join(given)} alone", expected=", ".join(keys))
-
-
 def vault(*, name: str = "vault", materials: tuple[UnitWeight, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
     """Return a vault; keywords as in `VaultParameters`, SI."""
     p = as_dataclass(VaultParameters, "vault", parameters)
@@ -194,7 +187,9 @@ def _barrel(p: VaultParameters, material: str) -> list[Vault]:
     else:
         cuts = np.linspace(0.0, p.length, max(1, round(p.length / p.stone_length)) + 1)
         add_arches(rings, profile.halved.sections, side, cuts, part="vault", stagger=stagger)
-    _transverse(p, under, side)
+    if p.arches is not None and p.arch_width is not None and p.arch_depth is not None:
+        lay = partial(add_transverse, side=side, span=(0.0, p.length), count=p.arches, width=p.arch_width, depth=p.arch_depth)
+        lay(under, profile, where="vault", part="arch", rings=p.laid == "rings")
     found = _collected(material, courses, filled, under)
     return [*found, rings.vault("rings", material, beds="section")] if rings.runs else found
 
@@ -233,42 +228,6 @@ def _below(p: VaultParameters) -> list[tuple[str, list[Section]]]:
     return found
 
 
-def _transverse(p: VaultParameters, courses: Courses, side: Side) -> None:
-    """Add the arches under a barrel, the first at its start and the last at its end; one alone in the middle."""
-    if p.arches is None or p.arch_width is None or p.arch_depth is None or p.length is None:
-        return
-    room = p.length - p.arch_width
-    if room < (p.arches - 1) * p.arch_width - 1e-9:
-        raise InputError(
-            "vault.arches", "no room between the arches", found=p.arches, expected=f"<= {int(p.length / p.arch_width)}"
-        )
-    starts = np.linspace(0.0, room, p.arches) if p.arches > 1 else np.array([room / 2])
-    # An arch has the bends of the soffit above it.
-    bends, numbers = p.profile.whole, p.profile.voussoir
-    if p.laid == "rings":
-        bends, numbers = p.profile.halved, [half // 2 for half in range(2 * p.courses)]
-    below = _under(bends.joints, p)
-    for number, start in enumerate(starts.tolist(), start=1):
-        add_barrel(
-            courses,
-            below.sections,
-            side,
-            (start, start + p.arch_width),
-            # One stone goes through the width of an arch.
-            2 * p.arch_width,
-            part=f"arch_{number}",
-            numbers=numbers,
-        )
-
-
-def _under(joints: FloatArray, p: VaultParameters) -> Directrix:
-    """Return the curve of an arch below the soffit of a vault, with the same joints."""
-    assert p.arch_depth is not None
-    inner, outer = joints[:, 0], joints[:, 1]
-    ray = (outer - inner) / np.linalg.norm(outer - inner, axis=1, keepdims=True)
-    return Directrix(np.stack([inner - p.arch_depth * ray, inner], axis=1))
-
-
 def _groin(p: VaultParameters, material: str) -> list[Vault]:
     """Return two barrels that cross; walls become piers in the four corners."""
     ratio = (p.second_span or p.span) / p.span
@@ -287,10 +246,10 @@ def _groin(p: VaultParameters, material: str) -> list[Vault]:
         named = "pier" if part == "wall" else part
         webs = sections, [section.stretched(ratio) for section in sections]
         lay(filled if part == "backing" else courses, webs, borders=(border * ratio, border), part=named, key=part == "vault")
-    if p.arch_width is not None:
+    if p.arch_width is not None and p.arch_depth is not None:
         # As deep as vault and arch together: it stands before the end of the web.
         joints = p.profile.half.joints.copy()
-        joints[:, 0] = _under(joints, p).joints[:, 0]
+        joints[:, 0] = under_soffit(joints, p.arch_depth).joints[:, 0]
         arch = to_middle(Directrix(joints))
         ends = arch, [section.stretched(ratio) for section in arch]
         add_wall_arches(under, ends, centre=(0.0, 0.0), borders=(border * ratio, border), width=p.arch_width, part="arch")

@@ -37,6 +37,7 @@ from churchpipe.report.table import Record, Row, columns_for, figure, friction_t
 from churchpipe.report.title_block import MATERIAL_HEADINGS, material_rows, title_block
 from churchpipe.report.uncertainty import uncertainty_section
 from churchpipe.report.variants import variants_section
+from churchpipe.report.vault_sections import vault_sections
 from churchpipe.stones.account import joints_lines, joints_record
 
 CARDS = 8
@@ -113,6 +114,7 @@ def write_report(
             contact_models=contact_model_rows(summary),
             capacity=both.capacity_plots(rows),
             movements=movements_shown(moved),
+            vault_sections=vault_sections(stones, contacts, of_blocks),
             block_curves=block_curve_plots(summary.get("analyses", []), geometry),
             displacements=displacement_checks(summary.get("analyses", []), geometry),
             mesh_plot=both.mesh_plot(rows),

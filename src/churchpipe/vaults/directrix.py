@@ -51,6 +51,13 @@ def polygon_section(corner: FloatArray, lower: FloatArray, upper: FloatArray) ->
     return Section(kept if turn > 0 else kept[::-1], lower, upper)
 
 
+def block(inner: float, outer: float, low: float, high: float) -> Section:
+    """Return the section of a course of a wall: its faces at d = inner and outer, its beds at z = low and high, m."""
+    corner = np.array([(inner, low), (outer, low), (outer, high), (inner, high)])
+    middle = (inner + outer) / 2
+    return polygon_section(corner, np.array([middle, low]), np.array([middle, high]))
+
+
 def circular(inner: float, thickness: float, angles: FloatArray, centre: float = 0.0) -> Directrix:
     """Return an arc of a circle of this inner radius, m, about (centre, 0), with joints at angles (m + 1,) rad from the level."""
     ray = np.stack([np.cos(angles), np.sin(angles)], axis=1)

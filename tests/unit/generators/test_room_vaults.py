@@ -62,6 +62,35 @@ def test_a_crossing_with_level_walls_takes_a_groin_vault() -> None:
     assert crossing[:, 1].mean() == pytest.approx(7.0, abs=1e-6)
 
 
+SQUARE = CROSS | {"transept": {"width": 9.0, "depth": 4.0, "thickness": 0.6, "height": 4.0}}
+DOME = {"over": "crossing", "kind": "dome", "thickness": 0.3, "courses": 8}
+
+
+def test_a_square_crossing_takes_a_dome_on_slabs_across_its_corners() -> None:
+    stones, contacts = sound(church(vaults=(DOME,), **SQUARE))
+    parts = {"vault_crossing", "vault_crossing_slabs", "vault_crossing_springers"}
+    assert parts <= set(stones.panel)
+    joined = {tuple(sorted(pair)) for pair in stones.panel[contacts.blocks].tolist()}
+    assert {("vault_crossing", "vault_crossing_slabs"), ("transept_left_inner", "vault_crossing_slabs")} <= joined
+    # The slabs' free edges are 1.7 m from the middle of the room, 3.4 m wide: an octagon.
+    slabs = stones.panel == "vault_crossing_slabs"
+    assert slabs.sum() == 4
+    corner = stones.points[_nodes(stones, slabs), :2] - [0.0, 7.0]
+    assert np.abs(corner).sum(axis=1).min() == pytest.approx(1.7 * np.sqrt(2))
+    state = cp.limit_analysis(stones, contacts, cp.LoadCase((1, 0, 0)), 0.7)
+    assert state.status == "optimal"
+
+
+def test_arches_below_a_barrel_stand_on_the_walls() -> None:
+    arched = BARREL | {"arches": 3, "arch_width": 0.4, "arch_depth": 0.25}
+    stones, contacts = sound(chapel(vaults=(arched,), **CHAPEL))
+    joined = {tuple(sorted(pair)) for pair in stones.panel[contacts.blocks].tolist()}
+    assert {("nave_left", "vault_nave_arch_2"), ("vault_nave", "vault_nave_arch_2")} <= joined
+    arch, barrel = (stones.points[_nodes(stones, stones.panel == name)] for name in ("vault_nave_arch_1", "vault_nave"))
+    on_wall = arch[arch[:, 2] < 5 + 1e-9], barrel[barrel[:, 2] < 5 + 1e-9]
+    assert [np.abs(points[:, 0]).min() for points in on_wall] == pytest.approx([2.3, 2.55])
+
+
 def test_a_barrel_pushes_its_walls_apart() -> None:
     # The load factor falls by more than half where a barrel presses on the walls without ties.
     factors = []
@@ -81,11 +110,29 @@ def test_a_barrel_pushes_its_walls_apart() -> None:
         ("chapel", {"kind": "half_dome"}, r'vaults\.0\.kind: no vault for nave; found half_dome; expected kind = "barrel"'),
         ("chapel", {"over": "apse"}, r'chapel\.vaults\.0\.kind: no vault for apse; found barrel; expected kind = "half_dome"'),
         ("gabled", {"kind": "groin"}, r"the wall facade is not level under the vault; found z = .*; expected z = 5 m from -2\.3"),
+        ("gabled", {}, r"vaults\.0: the vault rises above the ridge of the wall facade; found .* z = 7\.581 m; expected <= 7\.25"),
+        (
+            "window",
+            {"shape": "segmental", "rise": 1.0},
+            r"vaults\.0: springs below the head of the opening rose in .* facade; found head at z = 6\.4 m, soffit .* z = 5\.8",
+        ),
+        ("chapel", {"arches": 2}, r"vault\.arch_width: missing; found arches alone"),
+        ("chapel", {"slab": 0.2}, r"slab: only a dome has one; found kind = barrel"),
+        (
+            "chapel",
+            {"arches": 2, "arch_width": 0.3, "arch_depth": 0.5},
+            r"thickness: thicker than .*; found 0\.8 m with the arches below it; expected <= 0\.7 m",
+        ),
+        ("chapel", {"kind": "dome", "courses": 8, "thickness": 0.5}, r"vaults\.0\.thickness: the dome reaches beyond .*"),
+        ("chapel", {"kind": "dome", "courses": 8, "rise": 2.0}, r"vaults\.0\.rise: a dome has none of its own; found 2 m"),
         ("cross", {"over": "crossing", "kind": "pavilion"}, r"vaults\.0\.kind: the room is no square; found 3\.4 by 4\.4 m"),
     ],
 )  # fmt: skip
 def test_what_does_not_fit_is_named_with_its_numbers(build: str, vault: dict[str, Any], message: str) -> None:
     base = CHAPEL | {"ridge": 7.25} if build == "gabled" else CROSS if build == "cross" else CHAPEL
+    if build == "window":
+        rose = {"name": "rose", "wall": "facade", "centre": 0.0, "width": 1.0, "springing": 5.5, "shape": "circle"}
+        base = CHAPEL | {"ridge": 8.0, "openings": (rose | {"voussoirs": 12, "depth": 0.4},)}
     make = church if build == "cross" else chapel
     if build == "cross":
         base = base | {"transept": {"width": 9.0, "depth": 5.0, "thickness": 0.6}}

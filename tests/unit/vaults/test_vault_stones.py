@@ -91,6 +91,27 @@ def apse(rng: Rng) -> dict[str, Any]:
     return dome(rng) | {"plan": "half", "front": str(rng.choice(["free", "wall"]))}
 
 
+def arched_groin(rng: Rng) -> dict[str, Any]:
+    found = groin(rng)
+    for key in ("wall_height", "wall_course", "wall_thickness", "backing"):
+        del found[key]
+    deep = 0.1 * min(found["span"], found["second_span"])
+    return found | {"shape": "round", "arches": 4, "arch_width": rng.uniform(0.2, 0.5), "arch_depth": deep}
+
+
+def vaulted_chapel(rng: Rng) -> dict[str, Any]:
+    room = 0.25 * float(rng.integers(12, 24))
+    thickness, wall = 0.04 * room + rng.uniform(0.05, 0.15), 0.2 * room
+    over: dict[str, Any] = {"over": "nave", "kind": str(rng.choice(["barrel", "groin", "pavilion", "dome"]))}
+    over |= {"thickness": thickness, "courses": int(2 * rng.integers(4, 8) + 1)}
+    if over["kind"] == "barrel":
+        over |= {"arches": 3, "arch_width": 0.3, "arch_depth": wall - thickness}
+    half = {"over": "apse", "kind": "half_dome", "thickness": 0.15, "courses": 6, "sides": int(rng.choice([8, 12, 16]))}
+    whole = room + 2 * wall
+    found = {"course": 0.5, "stone_length": 0.8, "width": whole, "length": whole, "height": 3.0, "thickness": wall}
+    return found | {"apse": {"inner_radius": 0.25 * room, "thickness": 0.2, "height": 2.0}, "vaults": (over, half)}
+
+
 KINDS: dict[str, tuple[Callable[..., Building], Callable[[Rng], dict[str, Any]]]] = {
     "barrel": (generators.vault, barrel),
     "barrel on walls": (generators.vault, on_walls),
@@ -100,6 +121,8 @@ KINDS: dict[str, tuple[Callable[..., Building], Callable[[Rng], dict[str, Any]]]
     "dome": (generators.dome, dome),
     "dome with drum and lantern": (generators.dome, crowned),
     "half dome": (generators.dome, apse),
+    "groin in wall arches": (generators.vault, arched_groin),
+    "chapel": (generators.chapel, vaulted_chapel),
 }
 
 

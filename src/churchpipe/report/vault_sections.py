@@ -1,0 +1,110 @@
+"""Sections of vaults with the line of thrust of an analysis, and the hoop and meridian forces of domes."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from churchpipe.errors import InputError
+from churchpipe.model.arrays import FloatArray
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.contacts import Contacts
+from churchpipe.report.plots import svg_of
+from churchpipe.report.table import Row, figure
+from churchpipe.report.thrust import HINGE, section_figure
+from churchpipe.thrust_lines import ThrustLine, ring_forces, thrust_line
+
+# A macro-element in courses is a vault when its beds differ by more than this in slope: sine of 20 degrees.
+_TURNS = 0.34
+# A dome's beds look to all sides: least share of them across the main direction.
+_ALL_ROUND = 0.25
+# No more sections are drawn.
+_MOST = 8
+
+
+@dataclass(frozen=True, slots=True)
+class VaultSection:
+    """A section as the report shows it: label, drawing (svg), words, rows of ring forces, () of what is no dome."""
+
+    label: str
+    drawing: str
+    words: str
+    rings: tuple[tuple[str, ...], ...]
+
+
+def vault_sections(stones: Assemblage, contacts: Contacts, rows: Sequence[Row]) -> list[VaultSection]:
+    """Return the sections of all vaults and domes under the first load; of its analyses the one without dilatancy, if any."""
+    analysed = [row for row in rows if row.state is not None and len(row.state.forces) == len(contacts.point)]
+    carried = [row for row in analysed if row.state is not None and np.isfinite(row.state.forces).all()]
+    if not carried:
+        return []
+    first = [row for row in carried if (row.variant, row.load) == (carried[0].variant, carried[0].load)]
+    row = next((row for row in first if row.record.get("flow") == "non-associative"), first[0])
+    found: list[VaultSection] = []
+    for panel, across in vaulted(stones, contacts).items():
+        if len(found) < _MOST and (section := _section(stones, contacts, row, panel, across)):
+            found.append(section)
+    return found
+
+
+def vaulted(stones: Assemblage, contacts: Contacts) -> dict[str, FloatArray]:
+    """Return the macro-elements in courses whose beds turn, as in a vault, each with the sums (2, 2) of the products of the
+    beds' normals in plan, by area."""
+    first, second = contacts.blocks.T
+    same = (stones.panel[first] == stones.panel[second]) & stones.coursed[first] & stones.coursed[second]
+    beds = np.flatnonzero(same & (stones.course[first] != stones.course[second]))
+    found: dict[str, FloatArray] = {}
+    for panel in np.unique(stones.panel[first[beds]]).tolist():
+        mine = beds[stones.panel[first[beds]] == panel]
+        level = np.abs(contacts.frame[mine, 0, 2])
+        if np.ptp(level) > _TURNS:
+            plan = contacts.frame[mine, 0, :2]
+            found[str(panel)] = np.einsum("i,ia,ib->ab", contacts.area[mine], plan, plan)
+    return found
+
+
+def _section(stones: Assemblage, contacts: Contacts, row: Row, panel: str, across: FloatArray) -> VaultSection | None:
+    assert row.state is not None
+    size, axes = np.linalg.eigh(across)
+    dome = bool(size[0] > _ALL_ROUND * size[1])
+    # Across a barrel; of a dome along x.
+    direction = (1.0, 0.0) if dome else (float(abs(axes[0, 1])), float(axes[1, 1] * np.sign(axes[0, 1] or 1.0)))
+    mine = stones.panel == panel
+    through, width = _middle(stones, mine), _stone_length(stones, mine)
+    place = (float(through[0]), float(through[1]))
+    try:
+        line = thrust_line(stones, contacts, row.state.forces, panel, place, direction, width)
+    except InputError:
+        # A part of a vault may end short of its own middle: an annex of a half dome, say.
+        return None
+    everything = tuple(np.unique(stones.panel[~stones.fixed]).tolist())
+    drawing = svg_of(section_figure(stones, line, everything, place, direction, width))
+    rings: tuple[tuple[str, ...], ...] = ()
+    if dome:
+        force = ring_forces(stones, contacts, row.state.forces, panel)
+        columns = (force.height, force.meridian / 1e3, force.vertical / 1e3, force.hoop / 1e3)
+        rings = tuple(
+            (str(number), *(figure(value, 2) for value in values))
+            for number, *values in zip(force.course.tolist(), *columns, strict=True)
+        )
+    return VaultSection(f"{panel}: {row.label}", drawing, _words(line), rings)
+
+
+def _words(line: ThrustLine) -> str:
+    share = np.abs(line.eccentricity) / np.maximum(line.half, np.finfo(float).tiny)
+    hinges = int((share > HINGE).sum())
+    edge = (
+        f"{hinges} joints are hinges, at whose edge it passes" if hinges else f"it comes within {1 - share.max():.0%} of an edge"
+    )
+    return f"Thrust in {len(line.force)} joints of the section, {figure(line.force.max() / 1e3, 2)} kN at most; {edge}."
+
+
+def _middle(stones: Assemblage, mine: np.ndarray) -> FloatArray:
+    corner = stones.points[np.repeat(mine, np.diff(stones.block_point_ptr)), :2]
+    return (corner.min(axis=0) + corner.max(axis=0)) / 2
+
+
+def _stone_length(stones: Assemblage, mine: np.ndarray) -> float:
+    first = stones.block_point_ptr[:-1]
+    size = np.maximum.reduceat(stones.points, first) - np.minimum.reduceat(stones.points, first)
+    return float(np.median(size[mine][:, :2].max(axis=1)))

@@ -1,0 +1,74 @@
+"""Sections of vaults in the report: which macro-elements are vaults, their lines of thrust, the rings of domes."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import churchpipe as cp
+from churchpipe.generators import dome, vault
+from churchpipe.model.building import Building
+from churchpipe.report.html import write_report
+from churchpipe.report.table import Row
+from churchpipe.report.vault_sections import vault_sections, vaulted
+
+WALLS: dict[str, Any] = {"wall_height": 1.0, "wall_thickness": 0.3, "wall_course": 0.25}
+BARREL: dict[str, Any] = {"span": 1.8, "thickness": 0.2, "courses": 13, "stone_length": 0.5, "length": 1.0} | WALLS
+DRUM: dict[str, Any] = {"drum_height": 0.5, "drum_thickness": 0.3, "drum_course": 0.25}
+DOME: dict[str, Any] = {"span": 1.8, "thickness": 0.2, "rings": 7, "sides": 16} | DRUM
+
+
+def pushed(building: Building, **record: object) -> tuple[cp.Assemblage, cp.Contacts, Row]:
+    stones = cp.derive_blocks(building)
+    contacts = cp.find_contacts(stones)
+    state = cp.limit_analysis(stones, contacts, cp.LoadCase((1, 0, 0)), friction=0.7)
+    keys = ("flow", "load_factor", "lower_bound", "upper_bound", "status", "iterations", "seconds")
+    base = {"model": "rigid-block", "load": "+x", "friction": 0.7, **{key: getattr(state, key) for key in keys}}
+    return stones, contacts, Row(base | record, state)
+
+
+def test_a_barrel_on_walls_has_one_section_across_it() -> None:
+    stones, contacts, row = pushed(vault(**BARREL))
+    across = vaulted(stones, contacts)
+    assert list(across) == ["vault"]
+    # Its beds look along x.
+    assert across["vault"][1, 1] == pytest.approx(0.0, abs=1e-12)
+    (section,) = vault_sections(stones, contacts, [row])
+    assert section.label == "vault: associative, load +x, friction 0.7"
+    assert section.words.startswith("Thrust in 14 joints of the section")
+    assert "joints are hinges" in section.words
+    assert section.drawing.startswith("<svg")
+    assert section.rings == ()
+
+
+def test_a_dome_has_the_forces_of_its_rings_beside(tmp_path: Path) -> None:
+    stones, contacts, row = pushed(dome(**DOME))
+    (section,) = vault_sections(stones, contacts, [row])
+    assert section.label.startswith("dome: ")
+    assert len(section.rings) == 7
+    # The lowest bed carries the dome.
+    weight = stones.weight[stones.panel == "dome"].sum() / 1e3
+    assert float(section.rings[0][3]) == pytest.approx(weight, abs=0.01)
+    assert row.state is not None
+    summary = {"case": "dome", "analyses": [dict(row.record)]}
+    page = tmp_path / "report.html"
+    write_report(
+        page, summary=summary, stones=stones, contacts=contacts, results=[(row.record, row.state)], case_text="", versions={}
+    )
+    assert "Lines of thrust in vaults and domes" in page.read_text(encoding="utf-8")
+
+
+def test_the_value_without_dilatancy_is_drawn_where_there_is_one() -> None:
+    stones, contacts, row = pushed(vault(**BARREL))
+    sliding = Row(dict(row.record) | {"flow": "non-associative"}, row.state)
+    (section,) = vault_sections(stones, contacts, [row, sliding])
+    assert section.label.startswith("vault: non-associative")
+
+
+def test_walls_and_analyses_without_forces_have_no_section() -> None:
+    stones, contacts, row = pushed(vault(**BARREL))
+    assert "wall_left" not in vaulted(stones, contacts)
+    assert row.state is not None
+    lost = cp.LimitState(0.1, "failed", 0.1, 0.1, np.full_like(row.state.forces, np.nan), row.state.velocities)
+    assert vault_sections(stones, contacts, [Row(row.record, lost)]) == []
