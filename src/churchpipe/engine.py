@@ -4,16 +4,18 @@ import fcntl
 import importlib.util
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
 
-from churchpipe.errors import Extra, InputError
+from churchpipe.errors import Extra, InputError, UsageError
 from churchpipe.io.atomic import PART
 from churchpipe.resources import pipeline_folder
 
@@ -21,6 +23,8 @@ from churchpipe.resources import pipeline_folder
 MARK = "@churchpipe "
 # Lies in a run folder from the start of a run until it has ended well.
 UNFINISHED = "unfinished.txt"
+# The profile of one machine.
+LOCAL = "local"
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,11 +49,13 @@ def run(
     watch: Callable[[Event], None],
     prepare: Callable[[], object] | None = None,
     until: str = "",
+    profile: str = LOCAL,
 ) -> int:
     """Make everything that is missing or stale in a run folder; return Snakemake's exit code.
 
     `prepare` writes the plan, once no other run can be at work on it. until: the last stage to make, all where it is empty.
-    All output goes to run.log. An interrupt stops the engine and its jobs; what was finished stays.
+    profile: where its jobs run, "local", "slurm" or a folder with a profile of Snakemake. All output goes to run.log. An
+    interrupt stops the engine and its jobs; what was finished stays.
 
     Raises
     ------
@@ -75,7 +81,12 @@ def run(
         for part in folder.rglob(f"{PART}*"):
             part.unlink(missing_ok=True)
         with (folder / "run.log").open("w", encoding="utf-8") as log:
-            code = _follow(_start(folder, jobs, lock, until), log, follow)
+            begin = time.time()
+            news = _event if profile == LOCAL else _finished
+            code = _follow(_start(folder, jobs, lock, until, profile), log, follow, news)
+        if code and profile != LOCAL:
+            # What jobs on other machines said did not pass here.
+            errors += _errors(folder, begin, watch)
         if not code and until:
             mark.write_text(f"it was asked for no more than the stage {until}\n", encoding="utf-8")
         elif code:
@@ -91,15 +102,34 @@ def unfinished(folder: str | Path) -> str:
     return mark.read_text(encoding="utf-8", errors="replace").strip() if mark.is_file() else ""
 
 
-def command(folder: Path, jobs: int, until: str = "") -> list[str]:
-    """Return the command line of Snakemake for a run folder. until: the last stage to make."""
+def command(folder: Path, jobs: int, until: str = "", profile: str = LOCAL) -> list[str]:
+    """Return the command line of Snakemake for a run folder. until: the last stage to make. profile: as of `run`."""
     pipeline = pipeline_folder()
+    here = ["--resources", f"mem_mb={memory()}"] if profile == LOCAL else ["--jobs", str(jobs)]
     return [
         *(sys.executable, "-m", "snakemake", "--nocolor", "--cores", str(jobs), "--directory", str(folder)),
-        *("--snakefile", str(pipeline / "Snakefile"), "--profile", str(pipeline / "profiles" / "local")),
-        *("--resources", f"mem_mb={memory()}"),
+        *("--snakefile", str(pipeline / "Snakefile"), "--profile", str(profile_folder(profile)), *here),
         *(["--until", until] if until else []),
     ]
+
+
+def profile_folder(profile: str) -> Path:
+    """Return the folder of a profile: one of ours by its name, or a folder of the person's own.
+
+    Raises
+    ------
+    UsageError: there is no such profile, or what it needs is not installed.
+    """
+    ours = pipeline_folder() / "profiles"
+    known = sorted(folder.name for folder in ours.iterdir())
+    folder = ours / profile if profile in known else Path(profile).resolve()
+    if not (folder / "config.yaml").is_file():
+        expected = f"{', '.join(known)} or a folder with a config.yaml of Snakemake"
+        raise UsageError(f"--profile {profile}", "no such profile", expected=expected)
+    if profile == "slurm" and importlib.util.find_spec("snakemake_executor_plugin_slurm") is None:
+        remedy = "pip install 'churchpipe[slurm]' installs it."
+        raise UsageError("--profile slurm", "a package is not installed", found="snakemake-executor-plugin-slurm", remedy=remedy)
+    return folder
 
 
 def memory() -> int:
@@ -107,10 +137,10 @@ def memory() -> int:
     return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 2**20
 
 
-def _start(folder: Path, jobs: int, lock: IO[str], until: str) -> "subprocess.Popen[str]":
+def _start(folder: Path, jobs: int, lock: IO[str], until: str, profile: str) -> "subprocess.Popen[str]":
     # A session of its own: an interrupt reaches engine and jobs through `_follow` alone, once, from whatever cause.
     process = subprocess.Popen(
-        command(folder, jobs, until),
+        command(folder, jobs, until, profile),
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
@@ -127,12 +157,14 @@ def _start(folder: Path, jobs: int, lock: IO[str], until: str) -> "subprocess.Po
     return process
 
 
-def _follow(process: "subprocess.Popen[str]", log: IO[str], watch: Callable[[Event], None]) -> int:
+def _follow(
+    process: "subprocess.Popen[str]", log: IO[str], watch: Callable[[Event], None], news: Callable[[str], Event | None]
+) -> int:
     try:
         for line in process.stdout or ():
             log.write(line)
             log.flush()
-            if event := _event(line):
+            if event := news(line):
                 watch(event)
         return process.wait()
     finally:
@@ -149,6 +181,23 @@ def _event(line: str) -> Event | None:
     if line.startswith(MARK):
         return Event(*json.loads(line.removeprefix(MARK)))
     return None
+
+
+def _finished(line: str) -> Event | None:
+    """Return what the engine says of a job on another machine, whose own news do not pass here."""
+    if found := re.match(r"Finished jobid: \d+ \(Rule: (\w+)\)", line):
+        return Event("done", found[1])
+    return _event(line)
+
+
+def _errors(folder: Path, begin: float, watch: Callable[[Event], None]) -> list[str]:
+    """Return what stages that failed since a time have said in their own logs, and pass it on."""
+    logs = [log for log in sorted((folder / "log").rglob("*.txt")) if log.stat().st_mtime >= begin]
+    said = (_event(line) for log in logs for line in log.read_text(encoding="utf-8", errors="replace").splitlines())
+    found = [event for event in said if event and event.kind == "error"]
+    for event in found:
+        watch(event)
+    return [event.text for event in found]
 
 
 @contextmanager

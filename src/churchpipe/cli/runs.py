@@ -27,12 +27,14 @@ def run(
     only: Annotated[
         str, typer.Option(metavar="STAGE", help="No more than this stage and what it needs: contacts, shell, rigid ...")
     ] = "",
+    profile: Annotated[str, typer.Option(help="Where its stages run: local, slurm, or a folder with a profile.")] = "local",
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Say what would be done and why, and do nothing.")] = False,
 ) -> None:
     """Run a case: stones, contacts, load factors, report. What is up to date is not done again."""
     from churchpipe import engine
     from churchpipe.finished import finished, note_finished, run_name
 
+    engine.profile_folder(profile)
     picked = [*(f"--load {name}" for name in load or ()), *([f"--model {model}"] if model else [])]
     asked = [*(changes or ()), *picked]
     named = out_dir or Path("runs") / run_name(case)
@@ -75,7 +77,7 @@ def run(
         err.print("First start: the solvers are compiled once, which takes some 10 to 20 s a model.", soft_wrap=True)
     try:
         with Display(err) as display:
-            code = engine.run(folder, jobs or os.cpu_count() or 1, display.show, prepare, until)
+            code = engine.run(folder, jobs or os.cpu_count() or 1, display.show, prepare, until, profile)
     except KeyboardInterrupt:
         err.print("Stopped. What was finished stays; run it again to go on.")
         raise typer.Exit(INTERRUPTED) from None
