@@ -43,9 +43,10 @@ SelectTypeParameters=CR_CPU
 MpiDefault=none
 JobAcctGatherType=jobacct_gather/none
 AccountingStorageType=accounting_storage/none
+SlurmdParameters=config_overrides
 ReturnToService=2
 MinJobAge=600
-NodeName={host} CPUs=2 State=UNKNOWN
+NodeName={host} CPUs=4 RealMemory=8000 State=UNKNOWN
 PartitionName=main Nodes=ALL Default=YES MaxTime=INFINITE State=UP
 """
 # What a cluster without accounting needs besides the profile that churchpipe has.
@@ -60,7 +61,7 @@ class Cluster:
     environment: dict[str, str]
 
     def start(self, case: Path, out: Path, *options: str) -> "subprocess.Popen[str]":
-        words = [sys.executable, "-m", "churchpipe", "run", case, "--out", out, "--jobs", "2", *options]
+        words = [sys.executable, "-m", "churchpipe", "run", case, "--out", out, "--jobs", "4", *options]
         profile = "--profile", self.folder / "profile"
         return subprocess.Popen(
             [*words, *profile], env=self.environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
@@ -147,7 +148,7 @@ def here(case: Path, out: Path, *options: str) -> dict[str, object]:
 def test_a_sweep_of_the_church_goes_on_after_a_killed_job(cluster: Cluster, tmp_path: Path) -> None:
     case = tmp_path / "church.toml"
     shutil.copy(ROOT / "pipeline" / "cases" / "church_friction.toml", case)
-    # Stones of twice the size: some 900 of them.
+    # Larger stones: 2269 of them.
     options = ["--model", "blocks", "--load", "+x", "--set", "source.course_m=0.55", "--set", "source.stone_length_m=0.8"]
     options += ["--set", 'sweep={ "material.default.friction" = [0.4, 0.6, 0.8] }']
     expected = here(case, tmp_path / "local", *options)
@@ -158,6 +159,7 @@ def test_a_sweep_of_the_church_goes_on_after_a_killed_job(cluster: Cluster, tmp_
         running = cluster.call("squeue", "-h", "-t", "RUNNING", "-o", "%i").split()
         killed = next((number for rule, number in submitted(out) if rule == "rigid" and number in running), "")
         time.sleep(0.2)
+    assert killed, (out / "run.log").read_text()
     cluster.call("scancel", killed)
     said, _ = process.communicate(timeout=900)
     assert process.returncode == 3, said
