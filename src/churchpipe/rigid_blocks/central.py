@@ -30,7 +30,7 @@ _SHORT, _MODEST, _LONG = 0.02, 0.25, 0.6
 
 def runs_from_centre(balance: Equilibrium, strength: Strength) -> bool:
     """Say whether the run knows all these points: friction everywhere, no cohesion, no ties, no bound."""
-    plain = not strength.cohesion.any() and not strength.bounded.any() and not balance.ties
+    plain = not strength.cohesion.any() and not strength.bounded.any() and not balance.ties and balance.pressed is None
     return plain and bool((strength.friction > 0).all())
 
 

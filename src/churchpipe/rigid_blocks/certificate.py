@@ -17,7 +17,7 @@ _PASSING = 1e-6
 
 @dataclass(frozen=True, slots=True)
 class Strength:
-    """Strength of each contact point and tie, all (nc + nt,).
+    """Strength of each contact point and tie, and of the further points of joints that crush, all (points,).
 
     friction: coefficient mu. cohesion c: shear without normal force; bound: the largest normal force of a contact or tension of
     a tie, infinite where nothing limits it; both in units of the total weight.
@@ -108,11 +108,11 @@ def certify(balance: Equilibrium, strength: Strength, x: FloatArray, tau: float,
 
 
 def _stone_residual(balance: Equilibrium, residual: FloatArray, x: FloatArray) -> float:
-    """Return the largest residual (6 nf,) over the load of its stone and the lever of its row, or a share of the forces there."""
-    lever, passing = balance.wrenches.sizes(x)
-    load = np.maximum(np.abs(balance.dead), np.abs(balance.live)).reshape(-1, 6).max(axis=1)
+    """Return the largest residual (rows,) over the load of its stone and the lever of its row, or a share of the forces there."""
+    lever, passing = balance.wrenches.sizes(x[: balance.points])
+    load = np.maximum(np.abs(balance.dead), np.abs(balance.live))[: balance.rows].reshape(-1, 6).max(axis=1)
     unit = np.maximum(np.repeat(load, 6) * lever, _PASSING * passing)
-    return float((np.abs(residual) / np.maximum(unit, 1e-300)).max())
+    return float((np.abs(residual[: balance.rows]) / np.maximum(unit, 1e-300)).max())
 
 
 def kinematic_bound(balance: Equilibrium, strength: Strength, n: FloatArray, y: FloatArray) -> tuple[float, float]:

@@ -17,6 +17,7 @@ import numpy as np
 from churchpipe.conic.program import ConeProgram
 from churchpipe.conic.semidefinite import semidefinite_solver
 from churchpipe.conic.solve import Solve
+from churchpipe.conic.wrenches import apply
 from churchpipe.model.arrays import FloatArray
 from churchpipe.rigid_blocks.certificate import FLOW_TOLERANCE, Strength, cone_violation
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
@@ -69,7 +70,7 @@ def sliding_velocities(
         excess, x = stressed
         program = replace(
             program,
-            constant=program.constant - balance.wrenches.apply(excess[:, None] * x),
+            constant=program.constant - apply(balance.balance, excess[:, None] * x),
             limit=program.limit + excess * strength.shear(np.maximum(x[:, 0], 0.0)),
             bound=program.bound * (1.0 + excess),
         )
@@ -98,7 +99,7 @@ def gap_shares(balance: Equilibrium, strength: Strength, x: FloatArray, y: Float
     """Return what each point adds to the gap (nc,): n |w|, or (b - n) |w| where it may close, and (mu n + c) |v| + t . v.
 
     Each term is nonnegative by itself, so that nothing cancels. Where stones must not overlap, an overlap counts as much as an
-    opening.
+    opening. The further points of joints that crush have the flow of their cones, and add n w + t . v.
     """
     rate = balance.rates(y / (balance.live @ y))
     slip = np.hypot(rate[:, 1], rate[:, 2])
@@ -106,7 +107,9 @@ def gap_shares(balance: Equilibrium, strength: Strength, x: FloatArray, y: Float
     lever = x[:, 0].copy()
     closing = strength.bounded & (rate[:, 0] < 0)
     lever[closing] = np.maximum(strength.bound[closing] - lever[closing], 0.0)
-    return lever * np.abs(rate[:, 0]) + np.maximum(sliding, 0.0)
+    shares = lever * np.abs(rate[:, 0]) + np.maximum(sliding, 0.0)
+    shares[balance.points :] = np.maximum((x * rate)[balance.points :].sum(axis=1), 0.0)
+    return shares
 
 
 def coulomb_step(
@@ -155,7 +158,7 @@ def dead_load_start(balance: Equilibrium) -> FloatArray:
     Ties are left slack.
     """
     matrix = balance.wrenches.tocsc()[:, : 3 * balance.contacts]
-    forces = -np.asarray(matrix.T @ semidefinite_solver(matrix)(balance.dead))
+    forces = -np.asarray(matrix.T @ semidefinite_solver(matrix)(balance.dead[: balance.rows]))
     return np.maximum(forces[::3], 0.0)
 
 
@@ -173,7 +176,9 @@ def admissible(balance: Equilibrium, strength: Strength, state: CoulombState) ->
     force there: where that is zero, overlap does not add to the gap.
     """
     rate = balance.rates(state.y)
-    if -float(rate[~strength.bounded, 0].min(initial=0.0)) > FLOW_TOLERANCE * float(np.abs(rate).max(initial=0.0)):
+    overlap = -rate[:, 0]
+    overlap[balance.points :] += np.hypot(rate[balance.points :, 1], rate[balance.points :, 2])
+    if float(overlap[~strength.bounded].max(initial=0.0)) > FLOW_TOLERANCE * float(np.abs(rate).max(initial=0.0)):
         return False
     residual = balance.residual(state.x, state.load_factor)
     return float(np.abs(residual).max()) < 1e-8 and cone_violation(state.x, strength) < 1e-8

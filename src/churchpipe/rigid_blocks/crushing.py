@@ -6,7 +6,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from churchpipe.errors import InputError
-from churchpipe.model.arrays import FloatArray
+from churchpipe.model.arrays import BoolArray, FloatArray, ragged_indices
 from churchpipe.model.contacts import Contacts
 from churchpipe.rigid_blocks.polygons import JointPolygons, cross, joint_polygons
 
@@ -23,8 +23,9 @@ _GAUSS = 0.5 + np.array([-0.5, 0.5]) / np.sqrt(3.0)
 class JointParts:
     """Joints divided into parts, under uniform pressure each: its force acts in the part's centroid.
 
-    contacts: the same interfaces, with the centroids (np, 3) of their parts as contact points; area (np,) m2; shares (np, nc):
-    how the force of a part is shared by the corners of its joint so that nothing changes for the stones.
+    contacts: the same interfaces, with the centroids of their parts as contact points (np, 3), or their corners where they are
+    not divided; divided (np,): which are centroids; area (np,) m2 of each part, or share of each corner; shares (np, nc): how
+    the force of a part is shared by the corners of its joint so that nothing changes for the stones.
 
     Any forces of the parts are forces of a joint under a pressure of at most the strength, with friction within its limit
     everywhere, but not the other way round: load factors lie below those of the undivided joint, and rise to them as the
@@ -32,12 +33,13 @@ class JointParts:
     """
 
     contacts: Contacts
+    divided: BoolArray
     area: FloatArray
     shares: sp.csr_matrix
 
 
-def joint_parts(contacts: Contacts, count: int = PARTS) -> JointParts:
-    """Return the parts of joints, `count` (even) along each side of one with four corners.
+def joint_parts(contacts: Contacts, count: int = PARTS, chosen: BoolArray | None = None) -> JointParts:
+    """Return the parts of the chosen joints (ni,), all if None: `count` (even) along each side of one with four corners.
 
     Each corner, the middles of its two edges and the mean of all corners span a quadrilateral, which is divided into
     (count / 2)^2 parts. Where a joint is not convex its points are those of its convex hull, and the areas are reduced to that
@@ -66,7 +68,20 @@ def joint_parts(contacts: Contacts, count: int = PARTS) -> JointParts:
     far = sp.csr_matrix((mean, (part, polygons.interface[corner])), shape=(len(part), len(polygons.start))) @ every
     shares = sp.csr_matrix(near + far)
     inside = area.ravel() * (contacts.area / np.abs(polygons.area))[polygons.interface[corner]]
-    return JointParts(replace(contacts, point=shares @ contacts.point, point_ptr=contacts.point_ptr * own), inside, shares)
+    if chosen is None or chosen.all():
+        divided = np.ones(len(inside), dtype=np.bool_)
+        return JointParts(
+            replace(contacts, point=shares @ contacts.point, point_ptr=contacts.point_ptr * own), divided, inside, shares
+        )
+    # Corners stand before parts; of each joint one kind is taken.
+    points = polygons.count * np.where(chosen, own, 1)
+    take = ragged_indices(polygons.start * np.where(chosen, own, 1) + np.where(chosen, corners, 0), points)
+    shares = sp.csr_matrix(sp.vstack([sp.identity(corners), shares]))[take]
+    area = np.concatenate([(contacts.area / polygons.count)[polygons.interface], inside])[take]
+    pointer = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(points)])
+    return JointParts(
+        replace(contacts, point=shares @ contacts.point, point_ptr=pointer), np.repeat(chosen, points), area, shares
+    )
 
 
 def _quadrilaterals(polygons: JointPolygons, lines: int) -> tuple[FloatArray, FloatArray]:

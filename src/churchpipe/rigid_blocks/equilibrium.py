@@ -1,11 +1,14 @@
 """Equilibrium of the free stones: A c + f_D + alpha f_L = 0, eq. (1)."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+import scipy.sparse as sp
 
+from churchpipe.conic.pressed import PressedJoints
 from churchpipe.conic.program import ConeProgram
-from churchpipe.conic.wrenches import Wrenches, pair_wrenches
+from churchpipe.conic.wrenches import Balance, Wrenches, apply, pair_wrenches, transpose
 from churchpipe.errors import InputError
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
@@ -16,14 +19,17 @@ from churchpipe.rigid_blocks.crushing import JointParts
 from churchpipe.rigid_blocks.torsion import friction_points
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, eq=False)
 class Equilibrium:
     """The balance of the free stones in the units of the analysis.
 
     The unit of force is the total weight of the free stones, the unit of length the mean size of a stone: any other choice
-    hides errors in relative residuals. wrenches: A, what the forces (n, t1, t2) of the points do to the stones (force, moment
-    about the centroid); dead f_D, live f_L (6 nf,); free (nf,) stones; count nb; force N and length m are the units. The last
-    `ties` points are ties (`ties.with_ties`).
+    hides errors in relative residuals. wrenches: A, what the forces (n, t1, t2) of contact points and ties do to the stones
+    (force, moment about the centroid); dead f_D, live f_L (6 nf,); free (nf,) stones; count nb; force N and length m are the
+    units. The last `ties` of these points are ties (`ties.with_ties`).
+
+    Joints that crush have rows of their own below those of the stones, and further points after the ties, whose cones are those
+    of friction of one: `pressed`, see `conic.pressed`. Dead and live then have these rows, too.
     """
 
     wrenches: Wrenches
@@ -34,19 +40,39 @@ class Equilibrium:
     force: float
     length: float
     ties: int = 0
+    pressed: PressedJoints | None = None
 
     @property
     def contacts(self) -> int:
         """Number of contact points."""
-        return len(self.wrenches.frame) - self.ties
+        return self.points - self.ties
+
+    @property
+    def points(self) -> int:
+        """Number of contact points and ties."""
+        return len(self.wrenches.frame)
+
+    @property
+    def rows(self) -> int:
+        """Number of rows of the stones."""
+        return self.wrenches.shape[0]
+
+    @cached_property
+    def balance(self) -> Balance:
+        """All rows in all points: what a cone program balances."""
+        if self.pressed is None:
+            return self.wrenches
+        matrix = self.pressed.matrix
+        nothing = sp.csc_matrix((self.rows, matrix.shape[1] - 3 * self.points))
+        return sp.csc_matrix(sp.vstack([sp.hstack([self.wrenches.tocsc(), nothing]), matrix]))
 
     def residual(self, x: FloatArray, load_factor: float) -> FloatArray:
-        """Return what is left of the balance (6 nf,) of forces x (nc + nt, 3)."""
-        return self.wrenches.apply(x) + self.dead + load_factor * self.live
+        """Return what is left of the balance (rows,) of forces x (points, 3)."""
+        return apply(self.balance, x) + self.dead + load_factor * self.live
 
     def rates(self, y: FloatArray) -> FloatArray:
-        """Return how fast the points open and slide (nc + nt, 3) with velocities y (6 nf,); ties shorten."""
-        return self.wrenches.transpose(y)
+        """Return how fast the points open and slide (points, 3) with velocities y (rows,); ties shorten."""
+        return transpose(self.balance, y)
 
     def program(
         self,
@@ -56,20 +82,29 @@ class Equilibrium:
         linear: FloatArray | None = None,
         quadratic: FloatArray | None = None,
     ) -> ConeProgram:
-        """Return the cone program of this balance; all arrays, one value a point (nc + nt,), as there: no cost if None."""
+        """Return the cone program of this balance; all arrays, one value a point, as there: no cost if None.
+
+        The further points of joints that crush keep their own cones, and cost nothing.
+        """
         price, curvature = (np.zeros(len(limit)) if each is None else each for each in (linear, quadratic))
-        return ConeProgram(self.wrenches, self.dead, self.live, limit, slope, price, curvature, bound=bound)
+        if self.pressed is not None:
+            own = np.arange(len(limit)) < self.points
+            limit, price, curvature = (np.where(own, each, 0.0) for each in (limit, price, curvature))
+            slope = np.where(own, slope, 1.0)
+        return ConeProgram(self.balance, self.dead, self.live, limit, slope, price, curvature, bound=bound)
 
     def velocities(self, y: FloatArray) -> FloatArray:
-        """Return velocities (nb, 6) of all stones from multipliers (6 nf,) of the balance: f_L . u is 1 m per total weight."""
+        """Return velocities (nb, 6) of all stones from multipliers (rows,) of the balance: f_L . u is 1 m per total weight."""
         out = np.zeros((self.count, 6))
-        out[self.free] = y.reshape(-1, 6)
+        out[self.free] = y[: self.rows].reshape(-1, 6)
         out[:, 3:] /= self.length
         return out
 
     def multipliers(self, velocities: FloatArray) -> FloatArray:
-        """Return the multipliers (6 nf,) of velocities (nb, 6): the inverse of `velocities`."""
-        return (velocities[self.free] * np.repeat([1.0, self.length], 3)).ravel()
+        """Return multipliers (rows,) of velocities (nb, 6): the inverse of `velocities`, zero for joints that crush."""
+        out = np.zeros(len(self.dead))
+        out[: self.rows] = (velocities[self.free] * np.repeat([1.0, self.length], 3)).ravel()
+        return out
 
 
 def equilibrium(

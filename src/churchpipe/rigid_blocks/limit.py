@@ -12,6 +12,7 @@ import scipy.sparse as sp
 
 from churchpipe.conic.program import ConeProgram, ConeSolution
 from churchpipe.conic.solve import Solve, solver_for
+from churchpipe.conic.wrenches import apply
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import check_kind, listed, one_of
 from churchpipe.model.arrays import FloatArray, array_of
@@ -24,6 +25,8 @@ from churchpipe.model.ties import Tie
 from churchpipe.rigid_blocks.certificate import FLOW_TOLERANCE, UNPROVED, Certificate, Strength, certify, kinematic_bound
 from churchpipe.rigid_blocks.crushing import PARTS, JointParts, joint_parts
 from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
+from churchpipe.rigid_blocks.polygons import joint_polygons, parallelograms
+from churchpipe.rigid_blocks.pressed import with_pressed
 from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP
 from churchpipe.rigid_blocks.sliding import Method, SlidingOptions, Start, sliding_analysis
 from churchpipe.rigid_blocks.ties import point_forces, with_ties
@@ -121,12 +124,19 @@ def limit_analysis(
         starts = ["dead-load", "associative"]
     options = SlidingOptions(method, tuple(starts), bipotential_gap)
     begin = perf_counter()
-    parts = None if compressive_strength is None else joint_parts(contacts, crushing_parts)
+    parts = pressed = None
+    if compressive_strength is not None:
+        endurance = _of_interfaces("compressive_strength", compressive_strength, contacts, endless=True)
+        pressed = parallelograms(joint_polygons(contacts), contacts.area) & np.isfinite(endurance)
+        parts = joint_parts(contacts, crushing_parts, np.isfinite(endurance) & ~pressed)
     balance = equilibrium(stones, contacts, load, contact_model, parts)
     strength = point_strength(contacts, friction, cohesion, balance.force, compressive_strength, parts)
     balance, strength = with_ties(balance, strength, stones, listed("limit_analysis: ties", ties, Tie))
+    if parts is not None and pressed is not None:
+        capacity = endurance[pressed] * contacts.area[pressed] / balance.force
+        balance, strength = with_pressed(balance, strength, parts.contacts.point_ptr[:-1][pressed], capacity)
     check_connected(stones, contacts, balance)
-    state = analysed(balance, strength, solver_for(balance.wrenches, solver), flow, options, progress)
+    state = analysed(balance, strength, solver_for(balance.balance, solver), flow, options, progress)
     if contact_model == "torsion" and flow == "non-associative" and state.flow == flow and np.isfinite(state.load_factor):
         points = contacts if parts is None else parts.contacts
         state = _about_pressure(
@@ -189,7 +199,7 @@ def _about_pressure(
         here = slice(0, balance.contacts)
         shift[here] = shift_of(np.maximum(state.forces[:, 0], 0.0), shift[here] * balance.length) / balance.length
         balance = replace(balance, wrenches=replace(balance.wrenches, shift=shift))
-        solve = solver_for(balance.wrenches, solver)
+        solve = solver_for(balance.balance, solver)
         associative = associative_state(balance, strength, solve, perf_counter())
         if associative.status != "optimal":
             break
@@ -231,9 +241,9 @@ def point_strength(
     else:
         interface, area = parts.contacts.interface_of_point, parts.area
     bound = np.full(len(area), np.inf)
-    if compressive_strength is not None:
+    if compressive_strength is not None and parts is not None:
         f = _of_interfaces("compressive_strength", compressive_strength, contacts, endless=True)
-        bound = f[interface] * area / force
+        bound[parts.divided] = (f[interface] * area / force)[parts.divided]
     return Strength(friction=mu[interface], cohesion=c[interface] * area / force, bound=bound)
 
 
@@ -270,7 +280,9 @@ class _ShareOfLoad:
     """The largest share tau <= 1 of a load that contacts and ties carry. It is always feasible, so no result depends on a ray."""
 
     def __init__(self, balance: Equilibrium, strength: Strength, load: FloatArray) -> None:
-        self._alone = replace(balance, dead=np.zeros_like(load), live=load)
+        # What joints bear before they crush stays as it is.
+        stones = np.arange(len(load)) < balance.rows
+        self._alone = replace(balance, dead=np.where(stones, 0.0, balance.dead), live=np.where(stones, load, 0.0))
         self._strength = strength
         self.program = replace(associative_program(self._alone, strength), cap=1.0)
 
@@ -315,14 +327,14 @@ def wedge(balance: Equilibrium, strength: Strength, solve: Solve) -> ConeSolutio
     endless = replace(strength, cohesion=np.zeros_like(strength.cohesion), bound=np.where(strength.bounded, 0.0, np.inf))
     if strength.bounded.all():
         return None
-    share = _ShareOfLoad(balance, endless, balance.live)
+    share = _ShareOfLoad(replace(balance, dead=np.zeros_like(balance.dead)), endless, balance.live)
     answer = solve(share.program, proves=lambda answer: share.standing(answer) != "failed")
     return replace(answer, x=answer.x / answer.tau) if share.standing(answer) == "stable" else None
 
 
 def unbounded_state(balance: Equilibrium, ray: ConeSolution, seconds: float, flow: Flow = "associative") -> LimitState:
     """Return the state of a structure that no lateral load of this kind brings down, with the forces that balance it."""
-    residual = float(np.abs(balance.wrenches.apply(ray.x) + balance.live).max())
+    residual = float(np.abs(apply(balance.balance, ray.x) + balance.live).max())
     message = (
         f"the stones are wedged: forces within friction balance the lateral load alone, residual {residual:.1e} of the weight"
     )

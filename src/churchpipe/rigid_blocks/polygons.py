@@ -5,11 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from churchpipe.errors import InputError
-from churchpipe.model.arrays import FloatArray, IntArray
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.contacts import Contacts
 
 # A polygon encloses the area of its interface, but for this share of it; the hull of one that is not convex encloses more.
 _SAME_AREA = 1e-3
+# Four corners make a parallelogram if no side differs from the one opposite by more than this share of the joint's size.
+_SAME_SHAPE = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +53,15 @@ def joint_polygons(contacts: Contacts) -> JointPolygons:
         first = int(wrong[0])
         raise _no_polygon(first, f"they enclose {abs(area[first]):.6g} m2", f"{contacts.area[first]:.6g} m2")
     return JointPolygons(interface, start, after, before, count, middle, corner, area)
+
+
+def parallelograms(polygons: JointPolygons, area: FloatArray) -> BoolArray:
+    """Return which polygons (ni,) are parallelograms that enclose the areas (ni,) of their interfaces, to `_SAME_SHAPE`."""
+    out = (polygons.count == 4) & (np.abs(np.abs(polygons.area) - area) <= _SAME_SHAPE * area)
+    corner = polygons.corner[polygons.start[out][:, None] + np.arange(4)]
+    skew = np.abs(corner[:, 0] - corner[:, 1] + corner[:, 2] - corner[:, 3]).max(axis=1)
+    out[out] = skew <= _SAME_SHAPE * np.sqrt(area[out])
+    return out
 
 
 def summed(values: FloatArray, start: IntArray) -> FloatArray:

@@ -178,7 +178,7 @@ class _Search:
             runs = [from_centre(balance, strength, options.bipotential_gap, solve, self._progress)]
         else:
             normal = self._associative.forces[:, 0] / balance.force
-            n = np.concatenate([_first_forces(start, normal, balance), np.zeros(balance.ties)])
+            n = np.concatenate([_first_forces(start, normal, balance), np.zeros(len(strength.friction) - balance.contacts)])
             if options.method == "default":
                 settings = SchemeSettings(gap=options.bipotential_gap)
                 if options.starts == _STARTS["default"] and any(end[0].settled for end in self.ends):

@@ -78,14 +78,16 @@ def point_forces(balance: Equilibrium, x: FloatArray, y: FloatArray) -> PointFor
     """
     first = balance.contacts
     power = float(balance.live @ y)
-    shortening = balance.rates(y)[first:, 0] / (power if power > 0 else np.nan)
+    ties = slice(first, balance.points)
+    shortening = balance.rates(y)[ties, 0] / (power if power > 0 else np.nan)
     return PointForces(
-        x[:first] * balance.force, np.maximum(x[first:, 0], 0.0) * balance.force, np.maximum(-shortening, 0.0) / balance.force
+        x[:first] * balance.force, np.maximum(x[ties, 0], 0.0) * balance.force, np.maximum(-shortening, 0.0) / balance.force
     )
 
 
 def all_forces(balance: Equilibrium, state: LimitState) -> FloatArray:
-    """Return the forces x (nc + nt, 3) of contacts and ties that a state has."""
+    """Return the forces x (points, 3) of contacts and ties that a state has, with those that fit them where joints crush."""
     ties = np.zeros((balance.ties, 3))
     ties[:, 0] = state.tie_forces / balance.force
-    return np.concatenate([state.forces / balance.force, ties])
+    x = np.concatenate([state.forces / balance.force, ties])
+    return x if balance.pressed is None else np.concatenate([x, balance.pressed.further(x[:, 0])])
