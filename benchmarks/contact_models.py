@@ -17,8 +17,8 @@ CASES = Path(__file__).parents[1] / "pipeline" / "cases"
 VARIANTS: dict[str, dict[str, Any]] = {
     "corners": {},
     "torsion": {"contact_model": "torsion"},
-    "5 MPa, 4 parts": {"compressive_strength": 5e6, "crushing_parts": 4},
-    "5 MPa, 8 parts": {"compressive_strength": 5e6},
+    "5 MPa": {"compressive_strength": 5e6},
+    "1 MPa": {"compressive_strength": 1e6},
 }
 
 
@@ -27,7 +27,7 @@ def model(name: str) -> tuple[cp.Assemblage, cp.Contacts, dict[str, cp.LoadCase]
     if name != "church":
         return *tilting_test(name), {"": TILTING_LOADS[name]}, 0.7
     stones = cp.derive_blocks(cp.read_case(CASES / "church.toml").building())
-    return stones, cp.find_contacts(stones), {"+x": cp.LoadCase((1, 0, 0)), "-y": cp.LoadCase((0, -1, 0))}, 0.6
+    return stones, cp.find_contacts(stones), {"+x": cp.LoadCase((1, 0, 0))}, 0.6
 
 
 def main() -> None:
@@ -46,11 +46,10 @@ def main() -> None:
         for load_name, load in loads.items():
             for flow in asked.flow if name != "church" else ["associative"]:
                 for words, options in VARIANTS.items():
-                    if (flow, name) != ("associative", "church") or "8 parts" not in words:
-                        print(
-                            f"| {name} {load_name} | {flow} | {words} | {row(stones, contacts, load, friction, flow, options)} |",
-                            flush=True,
-                        )
+                    print(
+                        f"| {name} {load_name} | {flow} | {words} | {row(stones, contacts, load, friction, flow, options)} |",
+                        flush=True,
+                    )
 
 
 def row(

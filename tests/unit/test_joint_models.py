@@ -16,7 +16,7 @@ from churchpipe.io.recording import shell_record_of
 from churchpipe.io.tables import read_json
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength, Material
-from churchpipe.model.names import analysis_name
+from churchpipe.model.names import analysis_name, crushes
 from churchpipe.report.contact_models import contact_model_rows
 from churchpipe.report.safety import check_table
 from churchpipe.report.table import Row, columns_for
@@ -125,12 +125,17 @@ def test_the_knowledge_level_counts_where_stones_crush() -> None:
 
 def test_analyses_without_crushing_say_so() -> None:
     soft = JointStrength("tuff", 0.6, compressive_strength=2e6)
-    told = shell_record_of("refused", LoadCase((1, 0, 0)), [soft], method="limit", planes="cell").as_words()
+    load = LoadCase((1, 0, 0))
+    told = shell_record_of("refused", load, [soft], method="limit", planes="paper").as_words()
     assert told["message"] == (
-        "refused; the stones do not crush here: compressive_strength enters the limit analysis of the rigid blocks alone"
+        'refused; nothing crushes here: compressive_strength enters limit analyses of stones, and shells with planes = "cell"'
     )
     assert told["compressive_strength_MPa"] == 2.0
-    plain = shell_record_of("refused", LoadCase((1, 0, 0)), [JointStrength("tuff", 0.6)], method="limit", planes="cell")
+    assert not crushes(told)
+    cell = shell_record_of("refused", load, [soft], method="limit", planes="cell").as_words()
+    assert cell["message"] == "refused"
+    assert crushes(cell)
+    plain = shell_record_of("refused", load, [JointStrength("tuff", 0.6)], method="limit", planes="paper")
     assert plain.as_words()["message"] == "refused"
 
 

@@ -60,7 +60,10 @@ class RigidSettings:
         "Where friction acts in a joint: at its corners, which overrates torsion, or nearer to its middle; or both.",
     ] = (CONTACT_MODEL,)
     crushing_parts: Annotated[
-        int, Quantity("", 2, high=64), AfterValidator(_even), "Parts along each side of a joint that crushes, an even number."
+        int,
+        Quantity("", 2, high=64),
+        AfterValidator(_even),
+        "Parts along each side of a joint that crushes and is no parallelogram, an even number.",
     ] = PARTS
     bipotential_gap: Annotated[float, Quantity("", 0.0, above=True, high=1, below=True), "Error at which its iteration ends."] = (
         1e-5

@@ -25,8 +25,8 @@ from churchpipe.model.arrays import FloatArray, IntArray
 CORNERS = 4
 # Further points of a joint, and its rows.
 POINTS, ROWS = 5, 9
-# The row whose constant is S, the others have none.
-UNIT_ROW = 3
+# The row whose sum is S, the others have none, and the further point in it.
+UNIT_ROW, UNIT_POINT = 3, 2
 # The rows of w = q / rho, N, p, S, N, u (amount and difference of the sides), v: the point, its component and the value. A point
 # has (n, t_1, t_2); the product of cone 4 is n + t_2 and n - t_2, u and v, with t_1 = w; 5: 2 p and q, N; 6: S and N, p.
 _SIDES = ((6, (1.0, -1.0, -1.0, 1.0)), (8, (1.0, 1.0, -1.0, -1.0)))
@@ -65,6 +65,23 @@ def pressed_rows(rho: FloatArray) -> FloatArray:
         out[:, point, component, row] = value
     for row, point, component, value in _OF_STRENGTH:
         out[:, point, component, row] = value / rho
+    return out
+
+
+def pressed_closing(closing: FloatArray, rho: FloatArray) -> FloatArray:
+    """Return coefficients (corners + 5 nj, 3, sums + 9 nj) of the sums of a cell (corners, 3, sums) whose joints (nj,) crush.
+
+    The corners of each joint stand one after the other. Its further points follow all corners, and its rows all sums, joint by
+    joint.
+    """
+    corners, _, width = closing.shape
+    count = len(rho)
+    out = np.zeros((corners + POINTS * count, 3, width + ROWS * count))
+    out[:corners, :, :width] = closing
+    for joint, rows in enumerate(pressed_rows(rho)):
+        columns = slice(width + ROWS * joint, width + ROWS * (joint + 1))
+        out[CORNERS * joint : CORNERS * (joint + 1), :, columns] = rows[:CORNERS]
+        out[corners + POINTS * joint : corners + POINTS * (joint + 1), :, columns] = rows[CORNERS:]
     return out
 
 

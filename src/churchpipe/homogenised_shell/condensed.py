@@ -167,6 +167,8 @@ class CondensedShell:
         dead, live = (nothing if part is None else part for part in (dead, live))
         shift = self.loads.equilibrium @ law.offset.T.ravel()
         constant, growth = _padded(shift - dead, coupling.rows), _padded(-live, coupling.rows)
+        if isinstance(law, CellStrength):
+            constant[len(constant) - law.forces.rows :] -= law.total
         return _Statement(CoupledProblem(local, coupling, constant, growth, reward=reward, cap=cap), cholesky)
 
     def _state(

@@ -20,11 +20,13 @@ from churchpipe.model.materials import JointStrength, by_name
 class PointCells:
     """The exact strength of points as of `strength.Cones`, with one closing (corners, 3, 6 + still) for each kind of cell.
 
-    areas (ng,): of the wall that one cell of a kind fills, m2; kind (nq,) of each point; friction (nq,); apex (nq, 6) N/m and N.
+    areas (ng,): of the wall that one cell of a kind fills, m2; capacity: what each joint of a kind bears before it crushes, N,
+    none where it does not; kind (nq,) of each point; friction (nq,); apex (nq, 6) N/m and N.
     """
 
     closings: tuple[FloatArray, ...]
     areas: FloatArray
+    capacity: tuple[FloatArray, ...]
     kind: IntArray
     friction: FloatArray
     apex: FloatArray
@@ -43,7 +45,7 @@ def point_strength(
     InputError: as `strength.strength`; planes for another bond than running bond; a material of the shell that is not given.
     """
     shell, facet = elements.shell, elements.facet
-    friction, cohesion = by_facet(shell.material, materials)
+    friction, cohesion, endurance = by_facet(shell.material, materials)
     lintel = ~shell.yields[facet]
     friction = np.where(lintel, SOLVER.lintel_friction, friction[facet])
     dry = lintel | (shell.bonds[shell.cell] == "butt")[facet]
@@ -53,12 +55,16 @@ def point_strength(
     bond, rank = np.unique(shell.bonds, return_inverse=True)
     if planes == "cell":
         # Facets of one wall share one cell.
-        known, kind = np.unique(np.column_stack([sizes, rank.ravel()[shell.cell]]), axis=0, return_inverse=True)
-        cells = [rigid_cell(str(bond[int(which)]), a, b, h) for a, b, h, which in known.tolist()]
+        endurance = np.where(shell.yields, endurance, np.inf)
+        known, kind = np.unique(np.column_stack([sizes, rank.ravel()[shell.cell], endurance]), axis=0, return_inverse=True)
+        cells = [rigid_cell(str(bond[int(which)]), a, b, h) for a, b, h, which, _ in known.tolist()]
         apex = cohesion_shift(sizes[facet, 2], friction, cohesion)
         return PointCells(
             closings=tuple(cell.closing for cell in cells),
             areas=np.array([cell.area for cell in cells]),
+            capacity=tuple(
+                each * cell.joints if np.isfinite(each) else np.zeros(0) for each, cell in zip(known[:, 4], cells, strict=True)
+            ),
             kind=kind.ravel()[facet].astype(np.int64),
             friction=friction,
             apex=np.where(lintel[:, None], tension, apex),
@@ -78,8 +84,8 @@ def point_strength(
     return replace(law, limit=np.where(lintel[:, None], limit, law.limit))
 
 
-def by_facet(names: npt.NDArray[np.str_], materials: Sequence[JointStrength]) -> tuple[FloatArray, FloatArray]:
-    """Return friction (nt,) and cohesion (nt,)."""
+def by_facet(names: npt.NDArray[np.str_], materials: Sequence[JointStrength]) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return friction, cohesion Pa and compressive strength Pa, infinite where nothing crushes, all (nt,)."""
     known = by_name(materials)
     used, which = np.unique(names, return_inverse=True)
     missing = [str(name) for name in used if str(name) not in known]
@@ -87,4 +93,5 @@ def by_facet(names: npt.NDArray[np.str_], materials: Sequence[JointStrength]) ->
         raise InputError("materials", "a material of the shell is not given", found=missing[0], expected=", ".join(known))
     friction = np.array([known[str(name)].friction for name in used])
     cohesion = np.array([known[str(name)].cohesion for name in used])
-    return friction[which], cohesion[which]
+    crushing = np.array([known[str(name)].compressive_strength or np.inf for name in used])
+    return friction[which], cohesion[which], crushing[which]

@@ -117,7 +117,7 @@ def _local_strength(elements: ShellElements, materials: Sequence[JointStrength],
     shell = elements.shell
     if (shell.bonds != "running").any():
         raise InputError("shell", "this statement knows running bond alone", found=str(shell.bonds[shell.bonds != "running"][0]))
-    friction, cohesion = by_facet(shell.material, materials)
+    friction, cohesion, _ = by_facet(shell.material, materials)
     yields = np.flatnonzero(shell.yields[elements.facet])
     facet = elements.facet[yields]
     a, b = shell.unit_cells[shell.cell[facet]].T

@@ -24,12 +24,13 @@ _AWAY = 2
 class RigidCell:
     """A periodic cell. closing (corners, 3, 6 + motions), 1/m and 1/m2: as of `unit_cell.joint_closing`, per area of wall.
 
-    area: of the wall that the cell fills, m2. Motions: rotation of the first stone, then translation and rotation of the others,
-    without those that no joint feels.
+    area: of the wall that the cell fills, m2; joints (nj,): areas of the joints, m2, each with four corners one after the other.
+    Motions: rotation of the first stone, then translation and rotation of the others, without those that no joint feels.
     """
 
     closing: FloatArray
     area: float
+    joints: FloatArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,12 +53,14 @@ def rigid_cell(bond: str, a: float, b: float, h: float) -> RigidCell:
     InputError: unknown bond.
     """
     period = period_of(bond, a, b, h)
-    closings = [_closing(period, joint, _corners(joint.sides)) for joint in _joints(period)]
-    out = np.concatenate(closings) / period.area
+    found = _joints(period)
+    out = np.concatenate([_closing(period, joint, _corners(joint.sides)) for joint in found]) / period.area
     # A translation that no joint feels, as of a leaf that nothing ties, is no unknown.
     out = out[..., np.append(np.ones(6, dtype=np.bool_), np.abs(out[..., 6:]).max(axis=(0, 1)) > 0)]
-    out.setflags(write=False)
-    return RigidCell(out, period.area)
+    areas = np.array([np.prod(np.delete(np.ptp(joint.sides, axis=1), joint.normal)) for joint in found])
+    for array in (out, areas):
+        array.setflags(write=False)
+    return RigidCell(out, period.area, areas)
 
 
 def joint_energy(period: Period, across: float, along: float) -> FloatArray:
@@ -96,11 +99,11 @@ def _joints(period: Period) -> list[_Joint]:
 
 
 def _corners(sides: FloatArray) -> FloatArray:
-    """Return the corners (4, 3) of a rectangle."""
+    """Return the corners (4, 3) of a rectangle, in order."""
     flat = np.flatnonzero(np.ptp(sides, axis=1) > 0)
     out = np.repeat(sides[None, :, 0], 4, axis=0)
     out[:, flat[0]] = sides[flat[0], [0, 0, 1, 1]]
-    out[:, flat[1]] = sides[flat[1], [0, 1, 0, 1]]
+    out[:, flat[1]] = sides[flat[1], [0, 1, 1, 0]]
     return out
 
 

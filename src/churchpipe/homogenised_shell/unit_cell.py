@@ -18,6 +18,7 @@ import numpy.typing as npt
 import scipy.sparse as sp
 
 from churchpipe.conic.clarabel import solve_clarabel
+from churchpipe.conic.pressed import ROWS, UNIT_ROW, pressed_closing
 from churchpipe.conic.program import ConeProgram, ConeSolution, Outcome
 from churchpipe.errors import InputError
 from churchpipe.model.arrays import FloatArray, array_of, floats
@@ -106,8 +107,12 @@ def closing_limit(
     *,
     base: npt.ArrayLike = (0.0,) * 6,
     cohesion: float = 0.0,
+    capacity: FloatArray | None = None,
 ) -> CellLimit:
-    """Return the same of a cell of any stones, from the closing (corners, 3, 6 + motions) of its joints."""
+    """Return the same of a cell of any stones, from the closing (corners, 3, 6 + motions) of its joints.
+
+    capacity (nj,): what each joint of four corners bears before it crushes, N; none: nothing crushes.
+    """
     shift = cohesion_shift(h, friction, cohesion)
     growth, start = floats("direction", direction, (6,)), floats("base", base, (6,)) - shift
     # Scaling: membrane forces as they are, moments divided by h, rotations multiplied by h.
@@ -115,24 +120,30 @@ def closing_limit(
     size = float(np.abs(growth / unit).max())
     if size == 0:
         raise InputError("direction", "no direction", found=growth.tolist(), expected="a stress that is not zero")
-    scale = (float(np.abs(start / unit).max()) or 1.0) / size
+    joints, largest = np.zeros(0) if capacity is None else capacity, float(np.abs(closing[..., :3]).max())
+    scale = (float(np.abs(start / unit).max()) or largest * float(joints.max(initial=0.0)) or 1.0) / size
     corners, _, width = closing.shape
     # Motions of the stones are scaled to close joints as much as strains do.
-    units = np.append(unit, np.abs(closing[..., 6:]).max(axis=(0, 1)) / np.abs(closing[..., :3]).max())
-    zero, none = np.zeros(width - 6), np.zeros(corners)
+    units = np.append(unit, np.abs(closing[..., 6:]).max(axis=(0, 1)) / largest)
+    # S of `conic.pressed`: a force at a corner that makes stresses of order one.
+    share = 1.0 / largest
+    whole = pressed_closing(closing / units, np.sqrt(joints / (scale * size * share)))
+    zero, none = np.zeros(whole.shape[2] - 6), np.zeros(len(whole))
+    constant = -np.append(start / unit, zero) / (scale * size)
+    constant[width + ROWS * np.arange(len(joints)) + UNIT_ROW] = -share
     program = ConeProgram(
-        balance=sp.csc_matrix((closing.reshape(3 * corners, width) / units).T),
-        constant=-np.append(start / unit, zero) / (scale * size),
+        balance=sp.csc_matrix(whole.reshape(3 * len(whole), -1).T),
+        constant=constant,
         growth=-np.append(growth / unit, zero) / size,
         limit=none,
-        slope=none + friction,
+        slope=np.where(np.arange(len(whole)) < corners, friction, 1.0),
         linear=none,
         quadratic=none,
     )
     answer, outcome = _proved(program)
     factor = {"solved": answer.tau * scale, "unbounded": np.inf}.get(outcome, np.nan)
-    rate = -answer.y / units / size
-    return CellLimit(factor, outcome, rate[:6], rate[6:], answer.x * scale * size)
+    rate = -answer.y[:width] / units / size
+    return CellLimit(factor, outcome, rate[:6], rate[6:], answer.x[:corners] * scale * size)
 
 
 def _proved(program: ConeProgram) -> tuple[ConeSolution, Outcome]:

@@ -126,7 +126,8 @@ def shell_record_of(
         case str():
             outcome = Outcome("failed", message=result)
     tensions = tie_forces_of(ties, result) if isinstance(result, ShellLimitState) else ()
-    said = "; ".join(words for words in (outcome.message, *_uncrushed(materials)) if words)
+    lost = [] if planes == "cell" else _uncrushed(materials)
+    said = "; ".join(words for words in (outcome.message, *lost) if words)
     return ShellRecord(question_of(load, materials), replace(outcome, message=said), method, planes, curve, tensions)
 
 
@@ -134,7 +135,7 @@ def _uncrushed(materials: Sequence[JointStrength]) -> list[str]:
     """Return what an analysis that knows no crushing has to say of materials that do crush."""
     strong = any(material.compressive_strength is not None for material in materials)
     return (
-        ["the stones do not crush here: compressive_strength enters the limit analysis of the rigid blocks alone"]
+        ['nothing crushes here: compressive_strength enters limit analyses of stones, and shells with planes = "cell"']
         if strong
         else []
     )

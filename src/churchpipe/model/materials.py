@@ -87,9 +87,9 @@ class JointStrength:
     friction: Annotated[float, FRICTION, "Coefficient of friction of the joints, the tangent of the friction angle."]
     cohesion: Annotated[float, COHESION, "Shear strength of a joint without compression."] = 0.0
     elastic: Annotated[Elastic | None, "How the masonry deforms, for the capacity curve of the shell."] = None
-    compressive_strength: Annotated[
-        float | None, _CRUSHING, "Pressure at which the masonry crushes, in the rigid blocks; left out: it does not."
-    ] = None
+    compressive_strength: Annotated[float | None, _CRUSHING, "Pressure at which the masonry crushes; left out: it does not."] = (
+        None
+    )
 
     def __post_init__(self) -> None:
         text("material: name", self.name)

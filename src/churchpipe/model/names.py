@@ -38,5 +38,6 @@ def analysis_name(record: Mapping[str, Any]) -> str:
 
 
 def crushes(record: Mapping[str, Any]) -> bool:
-    """Whether the stones of an analysis crush: those of a limit analysis of the rigid blocks, if their masonry has a strength."""
-    return "flow" in record and bool(record.get("compressive_strength_MPa"))
+    """Whether the masonry of an analysis crushes: in limit analyses of the stones, and in a shell with the strength of cells."""
+    knows = "flow" in record or record.get("planes") == "cell"
+    return knows and bool(record.get("compressive_strength_MPa"))

@@ -38,7 +38,7 @@ Flow = Literal["associative", "non-associative"]
 # Dead load that is carried but for this share is carried.
 _CARRIED = 1e-6
 # Friction follows the centres of pressure until the load factor changes by no more than this share, or for so many rounds.
-_AT_REST = 1e-3
+_AT_REST = 5e-4
 _ROUNDS = 8
 
 
@@ -90,11 +90,12 @@ def limit_analysis(
         so near to the middle of the interface (non-associative: to the centre of its pressure) that uniform pressure resists
         torsion exactly.
     compressive_strength
-        Pa, scalar or one an interface (ni,), infinite for joints that do not crush; None: none does. The forces of the result
-        are given at the corners of the joints all the same.
+        Pa, scalar or one an interface (ni,), infinite for joints that do not crush; None: none does. Joints that are
+        parallelograms crush by Meyerhof's rule (`conic.pressed`), others in parts. The forces of the result are given at the
+        corners of the joints all the same.
     crushing_parts
-        Parts along each side of a joint that may crush, an even number. With few parts the load factor is too low, never too
-        high.
+        Parts along each side of a joint that may crush and is no parallelogram, an even number. With few parts the load factor
+        is too low, never too high.
     solver
         "auto" (our own interior point, Clarabel where that fails), "interior-point", "clarabel", "cvxpy", "cvxpy:MOSEK" ...
     progress

@@ -52,6 +52,20 @@ def test_a_wall_rocks_out_of_its_plane_on_the_edge_of_a_bed(bond: str) -> None:
     assert found.factor == pytest.approx(arm, rel=1e-6)
 
 
+@pytest.mark.parametrize("bond", ["running", "stack", "leaves", "flemish", "english"])
+@pytest.mark.parametrize("share", [0.1, 0.6])
+def test_a_bed_that_crushes_bears_the_moment_of_its_pressed_strip(bond: str, share: float) -> None:
+    # A pressure N per length needs a strip N / f of the thickness h: |M22| <= N / 2 (h - N / f), and half of that for two loose
+    # leaves.
+    cell, strength = rigid_cell(bond, A, B, H), 1e6
+    pressure, depth = share * strength * H, H / 2 if bond == "leaves" else H
+    base = [0, -pressure, 0, 0, 0, 0]
+    found = closing_limit(cell.closing, MU, H, [0, 0, 0, 0, 1, 0], base=base, capacity=strength * cell.joints)
+    assert found.factor == pytest.approx(pressure * depth * (1 - share) / 2, rel=1e-6)
+    crushed = closing_limit(cell.closing, MU, H, [0, -1, 0, 0, 0, 0], capacity=strength * cell.joints)
+    assert crushed.factor == pytest.approx(strength * H, rel=2e-6)
+
+
 def test_an_unknown_bond_is_named() -> None:
     with pytest.raises(InputError, match="bond: unknown; found dutch"):
         period_of("dutch", A, B, H)

@@ -1,0 +1,72 @@
+"""Shells whose masonry crushes: the wall of test_crushing.py, by limit analysis and by its capacity curve."""
+
+import pytest
+
+import churchpipe as cp
+from churchpipe.generators import wall
+
+MPA = 1e6
+B, HEIGHT, WEIGHT = 0.9, 12.0, 18e3
+ELASTIC = cp.Elastic(3e9, 0.2, 0.3e9, 0.2, 0.01)
+PUSH = cp.LoadCase((0, 1, 0))
+
+
+def masonry(strength: float | None) -> list[cp.Material]:
+    return [cp.Material("default", WEIGHT, 0.7, elastic=ELASTIC, compressive_strength=strength)]
+
+
+def mesh(size: float, height: float = HEIGHT, **bond: str) -> cp.ShellModel:
+    stone = B / 2 if bond else B
+    building = wall(
+        brick=(0.5, stone, 0.3),
+        length=1.0,
+        courses=round(height / 0.3),
+        thickness=B,
+        joints="bay",
+        materials=masonry(None),
+        **bond,
+    )
+    return cp.derive_shell(building, element_size=size)
+
+
+def overturning(strength: float) -> float:
+    """The pressed strip is W / (f d) wide."""
+    return (B - B * HEIGHT * WEIGHT / strength) / HEIGHT
+
+
+@pytest.mark.parametrize("strength", [MPA, pytest.param(0.5 * MPA, marks=pytest.mark.slow("docs/contact_models.md: crushing"))])
+def test_wall_that_turns_about_crushed_masonry(strength: float) -> None:
+    coarse, fine = (cp.shell_limit_analysis(mesh(size), PUSH, masonry(strength)) for size in (0.5, 0.3))
+    for state in (coarse, fine):
+        assert state.status == "optimal"
+        assert abs(state.upper_bound - state.lower_bound) <= 1e-6 * state.load_factor
+    # Meshes of these elements are too strong by an error of first order: the straight line through two meshes leads to size zero.
+    exact = overturning(strength)
+    assert exact < fine.load_factor < coarse.load_factor < 1.05 * exact
+    assert fine.load_factor - 1.5 * (coarse.load_factor - fine.load_factor) == pytest.approx(exact, rel=0.01)
+
+
+def test_capacity_curve_ends_at_the_limit_load() -> None:
+    shell = mesh(1.0)
+    state, curve = (analysis(shell, PUSH, masonry(MPA)) for analysis in (cp.shell_limit_analysis, cp.pushover))
+    assert curve.status == "converged"
+    assert curve.load_factor[-1] == pytest.approx(state.load_factor, rel=1e-3)
+    assert max(step.violation for step in curve.steps) < 1e-6
+
+
+def test_weaker_masonry_carries_less_and_strong_masonry_as_if_it_never_crushed() -> None:
+    shell = mesh(1.0)
+    factors = [cp.shell_limit_analysis(shell, PUSH, masonry(f)).load_factor for f in (0.25 * MPA, MPA, 1e4 * MPA, None)]
+    assert factors == sorted(factors)
+    assert factors[2] == pytest.approx(factors[3], rel=1e-4)
+    # Its own weight, .216 MPa, crushes it.
+    assert cp.shell_limit_analysis(shell, PUSH, masonry(0.15 * MPA)).status == "unstable"
+
+
+@pytest.mark.parametrize("headers", ["flemish", "none"])
+def test_other_bonds_crush_as_well(headers: str) -> None:
+    shell = mesh(0.6, 3.0, pattern="header-stretcher", headers=headers)
+    plain, weak = (cp.shell_limit_analysis(shell, PUSH, masonry(f)) for f in (None, 0.3 * MPA))
+    assert weak.status == "optimal"
+    # A strip of 3 m x 18 kN/m3 / .3 MPa, .18 of the thickness, is pressed at the base, of each leaf where there are two.
+    assert weak.load_factor / plain.load_factor == pytest.approx(1 - 0.18, abs=0.01)
