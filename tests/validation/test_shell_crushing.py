@@ -17,15 +17,8 @@ def masonry(strength: float | None) -> list[cp.Material]:
 
 def mesh(size: float, height: float = HEIGHT, **bond: str) -> cp.ShellModel:
     stone = B / 2 if bond else B
-    building = wall(
-        brick=(0.5, stone, 0.3),
-        length=1.0,
-        courses=round(height / 0.3),
-        thickness=B,
-        joints="bay",
-        materials=masonry(None),
-        **bond,
-    )
+    brick, courses = (0.5, stone, 0.3), round(height / 0.3)
+    building = wall(brick=brick, length=1.0, courses=courses, thickness=B, joints="bay", materials=masonry(None), **bond)
     return cp.derive_shell(building, element_size=size)
 
 
