@@ -57,7 +57,7 @@ def rigid_cell(bond: str, a: float, b: float, h: float) -> RigidCell:
     out = np.concatenate([_closing(period, joint, _corners(joint.sides)) for joint in found]) / period.area
     # A translation that no joint feels, as of a leaf that nothing ties, is no unknown.
     out = out[..., np.append(np.ones(6, dtype=np.bool_), np.abs(out[..., 6:]).max(axis=(0, 1)) > 0)]
-    areas = np.array([np.prod(np.delete(np.ptp(joint.sides, axis=1), joint.normal)) for joint in found])
+    areas = np.array([float(np.prod(np.delete(np.ptp(joint.sides, axis=1), joint.normal))) for joint in found], dtype=np.float64)
     for array in (out, areas):
         array.setflags(write=False)
     return RigidCell(out, period.area, areas)
