@@ -5,6 +5,7 @@ from .config.distributions import sample_points as sample_points
 from .dxf.reader import read_dxf as read_dxf
 from .dxf.writer import write_dxf as write_dxf
 from .errors import InputError as InputError
+from .generators.buttresses import with_buttresses as with_buttresses
 from .geometry.repair import repair_polyhedra as repair_polyhedra
 from .hand_on import write_report as write_report
 from .homogenised_shell.joint_groups import shell_joint_groups as shell_joint_groups
@@ -30,6 +31,7 @@ from .meshes.reader import read_stones as read_stones
 from .model.assemblage import Assemblage as Assemblage
 from .model.block_curve import BlockCapacityCurve as BlockCapacityCurve
 from .model.building import Building as Building
+from .model.buttress import Buttress as Buttress
 from .model.carried import AreaLoad as AreaLoad
 from .model.carried import LineLoad as LineLoad
 from .model.carried import PointLoad as PointLoad

@@ -13,7 +13,7 @@ import numpy as np
 
 from churchpipe.closure import code_of
 from churchpipe.config.carries import carries_of, placed
-from churchpipe.config.settings import beams_of, joints_of, load_of, strengths_of, weights_of
+from churchpipe.config.settings import beams_of, buttresses_of, joints_of, load_of, strengths_of, weights_of
 from churchpipe.errors import Extra, InputError
 from churchpipe.io.atomic import canonical_json, write_if_changed, write_json
 from churchpipe.io.building_json import read_building, write_building
@@ -71,8 +71,8 @@ def source(settings: Path, building: Path) -> None:
     from churchpipe.generators import generate
 
     table = read_json(settings)
-    made = generate(**table["source"], materials=weights_of(table), name=table["name"], ring_beams=beams_of(table))
-    write_building(building, made)
+    added = {"ring_beams": beams_of(table), "buttresses": buttresses_of(table)}
+    write_building(building, generate(**table["source"], materials=weights_of(table), name=table["name"], **added))
 
 
 def blocks(building: Path, assemblage: Path, dxf: Path | None = None, vtu: Path | None = None) -> None:

@@ -25,6 +25,7 @@ from churchpipe.dxf.reading import AS_DRAWN, Reading
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import path_of
 from churchpipe.model.building import Building
+from churchpipe.model.buttress import Buttress
 from churchpipe.model.joint_group import JointGroup
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
@@ -72,6 +73,7 @@ class Case:
     movements: tuple[MovementSettings, ...] = ()
     published: tuple[Published, ...] = ()
     joints: tuple[JointGroup, ...] = ()
+    buttresses: tuple[Buttress, ...] = ()
     ring_beams: tuple[RingBeam, ...] = ()
     carries: Carries = field(default_factory=Carries)
     project: Project = field(default_factory=Project)
@@ -96,14 +98,21 @@ class Case:
                 found=self.source.path.name,
                 remedy="Read the stones with churchpipe.read_dxf.",
             )
-        from churchpipe.generators import generate
+        from churchpipe.generators import generate, with_buttresses
 
         try:
-            building = generate(self.source.generator, self.source.parameters, self.materials, self.name, self.ring_beams)
+            building = generate(self.source.generator, self.source.parameters, self.materials, self.name)
         except InputError as error:
             raise located(
                 error, self.path, self.overrides, self.source.generator, swept=self.swept, variant=self.variant
             ) from error
+        try:
+            for number, buttress in enumerate(self.buttresses):
+                building = tried(f"buttresses.{number}", lambda built=building, one=buttress: with_buttresses(built, [one]))
+            building = replace(building, ring_beams=self.ring_beams)
+        except InputError as error:
+            where = error.at(f"{self.path}: {error.where}")
+            raise located(where, self.path, self.overrides, swept=self.swept, variant=self.variant) from error
         known = building.macro_elements
         named = [(f"load.{number}.panels", load.panels or ()) for number, load in enumerate(self.loads)]
         named += [(f"joints.{number}", group.named) for number, group in enumerate(self.joints)]
@@ -275,11 +284,16 @@ def _case(path: Path, table: dict[str, Any], swept: dict[str, Any], overrides: t
     if len(set(names)) != len(names):
         raise InputError(f"{file}: load", "two loads of one name", found=", ".join(names), expected="a name of its own for each")
     check_published(file, published, names)
-    beams = _all(RingBeam, checked, "ring_beams", file)
-    for number, beam in enumerate(beams):
-        if beam.material and beam.material not in checked["material"]:
-            where, expected = f"{file}: ring_beams.{number}.material", ", ".join(checked["material"])
-            raise InputError(where, "unknown material", found=beam.material, expected=expected)
+    beams, buttresses = _all(RingBeam, checked, "ring_beams", file), _all(Buttress, checked, "buttresses", file)
+    for key, added in (("ring_beams", beams), ("buttresses", buttresses)):
+        for number, one in enumerate(added):
+            if one.material and one.material not in checked["material"]:
+                where, expected = f"{file}: {key}.{number}.material", ", ".join(checked["material"])
+                raise InputError(where, "unknown material", found=one.material, expected=expected)
+    source = _source(path, source)
+    if buttresses and isinstance(source, Drawing):
+        remedy = "Draw them, or take a generator."
+        raise InputError(f"{file}: buttresses.0", "a drawing gives stones, to which no buttress is bonded", remedy=remedy)
     movements = _all(MovementSettings, checked, "movements", file)
     names = [movement.name for movement in movements]
     if len(set(names)) != len(names):
@@ -288,7 +302,7 @@ def _case(path: Path, table: dict[str, Any], swept: dict[str, Any], overrides: t
     return Case(
         name=checked["name"],
         path=path,
-        source=_source(path, source),
+        source=source,
         materials=tuple(materials),
         loads=loads,
         rigid=record(RigidSettings, checked.get("rigid", {}), f"{file}: rigid"),
@@ -297,6 +311,7 @@ def _case(path: Path, table: dict[str, Any], swept: dict[str, Any], overrides: t
         movements=movements,
         published=published,
         joints=_all(JointGroup, checked, "joints", file),
+        buttresses=buttresses,
         ring_beams=beams,
         sample=record(SampleSettings, checked["sample"], f"{file}: sample") if "sample" in checked else None,
         carries=Carries(**{key: _all(kind, checked, key, file) for key, kind in KINDS.items()}),

@@ -168,6 +168,7 @@ def _geometry_settings(case: Case) -> dict[str, Any]:
         "unit_weight": {material.name: material.unit_weight for material in case.materials},
         # Walls are of the first one unless they say otherwise, and JSON sorts the keys of a table.
         "materials": [material.name for material in case.materials],
+        **({"buttresses": [plain(buttress) for buttress in case.buttresses]} if case.buttresses else {}),
         **({"ring_beams": [plain(beam) for beam in case.ring_beams]} if case.ring_beams else {}),
         **({"panels": _named_panels(case)} if isinstance(case.source, Drawing) else {}),
     }

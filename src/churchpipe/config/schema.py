@@ -15,6 +15,7 @@ from churchpipe.config.sources import check_source
 from churchpipe.config.tables import table_of
 from churchpipe.config.variants import Variant
 from churchpipe.errors import InputError
+from churchpipe.model.buttress import Buttress
 from churchpipe.model.joint_group import JointGroup
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
@@ -28,6 +29,7 @@ _CHECK = table_of(Site, "Check")
 _PUBLISHED, _VARIANT = table_of(Published, "Published"), table_of(Variant, "Variant")
 _MOVEMENT, _SAMPLE = table_of(MovementSettings, "Movement"), table_of(SampleSettings, "Sample")
 _PROJECT = table_of(Project, "Project")
+_BUTTRESS = table_of(Buttress, "Buttress")
 _RING_BEAM, _JOINTS = table_of(RingBeam, "RingBeam"), table_of(JointGroup, "Joints")
 _CARRIED = {kind: table_of(kind, kind.__name__) for kind in KINDS.values()}
 
@@ -49,6 +51,7 @@ CaseTable = create_model(
     rigid=_key(_RIGID | None, "The rigid blocks."),
     shell=_key(_SHELL | None, "The homogenised shell; left out: the rigid blocks alone."),
     **{key: _key(list[_CARRIED[kind]], MEANINGS[key], []) for key, kind in KINDS.items()},
+    buttresses=_key(list[_BUTTRESS], "Buttresses and pilasters of walls of a generator.", []),
     ring_beams=_key(list[_RING_BEAM], "Rigid beams on the tops of walls.", []),
     check=_key(_CHECK | None, "What the earthquake asks; left out: no safety check."),
     variants=_key(list[_VARIANT], "What else the building could be, beside the building as it is.", []),

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from churchpipe.code_check import Floor, Site
+from churchpipe.model.buttress import Buttress
 from churchpipe.model.joint_group import JointGroup
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Elastic, JointStrength, UnitWeight
@@ -20,6 +21,11 @@ def weights_of(settings: Mapping[str, Any]) -> list[UnitWeight]:
 def beams_of(settings: Mapping[str, Any]) -> list[RingBeam]:
     """Return the ring beams of a geometry."""
     return [RingBeam(**table) for table in settings.get("ring_beams", ())]
+
+
+def buttresses_of(settings: Mapping[str, Any]) -> list[Buttress]:
+    """Return the buttresses of a geometry."""
+    return [Buttress(**table) for table in settings.get("buttresses", ())]
 
 
 def joints_of(settings: Mapping[str, Any]) -> list[JointGroup]:

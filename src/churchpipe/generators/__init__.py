@@ -8,6 +8,7 @@ from churchpipe.generators.apse import ApseParameters, apse
 from churchpipe.generators.arch import ArchParameters, arch
 from churchpipe.generators.arch_piers import ArchPiersParameters, arch_piers
 from churchpipe.generators.box import BoxParameters, box
+from churchpipe.generators.buttresses import with_buttresses
 from churchpipe.generators.chapel import ChapelParameters, chapel
 from churchpipe.generators.church import ChurchParameters, church
 from churchpipe.generators.dome import DomeParameters, dome
@@ -16,6 +17,7 @@ from churchpipe.generators.tower import TowerParameters, tower
 from churchpipe.generators.vault import VaultParameters, vault
 from churchpipe.generators.wall import WallParameters, wall
 from churchpipe.model.building import Building
+from churchpipe.model.buttress import Buttress
 from churchpipe.model.materials import UnitWeight
 from churchpipe.model.ring_beam import RingBeam
 
@@ -58,12 +60,19 @@ __all__ = [
     "tower",
     "vault",
     "wall",
+    "with_buttresses",
 ]
 
 
 def generate(
-    generator: str, parameters: Mapping[str, Any], materials: Iterable[UnitWeight], name: str, ring_beams: Iterable[RingBeam] = ()
+    generator: str,
+    parameters: Mapping[str, Any],
+    materials: Iterable[UnitWeight],
+    name: str,
+    *,
+    ring_beams: Iterable[RingBeam] = (),
+    buttresses: Iterable[Buttress] = (),
 ) -> Building:
-    """Return the building that a generator makes of its parameters, SI, with ring beams."""
+    """Return the building that a generator makes of its parameters, SI, with buttresses and ring beams."""
     built = GENERATORS[generator].build(**parameters, name=name, materials=tuple(materials))
-    return replace(built, ring_beams=tuple(ring_beams)) if ring_beams else built
+    return replace(with_buttresses(built, buttresses), ring_beams=tuple(ring_beams))

@@ -3,7 +3,7 @@
 import re
 
 _STONES = re.compile(
-    r"source\.|ring_beams\.|material\..+\.unit_weight_kN_m3$|rigid\.(contact_gap_mm|contact_angle_deg|overlap_mm)$"
+    r"source\.|(ring_beams|buttresses)\.|material\..+\.unit_weight_kN_m3$|rigid\.(contact_gap_mm|contact_angle_deg|overlap_mm)$"
 )
 _MESH = re.compile(r"shell\.element_size_mm$")
 _RIGID_BLOCKS = re.compile(r"rigid\.|check\.")

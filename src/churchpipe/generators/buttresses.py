@@ -1,0 +1,78 @@
+"""Buttresses and pilasters: short walls square to a straight wall, bonded with it or built against it."""
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+
+from churchpipe.errors import InputError
+from churchpipe.model.arrays import FloatArray
+from churchpipe.model.building import BondRegion, Building, Junction, Panel, PlaneChart
+from churchpipe.model.buttress import Buttress
+from churchpipe.model.carried import TOWARD
+
+_WHOLE = 1e-6
+
+
+def with_buttresses(building: Building, buttresses: Iterable[Buttress]) -> Building:
+    """Return a building with buttresses: a panel each, named "NAME buttress 1" and so on.
+
+    Raises
+    ------
+    InputError
+        A wall that is not there, is curved, or has no such side; a place beyond it; a height that is no whole number of courses.
+    """
+    for buttress in buttresses:
+        where = f"buttress of {buttress.wall}"
+        panels = {panel.name: panel for panel in building.panels}
+        wall = panels.get(buttress.wall)
+        if wall is None:
+            raise InputError(where, "no such wall", found=buttress.wall, expected=", ".join(panels))
+        names = [f"{buttress.name or wall.name} buttress {number + 1}" for number in range(len(buttress.along))]
+        made = tuple(_panel(where, wall, buttress, *one) for one in zip(buttress.along, names, strict=True))
+        loose = () if buttress.bonded else tuple(Junction((wall.name, name)) for name in names)
+        building = replace(building, panels=(*building.panels, *made), junctions=(*building.junctions, *loose))
+    return building
+
+
+def _panel(where: str, wall: Panel, buttress: Buttress, along: float, name: str) -> Panel:
+    chart = wall.chart
+    if not isinstance(chart, PlaneChart):
+        raise InputError(where, f"the wall {wall.name} is not straight", expected="a straight wall")
+    outward = np.array(TOWARD[buttress.toward])
+    if abs(float(outward @ chart.s_axis)) > 1e-6:
+        raise InputError(
+            f"{where}: toward", f"it runs along the wall {wall.name}", found=buttress.toward, expected="one of its sides"
+        )
+    place = _place(where, wall, chart, along, buttress.width)
+    cell = wall.regions[0].cell
+    corner = wall.outline[:, 0].min(), wall.outline[:, 0].max()
+    eaves = min(float(wall.outline[np.abs(wall.outline[:, 0] - s) < _WHOLE, 1].max()) for s in corner)
+    height = eaves if buttress.height is None else buttress.height
+    courses = height / cell.a
+    if abs(courses - round(courses)) > _WHOLE or height > float(wall.outline[:, 1].max()) + _WHOLE:
+        expected = f"a whole number of courses of {cell.a:g} m, at most {float(wall.outline[:, 1].max()):g} m"
+        raise InputError(f"{where}: height", "does not fit the wall", found=f"{height:g} m", expected=expected)
+    length = wall.thickness + buttress.depth
+    outline = np.array([[0.0, 0.0], [length, 0.0], [length, height], [0.0, height]])
+    # It reaches through the wall; toothed, it runs through on the courses on which the wall does not.
+    return Panel(
+        name,
+        PlaneChart(place - outward * wall.thickness / 2, outward),
+        outline,
+        buttress.width,
+        (BondRegion("bond", outline, "running", cell, joints="bay"),),
+        material=buttress.material or wall.material,
+        runs_through=1 if wall.runs_through == 0 else 0,
+    )
+
+
+def _place(where: str, wall: Panel, chart: PlaneChart, along: float, width: float) -> FloatArray:
+    """Return the point on the foot of a wall's middle plane at a distance along it, from its end with the smaller x, or y."""
+    s = wall.outline[:, 0].min(), wall.outline[:, 0].max()
+    axis = chart.s_axis if chart.s_axis[0] > 1e-9 or (abs(chart.s_axis[0]) <= 1e-9 and chart.s_axis[1] > 0) else -chart.s_axis
+    start = chart.origin + (s[0] if float(axis @ chart.s_axis) > 0 else s[1]) * chart.s_axis
+    if not width / 2 - _WHOLE <= along <= s[1] - s[0] - width / 2 + _WHOLE:
+        expected = f"{width / 2:g} to {s[1] - s[0] - width / 2:g} m along it"
+        raise InputError(f"{where}: along", f"beyond the wall {wall.name}", found=f"{along:g} m", expected=expected)
+    return start + along * axis
