@@ -280,7 +280,8 @@ def rigid(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
 
 
 def curve(settings: Path, assemblage: Path, contacts: Path, state: Path, record: Path, progress: Progress | None = None) -> None:
-    """One capacity curve of the stones -> the curve and its record for the summary."""
+    """One capacity curve of the stones -> the curve and its record for the summary; an interrupted run goes on from its steps."""
+    from churchpipe.io.kept_steps import KeptSteps
     from churchpipe.large_displacements.pushover import block_pushover
     from churchpipe.stones.joints import joint_strength
 
@@ -292,9 +293,12 @@ def curve(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
     used = set(stones.material[~stones.fixed].tolist())
     borne = placed(carries_of(table), stones)
     pushed = loaded(load, stones, borne.loads)
-    found = block_pushover(stones, joints, pushed, friction, borne.ties, **options, progress=progress)
+    kept = KeptSteps(state.parent, (settings, assemblage, contacts), code_of("curve"))
+    more = {"progress": progress, "resume": kept.found(), "keep": kept.keep}
+    found = block_pushover(stones, joints, pushed, friction, borne.ties, **options, **more)
     write_npz(state, found)
-    write_record(record, curve_record_of(found, load, [material for material in materials if material.name in used]))
+    kept.clear()
+    write_record(record, curve_record_of(found, stones, load, [material for material in materials if material.name in used]))
 
 
 def movement(
@@ -368,8 +372,9 @@ def report(plan: Path, summary: Path, assemblage: Path, contacts: Path, html: Pa
     states = {entry["name"]: run.block_state(entry) for entry in mine if entry["kind"] == "rigid"}
     for name, state in states.items():
         write_vtu(run.path / "rigid" / name / "mechanism.vtu", stones, state.velocities)
-    for entry in (entry for entry in mine if entry["kind"] == "curve"):
-        write_path(run.folder(entry) / "path.pvd", stones, run.block_curve(entry))
+    followed = [(records[entry["name"]], run.block_curve(entry)) for entry in mine if entry["kind"] == "curve"]
+    for entry, (_, path) in zip((entry for entry in mine if entry["kind"] == "curve"), followed, strict=True):
+        write_path(run.folder(entry) / "path.pvd", stones, path)
     moved = [(record, *run.moved(record["name"])) for record in run.movements(geometry)]
     for record, own, _, path in moved:
         write_path(run.path / "movement" / record["name"] / "path.pvd", own, path)
@@ -395,6 +400,7 @@ def report(plan: Path, summary: Path, assemblage: Path, contacts: Path, html: Pa
         project=run.index["project"],
         materials=run.index["materials"],
         moved=moved,
+        followed=followed,
         borne={name: run.borne(name, stones) for name in states},
         case_text=(run.path / "as-run.toml").read_text(encoding="utf-8"),
         versions=versions(),

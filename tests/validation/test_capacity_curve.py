@@ -33,7 +33,7 @@ def curve_of(stones: Assemblage, friction: float, **options: float) -> BlockCapa
 def assert_certified(curve: BlockCapacityCurve) -> None:
     assert curve.residual.max() < 1e-8
     assert curve.violation.max() < 1e-8
-    assert curve.bound_gap.max() < 1e-5
+    assert curve.proved
 
 
 def energies(stones: Assemblage, curve: BlockCapacityCurve) -> tuple[float, float]:
@@ -56,9 +56,32 @@ def test_rocking_block_and_stack(courses: int, step: float) -> None:
     assert curve.load_factor == pytest.approx(expected, abs=1e-7)
     assert curve.d0 == pytest.approx(b / 2, abs=1e-6)
     assert_certified(curve)
-    assert curve.gap.max() < 1e-6
+    assert curve.misfit.max() < 1e-5
     work, taken = energies(stones, curve)
     assert work == pytest.approx(taken, rel=1e-4)
+
+
+def test_corner_wedge_that_leans_out_of_two_walls() -> None:
+    # The wedge of an overturning corner, wider at its top, on a pedestal that ends across the diagonal: it rocks about that edge.
+    foot, top, edge, h = 0.5, 0.8, 0.2, 2.0
+    low = [(1, 1 - foot, 0), (1, 1, 0), (1 - foot, 1, 0)]
+    high = [(1, 1 - top, h), (1, 1, h), (1 - top, 1, h)]
+    wedge = np.array([*low, *high], dtype=float), [[0, 2, 1], [3, 4, 5], [0, 1, 4, 3], [1, 2, 5, 4], [2, 0, 3, 5]]
+    plan = [(-1, -1), (1, -1), (1, 1 - edge), (1 - edge, 1), (-1, 1)]
+    below = np.array([(x, y, z) for z in (-1, 0) for x, y in plan], dtype=float)
+    sides = [[i, (i + 1) % 5, (i + 1) % 5 + 5, i + 5] for i in range(5)]
+    stones = Assemblage.from_polyhedra([(below, [[4, 3, 2, 1, 0], [5, 6, 7, 8, 9], *sides]), wedge], 18e3, fixed=[0])
+    push = LoadCase((1, 1, 0))
+    curve = block_pushover(stones, find_contacts(stones), push, 0.7, step=0.01)
+    centre = stones.centroid[1]
+    lever, height = (2 - edge - centre[0] - centre[1]) / np.sqrt(2), centre[2]
+    left = lever - curve.displacement
+    assert curve.status == "vanished"
+    assert curve.load_factor == pytest.approx(left / np.sqrt(lever**2 + height**2 - left**2), abs=1e-6)
+    assert curve.d0 == pytest.approx(lever, abs=1e-6)
+    assert_certified(curve)
+    work, taken = energies(stones, curve)
+    assert work == pytest.approx(taken, rel=1e-3)
 
 
 def test_sliding_block_keeps_its_friction() -> None:
@@ -257,6 +280,9 @@ def _thrust_line(stones: Assemblage, curve: BlockCapacityCurve, step: int, close
 def test_s22(step: float) -> None:
     stones, contacts = model("S22")
     curve = block_pushover(stones, contacts, LOADS["S22"], 0.7, step=step)
+    # Where next to nothing holds the wall any more, motions of single stones are harder to fit.
+    held = curve.load_factor > 0.5 * curve.load_factor[0]
+    assert curve.misfit[held].max() < 3e-3
     # Where next to nothing holds the wall any more, stones may fall before the load factor is zero.
     fallen = curve.status == "collapsed" and curve.load_factor[-1] < 0.01 * curve.load_factor[0]
     assert curve.status == "vanished" or fallen

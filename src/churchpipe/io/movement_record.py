@@ -44,7 +44,7 @@ def movement_words(
         "steps": len(path.movement),
         "equilibrium_residual": float(path.residual.max(initial=0.0)),
         "cone_violation": float(path.violation.max(initial=0.0)),
-        "gap": float(np.median(path.gap)) if len(path.gap) else None,
+        "misfit": float(path.misfit.max(initial=0.0)),
         "seconds": round(path.seconds, 3),
     }
 

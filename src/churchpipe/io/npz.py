@@ -14,11 +14,12 @@ import numpy as np
 from churchpipe.errors import InputError
 from churchpipe.io.atomic import replacing
 from churchpipe.model.assemblage import Assemblage
-from churchpipe.model.block_curve import BlockCapacityCurve, FallenStones
+from churchpipe.model.block_curve import BlockCapacityCurve
 from churchpipe.model.contacts import Contacts, ContactTolerances, NearMisses
 from churchpipe.model.results import CapacityCurve, CapacityStep, Iteration, LimitState, ShellLimitState, StartRun
 from churchpipe.model.settlement import SettlementPath
 from churchpipe.model.shell import ShellModel
+from churchpipe.model.stone_path import FallenStones
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,8 +37,8 @@ SCHEMAS: dict[type, str] = {
     ShellModel: "churchpipe shell 1",
     ShellLimitState: "churchpipe shell-limit-state 2",
     CapacityCurve: "churchpipe capacity-curve 1",
-    BlockCapacityCurve: "churchpipe block-capacity-curve 1",
-    SettlementPath: "churchpipe settlement-path 1",
+    BlockCapacityCurve: "churchpipe block-capacity-curve 2",
+    SettlementPath: "churchpipe settlement-path 2",
     Absent: "churchpipe absent 1",
 }
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from churchpipe.io.records import BlockCurveRecord, BlockPath, Curve, Outcome, Question, RigidRecord, ShellRecord, Sliding
 from churchpipe.io.tie_records import candidates_of, tie_forces_of
+from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.block_curve import BlockCapacityCurve
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength
@@ -55,7 +56,9 @@ def record_of(
     return RigidRecord(question_of(load, materials), outcome, state.flow, sliding, contact_model, *tied)
 
 
-def curve_record_of(curve: BlockCapacityCurve, load: LoadCase, materials: Sequence[JointStrength]) -> BlockCurveRecord:
+def curve_record_of(
+    curve: BlockCapacityCurve, stones: Assemblage, load: LoadCase, materials: Sequence[JointStrength]
+) -> BlockCurveRecord:
     """Return the record of a capacity curve of the stones; its load factor is that which starts the motion.
 
     status: "converged" when all of its steps are proved, however it ends: `ending`.
@@ -78,8 +81,9 @@ def curve_record_of(curve: BlockCapacityCurve, load: LoadCase, materials: Sequen
         displacement=tuple(curve.displacement.tolist()),
         load_factors=tuple(curve.load_factor.tolist()),
         largest=float(curve.largest.max(initial=0.0)),
-        fallen=sum(len(part.stones) for part in curve.fallen),
-        gap=float(np.median(curve.gap)) if len(curve.gap) else np.nan,
+        fallen=tuple(str(name) for part in curve.fallen for name in stones.block_id[part.stones].tolist()),
+        fell_at=tuple(part.displacement for part in curve.fallen for _ in part.stones),
+        misfit=float(curve.misfit.max(initial=0.0)),
     )
     return BlockCurveRecord(question_of(load, materials), outcome, path)
 

@@ -164,7 +164,8 @@ class ShellRecord:
 class BlockPath:
     """The path of a capacity curve of the stones: see `BlockCapacityCurve`.
 
-    largest: m, of all displacements; fallen: number of stones; gap: the median over the steps.
+    largest: m, of all displacements. fallen: names of the stones that fell on the way; fell_at (m) the displacement of each.
+    misfit: the largest of the steps.
     """
 
     ending: str
@@ -172,8 +173,9 @@ class BlockPath:
     displacement: tuple[float, ...]
     load_factors: tuple[float, ...]
     largest: float
-    fallen: int
-    gap: float
+    fallen: tuple[str, ...]
+    fell_at: tuple[float, ...]
+    misfit: float
 
     def __post_init__(self) -> None:
         one_of("record: ending", self.ending, *CURVE_STATUSES)
@@ -201,8 +203,9 @@ class BlockCurveRecord:
             "displacement_m": list(self.path.displacement),
             "load_factors": list(self.path.load_factors),
             "largest_displacement_m": self.path.largest,
-            "fallen_stones": self.path.fallen,
-            "gap": self.path.gap,
+            "fallen_stones": list(self.path.fallen),
+            "fell_at_m": list(self.path.fell_at),
+            "misfit": self.path.misfit,
             "steps": len(self.path.displacement),
         }
 

@@ -6,8 +6,6 @@ from typing import Literal, Protocol
 from churchpipe.large_displacements.halo import grown
 from churchpipe.large_displacements.moving_model import MovingModel
 from churchpipe.large_displacements.path import (
-    FIRST,
-    PROGRAMS,
     PathState,
     PathStep,
     may_go_on,
@@ -49,17 +47,17 @@ def follow(model: MovingModel, state: PathState, steps: int, record: Steps, ring
 
     rings: contacts from a moving stone to those held.
     """
-    for number in range(steps):
-        taken = solve_state(model, state, PROGRAMS if number else FIRST)
+    for _ in range(steps):
+        taken = solve_state(model, state)
         while (wider := grown(model, taken, rings)) is not None:
             model, state = wider
-            taken = solve_state(model, state, PROGRAMS)
+            taken = solve_state(model, state)
         while taken.lost.any():
             if not may_go_on(model, taken):
                 return Ending("collapsed", f"{int(taken.lost.sum())} stones that cannot be spared fall")
             record.fall(taken)
             state = without(model, taken)
-            taken = solve_state(model, state, PROGRAMS)
+            taken = solve_state(model, state)
         if taken.answer.outcome == "unbounded":
             return Ending("unbounded", "the stones have locked: nothing of this kind moves them on")
         if taken.answer.outcome != "solved":

@@ -1,32 +1,41 @@
 """The motion of an assemblage step by step: programs in the displaced geometry, and where each takes the stones."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 import scipy.sparse as sp
 
 from churchpipe.conic.solve import solver_for
+from churchpipe.conic.wrenches import Balance, transpose
 from churchpipe.large_displacements.falling import falling_stones
 from churchpipe.large_displacements.joints import Joints
 from churchpipe.large_displacements.moving_model import MovingModel, bearing
 from churchpipe.large_displacements.poses import Poses, displaced, start_poses
 from churchpipe.large_displacements.renewal import renewed
-from churchpipe.large_displacements.step import StepAnswer, StepProgram, solve_step
+from churchpipe.large_displacements.step import StepAnswer, StepProgram, solve_step, without_dilatancy
 from churchpipe.large_displacements.travelling import TravellingLoads
 from churchpipe.mechanism import reference_speed, stone_speed
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.stone_path import FallenStones
+from churchpipe.rigid_blocks.certificate import Strength
 from churchpipe.rigid_blocks.equilibrium import contact_wrenches
 
 # Programs of a step: as drawn, where the sliding is unknown, and later.
 FIRST, PROGRAMS = 12, 4
+# Pairs of programs that make forces and motion fit, at most.
+PAIRS = 6
+# Times that they are sought, each with the length of step of the last motion.
+_LENGTHS = 3
 # Largest rotation in a step, rad.
 _TURN = 0.02
 # A length of step that is right within this factor is kept; one shorter than this share of the largest ends the path.
 _NEAR, _SHORTEST = 1.6, 1e-3
-# A motion fits its forces when its gap is less than this share of the load factor, of which the last is the least that counts; it
-# is credible up to the second.
-_FITTING, _CREDIBLE, _LEAST = 1e-3, 0.1, 0.01
+# A motion fits its forces when what it lacks of one without dilatancy is less than this share of the load factor; it is credible
+# up to the second.
+_FITTING, _CREDIBLE = 2e-3, 0.1
+
 # A motion goes on as it did when no stone's speed has changed by more than this share of the fastest.
 _STEADY = 0.3
 # Stones that weigh no more than this share of what moved at the start may fall out without ending the curve.
@@ -68,16 +77,6 @@ class PathStep:
     friction_power: float
     lost: BoolArray
 
-    @property
-    def misfit(self) -> float:
-        """What the motion lacks of one without dilatancy, over the load factor."""
-        return misfit(self.answer)
-
-
-def misfit(answer: StepAnswer) -> float:
-    """Return what a motion lacks of one without dilatancy, over the load factor."""
-    return answer.gap / max(abs(answer.load_factor), _LEAST)
-
 
 def first_state(model: MovingModel) -> PathState:
     """Return the state as drawn."""
@@ -85,6 +84,19 @@ def first_state(model: MovingModel) -> PathState:
     joints = model.drawn.selected(bearing(still, model.drawn.blocks))
     none = np.zeros(len(still), dtype=bool)
     return PathState(start_poses(model.stones), joints, none, model.step, rest=model.ties.drawn)
+
+
+def state_at(model: MovingModel, every: Sequence[Poses], fallen: Sequence[FallenStones]) -> PathState:
+    """Return the state at the last of all poses of a path so far, without the stones that have fallen: to go on from there.
+
+    What the joints slid by and how fast the stones were is not known any more: the next program finds it again.
+    """
+    lost = np.zeros(model.stones.count, dtype=bool)
+    for part in fallen:
+        lost[part.stones] = True
+    first = first_state(model)
+    rest = np.max([model.ties.drawn, *(model.ties.lengths(poses) for poses in every)], axis=0)
+    return _renewed(model, replace(first, poses=every[-1], fallen=lost, rest=rest))
 
 
 def sliding_as(model: MovingModel, state: PathState, velocities: FloatArray) -> PathState:
@@ -97,19 +109,27 @@ def sliding_as(model: MovingModel, state: PathState, velocities: FloatArray) -> 
     return replace(state, joints=replace(state.joints, sliding=slip))
 
 
-def solve_state(model: MovingModel, state: PathState, programs: int = PROGRAMS) -> PathStep:
+def solve_state(model: MovingModel, state: PathState, programs: int = PROGRAMS, pairs: int = PAIRS) -> PathStep:
     """Return the step that a state takes.
 
     A point may close at the rate of its gap over the length of the step, and slides at the price of the normal force times what
     sliding opened, mu |v|, in the program before: so it need not dilate. Length and slip come out of the program, which is
-    solved again until they agree, so many times at the most.
+    solved again until they agree, so many times at the most. That need not happen: where many joints slide the programs go round
+    in circles. Forces and motion that fit each other are then sought from the last one, in so many pairs of programs.
     """
     stones, program, free, gap = _program(model, state)
     solve = solver_for(program.balance, model.solver)
     length, sliding = state.length, np.append(state.joints.sliding, np.zeros(len(model.ties.name)))
-    attempt, free_way, best = 0, True, None
+
+    def after(answer: StepAnswer) -> tuple[bool, float]:
+        wanted = _length(model, stones, _velocities(model, state, free, answer.y))
+        return not free_way or max(wanted / length, length / wanted) < _NEAR, wanted if free_way else min(length, wanted)
+
+    attempt, free_way = 0, True
+    before: tuple[StepAnswer, float] | None = None
     while True:
-        answer = solve_step(program, np.maximum(gap / length + sliding, 0.0), gap / length, solve)
+        program = replace(program, closing=np.maximum(gap / length, 0.0))
+        answer = solve_step(program, sliding, solve)
         if answer.outcome == "unbounded" and length > _SHORTEST * model.step:
             # It comes up against a stone within this step: it may go no further than that.
             length, free_way = 0.25 * length, False
@@ -117,24 +137,29 @@ def solve_state(model: MovingModel, state: PathState, programs: int = PROGRAMS) 
         if answer.outcome != "solved":
             break
         attempt += 1
-        velocity = _velocities(model, state, free, answer.y)
-        wanted = _length(model, stones, velocity)
-        # Where the load does hardly any work, as in a fall, rates are measured by the mean speed of the weight.
-        answer = replace(answer, gap=answer.gap / max(1.0, _mean_speed(model, velocity)))
-        near = not free_way or max(wanted / length, length / wanted) < _NEAR
-        # As drawn nothing foretells the sliding, and the best program counts; later the last one, from which the path goes on.
-        if best is None or programs != FIRST or (near, -misfit(answer)) >= best[0]:
-            best = (near, -misfit(answer)), answer, wanted, length
-        if attempt == programs or (misfit(answer) < _FITTING and near):
-            _, answer, wanted, length = best
+        near, wanted = after(answer)
+        if before and pairs and answer.misfit > max(_FITTING, 0.5 * before[0].misfit):
+            answer, length = min((answer, length), before, key=lambda one: one[0].misfit)
             break
+        if attempt == programs or (near and answer.misfit < _FITTING):
+            break
+        before, sliding, length = (answer, length), program.slip(answer.y), wanted
+    way = 0.0
+    if answer.outcome == "solved":
+        for _ in range(_LENGTHS if pairs and answer.misfit > _FITTING else 0):
+            program = replace(program, closing=np.maximum(gap / length, 0.0))
+            answer = without_dilatancy(program, answer, solve, _FITTING, pairs)
+            near, wanted = after(answer)
+            if near:
+                break
+            length = wanted
         sliding = program.slip(answer.y)
-        length = wanted if free_way else min(length, wanted)
+        way = min(length, after(answer)[1])
     velocity = _velocities(model, state, free, answer.y)
+    # Where the load does hardly any work, as in a fall, rates are measured by the mean speed of the weight.
+    answer = replace(answer, gap=answer.gap / max(1.0, _mean_speed(model, velocity)))
     speed = stone_speed(stones, velocity)
-    way = min(length, wanted) if answer.outcome == "solved" else 0.0
-    sliding = program.slip(answer.y) if answer.outcome == "solved" else sliding
-    rate = program.rates(answer.y)
+    rate = transpose(program.balance, answer.y)
     return PathStep(
         state=replace(state, joints=replace(state.joints, sliding=sliding[: len(state.joints.sliding)]), length=length),
         answer=answer,
@@ -172,12 +197,15 @@ def next_state(model: MovingModel, step: PathStep, furthest: float = np.inf) -> 
             motion = there + 0.5 * way / state.way * change
     twist = motion.copy()
     twist[:, :3] += np.cross(motion[:, 3:], centre)
+    # A stone that settles into a gap turns as far however short the step is: one that it has made short is made longer again.
+    longest = model.step / max(reference_speed(step.speed), 1e-300)
     return _renewed(
         model,
         replace(
             state,
             poses=state.poses.moved(way * twist),
-            fastest=float(step.speed.max(initial=0.0)) if step.misfit < _CREDIBLE else state.fastest,
+            length=max(state.length, min(2 * state.length, longest)),
+            fastest=float(step.speed.max(initial=0.0)) if step.answer.misfit < _CREDIBLE else state.fastest,
             before=there,
             way=way,
         ),
@@ -228,11 +256,16 @@ def _program(model: MovingModel, state: PathState) -> tuple[Assemblage, StepProg
         balance = contact_wrenches(stones, contacts, free, model.length)
         live = model.driven.rows(rotation, free, model.force, model.length)
         if not model.ties.name:
-            return stones, StepProgram(balance, dead, live, friction), free, gap
+            return stones, _plain(balance, dead, live, friction), free, gap
         balance = balance.joined(model.ties.wrenches(state.poses, free, model.length))
         broken = model.ties.broken(state.rest, state.fallen)
         bound = np.where(broken, 0.0, model.ties.strength / model.force)
-        program = StepProgram(balance, dead, live, np.append(friction, np.zeros(len(bound))), bound)
+        strength = Strength(
+            np.append(friction, np.zeros(len(bound))),
+            np.zeros(len(gap) + len(bound)),
+            np.append(np.full(len(gap), np.inf), bound),
+        )
+        program = StepProgram(balance, dead, live, strength, np.zeros(len(gap) + len(bound)))
         return stones, program, free, np.append(gap, state.rest - model.ties.lengths(state.poses))
     twist = model.driven.twist(state.poses)
     twist[:, 3:] *= model.length
@@ -240,7 +273,13 @@ def _program(model: MovingModel, state: PathState) -> tuple[Assemblage, StepProg
     # Of the balance of the support only that along its movement is left.
     along = sp.block_diag([sp.identity(6 * len(free)), twist.reshape(1, -1)], format="csr")
     rows = sp.csc_matrix(along @ balance.tocsc())
-    return stones, StepProgram(rows, np.append(dead, 0.0), np.append(np.zeros_like(dead), 1.0), friction), free, gap
+    return stones, _plain(rows, np.append(dead, 0.0), np.append(np.zeros_like(dead), 1.0), friction), free, gap
+
+
+def _plain(balance: Balance, dead: FloatArray, live: FloatArray, friction: FloatArray) -> StepProgram:
+    """Return the program of contact points that are all closed."""
+    none = np.zeros_like(friction)
+    return StepProgram(balance, dead, live, Strength(friction, none, np.full_like(friction, np.inf)), none)
 
 
 def _velocities(model: MovingModel, state: PathState, free: IntArray, y: FloatArray) -> FloatArray:

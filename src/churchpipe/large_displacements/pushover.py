@@ -1,6 +1,6 @@
 """Capacity curve of rigid blocks: load factor against displacement until it vanishes."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from time import perf_counter
 from typing import cast
@@ -8,6 +8,7 @@ from typing import cast
 import numpy as np
 import numpy.typing as npt
 
+from churchpipe.errors import InputError
 from churchpipe.large_displacements.control import Control, control_of
 from churchpipe.large_displacements.following import Ending, follow
 from churchpipe.large_displacements.halo import HALO, STILL, held_around
@@ -23,12 +24,15 @@ from churchpipe.model.block_curve import BlockCapacityCurve, CurveStatus
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.results import LimitState
+from churchpipe.model.stone_path import no_step
 from churchpipe.model.ties import Tie
 from churchpipe.rigid_blocks.equilibrium import equilibrium
 from churchpipe.rigid_blocks.limit import Flow, limit_analysis
 
 # A halo keeps the first load factor within this share; a start this far from a motion without dilatancy is not good enough.
 _KEPT, _STARTED = 0.01, 0.01
+# The gap over the load factor at which the certified analysis that a path starts from may stop.
+_STARTING = 1e-3
 
 
 def block_pushover(
@@ -45,6 +49,8 @@ def block_pushover(
     halo: int = HALO,
     solver: str = "auto",
     progress: Progress | None = None,
+    resume: BlockCapacityCurve | None = None,
+    keep: Callable[[BlockCapacityCurve], None] | None = None,
 ) -> BlockCapacityCurve:
     """Return the load factor of an assemblage against its displacement, until it vanishes.
 
@@ -80,6 +86,10 @@ def block_pushover(
         As in `limit_analysis`.
     progress
         Called with a text and the share done.
+    resume
+        A curve of these stones, or its first steps (`BlockCapacityCurve.until`), to go on from its last step.
+    keep
+        Called with the curve so far after each step.
 
     Returns
     -------
@@ -93,6 +103,9 @@ def block_pushover(
     """
     begin = perf_counter()
     _check(step, steps, furthest, halo)
+    if resume is not None and resume.position.shape[1] != stones.count:
+        found, expected = f"{resume.position.shape[1]} stones", f"{stones.count} stones"
+        raise InputError("block_pushover: resume", "a curve of other stones", found=found, expected=expected)
     listed("block_pushover: ties", ties, Tie)
     state = limit_analysis(stones, contacts, load, friction, ties=ties, solver=solver)
     if state.status != "optimal":
@@ -103,17 +116,25 @@ def block_pushover(
     balance = equilibrium(stones, contacts, load)
     model = moving_model(stones, contacts, load, live_loads(stones, load), friction, balance, moving, step, solver, ties)
     model = replace(model, held=_held(model, contacts, load, friction, state, halo, ties)) if halo else model
-    record = _Curve(model, measure, furthest, progress)
-    ending = follow(model, _started(model, contacts, load, friction, ties), int(steps), record, halo)
-    return record.curve(ending, perf_counter() - begin)
+    if resume is not None and len(resume.position):
+        moved = (resume.position[-1] != resume.position[0]) | (resume.rotation[-1] != resume.rotation[0])
+        model = replace(model, held=model.held & ~moved.any(axis=1))
+        record = _Curve(model, measure, furthest, progress, keep)
+        start = record.go_on_from(resume, resume.displacement, resume.load_factor)
+        record.resumed = f"continued from step {len(resume.position) - 1} of a curve"
+        steps -= len(resume.position) - 1
+    else:
+        record = _Curve(model, measure, furthest, progress, keep)
+        start = _started(model, contacts, load, friction, ties)
+    return record.curve(follow(model, start, int(steps), record, halo), perf_counter() - begin)
 
 
 def _started(model: MovingModel, contacts: Contacts, load: LoadCase, friction: npt.ArrayLike, ties: Sequence[Tie]) -> PathState:
     """Return the state as drawn with the sliding of a motion without dilatancy: that of its own programs, or where these come
     near it too slowly, that of the certified analysis."""
     first = first_state(model)
-    step = solve_state(model, first, FIRST)
-    if step.answer.outcome != "solved" or step.misfit < _STARTED:
+    step = solve_state(model, first, FIRST, 0)
+    if step.answer.outcome != "solved" or step.answer.misfit < _STARTED:
         return step.state
     found = _of_followed(model, contacts, load, friction, "non-associative", ties)
     return sliding_as(model, first, found.velocities) if found.status in ("converged", "not-converged") else step.state
@@ -141,20 +162,33 @@ def _held(
 
 
 def _of_followed(
-    model: MovingModel, contacts: Contacts, load: LoadCase, friction: npt.ArrayLike, flow: Flow, ties: Sequence[Tie]
+    model: MovingModel,
+    contacts: Contacts,
+    load: LoadCase,
+    friction: npt.ArrayLike,
+    flow: Flow,
+    ties: Sequence[Tie],
 ) -> LimitState:
     """Return the limit analysis of the stones that are not held."""
     stones = replace(model.stones, fixed=model.stones.fixed | model.held)
-    return limit_analysis(stones, contacts, load, friction, flow=flow, ties=ties, solver=model.solver)
+    return limit_analysis(stones, contacts, load, friction, flow=flow, ties=ties, solver=model.solver, bipotential_gap=_STARTING)
 
 
 class _Curve(Record):
     """The steps of a capacity curve."""
 
-    def __init__(self, model: MovingModel, control: Control, furthest: float | None, progress: Progress | None) -> None:
+    def __init__(
+        self,
+        model: MovingModel,
+        control: Control,
+        furthest: float | None,
+        progress: Progress | None,
+        keep: Callable[[BlockCapacityCurve], None] | None,
+    ) -> None:
         super().__init__(model, control)
-        self.furthest, self.progress = furthest, progress
+        self.furthest, self.progress, self.keep = furthest, progress, keep
         self.broken: dict[str, float] = {}
+        self.resumed = ""
 
     def add(self, step: PathStep) -> Ending | None:
         """Take down a step; it ends the curve when the load factor has vanished or a stone has gone far enough."""
@@ -166,6 +200,8 @@ class _Curve(Record):
             return Ending("vanished")
         if self.furthest is not None and self.largest[-1] >= self.furthest:
             return Ending("unfinished", f"the largest displacement asked for, {self.furthest:g} m, was reached")
+        if self.keep:
+            self.keep(self.curve(Ending("unfinished", "interrupted"), 0.0))
         if self.progress:
             self.progress("capacity curve", 1.0 - step.answer.load_factor / self.load_factor[0])
         return None
@@ -181,11 +217,11 @@ class _Curve(Record):
         return BlockCapacityCurve(
             displacement=np.array(gone),
             load_factor=np.array(factor),
-            **self.proved(),
+            **self.arrays(),
             status=cast(CurveStatus, ending.status),
             d0=d0,
             fallen=tuple(self.fallen),
-            message="; ".join([*filter(None, [ending.message]), *lost]),
+            message="; ".join([*filter(None, [ending.message, self.resumed]), *lost]),
             seconds=seconds,
         )
 
@@ -200,8 +236,8 @@ def _check(step: float | None, steps: int, furthest: float | None, halo: int) ->
 
 def _nothing(stones: Assemblage, state: LimitState, seconds: float) -> BlockCapacityCurve:
     """Return the curve without a step of stones that have no first load factor."""
-    none, nowhere = np.zeros(0), np.zeros((0, stones.count, 3))
+    none = np.zeros(0)
     status: CurveStatus = "unstable" if state.status == "unstable" else "unbounded" if state.status == "unbounded" else "failed"
     return BlockCapacityCurve(
-        none, none, none, nowhere, nowhere, none, none, none, none, none, status, message=state.message, seconds=seconds
+        displacement=none, load_factor=none, **no_step(stones.count), status=status, message=state.message, seconds=seconds
     )

@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from churchpipe.conic.solve import solver_for
 from churchpipe.large_displacements.moving_model import MovingModel, bearing, moving_model
-from churchpipe.large_displacements.path import FIRST, PathState, PathStep, first_state, solve_state
+from churchpipe.large_displacements.path import FIRST, PAIRS, PathState, PathStep, first_state, solve_state
 from churchpipe.large_displacements.supports import support_movement
 from churchpipe.model.arguments import check_kind, one_of
 from churchpipe.model.assemblage import Assemblage
@@ -71,7 +71,7 @@ def settlement_analysis(
     model, state, status, message = settlement_model(stones, contacts, support, direction, friction, about, dead, None, solver)
     if status != "stable":
         return _nothing(stones, contacts, status, message, perf_counter() - begin)
-    step = solve_state(model, state, FIRST if flow == "non-associative" else 1)
+    step = solve_state(model, state, *((FIRST, PAIRS) if flow == "non-associative" else (1, 0)))
     outcome = step.answer.outcome
     if outcome != "solved":
         return _nothing(

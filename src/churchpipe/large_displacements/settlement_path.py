@@ -21,6 +21,7 @@ from churchpipe.model.arrays import BoolArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.settlement import SettlementEnding, SettlementPath, SettlementState
+from churchpipe.model.stone_path import no_step
 
 # A reaction below this share of the weight is none, and stones slower than this share of the support stand still.
 _NOTHING, _STILL = 1e-7, 1e-4
@@ -131,7 +132,7 @@ class _Movement(Record):
         return SettlementPath(
             movement=np.array(self.displacement),
             reaction=np.maximum(-np.array(self.load_factor), 0.0) * self.model.force,
-            **self.proved(),
+            **self.arrays(),
             least=least,
             status=cast(SettlementEnding, ending.status),
             fallen=tuple(self.fallen),
@@ -141,6 +142,13 @@ class _Movement(Record):
 
 
 def _nothing(stones: Assemblage, state: SettlementState, seconds: float) -> SettlementPath:
-    none, nowhere = np.zeros(0), np.zeros((0, stones.count, 3))
-    arrays = (none, none, none, nowhere, nowhere, none, none, none, none, none)
-    return SettlementPath(*arrays, np.nan, cast(SettlementEnding, state.status), (), state.message, seconds)
+    none = np.zeros(0)
+    return SettlementPath(
+        movement=none,
+        reaction=none,
+        **no_step(stones.count),
+        least=np.nan,
+        status=cast(SettlementEnding, state.status),
+        message=state.message,
+        seconds=seconds,
+    )

@@ -1,41 +1,67 @@
 """One program of a path: the load factor and the velocities of stones where they are now."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from churchpipe.conic.polish import restore_balance
 from churchpipe.conic.program import ConeProgram, Outcome
 from churchpipe.conic.solve import Solve
-from churchpipe.conic.wrenches import Balance, transpose
+from churchpipe.conic.wrenches import Balance, Wrenches, transpose
 from churchpipe.model.arrays import FloatArray
+from churchpipe.rigid_blocks.certificate import Strength, cone_violation
+from churchpipe.rigid_blocks.coulomb import bipotential_gap
+from churchpipe.rigid_blocks.iterations import closed_gap
+from churchpipe.rigid_blocks.settings import SchemeSettings
 
 # Error of the programs, whose velocities move the stones.
 _DUALITY_GAP = 1e-7
+# A load factor nearer to zero than this counts as this much where errors are measured by it.
+LEAST = 0.01
 
 
 @dataclass(frozen=True, slots=True)
 class StepProgram:
-    """What a load factor is sought for: the balance of displaced stones and the friction of their contact points.
+    """What a load factor is sought for: the balance of displaced stones, and the strength of their contact points.
 
-    balance (m, 3 nc): what the forces of the points do to the stones; dead and live (m,) as in `Equilibrium`; friction (nc,).
-    tie (nt,): the largest tension of the last points, which are ties, over the weight.
+    balance A (m, 3 nc): what the forces of the points do to the stones; dead f_D and live f_L (m,) as in `Equilibrium`. closing
+    (nc,) >= 0: the rate at which each point may close, its gap over the length of the step. The last points may be ties: their
+    strength bounds n, and closing is their slack. A force acts only where a gap closes within the step, so that w + closing
+    stands where w, the rate of opening, would stand without gaps (time-stepping, Anitescu 2006).
     """
 
     balance: Balance
     dead: FloatArray
     live: FloatArray
-    friction: FloatArray
-    tie: FloatArray = field(default_factory=lambda: np.zeros(0))
+    strength: Strength
+    closing: FloatArray
+
+    def residual(self, x: FloatArray, load_factor: float) -> FloatArray:
+        """Return what is left of the balance (m,) of forces x (nc, 3)."""
+        rows = self.balance.apply(x) if isinstance(self.balance, Wrenches) else np.asarray(self.balance @ x.ravel())
+        return rows + self.dead + load_factor * self.live
 
     def rates(self, y: FloatArray) -> FloatArray:
-        """Return the rates (nc, 3) n, t1, t2 of multipliers y (m,)."""
-        return transpose(self.balance, y)
+        """Return w + closing and the sliding v (nc, 3) of multipliers y (m,) with f_L . y = 1."""
+        rate = transpose(self.balance, y)
+        rate[:, 0] += self.closing
+        return rate
+
+    def program(
+        self,
+        limit: FloatArray,
+        slope: FloatArray,
+        bound: FloatArray,
+        linear: FloatArray | None = None,
+        quadratic: FloatArray | None = None,
+    ) -> ConeProgram:
+        """Return the cone program of this balance, as `Equilibrium.program`; normal forces pay for the gaps as well."""
+        price, curvature = (np.zeros(len(limit)) if each is None else each for each in (linear, quadratic))
+        return ConeProgram(self.balance, self.dead, self.live, limit, slope, price + self.closing, curvature, bound=bound)
 
     def slip(self, y: FloatArray) -> FloatArray:
-        """Return the opening mu |v| (nc,) that sliding at this rate costs in the program."""
-        rate = self.rates(y)
-        return self.friction * np.hypot(rate[:, 1], rate[:, 2])
+        """Return the opening mu |v| (nc,) that sliding at this rate costs in an associative program."""
+        rate = transpose(self.balance, y)
+        return self.strength.friction * np.hypot(rate[:, 1], rate[:, 2])
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,8 +69,8 @@ class StepAnswer:
     """The answer to one program: forces (nc, 3) over the weight, load factor, multipliers y (m,) with f_L . y = 1.
 
     residual, violation: of the balance and of the Coulomb cones, over the weight; bound_gap: kinematic against static bound of
-    the program, over the load factor; gap: what the point forces would do against openings and against sliding that does not
-    dissipate, per unit of work of the load: zero for a motion without dilatancy. "infeasible": y is how the stones fall.
+    the program, over the load factor; gap: `bipotential_gap` of forces and motion, the gaps of the points included: zero for a
+    motion without dilatancy. "infeasible": y is how the stones fall.
     """
 
     outcome: Outcome
@@ -57,47 +83,62 @@ class StepAnswer:
     gap: float = np.nan
     message: str = ""
 
+    @property
+    def misfit(self) -> float:
+        """What the motion lacks of one without dilatancy, over the load factor."""
+        return self.gap / max(abs(self.load_factor), LEAST)
 
-def solve_step(program: StepProgram, opening: FloatArray, closing: FloatArray, solve: Solve) -> StepAnswer:
-    """Return the largest load factor less the work of the normal forces against `opening`, with its motion.
 
-        maximise    tau - sum n_k opening_k
+def solve_step(program: StepProgram, sliding: FloatArray, solve: Solve) -> StepAnswer:
+    """Return the largest load factor less the work of the normal forces against gaps and sliding, with its motion.
+
+        maximise    tau - sum n_k (closing_k + sliding_k)
         subject to  balance + f_D + tau f_L = 0,   |t_k| <= mu n_k
 
-    opening (nc,) >= 0: the rate at which a point may close, and what its sliding may open; closing (nc,): the former alone, the
-    gap over the length of the step. So a point that stays open bears nothing (time-stepping, Anitescu 2006), and stones whose
-    sliding is known slide without dilating.
+    sliding (nc,): what the sliding of each point is thought to open, mu |v|. Where that is right the points slide without
+    dilating; zeros give the associative motion.
     """
-    zero = np.zeros_like(opening)
-    first = len(zero) - len(program.tie)
-    bound = np.append(np.full(first, np.inf), program.tie)
-    cone = ConeProgram(program.balance, program.dead, program.live, zero, program.friction, opening, zero, bound=bound)
+    strength, zero = program.strength, np.zeros_like(sliding)
+    cone = program.program(zero, strength.friction, strength.bound, sliding)
     answer = solve(cone, duality_gap=_DUALITY_GAP)
     if answer.outcome != "solved":
         return StepAnswer(answer.outcome, answer.x, np.nan, answer.y, message=answer.message)
-    x, tau = restore_balance(cone, answer.x, answer.tau)
-    power = float(program.live @ answer.y)
-    y = answer.y / power
-    rate = program.rates(y)
-    slip = np.hypot(rate[:, 1], rate[:, 2])
-    n, shear = np.maximum(x[:, 0], 0.0), np.hypot(x[:, 1], x[:, 2])
-    excess = np.maximum(0.0, program.friction * slip - rate[:, 0] - opening)
+    return _answer(program, sliding, answer.x, answer.tau, answer.y / float(program.live @ answer.y), answer.message)
+
+
+def without_dilatancy(program: StepProgram, answer: StepAnswer, solve: Solve, misfit: float, pairs: int) -> StepAnswer:
+    """Return forces and motion without dilatancy, sought from an answer in pairs of programs, so many at the most.
+
+    Of each pair one finds the velocities that fit the forces, the other the forces that fit the velocities, see `closed_gap`.
+    It ends where the misfit is as small as wanted; where it grows instead the answer given is returned.
+    """
+    share = misfit * max(abs(answer.load_factor), LEAST) / max(abs(answer.load_factor), 1e-3)
+    settings = SchemeSettings(gap=share, stage_b=pairs)
+    run = closed_gap(program, program.strength, np.maximum(answer.forces[:, 0], 0.0), solve, settings)
+    if run is None:
+        return answer
+    y = run.y / float(program.live @ run.y)
+    found = _answer(program, program.slip(y), run.x, run.load_factor, y, answer.message)
+    given = bipotential_gap(program, program.strength, answer.forces, answer.y)
+    return found if found.gap <= given else replace(answer, gap=given)
+
+
+def _answer(
+    program: StepProgram, sliding: FloatArray, x: FloatArray, load_factor: float, y: FloatArray, message: str
+) -> StepAnswer:
+    strength, rate = program.strength, program.rates(y)
+    n = np.maximum(x[:, 0], 0.0)
+    excess = np.maximum(0.0, program.slip(y) - rate[:, 0] - sliding)
     upper = float(-program.dead @ y + n @ excess)
-    undissipated = np.maximum(program.friction * n * slip + (x[:, 1:] * rate[:, 1:]).sum(axis=1), 0.0)
-    opened = n * np.minimum(np.abs(rate[:, 0]), np.abs(rate[:, 0] + closing))
-    # A tie pulls at its strength while it lengthens, and not at all while it shortens or hangs slack.
-    lengthens = -(rate[first:, 0] + closing[first:])
-    opened[first:] = n[first:] * np.maximum(-lengthens, 0.0) + (program.tie - n[first:]) * np.maximum(lengthens, 0.0)
-    return replace(
-        StepAnswer("solved", x, tau, y, message=answer.message),
-        residual=float(np.abs(cone.residual(x, tau)).max()),
-        violation=float(
-            max(
-                (shear - program.friction * n).max(initial=0.0),
-                (-x[:, 0]).max(initial=0.0),
-                (x[first:, 0] - program.tie).max(initial=0.0),
-            )
-        ),
-        bound_gap=abs(upper - (tau - float(n @ opening))) / max(abs(tau), 1e-3),
-        gap=float((opened + undissipated).sum()),
+    lower = load_factor - float(n @ (program.closing + sliding))
+    return StepAnswer(
+        "solved",
+        x,
+        load_factor,
+        y,
+        residual=float(np.abs(program.residual(x, load_factor)).max()),
+        violation=cone_violation(x, strength),
+        bound_gap=abs(upper - lower) / max(abs(load_factor), 1e-3),
+        gap=bipotential_gap(program, strength, x, y),
+        message=message,
     )

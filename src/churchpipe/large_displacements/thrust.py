@@ -72,7 +72,7 @@ def thrust_range(
             raise InputError(
                 "thrust_range", "the structure does not stand", found=message, expected="one that carries its weight"
             )
-        answer = solve_state(model, state, 1).answer
+        answer = solve_state(model, state, 1, 0).answer
         if answer.outcome == "unbounded":
             # Friction wedges the stones: the support may push as hard as it likes.
             found.append(-np.inf)

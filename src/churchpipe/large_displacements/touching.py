@@ -11,6 +11,9 @@ from churchpipe.model.polyhedra import face_normals
 
 # Faces turned further than this from facing each other, rad, do not bear on each other.
 _STEEPEST = np.radians(50.0)
+# A corner this near to the line between its neighbours, over the width of the narrowest overlap, is none. Where edges of two
+# stones all but coincide, corner and crossing lie side by side: to take one for the other would move a hinge by as much.
+_STRAIGHT = 1e-3
 
 
 def touching(stones: Assemblage, left_out: BoolArray, reach: float, depth: float, narrow: float) -> tuple[Contacts, FloatArray]:
@@ -33,7 +36,7 @@ def touching(stones: Assemblage, left_out: BoolArray, reach: float, depth: float
     centre = 0.5 * (mean[first] + mean[second])
     overlap = shapely.intersection(_projected(stones, first, axes, centre), _projected(stones, second, axes, centre))
     chosen = np.flatnonzero(2 * shapely.area(overlap) > narrow * shapely.length(overlap))
-    corner, owner = _corners(overlap[chosen], 0.1 * narrow)
+    corner, owner = _corners(overlap[chosen], _STRAIGHT * narrow)
     pair = chosen[owner]
     flat = centre[pair] + np.einsum("ka,kac->kc", corner, axes[pair])
     height = [

@@ -1,13 +1,13 @@
 """What a structure does when a support moves."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
 from churchpipe.model.arguments import one_of
 from churchpipe.model.arrays import FloatArray, floats, rows_of, store
-from churchpipe.model.block_curve import FallenStones, path_proved
+from churchpipe.model.stone_path import StonePath
 
 SettlementEnding = Literal["collapsed", "free", "unfinished", "unbounded", "not-converged", "unstable", "failed"]
 SETTLEMENT_ENDINGS = ("collapsed", "free", "unfinished", "unbounded", "not-converged", "unstable", "failed")
@@ -54,15 +54,13 @@ class SettlementState:
         )
 
 
-@dataclass(frozen=True, slots=True)
-class SettlementPath:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SettlementPath(StonePath):
     """What a structure does while a support moves on.
 
     movement (ns,): m, or rad about an axis, of the support at each step; reaction (ns,): N, or Nm, the least with which it must
-    resist there, in the geometry as displaced and without dilatancy; largest (ns,) m, the largest displacement of a centroid.
-    position (ns, nb, 3) m and rotation (ns, nb, 3) rad as in `BlockCapacityCurve`, and so are residual, violation, bound_gap, gap
-    and dissipation. least: N, or Nm, the least reaction as drawn of an associative analysis, its bounds proved.
-    fallen: stones taken out on the way, with the movement at that moment.
+    resist there, in the geometry as displaced and without dilatancy. least: N, or Nm, the least reaction as drawn of an
+    associative analysis, its bounds proved.
 
     status: "collapsed" stones fell that cannot be spared, at the last movement; "free" nothing rests on the support any more;
     "unfinished" the steps or the movement asked for were used up; "unbounded" the stones hold the support fast; "not-converged" a
@@ -71,32 +69,14 @@ class SettlementPath:
 
     movement: FloatArray
     reaction: FloatArray
-    largest: FloatArray
-    position: FloatArray
-    rotation: FloatArray
-    residual: FloatArray
-    violation: FloatArray
-    bound_gap: FloatArray
-    gap: FloatArray
-    dissipation: FloatArray
     least: float
     status: SettlementEnding
-    fallen: tuple[FallenStones, ...] = field(default=())
-    message: str = ""
-    seconds: float = 0.0
 
     def __post_init__(self) -> None:
-        steps = rows_of("SettlementPath.movement", self.movement)
+        StonePath.__post_init__(self)
         one_of("SettlementPath.status", self.status, *SETTLEMENT_ENDINGS)
-        for name in ("movement", "reaction", "largest", "residual", "violation", "bound_gap", "gap", "dissipation"):
-            store(self, **{name: floats(f"SettlementPath.{name}", getattr(self, name), (steps,))})
-        for name in ("position", "rotation"):
-            store(self, **{name: floats(f"SettlementPath.{name}", getattr(self, name), (steps, None, 3))})
-
-    @property
-    def proved(self) -> bool:
-        """True when every step is: see `path_proved`."""
-        return path_proved(self.residual, self.violation, self.bound_gap)
+        for name in ("movement", "reaction"):
+            store(self, **{name: floats(f"SettlementPath.{name}", getattr(self, name), (len(self.position),))})
 
     @property
     def ultimate(self) -> float:

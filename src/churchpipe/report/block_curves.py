@@ -66,6 +66,8 @@ def _of_shell(record: Mapping[str, Any]) -> str:
 
 def _sentence(record: Mapping[str, Any]) -> str:
     last = record["d0_m"] if record["d0_m"] is not None else record["displacement_m"][-1]
-    fallen = f"; {record['fallen_stones']} stones have fallen on the way" if record["fallen_stones"] else ""
+    fell = zip(record["fallen_stones"], record["fell_at_m"], strict=True)
+    names = ", ".join(f"{name} (at {at * 1e3:.3g} mm)" for name, at in fell)
+    fallen = f". On the way fell {names}" if names else ""
     start = f"{curve_label(record)}: it starts at a load factor of {record['load_factor']:.4f}"
     return f"{start} and ends at {last * 1e3:.4g} mm, where {_ENDINGS[record['ending']]}{fallen}."

@@ -27,6 +27,7 @@ from churchpipe.report.figures import Job, mechanism_picture, mechanism_pictures
 from churchpipe.report.motion import joint_opening, opened_joints, push_direction, viewpoint
 from churchpipe.report.movements import Moved, movements_shown
 from churchpipe.report.notes import convergence_note, status_note
+from churchpipe.report.paths import Followed, crack_maps, path_label, snapshots, viewer_path
 from churchpipe.report.plots import convergence_svg, gaps_svg
 from churchpipe.report.published import published_rows
 from churchpipe.report.safety import CUT_OFF, check_table, fails, part_overview, part_tables, safety_index, what_moves
@@ -59,6 +60,7 @@ def write_report(
     project: Mapping[str, str] | None = None,
     materials: Sequence[Mapping[str, Any]] = (),
     moved: Sequence[Moved] = (),
+    followed: Sequence[Followed] = (),
     borne: Mapping[str, Borne] | None = None,
 ) -> None:
     """Write a self-contained report.
@@ -70,11 +72,13 @@ def write_report(
     figures_dir: where the pictures of the mechanisms are kept as PNG too (None: nowhere).
     shells: the meshes of the shell, by name. shell_results: for each analysis of the shell its record, its mesh, its state.
     published: load factors of others, see `published_rows`. project: the title block. materials: of the case, in SI.
-    moved: supports that move, see `movements_shown`. borne: loads and ties of the rigid-block analyses, by their names.
+    moved: supports that move, see `movements_shown`. followed: capacity curves, with their records.
+    borne: loads and ties of the rigid-block analyses, by their names.
 
     A picture that cannot be drawn (no graphics library) is replaced by a sentence; the report is written all the same.
     """
     meshes = shells or {}
+    followed = [(record, curve) for record, curve in followed if len(curve.displacement)]
     rows = rows_of(summary, results, shell_results)
     of_blocks = [row for row in rows if row.state is not None]
     of_shell = [row for row in rows if row.shell is not None]
@@ -88,7 +92,7 @@ def write_report(
     columns = columns_for(rows)
     asis = [row for row in rows if not row.variant]
     geometry = next((row.record.get("geometry") for row in (*of_blocks, *of_shell, *rows)), None)
-    with _pictures(stones, contacts, meshes, of_blocks, of_shell, figures_dir, borne or {}) as pictures:
+    with _pictures(stones, contacts, meshes, of_blocks, of_shell, figures_dir, borne or {}, followed) as pictures:
         domain, domain_words = both.domain_plot(meshes, rows)
         text = environment.get_template("report.html").render(
             name=(project or {}).get("title") or summary.get("case", ""),
@@ -116,6 +120,7 @@ def write_report(
             movements=movements_shown(moved),
             vault_sections=vault_sections(stones, contacts, of_blocks),
             block_curves=block_curve_plots(summary.get("analyses", []), geometry),
+            crack_maps=crack_maps(stones, contacts, followed),
             displacements=displacement_checks(summary.get("analyses", []), geometry),
             mesh_plot=both.mesh_plot(rows),
             domain=domain,
@@ -131,9 +136,12 @@ def write_report(
             sensitivity=sensitivity_plots(rows),
             convergence=_convergence(rows),
             non_associative=any(row.record.get("flow") == "non-associative" for row in rows),
-            choices=[f"{row.label}: {figure(row.value('load_factor'), 4)}" for row in of_blocks],
+            choices=[
+                *(f"{row.label}: {figure(row.value('load_factor'), 4)}" for row in of_blocks),
+                *(path_label(record) for record, _ in followed),
+            ],
             shell_choices=[f"{row.label}: {figure(row.value('load_factor'), 4)}" for row in of_shell] if of_blocks else [],
-            viewer_data=viewer.script_json(_viewer_data(stones, contacts, meshes, of_blocks, of_shell)),
+            viewer_data=viewer.script_json(_viewer_data(stones, contacts, meshes, of_blocks, of_shell, followed)),
             import_map=viewer.import_map(),
             viewer_script=viewer.static_text("viewer.js"),
             tables_script=viewer.static_text("tables.js"),
@@ -200,9 +208,15 @@ def _loading(row: Row) -> tuple[str, ...]:
 
 
 def _viewer_data(
-    stones: Assemblage, contacts: Contacts, meshes: Mapping[str, ShellModel], of_blocks: Sequence[Row], of_shell: Sequence[Row]
+    stones: Assemblage,
+    contacts: Contacts,
+    meshes: Mapping[str, ShellModel],
+    of_blocks: Sequence[Row],
+    of_shell: Sequence[Row],
+    followed: Sequence[Followed],
 ) -> dict[str, Any]:
     data = viewer.viewer_data(stones, [(dict(row.record), row.state, row.label) for row in of_blocks if row.state], contacts)
+    data["analyses"] += [viewer_path(stones, record, curve, viewer.origin_of(stones)) for record, curve in followed]
     if not of_shell or not of_blocks:
         return data
     found = [(row.label, *row.shell, both.partner(row, of_blocks)) for row in of_shell if row.shell]
@@ -219,6 +233,7 @@ def _pictures(
     of_shell: Sequence[Row],
     keep: Path | None,
     borne: Mapping[str, Borne],
+    followed: Sequence[Followed],
 ) -> Iterator[Callable[[], dict[str, Any]]]:
     """Draw the first analysis of each variant, load and kind; yield what waits for the pictures: label and PNG as base64 of
     each, and why there is none, if so."""
@@ -250,6 +265,9 @@ def _pictures(
                     joints = joint_outlines(contacts, np.flatnonzero(opened_joints(joint_opening(contacts, stones, moved))))
                     drawn.append((f"{row.label}: plastic strain, and the joints of the stones that open", overlay))
                     jobs.append((shell_picture, (*scene, overlay, toward, joints)))
+        for label, file, job in snapshots(stones, followed, folder):
+            drawn.append((label, file))
+            jobs.append(job)
         with mechanism_pictures(jobs) as wait:
 
             def made() -> dict[str, Any]:

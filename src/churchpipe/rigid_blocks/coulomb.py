@@ -17,10 +17,9 @@ import numpy as np
 from churchpipe.conic.program import ConeProgram
 from churchpipe.conic.semidefinite import semidefinite_solver
 from churchpipe.conic.solve import Solve
-from churchpipe.conic.wrenches import apply
 from churchpipe.model.arrays import FloatArray
 from churchpipe.rigid_blocks.certificate import FLOW_TOLERANCE, Strength, cone_violation
-from churchpipe.rigid_blocks.equilibrium import Equilibrium
+from churchpipe.rigid_blocks.equilibrium import Balanced, Equilibrium
 
 # Duality gap of programs whose forces or velocities are needed as exactly as possible.
 EXACT = 1e-7
@@ -43,13 +42,13 @@ class CoulombState:
         return self.gap / max(abs(self.load_factor), 1e-3)
 
 
-def sliding_program(balance: Equilibrium, strength: Strength, limit: FloatArray) -> ConeProgram:
+def sliding_program(balance: Balanced, strength: Strength, limit: FloatArray) -> ConeProgram:
     """Return P: shear at each point at most `limit` (nc,) whatever the normal force, so that sliding does not dilate."""
     return balance.program(limit, np.zeros(len(limit)), strength.bound)
 
 
 def sliding_velocities(
-    balance: Equilibrium,
+    balance: Balanced,
     strength: Strength,
     n: FloatArray,
     solve: Solve,
@@ -70,7 +69,7 @@ def sliding_velocities(
         excess, x = stressed
         program = replace(
             program,
-            constant=program.constant - apply(balance.balance, excess[:, None] * x),
+            constant=program.constant + balance.dead - balance.residual(excess[:, None] * x, 0.0),
             limit=program.limit + excess * strength.shear(np.maximum(x[:, 0], 0.0)),
             bound=program.bound * (1.0 + excess),
         )
@@ -90,12 +89,12 @@ def coulomb_state(
     return None if y is None else CoulombState(x, load_factor, y, bipotential_gap(balance, strength, x, y))
 
 
-def bipotential_gap(balance: Equilibrium, strength: Strength, x: FloatArray, y: FloatArray) -> float:
+def bipotential_gap(balance: Balanced, strength: Strength, x: FloatArray, y: FloatArray) -> float:
     """Return g of forces x (nc, 3) and velocities y (6 nf,), scaled to f_L . u = 1."""
     return float(gap_shares(balance, strength, x, y).sum())
 
 
-def gap_shares(balance: Equilibrium, strength: Strength, x: FloatArray, y: FloatArray) -> FloatArray:
+def gap_shares(balance: Balanced, strength: Strength, x: FloatArray, y: FloatArray) -> FloatArray:
     """Return what each point adds to the gap (nc,): n |w|, or (b - n) |w| where it may close, and (mu n + c) |v| + t . v.
 
     Each term is nonnegative by itself, so that nothing cancels. Where stones must not overlap, an overlap counts as much as an
@@ -121,7 +120,7 @@ def coulomb_step(
 
 
 def nearest_forces(
-    balance: Equilibrium,
+    balance: Balanced,
     strength: Strength,
     n: FloatArray,
     y: FloatArray,

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 import scipy.sparse as sp
@@ -17,6 +18,39 @@ from churchpipe.model.loads import LoadCase, pushed_share
 from churchpipe.model.names import ContactModel
 from churchpipe.rigid_blocks.crushing import JointParts
 from churchpipe.rigid_blocks.torsion import friction_points
+
+
+class Balanced(Protocol):
+    """What the analyses without dilatancy need to know of a balance: see `Equilibrium`."""
+
+    @property
+    def dead(self) -> FloatArray:
+        """f_D."""
+        ...
+
+    @property
+    def live(self) -> FloatArray:
+        """f_L."""
+        ...
+
+    def residual(self, x: FloatArray, load_factor: float) -> FloatArray:
+        """Return what is left of the balance of forces x (nc, 3)."""
+        ...
+
+    def rates(self, y: FloatArray) -> FloatArray:
+        """Return how fast the points open and slide (nc, 3) with velocities y that do unit work with the live load."""
+        ...
+
+    def program(
+        self,
+        limit: FloatArray,
+        slope: FloatArray,
+        bound: FloatArray,
+        linear: FloatArray | None = None,
+        quadratic: FloatArray | None = None,
+    ) -> ConeProgram:
+        """Return the cone program of this balance."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,7 +19,7 @@ from churchpipe.rigid_blocks.coulomb import (
     nearest_forces,
     sliding_velocities,
 )
-from churchpipe.rigid_blocks.equilibrium import Equilibrium
+from churchpipe.rigid_blocks.equilibrium import Balanced, Equilibrium
 from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP, PaperSettings, SchemeSettings
 
 # Greatest factor by which a point of the gap may count more. Beyond it the programs would lose digits.
@@ -131,7 +131,7 @@ def certified_iteration(
 
 
 def closed_gap(
-    balance: Equilibrium,
+    balance: Balanced,
     strength: Strength,
     n: FloatArray,
     solve: Solve,
@@ -222,7 +222,7 @@ def _run(state: CoulombState, settled: bool, history: list[Iteration], count: So
 
 
 def _stage_b(
-    balance: Equilibrium,
+    balance: Balanced,
     strength: Strength,
     n: FloatArray,
     last: CoulombState | None,
@@ -245,7 +245,7 @@ def _stage_b(
     return CoulombState(x, load_factor, y, bipotential_gap(balance, strength, x, y))
 
 
-def _weighted_gap(balance: Equilibrium, strength: Strength, state: CoulombState | None, excess: FloatArray) -> float:
+def _weighted_gap(balance: Balanced, strength: Strength, state: CoulombState | None, excess: FloatArray) -> float:
     """Return what stage B lowers: g / alpha, where what each point adds to g counts `excess` (nc,) times more."""
     if state is None:
         return np.inf

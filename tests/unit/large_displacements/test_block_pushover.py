@@ -87,6 +87,27 @@ def test_progress_and_the_largest_displacement() -> None:
     assert "3 steps" in few.message
 
 
+def test_a_curve_goes_on_from_any_of_its_steps() -> None:
+    stones = on_ground(*[box((0, 0.36), (0, 1), (i / 4, (i + 1) / 4)) for i in range(4)])
+    contacts = cp.find_contacts(stones)
+    tie = cp.Tie("rod", start=(0.18, 0.5, 0.9), end=(-2.0, 0.5, 0.9), stones=(4, 0), strength=200.0, ultimate=0.05)
+    options: dict[str, Any] = {"ties": [tie], "step": 0.02}
+    kept: list[cp.BlockCapacityCurve] = []
+    whole = cp.block_pushover(stones, contacts, PUSH, 0.7, **options, keep=kept.append)
+    assert [len(curve.load_factor) for curve in kept] == list(range(1, len(whole.load_factor)))
+    for step in (0, 1, 5, len(kept) - 1):
+        again = cp.block_pushover(stones, contacts, PUSH, 0.7, **options, resume=whole.until(step))
+        assert again.status == whole.status
+        assert again.load_factor[: step + 1] == pytest.approx(whole.load_factor[: step + 1], abs=1e-7)
+        assert again.d0 == pytest.approx(whole.d0, rel=1e-4)
+        assert again.dissipation[step] == pytest.approx(whole.dissipation[step], abs=1e-9)
+        assert again.proved
+        assert f"continued from step {step}" in again.message
+        assert ("tie rod broke" in again.message) == ("tie rod broke" in whole.message)
+    with pytest.raises(InputError, match="block_pushover: resume: a curve of other stones"):
+        cp.block_pushover(BLOCK, cp.find_contacts(BLOCK), PUSH, 0.7, resume=whole)
+
+
 def test_a_friction_of_its_own_for_each_interface_goes_with_the_stones() -> None:
     stones = on_ground(box((0, 1), (0, 1), (0, 0.4)), box((0.2, 0.8), (0, 1), (0.4, 0.6)))
     contacts = cp.find_contacts(stones)

@@ -1,5 +1,8 @@
 """Capacity curves in a case: settings, artifact, record."""
 
+import subprocess
+import sys
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -8,12 +11,13 @@ import numpy as np
 import pytest
 
 import churchpipe as cp
-from churchpipe import compare
+from churchpipe import compare, stages
 from churchpipe.config.plan import plan
 from churchpipe.errors import InputError
 from churchpipe.io.npz import read_npz, write_npz
 from churchpipe.io.recording import curve_record_of
-from churchpipe.model.block_curve import BlockCapacityCurve, FallenStones
+from churchpipe.model.block_curve import BlockCapacityCurve
+from churchpipe.model.stone_path import FallenStones
 from churchpipe.report.block_curves import block_curve_plots
 from churchpipe.report.frames import frames, placed, write_path
 from solids import box, on_ground
@@ -34,12 +38,12 @@ direction = [0, 1, 0]
 """
 PUSH = cp.LoadCase((1, 0, 0))
 DRY = cp.Material("default", 18e3, 0.6)
+BLOCK = on_ground(box((0, 0.5), (0, 1), (0, 2)))
 
 
 @pytest.fixture(scope="module")
 def curve() -> BlockCapacityCurve:
-    stones = on_ground(box((0, 0.5), (0, 1), (0, 2)))
-    return cp.block_pushover(stones, cp.find_contacts(stones), PUSH, 0.6, step=0.05)
+    return cp.block_pushover(BLOCK, cp.find_contacts(BLOCK), PUSH, 0.6, step=0.05)
 
 
 def read(tmp_path: Path, more: str) -> cp.config.Case:
@@ -81,7 +85,7 @@ def test_the_artifact_comes_back(tmp_path: Path, curve: BlockCapacityCurve) -> N
 
 
 def test_the_record(curve: BlockCapacityCurve) -> None:
-    record = curve_record_of(curve, PUSH, [DRY]).as_words()
+    record = curve_record_of(curve, BLOCK, PUSH, [DRY]).as_words()
     assert (record["model"], record["method"], record["status"], record["ending"]) == (
         "rigid-block",
         "curve",
@@ -90,18 +94,24 @@ def test_the_record(curve: BlockCapacityCurve) -> None:
     )
     assert record["d0_m"] == pytest.approx(0.25, abs=1e-6)
     assert record["load_factor"] == pytest.approx(0.25, abs=1e-6)
-    assert curve_record_of(curve, PUSH, [cp.Material("default", 18e3, 0.6, 1e3)]).outcome.message.startswith("cohesion")
+    assert curve_record_of(curve, BLOCK, PUSH, [cp.Material("default", 18e3, 0.6, 1e3)]).outcome.message.startswith("cohesion")
     # A step that is not proved, and stones that do not stand, are bad news.
     doubtful = replace(curve, residual=curve.residual + 1e-3)
-    assert curve_record_of(doubtful, PUSH, [DRY]).outcome.status == "not-converged"
+    assert curve_record_of(doubtful, BLOCK, PUSH, [DRY]).outcome.status == "not-converged"
     fallen = on_ground(box((0, 1), (0, 1), (0, 1)), box((0.6, 1.6), (0, 1), (1, 2)))
-    unstable = curve_record_of(cp.block_pushover(fallen, cp.find_contacts(fallen), PUSH), PUSH, [DRY])
+    unstable = curve_record_of(cp.block_pushover(fallen, cp.find_contacts(fallen), PUSH), fallen, PUSH, [DRY])
     assert unstable.outcome.status not in compare.GOOD
 
 
 def test_the_report_shows_each_load_once(curve: BlockCapacityCurve) -> None:
-    record = curve_record_of(curve, PUSH, [DRY]).as_words()
-    other = record | {"swept": {"material.default.friction": 0.5}, "d0_m": None, "ending": "unfinished", "fallen_stones": 3}
+    record = curve_record_of(curve, BLOCK, PUSH, [DRY]).as_words()
+    other = record | {
+        "swept": {"material.default.friction": 0.5},
+        "d0_m": None,
+        "ending": "unfinished",
+        "fallen_stones": ["a7"],
+        "fell_at_m": [0.1],
+    }
     ((load, plot, sentences),) = block_curve_plots([record, other, {"method": "limit"}], None)
     assert load == "+x"
     assert plot.lstrip().startswith("<")
@@ -110,12 +120,12 @@ def test_the_report_shows_each_load_once(curve: BlockCapacityCurve) -> None:
         == "friction 0.6: it starts at a load factor of 0.2500 and ends at 250 mm, where the load factor has vanished."
     )
     assert sentences[1].startswith("friction = 0.5")
-    assert sentences[1].endswith("not followed further; 3 stones have fallen on the way.")
+    assert sentences[1].endswith("not followed further. On the way fell a7 (at 100 mm).")
     assert block_curve_plots([record], "other") == []
 
 
 def test_curves_take_no_part_in_the_advice_nor_in_the_comparison(curve: BlockCapacityCurve) -> None:
-    record = curve_record_of(curve, PUSH, [DRY]).as_words() | {"name": "a", "swept": {}}
+    record = curve_record_of(curve, BLOCK, PUSH, [DRY]).as_words() | {"name": "a", "swept": {}}
     shell = record | {"name": "s", "model": "homogenised-shell", "method": "limit"}
     assert compare.guidance([record, record | {"method": "curve", "load_factor": 0.1}]) == []
     entries = [
@@ -126,7 +136,7 @@ def test_curves_take_no_part_in_the_advice_nor_in_the_comparison(curve: BlockCap
 
 
 def test_the_curve_of_the_shell_stands_in_the_same_diagram(curve: BlockCapacityCurve) -> None:
-    record = curve_record_of(curve, PUSH, [DRY]).as_words()
+    record = curve_record_of(curve, BLOCK, PUSH, [DRY]).as_words()
     shell = record | {"model": "homogenised-shell", "method": "pushover", "control_mm": [0.0, 5.0, 900.0], "control_point": 7}
     ((_, plot, sentences),) = block_curve_plots([record, shell | {"load_factors": [0.0, 0.2, 0.24]}], None)
     assert "shell, friction 0.6" in plot
@@ -152,3 +162,31 @@ def test_the_path_for_paraview(tmp_path: Path, curve: BlockCapacityCurve) -> Non
 
 
 FALLEN = on_ground(box((0, 1), (0, 1), (0, 1)), box((0.6, 1.6), (0, 1), (1, 2)))
+
+
+def test_a_killed_run_goes_on_from_its_steps(tmp_path: Path) -> None:
+    case, out = tmp_path / "case.toml", tmp_path / "run"
+    case.write_text(CASE + "[rigid.curve]\nstep_mm = 1\nsteps = 150\n", encoding="utf-8")
+    stages.configure(case, out)
+    geometry, folder = out / "geometry" / "base", out / "curve" / "+y_curve"
+    stages.source(geometry / "settings.json", geometry / "building.json")
+    stages.blocks(geometry / "building.json", geometry / "assemblage.npz", geometry / "stones.dxf", geometry / "stones.vtu")
+    stages.contacts(geometry / "tolerances.json", geometry / "assemblage.npz", geometry / "contacts.npz")
+    given = folder / "settings.json", geometry / "assemblage.npz", geometry / "contacts.npz"
+    files = [str(file) for file in (*given, folder / "curve.npz", folder / "curve.json")]
+    code = "import pathlib, sys; from churchpipe import stages; stages.curve(*map(pathlib.Path, sys.argv[1:]))"
+    with subprocess.Popen([sys.executable, "-c", code, *files]) as run:
+        while not list(folder.glob("steps_*.npz")):
+            assert run.poll() is None
+            time.sleep(0.01)
+        run.kill()
+    assert not (folder / "curve.npz").exists()
+    stages.curve(*map(Path, files))
+    found = read_npz(folder / "curve.npz", BlockCapacityCurve)
+    assert "continued from step" in found.message
+    assert len(found.load_factor) == 150
+    assert found.proved
+    # A pier of .3 x 1.8 m that rocks about its toe.
+    lever = 0.15 - found.displacement
+    assert found.load_factor == pytest.approx(lever / np.sqrt((0.3**2 + 1.8**2) / 4 - lever**2), abs=1e-6)
+    assert list(folder.glob("steps_*.npz")) == []

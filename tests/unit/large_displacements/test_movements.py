@@ -14,6 +14,7 @@ from churchpipe.io.movement_record import movement_words
 from churchpipe.io.npz import read_npz, write_npz
 from churchpipe.io.tables import read_json
 from churchpipe.model.settlement import SettlementPath
+from churchpipe.model.stone_path import no_step
 from churchpipe.report.movements import movements_shown
 from churchpipe.run_folder import read_run
 from solids import box, on_ground
@@ -91,7 +92,7 @@ def test_the_stage_its_record_and_the_report(tmp_path: Path) -> None:
     assert run.movements("other") == []
     (shown,) = movements_shown([(record, *run.moved("corner"))])
     assert shown.sentence.endswith("at 20 mm it was not followed further.")
-    assert [words for words, _ in shown.maps] == ["wall, movement 9.96 mm", "wall, movement 20 mm"]
+    assert [words for words, _ in shown.maps] == ["wall, movement 10 mm", "wall, movement 20 mm"]
     assert all(drawing.startswith("<svg") for _, drawing in shown.maps)
     assert shown.rows[0][0] == "wall"
     summary = {"analyses": [], "movements": [record]}
@@ -121,8 +122,8 @@ def test_supports_that_are_not_there(tmp_path: Path, lines: str, said: str) -> N
 
 
 def test_what_cannot_be_moved_is_said() -> None:
-    none, nowhere = np.zeros(0), np.zeros((0, 2, 3))
-    path = SettlementPath(none, none, none, nowhere, nowhere, none, none, none, none, none, np.nan, "unstable", (), "it falls")
+    none = np.zeros(0)
+    path = SettlementPath(movement=none, reaction=none, **no_step(2), least=np.nan, status="unstable", message="it falls")
     stones = on_ground(box((0, 1), (0, 1), (0, 1)))
     (shown,) = movements_shown([({"movement": "a"}, stones, cp.find_contacts(stones), path)])
     assert shown.sentence == "It could not be moved: it falls."

@@ -18,7 +18,8 @@ const centroid = floats(data.centroid);
 const pointer = integers(data.point_ptr);
 const triangles = integers(data.triangles);
 const analyses = data.analyses.map((a) => ({ ...a, velocities: floats(a.velocities), speed: floats(a.speed),
-  joints: a.joints ? floats(a.joints) : null }));
+  joints: a.joints ? floats(a.joints) : null,
+  path: a.path ? { ...a.path, position: floats(a.path.position), rotation: floats(a.path.rotation) } : null }));
 const joints = data.joints ? { ...data.joints, blocks: integers(data.joints.blocks) } : null;
 const stoneCount = data.id.length;
 
@@ -47,6 +48,28 @@ function displace(out, velocities, amplitude) {
       out[i + 2] = dz + cos * pz + sin * (x * py - y * px) + kept * z;
     }
   }
+}
+
+// The real path: between two of its frames centroids (3) and rotation vectors (3) change in proportion.
+function follow(out, path, share) {
+  const place = share * (path.words.length - 1), below = Math.min(Math.floor(place), Math.max(path.words.length - 2, 0));
+  const part = place - below, first = 3 * stoneCount * below, next = path.words.length > 1 ? 3 * stoneCount : 0;
+  const between = (array, i) => array[first + i] + part * (array[first + next + i] - array[first + i]);
+  for (let s = 0; s < stoneCount; s++) {
+    const [ox, oy, oz] = [0, 1, 2].map((i) => between(path.position, 3 * s + i));
+    const [rx, ry, rz] = [0, 1, 2].map((i) => between(path.rotation, 3 * s + i));
+    const angle = Math.hypot(rx, ry, rz), x = rx / (angle || 1), y = ry / (angle || 1), z = rz / (angle || 1);
+    const sin = Math.sin(angle), cos = Math.cos(angle);
+    const cx = centroid[3 * s], cy = centroid[3 * s + 1], cz = centroid[3 * s + 2];
+    for (let i = 3 * pointer[s]; i < 3 * pointer[s + 1]; i += 3) {
+      const px = rest[i] - cx, py = rest[i + 1] - cy, pz = rest[i + 2] - cz;
+      const kept = (x * px + y * py + z * pz) * (1 - cos);
+      out[i] = ox + cos * px + sin * (y * pz - z * py) + kept * x;
+      out[i + 1] = oy + cos * py + sin * (z * px - x * pz) + kept * y;
+      out[i + 2] = oz + cos * pz + sin * (x * py - y * px) + kept * z;
+    }
+  }
+  return path.words[Math.round(place)];
 }
 
 const panelColours = data.panels.map((p) => new THREE.Color(p.colour));
@@ -142,12 +165,13 @@ function start(canvas, renderer) {
   }
 
   function move() {
-    const amplitude = 2 * state.share * state.analysis.amplitude;
-    displace(position.array, state.analysis.velocities, amplitude);
+    const amplitude = 2 * state.share * state.analysis.amplitude, path = state.analysis.path;
+    const words = path ? follow(position.array, path, state.share) : "";
+    if (!path) displace(position.array, state.analysis.velocities, amplitude);
     position.needsUpdate = true;
     // Opened joints are drawn on the shell as it stands.
     shell?.move(state.view === "overlay" ? 0 : 2 * state.share * shell.current.amplitude);
-    element("viewer-moved").textContent = state.analysis.moving
+    element("viewer-moved").textContent = path ? words : state.analysis.moving
       ? `largest displacement ${lengthText(amplitude * state.analysis.reference_speed)}` : "no mechanism";
     canvas.dataset.amplitude = amplitude;
     draw();
@@ -162,7 +186,7 @@ function start(canvas, renderer) {
       const partner = Math.max(shell.partnerOf(number), 0);
       element("viewer-shell").value = partner;
       shell.choose(partner);
-      shell.chooseJoints(number);
+      if (!state.analysis.path) shell.chooseJoints(number);
     }
     enable();
     arrow.clear();
@@ -269,13 +293,13 @@ function start(canvas, renderer) {
 
   function chosen(stone) {
     state.stone = stone;
-    showJoints(data, joints, stone, state.analysis.joints);
+    showJoints(data, state.analysis.path ? null : joints, stone, state.analysis.joints);
   }
 
   function describe(s) {
     const course = data.course[s] >= 0 ? `, course ${data.course[s]}` : "";
     const moved = 2 * state.share * state.analysis.amplitude * state.analysis.speed[s];
-    const motion = state.analysis.moving ? `, moves ${lengthText(moved)}` : "";
+    const motion = state.analysis.moving && !state.analysis.path ? `, moves ${lengthText(moved)}` : "";
     return `Stone ${data.id[s]}: ${data.panels[data.panel_of[s]].name}${course}${motion}`;
   }
 

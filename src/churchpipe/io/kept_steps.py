@@ -1,0 +1,42 @@
+"""The steps of a curve kept on the way, so that a run that was interrupted goes on from them."""
+
+import hashlib
+from collections.abc import Sequence
+from pathlib import Path
+from time import perf_counter
+
+from churchpipe.io.npz import read_npz, write_npz
+from churchpipe.model.block_curve import BlockCapacityCurve
+
+# Steps are written when this many times the time has gone by that writing took: it never costs more than a tenth of a run.
+_RARELY = 10.0
+
+
+class KeptSteps:
+    """A file beside the result of a stage, steps_DIGEST.npz; the digest is of the stage's inputs and code, so that steps of other
+    inputs are never gone on from."""
+
+    def __init__(self, folder: Path, inputs: Sequence[Path], code: str) -> None:
+        digest = hashlib.sha256(code.encode())
+        for file in inputs:
+            digest.update(file.read_bytes())
+        self._folder, self._file = folder, folder / f"steps_{digest.hexdigest()[:16]}.npz"
+        self._next = 0.0
+
+    def found(self) -> BlockCapacityCurve | None:
+        """Return the steps of an interrupted run, None where there are none."""
+        return read_npz(self._file, BlockCapacityCurve) if self._file.exists() else None
+
+    def keep(self, curve: BlockCapacityCurve) -> None:
+        """Write the steps so far, if it is time."""
+        begin = perf_counter()
+        if begin < self._next:
+            return
+        self._folder.mkdir(parents=True, exist_ok=True)
+        write_npz(self._file, curve)
+        self._next = perf_counter() + _RARELY * (perf_counter() - begin)
+
+    def clear(self) -> None:
+        """Remove the steps kept here, those of other inputs too: the curve is whole."""
+        for file in self._folder.glob("steps_*.npz"):
+            file.unlink()

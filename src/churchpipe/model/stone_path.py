@@ -1,0 +1,81 @@
+"""The way of the stones, step by step: what the capacity curve and a support that moves have in common."""
+
+from dataclasses import dataclass
+from typing import TypedDict
+
+import numpy as np
+
+from churchpipe.model.arrays import FloatArray, IntArray, floats, indices, rows_of, store
+
+# A path is proved when forces balance and keep to their friction cones to the first, and motions fit forces to the second.
+_EXACT, _FITS = 1e-8, 1e-2
+
+
+@dataclass(frozen=True, slots=True)
+class FallenStones:
+    """Stones that nothing held any more and that were taken out: which, and the displacement or movement at that moment."""
+
+    displacement: float
+    stones: IntArray
+
+    def __post_init__(self) -> None:
+        store(self, stones=indices("FallenStones.stones", self.stones, (None,)))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StonePath:
+    """Where stones are at each step of a path, and what proves that they may be there.
+
+    position (ns, nb, 3) m, the centroids; rotation (ns, nb, 3) rad, rotation vectors from the drawing. largest (ns,) m, the
+    largest displacement of a centroid. dissipation (ns,) J: work of friction, and of ties that yield, on the way there.
+    residual, violation (ns,): of the balance and of the friction cones, over the weight. misfit (ns,): what the motion of the
+    step lacks of one without dilatancy, over the load factor (at least .01): how far the kinematic value of the motion lies above
+    the static value of the forces, both in the geometry as displaced (of a step in which the load does little work, over the work
+    of the weight at the same speed).
+    fallen: stones taken out on the way. message: what is to be said. seconds: time it took.
+    """
+
+    position: FloatArray
+    rotation: FloatArray
+    largest: FloatArray
+    residual: FloatArray
+    violation: FloatArray
+    misfit: FloatArray
+    dissipation: FloatArray
+    fallen: tuple[FallenStones, ...] = ()
+    message: str = ""
+    seconds: float = 0.0
+
+    def __post_init__(self) -> None:
+        name = type(self).__name__
+        steps = rows_of(f"{name}.position", self.position)
+        for key in ("largest", "residual", "violation", "misfit", "dissipation"):
+            store(self, **{key: floats(f"{name}.{key}", getattr(self, key), (steps,))})
+        for key in ("position", "rotation"):
+            store(self, **{key: floats(f"{name}.{key}", getattr(self, key), (steps, None, 3))})
+
+    @property
+    def proved(self) -> bool:
+        """True when at every step forces balance and keep to friction to 1e-8 of the weight, and the motion fits to 1 %."""
+        worst = (float(errors.max(initial=0.0)) for errors in (self.residual, self.violation, self.misfit * (_EXACT / _FITS)))
+        return all(error < _EXACT for error in worst)
+
+
+class StepArrays(TypedDict):
+    """The arrays of a `StonePath`, by their names."""
+
+    position: FloatArray
+    rotation: FloatArray
+    largest: FloatArray
+    residual: FloatArray
+    violation: FloatArray
+    misfit: FloatArray
+    dissipation: FloatArray
+
+
+def no_step(count: int) -> StepArrays:
+    """Return the arrays of a path of `count` stones that has no step."""
+    none, nowhere = np.zeros(0), np.zeros((0, count, 3))
+    return StepArrays(
+        position=nowhere, rotation=nowhere, largest=none, residual=none, violation=none, misfit=none, dissipation=none
+    )
