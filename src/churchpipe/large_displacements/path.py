@@ -197,14 +197,14 @@ def next_state(model: MovingModel, step: PathStep, furthest: float = np.inf) -> 
             motion = there + 0.5 * way / state.way * change
     twist = motion.copy()
     twist[:, :3] += np.cross(motion[:, 3:], centre)
-    # A stone that settles into a gap turns as far however short the step is: one that it has made short is made longer again.
-    longest = model.step / max(reference_speed(step.speed), 1e-300)
+    # A stone that settles into a gap turns as far however short the step is: a step that it made short is made longer again.
+    short = 4 * state.length * reference_speed(step.speed) < model.step
     return _renewed(
         model,
         replace(
             state,
             poses=state.poses.moved(way * twist),
-            length=max(state.length, min(2 * state.length, longest)),
+            length=2 * state.length if short else state.length,
             fastest=float(step.speed.max(initial=0.0)) if step.answer.misfit < _CREDIBLE else state.fastest,
             before=there,
             way=way,
