@@ -12,6 +12,7 @@ import pytest
 
 import churchpipe as cp
 from churchpipe import compare, stages
+from churchpipe.config.case import Case
 from churchpipe.config.plan import plan
 from churchpipe.errors import InputError
 from churchpipe.io.npz import read_npz, write_npz
@@ -46,7 +47,7 @@ def curve() -> BlockCapacityCurve:
     return cp.block_pushover(BLOCK, cp.find_contacts(BLOCK), PUSH, 0.6, step=0.05)
 
 
-def read(tmp_path: Path, more: str) -> cp.config.Case:
+def read(tmp_path: Path, more: str) -> Case:
     path = tmp_path / "case.toml"
     path.write_text(CASE + more, encoding="utf-8")
     return cp.read_case(path)

@@ -8,6 +8,7 @@ import pytest
 import churchpipe as cp
 from case_texts import case_file
 from churchpipe import compare, stages
+from churchpipe.config.case import Case
 from churchpipe.config.plan import plan
 from churchpipe.errors import InputError
 from churchpipe.io.movement_record import movement_words
@@ -32,7 +33,7 @@ friction = 0.6
 CORNER = 'name = "corner"\nwithin_mm = [[-100, -500], [500, 500]]\nfurthest_mm = 20\nstep_mm = 10\n'
 
 
-def read(tmp_path: Path, lines: str) -> cp.config.Case:
+def read(tmp_path: Path, lines: str) -> Case:
     return cp.read_case(case_file(tmp_path, f"{CASE}[[movements]]\n{lines}"))
 
 
