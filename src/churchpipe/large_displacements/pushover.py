@@ -31,8 +31,6 @@ from churchpipe.rigid_blocks.limit import Flow, limit_analysis
 
 # A halo keeps the first load factor within this share; a start this far from a motion without dilatancy is not good enough.
 _KEPT, _STARTED = 0.01, 0.01
-# The gap over the load factor at which the certified analysis that a path starts from may stop.
-_STARTING = 1e-3
 
 
 def block_pushover(
@@ -171,7 +169,7 @@ def _of_followed(
 ) -> LimitState:
     """Return the limit analysis of the stones that are not held."""
     stones = replace(model.stones, fixed=model.stones.fixed | model.held)
-    return limit_analysis(stones, contacts, load, friction, flow=flow, ties=ties, solver=model.solver, bipotential_gap=_STARTING)
+    return limit_analysis(stones, contacts, load, friction, flow=flow, ties=ties, solver=model.solver)
 
 
 class _Curve(Record):

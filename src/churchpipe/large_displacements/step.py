@@ -6,7 +6,7 @@ import numpy as np
 
 from churchpipe.conic.program import ConeProgram, Outcome
 from churchpipe.conic.solve import Solve
-from churchpipe.conic.wrenches import Balance, Wrenches, transpose
+from churchpipe.conic.wrenches import Balance, apply, transpose
 from churchpipe.model.arrays import FloatArray
 from churchpipe.rigid_blocks.certificate import Strength, cone_violation
 from churchpipe.rigid_blocks.coulomb import bipotential_gap
@@ -35,10 +35,14 @@ class StepProgram:
     strength: Strength
     closing: FloatArray
 
+    @property
+    def points(self) -> int:
+        """Number of contact points and ties."""
+        return len(self.closing)
+
     def residual(self, x: FloatArray, load_factor: float) -> FloatArray:
         """Return what is left of the balance (m,) of forces x (nc, 3)."""
-        rows = self.balance.apply(x) if isinstance(self.balance, Wrenches) else np.asarray(self.balance @ x.ravel())
-        return rows + self.dead + load_factor * self.live
+        return apply(self.balance, x) + self.dead + load_factor * self.live
 
     def rates(self, y: FloatArray) -> FloatArray:
         """Return w + closing and the sliding v (nc, 3) of multipliers y (m,) with f_L . y = 1."""

@@ -33,6 +33,11 @@ class Balanced(Protocol):
         """f_L."""
         ...
 
+    @property
+    def points(self) -> int:
+        """Number of contact points and ties."""
+        ...
+
     def residual(self, x: FloatArray, load_factor: float) -> FloatArray:
         """Return what is left of the balance of forces x (nc, 3)."""
         ...
