@@ -1,14 +1,17 @@
 """Ties as bars with plates: what their strength is, which stones they pull on, closed forms, and which of several helps most."""
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 import churchpipe as cp
+from churchpipe import stages
 from churchpipe.errors import InputError
 from churchpipe.generators.wall import wall as free_wall
+from churchpipe.io.records import read_record
 from churchpipe.loading.plates import plate_on
 from churchpipe.loading.ties import place_ties
 from shell_meshes import grid, shell, wall_points
@@ -169,3 +172,42 @@ def test_a_tied_shell_converges_to_the_closed_form() -> None:
     assert coarse > middle > fine > expected
     ratio = (coarse - middle) / (middle - fine)
     assert fine - (middle - fine) / (ratio - 1) == pytest.approx(expected, rel=0.01)
+
+
+TIED = """
+name = "tied"
+[source]
+dxf = "block.dxf"
+[material.default]
+unit_weight_kN_m3 = 18.0
+friction = 2.0
+[[load]]
+direction = [1, 0, 0]
+[[ties]]
+name = "rod"
+start = { at_m = [-2.0, 0.5, 3.5] }
+end = { at_m = [0.0, 0.5, 3.5] }
+area_mm2 = 18
+steel_strength_MPa = 200
+"""
+
+
+def test_a_tied_block_through_a_case(tmp_path: Path) -> None:
+    # A block of 1 x 4 m, 72 kN, tied at 3.5 m with 0.05 of its weight to a post that stays: b / h + 2 T z / (W h) = .3375.
+    solids = [box((-9, 9), (-9, 9), (-1, 0)), box((0, 1), (0, 1), (0, 4)), box((-3, -2), (0, 1), (0, 4))]
+    cp.write_dxf(cp.Assemblage.from_polyhedra(solids, 18e3, fixed=[0, 2]), tmp_path / "block.dxf")
+    (tmp_path / "case.toml").write_text(TIED)
+    run = tmp_path / "run"
+    stages.configure(tmp_path / "case.toml", run)
+    base, made = (
+        run / "geometry/base",
+        [run / name for name in ("stones.npz", "stones.vtu", "contacts.npz", "state.npz", "r.json")],
+    )
+    stages.drawing(base / "settings.json", tmp_path / "block.dxf", *made[:2])
+    stages.contacts(base / "tolerances.json", made[0], made[2])
+    stages.rigid(run / "rigid/+x_associative/settings.json", made[0], *made[2:])
+    record = read_record(made[4]).as_words()
+    assert record["load_factor"] == pytest.approx(0.3375, rel=1e-6)
+    (rod,) = record["tie_forces"]
+    assert rod["tension_kN"] == pytest.approx(3.6, rel=1e-6)
+    assert rod["yielded"]
