@@ -154,6 +154,29 @@ def test_what_is_wrong_with_a_beam_is_said_with_its_line(tmp_path: Path, given: 
         read_case(case_of(tmp_path, CASE + BEAM.replace(given, wrong))).building()
 
 
+FILLS = """
+[[fills]]
+on = ["wall"]
+unit_weight_kN_m3 = 16.0
+top_m = 3.5
+"""
+
+
+@pytest.mark.parametrize(
+    ("given", "wrong", "said"),
+    [
+        ('on = ["wall"]', 'on = ["vault"]', "line 41, fills.0: fill vault: on: no such vault; found vault; expected wall"),
+        ("top_m = 3.5", "top_m = 2.0", "line 41, fills.0: fill wall: nothing that it could lie on"),
+        ("unit_weight_kN_m3 = 16.0", "unit_weight_kN_m3 = 0", "line 43, fills.0.unit_weight_kN_m3: wrong value"),
+    ],
+)
+def test_what_is_wrong_with_fill_is_said_with_its_line(tmp_path: Path, given: str, wrong: str, said: str) -> None:
+    stones = derive_blocks((case := read_case(case_of(tmp_path, CASE + FILLS))).building())
+    assert placed(case.carries, stones).loads.weight.sum() == pytest.approx(3 * 9e3 + 5e3 + 16e3 * 4.0 * 0.5 * 0.5)
+    with pytest.raises(InputError, match=rf"loaded\.toml: {said}"):
+        read_case(case_of(tmp_path, CASE + FILLS.replace(given, wrong))).building()
+
+
 JOINTS = """
 [[joints]]
 name = "damp course"
