@@ -1,4 +1,4 @@
-"""The table and the picture of docs/walls.md: what the bond of a facade with its side walls is worth.
+"""The tables and the picture of docs/walls.md: what the bond of a facade with its side walls is worth, and its mortar; the shell.
 
 PYTHONPATH=tests/validation python benchmarks/junctions.py     # the picture goes to docs/pictures/facade_junctions.png
 """
@@ -8,7 +8,7 @@ from tempfile import TemporaryDirectory
 
 from matplotlib.figure import Figure
 from matplotlib.image import imread
-from test_junctions import EAVES, FRICTION, facade
+from test_junctions import EAVES, FRICTION, GROUTED, facade, facade_building
 
 import churchpipe as cp
 from churchpipe.report.figures import mechanism_picture
@@ -22,6 +22,9 @@ KINDS = {
     "butt": {"every": 0},
 }
 SHOWN = ("toothed", "every 4th course", "butt")
+# The shell has these.
+MESHED = ("toothed", "cracked above 2 m", "butt")
+ELEMENTS = 0.3
 
 
 def main() -> None:
@@ -42,6 +45,14 @@ def main() -> None:
                 axes[name].set_title(f"{name}: {state.load_factor:.3f}")
                 axes[name].axis("off")
         figure.savefig(PICTURE, dpi=110)
+    print("\n| bond | stones, mortar of 20 kPa | shell | shell, mortar of 20 kPa |\n|---|---|---|---|")
+    for name in MESHED:
+        stones, contacts = facade(**KINDS[name])
+        mortar = cp.limit_analysis(stones, contacts, load, *cp.joint_strength(stones, contacts, [GROUTED]))
+        shell = cp.derive_shell(facade_building(**KINDS[name]), ELEMENTS)
+        dry = cp.Material("default", GROUTED.unit_weight, FRICTION)
+        found = [cp.shell_limit_analysis(shell, load, [material]).load_factor for material in (dry, GROUTED)]
+        print(f"| {name} | {mortar.load_factor:.3f} | {found[0]:.3f} | {found[1]:.3f} |")
 
 
 if __name__ == "__main__":
