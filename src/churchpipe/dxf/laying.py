@@ -16,6 +16,9 @@ from churchpipe.model.materials import UnitWeight
 from churchpipe.recognition.laying import LaidBond, Volume, joined, laid_panel, lowest
 from churchpipe.stones.blocks import derive_blocks
 
+# Corners of an outline that differ by less in height are level, m.
+LEVEL = 1e-6
+
 
 def laid_stones(bodies: Sequence[Stone], bond: LaidBond, unit: float, findings: list[Finding]) -> list[Stone]:
     """Return the stones laid in the free bodies of a file, after the fixed ones, which stay as they are.
@@ -46,6 +49,7 @@ def laid_stones(bodies: Sequence[Stone], bond: LaidBond, unit: float, findings: 
         findings.append(_refused(error, place))
         return fixed
     findings += [_said(panel, stones, place[panel.name]) for panel in panels]
+    findings += [said for panel in panels for said in _flat_heads(panel, place[panel.name])]
     return [*fixed, *_stones(stones, place, unit)]
 
 
@@ -74,6 +78,22 @@ def _said(panel: Panel, stones: Assemblage, place: Place) -> Finding:
             laid.insert(0, f"{own.sum() - voussoirs} stones in {region.pattern} bond, {sizes}")
     what = f'"{panel.name}": laid {", and ".join(laid)}; {stones.volume[own].sum():.6g} m3'
     return place.finding("W28", what, remedy="Look whether they are as you meant; --course and --stone change them.")
+
+
+def _flat_heads(panel: Panel, place: Place) -> list[Finding]:
+    """Return what is to be said of openings with a flat head: the friction of head joints alone holds the stones over it."""
+    start, stop = panel.outline, np.roll(panel.outline, -1, axis=0)
+    # The outline runs counter-clockwise: a level side that runs to the right has the wall above it.
+    right = (np.abs(stop[:, 1] - start[:, 1]) < LEVEL) & (stop[:, 0] > start[:, 0])
+    doors = int((right & (start[:, 1] > start[:, 1].min() + LEVEL)).sum())
+    count = doors + sum(opening.kind == "rectangular" for opening in panel.openings)
+    if not count:
+        return []
+    found = f'"{panel.name}": openings with a flat head and no lintel ({count}): friction of head joints holds the stones over it'
+    remedy = (
+        "The shell bears no such thrust and may be unstable: draw an arch over it as a ring of its own, or run the stones alone."
+    )
+    return [place.finding("W28", found, remedy=remedy)]
 
 
 def _stones(stones: Assemblage, place: dict[str, Place], unit: float) -> list[Stone]:

@@ -21,6 +21,8 @@ STEEP = 0.5
 UPRIGHT, EVEN = 0.02, 0.02
 # Share of the volume that may lie outside of outline x thickness: the roughness of a scan.
 ROUGH = 0.01
+# A body turns when more than this share of its upright area is at a slant to the largest of it.
+TURNING = 0.25
 # Only so many of the largest faces may say where the front is.
 LARGEST = 200
 
@@ -50,11 +52,13 @@ def wall_volume(points: FloatArray, faces: "list[tuple[int, ...]]", base: float)
     area_vector, normal, mean = face_normals(points, nodes, pointer)
     size = np.linalg.norm(area_vector, axis=1)
     across = _front_normal(area_vector, normal, size)
+    _check_plane(normal, size, across)
     slope = normal @ across
     front, back = slope > np.cos(FACING), slope < -np.cos(FACING)
     offset = points @ across
     far, near = (_level(offset, nodes, pointer, side, size) for side in (front, back))
     thickness = far - near
+    _check_single(points @ across, nodes, pointer, front, back)
     _check_even(points, offset, nodes, pointer, (front, back), (far, near))
     askew = ~front & ~back & (np.abs(slope) > np.sin(SQUARE)) & (size > 1e-6 * size.sum())
     if askew.any():
@@ -102,6 +106,34 @@ def _front_normal(area_vector: FloatArray, normal: FloatArray, size: FloatArray)
         )
     level = np.array([total[0], total[1], 0.0]) / np.hypot(total[0], total[1])
     return level if outward(level) else -level
+
+
+def _check_plane(normal: FloatArray, size: FloatArray, across: FloatArray) -> None:
+    """Raise InputError for a body that turns: much of its upright area is neither parallel nor at right angles to its front."""
+    upright = np.abs(normal[:, 2]) < STEEP
+    slope = np.abs(normal @ across)
+    aslant = upright & (slope < np.cos(FACING)) & (slope > np.sin(FACING))
+    if size[aslant].sum() > TURNING * size[upright].sum():
+        raise _no_wall(
+            "it is curved, or several walls at slants",
+            f"{100 * size[aslant].sum() / size[upright].sum():.0f} % of its upright faces neither along the front nor across it",
+            "a plane wall",
+            "Cut it into plane lengths and give each as a body of its own; "
+            "churchpipe generate apse, or tower, lays curved walls from dimensions.",
+        )
+
+
+def _check_single(offset: FloatArray, nodes: IntArray, pointer: IntArray, front: BoolArray, back: BoolArray) -> None:
+    """Raise InputError for a body in which one wall stands behind another: a back that lies in front of a front."""
+    mean = np.add.reduceat(offset[nodes], pointer[:-1]) / np.diff(pointer)
+    behind, before = float(mean[front].min()), float(mean[back].max())
+    if before > behind:
+        raise _no_wall(
+            "it is several walls in one body",
+            f"walls one behind the other, {before - behind:.4g} m apart",
+            "one wall a body",
+            "Cut the building where its walls meet, and give each wall as a body of its own.",
+        )
 
 
 def _level(offset: FloatArray, nodes: IntArray, pointer: IntArray, side: BoolArray, size: FloatArray) -> float:

@@ -186,6 +186,25 @@ def test_what_is_no_wall_is_refused(body, why):
     assert caught.value.remedy
 
 
+def in_plan(plan: shapely.Polygon) -> Polyhedron:
+    flat, faces = prism_of(plan)
+    return flat * [1, 1, 3], [list(face) for face in faces]
+
+
+def test_a_curved_wall_is_refused():
+    apse = shapely.Polygon(ring_outline((0.0, 0.0), 2.0, 2.5, 0.0, math.pi, 24))
+    with pytest.raises(InputError, match=r"it is curved.*Cut it into plane lengths"):
+        cp.lay_stones(volumes(in_plan(apse)), course=COURSE, stone=STONE)
+
+
+def test_a_whole_building_in_one_body_is_refused():
+    room = shapely.box(0, 0, 6, 4).difference(shapely.box(0.4, 0.4, 5.6, 3.6))
+    # A door, so that the plan has one outline.
+    room = room.difference(shapely.box(2, -1, 3, 0.4))
+    with pytest.raises(InputError, match=r"several walls in one body; found walls one behind the other.*Cut the building where"):
+        cp.lay_stones(volumes(in_plan(room)), course=COURSE, stone=STONE)
+
+
 def test_two_walls_in_one_place_are_refused():
     solid = volumes(box((0, 5), (0, 0.4), (0, 3)), box((1, 2), (0, 0.4), (1, 2)))
     with pytest.raises(InputError, match=r"body-1: it lies in body-0.*OPENING"):
@@ -225,6 +244,7 @@ def test_outlines_with_openings_are_laid(tmp_path: Path):
     stones, findings = cp.read_dxf(path, thickness=0.4, **options)
     assert [code for code in findings.codes if code not in ("W12", "W24")] == ["W28"]
     fills(stones, (REGION.area - 0.8 * 2.0) * 0.4)
+    assert "openings with a flat head and no lintel (2)" in str(findings)
     assert set(stones.panel[~stones.fixed]) == {"FACADE"}
 
 
