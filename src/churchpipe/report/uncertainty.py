@@ -149,6 +149,9 @@ def _spread_svg(one: Mapping[str, Any]) -> str:
     left.hist(groups, bins=min(30, 8 + one["count"] // 10), stacked=True, color=[colour for _, colour, _ in kinds], label=words)
     if one["as_it_is"] is not None:
         left.axvline(one["as_it_is"], color=colours.INK, lw=1, ls="--", label="as it is")
+    left.set_axisbelow(True)
+    # Room for the legend.
+    left.set_ylim(top=1.3 * left.get_ylim()[1])
     left.set_xlabel("load factor")
     left.set_ylabel("samples")
     if any(words) and len(words) <= 8:
@@ -180,6 +183,7 @@ def _influence_svg(one: Mapping[str, Any], points: Mapping[str, Sequence[float]]
     bars.barh(
         range(len(ranked)), [value for _, value in ranked], color=[colours.PUSH if v >= 0 else colours.ALARM for _, v in ranked]
     )
+    bars.set_axisbelow(True)
     bars.set_yticks(range(len(ranked)), names)
     bars.invert_yaxis()
     bars.set_xlim(-1, 1)
