@@ -136,6 +136,41 @@ def check(
     out.print(f"Next: {after}, with the same options", markup=False, soft_wrap=True)
 
 
+@app.command()
+def view(
+    file: StonesFile,
+    page: Annotated[
+        Path | None, typer.Option("--out", "-o", help="Page to write; default: NAME.view.html here.", show_default=False)
+    ] = None,
+    opens: Annotated[bool, typer.Option("--open/--no-open", help="Open it in the browser, or only say where it is.")] = True,
+    units: Units = None,
+    support: Support = "drawn",
+    repair: Repair = False,
+    thickness: Thickness = None,
+    plane: Plane = "xz",
+    joint: Joint = None,
+    joint_mode: JointMode = "grow",
+    mortar: Mortar = "counted",
+    up: UpAxis = None,
+    scale: Scale = 1.0,
+    bond: Bond = None,
+    course: Course = None,
+    stone: StoneLength = None,
+    changes: Changes = None,
+) -> None:
+    """Look at a model before any analysis: stones and their names, walls, openings, findings. A case, a drawing or a mesh."""
+    import webbrowser
+
+    from churchpipe.viewing import write_view
+
+    page = page or Path(f"{file.stem}.view.html")
+    reading = _reading(units, support, repair, thickness, plane, joint, joint_mode, mortar, up, scale, bond, course, stone)
+    write_view(file, page, reading, changes or ())
+    out.print(str(page), soft_wrap=True)
+    if opens:
+        webbrowser.open(page.resolve().as_uri())
+
+
 @app.command("export-dxf")
 def export_dxf(
     case: CaseFile,

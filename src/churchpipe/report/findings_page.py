@@ -13,19 +13,29 @@ from churchpipe.findings import CODES, Body, Finding, Findings
 from churchpipe.io.atomic import write_text
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.building import Building
 from churchpipe.report import viewer
 from churchpipe.report.motion import viewpoint
 from churchpipe.report.packing import packed
+from churchpipe.report.walls import opening_outlines, wall_rows
 
 # Radius of a mark as a part of the size of the structure; the most places that are marked and listed of one kind.
 MARK, MOST = 0.02, 200
 COLOURS = {"error": "#c0261c", "warning": "#d98a00"}
 
 
-def write_findings_page(path: Path, findings: Findings, stones: Assemblage | None, after: str) -> None:
+def write_findings_page(
+    path: Path,
+    findings: Findings,
+    stones: Assemblage | None,
+    after: str,
+    building: Building | None = None,
+    questions: Sequence[str] = (),
+) -> None:
     """Write findings.html.
 
-    stones: as read, None when nothing can be drawn. after: what to type next.
+    stones: as read, None when nothing can be drawn. after: what to type next. building: its walls are listed, and their openings
+    drawn. questions: about doubtful values.
     """
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(Path(__file__).parent / "templates"),
@@ -43,8 +53,10 @@ def write_findings_page(path: Path, findings: Findings, stones: Assemblage | Non
         volume=float(stones.volume[~stones.fixed].sum()) if stones else 0.0,
         after=after,
         most=MOST,
+        walls=wall_rows(building) if building else [],
+        questions=questions,
         drawn=stones is not None,
-        viewer_data=viewer.script_json(_drawn(stones, findings)) if stones else "",
+        viewer_data=viewer.script_json(_drawn(stones, findings, building)) if stones else "",
         import_map=viewer.import_map(),
         viewer_script=viewer.static_text("viewer.js"),
         three_licence=viewer.static_text("three/LICENSE"),
@@ -82,8 +94,9 @@ def _kind(kind: tuple[Finding, ...]) -> dict[str, Any]:
     }
 
 
-def _drawn(stones: Assemblage, findings: Findings) -> dict[str, Any]:
-    """Return the input of the viewer: stones that stand still, and a mark at each place, the errors above the warnings."""
+def _drawn(stones: Assemblage, findings: Findings, building: Building | None) -> dict[str, Any]:
+    """Return the input of the viewer: stones that stand still, the edges of openings, and a mark at each place, the errors above
+    the warnings."""
     still: FloatArray = np.zeros((stones.count, 6))
     origin, radius = viewer.origin_of(stones), MARK * stones.size
     placed = [finding for kind in findings.kinds for finding in kind[:MOST] if finding.position is not None]
@@ -103,6 +116,7 @@ def _drawn(stones: Assemblage, findings: Findings) -> dict[str, Any]:
                 "push": None,
             }
         ],
+        "outlines": opening_outlines(building, origin) if building else [],
         "marks": [
             {
                 "place": (place - origin).tolist(),

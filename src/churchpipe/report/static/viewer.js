@@ -143,6 +143,10 @@ function start(canvas, renderer) {
     ball.position.set(...mark.place);
     scene.add(ball);
   }
+  for (const outline of data.outlines ?? []) {
+    const edge = new THREE.BufferGeometry().setFromPoints(outline.points.map((point) => new THREE.Vector3(...point)));
+    scene.add(new THREE.LineLoop(edge, new THREE.LineBasicMaterial({ color: data.colours.push, depthTest: false })));
+  }
   const arrow = new THREE.Group();
   scene.add(arrow);
 
