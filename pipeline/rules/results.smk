@@ -42,7 +42,12 @@ for number, geometry in enumerate(GEOMETRIES):
             movements=[f"movement/{name}/{part}.npz" for name, place in MOVEMENTS.items() if place == geometry for part in ("assemblage", "contacts", "movement")],
         output:
             html=report_of(geometry),
-            mechanisms=[f"rigid/{a['name']}/mechanism.vtu" for a in ANALYSES if a["geometry"] == geometry and a["kind"] == "rigid"],
+            mechanisms=[
+                f"rigid/{a['name']}/{part}.vtu"
+                for a in ANALYSES
+                if a["geometry"] == geometry and a["kind"] == "rigid"
+                for part in ("mechanism", "joints")
+            ],
         log:
             f"log/report/{number}.txt",
         benchmark:

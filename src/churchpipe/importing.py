@@ -32,6 +32,9 @@ from churchpipe.stones.contacts import find_contacts
 from churchpipe.stones.histogram import histogram_lines
 from churchpipe.stones.soundness import check_soundness
 
+# Processor time of the associative limit load (docs/benchmarks_shell.md, docs/benchmarks_limit_analysis.md), and how many times
+# that of an element a capacity curve takes besides.
+SECONDS_PER_ELEMENT, SECONDS_PER_STONE, CURVE = 0.013, 0.001, 8
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
@@ -148,10 +151,18 @@ def gate_words(stones: Assemblage, contacts: Contacts, shell: ShellTable) -> str
         return f"Whether the shell matches the stones was not looked at: {error}"
     match = match_models(replace(stones, panel=shell.fitted.panel), contacts, mesh)
     if match.passed:
-        return f"The gate passed: shell and stones are one building, in {len(match.figures)} figures."
+        passed = f"The gate passed: shell and stones are one building, in {len(match.figures)} figures."
+        return f"{passed} {cost_words(len(mesh.triangles), int((~stones.fixed).sum()), shell)}"
     wrong = [figure for figure in match.figures if not figure.passed]
     failed = [f"{figure.name} ({figure.stones:.4g} and {figure.shell:.4g} {figure.unit})" for figure in wrong]
     return f"The gate failed, so that a run leaves the shell out: {'; '.join(failed)}. The rigid blocks stand alone."
+
+
+def cost_words(elements: int, stones: int, shell: ShellTable) -> str:
+    """Return how long the shell takes beside the stones, as a sentence."""
+    own = SECONDS_PER_ELEMENT * elements * (1 + CURVE * ("pushover" in shell.keys["analyses"]))
+    words = f"Its {elements} elements take some {own:.1g} s a load, the stones some {SECONDS_PER_STONE * stones:.1g} s"
+    return f"{words}; --set shell=false leaves the shell out." if own >= 10 * SECONDS_PER_STONE * stones else f"{words}."
 
 
 def _weights(stones: Assemblage) -> dict[str, float]:

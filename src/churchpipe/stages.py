@@ -358,26 +358,28 @@ def compare(plan: Path, summary: Path, table: Path, samples: Path | None = None)
 
 
 def report(plan: Path, summary: Path, assemblage: Path, contacts: Path, html: Path) -> None:
-    """Summary and states of one geometry -> report.html, its pictures, and the mechanisms for ParaView."""
+    """Summary and states of one geometry -> report.html, its pictures, and mechanisms and joints for ParaView."""
     with Extra("the report"):
         from churchpipe.report.frames import write_path
         from churchpipe.report.html import write_report
+        from churchpipe.report.joints_vtu import write_joints
 
     from churchpipe.run_folder import read_run, versions
 
-    run, geometry = read_run(plan), assemblage.parent.name
-    stones = read_npz(assemblage, Assemblage)
-    records = {record["name"]: record for record in read_json(summary)["analyses"]}
+    run, geometry, words = read_run(plan), assemblage.parent.name, read_json(summary)
+    stones, joints = read_npz(assemblage, Assemblage), read_npz(contacts, Contacts)
+    records = {record["name"]: record for record in words["analyses"]}
     mine = [entry for entry in run.index["analyses"] if entry["geometry"] == geometry]
     states = {entry["name"]: run.block_state(entry) for entry in mine if entry["kind"] == "rigid"}
     for name, state in states.items():
         write_vtu(run.path / "rigid" / name / "mechanism.vtu", stones, state.velocities)
+        write_joints(run.path / "rigid" / name / "joints.vtu", stones, joints, state)
     followed = [(records[entry["name"]], run.block_curve(entry)) for entry in mine if entry["kind"] == "curve"]
     for entry, (_, path) in zip((entry for entry in mine if entry["kind"] == "curve"), followed, strict=True):
         write_path(run.folder(entry) / "path.pvd", stones, path)
     moved = [(record, *run.moved(record["name"])) for record in run.movements(geometry)]
-    for record, own, _, path in moved:
-        write_path(run.path / "movement" / record["name"] / "path.pvd", own, path)
+    for record, own, _, way in moved:
+        write_path(run.path / "movement" / record["name"] / "path.pvd", own, way)
     made = {mesh["name"]: run.shell(mesh["name"]) for mesh in run.index["shells"] if mesh["geometry"] == geometry}
     meshes = {name: mesh for name, mesh in made.items() if isinstance(mesh, ShellModel)}
     found: list[tuple[dict[str, Any], str, ShellLimitState | CapacityCurve]] = []
@@ -385,14 +387,14 @@ def report(plan: Path, summary: Path, assemblage: Path, contacts: Path, html: Pa
         mechanism, state = run.folder(entry) / "mechanism.vtu", run.shell_state(entry)
         if isinstance(state, Absent):
             mechanism.unlink(missing_ok=True)
-            continue
-        write_shell_mechanism(mechanism, meshes[entry["shell"]], state)
-        found.append((records[entry["name"]], entry["shell"], state))
+        else:
+            write_shell_mechanism(mechanism, meshes[entry["shell"]], state)
+            found.append((records[entry["name"]], entry["shell"], state))
     write_report(
         html,
-        summary=read_json(summary),
+        summary=words,
         stones=stones,
-        contacts=read_npz(contacts, Contacts),
+        contacts=joints,
         results=[(records[name], state) for name, state in states.items()],
         shells=meshes,
         shell_results=found,

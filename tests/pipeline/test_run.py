@@ -159,7 +159,9 @@ def test_everything_is_made(pristine: Copy) -> None:
         f"geometry/base/{name}" for name in ("building.json", "assemblage.npz", "stones.dxf", "stones.vtu", "contacts.npz")
     ]
     wanted += [
-        f"rigid/-x_{f}/{n}" for f in ("associative", "non-associative") for n in ("rigid.npz", "rigid.json", "mechanism.vtu")
+        f"rigid/-x_{f}/{n}"
+        for f in ("associative", "non-associative")
+        for n in ("rigid.npz", "rigid.json", "mechanism.vtu", "joints.vtu")
     ]
     assert made >= set(wanted)
     assert not [name for name in made if ".part" in name]

@@ -1,15 +1,24 @@
 """The manual builds without a warning, asks nothing of the network, and shows commands that exist."""
 
+import ast
 import re
 import shlex
+import textwrap
+import tomllib
 from pathlib import Path
 
 import pytest
+import tomli_w
 import typer
+import yaml
 from mkdocs.commands.build import build
 from mkdocs.config import load_config
+from mkdocs.exceptions import Abort
 
+import churchpipe
 from churchpipe.cli import app
+from churchpipe.config import read_variants
+from churchpipe.errors import InputError
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -45,6 +54,73 @@ WITH_PYTHON = [page for page in PAGES if python_blocks(page)]
 def test_python_of_the_pages_runs(page: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)
     exec(compile(python_blocks(page), str(page), "exec"), {})
+
+
+def indented(text: str) -> list[str]:
+    """Return the indented blocks of a page that are not inside a fenced one."""
+    rest = re.sub(r"^```.*?^```", "", text, flags=re.DOTALL | re.MULTILINE)
+    return [textwrap.dedent(block) for block in re.findall(r"(?:^ {4}.*\n|^\n(?= {4}))+", rest, flags=re.MULTILINE)]
+
+
+def tables(text: str) -> list[dict]:
+    """Return the parts of case files on a page, in their order; an indented block that is TOML is one."""
+    found = re.findall(r"^```toml\n(.*?)^```", text, flags=re.DOTALL | re.MULTILINE)
+    found += [block for block in indented(text) if re.match(r"\[\[?[a-z]", block)]
+    return [tomllib.loads(block) for block in found]
+
+
+def joined(one: dict, other: dict) -> dict:
+    """Return a case with what another table says."""
+    both = one | other
+    return both | {key: joined(one[key], other[key]) for key in one.keys() & other.keys() if isinstance(one[key], dict)}
+
+
+def check_tables(text: str, folder: Path) -> int:
+    """Take each part of a case file on a page, added to the whole one before it, or to the chapel; return how many there are."""
+    case = tomllib.loads((ROOT / "pipeline" / "cases" / "chapel.toml").read_text(encoding="utf-8"))
+    parts = tables(text)
+    for part in parts:
+        case = part if "generator" in part.get("source", {}) else joined(case, part)
+        file = folder / "case.toml"
+        file.write_text(tomli_w.dumps(case), encoding="utf-8")
+        read_variants(file)
+    return len(parts)
+
+
+WITH_TABLES = [page for page in PAGES if tables(page.read_text(encoding="utf-8"))]
+
+
+@pytest.mark.parametrize("page", WITH_TABLES, ids=lambda page: page.name)
+def test_parts_of_case_files_are_taken(page: Path, tmp_path: Path) -> None:
+    assert check_tables(page.read_text(encoding="utf-8"), tmp_path) > 0
+
+
+def test_a_wrong_key_on_a_page_is_found(tmp_path: Path) -> None:
+    assert {"tutorial.md", "shell.md", "check.md"} <= {page.name for page in WITH_TABLES}
+    for block in ("```toml\n[shell]\nelement_size = 100\n```\n", "\n    [shell]\n    element_size = 100\n"):
+        with pytest.raises(InputError, match="element_size: unknown key"):
+            check_tables(block, tmp_path)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_python_that_is_only_shown_names_what_exists(page: Path) -> None:
+    for block in indented(page.read_text(encoding="utf-8")):
+        if re.search(r"^(import|from) |\bcp\.", block, flags=re.MULTILINE) and not block.startswith("churchpipe"):
+            ast.parse(block)
+            assert set(re.findall(r"\bcp\.(\w+)", block)) <= set(churchpipe.__all__)
+            exec("\n".join(re.findall(r"^(?:import|from) .*$", block, flags=re.MULTILINE)), {})
+
+
+@pytest.mark.parametrize("link", ["none.md", "index.md#nowhere", "pictures/none.png"])
+def test_a_broken_link_stops_the_build(link: str, tmp_path: Path) -> None:
+    config = yaml.load((ROOT / "mkdocs.yml").read_text(encoding="utf-8"), yaml.BaseLoader)
+    (tmp_path / "docs").mkdir()
+    (tmp_path / "docs" / "index.md").write_text(f"# A page\n\n[there]({link})\n", encoding="utf-8")
+    kept = {key: config[key] for key in ("site_name", "markdown_extensions", "validation")}
+    kept |= {"strict": config["strict"] == "true", "docs_dir": str(tmp_path / "docs"), "site_dir": str(tmp_path / "site")}
+    (tmp_path / "mkdocs.yml").write_text(yaml.dump(kept), encoding="utf-8")
+    with pytest.raises(Abort):
+        build(load_config(str(tmp_path / "mkdocs.yml")))
 
 
 def test_the_readme_and_a_page_have_python() -> None:

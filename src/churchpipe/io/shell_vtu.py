@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from churchpipe.errors import Extra, InputError
 from churchpipe.io.atomic import replacing
+from churchpipe.io.vtu import write_named
 from churchpipe.model.results import CapacityCurve, ShellLimitState
 from churchpipe.model.shell import ShellModel
 
@@ -24,8 +25,8 @@ def write_shell_vtu(path: str | Path, shell: ShellModel, fields: Mapping[str, np
     """Write the facets as triangles.
 
     Cell data: `bed` and `up` (vectors along the bed joint and up the courses), `normal`, `thickness` m, `surface_weight` N/m2,
-    `course_height` and `stone_length` m, `yields`, `panel` and `material` (numbers in alphabetical order of the names); point
-    data: `supported`.
+    `course_height` and `stone_length` m, `yields`, `panel` and `material` (numbers in alphabetical order of the names),
+    `panel_name` and `material_name`; point data: `supported`.
 
     Parameters
     ----------
@@ -50,9 +51,7 @@ def write_shell_vtu(path: str | Path, shell: ShellModel, fields: Mapping[str, np
                 found=rows,
                 expected=f"{len(shell.points)} (nodes) or {len(shell.triangles)} (facets)",
             )
-    mesh = _mesh(shell, point_data, cell_data)
-    with replacing(path) as part:
-        mesh.write(part, file_format="vtu")
+    write_named(path, _mesh(shell, point_data, cell_data), {"panel_name": shell.panel, "material_name": shell.material})
 
 
 def write_shell_msh(path: str | Path, shell: ShellModel) -> None:

@@ -1,5 +1,6 @@
 """Stones for ParaView."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -8,15 +9,30 @@ import numpy.typing as npt
 
 from churchpipe.errors import Extra
 from churchpipe.io.atomic import replacing
-from churchpipe.model.arrays import IntArray
+from churchpipe.model.arrays import IntArray, NameArray
 from churchpipe.model.assemblage import Assemblage
 
 
 def write_vtu(path: str | Path, stones: Assemblage, velocities: npt.ArrayLike | None = None) -> None:
-    """Write the stones as polyhedral cells, with the data of `stones_mesh`."""
-    mesh = stones_mesh(stones, velocities)
+    """Write the stones as polyhedral cells, with the data of `stones_mesh` and `name`, `panel_name`, `material_name`."""
+    order = _cells(stones)[1]
+    names = {"name": stones.block_id, "panel_name": stones.panel, "material_name": stones.material}
+    write_named(path, stones_mesh(stones, velocities), {key: values[order] for key, values in names.items()})
+
+
+def write_named(path: str | Path, mesh: Any, names: Mapping[str, NameArray]) -> None:
+    """Write a `meshio.Mesh` as a .vtu file with texts of its cells, by the name of the array: meshio writes numbers alone."""
     with replacing(path) as part:
         mesh.write(part, file_format="vtu")
+        texts = "".join(_texts(name, values) for name, values in names.items())
+        before, end, after = part.read_text(encoding="utf-8").rpartition("</CellData>")
+        part.write_text(before + texts + end + after, encoding="utf-8")
+
+
+def _texts(name: str, values: NameArray) -> str:
+    # A text is its bytes and a zero.
+    codes = " ".join(str(code) for value in values.tolist() for code in (*value.encode(), 0))
+    return f'<DataArray type="String" Name="{name}" format="ascii">{codes}</DataArray>\n'
 
 
 def stones_mesh(stones: Assemblage, velocities: npt.ArrayLike | None = None) -> Any:

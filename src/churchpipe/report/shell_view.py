@@ -83,13 +83,21 @@ def _joints(stones: Assemblage, contacts: Contacts, velocities: FloatArray, orig
 
 def joint_outlines(contacts: Contacts, interfaces: IntArray) -> tuple[FloatArray, IntArray]:
     """Return the corners (n, 3) m of interfaces, in order around each, and where each one starts (len + 1,)."""
-    corners: list[FloatArray] = []
-    for interface in interfaces:
-        points = contacts.point[contacts.point_ptr[interface] : contacts.point_ptr[interface + 1]]
-        flat = (points - points.mean(axis=0)) @ contacts.frame[interface, 1:].T
-        corners.append(points[np.argsort(np.arctan2(flat[:, 1], flat[:, 0]))])
-    pointer = np.concatenate([[0], np.cumsum([len(part) for part in corners])]).astype(np.int64)
-    return np.concatenate(corners) if corners else np.empty((0, 3)), pointer
+    order, pointer = joint_order(contacts), contacts.point_ptr
+    corners = [contacts.point[order[pointer[i] : pointer[i + 1]]] for i in interfaces]
+    starts = np.concatenate([[0], np.cumsum([len(part) for part in corners])]).astype(np.int64)
+    return np.concatenate(corners) if corners else np.empty((0, 3)), starts
+
+
+def joint_order(contacts: Contacts) -> IntArray:
+    """Return the contact points (nc,), those of each interface in order around it."""
+    first = contacts.point_ptr[:-1]
+    interface = contacts.interface_of_point
+    middle = (
+        np.add.reduceat(contacts.point, first, axis=0) / np.diff(contacts.point_ptr)[:, None] if len(first) else contacts.point
+    )
+    flat = np.einsum("pac,pc->pa", contacts.frame[interface][:, 1:], contacts.point - middle[interface])
+    return np.lexsort((np.arctan2(flat[:, 1], flat[:, 0]), interface))
 
 
 def borders(shell: ShellModel) -> IntArray:

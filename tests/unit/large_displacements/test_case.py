@@ -6,9 +6,9 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
-import meshio
 import numpy as np
 import pytest
+import pyvista
 
 import churchpipe as cp
 from churchpipe import compare, stages
@@ -155,7 +155,7 @@ def test_the_path_for_paraview(tmp_path: Path, curve: BlockCapacityCurve) -> Non
     written = [line for line in series.read_text().splitlines() if "DataSet" in line]
     assert [line.split('file="')[1].split('"')[0] for line in written] == files
     # Where the last file has the stone is where the curve left it.
-    last = meshio.read(tmp_path / files[-1]).points
+    last = pyvista.read(tmp_path / files[-1]).points
     assert last == pytest.approx(placed(stones, curve.position[-1], curve.rotation[-1]).points, abs=1e-9)
     assert frames(100)[[0, -1]].tolist() == [0, 99]
     write_path(series, stones, cp.block_pushover(FALLEN, cp.find_contacts(FALLEN), PUSH))

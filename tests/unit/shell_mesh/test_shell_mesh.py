@@ -8,6 +8,7 @@ from dataclasses import replace
 import meshio
 import numpy as np
 import pytest
+import pyvista
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.sparse import coo_matrix
@@ -317,15 +318,18 @@ def test_vtu_and_msh_carry_the_bed_direction(tmp_path):
     lift = shell.points * 2
     write_shell_vtu(tmp_path / "shell.vtu", shell, {"velocity": lift, "plastic": shell.area})
     write_shell_msh(tmp_path / "shell.msh", shell)
-    for name in ("shell.vtu", "shell.msh"):
-        mesh = meshio.read(tmp_path / name)
-        np.testing.assert_array_equal(mesh.cells_dict["triangle"], shell.triangles)
-        np.testing.assert_allclose(mesh.points, shell.points, atol=1e-15)
-        np.testing.assert_array_equal(mesh.cell_data["bed"][0], shell.axes[:, 0])
+    mesh, grid = meshio.read(tmp_path / "shell.msh"), pyvista.read(tmp_path / "shell.vtu")
+    for triangles, points, bed in (
+        (mesh.cells_dict["triangle"], mesh.points, mesh.cell_data["bed"][0]),
+        (grid.cells_dict[pyvista.CellType.TRIANGLE], grid.points, grid["bed"]),
+    ):
+        np.testing.assert_array_equal(triangles, shell.triangles)
+        np.testing.assert_allclose(points, shell.points, atol=1e-15)
+        np.testing.assert_array_equal(bed, shell.axes[:, 0])
     assert set(mesh.field_data) == {"main", "partition-1", "partition-2", "partition-3"}
-    mesh = meshio.read(tmp_path / "shell.vtu")
-    np.testing.assert_array_equal(mesh.point_data["velocity"], lift)
-    np.testing.assert_array_equal(mesh.cell_data["plastic"][0], shell.area)
+    np.testing.assert_array_equal(grid["velocity"], lift)
+    np.testing.assert_array_equal(grid["plastic"], shell.area)
+    assert grid["panel_name"].tolist() == shell.panel.tolist()
     assert sorted(p.name for p in tmp_path.iterdir()) == ["shell.msh", "shell.vtu"]
 
 
