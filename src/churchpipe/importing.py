@@ -161,8 +161,9 @@ def gate_words(stones: Assemblage, contacts: Contacts, shell: ShellTable) -> str
 def cost_words(elements: int, stones: int, shell: ShellTable) -> str:
     """Return how long the shell takes beside the stones, as a sentence."""
     own = SECONDS_PER_ELEMENT * elements * (1 + CURVE * ("pushover" in shell.keys["analyses"]))
-    words = f"Its {elements} elements take some {own:.1g} s a load, the stones some {SECONDS_PER_STONE * stones:.1g} s"
-    return f"{words}; --set shell=false leaves the shell out." if own >= 10 * SECONDS_PER_STONE * stones else f"{words}."
+    others = SECONDS_PER_STONE * stones
+    words = f"Its {elements} elements take some {max(1.0, own):.0f} s a load, the stones some {max(1.0, others):.0f} s"
+    return f"{words}; --set shell=false leaves the shell out." if own >= 10 * others else f"{words}."
 
 
 def _weights(stones: Assemblage) -> dict[str, float]:

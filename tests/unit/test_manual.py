@@ -59,7 +59,9 @@ def test_python_of_the_pages_runs(page: Path, monkeypatch: pytest.MonkeyPatch) -
 def indented(text: str) -> list[str]:
     """Return the indented blocks of a page that are not inside a fenced one."""
     rest = re.sub(r"^```.*?^```", "", text, flags=re.DOTALL | re.MULTILINE)
-    return [textwrap.dedent(block) for block in re.findall(r"(?:^ {4}.*\n|^\n(?= {4}))+", rest, flags=re.MULTILINE)]
+    return [
+        textwrap.dedent(block).strip() + "\n" for block in re.findall(r"(?:^ {4}.*\n|^\n(?= {4}))+", rest, flags=re.MULTILINE)
+    ]
 
 
 def tables(text: str) -> list[dict]:
@@ -105,7 +107,7 @@ def test_a_wrong_key_on_a_page_is_found(tmp_path: Path) -> None:
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_python_that_is_only_shown_names_what_exists(page: Path) -> None:
     for block in indented(page.read_text(encoding="utf-8")):
-        if re.search(r"^(import|from) |\bcp\.", block, flags=re.MULTILINE) and not block.startswith("churchpipe"):
+        if re.search(r"^(import|from) |\bcp\.", block, flags=re.MULTILINE) and not block.startswith(("python ", "churchpipe ")):
             ast.parse(block)
             assert set(re.findall(r"\bcp\.(\w+)", block)) <= set(churchpipe.__all__)
             exec("\n".join(re.findall(r"^(?:import|from) .*$", block, flags=re.MULTILINE)), {})
