@@ -36,15 +36,20 @@ def chromium() -> str:
 
 @pytest.fixture(params=[1400, 390], ids=["screen", "phone"])
 def page(request: pytest.FixtureRequest, report: Path, chromium: str) -> Iterator[Page]:
+    yield from opened(report, request.param, chromium)
+
+
+def opened(file: Path, width: int, chromium: str) -> Iterator[Page]:
+    """A page in the browser, which complains of nothing and asks nothing of the network."""
     with sync_playwright() as play:
         browser = play.chromium.launch(executable_path=chromium, args=["--no-sandbox", "--enable-unsafe-swiftshader"])
-        page = browser.new_page(viewport={"width": request.param, "height": 900})
+        page = browser.new_page(viewport={"width": width, "height": 900})
         complaints: list[str] = []
         requests: list[str] = []
         page.on("console", lambda message: complaints.append(message.text) if message.type == "error" else None)
         page.on("pageerror", lambda error: complaints.append(str(error)))
         page.on("request", lambda wanted: requests.append(wanted.url))
-        page.goto(report.as_uri())
+        page.goto(file.as_uri())
         page.wait_for_function("document.body.dataset.ready === 'true'")
         yield page
         assert complaints == []
@@ -66,6 +71,33 @@ def test_a_stone_shows_its_joints(page: Page) -> None:
     assert "bed" in page.inner_text("#viewer-joints")
 
 
+def test_a_stone_is_found_by_its_name_and_marked(page: Page) -> None:
+    before = page.locator("#viewer-canvas").screenshot()
+    page.fill("#viewer-stone", "wall-0-0")
+    page.press("#viewer-stone", "Enter")
+    assert page.inner_text("#viewer-picked") == "no stone wall-0-0"
+    page.select_option("#viewer-viewpoint", "from the front")
+    name = page.evaluate("JSON.parse(document.getElementById('viewer-data').textContent).id.at(-1)")
+    page.fill("#viewer-stone", name)
+    page.press("#viewer-stone", "Enter")
+    assert page.inner_text("#viewer-picked").startswith(f"Stone {name}: wall")
+    assert "bed" in page.inner_text("#viewer-joints")
+    assert page.locator("#viewer-canvas").screenshot() != before
+
+
+def test_keys_turn_and_zoom_the_view(page: Page) -> None:
+    canvas = page.locator("#viewer-canvas")
+    for key in ("ArrowLeft", "ArrowUp", "+"):
+        before = canvas.screenshot()
+        canvas.press(key)
+        assert canvas.screenshot() != before
+
+
+def test_full_screen_is_offered(page: Page) -> None:
+    page.click("#viewer-full")
+    page.wait_for_function("document.fullscreenElement === document.getElementById('viewer')")
+
+
 def test_a_section_and_hidden_parts_change_the_picture(page: Page) -> None:
     def picture() -> Image.Image:
         return Image.open(io.BytesIO(page.locator("#viewer-canvas").screenshot())).convert("L")
@@ -81,6 +113,23 @@ def test_a_section_and_hidden_parts_change_the_picture(page: Page) -> None:
     page.click("summary:has-text('Parts')")
     page.uncheck("#viewer-parts input >> nth=-1")
     assert changed(whole, picture()) > 0.02
+
+
+@pytest.mark.parametrize("width", [1400, 390])
+def test_a_model_is_looked_at_before_any_analysis(tmp_path: Path, chromium: str, width: int) -> None:
+    hostile = "</script><script>document.title = 'taken'</script>"
+    case = tmp_path / "named.toml"
+    text = CASE.read_text(encoding="utf-8").replace('name = "wall"', f'name = "wall"\n[project]\ntitle = "{hostile}"')
+    case.write_text(text, encoding="utf-8")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("sys.argv", ["churchpipe", "view", str(case), "--no-open", "--out", str(tmp_path / "view.html")])
+        with pytest.raises(SystemExit):
+            cli.main()
+    for page in opened(tmp_path / "view.html", width, chromium):
+        assert page.title() != "taken"
+        assert page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
+        page.click("summary:has-text('Parts')")
+        page.uncheck("#viewer-parts input >> nth=0")
 
 
 def test_the_motion_plays(page: Page) -> None:

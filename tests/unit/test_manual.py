@@ -77,9 +77,13 @@ def joined(one: dict, other: dict) -> dict:
     return both | {key: joined(one[key], other[key]) for key in one.keys() & other.keys() if isinstance(one[key], dict)}
 
 
+ELASTIC = {"block_E_GPa": 3.18, "block_nu": 0.23, "joint_E_GPa": 0.303, "joint_nu": 0.3, "joint_thickness_mm": 1.0}
+
+
 def check_tables(text: str, folder: Path) -> int:
     """Take each part of a case file on a page, added to the whole one before it, or to the chapel; return how many there are."""
     case = tomllib.loads((ROOT / "pipeline" / "cases" / "chapel.toml").read_text(encoding="utf-8"))
+    case["material"]["default"]["elastic"] = ELASTIC
     parts = tables(text)
     for part in parts:
         case = part if "generator" in part.get("source", {}) else joined(case, part)

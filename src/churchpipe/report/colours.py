@@ -2,18 +2,10 @@
 
 SPEED_STOPS = ("#e9e3d8", "#f2cf8d", "#ee9d4e", "#d65a34", "#8f1d2c")
 PLASTIC_STOPS = ("#f1efea", "#cfdde6", "#86b3d1", "#3a76ad", "#14366b")
-PANELS = (
-    "#7d9ab5",
-    "#d9a05b",
-    "#8fb08c",
-    "#b98a9a",
-    "#c9bb7a",
-    "#8c86b3",
-    "#6fa8a3",
-    "#c98b6b",
-    "#9aa0a6",
-    "#b5c26b",
-)
+# For labelled areas, told apart by colour-blind people too (Tol, Colour schemes, SRON 2021, "light").
+PANELS = ("#77aadd", "#ee8866", "#eedd88", "#ffaabb", "#99ddff", "#44bb99", "#bbcc33", "#aaaa00")
+# The stone that was picked.
+PICKED = "#0d3b66"
 SUPPORT = "#b9b6b0"
 EDGE = "#4a4038"
 GROUND = "#dcd6ca"

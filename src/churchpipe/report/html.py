@@ -37,7 +37,7 @@ from churchpipe.report.shell_view import ShellState, joint_outlines, motion_of, 
 from churchpipe.report.table import Record, Row, columns_for, figure, friction_text, rows_of, swept
 from churchpipe.report.title_block import MATERIAL_HEADINGS, material_rows, title_block
 from churchpipe.report.uncertainty import uncertainty_section
-from churchpipe.report.variants import variants_section
+from churchpipe.report.variants import link_to, variants_section
 from churchpipe.report.vault_sections import vault_sections
 from churchpipe.stones.account import joints_lines, joints_record
 
@@ -107,6 +107,7 @@ def write_report(
             cards=[_card(row, bool(of_shell)) for row in asis] if len(asis) <= CARDS else [],
             uncertainty=uncertainty_section(summary),
             variants=variants_section(summary, str(geometry or "")),
+            elsewhere=_elsewhere(summary, str(geometry or "")),
             columns=columns,
             rows=[(row, [column.text(row) for column in columns]) for row in rows],
             parts=part_tables(rows),
@@ -153,6 +154,12 @@ def write_report(
             **pictures(),
         )
     write_text(path, text)
+
+
+def _elsewhere(summary: Mapping[str, Any], here: str) -> list[tuple[str, str]]:
+    """Return name and address of the reports of the other geometries of a run: of a sweep, or of variants."""
+    names = list(summary.get("geometries", {}))
+    return [(name, link_to(here, name, names[0])) for name in names if name != here]
 
 
 def _sizes(summary: Mapping[str, Any], rows: Sequence[Row]) -> Mapping[str, Any]:

@@ -5,7 +5,7 @@ from typing import Any
 
 from churchpipe.mechanism import STILL, TAKES_PART
 from churchpipe.model.names import crushes
-from churchpipe.report.table import Record, Row, figure, minus
+from churchpipe.report.table import Record, Row, amount, figure, minus
 
 # Share of the mechanism's speed from which on a stone is said to move.
 CUT_OFF = f"1/{1 / STILL:.0f}"
@@ -57,9 +57,7 @@ def check_table(rows: Sequence[Row]) -> dict[str, Any] | None:
 
 
 def _cell(value: object, digits: int) -> str:
-    if value is None:
-        return ""
-    return f"{value:,.0f}" if digits == 0 and isinstance(value, int | float) else figure(value, digits)
+    return "" if value is None else amount(value, digits)
 
 
 def verdict(check: Mapping[str, Any]) -> str:
@@ -143,7 +141,7 @@ def part_tables(rows: Sequence[Row]) -> list[dict[str, Any]]:
 def _part(part: Mapping[str, Any]) -> list[str]:
     return [
         str(part["name"]),
-        f"{part['weight_kN']:,.1f}",
+        amount(part["weight_kN"], 1),
         f"{100 * part['moving']:.0f} %",
         minus(f"{part['displacement']:z.2f}"),
         f"{100 * part['motion']:.1f} %",

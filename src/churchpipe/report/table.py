@@ -117,6 +117,13 @@ def figure(value: object, digits: int = 6) -> str:
     return minus(f"{value:.{digits}f}")
 
 
+def amount(value: object, digits: int) -> str:
+    """Return a quantity as text with so many decimals, or three figures where it is too small for them: the weight of a model."""
+    if not isinstance(value, int | float) or not math.isfinite(value):
+        return figure(value, digits)
+    return minus(f"{value:,.{digits}f}" if abs(value) >= 10.0 ** (1 - digits) or value == 0 else f"{value:.3g}")
+
+
 def small(value: object) -> str:
     """Return an error or residual as text, such as "3.1e\u221210"; NaN and None are "none"."""
     if not isinstance(value, int | float) or math.isnan(value):

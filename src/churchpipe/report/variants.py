@@ -43,7 +43,7 @@ def variants_section(summary: Mapping[str, Any], geometry: str) -> dict[str, Any
                 {
                     "load": load,
                     "name": name,
-                    "link": _link(geometry, variant["geometry"], first),
+                    "link": link_to(geometry, variant["geometry"], first),
                     "factors": [_factor(found.get(kind), asis.get(kind), name) for kind in kinds],
                     "moves": next((words for row in found.values() if (words := what_moves(row.record))), ""),
                     "check": _check(found.values()),
@@ -86,7 +86,7 @@ def _cost(value: object) -> str:
     return f"{value:,.6g}" if isinstance(value, int | float) else str(value or "")
 
 
-def _link(here: str, there: str, first: str) -> str:
+def link_to(here: str, there: str, first: str) -> str:
     """Return where the report of another geometry lies, seen from the report of this one; "" for this one."""
     if here == there:
         return ""

@@ -71,7 +71,7 @@ def viewer_data(
         "ground": bool(plate.any()),
         "grid": _round_length(float(np.ptp(free[:, :2], axis=0).max()) / 6),
         "speed_stops": colours.SPEED_STOPS,
-        "colours": {"edge": colours.EDGE, "ground": colours.GROUND, "push": colours.PUSH},
+        "colours": {"edge": colours.EDGE, "ground": colours.GROUND, "push": colours.PUSH, "picked": colours.PICKED},
         "analyses": [_analysis(stones, record, state, label, origin, contacts) for record, state, label in results],
         "joints": contacts
         and {

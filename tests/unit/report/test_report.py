@@ -27,7 +27,7 @@ from churchpipe.report.motion import camera_position, displaced_points, ground_p
 from churchpipe.report.notes import status_note
 from churchpipe.report.plots import convergence_svg, gaps_svg
 from churchpipe.report.surface import edges, triangles
-from churchpipe.report.table import Row, figure, small
+from churchpipe.report.table import Row, amount, figure, small
 from churchpipe.report.title_block import material_rows, title_block
 from churchpipe.report.viewer import joint_values
 from churchpipe.stones.contacts import find_contacts
@@ -235,6 +235,23 @@ def test_figure(value: float | None, text: str) -> None:
 @pytest.mark.parametrize(("value", "text"), [(NAN, "none"), (INF, "infinite"), (0.0, "0"), (3.14e-10, "3.1e\u221210")])
 def test_small(value: float, text: str) -> None:
     assert small(value) == text
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(0.0, "0.0"), (0.0432, "0.0432"), (0.99, "0.99"), (12.34, "12.3"), (45678.9, "45,678.9"), (None, "none")]
+)
+def test_small_models_have_figures_too(value: float | None, text: str) -> None:
+    assert amount(value, 1) == text
+
+
+def test_reports_of_other_geometries_are_reached(tmp_path: Path) -> None:
+    state = state_of(tower())
+    sizes = {name: {"blocks": 3} for name in ("base", "length=2", "<b>")}
+    first = report(tmp_path, [(record_of(state, geometry="base"), state)], geometries=sizes)
+    assert 'href="geometry/length%3D2/report.html">length=2</a>' in first
+    assert 'href="geometry/%3Cb%3E/report.html">&lt;b&gt;</a>' in first
+    other = report(tmp_path, [(record_of(state, geometry="length=2"), state)], geometries=sizes)
+    assert 'href="../../report.html">base</a>' in other
 
 
 def test_the_title_block_names_work_and_input(tmp_path: Path) -> None:

@@ -86,8 +86,12 @@ function paint(out, analysis, byPanel) {
   for (let s = 0; s < stoneCount; s++) {
     if (byPanel) colour.copy(panelColours[data.panel_of[s]]);
     else speedColour(analysis.reference_speed > 0 ? analysis.speed[s] / analysis.reference_speed : 0, colour);
-    for (let p = pointer[s]; p < pointer[s + 1]; p++) colour.toArray(out, 3 * p);
+    fill(out, s, colour);
   }
+}
+
+function fill(out, stone, colour) {
+  for (let p = pointer[stone]; p < pointer[stone + 1]; p++) colour.toArray(out, 3 * p);
 }
 
 function lengthText(metres) {
@@ -196,7 +200,6 @@ function start(canvas, renderer) {
     arrow.clear();
     if (state.analysis.push) arrow.add(pushArrow(state.analysis.push));
     chosen(state.stone ?? null);
-    recolour();
     move();
   }
 
@@ -209,6 +212,7 @@ function start(canvas, renderer) {
   function recolour() {
     const byPanel = state.byPanel || !state.analysis.moving;
     paint(colour.array, state.analysis, byPanel);
+    if (Number.isInteger(state.stone)) fill(colour.array, state.stone, new THREE.Color(data.colours.picked));
     colour.needsUpdate = true;
     shell?.paint(state.byPanel);
     legend(byPanel, state.view, state.byPanel);
@@ -298,6 +302,28 @@ function start(canvas, renderer) {
   function chosen(stone) {
     state.stone = stone;
     showJoints(data, state.analysis.path ? null : joints, stone, state.analysis.joints);
+    recolour();
+  }
+
+  // Arrows turn the view, + and - zoom.
+  function steer(event) {
+    const turns = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }, zooms = { "+": 0.9, "-": 1 / 0.9 };
+    if (!(event.key in turns) && !(event.key in zooms)) return;
+    event.preventDefault();
+    const [around, over] = turns[event.key] ?? [0, 0];
+    const arm = camera.position.clone().sub(controls.target), length = arm.length() * (zooms[event.key] ?? 1);
+    const azimuth = Math.atan2(arm.y, arm.x) + 0.12 * around;
+    const polar = Math.min(Math.max(Math.acos(arm.z / arm.length()) + 0.12 * over, 0.01), Math.PI - 0.01);
+    arm.set(Math.sin(polar) * Math.cos(azimuth), Math.sin(polar) * Math.sin(azimuth), Math.cos(polar)).multiplyScalar(length);
+    camera.position.copy(controls.target).add(arm);
+    controls.update();
+    draw();
+  }
+
+  function find(name) {
+    const stone = data.id.indexOf(name);
+    element("viewer-picked").textContent = stone >= 0 ? describe(stone) : name ? `no stone ${name}` : "";
+    chosen(stone >= 0 ? stone : null);
   }
 
   function describe(s) {
@@ -325,6 +351,8 @@ function start(canvas, renderer) {
   offerParts(data, [solid, wires], (point) => data.panel_of[stoneOfPoint[point]], draw);
   offerPictures(canvas, draw);
   controls.addEventListener("change", draw);
+  canvas.addEventListener("keydown", steer);
+  element("viewer-stone").addEventListener("change", (e) => { find(e.target.value.trim()); });
   let pressed = [0, 0];
   canvas.addEventListener("pointerdown", (e) => { pressed = [e.clientX, e.clientY]; });
   canvas.addEventListener("pointerup", (e) => {
