@@ -190,6 +190,15 @@ def test_summary_and_table_say_the_same(pristine: Copy) -> None:
     assert [float(row["load_factor"]) for row in rows] == [a["load_factor"] for a in summary["analyses"]]
 
 
+def test_every_key_of_the_summary_is_documented(pristine: Copy, with_shell: Copy) -> None:
+    page = (ROOT / "docs" / "run_folder.md").read_text(encoding="utf-8")
+    known = set(re.findall(r"`(\w+)`", page))
+    for copy in (pristine, with_shell):
+        summary = copy.summary()
+        keys = {*summary, *summary["shell"]} if "shell" in summary else {*summary}
+        assert keys | {key for record in summary["analyses"] for key in record} <= known
+
+
 def test_a_second_run_does_nothing(pristine: Copy) -> None:
     # Not even the engine is started: its log is that of the first run.
     before = {path: path.stat().st_mtime_ns for path in (*pristine.out.glob("**/*.npz"), pristine.out / "run.log")}
