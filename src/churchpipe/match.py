@@ -325,7 +325,7 @@ def _angle_to_joints(stones: Assemblage, contacts: Contacts, along: FloatArray, 
     in_ring = np.repeat(loose[contacts.blocks].all(axis=1), 2) & (share > 0.5)
     neighbours = np.bincount(owner[in_ring], minlength=stones.count)
     voussoir = np.isin(neighbours, (1, 2))
-    leading = np.where((neighbours > 0)[owner], in_ring, share > 0.5)
+    leading: BoolArray = np.where((neighbours > 0)[owner], in_ring, share > 0.5)
     line = _inward_lines(stones, contacts, in_ring, along, across)
     # The extrados does not cross the line through its voussoir.
     crosses = np.abs(np.sin(turn - line[owner])) > LEAST_CROSSING
@@ -340,7 +340,7 @@ def _angle_to_joints(stones: Assemblage, contacts: Contacts, along: FloatArray, 
         np.concatenate([weight, np.where(neighbours > 0, slight, 0.0)]),
     )
     off = _half_turn(turn - mean[owner])
-    beds = np.where(voussoir[owner], leading, (np.abs(off) < np.pi / 4) & (share > 0.5))
+    beds: BoolArray = np.where(voussoir[owner], leading, (np.abs(off) < np.pi / 4) & (share > 0.5))
     low, high = np.full(stones.count, np.inf), np.full(stones.count, -np.inf)
     np.minimum.at(low, owner[beds], off[beds])
     np.maximum.at(high, owner[beds], off[beds])

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from churchpipe.errors import Extra, InputError
+from churchpipe.model.arguments import check_kind
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.block_curve import BlockCapacityCurve
 from churchpipe.model.results import CapacityCurve, LimitState, ShellLimitState
@@ -26,8 +27,8 @@ def plot(curve: CapacityCurve | BlockCapacityCurve) -> Any:
     InputError
         Not a curve, or one without steps; a package of `churchpipe[all]` is missing.
     """
-    if not isinstance(curve, CapacityCurve | BlockCapacityCurve):
-        raise InputError("plot: curve", "not a capacity curve", found=type(curve).__name__, expected="of stones or of a shell")
+    if not isinstance(curve, BlockCapacityCurve):
+        check_kind("plot: curve", curve, CapacityCurve)
     with Extra("a diagram"):
         from churchpipe.report.plots import new_plot
 
@@ -74,14 +75,13 @@ def show(model: Assemblage | ShellModel, state: LimitState | ShellLimitState | C
         if isinstance(model, Assemblage):
             velocities = None if state is None else _velocities(state, model)
             mechanism_picture(model, velocities, path)
-        elif isinstance(model, ShellModel):
+        else:
+            check_kind("show: model", model, ShellModel)
             motion, plastic = np.zeros((len(model.points), 3)), np.zeros((len(model.triangles), 6))
             if state is not None:
                 found = _of_shell(state, model)
                 motion, plastic = motion_of(found), np.nan_to_num(found.plastic)
             shell_picture(model, motion, plastic, path, np.array([0.55, -0.75, 0.4]) / np.linalg.norm([0.55, -0.75, 0.4]))
-        else:
-            raise InputError("show: model", "no picture of this", found=type(model).__name__, expected="stones or a shell")
         with Image.open(path) as picture:
             return picture.convert("RGB")
 

@@ -79,9 +79,9 @@ class Case:
     project: Project = field(default_factory=Project)
     sample: SampleSettings | None = None
     variant: Variant | None = None
-    swept: dict[str, Any] = field(default_factory=dict)
+    swept: dict[str, Any] = field(default_factory=dict[str, Any])
     overrides: tuple[str, ...] = ()
-    table: dict[str, Any] = field(default_factory=dict)
+    table: dict[str, Any] = field(default_factory=dict[str, Any])
 
     def building(self) -> Building:
         """Generate the building.
@@ -329,7 +329,7 @@ def _all(kind: type[_Record], checked: Table, key: str, file: str) -> tuple[_Rec
 
 def _check_complete(checked: Table, file: str) -> None:
     """Name at once all that an imported drawing did not say: materials, their unit weight and friction, loads."""
-    materials = checked.get("material") or {"default": {}}
+    materials: dict[str, Table] = checked.get("material") or {"default": {}}
     needed = "unit_weight_kN_m3", "friction"
     missing = [f"material.{name}.{key}" for name, table in materials.items() for key in needed if key not in table]
     if "pushover" in checked.get("shell", {}).get("analyses", ()):

@@ -90,7 +90,7 @@ def _check_weights(stones: Assemblage, materials: Sequence[Material]) -> None:
 
 
 def _new_document(units: str, properties: Sequence[tuple[str, str]]) -> Any:
-    document = filemanagement.new(schema.DXF_VERSION)
+    document: Any = filemanagement.new(schema.DXF_VERSION)
     document.header["$INSUNITS"] = schema.UNITS[units][0]
     document.header["$MEASUREMENT"] = 1
     document.appids.add(schema.APPID)

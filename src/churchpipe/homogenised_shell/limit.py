@@ -12,12 +12,13 @@ from churchpipe.homogenised_shell.bounds import Bounds, proved_bounds
 from churchpipe.homogenised_shell.condensed import CondensedShell
 from churchpipe.homogenised_shell.element import Membrane, ShellElements, Stations, shell_elements
 from churchpipe.homogenised_shell.settings import LIMIT, SOLVER
-from churchpipe.homogenised_shell.strength import PlaneSet, with_warning
+from churchpipe.homogenised_shell.strength import with_warning
 from churchpipe.homogenised_shell.ties import tied_analysis
 from churchpipe.model.arguments import check_kind, listed
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength
 from churchpipe.model.names import STRENGTH
+from churchpipe.model.names import Planes as PlaneSet
 from churchpipe.model.results import ShellLimitState, Status
 from churchpipe.model.shell import ShellModel
 from churchpipe.model.ties import Tie
@@ -89,11 +90,12 @@ def shell_limit_analysis(
 def _solved(condensed: CondensedShell, solver: Solver) -> ShellLimitState:
     shell = condensed.elements.shell
     methods = ["interior-point", "clarabel"] if solver == "auto" and len(shell.triangles) <= SOLVER.clarabel_facets else [solver]
-    for method in methods:
-        state = _analysed(condensed, "clarabel" if method == "clarabel" else "interior-point")
+    *others, last = methods
+    for method in others:
+        state = _analysed(condensed, method)
         if state.status != "failed":
-            break
-    return state
+            return state
+    return _analysed(condensed, "interior-point" if last == "auto" else last)
 
 
 def _analysed(condensed: CondensedShell, method: str) -> ShellLimitState:

@@ -27,12 +27,13 @@ from churchpipe.homogenised_shell.element import Membrane, ShellElements, Statio
 from churchpipe.homogenised_shell.limit import FALLS
 from churchpipe.homogenised_shell.settings import SOLVER
 from churchpipe.homogenised_shell.stiffness import facet_stiffness
-from churchpipe.homogenised_shell.strength import PlaneSet, with_warning
+from churchpipe.homogenised_shell.strength import with_warning
 from churchpipe.model.arguments import check_kind, describe, listed
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength
 from churchpipe.model.names import STRENGTH
+from churchpipe.model.names import Planes as PlaneSet
 from churchpipe.model.results import CapacityCurve, CapacityStep, Status
 from churchpipe.model.shell import ShellModel
 

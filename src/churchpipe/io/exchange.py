@@ -9,6 +9,7 @@ from churchpipe.errors import Extra, InputError
 from churchpipe.io.npz import SCHEMAS, Absent, read_any, write_npz
 from churchpipe.io.shell_vtu import shell_mesh
 from churchpipe.io.vtu import stones_mesh
+from churchpipe.model.arguments import check_kind
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.block_curve import BlockCapacityCurve
 from churchpipe.model.contacts import Contacts
@@ -106,6 +107,5 @@ def to_meshio(model: Assemblage | ShellModel) -> Any:
     """
     if isinstance(model, Assemblage):
         return stones_mesh(model)
-    if isinstance(model, ShellModel):
-        return shell_mesh(model)
-    raise InputError("to_meshio: model", "no mesh of this", found=type(model).__name__, expected="stones or a shell")
+    check_kind("to_meshio: model", model, ShellModel)
+    return shell_mesh(model)

@@ -131,7 +131,8 @@ def _along(
     found = bearing_stones(stones, first, last, height, on_top=on_top, where=where)
     parts: list[_Part] = []
     for start, end, stone, share, z in zip(found.start, found.end, found.stone, found.share, found.z, strict=True):
-        stops = np.unique(np.concatenate([np.linspace(start, end, PARTS + 1), [b for b in breaks if start < b < end]]))
+        inner = np.array([b for b in breaks if start < b < end], dtype=np.float64)
+        stops = np.unique(np.concatenate([np.linspace(start, end, PARTS + 1), inner]))
         for a, b in zip(stops[:-1].tolist(), stops[1:].tolist(), strict=True):
             low, high = intensity(a), intensity(b)
             amount = 0.5 * (low + high) * (b - a) * share

@@ -115,7 +115,9 @@ def _placed(stones: Assemblage, bar: TieBar) -> Tie:
     if not np.linalg.norm(span) > _CLOSE:
         raise InputError(where, "no length", found=f"both ends at {first.round(4).tolist()} m", expected="two anchors apart")
     axis = span / np.linalg.norm(span)
-    anchors, ends, thickness = [], [], []
+    anchors: list[Anchor] = []
+    ends: list[FloatArray] = []
+    thickness: list[float] = []
     for end, place, wall, pull in zip(("start", "end"), (first, second), walls, (axis, -axis), strict=True):
         outer, outward = _outer(place, wall, pull)
         ends.append(outer)

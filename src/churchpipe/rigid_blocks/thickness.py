@@ -11,7 +11,8 @@ from churchpipe.model.arguments import check_kind, positive
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
-from churchpipe.rigid_blocks.equilibrium import ContactModel, equilibrium
+from churchpipe.model.names import ContactModel
+from churchpipe.rigid_blocks.equilibrium import equilibrium
 from churchpipe.rigid_blocks.limit import Standing, dead_load_analysis, point_strength
 from churchpipe.stones.contacts import find_contacts
 

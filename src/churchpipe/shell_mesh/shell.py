@@ -11,7 +11,7 @@ from churchpipe.errors import InputError
 from churchpipe.geometry.charts import lift
 from churchpipe.geometry.clusters import NODE_TOLERANCE, clusters, components
 from churchpipe.geometry.planar import area
-from churchpipe.model.arguments import check_kind, describe, finite
+from churchpipe.model.arguments import check_kind, finite
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.building import BondRegion, Building, PlaneChart, Support
 from churchpipe.model.materials import by_name
@@ -144,8 +144,7 @@ def _vault_shell(building: Building, element_size: float) -> ShellModel:
 
 def _sizes(building: Building, element_size: float, sizes: Mapping[str, float]) -> list[float]:
     names = [panel.name for panel in building.panels]
-    if not isinstance(sizes, Mapping):
-        raise InputError("derive_shell: sizes", "wrong kind", found=describe(sizes), expected="{panel: element size in m}")
+    check_kind("derive_shell: sizes", sizes, Mapping, "Pass the element size of each panel, m, by its name.")
     for name in sizes:
         if name not in names:
             raise InputError(f"element size of {name}", "no such panel", expected=", ".join(names))
@@ -210,7 +209,7 @@ def _axes(surface: MidSurface, mesh: Mesh, facets: FloatArray) -> FloatArray:
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     # The level and the rising direction are those of the facet itself: a facet of a curved wall is slightly inclined to its
     # chart.
-    level = np.cross([0.0, 0.0, 1.0], normal)
+    level = np.cross(np.array([0.0, 0.0, 1.0]), normal)
     level /= np.linalg.norm(level, axis=1, keepdims=True)
     bed = direction[:, :1] * level + direction[:, 1:] * np.cross(normal, level)
     return np.stack([bed, np.cross(normal, bed), normal], axis=1)

@@ -38,5 +38,6 @@ def test_walls_are_told_apart(sight: str) -> None:
 @pytest.mark.parametrize("sight", BLIND)
 @pytest.mark.parametrize("ramp", ["SPEED_STOPS", "PLASTIC_STOPS"])
 def test_ramps_darken_from_end_to_end(ramp: str, sight: str) -> None:
+    # A difference of 2.3 is just noticeable.
     lightness = [lab(colour, sight)[0] for colour in getattr(colours, ramp)]
-    assert (np.diff(lightness) < -5).all()
+    assert (np.diff(lightness) < -2.3).all()
