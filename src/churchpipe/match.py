@@ -320,12 +320,14 @@ def _angle_to_joints(stones: Assemblage, contacts: Contacts, along: FloatArray, 
     normal, area = np.repeat(contacts.frame[:, 0], 2, axis=0), np.repeat(contacts.area, 2)
     # A joint is at right angles to its normal. What faces the front or back of the wall has no direction within it.
     up, level = np.einsum("kc,kc->k", normal, across[owner]), np.einsum("kc,kc->k", normal, along[owner])
-    share, turn = np.hypot(up, level), np.arctan2(-level, up)
+    share: FloatArray = np.hypot(up, level)
+    turn: FloatArray = np.arctan2(-level, up)
     loose = ~stones.coursed & ~stones.fixed
     in_ring = np.repeat(loose[contacts.blocks].all(axis=1), 2) & (share > 0.5)
     neighbours = np.bincount(owner[in_ring], minlength=stones.count)
     voussoir = np.isin(neighbours, (1, 2))
-    leading: BoolArray = np.where((neighbours > 0)[owner], in_ring, share > 0.5)
+    alone: BoolArray = (neighbours == 0)[owner]
+    leading: BoolArray = (in_ring & ~alone) | (alone & (share > 0.5))
     line = _inward_lines(stones, contacts, in_ring, along, across)
     # The extrados does not cross the line through its voussoir.
     crosses = np.abs(np.sin(turn - line[owner])) > LEAST_CROSSING
@@ -340,7 +342,8 @@ def _angle_to_joints(stones: Assemblage, contacts: Contacts, along: FloatArray, 
         np.concatenate([weight, np.where(neighbours > 0, slight, 0.0)]),
     )
     off = _half_turn(turn - mean[owner])
-    beds: BoolArray = np.where(voussoir[owner], leading, (np.abs(off) < np.pi / 4) & (share > 0.5))
+    of_ring: BoolArray = voussoir[owner]
+    beds: BoolArray = (of_ring & leading) | (~of_ring & (np.abs(off) < np.pi / 4) & (share > 0.5))
     low, high = np.full(stones.count, np.inf), np.full(stones.count, -np.inf)
     np.minimum.at(low, owner[beds], off[beds])
     np.maximum.at(high, owner[beds], off[beds])

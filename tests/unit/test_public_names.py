@@ -1,6 +1,9 @@
-"""Each parameter of a public function is described in its docstring, which the manual prints."""
+"""Each parameter of a public function is described in its docstring, which the manual prints; its module has strict types."""
 
 import inspect
+import sys
+import tomllib
+from pathlib import Path
 
 import pytest
 from griffe import Docstring, DocstringSectionKind
@@ -28,3 +31,12 @@ def test_each_parameter_is_described(function: object) -> None:
 @pytest.mark.parametrize("name", cp.__all__)
 def test_each_name_is_described(name: str) -> None:
     assert isinstance(getattr(cp, name), str) or inspect.getdoc(getattr(cp, name))
+
+
+def test_modules_of_public_names_have_strict_types() -> None:
+    root = Path(__file__).parents[2]
+    strict = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["pyright"]["strict"]
+    modules = {getattr(cp, name).__module__ for name in cp.__all__ if not isinstance(getattr(cp, name), str)}
+    files = {Path(str(inspect.getsourcefile(sys.modules[module]))).relative_to(root).as_posix() for module in modules}
+    assert [file for file in files if not any(file == known or file.startswith(f"{known}/") for known in strict)] == []
+    assert (root / "src" / "churchpipe" / "py.typed").is_file()

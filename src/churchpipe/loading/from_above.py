@@ -53,12 +53,13 @@ def _uppermost(stones: Assemblage, at: FloatArray) -> tuple[int, float]:
             slope = normal[face, :2] / normal[face, 2]
             found.append((float(mean[face, 2] - slope @ (at - mean[face, :2])), int(owner[face])))
     if not found:
-        low, high = (np.round(end, 3).tolist() for end in (stones.points[:, :2].min(axis=0), stones.points[:, :2].max(axis=0)))
+        low: FloatArray = stones.points[:, :2].min(axis=0).round(3)
+        high: FloatArray = stones.points[:, :2].max(axis=0).round(3)
         raise InputError(
             "load_from_above: place",
             "no stone lies there",
             found=at.tolist(),
-            expected=f"a place on a stone, within {low} to {high} m",
+            expected=f"a place on a stone, within {low.tolist()} to {high.tolist()} m",
         )
     height, stone = max(found)
     return stone, height

@@ -130,9 +130,10 @@ def _along(
     axis = (last - first) / length
     found = bearing_stones(stones, first, last, height, on_top=on_top, where=where)
     parts: list[_Part] = []
-    for start, end, stone, share, z in zip(found.start, found.end, found.stone, found.share, found.z, strict=True):
+    bearings: list[list[Any]] = [part.tolist() for part in (found.start, found.end, found.stone, found.share, found.z)]
+    for start, end, stone, share, z in zip(*bearings, strict=True):
         inner = np.array([b for b in breaks if start < b < end], dtype=np.float64)
-        stops = np.unique(np.concatenate([np.linspace(start, end, PARTS + 1), inner]))
+        stops = np.unique(np.concatenate([np.linspace(float(start), float(end), PARTS + 1), inner]))
         for a, b in zip(stops[:-1].tolist(), stops[1:].tolist(), strict=True):
             low, high = intensity(a), intensity(b)
             amount = 0.5 * (low + high) * (b - a) * share

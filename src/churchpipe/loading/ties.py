@@ -117,7 +117,7 @@ def _placed(stones: Assemblage, bar: TieBar) -> Tie:
     axis = span / np.linalg.norm(span)
     anchors: list[Anchor] = []
     ends: list[FloatArray] = []
-    thickness: list[float] = []
+    thickness: list[float | None] = []
     for end, place, wall, pull in zip(("start", "end"), (first, second), walls, (axis, -axis), strict=True):
         outer, outward = _outer(place, wall, pull)
         ends.append(outer)

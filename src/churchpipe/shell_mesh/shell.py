@@ -205,13 +205,13 @@ def _axes(surface: MidSurface, mesh: Mesh, facets: FloatArray) -> FloatArray:
     for number, region in enumerate(surface.panel.regions):
         inside = mesh.bond == number
         direction[inside] = bond_of(region).bed_direction(middle[inside])
-    normal = np.cross(facets[:, 1] - facets[:, 0], facets[:, 2] - facets[:, 0])
+    normal: FloatArray = np.cross(facets[:, 1] - facets[:, 0], facets[:, 2] - facets[:, 0])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     # The level and the rising direction are those of the facet itself: a facet of a curved wall is slightly inclined to its
     # chart.
-    level = np.cross(np.array([0.0, 0.0, 1.0]), normal)
+    level: FloatArray = np.cross(np.array([0.0, 0.0, 1.0]), normal)
     level /= np.linalg.norm(level, axis=1, keepdims=True)
-    bed = direction[:, :1] * level + direction[:, 1:] * np.cross(normal, level)
+    bed: FloatArray = direction[:, :1] * level + direction[:, 1:] * np.cross(normal, level)
     return np.stack([bed, np.cross(normal, bed), normal], axis=1)
 
 
