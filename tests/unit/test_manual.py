@@ -104,7 +104,7 @@ def ready_case(name: str) -> dict:
     """Return a ready case with all that parts of it may need besides."""
     case = tomllib.loads((ROOT / "pipeline" / "cases" / f"{name}.toml").read_text(encoding="utf-8"))
     case["material"]["default"]["elastic"] = ELASTIC
-    case["material"]["concrete"] = {"unit_weight_kN_m3": 25.0, "friction": 0.6}
+    case["material"]["concrete"] = case["material"]["default"] | {"unit_weight_kN_m3": 25.0}
     return case
 
 
