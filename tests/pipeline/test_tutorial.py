@@ -43,6 +43,12 @@ def test_the_numbers_of_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
         Path("nave.toml").write_text(text, encoding="utf-8")
         assert called(monkeypatch, "run", "nave.toml", "--out", "run") == 0
         found = load_factors(Path("run"))
+        if text != STEPS[0]:
+            indices = re.search(r"It is ([\d.]+) across the nave and ([\d.]+) for the facade", PAGE)
+            assert indices
+            checked = json.loads(Path("run", "summary.json").read_text(encoding="utf-8"))["analyses"][:2]
+            assert [f"{record['check']['zeta_e']:.2f}" for record in checked] == [*indices.groups()]
+            assert all(record["check"]["satisfied"] for record in checked)
         for load, bare, tied in printed:
             assert found[None, load] == pytest.approx(float(bare), abs=5e-5)
             if tied:

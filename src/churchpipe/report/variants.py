@@ -19,7 +19,7 @@ def variants_section(summary: Mapping[str, Any], geometry: str) -> dict[str, Any
     """Return what the section of the variants shows, or None of a case without variants.
 
     headings: of the load factors, by model and kind. costs: names of the cost figures. rows: one for each load and variant.
-    chart: SVG. geometry: the one whose report it is for; the others' reports are linked.
+    chart: SVG. geometry: the one whose report it is for, "" where there is one alone; the others' reports are linked.
     """
     variants = summary.get("variants", ())
     if len(variants) < 2:
@@ -43,7 +43,7 @@ def variants_section(summary: Mapping[str, Any], geometry: str) -> dict[str, Any
                 {
                     "load": load,
                     "name": name,
-                    "link": link_to(geometry, variant["geometry"], first),
+                    "link": link_to(geometry or first, variant["geometry"], first),
                     "factors": [_factor(found.get(kind), asis.get(kind), name) for kind in kinds],
                     "moves": next((words for row in found.values() if (words := what_moves(row.record))), ""),
                     "check": _check(found.values()),

@@ -77,6 +77,12 @@ def test_pictures_of_other_geometries_are_linked() -> None:
     assert variants_section(SUMMARY | {"variants": []}, "base") is None
 
 
+def test_variants_of_one_geometry_link_nowhere() -> None:
+    section = variants_section(SUMMARY | {"variants": SUMMARY["variants"][:2]}, "")
+    assert section is not None
+    assert [row["link"] for row in section["rows"]] == [""] * 4
+
+
 def test_the_section_stands_on_the_first_page(tmp_path: Path) -> None:
     stones = tower()
     state = state_of(stones)
