@@ -23,6 +23,8 @@ from churchpipe.report.safety import NOT_SATISFIED, verdict, what_moves
 
 # Between two lines of progress of one stage, seconds: on a terminal, and where each line stays.
 PAUSE, PATIENCE = 0.25, 30.0
+# Longer lists are folded.
+MOST_ROWS, MOST_QUESTIONS = 40, 8
 STATUS_STYLES = {"optimal": "green", "converged": "green", "unbounded": "cyan"}
 
 
@@ -148,7 +150,7 @@ def results_table(summary: Mapping[str, Any]) -> Table:
     table.add_column("status")
     if safety:
         table.add_column("check")
-    for analysis, check in zip(analyses, checks, strict=True):
+    for analysis, check in list(zip(analyses, checks, strict=True))[:MOST_ROWS]:
         table.add_row(
             *([analysis.get("variant") or "as it is"] if variants else []),
             str(analysis["load"]),
@@ -163,7 +165,12 @@ def results_table(summary: Mapping[str, Any]) -> Table:
             Text(analysis["status"], STATUS_STYLES.get(analysis["status"], "red")),
             *([Text(word := verdict(check), "red" if word == NOT_SATISFIED else "")] if safety else []),
         )
+    table.caption = _folded(len(analyses))
     return table
+
+
+def _folded(count: int) -> str | None:
+    return f"and {count - MOST_ROWS} more, all of them in table.csv and in the report" if count > MOST_ROWS else None
 
 
 def mechanism_table(summary: Mapping[str, Any]) -> Table | None:
@@ -177,7 +184,8 @@ def mechanism_table(summary: Mapping[str, Any]) -> Table | None:
         table.add_column("what moves: share of the motion")
     for title in ("moving, kN", "a0*, m/s2", "e* of stones"):
         table.add_column(title, justify="right")
-    for one in told:
+    table.caption = _folded(len(told))
+    for one in told[:MOST_ROWS]:
         check = one.get("check") or {}
         figures = [check.get(key) for key in ("moving_weight_kN", "a0_lumped_m_s2", "mass_fraction")]
         words = [what_moves(one)] if named else []
@@ -236,6 +244,7 @@ def remarks(summary: Mapping[str, Any]) -> list[str]:
     from churchpipe.compare import account_of_joints
     from churchpipe.report.uncertainty import uncertainty_lines
 
+    questions = [f"Question: {text}" for text in summary.get("questions", ())]
     return [
         *uncertainty_lines(summary),
         *account_of_joints(summary),
@@ -243,7 +252,8 @@ def remarks(summary: Mapping[str, Any]) -> list[str]:
         *(_movement(one) for one in summary.get("movements", ())),
         *summary.get("guidance", ()),
         *(f"Load {one['load']}: {one['check']['governs']}" for one in summary["analyses"] if "governs" in one.get("check", {})),
-        *(f"Question: {text}" for text in summary.get("questions", ())),
+        *questions[:MOST_QUESTIONS],
+        *([f"and {len(questions) - MOST_QUESTIONS} more questions in the report"] if len(questions) > MOST_QUESTIONS else []),
     ]
 
 

@@ -442,6 +442,17 @@ def test_show_tells_what_moves_and_what_the_check_finds(capsys: pytest.CaptureFi
     assert "Support pier: 87.2 mm, unbounded; widest crack 12 mm in nave" in out
 
 
+def test_long_lists_are_folded(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    analysis = {"load": "+x", "flow": "associative", "load_factor": 0.2, "status": "optimal"}
+    summary = {"case": "w", "blocks": 1, "interfaces": 1, "weight_kN": 1.0, "analyses": [analysis] * 100}
+    write_json(tmp_path / "summary.json", summary | {"questions": [f"value {n}?" for n in range(20)]})
+    _, out, _ = call(capsys, "show", tmp_path)
+    assert out.count("optimal") == 40
+    assert "and 60 more, all of them in table.csv and in the report" in out
+    assert out.count("Question: ") == 8
+    assert "and 12 more questions in the report" in out
+
+
 def test_show_lists_the_runs_of_a_folder(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     words = {"load": "+x", "flow": "associative", "status": "optimal"}
     analyses = [{**words, "load_factor": factor} for factor in (0.25, 0.5)]
