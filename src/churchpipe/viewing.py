@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 
-from churchpipe.config import Generated, read_variants
+from churchpipe.config.case import Generated, read_variants
 from churchpipe.config.plausible import questions
 from churchpipe.dxf.reading import Reading
 from churchpipe.errors import Extra, InputError

@@ -17,7 +17,7 @@ from mkdocs.exceptions import Abort
 
 import churchpipe
 from churchpipe.cli import app
-from churchpipe.config import read_variants
+from churchpipe.config.case import read_variants
 from churchpipe.errors import InputError
 
 ROOT = Path(__file__).parents[2]

@@ -4,6 +4,7 @@ import copy
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -108,7 +109,7 @@ class Case:
             ) from error
         try:
             for number, buttress in enumerate(self.buttresses):
-                building = tried(f"buttresses.{number}", lambda built=building, one=buttress: with_buttresses(built, [one]))
+                building = tried(f"buttresses.{number}", partial(with_buttresses, building, [buttress]))
             building = replace(building, ring_beams=self.ring_beams)
         except InputError as error:
             where = error.at(f"{self.path}: {error.where}")

@@ -1,5 +1,6 @@
 """Models and results for other programs: tables (pandas), meshes (meshio), files of arrays."""
 
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -70,7 +71,7 @@ def to_pandas(value: Assemblage | Contacts | CapacityCurve | BlockCapacityCurve)
         Something else; pandas is not installed.
     """
     with Extra("a table of pandas"):
-        import pandas as pd
+        pd: Any = import_module("pandas")
     axes = "xyz"
     match value:
         case Assemblage():

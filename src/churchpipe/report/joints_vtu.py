@@ -1,6 +1,7 @@
 """The joints of the stones for ParaView: forces, openings and slips of an analysis."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -32,15 +33,23 @@ def write_joints(path: Path, stones: Assemblage, contacts: Contacts, state: Limi
     # meshio keeps polygons of one number of corners together.
     rank = np.argsort(sizes, kind="stable")
     corners = [order[contacts.point_ptr[i] : contacts.point_ptr[i + 1]] for i in rank]
-    blocks = [("polygon", [corners[k] for k in np.flatnonzero(sizes[rank] == size)]) for size in np.unique(sizes)]
+    blocks: list[Any] = [("polygon", [corners[k] for k in np.flatnonzero(sizes[rank] == size)]) for size in np.unique(sizes)]
     split = np.cumsum([len(cells) for _, cells in blocks])[:-1]
     normal, shear, opening, slip = joint_values(stones, contacts, state).T
-    values = {"normal_force": normal, "shear_force": shear, "opening": opening, "slip": slip, "area": contacts.area}
+    values: dict[str, Any] = {
+        "normal_force": normal,
+        "shear_force": shear,
+        "opening": opening,
+        "slip": slip,
+        "area": contacts.area,
+    }
+    values |= {"normal": contacts.frame[:, 0]}
+    cell_data: dict[str, Any] = {key: np.split(part[rank], split) for key, part in values.items()}
     mesh = meshio.Mesh(
         contacts.point,
         blocks,
         point_data={"force": np.einsum("pa,pac->pc", forces, frame), "opening": rates[:, 0]},
-        cell_data={key: np.split(part[rank], split) for key, part in (values | {"normal": contacts.frame[:, 0]}).items()},
+        cell_data=cell_data,
     )
     first, second = (stones.block_id[side][rank] for side in contacts.blocks.T)
     write_named(path, mesh, {"kind": contacts.kind[rank], "first": first, "second": second})
