@@ -1,0 +1,55 @@
+"""The real path in the report: frames of the viewer, snapshots, crack maps."""
+
+import base64
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import churchpipe as cp
+from churchpipe.model.arrays import FloatArray
+from churchpipe.report.paths import crack_maps, path_label, snapshots, viewer_path
+from churchpipe.report.viewer import origin_of
+from solids import box, on_ground
+
+STONES = replace(
+    on_ground(*[box((0, 0.4), (0, 1), (i / 2, (i + 1) / 2)) for i in range(4)]), panel=np.array(["ground", *["pier"] * 4])
+)
+CONTACTS = cp.find_contacts(STONES)
+RECORD = {"load": "+x", "friction": 0.6, "name": "curve"}
+
+
+@pytest.fixture(scope="module")
+def curve() -> cp.BlockCapacityCurve:
+    return cp.block_pushover(STONES, CONTACTS, cp.LoadCase((1, 0, 0)), 0.6, step=0.02)
+
+
+def numbers(text: str) -> FloatArray:
+    return np.frombuffer(base64.b64decode(text), dtype="<f4").reshape(-1, STONES.count, 3)
+
+
+def test_the_viewer_has_the_poses_of_the_path(curve: cp.BlockCapacityCurve) -> None:
+    found = viewer_path(STONES, RECORD, curve, origin_of(STONES))
+    path = found["path"]
+    assert path_label(RECORD) == found["label"] == "real path, load +x, friction 0.6"
+    assert path["words"][0] == "0 mm, load factor 0.2000"
+    assert numbers(path["position"])[-1] + origin_of(STONES) == pytest.approx(curve.position[-1], abs=1e-6)
+    assert numbers(path["rotation"])[-1] == pytest.approx(curve.rotation[-1], abs=1e-6)
+    assert len(path["words"]) == len(numbers(path["position"])) <= 16
+    assert found["moving"] == 4
+
+
+def test_pictures_stand_half_way_and_at_the_end(curve: cp.BlockCapacityCurve, tmp_path: Path) -> None:
+    last = len(curve.load_factor) - 1
+    made = snapshots(STONES, [(RECORD, curve)], tmp_path)
+    assert [file.name for _, file, _ in made] == [f"curve_{last // 2:03d}.png", f"curve_{last:03d}.png"]
+    assert made[-1][0].startswith("real path, load +x, friction 0.6: ")
+    # The stones are drawn where they are at the step.
+    assert np.array_equal(made[-1][2][1][1], curve.position[-1])
+
+
+def test_crack_maps_show_the_joint_that_opens(curve: cp.BlockCapacityCurve) -> None:
+    ((words, drawing),) = crack_maps(STONES, CONTACTS, [(RECORD, curve)])
+    assert "pier" in words
+    assert drawing.startswith("<svg")
