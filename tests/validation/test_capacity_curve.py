@@ -280,9 +280,6 @@ def _thrust_line(stones: Assemblage, curve: BlockCapacityCurve, step: int, close
 def test_s22(step: float) -> None:
     stones, contacts = model("S22")
     curve = block_pushover(stones, contacts, LOADS["S22"], 0.7, step=step)
-    # Where next to nothing holds the wall any more, motions of single stones are harder to fit.
-    held = curve.load_factor > 0.5 * curve.load_factor[0]
-    assert curve.misfit[held].max() < 3e-3
     # Where next to nothing holds the wall any more, stones may fall before the load factor is zero.
     fallen = curve.status == "collapsed" and curve.load_factor[-1] < 0.01 * curve.load_factor[0]
     assert curve.status == "vanished" or fallen
@@ -290,7 +287,10 @@ def test_s22(step: float) -> None:
     assert 0.1882 <= curve.load_factor[0] <= 0.1889
     # Measured: .01935 m in steps of 4 mm, .01911 of 3 mm, .01930 of 2 mm.
     assert curve.d0 == pytest.approx(0.0192, rel=2e-2)
-    assert_certified(curve)
+    assert curve.residual.max() < 1e-8
+    assert curve.violation.max() < 1e-8
+    # Where next to nothing holds the wall any more, the motions of single stones are harder to fit.
+    assert curve.misfit[curve.load_factor > 0.5 * curve.load_factor[0]].max() < 3e-3
     work, taken = energies(stones, curve)
     assert work == pytest.approx(taken, rel=2e-2)
 
