@@ -38,6 +38,7 @@ from .model.carried import PointLoad as PointLoad
 from .model.carried import Pressure as Pressure
 from .model.contacts import Contacts as Contacts
 from .model.fill import Fill as Fill
+from .model.gains import Sensitivities as Sensitivities
 from .model.joint_group import JointGroup as JointGroup
 from .model.loads import LoadCase as LoadCase
 from .model.materials import Elastic as Elastic
@@ -62,7 +63,6 @@ from .notebook import show as show
 from .recognition.laying import lay_stones as lay_stones
 from .rigid_blocks.limit import limit_analysis as limit_analysis
 from .rigid_blocks.ranking import rank_ties as rank_ties
-from .rigid_blocks.sensitivity import Sensitivities as Sensitivities
 from .rigid_blocks.sensitivity import sensitivities as sensitivities
 from .rigid_blocks.study import LimitStudy as LimitStudy
 from .rigid_blocks.thickness import MinimumThickness as MinimumThickness

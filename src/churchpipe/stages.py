@@ -257,6 +257,7 @@ def rigid(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
     """One rigid-block analysis -> its state and its record for the summary."""
     from churchpipe.rigid_blocks.limit import limit_analysis
     from churchpipe.rigid_blocks.ranking import rank_ties
+    from churchpipe.rigid_blocks.sensitivity import sensitivities
     from churchpipe.stones.joints import crushing_strength, joint_strength
 
     table = read_json(settings)
@@ -274,9 +275,11 @@ def rigid(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
     ranked: tuple[RankedTie, ...] = ()
     if borne.candidates and np.isfinite(found.load_factor):
         ranked = rank_ties(found, borne.candidates, stones, joints, pushed, friction, cohesion, **options)
+    known = found.flow == "associative" and np.isfinite(found.load_factor) and found.velocities.any()
+    rates = sensitivities(found, stones, joints, pushed) if known else None
     write_npz(state, found)
     here, model = [one for one in materials if one.name in used], table.get("contact_model", CONTACT_MODEL)
-    write_record(record, record_of(found, load, here, model, borne.ties, ranked))
+    write_record(record, record_of(found, load, here, model, borne.ties, ranked, rates))
 
 
 def curve(settings: Path, assemblage: Path, contacts: Path, state: Path, record: Path, progress: Progress | None = None) -> None:

@@ -6,9 +6,10 @@ from dataclasses import replace
 import numpy as np
 
 from churchpipe.io.records import BlockCurveRecord, BlockPath, Curve, Outcome, Question, RigidRecord, ShellRecord, Sliding
-from churchpipe.io.tie_records import candidates_of, tie_forces_of
+from churchpipe.io.tie_records import candidates_of, gains_of, tie_forces_of
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.block_curve import BlockCapacityCurve
+from churchpipe.model.gains import Sensitivities
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength
 from churchpipe.model.names import CONTACT_MODEL, ContactModel, Planes, ShellMethod
@@ -34,8 +35,9 @@ def record_of(
     contact_model: ContactModel = CONTACT_MODEL,
     ties: Sequence[Tie] = (),
     ranked: Sequence[RankedTie] = (),
+    rates: Sensitivities | None = None,
 ) -> RigidRecord:
-    """Return the record of a rigid-block analysis with these ties, and the ranking of others."""
+    """Return the record of a rigid-block analysis with these ties, the ranking of others, and what would help its walls."""
     outcome = Outcome(
         state.status,
         state.load_factor,
@@ -52,7 +54,7 @@ def record_of(
     if state.flow == "non-associative":
         history = tuple(step.load_factor for step in state.history)
         sliding = Sliding(state.gap, state.interval, state.friction_violation, state.fixed_points, history)
-    tied = tie_forces_of(ties, state), candidates_of(ranked)
+    tied = tie_forces_of(ties, state), candidates_of(ranked), gains_of(rates) if rates else ()
     return RigidRecord(question_of(load, materials), outcome, state.flow, sliding, contact_model, *tied)
 
 

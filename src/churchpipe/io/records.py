@@ -9,7 +9,7 @@ import numpy as np
 from churchpipe.errors import InputError
 from churchpipe.io.atomic import write_json
 from churchpipe.io.tables import read_json
-from churchpipe.io.tie_records import TieCandidate, TieForce, tie_words
+from churchpipe.io.tie_records import Gain, TieCandidate, TieForce, tie_words
 from churchpipe.model.arguments import finite, one_of, text
 from churchpipe.model.block_curve import CURVE_STATUSES
 from churchpipe.model.names import CONTACT_MODEL, RIGID_BLOCKS, SHELL, ContactModel, Planes, ShellMethod
@@ -96,7 +96,7 @@ class Sliding:
 
 @dataclass(frozen=True, slots=True)
 class RigidRecord:
-    """A rigid-block analysis, with the ties of the structure and those that might be added."""
+    """A rigid-block analysis, with the ties of the structure, those that might be added, and what would help its walls."""
 
     question: Question
     outcome: Outcome
@@ -105,6 +105,7 @@ class RigidRecord:
     contact_model: ContactModel = CONTACT_MODEL
     ties: tuple[TieForce, ...] = ()
     candidates: tuple[TieCandidate, ...] = ()
+    gains: tuple[Gain, ...] = ()
 
     def __post_init__(self) -> None:
         one_of("record: flow", self.flow, "associative", "non-associative")
@@ -115,6 +116,7 @@ class RigidRecord:
         words = {"model": RIGID_BLOCKS, "flow": self.flow, "contact_model": self.contact_model, **self.question.as_words()}
         words |= _ending(self.outcome, "cone_violation")
         words |= {"tie_candidates": [one.as_words() for one in self.candidates]} if self.candidates else {}
+        words |= {"gains": [one.as_words() for one in self.gains]} if self.gains else {}
         return words | (asdict(self.sliding) if self.sliding else {}) | tie_words(self.ties)
 
 
@@ -219,12 +221,12 @@ class LeftOut:
 
 Record = RigidRecord | BlockCurveRecord | ShellRecord | LeftOut
 _SCHEMAS: dict[str, type[Any]] = {
-    "churchpipe rigid-record 2": RigidRecord,
+    "churchpipe rigid-record 3": RigidRecord,
     "churchpipe block-curve-record 1": BlockCurveRecord,
     "churchpipe shell-record 2": ShellRecord,
     "churchpipe left-out 1": LeftOut,
 }
-_LISTS = {"ties": TieForce, "candidates": TieCandidate}
+_LISTS = {"ties": TieForce, "candidates": TieCandidate, "gains": Gain}
 _PARTS = {"question": Question, "outcome": Outcome, "sliding": Sliding, "curve": Curve, "path": BlockPath}
 
 

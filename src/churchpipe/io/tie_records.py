@@ -1,4 +1,4 @@
-"""Ties in the records of analyses: what each carries, and what candidates would add."""
+"""What helps, in the records of analyses: what each tie carries, and what candidates, cohesion and weight would add."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -7,6 +7,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from churchpipe.model.block_curve import BlockCapacityCurve
+from churchpipe.model.gains import Sensitivities
 from churchpipe.model.results import CapacityCurve, LimitState, ShellLimitState
 from churchpipe.model.ties import RankedTie, Tie
 
@@ -59,6 +60,25 @@ class TieCandidate:
             "most": self.most,
             "load_factor": self.load_factor,
         }
+
+
+@dataclass(frozen=True, slots=True)
+class Gain:
+    """What changes of a wall would add to a load factor: cohesion of all its joints, 1/Pa, and weight, 1/N."""
+
+    panel: str
+    cohesion: float
+    weight: float
+
+    def as_words(self) -> dict[str, Any]:
+        """Return the wall in the words of summary.json."""
+        return {"panel": self.panel, "cohesion_1_kPa": 1e3 * self.cohesion, "weight_1_kN": 1e3 * self.weight}
+
+
+def gains_of(rates: Sensitivities) -> tuple[Gain, ...]:
+    """Return what would help, by wall; nothing where there is one alone."""
+    columns = zip(rates.panel.tolist(), rates.cohesion.tolist(), rates.weight.tolist(), strict=True)
+    return tuple(Gain(*one) for one in columns) if len(rates.panel) > 1 else ()
 
 
 def tie_forces_of(ties: Sequence[Tie], state: LimitState | ShellLimitState) -> tuple[TieForce, ...]:

@@ -16,6 +16,8 @@ from churchpipe.report.table import Row, figure
 
 # Length of the longest arrow over the size of the building, and most arrows drawn of a load.
 _ARROW, _ARROWS = 0.08, 25
+# Walls listed of an analysis.
+_GAINS = 4
 
 
 def load_rows(borne: Mapping[str, Borne]) -> list[list[str]]:
@@ -74,6 +76,15 @@ def candidate_rows(rows: Sequence[Row]) -> list[list[str]]:
         ]
         for row in rows
         for one in row.record.get("tie_candidates") or ()
+    ]
+
+
+def gain_rows(rows: Sequence[Row]) -> list[list[str]]:
+    """Return for each analysis a row for each of the walls that more cohesion or weight would help or harm most."""
+    return [
+        [row.label, str(one["panel"]), f"{10 * one['cohesion_1_kPa']:+.4f}", f"{10 * one['weight_1_kN']:+.5f}"]
+        for row in rows
+        for one in sorted(row.record.get("gains") or (), key=lambda gain: -gain["cohesion_1_kPa"])[:_GAINS]
     ]
 
 

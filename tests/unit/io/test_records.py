@@ -20,6 +20,7 @@ from churchpipe.io.records import (
     read_record,
     write_record,
 )
+from churchpipe.io.tie_records import Gain
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
 from churchpipe.model.results import CapacityCurve, CapacityStep
@@ -110,3 +111,16 @@ def test_a_curve_is_checked_and_frozen() -> None:
     for change in ({"control_point": 2}, {"control": np.zeros(2)}, {"status": "fine"}, {"plastic": np.zeros((1, 5))}):
         with pytest.raises(InputError, match="CapacityCurve"):
             CapacityCurve(**good | change)
+
+
+def test_what_would_help_the_walls_is_kept(tmp_path: Path) -> None:
+    gains = (Gain("north", 1.5e-5, -2e-6), Gain("south", 0.0, 3e-6))
+    record = RigidRecord(QUESTION, OUTCOME, "associative", gains=gains)
+    write_record(tmp_path / "r.json", record)
+    assert read_record(tmp_path / "r.json") == record
+    first = record.as_words()["gains"][0]
+    assert (first["panel"], first["cohesion_1_kPa"], first["weight_1_kN"]) == (
+        "north",
+        pytest.approx(1.5e-2),
+        pytest.approx(-2e-3),
+    )
