@@ -19,8 +19,8 @@ def wall_stiffness(bond: str, a: npt.ArrayLike, b: npt.ArrayLike, h: npt.ArrayLi
 
     bond: a name of `bond.period`, or "single", one stone without joints (a lintel). a, b, h: course height, stone length, wall
     thickness, m, which broadcast. Membrane stiffness N/m, bending stiffness N m. The compliances of stones (an isotropic plate)
-    and of joints between rigid stones are added. For running bond, in closed form, this holds against a finite-element cell
-    within 5 %, but M12 is 23 % too stiff.
+    and of joints between rigid stones are added; for running bond the latter in closed form. Against one period in finite
+    elements this is within 5 %, but for M12, which is 16 to 23 % too stiff (docs/shell.md).
 
     Raises
     ------
