@@ -366,7 +366,7 @@ def test_bad_input_found_by_a_stage_is_1_and_says_so(pristine: Copy, tmp_path: P
     assert not (run / "summary.json").exists()
     code, _, err = pristine.call("churchpipe", "show", run)
     assert code == 1
-    assert "the last run did not end well" in err
+    assert "the last run did not go to its end" in err
     assert "too many stones" in err
     assert (run / "geometry" / "base" / "building.json").exists()
 

@@ -241,4 +241,4 @@ def test_why_a_run_did_not_end_is_read_whatever_it_says(capsys: pytest.CaptureFi
     (tmp_path / engine.UNFINISHED).write_bytes(b"\xff\xfe")
     code, _, err = call(capsys, "show", tmp_path)
     assert code == cli.FINDINGS
-    assert "the last run did not end well" in err
+    assert "the last run did not go to its end" in err
