@@ -20,6 +20,7 @@ from .large_displacements.settlement import settlement_analysis as settlement_an
 from .large_displacements.settlement_path import settlement_path as settlement_path
 from .large_displacements.thrust import ThrustRange as ThrustRange
 from .large_displacements.thrust import thrust_range as thrust_range
+from .loading.fill import with_fill as with_fill
 from .loading.from_above import load_from_above as load_from_above
 from .loading.outward import outward_load as outward_load
 from .loading.placing import place_loads as place_loads

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 
 _METRES = UNITS["_m"]
+# Piers thinner than this many thicknesses of their groin vault are questioned.
+_PIER = 2.0
 HEIGHT = Usual(0.05, 200.0, "models of tilting tests to the tallest spires")
 LENGTH = Usual(0.05, 500.0, "models of tilting tests to the longest churches")
 STONE = Usual(0.005, 25.0, "bricks of models to the largest cut stones")
@@ -59,6 +61,18 @@ def _of_vaults(case: "Case") -> Iterator[str]:
         yield (
             "A half dome pushes outwards all round, and here nothing stands before it: it holds by friction along its rings "
             'alone. Is front = "wall" meant?'
+        )
+    pier = given.get("wall_thickness")
+    if given.get("kind") == "groin" and pier is not None and pier < _PIER * given["thickness"]:
+        yield (
+            f"A groin vault {given['thickness']:g} m thick pushes piers {pier:g} m thick over: it falls under its own weight "
+            "where they are no thicker than itself. Are thicker piers or ties meant?"
+        )
+    low = generator == "dome" and "rise" in given
+    if case.shell is not None and (low or given.get("shape") == "segmental"):
+        yield (
+            "The shell of a vault on skewbacks does not slide off them, as its stones do: of both load factors the lower one is "
+            "to be used. Is [shell] meant?"
         )
     if generator == "dome" and given.get("laid") == "lunes" and given.get("stone_sides", 2) > 1:
         turn = (1 if given.get("plan") == "half" else 2) * np.pi * given.get("stone_sides", 2) / given.get("sides", 32) / 2

@@ -57,6 +57,8 @@ def test_what_is_out_of_all_reason_is_questioned(change: dict[str, float], words
         ('plan = "half"\n#', ["A half dome pushes outwards all round"]),
         ('plan = "half"\nfront = "wall"\n#', []),
         ('laid = "lunes"\n#', ["Stones of 2 sides are bowed in plan by 57.6 mm"]),
+        ("rise_m = 2.0\n#", []),
+        ("rise_m = 2.0\n[shell]\nelement_size_mm = 500\n#", ["The shell of a vault on skewbacks does not slide off them"]),
         ('[rigid]\nflow = ["associative"]\n#', ["A vault is analysed with joints that open as they slide"]),
     ],
 )
@@ -69,6 +71,20 @@ def test_vaults_that_mislead_are_questioned(change: str, words: list[str], tmp_p
     found = questions([read_case(path)])
     assert len(found) == len(words)
     assert all(text.startswith(start) for text, start in zip(found, words, strict=True))
+
+
+def test_slender_piers_of_a_groin_vault_are_questioned(tmp_path: Path) -> None:
+    path = tmp_path / "groin.toml"
+    source = (
+        '[source]\ngenerator = "vault"\nkind = "groin"\nspan_m = 3.7\nthickness_m = 0.3\ncourses = 19\nstone_length_m = 0.6\n'
+    )
+    rest = "[material.default]\nunit_weight_kN_m3 = 18\nfriction = 0.6\n[[load]]\ndirection = [1, 0, 0]\n"
+    rest += '[rigid]\nflow = ["associative", "non-associative"]\n'
+    for thickness, asked in ((0.3, 1), (0.9, 0)):
+        path.write_text(f"{source}wall_height_m = 1.0\nwall_course_m = 0.5\nwall_thickness_m = {thickness}\n{rest}")
+        found = questions([read_case(path)])
+        assert len(found) == asked
+        assert all(text.startswith("A groin vault 0.3 m thick pushes piers 0.3 m thick over") for text in found)
 
 
 def test_sizes_are_questioned() -> None:

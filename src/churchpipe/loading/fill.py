@@ -1,0 +1,137 @@
+"""Loose fill on the back of a vault: weight that it carries, and mass that an earthquake pushes."""
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from churchpipe.errors import InputError
+from churchpipe.model.arguments import check_kind, positive
+from churchpipe.model.arrays import BoolArray, FloatArray
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.contacts import Contacts, check_contacts_of
+from churchpipe.model.loads import LoadCase
+from churchpipe.model.polyhedra import face_normals
+from churchpipe.model.shell import ShellModel
+
+# A face is a part of the back when joints cover less than this share of it.
+_FREE = 0.5
+# Faces and joints whose normals differ by less than this sine, and whose planes by this share of the structure, are one.
+_PARALLEL, _ONE = 1e-3, 1e-6
+
+
+def with_fill(
+    load: LoadCase,
+    body: Assemblage | ShellModel,
+    panels: str | Sequence[str],
+    level: float,
+    unit_weight: float,
+    contacts: Contacts | None = None,
+) -> LoadCase:
+    """Return a load case with loose fill on the backs of vaults, up to a level: its weight acts always, and where the load case
+    pushes weight, the fill is pushed with it.
+
+    Each stone or facet carries the fill upright above it. Fill has no strength of its own here, which is safe: what it adds by
+    leaning on walls is left out. Its mass acts in the middle of each column.
+
+    Parameters
+    ----------
+    load
+        The load case, with a uniform profile.
+    body
+        The stones, or the shell.
+    panels
+        The macro-elements on whose backs the fill lies, one name or several.
+    level
+        Height z of the top of the fill, m.
+    unit_weight
+        Of the fill, N/m3.
+    contacts
+        The joints of the stones, which tell their backs from their beds; a shell needs none.
+
+    Raises
+    ------
+    InputError
+        Names that nothing has, no back below the level, stones without contacts, a load case of another profile.
+    """
+    check_kind("with_fill: load", load, LoadCase)
+    positive("with_fill: unit_weight", unit_weight)
+    names = (panels,) if isinstance(panels, str) else tuple(panels)
+    missing = sorted(set(names) - set(body.panel.tolist()))
+    if missing:
+        raise InputError(
+            "with_fill: panels", "no such panel", found=", ".join(missing), expected=", ".join(np.unique(body.panel))
+        )
+    if load.profile != "uniform":
+        raise InputError("with_fill: load", "not pushed alike at all heights", found=load.profile, expected='profile = "uniform"')
+    count, centre = (body.count, body.centroid) if isinstance(body, Assemblage) else (len(body.triangles), body.centroid)
+    dead, live = (np.zeros((count, 6)) if extra is None else np.array(extra) for extra in (load.dead, load.live))
+    pushed = load.panels is None or set(names) & set(load.panels)
+    filled = 0.0
+    for owner, corner in _backs(body, np.isin(body.panel, names), contacts):
+        volume, moment = _column(_below(corner, level), level)
+        filled += volume
+        arm = moment - volume * centre[owner]
+        for wrench, toward in ((dead, np.array([0.0, 0.0, -1.0])), (live, load.direction if pushed else np.zeros(3))):
+            wrench[owner, :3] += unit_weight * volume * toward
+            wrench[owner, 3:] += unit_weight * np.cross(arm, toward)
+    if not filled > 0:
+        raise InputError(
+            "with_fill: level", "no back lies below it", found=f"{level:g} m", expected="a level above the springing"
+        )
+    direction = load.direction if load.direction.any() else None
+    return LoadCase(direction, load.name, load.panels, load.profile, dead, live if live.any() else None)
+
+
+def _backs(body: Assemblage | ShellModel, chosen: BoolArray, contacts: Contacts | None) -> Iterator[tuple[int, FloatArray]]:
+    """Yield the upper faces of the chosen stones or facets: their owner and their corners (k, 3) m."""
+    if isinstance(body, ShellModel):
+        upward = body.axes[:, 2] * np.where(body.axes[:, 2, 2:] < 0, -1.0, 1.0)
+        # Nodes move out by half the thickness along the mean normal of the facets around them, so that backs meet as facets do.
+        mean = np.zeros_like(body.points)
+        np.add.at(mean, body.triangles[chosen], (body.area[:, None] * upward)[chosen][:, None])
+        mean /= np.maximum(np.linalg.norm(mean, axis=1, keepdims=True), np.finfo(float).tiny)
+        outward = mean[body.triangles]
+        along = np.maximum(np.einsum("fkc,fc->fk", outward, upward), _PARALLEL)
+        corners = body.points[body.triangles] + (0.5 * body.thickness[:, None] / along)[..., None] * outward
+        for facet in np.flatnonzero(chosen & (upward[:, 2] > _PARALLEL)).tolist():
+            yield facet, corners[facet]
+        return
+    if contacts is None:
+        raise InputError("with_fill: contacts", "missing", expected="the joints of the stones")
+    check_contacts_of(body, contacts)
+    vector, normal, mean = face_normals(body.points, body.face_nodes, body.face_ptr)
+    owner = np.repeat(np.arange(body.count), np.diff(body.block_face_ptr))
+    middle = np.add.reduceat(contacts.point, contacts.point_ptr[:-1], axis=0) / contacts.points_per_interface[:, None]
+    for face in np.flatnonzero((normal[:, 2] > _PARALLEL) & chosen[owner] & ~body.fixed[owner]).tolist():
+        joints = np.flatnonzero((contacts.blocks == owner[face]).any(axis=1))
+        along = np.linalg.norm(np.cross(contacts.frame[joints, 0], normal[face]), axis=1) < _PARALLEL
+        on = np.abs((middle[joints] - mean[face]) @ normal[face]) < _ONE * body.size
+        if contacts.area[joints[along & on]].sum() < _FREE * float(np.linalg.norm(vector[face])):
+            yield int(owner[face]), body.points[body.face_nodes[slice(*body.face_ptr[face : face + 2])]]
+
+
+def _below(corner: FloatArray, level: float) -> FloatArray:
+    """Return the part of a plane polygon (k, 3) m below a level."""
+    found: list[FloatArray] = []
+    for a, b in zip(corner, np.roll(corner, -1, axis=0), strict=True):
+        if a[2] <= level:
+            found.append(a)
+        if (a[2] - level) * (b[2] - level) < 0:
+            found.append(a + (level - a[2]) / (b[2] - a[2]) * (b - a))
+    return np.array(found).reshape(-1, 3)
+
+
+def _column(corner: FloatArray, level: float) -> tuple[float, FloatArray]:
+    """Return the volume between a polygon (k, 3) m and the level above it, m3, and its first moment (3,) m4."""
+    volume, moment = 0.0, np.zeros(3)
+    for second, third in pairwise(corner[1:]):
+        triangle = np.array([corner[0], second, third])
+        side = triangle[1:, :2] - triangle[0, :2]
+        area = 0.5 * abs(float(side[0, 0] * side[1, 1] - side[0, 1] * side[1, 0]))
+        # Depth and place are linear over the triangle; the mass of a column is half way up to the level.
+        depth = level - triangle[:, 2]
+        place = np.column_stack([triangle[:, :2], 0.5 * (triangle[:, 2] + level)])
+        volume += area * float(depth.mean())
+        moment += area / 12 * (depth.sum() * place.sum(axis=0) + depth @ place)
+    return volume, moment
