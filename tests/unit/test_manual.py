@@ -26,7 +26,8 @@ PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").g
 
 def commands(page: Path) -> list[str]:
     """Return the calls of churchpipe in the code of a page, without their comments."""
-    lines = re.findall(r"^(?: {4}|\$ )(churchpipe .*)$", page.read_text(encoding="utf-8"), flags=re.MULTILINE)
+    text = re.sub(r"\\\n\s*", "", page.read_text(encoding="utf-8"))
+    lines = re.findall(r"^(?: {4}|\$ )(churchpipe .*)$", text, flags=re.MULTILINE)
     return [part.strip() for line in lines for part in re.sub(r"\s{2,}[#(].*", "", line).split("&&")]
 
 
