@@ -133,6 +133,13 @@ def submitted(out: Path) -> list[tuple[str, str]]:
     return [(rule, number) for number, rule in re.findall(r"submitted with SLURM jobid (\d+) \(log: \S+/rule_([a-z]+)", text)]
 
 
+def rigid_jobs(out: Path) -> list[tuple[str, str]]:
+    """Name of the analysis and SLURM's number of each rigid-block job of the last run."""
+    text = (out / "run.log").read_text() if (out / "run.log").exists() else ""
+    found = re.findall(r"submitted with SLURM jobid (\d+) \(log: \S+/rule_rigid/([^/]+)/", text)
+    return [(name, number) for number, name in found]
+
+
 def summary(out: Path) -> dict[str, Any]:
     return json.loads((out / "summary.json").read_text())
 
@@ -158,7 +165,9 @@ def test_a_sweep_of_the_church_goes_on_after_a_killed_job(cluster: Cluster, tmp_
     killed = ""
     while process.poll() is None and not killed:
         running = cluster.call("squeue", "-h", "-t", "RUNNING", "-o", "%i").split()
-        killed = next((number for rule, number in submitted(out) if rule == "rigid" and number in running), "")
+        # The stage itself is at work, not only its job.
+        working = {log.stem for log in out.glob("log/rigid/*.txt") if "start" in log.read_text()}
+        killed = next((number for name, number in rigid_jobs(out) if name in working and number in running), "")
         time.sleep(0.2)
     assert killed, (out / "run.log").read_text()
     cluster.call("scancel", killed)
