@@ -30,7 +30,7 @@ OUT_OF_LINE = 0.05
 ASTRAY = 0.25
 # The tip of a sharp corner moves farther than its sides, by up to this many joints. One that moves by more than a joint, because
 # its angle is less than 60 degrees, is cut off where it reaches beyond the stones that it faces.
-FARTHEST = 10.0
+FARTHEST = 40.0
 # The ends of a face are the faces of its stone that make at least this angle with it (rad).
 END = np.radians(45.0)
 # Joints are searched up to a width of this share of the stones' smallest dimension.
