@@ -22,7 +22,7 @@ from typing import Any
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from mesh_files import WRITERS, fuzz_wall, write_dxf_drawing
+from mesh_files import DXF_WRITERS, WRITERS, fuzz_wall
 from mutations import MUTATIONS, outcome
 
 LIMIT = 20.0
@@ -90,7 +90,7 @@ def main() -> None:
     each = int(sys.argv[1]) if len(sys.argv) > 1 else 700
     seed = int(sys.argv[2]) if len(sys.argv) > 2 else 1
     keep = Path(tempfile.gettempdir()) / "fuzz_readers"
-    writers = {**WRITERS, "dxf": write_dxf_drawing}
+    writers = WRITERS | DXF_WRITERS
     table = run(each, seed, keep, {name: writers[name] for name in sys.argv[3:] or writers})
     kinds = ["read", "another shape", "refused", "silently smaller", "traceback", "hang"]
     print("# Damaged files\n")

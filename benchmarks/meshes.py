@@ -1,4 +1,4 @@
-"""Processor time and memory of reading a wall of 5000 stones from OBJ, as polygons and as triangles.
+"""Processor time and memory of reading a wall of 5000 stones from OBJ, as polygons and as triangles, STL and DXF.
 
 .venv/bin/python benchmarks/meshes.py [STONES]
 """
@@ -14,7 +14,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
 import churchpipe as cp
-from mesh_files import write_obj, write_stl
+from mesh_files import write_dxf_drawing, write_obj, write_stl
 from solids import box
 
 
@@ -41,6 +41,7 @@ def main() -> None:
             "OBJ, polygons": write_obj(stones, Path(folder) / "polygons.obj"),
             "OBJ, triangles": write_obj(stones, Path(folder) / "triangles.obj", triangulated=True),
             "STL, binary": write_stl(stones, Path(folder) / "facets.stl", binary=True),
+            "DXF, inserts": write_dxf_drawing(stones, Path(folder)),
         }
         # What is loaded at the first reading is not counted.
         cp.read_stones(files["STL, binary"], unit_weight=18e3, support="base")

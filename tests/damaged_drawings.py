@@ -147,6 +147,13 @@ def open_body(doc: Any) -> None:
         mesh.faces = list(mesh.faces)[:-1]
 
 
+@damage("E10")
+def doubled_face(doc: Any) -> None:
+    """A face of the body is given twice."""
+    with _brick(doc).query("MESH").first.edit_data() as mesh:
+        mesh.faces = [*mesh.faces, mesh.faces[0]]
+
+
 @damage("W10")
 def warped_face(doc: Any) -> None:
     """A face is not planar."""

@@ -248,8 +248,47 @@ def fuzz_wall() -> Assemblage:
     return Assemblage.from_polyhedra([box((-1, 2), (-1, 1), (-0.5, 0)), *bricks], 18e3, fixed=[0])
 
 
+def write_dxf_outlines(stones: Assemblage, folder: Path) -> Path:
+    """The faces that look to -y as polylines with the depth as their DXF thickness, the ground on its layer."""
+    import ezdxf
+
+    document = ezdxf.new("R2010", units=6)
+    for layer in ("WALL", "GROUND"):
+        document.layers.add(layer)
+    for _, points, _, fixed in solids(stones):
+        (x, y, z), (right, back, top) = points.min(axis=0), points.max(axis=0)
+        line = document.modelspace().add_lwpolyline([(x, z), (right, z), (right, top), (x, top)], close=True)
+        line.dxf.layer, line.dxf.thickness = ("GROUND" if fixed else "WALL"), back - y
+    document.saveas(folder / "wall.dxf")
+    return folder / "wall.dxf"
+
+
+def write_dxf_solids(stones: Assemblage, folder: Path) -> Path:
+    """Meshes and polyface meshes in turn, as they come from an exploded drawing; the ground on its layer."""
+    import ezdxf
+    from ezdxf.render import MeshBuilder
+
+    document = ezdxf.new("R2010", units=6)
+    document.layers.add("CP-SUPPORT")
+    for number, (_, points, faces, fixed) in enumerate(solids(stones)):
+        builder = MeshBuilder()
+        builder.add_mesh(vertices=points.tolist(), faces=faces)
+        attributes = {"layer": "CP-SUPPORT" if fixed else "0"}
+        render = builder.render_mesh if number % 2 else builder.render_polyface
+        render(document.modelspace(), dxfattribs=attributes)
+    document.saveas(folder / "wall.dxf")
+    return folder / "wall.dxf"
+
+
 def write_dxf_drawing(stones: Assemblage, folder: Path) -> Path:
     from churchpipe.dxf.writer import write_dxf
 
     write_dxf(stones, folder / "wall.dxf")
     return folder / "wall.dxf"
+
+
+DXF_WRITERS: dict[str, Callable[[Assemblage, Path], Path]] = {
+    "dxf": write_dxf_drawing,
+    "dxf-outlines": write_dxf_outlines,
+    "dxf-solids": write_dxf_solids,
+}

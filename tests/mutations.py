@@ -69,7 +69,7 @@ MUTATIONS: tuple[Mutation, ...] = (change_bytes, cut_end, cut_out, put_in, chang
 _BEGINS = {
     ".obj": rb"^o ",
     ".stl": rb"^solid",
-    ".dxf": rb"^INSERT\s*$",
+    ".dxf": rb"^(?:INSERT|LWPOLYLINE|MESH|POLYLINE)\s*$",
     ".3ddat": rb"^block create poly",
     ".dat": rb"^poly",
     ".DAT": rb"^ RBDY3",
@@ -84,7 +84,8 @@ def announced(path: Path) -> int:
     pattern = _BEGINS.get(path.suffix)
     data = path.read_bytes()
     binary = path.suffix == ".stl" and not data.startswith(b"solid")
-    return 10**9 if pattern is None or binary else len(re.findall(pattern, data, re.MULTILINE))
+    # The bodies of block definitions stand before the entities of a drawing.
+    return 10**9 if pattern is None or binary else len(re.findall(pattern, data.rpartition(b"ENTITIES")[2], re.MULTILINE))
 
 
 def outcome(path: Path, count: int, volume: float) -> tuple[str, str]:

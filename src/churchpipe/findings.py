@@ -56,6 +56,55 @@ CODES: Final = {
     "W45": "the unit or the axis that points up was assumed",
 }
 
+# What to do about a finding, where nothing nearer is known. A warning is nothing to mend if what it says is meant.
+REMEDIES: Final = {
+    "E01": "Check the path, and export the file again.",
+    "E02": "Save it as DXF (R2010 or newer) in the CAD program.",
+    "E03": "Run AUDIT in the CAD program and export the file again.",
+    "E04": "Set the units (UNITS) in the drawing, or pass --units mm, cm or m.",
+    "W04": "Leave --units out if the file is right.",
+    "E05": "Pass --units with the unit in which it was drawn.",
+    "W05": "Pass other --units if the stones are not as large as that.",
+    "E06": "Insert the block again, or delete the insert.",
+    "E07": "Correct it, or pass --repair.",
+    "W07": "Correct it in the drawing if another value is meant.",
+    "E08": "Explode the outer block.",
+    "E09": "Explode the block, or scale it evenly.",
+    "W09": "Scale it evenly if that is not meant.",
+    "E10": "Draw it again as one closed body; churchpipe check FILE -o DIR marks the place.",
+    "W10": "Put the corners into one plane if the face is meant to be plane.",
+    "E11": "Delete one of the two, or pass --repair.",
+    "W11": "Delete the copy in the file to be rid of this line.",
+    "E12": "Draw the ground, or pass --support base.",
+    "W12": "Draw the ground and leave --support out if not all of them stand on it.",
+    "W13": "Add it to the drawing if another value is meant.",
+    "W14": "Correct it in the drawing if another value is meant.",
+    "W15": "Give each stone an ID of its own if the case is to name it.",
+    "E16": "Correct it among the properties of the drawing.",
+    "E17": "Draw the stones as closed bodies or closed outlines.",
+    "W18": "Look whether a stone is among them: it must be a closed body, or a closed outline, on a visible layer.",
+    "W19": "Pass --unit-weight-kN-m3, or put it in the case.",
+    "E20": "Read it with the version of churchpipe that wrote it.",
+    "E21": "Convert it to a mesh.",
+    "W22": "Give the inserts the attributes ID and MATERIAL if the case is to name them.",
+    "E23": "Correct the counts of the arrays.",
+    "E24": "Pass --thickness with the depth of the stones, such as 0.3m.",
+    "W24": "Put outlines that are no stones on a layer that is off, or on OPENING.",
+    "E25": "Draw the outline again.",
+    "W25": "Close it in the drawing if that is not its outline.",
+    "E26": "Pass --joint with the width of the joints, such as 10mm.",
+    "W26": "Compare the volumes; --joint-mode keep leaves stones as drawn, --mortar ignored leaves out what mortar weighs.",
+    "W27": "Draw the side with more corners if that is too coarse.",
+    "E28": "Mend the body as it says, or cut it into walls.",
+    "W28": "Look whether they are as you meant; --course and --stone change them.",
+    "W40": "Nothing to mend: the shape is the same.",
+    "W41": "Compare the volumes, and look at the stone: churchpipe check FILE -o DIR shows it.",
+    "W42": "Give each a name of its own if the case is to name them.",
+    "W43": "Give another name to those that are no ground.",
+    "W44": "Compare the volumes; draw the stone as one body if they differ.",
+    "W45": "Pass --units or --up if that is wrong.",
+}
+
 # Places named after the first of a kind.
 MORE_PLACES: Final = 3
 PLACE_FIELDS: Final = ("entity", "handle", "block", "position", "unit")
@@ -63,7 +112,7 @@ PLACE_FIELDS: Final = ("entity", "handle", "block", "position", "unit")
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """One finding: code of `CODES`, what was found and expected, the remedy, and where in the file it is.
+    """One finding: code of `CODES`, what was found and expected, the remedy (by default that of its code), and where it is.
 
     entity: what it is in the file ("INSERT", "group"); handle, block: its handle and the name of its definition;
     position: (x, y, z) in `unit`, None for the file. `found` holds `{}` for each of `lengths`, which are in `unit` too.
@@ -79,6 +128,10 @@ class Finding:
     position: tuple[float, float, float] | None = None
     unit: str = "drawing units"
     lengths: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.remedy:
+            object.__setattr__(self, "remedy", REMEDIES[self.code])
 
     @property
     def severity(self) -> str:

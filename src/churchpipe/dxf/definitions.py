@@ -22,6 +22,7 @@ from churchpipe.dxf.bodies import (
     is_sane,
     is_solid,
     make_body,
+    repaired,
 )
 from churchpipe.findings import Finding, Place
 from churchpipe.model.arrays import FloatArray
@@ -109,18 +110,22 @@ def read_definition(block: Any, matrix: Matrix, findings: list[Finding], repair:
         content.solids = []
         return content
     body = drawn[0].body if drawn else _interface_body(content.tags)
+    mendable = bool(body.flaw and repaired(body)[1])
+    if repair and mendable:
+        body, changes = repaired(body)
+        findings += [place.finding("W41", change) for change in changes]
     if not body.flaw:
-        body = _with_tagged_vertices(body, content.tags)
+        tagged = _with_tagged_vertices(body, content.tags)
+        mendable = bool(tagged.flaw)
+        if repair and mendable:
+            findings.append(place.finding("W41", f"{tagged.flaw}: the corners of the body are used"))
+        else:
+            body = tagged
     if body.flaw:
         spot = place if body.spot is None else replace(place, position=_world(matrix, np.array(body.spot)))
-        findings.append(
-            spot.finding(
-                "E10",
-                f"the body is no solid: {body.flaw}",
-                expected="one closed body, its corners on V0, V1, ...",
-                remedy="Redraw the block.",
-            )
-        )
+        remedy = "Pass --repair to mend it." if mendable else "Redraw the block."
+        expected = "one closed body, its corners on V0, V1, ..."
+        findings.append(spot.finding("E10", f"the body is no solid: {body.flaw}", expected=expected, remedy=remedy))
         content.solids = []
         return content
     if body.warp:

@@ -4,7 +4,7 @@ import numpy as np
 
 from churchpipe.dxf.stones import Stone
 from churchpipe.findings import Finding
-from churchpipe.geometry.mending import signed_volume
+from churchpipe.geometry.mending import signed_volumes
 from churchpipe.model.arrays import FloatArray
 
 # Stones whose boxes, corner means and volumes agree to this part of the median stone are one stone drawn twice.
@@ -30,7 +30,7 @@ def coinciding(stones: list[Stone]) -> list[tuple[int, int]]:
     """Return (first drawn, copy) for every stone that lies on one drawn before it, in drawing order of the copies."""
     if len(stones) < 2:
         return []
-    marks = np.array([_mark(stone) for stone in stones])
+    marks = _marks(stones)
     size = float(np.median(np.cbrt(marks[:, 9])))
     limit = SAME_STONE * np.append(np.full(9, size), size**3)
     # Sorted along a direction that no building follows, equal stones are neighbours.
@@ -51,8 +51,12 @@ def coinciding(stones: list[Stone]) -> list[tuple[int, int]]:
     return sorted(pairs, key=lambda pair: pair[1])
 
 
-def _mark(stone: Stone) -> FloatArray:
-    """Return box, mean of the face corners (which tells two halves of one box apart) and volume (10,), drawing units."""
-    corners = stone.points[[node for face in stone.faces for node in face]]
-    volume = signed_volume(stone.points, stone.faces)
-    return np.concatenate([corners.min(axis=0), corners.max(axis=0), corners.mean(axis=0), [volume]])
+def _marks(stones: list[Stone]) -> FloatArray:
+    """Return box, mean of the face corners (which tells two halves of one box apart) and volume (ns, 10), drawing units."""
+    corners = [stone.points[[node for face in stone.faces for node in face]] for stone in stones]
+    count = np.array([len(own) for own in corners])
+    start = np.cumsum(count) - count
+    together = np.concatenate(corners)
+    low, high, total = (edge.reduceat(together, start, axis=0) for edge in (np.minimum, np.maximum, np.add))
+    volume = signed_volumes([(stone.points, stone.faces) for stone in stones])
+    return np.column_stack([low, high, total / count[:, None], volume])

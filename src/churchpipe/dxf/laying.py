@@ -77,7 +77,7 @@ def _said(panel: Panel, stones: Assemblage, place: Place) -> Finding:
             sizes = f"courses of {region.cell.a:.3g} m, about {region.cell.b:.3g} m long"
             laid.insert(0, f"{own.sum() - voussoirs} stones in {region.pattern} bond, {sizes}")
     what = f'"{panel.name}": laid {", and ".join(laid)}; {stones.volume[own].sum():.6g} m3'
-    return place.finding("W28", what, remedy="Look whether they are as you meant; --course and --stone change them.")
+    return place.finding("W28", what)
 
 
 def _flat_heads(panel: Panel, place: Place) -> list[Finding]:

@@ -1,6 +1,7 @@
 """From a file on disk to an ezdxf document, without believing a file that lost something on the way."""
 
 import codecs
+import gc
 import logging
 import re
 from collections import Counter
@@ -50,11 +51,17 @@ def open_document(path: Path, findings: list[Finding]) -> Any | None:
 def _load(path: Path, drawn: Counter[str] | None, findings: list[Finding]) -> Any | None:
     # A parser of foreign files may fail in any way; whatever it is, the file is at fault and the user gets a finding.
     # ezdxf could recover more, but it turns numbers it does not understand into 0 and says so to nobody.
+    # Its many small objects all stay: looking for garbage among them again and again would take a third of the time.
+    collecting = gc.isenabled()
+    gc.disable()
     try:
         document = filemanagement.readfile(path)
     except Exception as error:
         remedy = "Run AUDIT in the CAD program and export the drawing again."
         return _fail(findings, "E03", f"the file is damaged ({_first_line(error)})", remedy)
+    finally:
+        if collecting:
+            gc.enable()
     if drawn is not None:
         read = Counter(entity.dxftype() for entity in document.entitydb.values() if entity.is_alive)
         lost = [f"{count - read[kind]} of {count} {kind}" for kind, count in drawn.items() if read[kind] < count]

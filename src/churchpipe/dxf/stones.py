@@ -286,6 +286,8 @@ def _array_size(insert: Insert) -> int:
 def _array_offsets(insert: Insert) -> FloatArray:
     """Return how far the members of an array lie from its insertion point (k, 3), row by row; they turn with the insert."""
     counts = _array_counts(insert)
+    if counts == (1, 1):
+        return np.zeros((1, 3))
     row, column = (index.ravel() for index in np.indices(counts))
     turn = np.radians(insert.dxf.rotation)
     x, y = column * insert.dxf.column_spacing, row * insert.dxf.row_spacing

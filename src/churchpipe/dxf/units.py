@@ -7,7 +7,7 @@ import numpy as np
 from churchpipe.dxf import schema
 from churchpipe.dxf.stones import Stone
 from churchpipe.findings import Finding
-from churchpipe.geometry.mending import signed_volume
+from churchpipe.geometry.mending import signed_volumes
 
 Drawn = Literal["stone", "wall"]
 
@@ -53,7 +53,9 @@ def declared_unit(document: Any) -> str | None:
 
 def median_size(stones: list[Stone], flawed: list[float]) -> float | None:
     """Return the median cube root of the volume of free stones, those with flaws included, drawing units; None without any."""
-    sizes = [stone.size or np.cbrt(signed_volume(stone.points, stone.faces)) for stone in stones if not stone.fixed]
+    free = [stone for stone in stones if not stone.fixed]
+    by_volume = np.cbrt(signed_volumes([(stone.points, stone.faces) for stone in free])).tolist()
+    sizes = [stone.size or size for stone, size in zip(free, by_volume, strict=True)]
     sizes += [size for size in flawed if size > 0]
     return float(np.median(sizes)) if sizes else None
 

@@ -82,11 +82,22 @@ def mend(points: FloatArray, faces: Iterable[Sequence[int]], *, repair: bool) ->
 
 def signed_volume(points: FloatArray, faces: Sequence[Face]) -> float:
     """Return the volume (m3) inside faces, negative when they point inwards. For open faces it is the value of the same sum."""
-    triangles = np.array([(f[0], f[i], f[i + 1]) for f in faces for i in range(1, len(f) - 1)], dtype=np.int64).reshape(-1, 3)
-    if not len(triangles):
-        return 0.0
-    a, b, c = (points[triangles] - points[triangles[0, 0]]).transpose(1, 0, 2)
-    return float(np.einsum("ij,ij->", np.cross(a, b), c) / 6)
+    return float(signed_volumes([(points, faces)])[0])
+
+
+def signed_volumes(solids: Sequence[tuple[FloatArray, Sequence[Face]]]) -> FloatArray:
+    """Return `signed_volume` of each solid (ns,)."""
+    fans = [[(f[0], f[i], f[i + 1]) for f in faces for i in range(1, len(f) - 1)] for _, faces in solids]
+    owner = np.repeat(np.arange(len(solids)), [len(fan) for fan in fans])
+    if not len(owner):
+        return np.zeros(len(solids))
+    first = np.cumsum([0, *(len(points) for points, _ in solids)])[:-1]
+    triangles = np.concatenate([np.array(fan, dtype=np.int64).reshape(-1, 3) for fan in fans]) + first[owner, None]
+    # Measured from a corner of the solid: far from the origin the products would lose their last digits.
+    origin = triangles[np.searchsorted(owner, owner), 0]
+    points = np.concatenate([points for points, _ in solids])
+    a, b, c = (points[triangles] - points[origin][:, None]).transpose(1, 0, 2)
+    return np.bincount(owner, np.einsum("ij,ij->i", np.cross(a, b), c) / 6, len(solids)).astype(np.float64)
 
 
 def flat(points: FloatArray, faces: Sequence[Face]) -> bool:

@@ -109,8 +109,7 @@ def read_file(path: str | os.PathLike[str], *, unit_weight: float | Mapping[str,
     source = read_source(path)
     findings = source.findings
     if source.flat and reading.thickness is None:
-        remedy = "Pass --thickness with the depth of the stones, such as 0.3m."
-        findings.append(Finding("E24", "outlines in a plane", "a thickness", remedy))
+        findings.append(Finding("E24", "outlines in a plane", "a thickness"))
     bodies = parted(source)
     sizes = [size for item in bodies for size in item.sizes if not item.body.fixed]
     unit = _unit(source, float(np.median(sizes)) * reading.scale if sizes else None, reading)
@@ -226,7 +225,7 @@ def _unit(source: Source, size: float | None, reading: Reading) -> str | None:
     if size is None or plausible(size * schema.metres(declared), drawn):
         if source.unit is None and size is not None:
             found = f"the file says no unit: read in m, so that the median {drawn} measures {length_text(size)}"
-            findings.append(Finding("W45", found, remedy="Pass --units if that is wrong."))
+            findings.append(Finding("W45", found))
         return declared
     low, high = schema.PLAUSIBLE_SIZE[drawn]
     said = f'the file says "{source.unit}"' if source.unit else "the file says no unit; read in m"

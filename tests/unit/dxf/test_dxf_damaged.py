@@ -89,6 +89,17 @@ def test_repair_recomputes_what_cannot_be_understood(damaged: Path, name: str, c
     np.testing.assert_allclose(drawing.stones.volume[1:], 0.016, rtol=1e-12)
 
 
+@pytest.mark.parametrize("name", ["open_body", "moved_vertex", "missing_vertex", "doubled_face"])
+def test_repair_mends_the_body_of_a_definition(damaged: Path, name: str) -> None:
+    with pytest.raises(FindingsError, match=r"E10 .*Pass --repair to mend it\."):
+        read_drawing(damaged / f"{name}.dxf")
+    drawing = read_drawing(damaged / f"{name}.dxf", repair=True)
+    assert set(drawing.findings.codes) == {"W41"}
+    sound = read_drawing(SAMPLES / "sound.dxf")
+    np.testing.assert_allclose(drawing.stones.volume, sound.stones.volume, rtol=1e-12)
+    assert len(find_contacts(drawing.stones).blocks) == len(find_contacts(sound.stones).blocks)
+
+
 def test_repair_drops_the_copy_of_a_stone(damaged: Path) -> None:
     drawing = read_drawing(damaged / "duplicate_stone.dxf", repair=True)
     assert drawing.findings.codes == ("W11",)

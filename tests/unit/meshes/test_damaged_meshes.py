@@ -5,14 +5,14 @@ from pathlib import Path
 
 import pytest
 
-from mesh_files import WRITERS, fuzz_wall, write_dxf_drawing
+from mesh_files import DXF_WRITERS, WRITERS, fuzz_wall
 from mutations import MUTATIONS, outcome
 
 
-@pytest.mark.parametrize("name", [*WRITERS, "dxf"])
+@pytest.mark.parametrize("name", [*WRITERS, *DXF_WRITERS])
 def test_a_damaged_file_is_refused_or_read_whole(name: str, tmp_path: Path) -> None:
     stones = fuzz_wall()
-    path = {**WRITERS, "dxf": write_dxf_drawing}[name](stones, tmp_path)
+    path = (WRITERS | DXF_WRITERS)[name](stones, tmp_path)
     files = sorted(path.iterdir()) if path.is_dir() else [path]
     chance = random.Random(name)
     for _ in range(12):
