@@ -193,7 +193,8 @@ def export_dxf(
     else:
         weights = {material.name: material.unit_weight for material in read.materials}
         stones = read_file(read.source.path, unit_weight=weights, **asdict(read.source.reading)).stones
-    write_dxf(stones, drawing, materials=read.materials, loads=read.loads)
+    carried = read.carries
+    write_dxf(stones, drawing, materials=read.materials, loads=read.loads, ties=carried.ties, line_loads=carried.line_loads)
     out.print(f"{int((~stones.fixed).sum())} stones: {drawing}", soft_wrap=True)
 
 

@@ -10,6 +10,7 @@ import tomlkit
 from tomlkit.items import Item, Table
 
 from churchpipe.config.shell_table import ShellTable
+from churchpipe.dxf.carried import words
 from churchpipe.dxf.reader import Drawing
 from churchpipe.dxf.reading import Reading
 from churchpipe.model.loads import LoadCase, direction_name, load_table
@@ -60,6 +61,11 @@ def imported_case(
             case.add(tomlkit.comment(line))
         case.add(tomlkit.nl())
         missing.append("[[load]] with its direction")
+    for key, records in (("line_loads", drawing.line_loads), ("ties", drawing.ties)):
+        if records:
+            case[key] = tomlkit.aot()
+            for record in records:
+                case[key].append(_table(words(record)))
     case["rigid"] = _rigid_table(drawing.stones.count, contact_gap)
     if shell.keys:
         case["shell"] = _table(shell.keys)

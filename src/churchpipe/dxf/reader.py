@@ -8,6 +8,7 @@ from typing import Any, cast
 import numpy as np
 
 from churchpipe.dxf import schema
+from churchpipe.dxf.carried import records_of
 from churchpipe.dxf.duplicates import distinct_stones
 from churchpipe.dxf.elevation import stones_of_traces
 from churchpipe.dxf.jointing import jointed, unnamed_joints
@@ -22,8 +23,10 @@ from churchpipe.findings import Body, Finding, Findings, FindingsError
 from churchpipe.model.arguments import finite, path_of
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.carried import LineLoad
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
+from churchpipe.model.tie_bars import TieBar
 from churchpipe.stones.ground import level_supports
 
 # Unit weight, N/m3, of stones of which nobody said it: weights are then relative, `Drawing.unweighted` names them.
@@ -35,8 +38,9 @@ class Drawing:
     """What a drawing tells.
 
     stones: as drawn, in SI, in drawing order; materials, loads: stored in the document, in storage order, empty in drawings
-    of other programs; findings: warnings only; units: name of the unit it was read in; unweighted: materials of free
-    stones whose unit weight neither the drawing nor the caller gave: `stones.unit_weight` is 1 N/m3 there.
+    of other programs; ties, line_loads: drawn on their layers; findings: warnings only; units: name of the unit it was read
+    in; unweighted: materials of free stones whose unit weight neither the drawing nor the caller gave:
+    `stones.unit_weight` is 1 N/m3 there.
     """
 
     stones: Assemblage
@@ -45,6 +49,8 @@ class Drawing:
     findings: Findings
     units: str
     unweighted: tuple[str, ...] = ()
+    ties: tuple[TieBar, ...] = ()
+    line_loads: tuple[LineLoad, ...] = ()
 
 
 def read_dxf(
@@ -121,11 +127,14 @@ def read_drawing(
     stones = uniquely_named(stones, findings)
     weights, unweighted = unit_weights(stones, materials, weights_given, findings)
     weights[: len(share)] *= share
+    ties, line_loads, wrong = records_of(gathered.carried, schema.metres(unit) if unit else 1.0)
+    findings += wrong
     findings = [finding.in_metres(schema.metres(unit)) for finding in findings] if unit else findings
     collected = Findings(path.name, tuple(findings))
     if collected.errors or unit is None:
         raise FindingsError(collected, read_bodies(stones, schema.metres(unit) if unit else 1.0))
-    return Drawing(assembled(stones, unit, weights, collected), materials, loads, collected, unit, unweighted)
+    assemblage = assembled(stones, unit, weights, collected)
+    return Drawing(assemblage, materials, loads, collected, unit, unweighted, ties, line_loads)
 
 
 def _with_outlines(gathered: Survey, reading: Reading, metre: float, findings: list[Finding]) -> list[Stone]:

@@ -16,11 +16,14 @@ INTERFACE: Final = "CP-INTERFACE"
 SOLID: Final = "CP-SOLID"
 SUPPORT: Final = "CP-SUPPORT"
 PANEL: Final = "CP-PANEL"
+TIES: Final = "CP-TIES"
+LOADS: Final = "CP-LOADS"
 
 # Layer -> AutoCAD colour index.
-LAYERS: Final = {BLOCKS: 7, VERTEX: 1, CENTROID: 2, INTERFACE: 4, SOLID: 9, SUPPORT: 3}
+LAYERS: Final = {BLOCKS: 7, VERTEX: 1, CENTROID: 2, INTERFACE: 4, SOLID: 9, SUPPORT: 3, TIES: 3, LOADS: 6}
 
 BLOCK_PREFIX: Final = "CP_Q"
+LINE_PREFIX: Final = "CP_L"
 
 VERTEX_TAG: Final = re.compile(r"V(\d{1,9})")
 INTERFACE_TAG: Final = re.compile(r"F(\d{1,9})\.(\d{1,9})")

@@ -11,6 +11,7 @@ from ezdxf.math import Vec3
 from churchpipe.dxf import schema
 from churchpipe.dxf.attributes import read_labels
 from churchpipe.dxf.bodies import BAD_ENTITY, NOT_SANE, Faces, ground_plate, is_sane, repaired
+from churchpipe.dxf.carried import Drawn
 from churchpipe.dxf.definitions import Definition, Matrix, read_content, read_definition, transformed, warped
 from churchpipe.dxf.traces import KINDS, Trace, traces_of
 from churchpipe.findings import Finding, Place
@@ -63,7 +64,8 @@ class _Branch:
 
 @dataclass(slots=True)
 class Survey:
-    """What a walk through model space gathers; flawed: the sizes of the bodies that are no stones, in drawing units."""
+    """What a walk through model space gathers; flawed: the sizes of the bodies that are no stones, in drawing units; carried:
+    ties and line loads."""
 
     doc: Any
     repair: bool
@@ -75,6 +77,7 @@ class Survey:
     flawed: list[float] = field(default_factory=list)
     traces: list[Trace] = field(default_factory=list)
     definitions: dict[str, Definition] = field(default_factory=dict)
+    carried: list[Drawn] = field(default_factory=list)
 
 
 def survey(doc: Any, repair: bool) -> Survey:
@@ -258,6 +261,9 @@ def _visit_insert(found: Survey, insert: Insert, branch: _Branch) -> None:
         found.findings.append(place.finding("E08", f"the block contains itself: {way}", remedy=remedy))
     else:
         rows = np.array(list(insert.matrix44().rows()), dtype=float)
+        if layer in (schema.TIES, schema.LOADS):
+            found.carried.append(_carried(insert, branch, layer, place))
+            return
         origins = rows[3, :3] + _array_offsets(insert)
         if not (is_sane(rows) and is_sane(origins)):
             found.findings.append(place.finding("E10", f"in the placing of the insert {NOT_SANE}"))
@@ -268,6 +274,15 @@ def _visit_insert(found: Survey, insert: Insert, branch: _Branch) -> None:
             suffix = f"[{index}]" if many > 1 else ""
             deeper = _Branch((axes, origin), layer, fixed, branch.names, branch.blocks)
             _visit_member(found, insert, block, deeper, place, suffix)
+
+
+def _carried(insert: Insert, branch: _Branch, layer: str, place: Place) -> Drawn:
+    """Return a tie or a line load: the line in its block, and its attributes."""
+    lines = [part for part in insert.virtual_entities() if part.dxftype() == "LINE"]
+    ends = np.array([[end.xyz for end in (line.dxf.start, line.dxf.end)] for line in lines[:1]]).reshape(-1, 3)
+    texts = {a.dxf.tag.strip().upper(): a.dxf.text.strip() for a in insert.attribs}
+    good = len(lines) == 1 and is_sane(ends)
+    return Drawn(layer, transformed(ends, branch.matrix) if good else None, texts, place)
 
 
 def _array_counts(insert: Insert) -> tuple[int, int]:

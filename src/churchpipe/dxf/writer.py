@@ -10,14 +10,17 @@ import numpy as np
 from ezdxf import filemanagement
 
 from churchpipe.dxf import schema
+from churchpipe.dxf.carried import Drawn, inserts_of
 from churchpipe.dxf.properties import encode_loads, encode_materials
 from churchpipe.dxf.recurrence import Recurrence, Shape, find_recurrence
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import check_kind, listed, path_of
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.carried import LineLoad
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
+from churchpipe.model.tie_bars import TieBar
 
 
 def write_dxf(
@@ -26,6 +29,8 @@ def write_dxf(
     *,
     materials: Sequence[Material] = (),
     loads: Sequence[LoadCase] = (),
+    ties: Sequence[TieBar] = (),
+    line_loads: Sequence[LineLoad] = (),
     units: Literal["m", "mm"] = "m",
 ) -> None:
     """Write an assemblage as a drawing (churchpipe DXF 1, AutoCAD R2010).
@@ -43,6 +48,8 @@ def write_dxf(
         Unit weight and strength of what the stones are made of.
     loads
         Load cases that travel with the drawing.
+    ties, line_loads
+        Bars and loads along walls, drawn as lines on layers of their own.
     units
         Length unit of the drawing.
 
@@ -60,6 +67,7 @@ def write_dxf(
     names = [load.name for load in loads]
     if len(set(names)) != len(names):
         raise InputError("loads", "names are not unique", found=names)
+    drawn = inserts_of(assemblage, listed("write_dxf: ties", ties, TieBar), listed("write_dxf: line_loads", line_loads, LineLoad))
     properties = [*encode_materials(materials), *encode_loads(loads)]
     document = _new_document(units, properties)
     recurrence = find_recurrence(assemblage)
@@ -69,6 +77,8 @@ def write_dxf(
     optional += [schema.BUTTS] if assemblage.butts.any() else []
     for number, shape in enumerate(recurrence.shapes):
         _add_definition(document, f"{schema.BLOCK_PREFIX}{number + 1}", shape, scale, optional)
+    for number, one in enumerate(drawn):
+        _add_line(document, f"{schema.LINE_PREFIX}{number + 1}", one, scale)
     _save(document, _inserts(document, assemblage, recurrence, scale), path)
 
 
@@ -120,6 +130,18 @@ def _add_definition(document: Any, name: str, shape: Shape, scale: float, option
         attribute = block.add_attdef(tag, stone.centroid[0].tolist(), text, height=height, dxfattribs={"layer": schema.BLOCKS})
         attribute.is_const = tag in constant
         attribute.is_invisible = True
+
+
+def _add_line(document: Any, name: str, one: Drawn, scale: float) -> None:
+    """Add a tie or a line load: a block with its line, inserted where it begins, its attributes beside it."""
+    assert one.ends is not None
+    first, last = one.ends * scale
+    block = document.blocks.new(name)
+    block.add_line((0.0, 0.0, 0.0), (last - first).tolist(), dxfattribs={"layer": one.layer})
+    insert = document.modelspace().add_blockref(name, first.tolist(), dxfattribs={"layer": one.layer})
+    for tag, text in one.texts.items():
+        block.add_attdef(tag, (0.0, 0.0, 0.0), text="", dxfattribs={"layer": one.layer}).is_invisible = True
+        insert.add_attrib(tag, text, first.tolist(), dxfattribs={"layer": one.layer}).is_invisible = True
 
 
 def _inserts(document: Any, stones: Assemblage, recurrence: Recurrence, scale: float) -> str:
