@@ -23,7 +23,6 @@ from churchpipe.io.recording import curve_record_of, record_of, shell_record_of
 from churchpipe.io.records import LeftOut, write_record
 from churchpipe.io.shell_vtu import write_shell_mechanism, write_shell_msh, write_shell_vtu
 from churchpipe.io.tables import read_json, write_table
-from churchpipe.io.tie_records import without_ties
 from churchpipe.io.vtu import write_vtu
 from churchpipe.loading.wrenches import loaded, shell_loaded
 from churchpipe.model.arrays import FloatArray
@@ -212,7 +211,7 @@ def pushover(
             progress(f"load factor {step.load_factor:.4f}, {step.displacement * 1e3:.3g} mm", 0.0)
 
     def work(mesh: ShellModel, load: LoadCase, materials: list[JointStrength], ties: Sequence[Tie]) -> CapacityCurve:
-        return without_ties(pushover(mesh, load, materials, **options, progress=tell), ties)
+        return pushover(mesh, load, materials, **options, ties=ties, progress=tell)
 
     _analyse_shell("pushover", table, shell, match, assemblage, state, record, work, progress)
 

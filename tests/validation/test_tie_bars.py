@@ -134,8 +134,8 @@ def test_bad_bars(make: Any, said: str) -> None:
         place_ties(two_walls(), [make()])
 
 
-def tied_shell(rows: int, strength: float) -> tuple[float, cp.ShellLimitState]:
-    """A wall of .5 x 3 m, 2 m long, tied at 2.5 m to a post that stays where it is; its load factor by hand, and as a shell."""
+def wall_and_post(rows: int, strength: float, **bar: Any) -> tuple[cp.ShellModel, cp.Tie]:
+    """The shell of a wall of .5 x 3 m, 2 m long, and of a post that stays where it is, and the tie between them at 2.5 m."""
     thickness, height, length, z = 0.5, 3.0, 2.0, 2.5
     weight = 18e3 * thickness * height * length
     points, triangles = grid(round(rows * length / height), rows, length, height)
@@ -153,13 +153,59 @@ def tied_shell(rows: int, strength: float) -> tuple[float, cp.ShellLimitState]:
         supported=lambda p: (p[:, 2] < 1e-9) | (p[:, 1] < -1),
     )
     model = replace(model, surface_weight=np.where(np.arange(len(model.triangles)) < len(triangles), 18e3 * thickness, 0.0))
-    tie = cp.Tie("rod", start=(1.0, -3.0, z), end=(1.0, 0.0, z), strength=strength * weight)
+    bar = {key: value * weight if key == "pretension" else value for key, value in bar.items()}
+    return model, cp.Tie("rod", start=(1.0, -3.0, z), end=(1.0, 0.0, z), strength=strength * weight, **bar)
+
+
+def tied_shell(rows: int, strength: float) -> tuple[float, cp.ShellLimitState]:
+    """The load factor of the wall and its tie by hand, b / h + 2 T z / (W h), and as a shell."""
+    model, tie = wall_and_post(rows, strength)
     state = cp.shell_limit_analysis(
         model, cp.LoadCase((0, 1, 0)), [cp.Material("default", 18e3, 0.6)], membrane="CST", ties=[tie]
     )
     assert state.status == "optimal"
-    assert state.tie_forces == pytest.approx([strength * weight], rel=1e-9)
-    return thickness / height + 2 * strength * z / height, state
+    assert state.tie_forces == pytest.approx([tie.strength], rel=1e-9)
+    return 0.5 / 3.0 + 2 * strength * 2.5 / 3.0, state
+
+
+ELASTIC = cp.Elastic(3.18e9, 0.23, 0.303e9, 0.3, 1e-2)
+
+
+def test_the_capacity_curve_of_a_tied_shell_reaches_its_limit_load() -> None:
+    # Ductile: neither stiffness nor pretension changes the plateau, which is that of the limit analysis.
+    _, limit = tied_shell(4, 0.02)
+    brick = cp.Material("default", 18e3, 0.6, elastic=ELASTIC)
+    curves = []
+    for bar in ({"stiffness": 2e6}, {"stiffness": 2e7}, {"stiffness": 2e6, "pretension": 0.01}):
+        model, tie = wall_and_post(4, 0.02, **bar)
+        curve = cp.pushover(model, cp.LoadCase((0, 1, 0)), [brick], membrane="CST", ties=[tie])
+        assert curve.status == "converged", curve.message
+        assert curve.plateau == pytest.approx(limit.load_factor, rel=5e-3)
+        tension = curve.tie_forces[:, 0]
+        assert tension[0] == pytest.approx(tie.pretension)
+        assert tension[-1] == pytest.approx(tie.strength, rel=1e-3)
+        assert (np.diff(tension) > -1e-4 * tie.strength).all()
+        curves.append((tension / tie.strength, curve.load_factor))
+    # A stiffer bar has taken more at the same load, and so has one that was drawn before.
+    share = [float(np.interp(0.15, factor, taken)) for taken, factor in curves]
+    assert share[0] < share[1]
+    assert share[0] < share[2]
+
+
+def test_a_bar_that_breaks_leaves_the_wall_to_itself() -> None:
+    brick = cp.Material("default", 18e3, 0.6, elastic=ELASTIC)
+    model, tie = wall_and_post(4, 0.02, stiffness=2e6, ultimate=0.0006)
+    curve = cp.pushover(model, cp.LoadCase((0, 1, 0)), [brick], membrane="CST", ties=[tie])
+    bare = cp.pushover(model, cp.LoadCase((0, 1, 0)), [brick], membrane="CST")
+    assert curve.tie_forces[-1, 0] == 0.0
+    assert curve.load_factor[-1] == pytest.approx(bare.load_factor[-1], rel=5e-3)
+    assert curve.plateau > 1.05 * bare.plateau
+
+
+def test_a_capacity_curve_needs_the_stiffness_of_its_ties() -> None:
+    model, tie = wall_and_post(4, 0.02)
+    with pytest.raises(InputError, match="tie rod: stiffness: a capacity curve needs it"):
+        cp.pushover(model, cp.LoadCase((0, 1, 0)), [cp.Material("default", 18e3, 0.6, elastic=ELASTIC)], ties=[tie])
 
 
 def test_a_tied_shell_converges_to_the_closed_form() -> None:

@@ -28,6 +28,7 @@ from churchpipe.homogenised_shell.limit import FALLS
 from churchpipe.homogenised_shell.settings import SOLVER
 from churchpipe.homogenised_shell.stiffness import facet_stiffness
 from churchpipe.homogenised_shell.strength import with_warning
+from churchpipe.homogenised_shell.tie_path import TiePath
 from churchpipe.model.arguments import check_kind, describe, listed
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.loads import LoadCase
@@ -36,6 +37,7 @@ from churchpipe.model.names import STRENGTH
 from churchpipe.model.names import Planes as PlaneSet
 from churchpipe.model.results import CapacityCurve, CapacityStep, Status
 from churchpipe.model.shell import ShellModel
+from churchpipe.model.ties import Tie
 
 Progress = Callable[[CapacityStep], None]
 
@@ -50,6 +52,7 @@ def pushover(
     stations: Stations = "inner",
     control_point: int | npt.ArrayLike | None = None,
     steps: int = 40,
+    ties: Sequence[Tie] = (),
     progress: Progress | None = None,
 ) -> CapacityCurve:
     """Push a shell sideways until its load factor stays constant.
@@ -63,6 +66,9 @@ def pushover(
         load at the end.
     steps
         At most this many, dead load not counted.
+    ties
+        Bars that pull facets together, from `place_ties`. They are drawn to their pretension with the dead load; then they are
+        elastic up to their strength, yield, hang slack and break. The curve has their tensions.
     progress
         Called after every step.
 
@@ -91,7 +97,7 @@ def pushover(
     stiffness = facet_stiffness(shell, materials)
     elements = shell_elements(shell, membrane, stations)
     condensed = CondensedShell(elements, load, materials, planes)
-    path = _Path(condensed, stiffness)
+    path = _Path(condensed, stiffness, TiePath(elements, listed("pushover: ties", ties, Tie)))
     status, message = path.stand(progress)
     if status == "converged":
         status, message = path.push(steps, progress)
@@ -101,10 +107,13 @@ def pushover(
 class _Path:
     """The state of a pushover so far: stresses, displacements and the record of its steps."""
 
-    def __init__(self, condensed: CondensedShell, stiffness: FloatArray) -> None:
+    def __init__(self, condensed: CondensedShell, stiffness: FloatArray, ties: TiePath) -> None:
         elements, loads = condensed.elements, condensed.loads
-        self._condensed, self._stiffness = condensed, stiffness
-        self._softness = _elastic_displacement(elements, stiffness, condensed)
+        self._condensed, self._stiffness, self._ties = condensed, stiffness, ties
+        elastic = _elastic(elements, stiffness)
+        # f_L . u / W, m, at a load factor of one when nothing yields.
+        self._softness = loads.weight * float(loads.live @ elastic(loads.live))
+        ties.soften(elastic)
         unit = loads.unit.T
         size = elements.weight / (loads.weight * self._softness)
         flexibility = np.moveaxis(np.linalg.inv(stiffness)[elements.facet], 0, 2)
@@ -116,14 +125,16 @@ class _Path:
         self._multipliers = np.zeros(condensed.strength.multipliers)
         self._moved: list[FloatArray] = []
         self._steps: list[CapacityStep] = []
+        self._tensions: list[FloatArray] = []
 
     def stand(self, progress: Progress | None) -> tuple[Status, str]:
         """Apply the dead load."""
         begin = perf_counter()
-        state = self._condensed.solve(self._condensed.loads.dead, None, compliance=self._compliance, cap=1.0)
+        dead = self._dead(self._ties.tension)
+        state = self._condensed.solve(dead, None, compliance=self._compliance, cap=1.0)
         if state.status == "infeasible":
             fall = state.motion
-            self._motion = fall / float(self._condensed.loads.dead @ fall[~self._condensed.elements.clamped])
+            self._motion = fall / float(dead @ fall[~self._condensed.elements.clamped])
             return "unstable", FALLS
         if not state.holds:
             return "failed", f"dead load not decided: {_reason(state)}"
@@ -134,18 +145,20 @@ class _Path:
 
     def push(self, most: int, progress: Progress | None) -> tuple[Status, str]:
         """Push until the load factor stays constant."""
-        loads = self._condensed.loads
         length, longest = SOLVER.first_step, np.inf
         travelled = factor = 0.0
         while len(self._steps) <= most:
             begin = perf_counter()
-            state = self._condensed.solve(loads.dead, loads.live, compliance=self._compliance, before=self._state, reward=length)
+            state, tension, elongation = self._ties.step(
+                lambda tension, reward=length: self._step(tension, reward), self._softness
+            )
             if not state.holds:
                 if length < SOLVER.shortest * SOLVER.first_step:
                     return "failed", f"step {len(self._steps)}: {_reason(state)}"
                 length *= SOLVER.shrink
                 longest = length
                 continue
+            self._ties.accept(tension, elongation)
             rise, before = state.load - factor, travelled
             travelled, factor = travelled + length, state.load
             self._accept(state, travelled * self._softness, factor, begin, progress)
@@ -154,6 +167,15 @@ class _Path:
             wanted = SOLVER.rise * abs(factor) / max(abs(rise), 1e-300)
             length = min(length * float(np.clip(wanted, 1.0, SOLVER.growth)), longest)
         return "not-converged", f"no plateau after {most} steps"
+
+    def _dead(self, tension: FloatArray) -> FloatArray:
+        loads = self._condensed.loads
+        return loads.dead + self._ties.loads(tension) / loads.weight
+
+    def _step(self, tension: FloatArray, reward: float) -> StressState:
+        """Return the state of a step with these tensions (nt,), N."""
+        live, before = self._condensed.loads.live, self._state
+        return self._condensed.solve(self._dead(tension), live, compliance=self._compliance, before=before, reward=reward)
 
     def curve(self, status: Status, message: str, control: int | None, load: LoadCase, seconds: float) -> CapacityCurve:
         """Return what was found."""
@@ -179,6 +201,7 @@ class _Path:
             plastic=plastic * elements.shell.yields[:, None],
             multipliers=mean * elements.shell.yields[:, None],
             steps=tuple(self._steps),
+            tie_forces=np.array(self._tensions).reshape(len(self._steps), len(self._ties)),
             status=status,
             seconds=seconds,
             message=message,
@@ -188,6 +211,7 @@ class _Path:
         self._stress, self._state = state.stress, state
         self._motion = self._motion + self._softness * state.motion
         self._multipliers = self._multipliers + state.multipliers
+        self._tensions.append(self._ties.tension)
         self._moved.append(self._condensed.elements.translations(self._motion))
         step = CapacityStep(
             displacement=displacement,
@@ -213,8 +237,8 @@ def _reason(state: StressState) -> str:
     return f"{state.message or state.status}, residual {state.residual:.1e}, gap {state.gap:.1e}"
 
 
-def _elastic_displacement(elements: ShellElements, stiffness: FloatArray, condensed: CondensedShell) -> float:
-    """Return f_L . u / W, m, at a load factor of one when nothing yields."""
+def _elastic(elements: ShellElements, stiffness: FloatArray) -> Callable[[FloatArray], FloatArray]:
+    """Return what solves for the displacements of the free unknowns when nothing yields."""
     free = ~elements.clamped
     lower = sp.csc_matrix(sp.tril(elements.stiffness_matrix(stiffness)[free][:, free], format="csc"))
     lower.sort_indices()
@@ -225,8 +249,7 @@ def _elastic_displacement(elements: ShellElements, stiffness: FloatArray, conden
         raise InputError(
             "shell", "nothing holds it: it moves without strain", expected="supported nodes that fix every part"
         ) from error
-    live = condensed.loads.live
-    return condensed.loads.weight * float(live @ factor.solve(live))
+    return factor.solve
 
 
 def _node(shell: ShellModel, control_point: int | npt.ArrayLike) -> int:

@@ -41,7 +41,8 @@ class SolverSettings:
         start_margin: a step begins at the stresses before it with so much compression more, in units of stress, which takes them
         inside the strength. The nearer the start, the fewer iterations; but on the boundary itself the solver cannot move.
         correctors: centrality correctors in an iteration of a step with the exact cell, where linear solves cost more than the
-        factorisation.
+        factorisation. tie_rounds: at most so many solutions of a step with ties; tie_tension: how far a tension may be from what
+        its elongation says, as a share of the largest strength.
 
     Flow rule with planes, solved at each point by Hildreth's sweeps over the planes:
         flow_sweeps: between two looks at which points still change. flow_rounds: at most so many looks; planes that nearly
@@ -70,6 +71,8 @@ class SolverSettings:
     shortest: float = 1e-4
     start_margin: float = 0.03
     correctors: int = 2
+    tie_rounds: int = 12
+    tie_tension: float = 1e-4
     flow_sweeps: int = 50
     flow_rounds: int = 40
     flow_settled: float = 1e-13

@@ -36,7 +36,7 @@ SCHEMAS: dict[type, str] = {
     LimitState: "churchpipe limit-state 2",
     ShellModel: "churchpipe shell 1",
     ShellLimitState: "churchpipe shell-limit-state 2",
-    CapacityCurve: "churchpipe capacity-curve 1",
+    CapacityCurve: "churchpipe capacity-curve 2",
     BlockCapacityCurve: "churchpipe block-capacity-curve 2",
     SettlementPath: "churchpipe settlement-path 2",
     Absent: "churchpipe absent 1",

@@ -131,7 +131,7 @@ def shell_record_of(
             curve = Curve(int(result.control_point), tuple(result.control.tolist()), tuple(result.load_factor.tolist()))
         case str():
             outcome = Outcome("failed", message=result)
-    tensions = tie_forces_of(ties, result) if isinstance(result, ShellLimitState) else ()
+    tensions = () if isinstance(result, str) else tie_forces_of(ties, result)
     lost = [] if planes == "cell" else _uncrushed(materials)
     said = "; ".join(words for words in (outcome.message, *lost) if words)
     return ShellRecord(question_of(load, materials), replace(outcome, message=said), method, planes, curve, tensions)

@@ -1,17 +1,15 @@
 """What helps, in the records of analyses: what each tie carries, and what candidates, cohesion and weight would add."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Any, TypeVar
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from churchpipe.model.block_curve import BlockCapacityCurve
 from churchpipe.model.gains import Sensitivities
 from churchpipe.model.results import CapacityCurve, LimitState, ShellLimitState
 from churchpipe.model.ties import RankedTie, Tie
 
-_Curve = TypeVar("_Curve", CapacityCurve, BlockCapacityCurve)
 # A tie yields at its strength, but for what a solver leaves.
 _YIELDING = 1e-4
 
@@ -81,8 +79,11 @@ def gains_of(rates: Sensitivities) -> tuple[Gain, ...]:
     return tuple(Gain(*one) for one in columns) if len(rates.panel) > 1 else ()
 
 
-def tie_forces_of(ties: Sequence[Tie], state: LimitState | ShellLimitState) -> tuple[TieForce, ...]:
-    """Return what each tie of an analysis carries."""
+def tie_forces_of(ties: Sequence[Tie], state: LimitState | ShellLimitState | CapacityCurve) -> tuple[TieForce, ...]:
+    """Return what each tie of an analysis carries; of a capacity curve, at its end."""
+    if isinstance(state, CapacityCurve):
+        last = state.tie_forces[-1] if len(state.steps) else np.zeros(0)
+        return tuple(TieForce(tie.name, float(t), tie.strength, tie.governs, np.nan) for tie, t in zip(ties, last, strict=False))
     return tuple(
         TieForce(tie.name, float(tension), tie.strength, tie.governs, float(gain))
         for tie, tension, gain in zip(ties, state.tie_forces, state.tie_sensitivity, strict=bool(len(state.tie_forces)))
@@ -97,8 +98,3 @@ def candidates_of(ranked: Sequence[RankedTie]) -> tuple[TieCandidate, ...]:
 def tie_words(ties: Sequence[TieForce]) -> dict[str, Any]:
     """Return the key of summary.json, where there are ties."""
     return {"tie_forces": [tie.as_words() for tie in ties]} if ties else {}
-
-
-def without_ties(curve: _Curve, ties: Sequence[Tie]) -> _Curve:
-    """Return a capacity curve that says that it leaves ties out, where there are any."""
-    return replace(curve, message="; ".join(filter(None, [curve.message, "the curve leaves the ties out"]))) if ties else curve

@@ -174,7 +174,7 @@ class CapacityCurve:
     displacement (nn, 3) m and edge_rotation (ne,) rad at the last step, since the dead load (of an unstable shell: the falling
     mechanism); plastic (nt, 6): plastic membrane strains and curvatures (1/m) at the last step, those of the dead load
     included, the mean of each facet in its own axes; multipliers (nt, planes): of each plane, facet means, or the openings (m)
-    of the twelve joint corners of the exact cell.
+    of the twelve joint corners of the exact cell; tie_forces (ns, nt) N, the tensions of the ties.
     status: "converged" when every step is proved and the last ones lie on a plateau.
     """
 
@@ -187,6 +187,7 @@ class CapacityCurve:
     multipliers: FloatArray
     steps: tuple[CapacityStep, ...]
     status: Status
+    tie_forces: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
     seconds: float = 0.0
     message: str = ""
 
@@ -201,6 +202,9 @@ class CapacityCurve:
             edge_rotation=floats("CapacityCurve.edge_rotation", self.edge_rotation, (None,), finite=False),
             plastic=floats("CapacityCurve.plastic", self.plastic, (None, 6), finite=False),
             multipliers=floats("CapacityCurve.multipliers", self.multipliers, (None, None), finite=False),
+            tie_forces=floats(
+                "CapacityCurve.tie_forces", self.tie_forces if np.size(self.tie_forces) else np.zeros((count, 0)), (count, None)
+            ),
         )
         if not 0 <= int(self.control_point) < len(self.displacement):
             expected = f"0 to {len(self.displacement) - 1}"

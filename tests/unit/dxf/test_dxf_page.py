@@ -19,7 +19,15 @@ def test_the_page_of_the_layout_is_complete() -> None:
     properties = {name.removesuffix("<name>") for name in names if name.startswith("CP_")}
     assert properties == {schema.SCHEMA_PROPERTY, schema.UNITS_PROPERTY, schema.MATERIAL_PROPERTY, schema.LOAD_PROPERTY}
     attributes = {name for name in names if not name.startswith("CP")}
-    assert attributes == {schema.VOLUME, schema.NFACES, schema.ID, schema.MATERIAL, schema.PANEL_NAME, schema.COURSE}
+    assert attributes == {
+        schema.VOLUME,
+        schema.NFACES,
+        schema.ID,
+        schema.MATERIAL,
+        schema.PANEL_NAME,
+        schema.COURSE,
+        schema.BUTTS,
+    }
     text = PAGE.read_text(encoding="utf-8")
     assert f"version of this layout: {schema.VERSION}" in text
     assert f"`{schema.BLOCK_PREFIX}<number>`" in text
