@@ -7,15 +7,14 @@ JSON; only input that cannot be taken raises. What the shell refuses stops the s
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from churchpipe.closure import code_of
 from churchpipe.config.carries import carries_of, placed
 from churchpipe.config.settings import beams_of, buttresses_of, joints_of, load_of, strengths_of, weights_of
 from churchpipe.errors import Extra, InputError
-from churchpipe.io.atomic import canonical_json, write_if_changed, write_json
+from churchpipe.io.atomic import write_json
 from churchpipe.io.building_json import read_building, write_building
 from churchpipe.io.movement_record import movement_words, widest_cracks
 from churchpipe.io.npz import Absent, read_if_made, read_npz, write_npz
@@ -36,33 +35,7 @@ from churchpipe.model.results import CapacityCurve, CapacityStep, ShellLimitStat
 from churchpipe.model.shell import ShellModel
 from churchpipe.model.ties import RankedTie, Tie
 
-if TYPE_CHECKING:
-    from churchpipe.config.selection import Selection
-
 Progress = Callable[[str, float], None]
-
-
-def configure(case: str | Path, out: str | Path, overrides: Sequence[str] = (), selection: "Selection | None" = None) -> Path:
-    """Write the plan of a run and the settings of each stage into `out`; a file whose content is unchanged is not touched.
-
-    Files: plan.json, as-run.toml (the case with what --set changed), settings.json of each stage: geometry/NAME (with
-    tolerances.json, of its joints), shell/NAME (with carried.json, of its loads), rigid/NAME, curve/NAME, movement/NAME,
-    limit/NAME, pushover/NAME, sample/NAME, and code/STAGE.txt. Returns the path of plan.json.
-    """
-    from churchpipe.config.asrun import as_run
-    from churchpipe.config.samples import plan_with_samples
-    from churchpipe.config.selection import ALL
-
-    out = Path(out)
-    todo, samples = plan_with_samples(case, overrides, selection or ALL)
-    for name, table in (todo.files | {f"sample/{name}/settings": table for name, table in samples.items()}).items():
-        write_if_changed(out / f"{name}.json", canonical_json(table))
-    for stage in STAGES:
-        # The rules take it as an input: an edited module runs again what depends on it.
-        write_if_changed(out / "code" / f"{stage}.txt", code_of(stage))
-    write_if_changed(out / "as-run.toml", as_run(Path(case), overrides))
-    write_if_changed(out / "plan.json", canonical_json(todo.index))
-    return out / "plan.json"
 
 
 def source(settings: Path, building: Path) -> None:

@@ -37,7 +37,7 @@ flow = ["associative", "non-associative"]
 RESULTS = {"compare": 1, "report": 1, "all": 1}
 SHELL = {"shell": 1, "match": 1, "limit": 1}
 ALL = {"source": 1, "blocks": 1, "contacts": 1, "rigid": 2, **RESULTS}
-CONFIGURE = "import sys; from churchpipe.stages import configure; configure(sys.argv[1], sys.argv[2], sys.argv[3:])"
+CONFIGURE = "import sys; from churchpipe.configuring import configure; configure(sys.argv[1], sys.argv[2], sys.argv[3:])"
 
 
 def stages_of(jobs: dict[str, int]) -> dict[str, int]:

@@ -16,6 +16,7 @@ import pyvista
 
 from churchpipe import stages
 from churchpipe.compare import bad_news
+from churchpipe.configuring import configure
 from churchpipe.dxf.writer import write_dxf
 from churchpipe.generators import wall
 from churchpipe.io.npz import Absent, read_if_made, read_npz, write_npz
@@ -63,7 +64,7 @@ SPIKE = ([(0.5, 0.0, 1.0), (0.7, 0.0, 1.0), (0.6, 0.25, 1.0), (0.6, 0.1, 1.03)],
 def make(case: Path, *overrides: str, spoil: Callable[[Path], None] | None = None) -> dict[str, Any]:
     """Do the work of the engine for a case with one geometry; return summary.json. spoil: called with the path of each mesh."""
     out = case.parent / "run"
-    plan = stages.configure(case, out, overrides)
+    plan = configure(case, out, overrides)
     index = read_json(plan)
     base = out / "geometry" / "base"
     settings, building, stones, contacts = (

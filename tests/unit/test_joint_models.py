@@ -11,6 +11,7 @@ from case_texts import WALL, case_file
 from churchpipe import stages
 from churchpipe.code_check import Site
 from churchpipe.compare import contact_models, guidance, safety
+from churchpipe.configuring import configure
 from churchpipe.dxf.properties import decode_properties, encode_materials
 from churchpipe.io.recording import shell_record_of
 from churchpipe.io.tables import read_json
@@ -33,7 +34,7 @@ CASE = WALL.replace("friction = 0.6\n", "friction = 0.6\ncompressive_strength_MP
 
 def test_from_the_case_to_the_summary(tmp_path: Path) -> None:
     run = tmp_path / "run"
-    stages.configure(case_file(tmp_path, CASE), run)
+    configure(case_file(tmp_path, CASE), run)
     place = run / "geometry" / "base"
     stages.source(place / "settings.json", place / "building.json")
     stages.blocks(place / "building.json", place / "assemblage.npz", place / "stones.dxf", place / "stones.vtu")

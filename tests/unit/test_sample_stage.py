@@ -10,6 +10,7 @@ from scipy import stats
 
 from case_texts import WALL, case_file
 from churchpipe import stages
+from churchpipe.configuring import configure
 
 THICKNESS = """
 [check]
@@ -27,7 +28,7 @@ parameters = [
 
 def run_all(folder: Path, text: str) -> Path:
     """Run a case with one geometry and rigid blocks, and its samples; return the folder of the run."""
-    plan = stages.configure(case_file(folder, text), folder / "run")
+    plan = configure(case_file(folder, text), folder / "run")
     index, run = json.loads(plan.read_text()), plan.parent
     stones = run / "geometry" / "base"
     stages.source(stones / "settings.json", stones / "building.json")

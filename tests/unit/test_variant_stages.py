@@ -8,6 +8,7 @@ import pytest
 
 from case_texts import WALL, case_file
 from churchpipe import stages
+from churchpipe.configuring import configure
 from churchpipe.terminal import results_table
 
 VARIANTS = """
@@ -31,7 +32,7 @@ cost = { EUR = 50 }
 
 
 def test_variants_stand_beside_the_building_as_it_is(tmp_path: Path) -> None:
-    plan = stages.configure(case_file(tmp_path, WALL + VARIANTS), tmp_path / "run")
+    plan = configure(case_file(tmp_path, WALL + VARIANTS), tmp_path / "run")
     index, run = json.loads(plan.read_text()), plan.parent
     for name in index["geometries"]:
         folder = run / "geometry" / name

@@ -9,6 +9,7 @@ import pytest
 
 import churchpipe as cp
 from churchpipe import stages
+from churchpipe.configuring import configure
 from churchpipe.errors import InputError
 from churchpipe.generators.wall import wall as free_wall
 from churchpipe.io.records import read_record
@@ -244,7 +245,7 @@ def test_a_tied_block_through_a_case(tmp_path: Path) -> None:
     cp.write_dxf(cp.Assemblage.from_polyhedra(solids, 18e3, fixed=[0, 2]), tmp_path / "block.dxf")
     (tmp_path / "case.toml").write_text(TIED)
     run = tmp_path / "run"
-    stages.configure(tmp_path / "case.toml", run)
+    configure(tmp_path / "case.toml", run)
     base, made = (
         run / "geometry/base",
         [run / name for name in ("stones.npz", "stones.vtu", "contacts.npz", "state.npz", "r.json")],

@@ -45,13 +45,13 @@ def run(
         err.print("Nothing has changed since the last run.")
         _tell(named, good=good)
         return
-    from churchpipe import stages
     from churchpipe.compare import bad_news
     from churchpipe.compilation import compiled
     from churchpipe.config.asrun import claim
     from churchpipe.config.case import Generated
     from churchpipe.config.plan import plan
     from churchpipe.config.selection import Selection, selected
+    from churchpipe.configuring import configure
     from churchpipe.io.tables import read_json
     from churchpipe.terminal import Display
 
@@ -65,7 +65,7 @@ def run(
     folder = _folder_of(case, cases[0].name, out_dir)
 
     def prepare(place: Path = folder) -> None:
-        stages.configure(case, place, changes or (), selection)
+        configure(case, place, changes or (), selection)
         claim(place, case)
 
     if dry_run:

@@ -9,10 +9,11 @@ from churchpipe.config.carries import carries_of, placed
 from churchpipe.config.case import read_case, read_variants
 from churchpipe.config.plan import plan
 from churchpipe.config.settings import joints_of
+from churchpipe.configuring import configure
 from churchpipe.errors import InputError
 from churchpipe.io.building_json import read_building, write_building
 from churchpipe.shell_mesh.shell import derive_shell
-from churchpipe.stages import configure, source
+from churchpipe.stages import source
 from churchpipe.stones.blocks import derive_blocks
 
 CASE = """

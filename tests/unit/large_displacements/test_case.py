@@ -14,6 +14,7 @@ import churchpipe as cp
 from churchpipe import compare, stages
 from churchpipe.config.case import Case
 from churchpipe.config.plan import plan
+from churchpipe.configuring import configure
 from churchpipe.errors import InputError
 from churchpipe.io.npz import read_npz, write_npz
 from churchpipe.io.recording import curve_record_of
@@ -168,7 +169,7 @@ FALLEN = on_ground(box((0, 1), (0, 1), (0, 1)), box((0.6, 1.6), (0, 1), (1, 2)))
 def test_a_killed_run_goes_on_from_its_steps(tmp_path: Path) -> None:
     case, out = tmp_path / "case.toml", tmp_path / "run"
     case.write_text(CASE + "[rigid.curve]\nstep_mm = 1\nsteps = 150\n", encoding="utf-8")
-    stages.configure(case, out)
+    configure(case, out)
     geometry, folder = out / "geometry" / "base", out / "curve" / "+y_curve"
     stages.source(geometry / "settings.json", geometry / "building.json")
     stages.blocks(geometry / "building.json", geometry / "assemblage.npz", geometry / "stones.dxf", geometry / "stones.vtu")

@@ -10,6 +10,7 @@ from case_texts import case_file
 from churchpipe import compare, stages
 from churchpipe.config.case import Case
 from churchpipe.config.plan import plan
+from churchpipe.configuring import configure
 from churchpipe.errors import InputError
 from churchpipe.io.movement_record import movement_words
 from churchpipe.io.npz import read_npz, write_npz
@@ -70,7 +71,7 @@ def test_bad_keys(tmp_path: Path, lines: str, said: str) -> None:
 def staged(tmp_path: Path, lines: str) -> Path:
     """The folder of a run after the stage of its only movement."""
     out = tmp_path / "run"
-    stages.configure(case_file(tmp_path, f"{CASE}[[movements]]\n{lines}"), out)
+    configure(case_file(tmp_path, f"{CASE}[[movements]]\n{lines}"), out)
     geometry, (name,) = out / "geometry" / "base", [entry["name"] for entry in read_run(out / "plan.json").index["movements"]]
     stages.source(geometry / "settings.json", geometry / "building.json")
     stages.blocks(geometry / "building.json", geometry / "assemblage.npz", geometry / "stones.dxf", geometry / "stones.vtu")

@@ -7,6 +7,7 @@ import pytest
 
 from churchpipe import stages
 from churchpipe.config.case import read_case
+from churchpipe.configuring import configure
 from churchpipe.dxf.reading import Reading
 from churchpipe.errors import InputError, UsageError
 from churchpipe.findings import FindingsError
@@ -27,7 +28,7 @@ def test_a_case_of_an_imported_file_reads_its_stones_again(name: str, tmp_path: 
     for file in [path, *path.parent.glob("*.INI")] if path.is_file() else path.iterdir():
         file.unlink()
     run = tmp_path / "run"
-    index = read_json(stages.configure(done.case, run))
+    index = read_json(configure(done.case, run))
     folder = run / "geometry" / "base"
     stages.drawing(folder / "settings.json", Path(index["drawing"]), folder / "assemblage.npz", folder / "stones.vtu")
     read = read_npz(folder / "assemblage.npz", Assemblage)
