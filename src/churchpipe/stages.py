@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from churchpipe.closure import code_of
 from churchpipe.config.carries import carries_of, placed
 from churchpipe.config.settings import beams_of, buttresses_of, joints_of, load_of, strengths_of, weights_of
 from churchpipe.errors import Extra, InputError

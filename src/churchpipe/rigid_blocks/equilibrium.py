@@ -230,3 +230,20 @@ def contact_wrenches(
         interface,
         shift,
     )
+
+
+def check_connected(stones: Assemblage, contacts: Contacts, balance: Equilibrium) -> None:
+    """Raise when a free stone has no contact at all or no path to a support: a solver would only say "infeasible"."""
+    ones = np.ones(len(contacts.blocks))
+    graph = sp.coo_matrix((ones, (contacts.blocks[:, 0], contacts.blocks[:, 1])), shape=(stones.count, stones.count))
+    _, component = sp.csgraph.connected_components(graph, directed=False)
+    loose = balance.free[~np.isin(component[balance.free], component[stones.fixed])]
+    if len(loose):
+        shown = ", ".join(stones.block_id[loose[:8]]) + (f" and {len(loose) - 8} more" if len(loose) > 8 else "")
+        raise InputError(
+            "stones",
+            "no path of contacts to a support",
+            found=shown,
+            expected="every free stone connected to a fixed one",
+            remedy="Fix a stone that rests on the ground, or close the gaps between stones (contact_gap).",
+        )

@@ -8,7 +8,6 @@ from typing import Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
-import scipy.sparse as sp
 
 from churchpipe.conic.program import ConeProgram, ConeSolution
 from churchpipe.conic.solve import Solve, solver_for
@@ -24,7 +23,7 @@ from churchpipe.model.results import LimitState, Status
 from churchpipe.model.ties import Tie
 from churchpipe.rigid_blocks.certificate import FLOW_TOLERANCE, UNPROVED, Certificate, Strength, certify, kinematic_bound
 from churchpipe.rigid_blocks.crushing import PARTS, JointParts, joint_parts
-from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
+from churchpipe.rigid_blocks.equilibrium import Equilibrium, check_connected, equilibrium
 from churchpipe.rigid_blocks.polygons import joint_polygons, parallelograms
 from churchpipe.rigid_blocks.pressed import with_pressed
 from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP
@@ -125,15 +124,16 @@ def limit_analysis(
         starts = ["dead-load", "associative"]
     options = SlidingOptions(method, tuple(starts), bipotential_gap)
     begin = perf_counter()
-    parts = pressed = None
+    endless = np.inf if compressive_strength is None else compressive_strength
+    endurance = _of_interfaces("compressive_strength", endless, contacts, endless=True)
+    pressed, parts = np.zeros_like(endurance, dtype=np.bool_), None
     if compressive_strength is not None:
-        endurance = _of_interfaces("compressive_strength", compressive_strength, contacts, endless=True)
         pressed = parallelograms(joint_polygons(contacts), contacts.area) & np.isfinite(endurance)
         parts = joint_parts(contacts, crushing_parts, np.isfinite(endurance) & ~pressed)
     balance = equilibrium(stones, contacts, load, contact_model, parts)
     strength = point_strength(contacts, friction, cohesion, balance.force, compressive_strength, parts)
     balance, strength = with_ties(balance, strength, stones, listed("limit_analysis: ties", ties, Tie))
-    if parts is not None and pressed is not None:
+    if parts is not None:
         capacity = endurance[pressed] * contacts.area[pressed] / balance.force
         balance, strength = with_pressed(balance, strength, parts.contacts.point_ptr[:-1][pressed], capacity)
     check_connected(stones, contacts, balance)
@@ -344,23 +344,6 @@ def unbounded_state(balance: Equilibrium, ray: ConeSolution, seconds: float, flo
     still = replace(ray, y=np.full_like(ray.y, np.nan))
     proof = Certificate(np.inf, np.inf, residual, 0.0, residual, 0.0)
     return _state(balance, still, "unbounded", np.inf, proof, seconds, flow=flow, message=message)
-
-
-def check_connected(stones: Assemblage, contacts: Contacts, balance: Equilibrium) -> None:
-    """Raise when a free stone has no contact at all or no path to a support: a solver would only say "infeasible"."""
-    ones = np.ones(len(contacts.blocks))
-    graph = sp.coo_matrix((ones, (contacts.blocks[:, 0], contacts.blocks[:, 1])), shape=(stones.count, stones.count))
-    _, component = sp.csgraph.connected_components(graph, directed=False)
-    loose = balance.free[~np.isin(component[balance.free], component[stones.fixed])]
-    if len(loose):
-        shown = ", ".join(stones.block_id[loose[:8]]) + (f" and {len(loose) - 8} more" if len(loose) > 8 else "")
-        raise InputError(
-            "stones",
-            "no path of contacts to a support",
-            found=shown,
-            expected="every free stone connected to a fixed one",
-            remedy="Fix a stone that rests on the ground, or close the gaps between stones (contact_gap).",
-        )
 
 
 def _fallen(

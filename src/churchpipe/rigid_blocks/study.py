@@ -19,8 +19,8 @@ from churchpipe.model.names import ContactModel
 from churchpipe.model.results import LimitState
 from churchpipe.model.ties import Tie
 from churchpipe.rigid_blocks.certificate import Strength
-from churchpipe.rigid_blocks.equilibrium import equilibrium
-from churchpipe.rigid_blocks.limit import Flow, analysed, check_connected, point_strength
+from churchpipe.rigid_blocks.equilibrium import check_connected, equilibrium
+from churchpipe.rigid_blocks.limit import Flow, analysed, point_strength
 from churchpipe.rigid_blocks.sliding import SlidingOptions
 from churchpipe.rigid_blocks.ties import with_ties
 
