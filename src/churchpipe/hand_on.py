@@ -3,7 +3,7 @@
 import os
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -86,7 +86,12 @@ def write_report(
             of_blocks.append((label | record | compare.stone_parts(stones, result, load), result))
             continue
         motion = result.displacement if isinstance(result, CapacityCurve) else getattr(result, "velocities", ())
-        if not isinstance(result, Result) or isinstance(result, LimitState) or shell is None or len(motion) != len(shell.points):
+        if (
+            not isinstance(cast("object", result), Result)
+            or isinstance(result, LimitState)
+            or shell is None
+            or len(motion) != len(shell.points)
+        ):
             expected = "a result of these stones" if shell is None else "a result of these stones or of this shell"
             raise InputError("write_report: results", "not a result of this model", found=describe(result), expected=expected)
         method = "pushover" if isinstance(result, CapacityCurve) else "limit"

@@ -203,10 +203,10 @@ def _capacity(record: Mapping[str, Any], value: float | None) -> float:
 def _figures(known: Uncertainty) -> dict[str, Any]:
     """Return mean, spread and quantiles, and the fragility curve from below the least to above the greatest capacity."""
     finite = known.capacity[np.isfinite(known.capacity)]
-    demand = np.linspace(0.9 * finite.min(), 1.1 * finite.max(), 41) if len(finite) else np.empty(0)
+    demand: FloatArray = np.linspace(0.9 * float(finite.min()), 1.1 * float(finite.max()), 41) if len(finite) else np.zeros(0)
     below = np.searchsorted(known.capacity, demand, side="left")
     low, high = band(below, known.count)
-    curve = {"demand": demand, "probability": below / max(known.count, 1), "low": low, "high": high}
+    curve: dict[str, FloatArray] = {"demand": demand, "probability": below / max(known.count, 1), "low": low, "high": high}
     return {
         "count": known.count,
         "mean": known.mean,

@@ -82,9 +82,9 @@ def test_the_shell_takes_groups_of_walls_and_heights() -> None:
     below = shell.centroid[:, 2] < 0.6
     assert (mesh.material[below] == "default, wet foot").all()
     assert (mesh.material[~below] == "default").all()
-    # What is above slides on it, within the convergence of this mesh; with the friction of the rest it slides at that.
+    # What is above slides on it, within the convergence of this mesh; with the friction of the rest the wall leans first.
     assert cp.shell_limit_analysis(mesh, push, materials).load_factor == pytest.approx(0.2, rel=1e-3)
-    assert cp.shell_limit_analysis(shell, push, [DRY]).load_factor > 0.4
+    assert cp.shell_limit_analysis(shell, push, [DRY]).load_factor > 0.3
     with pytest.raises(InputError, match="joints foot: not in the shell; found base"):
         cp.shell_joint_groups(shell, [DRY], [cp.JointGroup("foot", kind="base", friction=0.2)])
 

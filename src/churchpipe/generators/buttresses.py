@@ -17,6 +17,18 @@ _WHOLE = 1e-6
 def with_buttresses(building: Building, buttresses: Iterable[Buttress]) -> Building:
     """Return a building with buttresses: a panel each, named "NAME buttress 1" and so on.
 
+    Parameters
+    ----------
+    building
+        The building whose walls they stand at.
+    buttresses
+        What to add.
+
+    Returns
+    -------
+    Building
+        With the panels of the buttresses after its own.
+
     Raises
     ------
     InputError

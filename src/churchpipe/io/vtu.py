@@ -15,9 +15,10 @@ from churchpipe.model.assemblage import Assemblage
 
 def write_vtu(path: str | Path, stones: Assemblage, velocities: npt.ArrayLike | None = None) -> None:
     """Write the stones as polyhedral cells, with the data of `stones_mesh` and `name`, `panel_name`, `material_name`."""
+    mesh = stones_mesh(stones, velocities)
     order = _cells(stones)[1]
     names = {"name": stones.block_id, "panel_name": stones.panel, "material_name": stones.material}
-    write_named(path, stones_mesh(stones, velocities), {key: values[order] for key, values in names.items()})
+    write_named(path, mesh, {key: values[order] for key, values in names.items()})
 
 
 def write_named(path: str | Path, mesh: Any, names: Mapping[str, NameArray]) -> None:
