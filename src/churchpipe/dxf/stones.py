@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 from ezdxf.entities.insert import Insert
-from ezdxf.math import Vec3
 
 from churchpipe.dxf import schema
 from churchpipe.dxf.attributes import read_labels
 from churchpipe.dxf.bodies import BAD_ENTITY, NOT_SANE, Faces, ground_plate, is_sane, repaired
 from churchpipe.dxf.carried import Drawn
 from churchpipe.dxf.definitions import Definition, Matrix, read_content, read_definition, transformed, warped
+from churchpipe.dxf.inserts import DEEPEST, MOST_INSERTS, TooDeepError, array_offsets, array_size, count_inserts
 from churchpipe.dxf.traces import KINDS, Trace, traces_of
 from churchpipe.findings import Finding, Place
 from churchpipe.geometry.mending import signed_volume
@@ -24,10 +24,6 @@ HIDDEN = "hidden or on frozen or off layers"
 ORPHANS = ("ATTRIB", "VERTEX", "SEQEND")
 # Axes of an insert at angles whose cosine is below this are at right angles.
 SKEW_TOLERANCE = 1e-9
-# Arrays of arrays can ask for more stones than there is memory.
-MOST_INSERTS = 200_000
-# Blocks in blocks: people nest a handful.
-DEEPEST = 50
 # Two lengths of the axes of an insert that differ by less are one scale.
 STRETCH_TOLERANCE = 1e-9
 
@@ -85,12 +81,12 @@ def survey(doc: Any, repair: bool) -> Survey:
     hidden = frozenset(layer.dxf.name.upper() for layer in doc.layers if layer.is_frozen() or layer.is_off())
     found = Survey(doc, repair, hidden)
     try:
-        asked = _count_inserts(doc.modelspace(), {}, ())
+        asked = count_inserts(doc.modelspace(), {})
         if asked > MOST_INSERTS:
             found.findings.append(Finding("E23", f"nested and arrayed inserts ask for {asked} stones", f"at most {MOST_INSERTS}"))
             return found
         _visit(found, read_content(list(doc.modelspace()), "", "", IDENTITY, found.findings), _Branch())
-    except _TooDeepError as deep:
+    except TooDeepError as deep:
         what = f"blocks nested more than {DEEPEST} deep, from {deep.trail[0]} on down to {deep.trail[-1]}"
         remedy = f'Explode "{deep.trail[0]}" once or twice.'
         found.findings.append(Finding("E08", what, f"at most {DEEPEST} levels", remedy))
@@ -102,33 +98,6 @@ def survey(doc: Any, repair: bool) -> Survey:
             drawn = sum(e.dxftype() in ("INSERT", "MESH", "POLYLINE", "3DFACE", "3DSOLID", "BODY") for e in layout)
             found.left_out["in paper space"] += drawn
     return found
-
-
-def _count_inserts(entities: Any, known: dict[str, int], trail: tuple[str, ...]) -> int:
-    """Return the number of inserts that follow from these entities, nested and arrayed ones included.
-
-    Raises
-    ------
-    _TooDeepError: blocks nested deeper than any drawing needs.
-    """
-    total = 0
-    for insert in entities:
-        if not isinstance(insert, Insert) or (name := insert.dxf.name.upper()) in trail:
-            continue
-        if len(trail) >= DEEPEST:
-            raise _TooDeepError(trail)
-        block = insert.block()
-        if block is not None and name not in known:
-            known[name] = _count_inserts(block, known, (*trail, name))
-        total += _array_size(insert) * (1 + known.get(name, 0))
-    return total
-
-
-class _TooDeepError(Exception):
-    """Blocks nested too deep: the names of all from the outermost on."""
-
-    def __init__(self, trail: tuple[str, ...]) -> None:
-        self.trail = trail
 
 
 def summary(found: Survey) -> list[Finding]:
@@ -247,7 +216,7 @@ def _visit_insert(found: Survey, insert: Insert, branch: _Branch) -> None:
         return
     place = _at(place, branch.matrix, where)
     block = insert.block()
-    many = _array_size(insert)
+    many = array_size(insert)
     if layer in found.hidden or insert.dxf.invisible:
         found.left_out[HIDDEN] += many
     elif block is None:
@@ -262,9 +231,9 @@ def _visit_insert(found: Survey, insert: Insert, branch: _Branch) -> None:
     else:
         rows = np.array(list(insert.matrix44().rows()), dtype=float)
         if layer in (schema.TIES, schema.LOADS):
-            found.carried.append(_carried(insert, branch, layer, place))
+            found.carried += _carried(insert, branch, layer, place)
             return
-        origins = rows[3, :3] + _array_offsets(insert)
+        origins = rows[3, :3] + array_offsets(insert)
         if not (is_sane(rows) and is_sane(origins)):
             found.findings.append(place.finding("E10", f"in the placing of the insert {NOT_SANE}"))
             return
@@ -276,39 +245,18 @@ def _visit_insert(found: Survey, insert: Insert, branch: _Branch) -> None:
             _visit_member(found, insert, block, deeper, place, suffix)
 
 
-def _carried(insert: Insert, branch: _Branch, layer: str, place: Place) -> Drawn:
-    """Return a tie or a line load: the line in its block, and its attributes."""
+def _carried(insert: Insert, branch: _Branch, layer: str, place: Place) -> list[Drawn]:
+    """Return ties or line loads, one a member of an array: the line in their block, and their attributes."""
     lines = [part for part in insert.virtual_entities() if part.dxftype() == "LINE"]
     ends = np.array([[end.xyz for end in (line.dxf.start, line.dxf.end)] for line in lines[:1]]).reshape(-1, 3)
     texts = {a.dxf.tag.strip().upper(): a.dxf.text.strip() for a in insert.attribs}
     good = len(lines) == 1 and is_sane(ends)
-    return Drawn(layer, transformed(ends, branch.matrix) if good else None, texts, place)
-
-
-def _array_counts(insert: Insert) -> tuple[int, int]:
-    """Return rows and columns of an array; a count below 1, or members that would lie on each other, are one."""
-    dxf = insert.dxf
-    rows = dxf.row_count if dxf.row_spacing else 1
-    columns = dxf.column_count if dxf.column_spacing else 1
-    return max(rows, 1), max(columns, 1)
-
-
-def _array_size(insert: Insert) -> int:
-    rows, columns = _array_counts(insert)
-    return rows * columns
-
-
-def _array_offsets(insert: Insert) -> FloatArray:
-    """Return how far the members of an array lie from its insertion point (k, 3), row by row; they turn with the insert."""
-    counts = _array_counts(insert)
-    if counts == (1, 1):
-        return np.zeros((1, 3))
-    row, column = (index.ravel() for index in np.indices(counts))
-    turn = np.radians(insert.dxf.rotation)
-    x, y = column * insert.dxf.column_spacing, row * insert.dxf.row_spacing
-    ocs = insert.ocs()
-    ux, uy = (np.array(ocs.to_wcs(axis).xyz) for axis in (Vec3(1, 0, 0), Vec3(0, 1, 0)))
-    return np.outer(x * np.cos(turn) - y * np.sin(turn), ux) + np.outer(x * np.sin(turn) + y * np.cos(turn), uy)
+    offsets = array_offsets(insert)
+    out: list[Drawn] = []
+    for index, offset in enumerate(offsets):
+        own = {**texts, "NAME": f"{texts['NAME']}[{index}]"} if texts.get("NAME") and len(offsets) > 1 else texts
+        out.append(Drawn(layer, transformed(ends + offset, branch.matrix) if good else None, own, place))
+    return out
 
 
 def _visit_member(found: Survey, insert: Insert, block: Any, branch: _Branch, place: Place, suffix: str) -> None:

@@ -60,6 +60,19 @@ def test_a_line_that_is_moved_moves_its_tie(tmp_path: Path) -> None:
     assert moved.end.at == pytest.approx((4.0, 1.5, 2.0))
 
 
+def test_each_member_of_an_array_is_a_tie(tmp_path: Path) -> None:
+    document = ezdxf.readfile(drawn(tmp_path))
+    insert = next(
+        one for one in document.modelspace().query("INSERT[layer=='CP-TIES']") if one.get_attrib_text("NAME") == "between"
+    )
+    insert.dxf.row_count, insert.dxf.row_spacing = 3, 0.5
+    document.saveas(tmp_path / "array.dxf")
+    ties = read_drawing(tmp_path / "array.dxf", unit_weight=2e4).ties[1:]
+    assert [tie.name for tie in ties] == ["between[0]", "between[1]", "between[2]"]
+    assert [tie.start.at for tie in ties] == [pytest.approx((0.5, y, 2.0)) for y in (1.0, 1.5, 2.0)]
+    assert [tie.end.at for tie in ties] == [pytest.approx((4.0, y, 2.0)) for y in (1.0, 1.5, 2.0)]
+
+
 @pytest.mark.parametrize(
     ("layer", "tag", "text", "said"),
     [
