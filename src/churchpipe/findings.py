@@ -54,6 +54,7 @@ CODES: Final = {
     "W43": "supports by their names",
     "W44": "hulls of one stone were united",
     "W45": "the unit or the axis that points up was assumed",
+    "W46": "bytes that are no text in the encoding of the file",
 }
 
 # What to do about a finding, where nothing nearer is known. A warning is nothing to mend if what it says is meant.
@@ -103,6 +104,7 @@ REMEDIES: Final = {
     "W43": "Give another name to those that are no ground.",
     "W44": "Compare the volumes; draw the stone as one body if they differ.",
     "W45": "Pass --units or --up if that is wrong.",
+    "W46": "Look at the names of layers and stones; export the drawing again if they are wrong.",
 }
 
 # Places named after the first of a kind.

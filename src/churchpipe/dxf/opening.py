@@ -10,14 +10,16 @@ from typing import Any
 
 from ezdxf import filemanagement
 
+from churchpipe.dxf.tags import Entity, damage, entities
 from churchpipe.findings import Finding
+
+# How bytes that are no text in the encoding of the file are read: many programs write the one of their Windows.
+WESTERN = "churchpipe.western"
 
 # Without a handler of its own ezdxf's log would land on the user's screen; what matters in it becomes a finding.
 logging.getLogger("ezdxf").addHandler(logging.NullHandler())
 
 BINARY = b"AutoCAD Binary DXF"
-COUNTED = ("INSERT", "ATTRIB", "ATTDEF", "POINT", "MESH", "POLYLINE", "VERTEX", "3DFACE", "3DSOLID", "BODY", "BLOCK")
-_ENTITY = re.compile(rb"^[ \t]*0[ \t]*\r?\n[ \t]*(" + "|".join(COUNTED).encode() + rb")[ \t]*\r?$", re.MULTILINE)
 _END = re.compile(rb"\n[ \t]*0[ \t]*\r?\n[ \t]*EOF\s*$")
 _START = re.compile(rb"^[ \t]*0[ \t]*\r?\n[ \t]*SECTION[ \t]*\r?$", re.MULTILINE)
 
@@ -40,52 +42,47 @@ def open_document(path: Path, findings: list[Finding]) -> Any | None:
         return _fail(findings, "E01", "this is not a DXF file", "Save the drawing as DXF (R2010 or newer).", "0 SECTION")
     if text and not _END.search(data):
         return _fail(findings, "E03", "the file is truncated: its end is missing", "Export it again.", "0 EOF as the last line")
-    for handle in _flattened(data) if text else ():
-        remedy = "Scale it to its height again, or delete it."
-        found = "the insert has the scale 0 along an axis"
-        findings.append(Finding("E10", found, "a scale that leaves a body", remedy, "INSERT", handle))
-    drawn = Counter(match[1].decode() for match in _ENTITY.finditer(data)) if text else None
+    drawn = entities(data) if text else []
+    findings += filter(None, map(damage, drawn))
     return _load(path, drawn, findings)
 
 
-def _load(path: Path, drawn: Counter[str] | None, findings: list[Finding]) -> Any | None:
+def _load(path: Path, drawn: list[Entity], findings: list[Finding]) -> Any | None:
     # A parser of foreign files may fail in any way; whatever it is, the file is at fault and the user gets a finding.
     # ezdxf could recover more, but it turns numbers it does not understand into 0 and says so to nobody.
     # Its many small objects all stay: looking for garbage among them again and again would take a third of the time.
+    foreign: list[str] = []
+    codecs.register_error(WESTERN, lambda error: _western(error, foreign))
     collecting = gc.isenabled()
     gc.disable()
     try:
-        document = filemanagement.readfile(path)
+        document = filemanagement.readfile(path, errors=WESTERN)
     except Exception as error:
         remedy = "Run AUDIT in the CAD program and export the drawing again."
         return _fail(findings, "E03", f"the file is damaged ({_first_line(error)})", remedy)
     finally:
         if collecting:
             gc.enable()
-    if drawn is not None:
-        read = Counter(entity.dxftype() for entity in document.entitydb.values() if entity.is_alive)
-        lost = [f"{count - read[kind]} of {count} {kind}" for kind, count in drawn.items() if read[kind] < count]
-        if lost:
-            remedy = "Run AUDIT in the CAD program and export the drawing again."
-            return _fail(findings, "E03", f"entities were lost on reading: {', '.join(lost)}", remedy)
+    if foreign:
+        among = ", ".join(sorted(set(foreign))[:8])
+        found = f"{len(foreign)} bytes are no text in {document.encoding}, the encoding of the file; taken as Western European"
+        findings.append(Finding("W46", f"{found} they are {among}"))
+    there = Counter(entity.kind for entity in drawn)
+    read = Counter(entity.dxftype() for entity in document.entitydb.values() if entity.is_alive)
+    lost = [f"{count - read[kind]} of {count} {kind}" for kind, count in there.items() if read[kind] < count]
+    if lost:
+        remedy = "Run AUDIT in the CAD program and export the drawing again."
+        return _fail(findings, "E03", f"entities were lost on reading: {', '.join(lost)}", remedy)
     return document
 
 
-def _flattened(data: bytes) -> list[str]:
-    """Return the handles of inserts with a scale of 0, which ezdxf reads as 1."""
-    out: list[str] = []
-    for match in _ENTITY.finditer(data):
-        if match[1] != b"INSERT":
-            continue
-        tags: dict[bytes, bytes] = {}
-        lines = iter(data[match.end() + 1 : match.end() + 4000].splitlines())
-        for code, value in zip(lines, lines, strict=False):
-            if code.strip() == b"0":
-                break
-            tags[code.strip()] = value.strip()
-        if any(re.fullmatch(rb"[+-]?0*\.?0*([eE].*)?", tags.get(code, b"1")) for code in (b"41", b"42", b"43")):
-            out.append(tags.get(b"5", b"").decode(errors="replace"))
-    return out
+def _western(error: UnicodeError, foreign: list[str]) -> tuple[str, int]:
+    """Return what the bytes of a decoding error are in Windows' Western European, and note it."""
+    if not isinstance(error, UnicodeDecodeError):
+        raise error
+    text = error.object[error.start : error.end].decode("cp1252", errors="replace")
+    foreign += text
+    return text, error.end
 
 
 def _fail(findings: list[Finding], code: str, found: str, remedy: str, expected: str = "") -> None:

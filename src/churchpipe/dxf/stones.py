@@ -86,17 +86,17 @@ def survey(doc: Any, repair: bool) -> Survey:
             found.findings.append(Finding("E23", f"nested and arrayed inserts ask for {asked} stones", f"at most {MOST_INSERTS}"))
             return found
         _visit(found, read_content(list(doc.modelspace()), "", "", IDENTITY, found.findings), _Branch())
+        for layout in doc.layouts:
+            if layout.is_any_paperspace:
+                drawn = sum(e.dxftype() in ("INSERT", "MESH", "POLYLINE", "3DFACE", "3DSOLID", "BODY") for e in layout)
+                found.left_out["in paper space"] += drawn
     except TooDeepError as deep:
         what = f"blocks nested more than {DEEPEST} deep, from {deep.trail[0]} on down to {deep.trail[-1]}"
         remedy = f'Explode "{deep.trail[0]}" once or twice.'
         found.findings.append(Finding("E08", what, f"at most {DEEPEST} levels", remedy))
         return found
     except BAD_ENTITY as error:
-        found.findings.append(Finding("E03", f"the file is damaged: model space cannot be read ({error})"))
-    for layout in doc.layouts:
-        if layout.is_any_paperspace:
-            drawn = sum(e.dxftype() in ("INSERT", "MESH", "POLYLINE", "3DFACE", "3DSOLID", "BODY") for e in layout)
-            found.left_out["in paper space"] += drawn
+        found.findings.append(Finding("E03", f"the file is damaged: its layouts cannot be read ({error})"))
     return found
 
 
