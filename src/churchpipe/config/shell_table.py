@@ -9,6 +9,7 @@ from churchpipe.errors import InputError
 from churchpipe.geometry.planar import area, polygon
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import Panel
+from churchpipe.model.vault import Vault
 from churchpipe.recognition.panels import FittedPanels, fit_panels
 
 # Elements of a first mesh: enough to see the mechanism; a limit load takes half a minute, a capacity curve some minutes.
@@ -35,12 +36,14 @@ def shell_table(stones: Assemblage, elastic: Mapping[str, bool]) -> ShellTable:
         fitted = fit_panels(stones)
     except InputError as error:
         return ShellTable({}, f"No shell: {error.problem}; the rigid blocks stand alone. {error.remedy}")
-    size = element_size(fitted.panels)
-    used = {panel.material for panel in fitted.panels}
+    size = vault_size(fitted.vaults) if fitted.vaults else element_size(fitted.panels)
+    used = {panel.material for panel in fitted.panels} | {vault.material for vault in fitted.vaults}
     complete = all(elastic[name] for name in used)
     keys = {"element_size_mm": float(f"{1e3 * size:g}"), "analyses": ["limit", "pushover"] if complete else ["limit"]}
     comment = "" if complete else '"pushover" besides: give each material its elastic constants'
-    note = f"{len(fitted.panels)} walls fitted for the shell: {', '.join(panel.name for panel in fitted.panels)}."
+    parts = [part for vault in fitted.vaults for part in vault.parts] or [panel.name for panel in fitted.panels]
+    what = "A vault" if fitted.vaults else f"{len(parts)} walls"
+    note = f"{what} fitted for the shell: {', '.join(parts)}."
     if len(fitted.unfit):
         few = ", ".join(fitted.unfit[:8])
         note += f" {len(fitted.unfit)} stones fit none: {few}{' ...' if len(fitted.unfit) > 8 else ''}."
@@ -52,5 +55,16 @@ def element_size(panels: Sequence[Panel]) -> float:
     covered = sum(area(polygon(panel.outline)) for panel in panels)
     stone = min(region.cell.b for panel in panels for region in panel.regions)
     size = max(0.75 * stone, math.sqrt(3 * covered / ELEMENTS))
-    digits = 1 - math.floor(math.log10(size))
-    return round(size, digits)
+    return _rounded(size)
+
+
+def vault_size(vaults: Sequence[Vault]) -> float:
+    """Return the size of elements of vaults, m, to begin with: their lowest course, or more where they are large."""
+    runs = [run for vault in vaults for run in vault.runs]
+    covered = sum(run.volume.sum() * run.section.height / run.section.area for run in runs)
+    # A rectangle of courses is four triangles.
+    return _rounded(max(min(run.section.height for run in runs), math.sqrt(4 * covered / ELEMENTS)))
+
+
+def _rounded(size: float) -> float:
+    return round(size, 1 - math.floor(math.log10(size)))

@@ -35,10 +35,12 @@ from churchpipe.model.arrays import FloatArray, NameArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import BondRegion, Building, Opening, Panel, Support, UnitCell
 from churchpipe.model.materials import UnitWeight
+from churchpipe.model.vault import Vault
 from churchpipe.recognition.elevations import sections
 from churchpipe.recognition.rings import voussoir_rings
 from churchpipe.recognition.stone_walls import StoneWall, stone_walls, stretches
 from churchpipe.recognition.supports import support_of
+from churchpipe.recognition.vaults import VAULT, fit_vaults
 from churchpipe.recognition.wall_parts import junction_spans, wall_parts
 
 # A single stone over an opening is a lintel if it is longer than this many stones of the wall.
@@ -50,8 +52,8 @@ GRID = 1e-6
 
 @dataclass(frozen=True, slots=True)
 class FittedPanels:
-    """Panels fitted to stones, their supports, which are the fixed stones, and the ids of the free stones that fit no panel;
-    these are missing from the shell.
+    """Panels or vaults fitted to stones, their supports, which are the fixed stones, and the ids of the free stones that fit no
+    panel; these are missing from the shell.
 
     panel (nb,): the panel of each stone, or the part of a panel, with which the match gate compares the shell. If none of the
     stones of a name could be fitted they keep that name, so that the gate reports what is missing. Other stones without a panel
@@ -62,19 +64,22 @@ class FittedPanels:
     supports: tuple[Support, ...]
     unfit: NameArray
     panel: NameArray
+    vaults: tuple[Vault, ...] = ()
 
     def building(self, materials: tuple[UnitWeight, ...], name: str = "drawing") -> Building:
-        """Return the building of these panels; materials: those of the stones.
+        """Return the building of these panels and vaults; materials: those of the stones.
 
         Raises
         ------
         InputError: a panel of another material.
         """
-        return Building(name, self.panels, materials, ground=None, supports=self.supports)
+        return Building(name, self.panels, materials, ground=None, supports=self.supports, vaults=self.vaults)
 
 
 def fit_panels(stones: Assemblage, *, gap: float = 1e-3) -> FittedPanels:
     """Return the panels whose mid-surfaces are those of the given stones. All walls are upright, plane or on a circle in plan.
+
+    Stones that are a barrel or a dome, alone or on walls or a drum laid with it, are vaults instead (see `fit_vaults`).
 
     Outline and openings: the union of the sections of the stones with the mid-plane, across joints, with the junctions of
     crossing walls included. Unit cell: the height and length of most stones, by volume. A long single stone over an opening is a
@@ -94,6 +99,11 @@ def fit_panels(stones: Assemblage, *, gap: float = 1e-3) -> FittedPanels:
     """
     check_kind("fit_panels: stones", stones, Assemblage)
     positive("fit_panels: gap", gap, allow_zero=True)
+    supports = tuple(support_of(stones, int(block)) for block in np.flatnonzero(stones.fixed))
+    vaults = fit_vaults(stones)
+    if vaults:
+        named = np.where(stones.fixed | (stones.panel != ""), stones.panel, VAULT)
+        return FittedPanels((), supports, np.empty(0, dtype=np.str_), named, vaults)
     walls, unfit = stone_walls(stones, gap)
     if not walls:
         raise InputError(
@@ -107,7 +117,6 @@ def fit_panels(stones: Assemblage, *, gap: float = 1e-3) -> FittedPanels:
     panel = np.where(stones.fixed | np.isin(stones.panel, known), "", stones.panel).astype(np.object_)
     for wall in walls:
         panel[wall.stones] = wall.tag
-    supports = tuple(support_of(stones, int(block)) for block in np.flatnonzero(stones.fixed))
     return FittedPanels(panels, supports, stones.block_id[unfit], panel.astype(str))
 
 
