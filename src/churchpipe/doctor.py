@@ -88,6 +88,7 @@ TRIALS = (
     _imports("ezdxf", "CAD drawings", "ezdxf"),
     _imports("meshio", "ParaView files", "meshio"),
     _imports("snakemake", "the staged pipeline", "snakemake"),
+    _imports("skfem", "the stiffness of the shell", "scikit-fem"),
     _imports("matplotlib", "plots", "matplotlib"),
     _imports("pyvista", "pictures", "pyvista"),
     Trial(

@@ -8,7 +8,22 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-EXTRAS = ("gmsh", "jinja2", "matplotlib", "meshio", "pandas", "PIL", "pyvista", "vtk", "vtkmodules", "snakemake", "weasyprint")
+EXTRAS = (
+    "gmsh",
+    "jinja2",
+    "matplotlib",
+    "meshio",
+    "pandas",
+    "PIL",
+    "pyvista",
+    "skfem",
+    "snakemake",
+    "vtk",
+    "vtkmodules",
+    "weasyprint",
+)
+# What pip calls those that have another name there.
+PACKAGES = {"PIL": "pillow", "skfem": "scikit-fem"}
 BLOCKED = f"import sys\nsys.modules |= dict.fromkeys({EXTRAS})\nimport churchpipe as cp\n"
 CORE = """
 from churchpipe import cli, engine, stages
@@ -41,6 +56,11 @@ def test_the_core_needs_none_of_them(tmp_path: Path) -> None:
     ("code", "missing"),
     [
         ("cp.derive_shell(cp.read_case(sys.argv[1]).building(), 0.3)", "the mesh of a shell"),
+        (
+            "from churchpipe.homogenised_shell.stiffness import wall_stiffness; from churchpipe.model.materials import Elastic; "
+            "wall_stiffness('running', 0.1, 0.2, 0.2, Elastic(3e9, 0.2, 1e9, 0.2, 0.01))",
+            "the stiffness of a shell",
+        ),
         ("from churchpipe.io.vtu import write_vtu; write_vtu('x.vtu', None)", "a file for ParaView"),
         ("from churchpipe import cli; sys.argv[1:1] = ['run']; cli.main()", "churchpipe run"),
     ],
@@ -56,5 +76,5 @@ def test_what_needs_them_says_how_to_install_them(code: str, missing: str, tmp_p
 def test_they_are_extras_of_the_package() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     names = {line.split(">")[0] for line in project["optional-dependencies"]["all"]}
-    assert names == {"pillow" if name == "PIL" else name for name in EXTRAS if not name.startswith("vtk")}
+    assert names == {PACKAGES.get(name, name) for name in EXTRAS if not name.startswith("vtk")}
     assert not names & {line.split(">")[0] for line in project["dependencies"]}

@@ -63,22 +63,6 @@ def rigid_cell(bond: str, a: float, b: float, h: float) -> RigidCell:
     return RigidCell(out, period.area, areas)
 
 
-def joint_energy(period: Period, across: float, along: float) -> FloatArray:
-    """Return the stiffness (6 + motions, 6 + motions), per area of wall, of elastic joints between rigid stones.
-
-    across, along: stiffness of a joint per its area, N/m3. The opening is linear over a joint, so two points a side integrate
-    its square exactly.
-    """
-    total = 0.0
-    for joint in _joints(period):
-        middle, half = joint.sides.mean(axis=1), np.ptp(joint.sides, axis=1) / 2
-        points = middle + (_corners(joint.sides) - middle) / np.sqrt(3)
-        size = 4 * np.prod(np.delete(half, joint.normal)) / 4
-        closing = _closing(period, joint, points)
-        total = total + size * np.einsum("kci,c,kcj->ij", closing, [across, along, along], closing)
-    return np.asarray(total) / period.area
-
-
 def _joints(period: Period) -> list[_Joint]:
     least = _TOUCH * float(np.ptp(period.stones, axis=2).min())
     out: list[_Joint] = []

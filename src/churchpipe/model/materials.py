@@ -30,7 +30,7 @@ _CRUSHING = Quantity(
 
 @dataclass(frozen=True, slots=True)
 class Elastic:
-    """Elastic constants of the running-bond cell (Malena et al. 2019, Table 1): moduli in Pa, joint thickness in m.
+    """Elastic constants of stones and mortar (as Malena et al. 2019, Table 1): moduli in Pa, joint thickness in m.
 
     Raises
     ------

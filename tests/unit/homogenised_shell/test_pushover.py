@@ -48,7 +48,8 @@ def check(curve: CapacityCurve) -> None:
 
 def test_column_stretches_by_hand() -> None:
     # Without lateral contraction N22 is linear over the height and u quadratic: the element is exact, d = lambda w H^2 / 3 C22.
-    straight = replace(ELASTIC, block_poisson=0.0, joint_poisson=0.0)
+    # Stones between beds of another material are hindered by these; of one material the wall does not contract.
+    straight = replace(ELASTIC, block_poisson=0.0, joint_poisson=0.0, joint_modulus=ELASTIC.block_modulus)
     model = wall(6, columns=2)
     curve = pushover(model, LoadCase((0, 0, -1)), [Material("default", 28.6e3, 0.7, 0.0, straight)], steps=3)
     stiffness = facet_stiffness(model, [Material("default", 28.6e3, 0.7, 0.0, straight)])[0, 1, 1]
