@@ -79,9 +79,8 @@ def before_step(elements: Any, load: Any, materials: Any, membrane: Any) -> tupl
 
 def stated(elements: Any, load: Any, materials: Any, prepared: tuple[np.ndarray, float] | None) -> dict[str, Any]:
     """Solve the statement in cvxpy: the limit load, or the first step after dead load (which is not timed)."""
-    from churchpipe.homogenised_shell.program import shell_program
     from churchpipe.homogenised_shell.stiffness import facet_stiffness
-    from shell_reference import reference_load_factor, reference_step
+    from shell_reference import reference_load_factor, reference_step, shell_program
 
     program = shell_program(elements, load, materials, PLANES)
     if prepared is None:

@@ -1,16 +1,73 @@
-"""The limit analysis of a shell and a step of its capacity curve in cvxpy, written as close to the formulas as possible."""
+"""The limit analysis of a shell and a step of its capacity curve in cvxpy, written as close to the formulas as possible.
 
+Its strength is that of running bond derived by hand, or the planes of the paper.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import cvxpy
 import numpy as np
 import scipy.sparse as sp
 
-from churchpipe.homogenised_shell.program import ShellProgram
-from churchpipe.model.arrays import FloatArray
+from churchpipe.homogenised_shell.cell_limit import cohesion_shift
+from churchpipe.homogenised_shell.element import ShellElements
+from churchpipe.homogenised_shell.loads import load_vectors
+from churchpipe.homogenised_shell.point_strength import by_facet
+from churchpipe.homogenised_shell.strength import PlaneSet, paper_planes
+from churchpipe.model.arrays import FloatArray, IntArray
+from churchpipe.model.loads import LoadCase
+from churchpipe.model.materials import JointStrength
+from hand_cell import hand_closing
 
 # Its functions are only partly typed.
 cp: Any = cvxpy
+
+
+@dataclass(frozen=True, slots=True)
+class ShellProgram:
+    """Maximise tau subject to equilibrium, strength and tau <= cap.
+
+    Variables x (nx,): the stresses themselves, or with the exact cell the corner forces of the points that yield.
+    equilibrium (m, 6 nq) stress = dead + tau live,  stress = offset + stress_of x,  still x = 0 (no moment on the stones),
+    planes x <= limit,  |(x_k+1, x_k+2)| <= friction x_k for the first 3 nc variables, k = 0, 3 ...  Nothing bounds the stress
+    where the shell does not yield.
+
+    Units: forces over the shell's weight `weight`, N; lengths in m; stresses over `unit` (nq, 6), N/m and N.
+    """
+
+    equilibrium: sp.csr_matrix[np.float64]
+    dead: FloatArray
+    live: FloatArray
+    stress_of: sp.csr_matrix[np.float64]
+    offset: FloatArray
+    still: sp.csr_matrix[np.float64]
+    planes: sp.csr_matrix[np.float64]
+    limit: FloatArray
+    friction: FloatArray
+    unit: FloatArray
+    weight: float
+    cap: float = np.inf
+
+
+def shell_program(elements: ShellElements, load: LoadCase, materials: Sequence[JointStrength], planes: PlaneSet) -> ShellProgram:
+    """State the limit analysis of a shell in running bond."""
+    loads = load_vectors(elements, load)
+    local = _local_strength(elements, materials, planes, loads.unit)
+    return ShellProgram(
+        equilibrium=loads.equilibrium,
+        dead=loads.dead,
+        live=loads.live,
+        stress_of=local.stress_of,
+        offset=local.offset,
+        still=local.still,
+        planes=local.planes,
+        limit=local.limit,
+        friction=local.friction,
+        unit=loads.unit,
+        weight=loads.weight,
+    )
 
 
 def reference_load_factor(program: ShellProgram, solver: str = "CLARABEL", **options: Any) -> float:
@@ -72,3 +129,71 @@ def _solved(problem: Any, solver: str, options: dict[str, Any]) -> bool:
     except cp.SolverError:
         return False
     return problem.status == "optimal"
+
+
+@dataclass(frozen=True, slots=True)
+class _Local:
+    stress_of: sp.csr_matrix[np.float64]
+    offset: FloatArray
+    still: sp.csr_matrix[np.float64]
+    planes: sp.csr_matrix[np.float64]
+    limit: FloatArray
+    friction: FloatArray
+
+
+def _local_strength(elements: ShellElements, materials: Sequence[JointStrength], planes: PlaneSet, unit: FloatArray) -> _Local:
+    shell = elements.shell
+    assert (shell.bonds == "running").all()
+    friction, cohesion, _ = by_facet(shell.material, materials)
+    yields = np.flatnonzero(shell.yields[elements.facet])
+    facet = elements.facet[yields]
+    a, b = shell.unit_cells[shell.cell[facet]].T
+    h, friction, cohesion = shell.thickness[facet], friction[facet], cohesion[facet]
+    nq, ny = len(elements.facet), len(yields)
+    empty = np.zeros(0)
+    if planes != "cell":
+        law = paper_planes(a, b, h, friction, cohesion, torsion=planes == "paper+torsion")
+        normal = law.normal * unit[yields][:, None]
+        size = np.abs(normal).max(axis=2)
+        identity = sp.csr_matrix(sp.identity(6 * nq))
+        return _Local(
+            stress_of=identity,
+            offset=np.zeros(6 * nq),
+            still=sp.csr_matrix((0, 6 * nq)),
+            planes=_blocks(normal / size[..., None], yields, nq),
+            limit=(law.limit / size).ravel(),
+            friction=empty,
+        )
+    # Corner forces in units that give stresses of order one: their closing rates are about 1 / (a + b).
+    closing = np.array([hand_closing(*sizes).reshape(36, 9) for sizes in zip(a, b, h, strict=True)])
+    size = np.abs(closing[..., :3] / unit[yields][:, None, :3]).max(axis=(1, 2))[:, None, None]
+    elastic = np.setdiff1d(np.arange(nq), yields)
+    width = 36 * ny + 6 * len(elastic)
+    forces = _blocks(np.swapaxes(closing[..., :6] / unit[yields][:, None] / size, 1, 2), np.arange(ny), ny)
+    into = sp.csr_matrix((np.ones(6 * ny), (_six(yields), np.arange(6 * ny))), shape=(6 * nq, 6 * ny))
+    rest = sp.csr_matrix(
+        (np.ones(6 * len(elastic)), (_six(elastic), np.arange(6 * len(elastic)))), shape=(6 * nq, 6 * len(elastic))
+    )
+    turn = np.swapaxes(closing[..., 6:], 1, 2)
+    turn = turn / np.abs(turn).max(axis=2, keepdims=True)
+    offset = np.zeros((nq, 6))
+    offset[yields] = cohesion_shift(h, friction, cohesion) / unit[yields]
+    return _Local(
+        stress_of=sp.csr_matrix(sp.hstack([into @ forces, rest])),
+        offset=offset.ravel(),
+        still=sp.csr_matrix(sp.hstack([_blocks(turn, np.arange(ny), ny), sp.csr_matrix((3 * ny, 6 * len(elastic)))])),
+        planes=sp.csr_matrix((0, width)),
+        limit=empty,
+        friction=np.repeat(friction, 12),
+    )
+
+
+def _blocks(values: FloatArray, columns: IntArray, count: int) -> sp.csr_matrix[np.float64]:
+    """Return a matrix with values (k, rows, cols) as blocks, one a block row, in the given block columns of `count`."""
+    k, rows, cols = values.shape
+    matrix = sp.bsr_matrix((values, columns, np.arange(k + 1)), shape=(k * rows, count * cols))
+    return sp.csr_matrix(matrix)
+
+
+def _six(points: IntArray) -> IntArray:
+    return (6 * points[:, None] + np.arange(6)).ravel()

@@ -7,8 +7,9 @@ et al. 2019, eqs. (5)-(7).
 import numpy as np
 import pytest
 
-from churchpipe.homogenised_shell.strength import cell_cones, paper_planes
-from churchpipe.homogenised_shell.unit_cell import cell_limit
+from churchpipe.homogenised_shell.rigid_cell import rigid_cell
+from churchpipe.homogenised_shell.strength import paper_planes
+from hand_cell import running_limit
 
 A, B, H, MU = 0.03, 0.08, 0.04, 0.7
 N11, N22, N12, M11, M22, M12 = np.eye(6)
@@ -30,10 +31,10 @@ Q = MU / (2 * A / B) * np.hypot(1, B / (4 * H))
 )
 def test_strength_in_single_directions(direction: np.ndarray, base: np.ndarray, expected: float) -> None:
     for force in (1.0, 2e5):
-        limit = cell_limit(A, B, H, MU, direction, base=force * base)
+        limit = running_limit(A, B, H, MU, direction, base=force * base)
         assert limit.outcome == "solved"
         assert limit.factor / force == pytest.approx(expected, abs=5e-5)
-        opposite = cell_limit(A, B, H, MU, -direction, base=force * base)
+        opposite = running_limit(A, B, H, MU, -direction, base=force * base)
         if direction is N11:
             # Pressed along the courses, the stones cannot give way.
             assert opposite.outcome == "unbounded"
@@ -44,7 +45,7 @@ def test_strength_in_single_directions(direction: np.ndarray, base: np.ndarray, 
 def test_closed_forms_of_the_single_directions() -> None:
     # A stone pulled along the courses slides on its beds; the wall rocks on the edge of a bed joint; f7.
     for direction, expected in [(N11, MU * B / (2 * A)), (H * M22, 1 / 2), (H * M11, (P + Q) / 2)]:
-        assert cell_limit(A, B, H, MU, direction, base=-N22).factor == pytest.approx(expected, rel=1e-6)
+        assert running_limit(A, B, H, MU, direction, base=-N22).factor == pytest.approx(expected, rel=1e-6)
 
 
 def test_printed_planes_7_and_8_lose_the_confinement_of_the_head_joints() -> None:
@@ -57,13 +58,13 @@ def test_printed_planes_7_and_8_lose_the_confinement_of_the_head_joints() -> Non
 
 def test_the_mechanism_and_the_forces_prove_the_limit() -> None:
     base, direction = -1e5 * (N11 + N22), H * M12 + N12
-    limit = cell_limit(A, B, H, MU, direction, base=base)
-    cones = cell_cones(A, B, H, MU)
-    opening = -cones.closing @ np.append(limit.strain, limit.rotation)
+    limit = running_limit(A, B, H, MU, direction, base=base)
+    closing = rigid_cell("running", A, B, H).closing
+    opening = -closing @ np.append(limit.strain, limit.rotation)
     assert limit.strain @ direction == pytest.approx(1, rel=1e-6)
     assert -limit.strain @ base == pytest.approx(limit.factor, rel=1e-6)
     assert (opening[:, 0] - MU * np.hypot(opening[:, 1], opening[:, 2])).min() > -1e-6 * np.abs(opening).max()
-    stress = np.einsum("kc,kci->i", limit.forces, cones.closing)
+    stress = np.einsum("kc,kci->i", limit.forces, closing)
     np.testing.assert_allclose(stress[:6] / [1, 1, 1, H, H, H], (base + limit.factor * direction) / [1, 1, 1, H, H, H], atol=1e-2)
     np.testing.assert_allclose(stress[6:], 0, atol=1e-2)
     assert (MU * limit.forces[:, 0] - np.hypot(limit.forces[:, 1], limit.forces[:, 2])).min() > -1e-6 * np.abs(limit.forces).max()

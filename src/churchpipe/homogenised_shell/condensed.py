@@ -25,9 +25,9 @@ from churchpipe.homogenised_shell.cells import CellCholesky, CellCoupling, CellP
 from churchpipe.homogenised_shell.direct import solve_directly
 from churchpipe.homogenised_shell.element import ShellElements
 from churchpipe.homogenised_shell.energy import elastic_energy
+from churchpipe.homogenised_shell.loads import load_vectors
 from churchpipe.homogenised_shell.planes import plane_points
 from churchpipe.homogenised_shell.points import CellStrength, PlaneStrength, local_strength
-from churchpipe.homogenised_shell.program import load_vectors
 from churchpipe.homogenised_shell.settings import SOLVER, STEP
 from churchpipe.homogenised_shell.strength import PlaneSet
 from churchpipe.model.arrays import FloatArray
@@ -80,7 +80,7 @@ class CondensedShell:
     """
 
     def __init__(self, elements: ShellElements, load: LoadCase, materials: Sequence[JointStrength], planes: PlaneSet) -> None:
-        """Raise InputError as `program.load_vectors` and `strength.strength`."""
+        """Raise InputError as `loads.load_vectors` and `point_strength.point_strength`."""
         self.elements = elements
         self.loads = load_vectors(elements, load)
         self.strength = local_strength(elements, materials, planes, self.loads.unit)

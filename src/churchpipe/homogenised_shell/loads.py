@@ -1,12 +1,29 @@
-"""Dead load and lateral load of a shell: per area of facet, and as wrenches on facets."""
+"""Dead load and lateral load of a shell: per area of facet, as wrenches on facets, and as vectors of its unknowns."""
+
+from dataclasses import dataclass
 
 import numpy as np
+import scipy.sparse as sp
 
 from churchpipe.errors import InputError
 from churchpipe.homogenised_shell.element import ShellElements, surface_load
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.loads import LoadCase, pushed_share
 from churchpipe.model.shell import ShellModel
+
+
+@dataclass(frozen=True, slots=True)
+class LoadVectors:
+    """equilibrium (m, 6 nq) stress = dead + load live, for the unknowns that are free.
+
+    Units: forces over the shell's weight `weight`, N; lengths in m; stresses over `unit` (nq, 6), N/m and N.
+    """
+
+    equilibrium: sp.csr_matrix[np.float64]
+    dead: FloatArray
+    live: FloatArray
+    unit: FloatArray
+    weight: float
 
 
 def dead_pressure(shell: ShellModel) -> FloatArray:
@@ -46,6 +63,32 @@ def live_load(elements: ShellElements, load: LoadCase) -> FloatArray:
     InputError: as `live_pressure`, and as `dead_load`.
     """
     return surface_load(elements, live_pressure(elements.shell, load)) + _facet_load(elements, "LoadCase.live", load.live)
+
+
+def load_vectors(elements: ShellElements, load: LoadCase) -> LoadVectors:
+    """Return equilibrium and loads of the unknowns that are free.
+
+    Raises
+    ------
+    InputError: as `live_load`; no weight.
+    """
+    shell = elements.shell
+    weight = float(shell.weight.sum())
+    if weight == 0:
+        raise InputError("shell", "no weight", expected="surface_weight > 0 somewhere")
+    h = shell.thickness[elements.facet]
+    # Membrane forces in units of weight over height of the shell, moments in the same times the thickness.
+    force = weight / float(np.ptp(shell.points, axis=0).max())
+    unit = force * np.column_stack([np.ones((len(h), 3)), np.repeat(h[:, None], 3, axis=1)])
+    free = ~elements.clamped
+    power = sp.diags((np.repeat(elements.weight, 6) * unit.ravel()) / weight)
+    return LoadVectors(
+        equilibrium=sp.csr_matrix(sp.csr_matrix(elements.strain.T)[free] @ power),
+        dead=dead_load(elements, load)[free] / weight,
+        live=live_load(elements, load)[free] / weight,
+        unit=unit,
+        weight=weight,
+    )
 
 
 def _facet_load(elements: ShellElements, name: str, wrench: FloatArray | None) -> FloatArray:

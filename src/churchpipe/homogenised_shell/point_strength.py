@@ -2,24 +2,27 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import get_args
 
 import numpy as np
 import numpy.typing as npt
 
 from churchpipe.errors import InputError
+from churchpipe.homogenised_shell.cell_limit import cohesion_shift
 from churchpipe.homogenised_shell.element import ShellElements
 from churchpipe.homogenised_shell.rigid_cell import rigid_cell
 from churchpipe.homogenised_shell.settings import SOLVER
-from churchpipe.homogenised_shell.strength import Planes, PlaneSet, strength
-from churchpipe.homogenised_shell.unit_cell import cohesion_shift
+from churchpipe.homogenised_shell.strength import Planes, PlaneSet, paper_planes
+from churchpipe.model.arguments import one_of
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.materials import JointStrength, by_name
 
 
 @dataclass(frozen=True, slots=True)
 class PointCells:
-    """The exact strength of points as of `strength.Cones`, with one closing (corners, 3, 6 + still) for each kind of cell.
+    """The exact strength of points: stress = apex + sum_kc f_kc closing_kci with corner forces f in Coulomb's cone.
 
+    closings: one (corners, 3, 6 + still) for each kind of cell, of `rigid_cell`.
     areas (ng,): of the wall that one cell of a kind fills, m2; capacity: what each joint of a kind bears before it crushes, N,
     none where it does not; kind (nq,) of each point; friction (nq,); apex (nq, 6) N/m and N.
     """
@@ -42,8 +45,10 @@ def point_strength(
 
     Raises
     ------
-    InputError: as `strength.strength`; planes for another bond than running bond; a material of the shell that is not given.
+    InputError: unknown planes; as `strength.paper_planes`; planes for another bond than running bond; a material of the shell
+    that is not given.
     """
+    one_of("planes", planes, *get_args(PlaneSet))
     shell, facet = elements.shell, elements.facet
     friction, cohesion, endurance = by_facet(shell.material, materials)
     lintel = ~shell.yields[facet]
@@ -78,8 +83,7 @@ def point_strength(
             expected='planes = "cell", which is computed from the stones of any bond',
         )
     a, b, h = sizes[facet].T
-    law = strength(planes, a, b, h, friction, cohesion)
-    assert isinstance(law, Planes)
+    law = paper_planes(a, b, h, friction, cohesion, torsion=planes == "paper+torsion")
     limit = np.einsum("qpi,qi->qp", law.normal, tension)
     return replace(law, limit=np.where(lintel[:, None], limit, law.limit))
 

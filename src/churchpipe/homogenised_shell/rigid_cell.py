@@ -3,7 +3,7 @@
 A stone in the period that lies at v (a sum of steps of the bond) moves like the plate there: translation E v in the plane and
 -1/2 v chi v out of it, and the rotation that turns the plate's normal by chi v. E is the membrane strain, chi the curvature. In
 every period each stone has the same motion of its own besides, a translation and a rotation about its centre. The translation of
-the first stone would move the wall as a whole, so it is none. `unit_cell` has the same for the one stone of running bond.
+the first stone would move the wall as a whole, so it is none.
 """
 
 from dataclasses import dataclass
@@ -22,8 +22,10 @@ _AWAY = 2
 
 @dataclass(frozen=True, slots=True)
 class RigidCell:
-    """A periodic cell. closing (corners, 3, 6 + motions), 1/m and 1/m2: as of `unit_cell.joint_closing`, per area of wall.
+    """A periodic cell and the closing of its joints per area of wall, closing_kci (corners, 3, 6 + motions), 1/m and 1/m2.
 
+    Corner k, component c (normal, closing positive; two along the joint), variable i (the six strains, then the motions of the
+    stones). Corner forces f_kc, N, make the stress sum_kc f_kc closing_kci, and the sums for the motions vanish.
     area: of the wall that the cell fills, m2; joints (nj,): areas of the joints, m2, each with four corners one after the other.
     Motions: rotation of the first stone, then translation and rotation of the others, without those that no joint feels.
     """

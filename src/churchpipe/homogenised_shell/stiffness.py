@@ -6,8 +6,8 @@ import numpy as np
 import numpy.typing as npt
 
 from churchpipe.errors import InputError
+from churchpipe.homogenised_shell.cell_limit import positive
 from churchpipe.homogenised_shell.elastic_cell import cell_stiffness
-from churchpipe.homogenised_shell.unit_cell import positive
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.materials import Elastic, JointStrength, by_name
 from churchpipe.model.shell import ShellModel

@@ -1,4 +1,4 @@
-"""Strength of a wall in running bond: the eight planes of eq. (6), corrected, or the exact cones of the unit cell.
+"""The eight planes of eq. (6) of Malena et al. (2019), corrected: an outer approximation of the strength of running bond.
 
 As printed, planes f7 and f8 are inadmissible: they lack N11, without which head joints interpenetrate, and their signs break the
 symmetry of the mid-plane. Each plane here is an admissible mechanism of the cell, so the planes enclose the exact domain. They
@@ -8,13 +8,12 @@ optional pair f9 and f10, which is exact for N11 = N22.
 """
 
 from dataclasses import dataclass
-from typing import get_args
 
 import numpy as np
 import numpy.typing as npt
 
 from churchpipe.errors import InputError
-from churchpipe.homogenised_shell.unit_cell import cohesion_shift, joint_closing
+from churchpipe.homogenised_shell.cell_limit import cohesion_shift, positive
 from churchpipe.model.arrays import FloatArray, floats
 from churchpipe.model.names import OUTER
 from churchpipe.model.names import Planes as PlaneSet
@@ -26,56 +25,6 @@ class Planes:
 
     normal: FloatArray
     limit: FloatArray
-
-
-@dataclass(frozen=True, slots=True)
-class Cones:
-    """Exact strength: stress = apex + sum_kc f_kc closing_...kci with corner forces f in Coulomb's cone.
-
-    closing (..., 12, 3, 9), see `unit_cell.joint_closing`; friction (...,); apex (..., 6) N/m and N.
-    """
-
-    closing: FloatArray
-    friction: FloatArray
-    apex: FloatArray
-
-
-def strength(
-    planes: PlaneSet,
-    a: npt.ArrayLike,
-    b: npt.ArrayLike,
-    h: npt.ArrayLike,
-    friction: npt.ArrayLike,
-    cohesion: npt.ArrayLike = 0.0,
-) -> Planes | Cones:
-    """Return the strength of walls in running bond; sizes, friction and cohesion broadcast.
-
-    planes: "paper", eight planes; "paper+torsion", with the pair that bounds M12; "cell", the exact second-order cones.
-    a, b, h: course height, block length, wall thickness, m. cohesion: Pa.
-
-    Raises
-    ------
-    InputError: unknown planes, values out of range, friction > 1 with planes.
-    """
-    if planes == "cell":
-        return cell_cones(a, b, h, friction, cohesion)
-    if planes not in get_args(PlaneSet):
-        raise InputError("planes", "unknown strength", found=planes, expected=", ".join(get_args(PlaneSet)))
-    return paper_planes(a, b, h, friction, cohesion, torsion=planes == "paper+torsion")
-
-
-def cell_cones(
-    a: npt.ArrayLike, b: npt.ArrayLike, h: npt.ArrayLike, friction: npt.ArrayLike, cohesion: npt.ArrayLike = 0.0
-) -> Cones:
-    """Return the exact strength, valid for any friction > 0."""
-    apex = cohesion_shift(h, friction, cohesion)
-    closing = joint_closing(a, b, h)
-    shape = np.broadcast_shapes(apex.shape[:-1], closing.shape[:-3])
-    return Cones(
-        closing=np.broadcast_to(closing, (*shape, 12, 3, 9)),
-        friction=np.broadcast_to(np.asarray(friction, dtype=np.float64), shape),
-        apex=np.broadcast_to(apex, (*shape, 6)),
-    )
 
 
 def paper_planes(
@@ -93,9 +42,9 @@ def paper_planes(
     ------
     InputError: values out of range; friction > 1, where the planes f1-2 cut into the exact domain.
     """
-    joint_closing(a, b, h)
     apex = cohesion_shift(h, friction, cohesion)
-    a, b, h, mu = np.broadcast_arrays(*(np.asarray(value, dtype=np.float64) for value in (a, b, h, friction)))
+    sizes = (positive("a", a), positive("b", b), positive("h", h), np.asarray(friction, dtype=np.float64))
+    a, b, h, mu = np.broadcast_arrays(*sizes)
     if (mu > 1).any():
         raise InputError(
             "friction",

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
+from churchpipe.homogenised_shell.cell_limit import cell_limit
 from churchpipe.homogenised_shell.rigid_cell import rigid_cell
 from churchpipe.homogenised_shell.strength import paper_planes
-from churchpipe.homogenised_shell.unit_cell import closing_limit
 from churchpipe.model.arrays import FloatArray
 from churchpipe.report import colours
 from churchpipe.report.plots import legend_beside, new_plot, svg_of
@@ -108,7 +108,7 @@ def domain_section(
     direction = np.zeros((rays, 6))
     direction[:, first], direction[:, second] = np.cos(angle), np.sin(angle)
     closing = rigid_cell(bond, a, b, h).closing
-    cell = np.array([closing_limit(closing, friction, h, ray * unit, base=base * unit).factor for ray in direction])
+    cell = np.array([cell_limit(closing, friction, h, ray * unit, base=base * unit).factor for ray in direction])
     planes = paper_planes(a, b, h, min(friction, 1.0))
     rate = direction * unit @ planes.normal.T
     room = planes.limit - planes.normal @ (base * unit)

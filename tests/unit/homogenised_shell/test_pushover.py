@@ -10,7 +10,6 @@ from churchpipe.errors import InputError
 from churchpipe.homogenised_shell.condensed import CondensedShell
 from churchpipe.homogenised_shell.element import shell_elements
 from churchpipe.homogenised_shell.limit import shell_limit_analysis
-from churchpipe.homogenised_shell.program import shell_program
 from churchpipe.homogenised_shell.pushover import pushover
 from churchpipe.homogenised_shell.stiffness import facet_stiffness
 from churchpipe.homogenised_shell.strength import PlaneSet, paper_planes
@@ -19,7 +18,7 @@ from churchpipe.model.materials import Elastic, Material
 from churchpipe.model.results import CapacityCurve, CapacityStep
 from churchpipe.model.shell import ShellModel
 from shell_meshes import grid, shell, wall_points
-from shell_reference import reference_step
+from shell_reference import reference_step, shell_program
 
 # Malena et al. 2019, Table 1.
 ELASTIC = Elastic(3.18e9, 0.23, 0.303e9, 0.3, 1e-3)

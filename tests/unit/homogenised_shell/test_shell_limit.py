@@ -10,14 +10,13 @@ from churchpipe.homogenised_shell import condensed, point_strength
 from churchpipe.homogenised_shell.element import shell_elements, surface_load
 from churchpipe.homogenised_shell.limit import shell_limit_analysis
 from churchpipe.homogenised_shell.loads import dead_pressure, live_load, live_pressure
-from churchpipe.homogenised_shell.program import shell_program
 from churchpipe.homogenised_shell.settings import SOLVER, SolverSettings
 from churchpipe.homogenised_shell.strength import PlaneSet, paper_planes, violation
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
 from churchpipe.model.shell import ShellModel
 from shell_meshes import grid, shell, wall_points
-from shell_reference import reference_load_factor
+from shell_reference import reference_load_factor, shell_program
 
 MASONRY = [Material("default", 28.6e3, 0.7)]
 ASKEW = LoadCase((1, 1, 0))

@@ -1,9 +1,11 @@
+"""The planes of the paper against the strength of the cell that is computed from its stones."""
+
 import numpy as np
 import pytest
 
 from churchpipe.errors import InputError
-from churchpipe.homogenised_shell.strength import Cones, Planes, paper_planes, strength, violation
-from churchpipe.homogenised_shell.unit_cell import cell_limit, joint_closing
+from churchpipe.homogenised_shell.strength import paper_planes, violation
+from hand_cell import running_limit
 
 # a, b, h in m, friction: Table 1, the church, a stone as long as the wall is thick, long flat stones, tall thin ones.
 CELLS = [(0.03, 0.08, 0.04, 0.7), (0.275, 0.57, 0.9, 0.6), (0.03, 0.04, 0.04, 0.4), (0.1, 0.5, 0.2, 1.0), (0.4, 0.3, 0.1, 0.9)]
@@ -21,7 +23,7 @@ def ratios(cell: tuple[float, float, float, float], mask: np.ndarray, count: int
     base = np.array([-1.0, -1.0, 0, 0, 0, 0])
     out = []
     for direction in np.random.default_rng(5).normal(size=(count, 6)) * mask * unit:
-        exact = cell_limit(a, b, h, friction, direction, base=base)
+        exact = running_limit(a, b, h, friction, direction, base=base)
         if exact.outcome == "unbounded":
             continue
         assert exact.outcome == "solved"
@@ -74,7 +76,7 @@ def test_every_plane_touches_the_exact_domain(cell: tuple[float, float, float, f
     for normal in planes.normal:
         pure = np.where(np.arange(6) < 2, 0.0, normal)
         direction = pure / np.abs(pure).max() * h
-        exact = cell_limit(a, b, h, friction, direction, base=base).factor
+        exact = running_limit(a, b, h, friction, direction, base=base).factor
         others = planes.normal @ direction
         reach = -planes.normal @ base
         assert (reach[others > 0] / others[others > 0]).min() == pytest.approx(exact, rel=1e-6)
@@ -83,11 +85,10 @@ def test_every_plane_touches_the_exact_domain(cell: tuple[float, float, float, f
 def test_beyond_friction_one_the_planes_are_refused_and_would_be_wrong() -> None:
     with pytest.raises(InputError, match=r"valid for tan\(phi\) <= 1 only; found 1.3"):
         paper_planes(0.03, 0.08, 0.04, 1.3)
-    assert isinstance(strength("cell", 0.03, 0.08, 0.04, 1.3), Cones)
     mu_b, tg, base = 0.75, 1.3, -np.array([1.0, 0.01, 0, 0, 0, 0])
     f1 = np.array([mu_b, tg, 1 + tg * mu_b, 0, 0, 0])
     direction = np.array([0, -1.0, 1.0, 0, 0, 0])
-    exact = cell_limit(0.03, 0.08, 0.04, tg, direction, base=base).factor
+    exact = running_limit(0.03, 0.08, 0.04, tg, direction, base=base).factor
     assert (f1 @ -base) / (f1 @ direction) < exact * (1 - 1e-3)
 
 
@@ -99,23 +100,13 @@ def test_cohesion_shifts_the_planes() -> None:
     expected = [h * (c + c * mu_b / tg)] * 2 + [h * c / tg] * 4 + [(1 + p + q) * h * c / tg] * 2
     np.testing.assert_allclose(planes.limit, expected, rtol=1e-12)
     direction = np.array([0.2, 0.1, 1.0, 0, 0, 0])
-    exact = cell_limit(a, b, h, tg, direction, cohesion=c).factor
+    exact = running_limit(a, b, h, tg, direction, cohesion=c).factor
     assert violation(planes, exact * direction[None]) == pytest.approx([0.0], abs=1e-2)
     assert violation(planes, 0.99 * exact * direction[None])[0] < 0
 
 
 def test_facets_broadcast() -> None:
     a, b, h, friction, cohesion = np.array([(*CELLS[0], 0.0), (*CELLS[1], 1e4)]).T
-    planes = strength("paper", a, b, h, friction, cohesion)
-    cones = strength("cell", a, b, h, friction, cohesion)
-    assert isinstance(planes, Planes)
-    assert isinstance(cones, Cones)
+    planes = paper_planes(a, b, h, friction, cohesion)
     assert planes.normal.shape == (2, 8, 6)
     np.testing.assert_array_equal(planes.normal[1], paper_planes(*CELLS[1], 1e4).normal)
-    np.testing.assert_array_equal(cones.closing[1], joint_closing(*CELLS[1][:3]))
-    assert cones.apex.shape == (2, 6)
-
-
-def test_unknown_planes_are_named() -> None:
-    with pytest.raises(InputError, match="unknown strength; found exact"):
-        strength("exact", 0.03, 0.08, 0.04, 0.7)  # pyright: ignore[reportArgumentType]

@@ -1,14 +1,8 @@
-"""The unit cell of running bond: one rigid block and the Coulomb joints around it. The shell's strength is derived from it.
+"""How far the periodic cell of a wall can be loaded in one direction: the strength that the shell has at a point.
 
-A block of length b and height a in a wall of thickness h meets one neighbour across a head joint and two across half bed joints.
-The other three joints are periodic images of these.
-
-With x the place of a block in the wall, blocks are displaced like the plate: translations E x and -1/2 x chi x, rotations chi x,
-and one rotation omega that all blocks share. E is the membrane strain, chi the curvature. A joint is rigid on both sides, so it
-is admissible when its four corners are. That makes 12 second-order cones in 9 variables.
-
-Axis 1 runs along the bed joint, axis 2 up the courses; the strain at depth x3 is E + x3 chi. Strains are ordered (E11, E22, 2
-E12, chi11, chi22, 2 chi12), stresses (N11, N22, N12, M11, M22, M12), N/m and N.
+Stresses are ordered (N11, N22, N12, M11, M22, M12), N/m and N, strains (E11, E22, 2 E12, chi11, chi22, 2 chi12). Axis 1 runs
+along the bed joint, axis 2 up the courses, and the strain at depth x3 is E + x3 chi. A joint is rigid on both sides, so it is
+admissible when its corners are.
 """
 
 from dataclasses import dataclass
@@ -23,15 +17,6 @@ from churchpipe.conic.program import ConeProgram, ConeSolution, Outcome
 from churchpipe.errors import InputError
 from churchpipe.model.arrays import FloatArray, array_of, floats
 
-# One head joint, then the two half bed joints, four corners each: lattice vector from block to neighbour in units (b, a),
-# corner from the midpoint of that vector in units (b, a), and depth in units of h.
-_NEIGHBOUR = np.repeat([[1.0, 0.0], [0.5, 1.0], [-0.5, 1.0]], 4, axis=0)
-_CORNER = np.vstack(
-    [np.repeat([[0.0, -0.5], [0.0, 0.5]], 2, axis=0), np.tile(np.repeat([[-0.25, 0.0], [0.25, 0.0]], 2, axis=0), (2, 1))]
-)
-_DEPTH = np.tile([-0.5, 0.5], 6)
-_NORMAL = np.repeat([0, 1, 1], 4)
-
 
 @dataclass(frozen=True, slots=True)
 class CellLimit:
@@ -39,9 +24,8 @@ class CellLimit:
 
     factor: largest multiple of the direction on top of the base stress; inf when none is too large (outcome "unbounded"),
     NaN when no multiple lies in the domain ("infeasible") or no answer was proved to 1e-6 ("failed").
-    strain (6,), rotation (motions,): the mechanism, scaled to strain . direction = 1; motions are the rotation of the stone, of a
-    cell of several stones those of `rigid_cell`. forces (corners, 3): at the joint corners, N, components normal (compression
-    positive), in-plane and out-of-plane shear; not unique.
+    strain (6,), rotation (motions,): the mechanism, scaled to strain . direction = 1; motions are those of `rigid_cell`.
+    forces (corners, 3): at the joint corners, N, normal (compression positive) and along the joint; not unique.
     """
 
     factor: float
@@ -51,55 +35,7 @@ class CellLimit:
     forces: FloatArray
 
 
-def joint_closing(a: npt.ArrayLike, b: npt.ArrayLike, h: npt.ArrayLike) -> FloatArray:
-    """Return the closing of the cell's joints per unit area of wall, closing_...kci, shape (..., 12, 3, 9), 1/m and 1/m2.
-
-    Corner k, component c (normal, closing positive; in-plane and out-of-plane sliding), variable i (the 6 strains, then the
-    rotation omega of all blocks). a, b, h (m) broadcast. Corner forces f_kc, N, make the stress sum_kc f_kc closing_kci, and
-    its last three entries, the moment on the block, vanish.
-
-    Opening at corner y of the joint to the neighbour at v: in the plane (E + y3 chi) v + omega3 (v2, -v1), across it
-    -(chi v) . (y - v/2) - omega1 v2 + omega2 v1.
-    """
-    a, b, h = np.broadcast_arrays(*(positive(key, value) for key, value in (("a", a), ("b", b), ("h", h))))
-    size = np.stack([b, a], axis=-1)[..., None, :]
-    v1, v2 = np.moveaxis(_NEIGHBOUR * size, -1, 0)
-    r1, r2 = np.moveaxis(_CORNER * size, -1, 0)
-    y3 = _DEPTH * h[..., None]
-    zero = np.zeros_like(v1)
-    along = np.stack([v1, zero, v2 / 2, y3 * v1, zero, y3 * v2 / 2, zero, zero, v2], axis=-1)
-    up = np.stack([zero, v2, v1 / 2, zero, y3 * v2, y3 * v1 / 2, zero, zero, -v1], axis=-1)
-    across = np.stack([zero, zero, zero, -v1 * r1, -v2 * r2, -(v2 * r1 + v1 * r2) / 2, -v2, v1, zero], axis=-1)
-    head = (_NORMAL == 0)[:, None]
-    opening = np.stack([np.where(head, along, up), np.where(head, up, along), across], axis=-2)
-    return -opening / (a * b)[..., None, None, None]
-
-
 def cell_limit(
-    a: float,
-    b: float,
-    h: float,
-    friction: float,
-    direction: npt.ArrayLike,
-    *,
-    base: npt.ArrayLike = (0.0,) * 6,
-    cohesion: float = 0.0,
-) -> CellLimit:
-    """Return the largest factor for which base + factor direction lies in the exact strength domain of the cell.
-
-    Parameters
-    ----------
-    a, b, h: course height, block length, wall thickness, m. friction: > 0. cohesion: Pa.
-    direction, base: stresses (6,), N/m and N.
-
-    Raises
-    ------
-    InputError: sizes, friction or cohesion out of range, no direction.
-    """
-    return closing_limit(joint_closing(a, b, h), friction, h, direction, base=base, cohesion=cohesion)
-
-
-def closing_limit(
     closing: FloatArray,
     friction: float,
     h: float,
@@ -109,9 +45,17 @@ def closing_limit(
     cohesion: float = 0.0,
     capacity: FloatArray | None = None,
 ) -> CellLimit:
-    """Return the same of a cell of any stones, from the closing (corners, 3, 6 + motions) of its joints.
+    """Return the largest factor for which base + factor direction lies in the exact strength domain of a cell.
 
-    capacity (nj,): what each joint of four corners bears before it crushes, N; none: nothing crushes.
+    Parameters
+    ----------
+    closing: of the cell's joints (corners, 3, 6 + motions), of `rigid_cell`. h: wall thickness, m. friction: > 0.
+    direction, base: stresses (6,), N/m and N. cohesion: Pa.
+    capacity: what each joint of four corners bears before it crushes (nj,), N; none: nothing crushes.
+
+    Raises
+    ------
+    InputError: thickness, friction or cohesion out of range, no direction.
     """
     shift = cohesion_shift(h, friction, cohesion)
     growth, start = floats("direction", direction, (6,)), floats("base", base, (6,)) - shift
