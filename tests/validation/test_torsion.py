@@ -143,11 +143,16 @@ def test_tilting_tests(test: str, expected: float) -> None:
 
 
 @pytest.mark.slow("docs/contact_models.md: S5 without dilatancy")
-def test_tilting_test_about_the_pressure() -> None:
-    stones, contacts = tilting_test("S5")
-    state = cp.limit_analysis(stones, contacts, TILTING_LOADS["S5"], MU, contact_model="torsion", flow="non-associative")
+@pytest.mark.parametrize(("test", "expected"), [("S5", 0.37912), ("S22", 0.18842)])
+def test_tilting_tests_about_the_pressure(test: str, expected: float) -> None:
+    stones, contacts = tilting_test(test)
+    state = cp.limit_analysis(stones, contacts, TILTING_LOADS[test], MU, contact_model="torsion", flow="non-associative")
     assert state.status == "converged"
-    assert state.load_factor == pytest.approx(0.383, abs=2e-3)
+    assert state.gap <= 1e-5 * state.load_factor
+    assert [run.start for run in state.starts] == ["centre"]
+    assert state.interval[0] <= state.load_factor <= state.interval[1]
+    assert state.interval[1] - state.interval[0] < 0.01 * state.load_factor
+    assert state.load_factor == pytest.approx(expected, rel=2e-4)
 
 
 def test_bad_arguments() -> None:

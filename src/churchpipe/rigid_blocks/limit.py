@@ -21,6 +21,7 @@ from churchpipe.model.loads import LoadCase
 from churchpipe.model.names import ContactModel
 from churchpipe.model.results import LimitState, Status
 from churchpipe.model.ties import Tie
+from churchpipe.rigid_blocks.central import runs_from_centre
 from churchpipe.rigid_blocks.certificate import FLOW_TOLERANCE, UNPROVED, Certificate, Strength, certify, kinematic_bound
 from churchpipe.rigid_blocks.crushing import PARTS, JointParts, joint_parts
 from churchpipe.rigid_blocks.equilibrium import Equilibrium, check_connected, equilibrium
@@ -36,9 +37,10 @@ Standing = Literal["stable", "unstable", "failed"]
 Flow = Literal["associative", "non-associative"]
 # Dead load that is carried but for this share is carried.
 _CARRIED = 1e-6
-# Friction follows the centres of pressure until the load factor changes by no more than this share, or for so many rounds.
+# Friction follows the centres of pressure until the load factor changes by no more than this share, or until two rounds cannot be
+# told apart, or for so many rounds. After the first two it goes but half of the way, or the rounds would go to and fro.
 _AT_REST = 5e-4
-_ROUNDS = 8
+_ROUNDS, _WHOLE_WAY, _SHARE = 12, 2, 0.5
 
 
 def limit_analysis(
@@ -119,10 +121,6 @@ def limit_analysis(
     if not starts and start is not None:
         starts = listed("limit_analysis: start", start, str)
     one_of("limit_analysis: contact_model", contact_model, *get_args(ContactModel))
-    if contact_model == "torsion" and method == "default" and not starts:
-        # The centres of pressure are those of forces with as little self-stress as may be.
-        starts = ["dead-load", "associative"]
-    options = SlidingOptions(method, tuple(starts), bipotential_gap)
     begin = perf_counter()
     endless = np.inf if compressive_strength is None else compressive_strength
     endurance = _of_interfaces("compressive_strength", endless, contacts, endless=True)
@@ -137,6 +135,10 @@ def limit_analysis(
         capacity = endurance[pressed] * contacts.area[pressed] / balance.force
         balance, strength = with_pressed(balance, strength, parts.contacts.point_ptr[:-1][pressed], capacity)
     check_connected(stones, contacts, balance)
+    if contact_model == "torsion" and method == "default" and not starts:
+        # Else the centres of pressure are those of forces with as little self-stress as may be.
+        starts = ["centre"] if runs_from_centre(balance, strength) else ["dead-load", "associative"]
+    options = SlidingOptions(method, tuple(starts), bipotential_gap)
     state = analysed(balance, strength, solver_for(balance.balance, solver), flow, options, progress)
     if contact_model == "torsion" and flow == "non-associative" and state.flow == flow and np.isfinite(state.load_factor):
         points = contacts if parts is None else parts.contacts
@@ -192,26 +194,31 @@ def _about_pressure(
     """Return the state without dilatancy in which friction acts about the centres of pressure of that very state.
 
     shift_of: `torsion.shift_about_pressure` of these joints, whose shifts are in m. From a state to the friction that fits its
-    pressure, and from there to the next state, until the load factor comes to rest.
+    pressure, and from there to the next state, until the load factor comes to rest, or until each of two rounds lies within the
+    interval of the other: no load factor without dilatancy is known better than that.
     """
     change = np.inf
+    # The run from the centre needs no start; a search goes on from the state before.
+    starts: tuple[Start, ...] = ("centre",) if options.starts == ("centre",) else ("associative",)
     for count in range(1, _ROUNDS + 1):
         shift = balance.wrenches.shift.copy()
         here = slice(0, balance.contacts)
-        shift[here] = shift_of(np.maximum(state.forces[:, 0], 0.0), shift[here] * balance.length) / balance.length
+        wanted = shift_of(np.maximum(state.forces[:, 0], 0.0), shift[here] * balance.length) / balance.length
+        shift[here] += (1.0 if count <= _WHOLE_WAY else _SHARE) * (wanted - shift[here])
         balance = replace(balance, wrenches=replace(balance.wrenches, shift=shift))
         solve = solver_for(balance.balance, solver)
         associative = associative_state(balance, strength, solve, perf_counter())
         if associative.status != "optimal":
             break
-        # The state before is the start of the next.
         start = replace(associative, forces=state.forces, tie_forces=state.tie_forces)
-        found = sliding_analysis(balance, strength, start, replace(options, starts=("associative",)), solve, progress)
+        found = sliding_analysis(balance, strength, start, replace(options, starts=starts), solve, progress)
         if not np.isfinite(found.load_factor):
             break
         change = abs(found.load_factor - state.load_factor) / max(abs(found.load_factor), 1e-3)
+        alike = state.interval[0] <= found.load_factor <= state.interval[1]
+        alike = alike and found.interval[0] <= state.load_factor <= found.interval[1]
         state = replace(found, message=f"{found.message}; friction about the centres of pressure, round {count}: {change:.0e}")
-        if change <= _AT_REST:
+        if found.status == "converged" and (change <= _AT_REST or alike):
             return state
     return replace(
         state,
