@@ -1,8 +1,9 @@
 """Damage files of every format, thousands of times, and read them: no traceback, no hang, no silently smaller structure.
 
-    .venv/bin/python benchmarks/fuzz_readers.py [FILES_A_FORMAT] [SEED] [FORMAT ...] > docs/fuzz_readers.md
+    .venv/bin/python benchmarks/fuzz_readers.py [FILES_A_WAY] [SEED] [WAY ...] > docs/fuzz_readers.md
 
-A wall of 12 bricks on a plate is written in each format and changed at random: bytes changed, cut out, put in, lines swapped and
+A wall of 12 bricks on a plate is written in each format, and for each way of reading (repaired, open joints, whole walls to lay
+stones in, a plan, hatches: tests/ways_of_reading.py), and changed at random: bytes changed, cut out, put in, lines swapped and
 doubled, numbers changed, the end cut off. Each file is read in a process that is stopped after 20 s. What may come of it: stones,
 or an error that names the file (`InputError`). Fewer stones than were written are accepted only with a finding that says so; the
 rest is counted as silently smaller, and the file is kept in the folder for temporary files. Another number in the place of a
@@ -16,47 +17,44 @@ import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from mesh_files import DXF_WRITERS, WRITERS, fuzz_wall
 from mutations import MUTATIONS, outcome
+from ways_of_reading import WAYS
 
 LIMIT = 20.0
 
 
 def worker(jobs: Any, results: Any) -> None:
     """Read files until there are none."""
-    for path, count, volume in iter(jobs.get, None):
+    for path, name, count, volume in iter(jobs.get, None):
         begin = time.perf_counter()
-        kind, text = outcome(Path(path), count, volume)
+        kind, text = outcome(Path(path), count, volume, WAYS[name].options, WAYS[name].windows)
         results.put((path, kind, text, time.perf_counter() - begin))
 
 
-Writers = dict[str, Callable[[Any, Path], Path]]
-
-
-def run(each: int, seed: int, keep: Path, writers: Writers) -> dict[str, tuple[Counter[str], float]]:
-    """Damage and read `each` files a format; files of tracebacks and silent losses are kept in a folder."""
+def run(each: int, seed: int, keep: Path, names: Sequence[str]) -> dict[str, tuple[Counter[str], float]]:
+    """Damage and read `each` files a way; files of tracebacks and silent losses are kept in a folder."""
     table: dict[str, tuple[Counter[str], float]] = {}
-    for name, write in writers.items():
+    for name in names:
         chance = random.Random(f"{name} {seed}")
         counts: Counter[str] = Counter()
         slowest = 0.0
         with tempfile.TemporaryDirectory() as place:
-            stones = fuzz_wall()
-            original = write(stones, Path(place))
+            stones = WAYS[name].stones()
+            original = WAYS[name].write(stones, Path(place))
             files = sorted(original.iterdir()) if original.is_dir() else [original]
-            count, volume = stones.count, float(stones.volume.sum())
+            count, volume = WAYS[name].size(stones)
             jobs, results, process = start()
             for index in range(each):
                 target = chance.choice(files)
                 data = target.read_bytes()
                 target.write_bytes(chance.choice(MUTATIONS)(data, chance))
-                jobs.put((str(original), count, volume))
+                jobs.put((str(original), name, count, volume))
                 try:
                     _, kind, text, seconds = results.get(timeout=LIMIT)
                 except queue.Empty:
@@ -90,12 +88,11 @@ def main() -> None:
     each = int(sys.argv[1]) if len(sys.argv) > 1 else 700
     seed = int(sys.argv[2]) if len(sys.argv) > 2 else 1
     keep = Path(tempfile.gettempdir()) / "fuzz_readers"
-    writers = WRITERS | DXF_WRITERS
-    table = run(each, seed, keep, {name: writers[name] for name in sys.argv[3:] or writers})
+    table = run(each, seed, keep, sys.argv[3:] or list(WAYS))
     kinds = ["read", "another shape", "refused", "silently smaller", "traceback", "hang"]
     print("# Damaged files\n")
     print(f"`benchmarks/fuzz_readers.py {each} {seed}`: {sum(sum(c.values()) for c, _ in table.values())} files.\n")
-    print("| format | files | " + " | ".join(kinds) + " | slowest, s |")
+    print("| way | files | " + " | ".join(kinds) + " | slowest, s |")
     print("|---|" + "---|" * (len(kinds) + 2))
     for name, (counts, slowest) in table.items():
         cells = " | ".join(str(counts[kind]) for kind in kinds)

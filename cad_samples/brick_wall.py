@@ -17,8 +17,8 @@ from shapely import Polygon
 # Bricks and joints, m; the layer they are drawn on.
 LENGTH, HEIGHT, JOINT = 0.250, 0.065, 0.010
 LAYER = "FACADE"
-# Joints of an arch at the intrados and at the extrados, m.
-NARROW, WIDE = 0.006, 0.014
+# Joints of an arch at the intrados and at the extrados, as shares of other joints.
+NARROW, WIDE = 0.6, 1.4
 # Pieces of bricks smaller than this part of one are laid as one with their neighbour.
 SMALL = 0.3
 
@@ -51,7 +51,7 @@ class Opening:
         (left, right), (_, springing) = self.span, self.levels
         radius = self.radius * (right - left)
         half = float(np.arcsin(0.5 * (right - left) / radius))
-        count = round(2 * half * radius / (HEIGHT + NARROW))
+        count = round(2 * half * radius / (HEIGHT + NARROW * JOINT))
         return Arch(np.array([0.5 * (left + right), springing - radius * np.cos(half)]), radius, half, count)
 
 
@@ -74,7 +74,7 @@ class Arch:
     def halves(self) -> tuple[float, float]:
         """Half the thickness of a voussoir at the intrados and at the extrados."""
         slope = np.tan(self.half / self.count)
-        return float(self.radius * slope - 0.5 * NARROW), float((self.radius + LENGTH) * slope - 0.5 * WIDE)
+        return float(self.radius * slope - 0.5 * NARROW * JOINT), float((self.radius + LENGTH) * slope - 0.5 * WIDE * JOINT)
 
     def voussoirs(self) -> Iterator[np.ndarray]:
         """Yield the outlines from left to right."""
@@ -87,8 +87,8 @@ class Arch:
     def cut(self) -> Polygon:
         """Return what bricks leave free above the springing: the ring, a joint above it, and what is below it."""
         a, b = self.skewback()
-        reach = 4 * self.radius
-        foot, top = a - 0.2 * (b - a), a + reach * (b - a)
+        reach = 20 * self.radius
+        foot, top = a - 0.2 * (b - a), a + reach / np.linalg.norm(b - a) * (b - a)
         region = Polygon(self.centre + np.array([foot, top, top * [-1, 1], foot * [-1, 1]]))
         for along in self.axes:
             across = reach * np.array([along[1], -along[0]])
@@ -158,11 +158,13 @@ def _pieces(span: tuple[float, float], low: float, holes: Polygon) -> list[Polyg
     return [part.simplify(1e-9) for part in shapely.get_parts(left) if part.geom_type == "Polygon" and part.area > 1e-9]
 
 
-def joints_of(wall: BrickWall) -> list[tuple[int, int]]:
+def joints_of(wall: BrickWall, ends: float = 1.0) -> list[tuple[int, int]]:
     """Return the stones on both sides of every joint: along beds, at heads, on arches, at their feet and between voussoirs.
 
-    They are edges a joint apart that overlap when each is drawn on to the middle of the joints at its ends.
+    They are edges a joint apart that overlap when each is drawn on to the middle of the joints at its ends; or as they are
+    drawn, with 0 for `ends`.
     """
+    margin = ends * JOINT
     found = [pair for _, ring in wall.arches for pair in pairwise(ring)]
     for row in wall.courses:
         ends = [(k, *shapely.bounds(Polygon(wall.outlines[k]))[[0, 2]]) for k in row]
@@ -171,12 +173,12 @@ def joints_of(wall: BrickWall) -> list[tuple[int, int]]:
     for below, above in pairwise(wall.courses):
         lower = [(k, span) for k in below for span in _level(wall.outlines[k], max)]
         upper = [(k, span) for k in above for span in _level(wall.outlines[k], min)]
-        found += [(k, n) for k, a in lower for n, b in upper if min(a[1], b[1]) - max(a[0], b[0]) + JOINT > 1e-9]
+        found += [(k, n) for k, a in lower for n, b in upper if min(a[1], b[1]) - max(a[0], b[0]) + margin > 1e-9]
     bricks = [k for row in wall.courses for k in row]
     for arch, ring in wall.arches:
         for along, voussoir in zip(arch.axes, ring, strict=True):
             axes = np.stack([[along[1], -along[0]], along])
-            reach = arch.halves[1] + 0.5 * JOINT
+            reach = arch.halves[1] + 0.5 * margin
             for brick in bricks:
                 local = (wall.outlines[brick] - arch.centre) @ axes.T
                 for a, b in zip(local, np.roll(local, -1, axis=0), strict=True):
@@ -184,7 +186,7 @@ def joints_of(wall: BrickWall) -> list[tuple[int, int]]:
                     if level and min(max(a[0], b[0]), reach) - max(min(a[0], b[0]), -reach) > 1e-9:
                         found.append((voussoir, brick))
         for sign, voussoir in ((-1, ring[0]), (1, ring[-1])):
-            found += [(voussoir, brick) for brick in bricks for _ in range(_leans(arch, wall.outlines[brick], sign))]
+            found += [(voussoir, brick) for brick in bricks for _ in range(_leans(arch, wall.outlines[brick], sign, margin))]
     return found
 
 
@@ -196,7 +198,7 @@ def _level(outline: np.ndarray, side) -> list[tuple[float, float]]:
     return [tuple(sorted((a[0], b[0]))) for a, b in zip(outline[flat], after[flat], strict=True)]
 
 
-def _leans(arch: Arch, brick: np.ndarray, sign: int) -> int:
+def _leans(arch: Arch, brick: np.ndarray, sign: int, margin: float) -> int:
     """Return how many edges of a brick are on the left (-1) or right (1) face that the arch leans on."""
     a, b = arch.skewback() * [sign, 1]
     along = (b - a) / np.linalg.norm(b - a)
@@ -204,7 +206,7 @@ def _leans(arch: Arch, brick: np.ndarray, sign: int) -> int:
     on = np.abs(local[:, 0] * along[1] - local[:, 1] * along[0]) < 1e-9
     at = local @ along
     spans = [sorted((at[k], at[(k + 1) % len(at)])) for k in np.flatnonzero(on & np.roll(on, -1))]
-    return sum(min(high, LENGTH) - max(low, 0.0) > 1e-9 for low, high in spans)
+    return sum(min(high, LENGTH) - max(low, 0.0) + margin > 1e-9 for low, high in spans)
 
 
 def write_wall(wall: BrickWall, path: Path, *, unclosed: int, doubled: int) -> None:

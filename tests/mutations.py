@@ -3,8 +3,12 @@
 import random
 import re
 import traceback
+import warnings
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 import churchpipe as cp
 
@@ -69,7 +73,7 @@ MUTATIONS: tuple[Mutation, ...] = (change_bytes, cut_end, cut_out, put_in, chang
 _BEGINS = {
     ".obj": rb"^o ",
     ".stl": rb"^solid",
-    ".dxf": rb"^(?:INSERT|LWPOLYLINE|MESH|POLYLINE)\s*$",
+    ".dxf": rb"^(?:INSERT|LWPOLYLINE|MESH|POLYLINE|HATCH)\s*$",
     ".3ddat": rb"^block create poly",
     ".dat": rb"^poly",
     ".DAT": rb"^ RBDY3",
@@ -88,20 +92,28 @@ def announced(path: Path) -> int:
     return 10**9 if pattern is None or binary else len(re.findall(pattern, data.rpartition(b"ENTITIES")[2], re.MULTILINE))
 
 
-def outcome(path: Path, count: int, volume: float) -> tuple[str, str]:
-    """Read a file; return what came of it, and the text that goes with it."""
+def outcome(path: Path, count: int, volume: float, options: dict[str, Any], windows: int = 0) -> tuple[str, str]:
+    """Read a file; return what came of it, and the text that goes with it.
+
+    count, volume: of what was written, stones or whole walls, the volume without the ground; windows: outlines that are neither.
+    """
     try:
-        stones, findings = cp.read_stones(path, units="m", support="base")
+        with warnings.catch_warnings():
+            # What overflows on the way would be told on the terminal.
+            warnings.simplefilter("error", RuntimeWarning)
+            stones, findings = cp.read_stones(path, **({"units": "m", "support": "base"} | options))
     except cp.InputError as error:
         return "refused", str(error)[:300]
     except Exception:  # Whatever comes is what is looked for.
         return "traceback", traceback.format_exc()
-    read = float(stones.volume.sum())
+    read = float(stones.volume[~stones.fixed].sum())
     told = set(findings.codes) & SMALLER
     base = "W12" in findings.codes
-    count = min(count, announced(path))
-    if stones.count - base < count and not told:
-        return "silently smaller", f"{stones.count - base} of {count} stones; {findings}"
+    count = min(count, announced(path) - windows)
+    # Of stones laid in whole walls it is the walls that count.
+    found = len(np.unique(stones.panel[~stones.fixed])) + stones.fixed.sum() if "bond" in options else stones.count
+    if found - base < count and not told:
+        return "silently smaller", f"{found - base} of {count} stones; {findings}"
     if read < 0.999 * volume and not told:
         return "another shape", f"{read} of {volume} m3"
     return "read", ""

@@ -254,6 +254,11 @@ def common(first: Region, second: Region) -> Region:
     return _areal(shapely.intersection(first, second))
 
 
+def widened(region: Region, margin: float) -> Region:
+    """Return a region drawn on by a margin all round, its corners kept sharp."""
+    return _areal(shapely.buffer(region, margin, join_style="mitre")) if margin else region
+
+
 def mapped(region: Region, matrix: FloatArray, shift: FloatArray) -> Region:
     """Return a region with each point p moved to `matrix` (2, 2) p + `shift` (2,)."""
     return shapely.transform(region, lambda points: points @ matrix.T + shift)

@@ -8,7 +8,7 @@ import numpy as np
 from churchpipe.geometry.clusters import components
 from churchpipe.geometry.manifolds import trimmed
 from churchpipe.geometry.mending import signed_volume
-from churchpipe.geometry.planar import area, common, overlapping, polygon, vertices
+from churchpipe.geometry.planar import area, common, outlined, overlapping, vertices, widened
 from churchpipe.geometry.warped import split_warped
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.polyhedra import face_normals
@@ -92,7 +92,7 @@ def close_joints(solids: Sequence[Solid], joint: float) -> Closed:
         shift = np.array([_shift(points[v], v, faces, normal, level, joint) for v in range(len(points))])
         grown = points + shift
         split: Sequence[tuple[int, ...]] = split_warped(grown, faces)[0]
-        cuts = _beyond_neighbours(flat, plane, opposite, own, points, grown, np.linalg.norm(shift, axis=1) > joint)
+        cuts = _beyond_neighbours(flat, plane, opposite, own, faces, points, grown, np.linalg.norm(shift, axis=1) > joint)
         if cuts:
             grown, split = trimmed(grown, split, cuts)
         volume = signed_volume(grown, split)
@@ -119,6 +119,7 @@ def _beyond_neighbours(
     plane: dict[int, tuple[FloatArray, float]],
     opposite: dict[int, list[int]],
     own: range,
+    faces: Sequence[Sequence[int]],
     points: FloatArray,
     grown: FloatArray,
     sharp: BoolArray,
@@ -126,23 +127,25 @@ def _beyond_neighbours(
     """Return the planes, normal and level, in which the sharp tips of a grown stone are cut off.
 
     A tip grows into the mortar where three stones meet, and may so reach over the end of the stone that it was drawn along, to
-    the next one. It is cut off in the plane of that end, where only tips lie beyond, and nothing that was drawn.
+    the next one. It is cut off in the plane of that end, where only tips lie beyond, and nothing that was drawn. Ends of stones
+    that the tip itself does not lie on are left out: their planes would cut it far from where they are.
     """
     if not sharp.any():
         return []
     slack = TOUCHING * flat.size
     cuts: list[tuple[FloatArray, float]] = []
-    along = sorted({face for k in own for face in opposite.get(k, [])})
     ends = {
-        end: None
-        for face in along
+        (end, tuple(faces[k - own.start]))
+        for k in own
+        for face in opposite.get(k, [])
         for end in range(*flat.solid_ptr[flat.solid[face] : flat.solid[face] + 2])
         if abs(flat.normal[end] @ flat.normal[face]) < np.cos(END)
     }
-    for end in ends:
+    for end, corners in sorted(ends):
+        tips = np.isin(np.arange(len(points)), corners) & sharp
         normal, level = plane.get(end, (flat.normal[end], float(flat.level[end])))
         beyond = grown @ normal > level + slack
-        if (beyond & sharp).any() and not (beyond & ~sharp).any() and (points @ normal <= level + slack).all():
+        if (beyond & tips).any() and not (beyond & ~sharp).any() and (points @ normal <= level + slack).all():
             cuts.append((normal, level))
     return cuts
 
@@ -188,11 +191,17 @@ def _joints(flat: _Faces, joint: float) -> Joints:
     width: list[float] = []
     middle: list[FloatArray] = []
     weight: list[float] = []
-    for i, j in _candidates(flat, WIDEST * joint).tolist():
-        found = _across(flat, i, j)
-        if found is None:
+    near: list[list[int]] = _candidates(flat, WIDEST * joint).tolist()
+    found = [(pair, _across(flat, pair, 0.0)) for pair in near]
+    facing = {face for (i, j), across in found if across for face in (i, j)}
+    # A face narrower than a joint may face another one beyond its end, in the mortar alone. Left where it is, it would keep
+    # the faces beside it from meeting their neighbours.
+    chips = {face for face in {face for pair in near for face in pair} - facing if _narrow(flat.corners[face], joint)}
+    found += [(pair, _across(flat, pair, 0.5 * joint)) for pair in near if not chips.isdisjoint(pair)]
+    for (i, j), across in found:
+        if across is None:
             continue
-        gap, points, size = found
+        gap, points, size = across
         if gap.max() > WIDEST * joint or gap.mean() > WIDEST_MEAN * joint or gap.min() < -TOUCHING * flat.size:
             continue
         if gap.mean() <= TOUCHING * flat.size:
@@ -234,15 +243,29 @@ def _candidates(flat: _Faces, reach: float) -> IntArray:
     return np.stack([i[keep], j[keep]], axis=1)
 
 
-def _across(flat: _Faces, i: int, j: int) -> tuple[FloatArray, FloatArray, float] | None:
-    """Return the gap between two faces at the corners of what they have in common, the points halfway there, and its area."""
+def _narrow(corners: FloatArray, joint: float) -> bool:
+    """Return whether a face is narrower than the joint: the second of its extents is."""
+    return bool(np.linalg.svd(corners - corners.mean(axis=0), compute_uv=False)[1] < 0.5 * joint * np.sqrt(len(corners)))
+
+
+def _across(flat: _Faces, pair: list[int], margin: float) -> tuple[FloatArray, FloatArray, float] | None:
+    """Return the gap between two faces at the corners of what they have in common, the points halfway there, and its area.
+
+    margin: by how much the faces are drawn on all round.
+    """
+    i, j = pair
     n = flat.normal[i] - flat.normal[j]
     n /= np.linalg.norm(n)
     u = np.cross(n, [1.0, 0.0, 0.0] if abs(n[0]) < 0.7 else [0.0, 1.0, 0.0])
     u /= np.linalg.norm(u)
     axes = np.stack([u, np.cross(n, u)])
-    shared = common(polygon(flat.corners[i] @ axes.T), polygon(flat.corners[j] @ axes.T))
-    if area(shared) <= LEAST_OVERLAP * min(flat.area[i], flat.area[j]):
+    corners = [flat.corners[f] @ axes.T for f in (i, j)]
+    first, second = (
+        widened(shape, margin)
+        for shape in outlined(np.concatenate(corners), np.array([len(c) for c in corners]), np.array([1, 1]))
+    )
+    shared = common(first, second)
+    if area(shared) <= LEAST_OVERLAP * min(area(first), area(second)):
         return None
     place = np.unique(vertices(shared), axis=0) @ axes
     at = [(flat.level[f] - place @ flat.normal[f]) / (n @ flat.normal[f]) for f in (i, j)]
