@@ -259,6 +259,7 @@ def curve(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
     """One capacity curve of the stones -> the curve and its record for the summary; an interrupted run goes on from its steps."""
     from churchpipe.io.kept_steps import KeptSteps
     from churchpipe.large_displacements.pushover import block_pushover
+    from churchpipe.model.block_curve import BlockCapacityCurve
     from churchpipe.stones.joints import joint_strength
 
     table = read_json(settings)
@@ -269,7 +270,7 @@ def curve(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
     used = set(stones.material[~stones.fixed].tolist())
     borne = placed(carries_of(table), stones)
     pushed = loaded(load, stones, borne.loads)
-    kept = KeptSteps(state.parent, (settings, assemblage, contacts), code_of("curve"))
+    kept = KeptSteps(BlockCapacityCurve, state.parent, (settings, assemblage, contacts), code_of("curve"))
     more = {"progress": progress, "resume": kept.found(), "keep": kept.keep}
     found = block_pushover(stones, joints, pushed, friction, borne.ties, **options, **more)
     write_npz(state, found)
@@ -280,8 +281,11 @@ def curve(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
 def movement(
     settings: Path, tolerances: Path, assemblage: Path, contacts: Path, *made: Path, progress: Progress | None = None
 ) -> None:
-    """One support that moves -> the stones with their ground cut, their joints, the path and its record for the summary."""
+    """One support that moves -> the stones with their ground cut, their joints, the path and its record for the summary; an
+    interrupted run goes on from its steps."""
+    from churchpipe.io.kept_steps import KeptSteps
     from churchpipe.large_displacements.moved_support import moved_support
+    from churchpipe.model.settlement import SettlementPath
 
     table, materials = read_json(settings), strengths_of(read_json(settings))
     stones, found = read_npz(assemblage, Assemblage), read_npz(contacts, Contacts)
@@ -290,9 +294,12 @@ def movement(
     def dead_on(cut: Assemblage) -> FloatArray | None:
         return loaded(LoadCase((1, 0, 0)), cut, placed(carries, cut).loads).dead if carries else None
 
-    moved = moved_support(stones, found, table, materials, read_json(tolerances), dead_on, progress, joints_of(table))
+    kept = KeptSteps(SettlementPath, made[-1].parent, (settings, tolerances, assemblage, contacts), code_of("movement"))
+    more = {"progress": progress, "groups": joints_of(table), "resume": kept.found(), "keep": kept.keep}
+    moved = moved_support(stones, found, table, materials, read_json(tolerances), dead_on, **more)
     for file, part in zip(made, (moved.stones, moved.contacts, moved.path), strict=False):
         write_npz(file, part)
+    kept.clear()
     known = [material for material in materials if material.name in stones.material[~stones.fixed]]
     cracks = widest_cracks(moved.stones, moved.contacts, moved.opening, moved.slip)
     write_json(made[-1], movement_words(moved.path, table, moved.stones, known, cracks))

@@ -41,10 +41,12 @@ def moved_support(
     dead_on: Callable[[Assemblage], FloatArray | None],
     progress: Progress | None = None,
     groups: Sequence[JointGroup] = (),
+    resume: SettlementPath | None = None,
+    keep: Callable[[SettlementPath], None] | None = None,
 ) -> MovedSupport:
     """Return what a movement of a case does; settings: the fields of its `MovementSettings`, and the solver; dead_on: the
     wrenches (nb, 6) of what the building carries, on the stones with their ground cut; groups: joints with a strength of their
-    own.
+    own; resume, keep: as in `settlement_path`.
 
     Raises
     ------
@@ -64,6 +66,8 @@ def moved_support(
             furthest=settings["furthest"] if settings["about"] is None else settings["furthest_angle"],
             **{key: settings[key] for key in ("direction", "about", "step", "steps", "halo", "solver")},
             progress=progress,
+            resume=resume,
+            keep=keep,
         )
     except InputError as error:
         raise error.at(f"movements, {settings['name']}: {error.where}") from error

@@ -8,7 +8,6 @@ from typing import cast
 import numpy as np
 import numpy.typing as npt
 
-from churchpipe.errors import InputError
 from churchpipe.large_displacements.control import Control, control_of
 from churchpipe.large_displacements.following import Ending, follow
 from churchpipe.large_displacements.halo import HALO, STILL, held_around
@@ -101,9 +100,6 @@ def block_pushover(
     """
     begin = perf_counter()
     _check(step, steps, furthest, halo)
-    if resume is not None and resume.position.shape[1] != stones.count:
-        found, expected = f"{resume.position.shape[1]} stones", f"{stones.count} stones"
-        raise InputError("block_pushover: resume", "a curve of other stones", found=found, expected=expected)
     listed("block_pushover: ties", ties, Tie)
     state = limit_analysis(stones, contacts, load, friction, ties=ties, solver=solver)
     if state.status != "optimal":
@@ -114,25 +110,22 @@ def block_pushover(
     balance = equilibrium(stones, contacts, load)
     model = moving_model(stones, contacts, load, live_loads(stones, load), friction, balance, moving, step, solver, ties)
     model = replace(model, held=_held(model, contacts, load, friction, state, halo, ties)) if halo else model
+    record = _Curve(model, measure, furthest, progress, keep)
     if resume is not None and len(resume.position):
-        moved = (resume.position[-1] != resume.position[0]) | (resume.rotation[-1] != resume.rotation[0])
-        model = replace(model, held=model.held & ~moved.any(axis=1))
-        record = _Curve(model, measure, furthest, progress, keep)
         start = record.go_on_from(resume, resume.displacement, resume.load_factor)
-        record.resumed = f"continued from step {len(resume.position) - 1} of a curve"
         steps -= len(resume.position) - 1
     else:
-        record = _Curve(model, measure, furthest, progress, keep)
         start = _started(model, contacts, load, friction, ties)
-    return record.curve(follow(model, start, int(steps), record, halo), perf_counter() - begin)
+    return record.curve(follow(record.model, start, int(steps), record, halo), perf_counter() - begin)
 
 
 def _started(model: MovingModel, contacts: Contacts, load: LoadCase, friction: npt.ArrayLike, ties: Sequence[Tie]) -> PathState:
     """Return the state as drawn with the sliding of a motion without dilatancy: that of its own programs, or where these come
-    near it too slowly, that of the certified analysis."""
+    near it too slowly, that of the certified analysis. With stones held that has no run from the centre of the cones, since
+    points between them cannot open: the first step then makes forces and motion fit as all others do."""
     first = first_state(model)
     step = solve_state(model, first, FIRST, 0)
-    if step.answer.outcome != "solved" or step.answer.misfit < _STARTED:
+    if step.answer.outcome != "solved" or step.answer.misfit < _STARTED or model.held.any():
         return step.state
     found = _of_followed(model, contacts, load, friction, "non-associative", ties)
     return sliding_as(model, first, found.velocities) if found.status in ("converged", "not-converged") else step.state
@@ -175,6 +168,8 @@ def _of_followed(
 class _Curve(Record):
     """The steps of a capacity curve."""
 
+    where = "block_pushover"
+
     def __init__(
         self,
         model: MovingModel,
@@ -186,7 +181,6 @@ class _Curve(Record):
         super().__init__(model, control)
         self.furthest, self.progress, self.keep = furthest, progress, keep
         self.broken: dict[str, float] = {}
-        self.resumed = ""
 
     def add(self, step: PathStep) -> Ending | None:
         """Take down a step; it ends the curve when the load factor has vanished or a stone has gone far enough."""

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from churchpipe.errors import InputError
 from churchpipe.large_displacements.control import Control
 from churchpipe.large_displacements.moving_model import MovingModel
 from churchpipe.large_displacements.path import PathState, PathStep, state_at
@@ -16,18 +17,23 @@ Progress = Callable[[str, float], None]
 
 
 class Record:
-    """The steps of a path as they are taken."""
+    """The steps of a path as they are taken; where: the analysis, for what is said of it."""
+
+    where = ""
 
     def __init__(self, model: MovingModel, control: Control) -> None:
         self.model, self.control = model, control
         self.poses: list[Poses] = []
         self.proofs: list[tuple[float, float, float]] = []
         self.friction_power = 0.0
+        # The work up to the next step, where another run has summed it.
+        self.work_known: float | None = None
         self.displacement: list[float] = []
         self.load_factor: list[float] = []
         self.largest: list[float] = []
         self.work: list[float] = []
         self.fallen: list[FallenStones] = []
+        self.resumed = ""
 
     @property
     def left(self) -> float:
@@ -38,9 +44,12 @@ class Record:
         """Take down a step that was solved."""
         poses, standing = step.state.poses, ~step.state.fallen & ~self.model.stones.fixed
         gone = self.displacement[-1] + self.control.between(self.poses[-1], poses, standing) if self.poses else 0.0
-        # The work of a step is done when the next one is reached.
-        done = self.work[-1] + self.friction_power * step.state.way if self.work else 0.0
-        answer, self.friction_power = step.answer, step.friction_power * self.model.force
+        answer, power = step.answer, step.friction_power * self.model.force
+        # The work of a step is done when the next one is reached, at the mean of the powers at its ends.
+        done = self.work[-1] + 0.5 * (self.friction_power + power) * step.state.way if self.work else 0.0
+        if self.work_known is not None:
+            done, self.work_known = self.work_known, None
+        self.friction_power = power
         self.poses.append(poses)
         self.proofs.append((answer.residual, answer.violation, answer.misfit))
         self.displacement.append(gone)
@@ -50,17 +59,25 @@ class Record:
         self.work.append(done)
 
     def go_on_from(self, path: StonePath, displacement: FloatArray, load_factor: FloatArray) -> PathState:
-        """Take over the steps of a path but for the last one, and return the state of that, from which to go on."""
-        model, last = self.model, len(path.position) - 1
+        """Take over the steps of a path but for the last one, and return the state of that, from which to go on.
+
+        Stones that have moved are held no more. Raises InputError where the path is that of other stones.
+        """
+        count, last = self.model.stones.count, len(path.position) - 1
+        if path.position.shape[1] != count:
+            found, expected = f"{path.position.shape[1]} stones", f"{count} stones"
+            raise InputError(f"{self.where}: resume", "steps of other stones", found=found, expected=expected)
+        moved = (path.position[-1] != path.position[0]) | (path.rotation[-1] != path.rotation[0])
+        model = self.model = replace(self.model, held=self.model.held & ~moved.any(axis=1))
+        self.resumed = f"continued from step {last}"
         every = [Poses(centroid, screw(rotation)[0]) for centroid, rotation in zip(path.position, path.rotation, strict=True)]
         self.poses, self.displacement, self.load_factor = every[:last], displacement[:last].tolist(), load_factor[:last].tolist()
         self.largest, self.work = path.largest[:last].tolist(), path.dissipation[:last].tolist()
         proofs = path.residual, path.violation, path.misfit
         self.proofs = [(float(a), float(b), float(c)) for a, b, c in zip(*(array[:last] for array in proofs), strict=True)]
         self.fallen = list(path.fallen)
-        # The state goes a way of one unit from the step before, on which friction does the work that the path had kept for it.
-        self.friction_power = float(path.dissipation[last] - path.dissipation[last - 1]) if last else 0.0
-        return replace(state_at(model, every, path.fallen), way=1.0)
+        self.work_known = float(path.dissipation[last])
+        return state_at(model, every, path.fallen)
 
     def fall(self, step: PathStep) -> None:
         """Note the stones that fall in a step."""

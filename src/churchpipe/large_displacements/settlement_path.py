@@ -1,5 +1,6 @@
 """A support that moves on and on: the reaction that is left, the cracks, and how far it may go."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from time import perf_counter
 from typing import cast
@@ -42,6 +43,8 @@ def settlement_path(
     halo: int = HALO,
     solver: str = "auto",
     progress: Progress | None = None,
+    resume: SettlementPath | None = None,
+    keep: Callable[[SettlementPath], None] | None = None,
 ) -> SettlementPath:
     """Return what a structure does while a support moves on, until it collapses or the support leaves it.
 
@@ -62,6 +65,10 @@ def settlement_path(
         Where to stop, at a movement so large, m, or rad of one about an axis.
     progress
         Called with a text and the share done.
+    resume
+        A path of these stones and this support, or its first steps (`SettlementPath.until`), to go on from its last step.
+    keep
+        Called with the path so far after each step.
 
     Returns
     -------
@@ -87,9 +94,12 @@ def settlement_path(
         speed = stone_speed(stones, least.velocities)
         moving = (speed > STILL * reference_speed(speed)) | _upon(contacts, np.asarray(support), stones.count)
         model = replace(model, held=held_around(stones, contacts.blocks, moving, halo))
-    record = _Movement(model, furthest, int(steps), progress)
-    ending = follow(model, first_state(model), int(steps), record, halo)
-    return record.path(ending, least.reaction, perf_counter() - begin)
+    record = _Movement(model, furthest, int(steps), progress, keep, least.reaction)
+    start = first_state(model)
+    if resume is not None and len(resume.position):
+        start = record.go_on_from(resume, resume.movement, -resume.reaction / model.force)
+        steps -= len(resume.position) - 1
+    return record.path(follow(record.model, start, int(steps), record, halo), perf_counter() - begin)
 
 
 def _upon(contacts: Contacts, support: IntArray, count: int) -> BoolArray:
@@ -101,11 +111,21 @@ def _upon(contacts: Contacts, support: IntArray, count: int) -> BoolArray:
 
 
 class _Movement(Record):
-    """The steps of a movement."""
+    """The steps of a movement; least: the least reaction as drawn, N."""
 
-    def __init__(self, model: MovingModel, furthest: float | None, steps: int, progress: Progress | None) -> None:
+    where = "settlement_path"
+
+    def __init__(
+        self,
+        model: MovingModel,
+        furthest: float | None,
+        steps: int,
+        progress: Progress | None,
+        keep: Callable[[SettlementPath], None] | None,
+        least: float,
+    ) -> None:
         super().__init__(model, SupportTravel(cast(SupportMovement, model.driven)))
-        self.furthest, self.steps, self.progress = furthest, steps, progress
+        self.furthest, self.steps, self.progress, self.keep, self.least = furthest, steps, progress, keep, least
 
     @property
     def left(self) -> float:
@@ -122,21 +142,23 @@ class _Movement(Record):
         still = float(step.speed[free].max(initial=0.0)) < _STILL * float(step.speed[driven].max())
         if -step.answer.load_factor < _NOTHING and still:
             return Ending("free", "nothing rests on the support any more: the structure stands without it")
+        if self.keep:
+            self.keep(self.path(Ending("unfinished", "interrupted"), 0.0))
         if self.progress:
             share = self.displacement[-1] / self.furthest if self.furthest else len(self.displacement) / self.steps
             self.progress("movement of a support", min(share, 1.0))
         return None
 
-    def path(self, ending: Ending, least: float, seconds: float) -> SettlementPath:
+    def path(self, ending: Ending, seconds: float) -> SettlementPath:
         """Return the path."""
         return SettlementPath(
             movement=np.array(self.displacement),
             reaction=np.maximum(-np.array(self.load_factor), 0.0) * self.model.force,
             **self.arrays(),
-            least=least,
+            least=self.least,
             status=cast(SettlementEnding, ending.status),
             fallen=tuple(self.fallen),
-            message=ending.message,
+            message="; ".join(filter(None, [ending.message, self.resumed])),
             seconds=seconds,
         )
 

@@ -1,6 +1,6 @@
 """The capacity curve of rigid blocks at large displacements."""
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -40,13 +40,7 @@ class BlockCapacityCurve(StonePath):
 
     def until(self, step: int) -> "BlockCapacityCurve":
         """Return the curve up to a step, that included: what `block_pushover(resume=...)` may go on from."""
-        arrays: dict[str, FloatArray] = {}
-        for item in fields(self):
-            value = getattr(self, item.name)
-            if isinstance(value, np.ndarray):
-                arrays[item.name] = value[: step + 1]
-        fallen = tuple(part for part in self.fallen if part.displacement < self.displacement[step])
-        return replace(self, **arrays, fallen=fallen, status="unfinished", d0=np.nan, message=f"up to step {step}")
+        return replace(self.first_steps(step, self.displacement), d0=np.nan)
 
     @property
     def initial(self) -> float:

@@ -78,6 +78,10 @@ class SettlementPath(StonePath):
         for name in ("movement", "reaction"):
             store(self, **{name: floats(f"SettlementPath.{name}", getattr(self, name), (len(self.position),))})
 
+    def until(self, step: int) -> "SettlementPath":
+        """Return the path up to a step, that included: what `settlement_path(resume=...)` may go on from."""
+        return self.first_steps(step, self.movement)
+
     @property
     def ultimate(self) -> float:
         """The movement at which the structure collapses, NaN where it did not."""

@@ -1,7 +1,7 @@
 """The way of the stones, step by step: what the capacity curve and a support that moves have in common."""
 
-from dataclasses import dataclass
-from typing import TypedDict
+from dataclasses import dataclass, fields, replace
+from typing import Any, Self, TypedDict
 
 import numpy as np
 
@@ -59,6 +59,13 @@ class StonePath:
         """True when at every step forces balance and keep to friction to 1e-8 of the weight, and the motion fits to 1 %."""
         worst = (float(errors.max(initial=0.0)) for errors in (self.residual, self.violation, self.misfit * (_EXACT / _FITS)))
         return all(error < _EXACT for error in worst)
+
+    def first_steps(self, step: int, travel: FloatArray) -> Self:
+        """Return the path up to a step, that included; travel (ns,): what `FallenStones.displacement` is measured by."""
+        values = {item.name: getattr(self, item.name) for item in fields(self)}
+        kept: dict[str, Any] = {name: value[: step + 1] for name, value in values.items() if isinstance(value, np.ndarray)}
+        fallen = tuple(part for part in self.fallen if part.displacement < travel[step])
+        return replace(self, **kept, fallen=fallen, status="unfinished", message=f"up to step {step}")
 
 
 class StepArrays(TypedDict):

@@ -104,7 +104,7 @@ def test_a_curve_goes_on_from_any_of_its_steps() -> None:
         assert again.proved
         assert f"continued from step {step}" in again.message
         assert ("tie rod broke" in again.message) == ("tie rod broke" in whole.message)
-    with pytest.raises(InputError, match="block_pushover: resume: a curve of other stones"):
+    with pytest.raises(InputError, match="block_pushover: resume: steps of other stones"):
         cp.block_pushover(BLOCK, cp.find_contacts(BLOCK), PUSH, 0.7, resume=whole)
 
 

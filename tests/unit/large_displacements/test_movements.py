@@ -8,10 +8,12 @@ import pytest
 import churchpipe as cp
 from case_texts import case_file
 from churchpipe import compare, stages
+from churchpipe.closure import code_of
 from churchpipe.config.case import Case
 from churchpipe.config.plan import plan
 from churchpipe.configuring import configure
 from churchpipe.errors import InputError
+from churchpipe.io.kept_steps import KeptSteps
 from churchpipe.io.movement_record import movement_words
 from churchpipe.io.npz import read_npz, write_npz
 from churchpipe.io.tables import read_json
@@ -139,6 +141,23 @@ def test_the_artifact_comes_back(tmp_path: Path) -> None:
     assert again.status == path.status
     assert np.array_equal(again.rotation, path.rotation)
     assert read_json(out / "plan.json")["analyses"] == []
+
+
+def test_a_killed_run_goes_on_from_its_steps(tmp_path: Path) -> None:
+    out = staged(tmp_path, CORNER)
+    folder, geometry = out / "movement" / "corner", out / "geometry" / "base"
+    given = [folder / "settings.json", geometry / "tolerances.json", geometry / "assemblage.npz", geometry / "contacts.npz"]
+    made = [folder / file for file in ("assemblage.npz", "contacts.npz", "movement.npz", "movement.json")]
+    whole = read_npz(made[2], SettlementPath)
+    kept = KeptSteps(SettlementPath, folder, given, code_of("movement"))
+    assert kept.found() is None
+    kept.keep(whole.until(1))
+    stages.movement(*given, *made)
+    again = read_npz(made[2], SettlementPath)
+    assert "continued from step 1" in again.message
+    assert again.movement[[0, 1, -1]] == pytest.approx(whole.movement[[0, 1, -1]], abs=1e-9)
+    assert again.reaction[0] == whole.reaction[0]
+    assert list(folder.glob("steps_*.npz")) == []
 
 
 def test_ties_that_are_left_out_are_told(tmp_path: Path) -> None:
