@@ -138,6 +138,20 @@ def test_plane_walls_with_openings_are_certified(name: str, friction: float) -> 
     assert state.interval[0] <= state.load_factor <= state.interval[1]
 
 
+@pytest.mark.parametrize("friction", [0.4, 0.7])
+def test_a_small_wall_with_openings_is_certified(friction: float) -> None:
+    """At friction .4 it slides as a whole, so that the load factor is the friction."""
+    stones, contacts = facade("small")
+    state = limit_analysis(stones, contacts, LOAD, friction, flow="non-associative")
+    assert state.status == "converged"
+    assert 0 <= state.gap <= 1e-5 * state.load_factor
+    assert all(run.settled for run in state.starts)
+    if friction == 0.4:
+        assert state.load_factor == pytest.approx(friction, rel=1e-5)
+    else:
+        assert state.interval[0] <= state.load_factor <= state.interval[1] < friction
+
+
 def test_the_more_careful_of_two_starts_leads() -> None:
     """Wall 4 has .307 from the centre and .264 from the forces of the dead load, both certified."""
     stones = wall(4)
@@ -168,7 +182,9 @@ def test_both_starts_of_s5(first_course: str, reference: float) -> None:
     state = limit_analysis(stones, contacts, LOADS["S5"], friction=0.7, flow="non-associative", start=starts)
     assert state.status == "converged"
     assert state.gap <= 1e-5 * state.load_factor
-    assert state.load_factor == pytest.approx(reference, rel=5e-3)
+    # The criterion of this module: rounding alone moves a search from forces by half a percent.
+    assert state.interval[0] <= reference <= state.interval[1]
+    assert state.load_factor == pytest.approx(reference, rel=1e-2)
     assert state.interval[0] <= state.load_factor <= state.interval[1]
     assert state.load_factor in state.fixed_points
     assert "associative solves" in state.message

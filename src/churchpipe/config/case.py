@@ -10,12 +10,14 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from churchpipe.bond.count import TOO_MANY, check_count
 from churchpipe.code_check import Site
 from churchpipe.config import overrides as changes
 from churchpipe.config.analyses import MovementSettings, RigidSettings, ShellSettings
 from churchpipe.config.carries import KINDS, Carries, placed, tried
 from churchpipe.config.distributions import SampleSettings, quantile
 from churchpipe.config.places import located
+from churchpipe.config.plausible import farthest_number
 from churchpipe.config.project import Project
 from churchpipe.config.published import Published, check_published
 from churchpipe.config.schema import check
@@ -25,13 +27,14 @@ from churchpipe.config.variants import Variant, applied, variants_of
 from churchpipe.dxf.reading import AS_DRAWN, Reading
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import path_of
-from churchpipe.model.building import Building
+from churchpipe.model.building import MOST_STONES, Building
 from churchpipe.model.buttress import Buttress
 from churchpipe.model.joint_group import JointGroup
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
 from churchpipe.model.quantities import in_si
 from churchpipe.model.ring_beam import RingBeam
+from churchpipe.resources import sample_case
 
 _Record = TypeVar("_Record")
 
@@ -59,6 +62,7 @@ class Case:
 
     shell: None for the rigid blocks alone. check: what the earthquake asks, None where the file does not say. movements: supports
     that move. published: load factors of others, for the report. sample: parameters that are not known exactly.
+    most_stones: a building with more is refused before any is laid.
 
     `table` is the checked file, as it is written, without its sweep; overrides: what --set changed in it.
     """
@@ -79,6 +83,7 @@ class Case:
     carries: Carries = field(default_factory=Carries)
     project: Project = field(default_factory=Project)
     sample: SampleSettings | None = None
+    most_stones: int = MOST_STONES
     variant: Variant | None = None
     swept: dict[str, Any] = field(default_factory=dict[str, Any])
     overrides: tuple[str, ...] = ()
@@ -102,8 +107,13 @@ class Case:
         from churchpipe.generators import generate, with_buttresses
 
         try:
-            building = generate(self.source.generator, self.source.parameters, self.materials, self.name)
+            building = generate(
+                self.source.generator, self.source.parameters, self.materials, self.name, most_stones=self.most_stones
+            )
+            check_count(building)
         except InputError as error:
+            if error.problem == TOO_MANY:
+                error = _of_the_farthest_number(error, f"{self.path}: source", self.source)
             raise located(
                 error, self.path, self.overrides, self.source.generator, swept=self.swept, variant=self.variant
             ) from error
@@ -111,6 +121,7 @@ class Case:
             for number, buttress in enumerate(self.buttresses):
                 building = tried(f"buttresses.{number}", partial(with_buttresses, building, [buttress]))
             building = replace(building, ring_beams=self.ring_beams)
+            check_count(building)
         except InputError as error:
             where = error.at(f"{self.path}: {error.where}")
             raise located(where, self.path, self.overrides, swept=self.swept, variant=self.variant) from error
@@ -143,6 +154,14 @@ class Case:
             tried(f"ring_beams.{number}", lambda beams=beams: add_beams(stones, beams, weights))
         if self.carries:
             placed(self.carries, add_beams(stones, self.ring_beams, weights))
+
+
+def _of_the_farthest_number(error: InputError, where: str, source: Generated) -> InputError:
+    """Return an error of a building that is far too large, with the number of its [source] that is to be looked at."""
+    ready = cases_of(tomllib.loads(sample_case(source.generator)), Path(f"{source.generator}.toml"))[0].source
+    key, words = farthest_number(source.parameters, ready.parameters if isinstance(ready, Generated) else {})
+    found = f"{error.found}; {words} in the ready case {source.generator}" if words else error.found
+    return InputError(f"{where}{key}", error.problem, found=found, expected=error.expected, remedy=error.remedy)
 
 
 def read_case(path: str | Path, overrides: Sequence[str] = ()) -> Case:
@@ -315,6 +334,7 @@ def _case(path: Path, table: dict[str, Any], swept: dict[str, Any], overrides: t
         buttresses=buttresses,
         ring_beams=beams,
         sample=record(SampleSettings, checked["sample"], f"{file}: sample") if "sample" in checked else None,
+        most_stones=checked.get("most_stones", MOST_STONES),
         carries=Carries(**{key: _all(kind, checked, key, file) for key, kind in KINDS.items()}),
         project=record(Project, checked.get("project", {}), f"{file}: project"),
         swept=swept,

@@ -15,10 +15,12 @@ from churchpipe.config.sources import check_source
 from churchpipe.config.tables import table_of
 from churchpipe.config.variants import Variant
 from churchpipe.errors import InputError
+from churchpipe.model.building import MOST_STONES
 from churchpipe.model.buttress import Buttress
 from churchpipe.model.joint_group import JointGroup
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
+from churchpipe.model.quantities import MOST_COUNTED
 from churchpipe.model.ring_beam import RingBeam
 
 _Name = Annotated[str, Field(pattern=r"^\w[\w .+-]*$", max_length=100)]
@@ -58,6 +60,9 @@ CaseTable = create_model(
     movements=_key(list[_MOVEMENT], "Supports that move, each analysed by itself.", []),
     sample=_key(_SAMPLE | None, "Parameters that are not known exactly."),
     published=_key(list[_PUBLISHED], "Load factors of others, for the report.", []),
+    most_stones=_key(
+        Annotated[int, Field(ge=1, le=MOST_COUNTED)], "A larger building is refused before any stone is laid.", MOST_STONES
+    ),
     project=_key(_PROJECT | None, "The title block of the report."),
 )
 

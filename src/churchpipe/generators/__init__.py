@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+from churchpipe.bond.count import check_counts
 from churchpipe.generators.apse import ApseParameters, apse
 from churchpipe.generators.arch import ArchParameters, arch
 from churchpipe.generators.arch_piers import ArchPiersParameters, arch_piers
@@ -12,11 +13,12 @@ from churchpipe.generators.buttresses import with_buttresses
 from churchpipe.generators.chapel import ChapelParameters, chapel
 from churchpipe.generators.church import ChurchParameters, church
 from churchpipe.generators.dome import DomeParameters, dome
+from churchpipe.generators.fields import as_dataclass
 from churchpipe.generators.prototype import PrototypeParameters, prototype
 from churchpipe.generators.tower import TowerParameters, tower
 from churchpipe.generators.vault import VaultParameters, vault
 from churchpipe.generators.wall import WallParameters, wall
-from churchpipe.model.building import Building
+from churchpipe.model.building import MOST_STONES, Building
 from churchpipe.model.buttress import Buttress
 from churchpipe.model.materials import UnitWeight
 from churchpipe.model.ring_beam import RingBeam
@@ -72,7 +74,11 @@ def generate(
     *,
     ring_beams: Iterable[RingBeam] = (),
     buttresses: Iterable[Buttress] = (),
+    most_stones: int = MOST_STONES,
 ) -> Building:
     """Return the building that a generator makes of its parameters, SI, with buttresses and ring beams."""
+    if generator == "dome":
+        # Its stones are made one by one.
+        check_counts(name, {name: as_dataclass(DomeParameters, "dome", parameters).stones_about}, most_stones)
     built = GENERATORS[generator].build(**parameters, name=name, materials=tuple(materials))
-    return replace(with_buttresses(built, buttresses), ring_beams=tuple(ring_beams))
+    return replace(with_buttresses(built, buttresses), ring_beams=tuple(ring_beams), most_stones=most_stones)

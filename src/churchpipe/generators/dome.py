@@ -114,6 +114,13 @@ class DomeParameters:
         return circular(self.inner, self.thickness, angles).raised(level)
 
     @property
+    def stones_about(self) -> float:
+        """About how many stones it has."""
+        walls = ((self.drum_height, self.drum_course), (self.lantern_height, self.lantern_course))
+        courses = [height / course for height, course in walls if height is not None and course is not None]
+        return (self.rings + sum(courses)) * self.sides / self.stone_sides
+
+    @property
     def lantern_room(self) -> float:
         """Width of the level back of the closing ring, m."""
         joints = self.directrix.joints

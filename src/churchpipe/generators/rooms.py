@@ -10,7 +10,7 @@ import numpy as np
 from churchpipe.errors import InputError
 from churchpipe.generators.arched import Hole
 from churchpipe.generators.checks import together
-from churchpipe.generators.church_plan import Plan, cross_walls
+from churchpipe.generators.church_plan import LEAST_ROOM, Plan, cross_walls
 from churchpipe.generators.fields import coerce_fields
 from churchpipe.generators.layout import CLOSE, WallLayout
 from churchpipe.generators.profile import Profile, Shape
@@ -78,6 +78,9 @@ def rooms_of(plan: Plan, walls: Sequence[WallLayout]) -> dict[str, Room]:
     for number, name in enumerate(names):
         after = behind[number] if number < len(behind) else None
         y = (before.at + before.thickness / 2 if before else 0.0, after.at - after.thickness / 2 if after else plan.nave.length)
+        if y[1] - y[0] < LEAST_ROOM * plan.stone_length:
+            found, expected = f"{y[1] - y[0]:.4g} m clear", f">= {plan.stone_length:g} m"
+            raise InputError(f"church.{name}.length", "no room inside", found=found, expected=expected)
         ends = tuple(wall for wall in (before, after) if wall)
         top = min(z for wall in (left, right) for _, z in _tops(wall, y))
         rooms[name] = Room(x, y, top, min(left.thickness, right.thickness), (left, right), ends)

@@ -15,6 +15,8 @@ from churchpipe.model.vault import Vault
 
 Pattern = Literal["running", "stack", "header-stretcher", "voussoir", "single"]
 Headers = Literal["english", "flemish", "none"]
+# Laying so many and finding their joints takes about half a minute.
+MOST_STONES = 100_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -259,7 +261,7 @@ class Support:
 class Building:
     """Panels and vaults, the unit weights of their materials (a `Material` has one), the height of the ground plane in m (None:
     no ground plane), further fixed bodies, the junctions that are not toothed as those of the panels are by themselves, and ring
-    beams.
+    beams. most_stones: with more it is refused before any is laid.
     """
 
     name: str
@@ -270,6 +272,7 @@ class Building:
     vaults: tuple[Vault, ...] = ()
     junctions: tuple[Junction, ...] = ()
     ring_beams: tuple[RingBeam, ...] = ()
+    most_stones: int = MOST_STONES
 
     def __post_init__(self) -> None:
         where = f"Building {text('Building.name', self.name)}"
@@ -284,6 +287,7 @@ class Building:
         )
         if self.ground is not None:
             finite(f"{where}.ground", self.ground)
+        whole(f"{where}.most_stones", self.most_stones, least=1)
         names = [p.name for p in self.panels] + [part for vault in self.vaults for part in vault.parts]
         if len(set(names)) != len(names):
             raise InputError(where, "names of panels and parts of vaults are not unique", found=names)

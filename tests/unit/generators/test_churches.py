@@ -259,6 +259,7 @@ MISTAKES = [
     (church, {"transept": None, "tower": {"height": 9.0}}, r"church\.tower: needs the transept of the church"),
     (church, {"apses": [HUGE]}, r"church\.apse: its wall meets the wall nave_left; found x = -3\.1 to -2\.5 m"),
     (church, {"east": {"thickness": 0.8, "ridge": 5.0}}, r"church\.east\.ridge: below the eaves; found 5 m; expected >= 6 m"),
+    (church, {"nave": NAVE | {"length": 0.9}}, r"church\.nave\.length: no room inside; found 0\.1 m clear; expected >= 0\.5 m"),
     (church, {"nave": NAVE | {"widht": 1.0}}, r"church\.nave\.widht: unknown key"),
     (tower, {"width": 1.5}, r"tower\.width: no room inside; found 0\.3 m clear"),
     (tower, {"plan": "round"}, r"tower\.plan: a round tower has no depth of its own"),
