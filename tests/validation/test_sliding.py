@@ -103,10 +103,10 @@ def test_one_run_from_the_centre_certifies_at_the_price_of_a_few_solves(name: st
     assert balance.rates(run.y)[:, 0].min() >= 0
 
 
-@pytest.mark.parametrize("kind", ["turned", "shuffled", "enlarged"])
+@pytest.mark.parametrize("kind", ["turned", "shuffled", "enlarged", "deepened"])
 @pytest.mark.parametrize("number", [3, 5])
 def test_equal_models_have_one_load_factor(number: int, kind: str) -> None:
-    """A turned model, stones in another order, another unit of length: the load factor to a thousandth."""
+    """A turned model, stones in another order, another unit of length, a plane wall five times as deep: to a thousandth."""
     stones = wall(number)
     angle = 0.7
     turn = np.array([[np.cos(angle), -np.sin(angle), 0.0], [np.sin(angle), np.cos(angle), 0.0], [0.0, 0.0, 1.0]])
@@ -115,6 +115,7 @@ def test_equal_models_have_one_load_factor(number: int, kind: str) -> None:
         "turned": lambda: (moved(stones, turn, np.zeros(3)), LoadCase(tuple(turn @ (1, 0, 0)))),
         "shuffled": lambda: (moved(stones, np.eye(3), np.zeros(3), order=order), LOAD),
         "enlarged": lambda: (moved(stones, np.eye(3), np.zeros(3), 3.7), LOAD),
+        "deepened": lambda: (moved(stones, np.diag([1.0, 5.0, 1.0]), np.zeros(3)), LOAD),
     }[kind]()
     found = []
     for each, load in ((stones, LOAD), same):

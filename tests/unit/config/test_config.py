@@ -1,6 +1,7 @@
 """The case file: what it gives, and what it says about mistakes."""
 
 import dataclasses
+import inspect
 import re
 import tomllib
 from pathlib import Path
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 import tomli_w
 
+import churchpipe as cp
 from case_texts import case_file
 from churchpipe.config.analyses import ShellSettings
 from churchpipe.config.case import Drawing, Generated, read_case, read_variants
@@ -315,6 +317,17 @@ def test_a_shell_is_in_si(tmp_path: Path) -> None:
     assert read_case(case_file(tmp_path, WALL)).shell is None
     shell = read_case(case_file(tmp_path, SHELL)).shell
     assert shell == ShellSettings(0.1, analyses=("limit", "pushover"), control_place=(0.0, 0.125, 0.6))
+
+
+def test_the_strength_of_the_cell_is_taken_where_nobody_names_one(tmp_path: Path) -> None:
+    """The planes of the paper overrate it; a generated case, a drawing's and the functions of Python take the exact cell."""
+    drawn = '[source]\ndxf = "stones.dxf"\n' + WALL[WALL.index("[material") :]
+    for text in (WALL, drawn):
+        shell = read_case(case_file(tmp_path, text + "[shell]\nelement_size_mm = 100\n")).shell
+        assert shell is not None
+        assert shell.planes == "cell"
+    for function in (cp.shell_limit_analysis, cp.pushover):
+        assert inspect.signature(function).parameters["planes"].default == "cell"
 
 
 def test_a_capacity_curve_needs_elastic_constants(tmp_path: Path) -> None:
