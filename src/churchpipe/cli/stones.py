@@ -8,53 +8,24 @@ import typer
 
 from churchpipe.cli.app import app, err, out
 from churchpipe.cli.cases import check_case
-from churchpipe.errors import InputError, UsageError
-from churchpipe.options import (
-    Bond,
-    CaseFile,
-    Changes,
-    ContactGap,
-    Course,
-    Folder,
-    Joint,
-    JointMode,
-    Mortar,
-    Plane,
-    Repair,
-    Scale,
-    StoneLength,
-    StonesFile,
-    Support,
-    Thickness,
-    Units,
-    UpAxis,
-)
+from churchpipe.cli.reading import with_reading
+from churchpipe.errors import UsageError
+from churchpipe.options import CaseFile, Changes, ContactGap, Folder, StonesFile
 
 
 @app.command("import-dxf", help="Make a case of a drawing: the same as import.")
 @app.command("import")
+@with_reading
 def import_file(
     file: StonesFile,
+    reading: Any,
     folder: Folder = None,
-    units: Units = None,
     unit_weight: Annotated[float | None, typer.Option("--unit-weight-kN-m3", help="Of all stones.")] = None,
     friction: Annotated[float | None, typer.Option(help="Friction coefficient of all joints.")] = None,
     load: Annotated[
         list[str] | None, typer.Option(metavar="DIRECTION", help='Direction of a load: "+x", "-y" or "1,1,0". Repeatable.')
     ] = None,
-    support: Support = "drawn",
-    repair: Repair = False,
-    thickness: Thickness = None,
-    plane: Plane = "xz",
-    joint: Joint = None,
-    joint_mode: JointMode = "grow",
-    mortar: Mortar = "counted",
     contact_gap: ContactGap = None,
-    up: UpAxis = None,
-    scale: Scale = 1.0,
-    bond: Bond = None,
-    course: Course = None,
-    stone: StoneLength = None,
 ) -> None:
     """Make a case of a file of stones: FOLDER/case.toml and a copy of the file. All findings are listed.
 
@@ -66,7 +37,7 @@ def import_file(
     done = import_drawing(
         file,
         folder,
-        _reading(units, support, repair, thickness, plane, joint, joint_mode, mortar, up, scale, bond, course, stone),
+        reading,
         unit_weight=None if unit_weight is None else unit_weight * 1e3,
         friction=friction,
         loads=load or (),
@@ -84,22 +55,11 @@ def import_file(
 
 
 @app.command()
+@with_reading
 def check(
     file: StonesFile,
-    units: Units = None,
-    support: Support = "drawn",
-    repair: Repair = False,
-    thickness: Thickness = None,
-    plane: Plane = "xz",
-    joint: Joint = None,
-    joint_mode: JointMode = "grow",
-    mortar: Mortar = "counted",
+    reading: Any,
     contact_gap: ContactGap = None,
-    up: UpAxis = None,
-    scale: Scale = 1.0,
-    bond: Bond = None,
-    course: Course = None,
-    stone: StoneLength = None,
     changes: Changes = None,
     folder: Annotated[
         Path | None, typer.Option("--out", "-o", help="Folder for findings.json and findings.dxf.", show_default=False)
@@ -115,13 +75,12 @@ def check(
     from churchpipe.findings import FindingsError
     from churchpipe.importing import check_drawing, joint_words, parse_length, record_findings
 
-    reading = _reading(units, support, repair, thickness, plane, joint, joint_mode, mortar, up, scale, bond, course, stone)
     try:
         read, contacts = check_drawing(file, reading, contact_gap=parse_length("--contact-gap", contact_gap))
     except FindingsError as error:
         if folder:
             again = "Mend what the errors say, then check it again."
-            record_findings(error.findings, folder, units or "m", error.bodies, again)
+            record_findings(error.findings, folder, reading.units or "m", error.bodies, again)
             err.print(f"Look at it: {folder / 'findings.html'}", markup=False, soft_wrap=True)
         raise
     _list(read.findings)
@@ -137,25 +96,14 @@ def check(
 
 
 @app.command()
+@with_reading
 def view(
     file: StonesFile,
+    reading: Any,
     page: Annotated[
         Path | None, typer.Option("--out", "-o", help="Page to write; default: NAME.view.html here.", show_default=False)
     ] = None,
     opens: Annotated[bool, typer.Option("--open/--no-open", help="Open it in the browser, or only say where it is.")] = True,
-    units: Units = None,
-    support: Support = "drawn",
-    repair: Repair = False,
-    thickness: Thickness = None,
-    plane: Plane = "xz",
-    joint: Joint = None,
-    joint_mode: JointMode = "grow",
-    mortar: Mortar = "counted",
-    up: UpAxis = None,
-    scale: Scale = 1.0,
-    bond: Bond = None,
-    course: Course = None,
-    stone: StoneLength = None,
     changes: Changes = None,
 ) -> None:
     """Look at a model before any analysis: stones and their names, walls, openings, findings. A case, a drawing or a mesh."""
@@ -164,7 +112,6 @@ def view(
     from churchpipe.viewing import write_view
 
     page = page or Path(f"{file.stem}.view.html")
-    reading = _reading(units, support, repair, thickness, plane, joint, joint_mode, mortar, up, scale, bond, course, stone)
     write_view(file, page, reading, changes or ())
     out.print(str(page), soft_wrap=True)
     if opens:
@@ -196,36 +143,6 @@ def export_dxf(
     carried = read.carries
     write_dxf(stones, drawing, materials=read.materials, loads=read.loads, ties=carried.ties, line_loads=carried.line_loads)
     out.print(f"{int((~stones.fixed).sum())} stones: {drawing}", soft_wrap=True)
-
-
-def _reading(
-    units: str | None,
-    support: str,
-    repair: bool,
-    thickness: str | None,
-    plane: str,
-    joint: str | None,
-    joint_mode: str,
-    mortar: str,
-    up: str | None,
-    scale: float,
-    bond: str | None,
-    course: str | None,
-    stone: str | None,
-) -> Any:
-    """Return how a drawing is read from the options of the command line."""
-    from churchpipe.dxf.reading import Reading
-    from churchpipe.importing import parse_length
-
-    given = {"thickness": thickness, "joint": joint, "course": course, "stone": stone}
-    lengths = {name: parse_length(f"--{name}", text) for name, text in given.items()}
-    words: dict[str, Any] = {"support": support, "plane": plane, "joint_mode": joint_mode, "mortar": mortar}
-    words |= {"up": up, "scale": scale, "bond": bond}
-    try:
-        return Reading(units=units, repair=repair, **lengths, **words)
-    except InputError as error:
-        option = "--" + error.where.replace("_", "-")
-        raise UsageError(option, error.problem, found=error.found, expected=error.expected) from None
 
 
 def _list(findings: Any) -> None:
