@@ -1,7 +1,7 @@
 """The gate: proof that stones and shell are one building."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -102,6 +102,8 @@ def match_models(
     for name, value, kind in (("stones", stones, Assemblage), ("contacts", contacts, Contacts), ("shell", shell, ShellModel)):
         check_kind(f"match_models: {name}", value, kind)
     check_contacts_of(stones, contacts)
+    # Beams are bodies of both models. All else is of the masonry, of which they are no part.
+    drawn, stones = stones, replace(stones, fixed=stones.fixed | np.isin(stones.panel, shell.beams.name))
     cases = () if loads is None else (loads,) if isinstance(loads, PlacedLoads) else tuple(loads)
     free = ~stones.fixed
     # Stones without a panel have no mid-surface to compare with; the figures of the whole count them.
@@ -122,17 +124,42 @@ def match_models(
     facet, outside = _facets_of(stones, shell, np.flatnonzero(free))
     return Match(
         (
-            _relative("weight", stones.weight.sum(), shell.weight.sum(), "N", WEIGHT),
+            _relative("weight", drawn.weight.sum(), shell.body_weight.sum(), "N", WEIGHT),
             *weights,
+            *(figure for number in range(shell.beams.count) for figure in _beam(drawn, shell, number)),
             _centroid(stones, shell),
             _relative("volume", volume, float(shell.area @ carried), "m3", WEIGHT),
             _thickness(stones, shell, facet),
             *_openings(stones, shell, facet, outside),
-            _supported_area(stones, contacts, shell, carried),
+            _supported_area(drawn, contacts, shell, carried),
             *_beds(stones, contacts, shell, facet),
             *(figure for part in enumerate(cases, 1) for figure in _carried(stones, shell, *part)),
         ),
         float(shell.area @ shell.thickness) / volume - 1,
+    )
+
+
+def _beam(stones: Assemblage, shell: ShellModel, number: int) -> tuple[Figure, ...]:
+    """Compare a ring beam: weight, centroid, and how far in plan the nodes that it holds end from its own ends."""
+    name = str(shell.beams.name[number])
+    own = np.flatnonzero(stones.panel == name)
+    weight = float(stones.weight[own].sum())
+    weights = _relative(f"weight of {name}", weight, float(shell.beams.weight[number]), "N", WEIGHT)
+    if not len(own):
+        return (weights,)
+    centre = stones.weight[own] @ stones.centroid[own] / weight
+    points = stones.points[np.isin(np.repeat(np.arange(stones.count), np.diff(stones.block_point_ptr)), own), :2]
+    held = shell.beams.of_node == number
+    below = shell.points[held, :2]
+    apart = float(np.linalg.norm(centre - shell.beams.centroid[number])) / stones.size
+    ends = [np.concatenate([part.min(axis=0), part.max(axis=0)]) for part in (points, below)]
+    # Mid-planes lie half a thickness within the faces of their walls, where other walls cross them or beside them.
+    room = 0.5 * float(shell.thickness[held[shell.triangles].any(axis=1)].max()) * (1 + 1e-6)
+    length, of_shell = (float(np.ptp(part.reshape(2, 2), axis=0).max()) for part in ends)
+    return (
+        weights,
+        Figure(f"height of {name}", float(centre[2]), float(shell.beams.centroid[number, 2]), "m", apart, CENTROID),
+        Figure(f"length of {name}", length, of_shell, "m", float(np.abs(ends[0] - ends[1]).max()), room),
     )
 
 

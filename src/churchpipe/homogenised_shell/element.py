@@ -19,6 +19,7 @@ import scipy.sparse as sp
 
 from churchpipe.errors import InputError
 from churchpipe.homogenised_shell.edges import Edges, find_edges
+from churchpipe.homogenised_shell.rigid_beams import carried_by_beams
 from churchpipe.homogenised_shell.settings import SOLVER
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.shell import ShellModel
@@ -40,7 +41,8 @@ class ShellElements:
     Unknowns (n,): translations, node by node, m; edge_rotation, rad; bubbles, m (in this order). strain (6 nq, n): rows E11, E22,
     2 E12, chi11, chi22, 2 chi12 of each quadrature point in the facet's axes, strain at depth x3 is E + x3 chi; weight (nq,) m2;
     facet (nq,). bubble_edge (nb,), bubble_direction (nb, 3): mid-side translations beyond the mean of the ends.
-    clamped (n,): unknowns held at the supported nodes, and at border edges between two of them.
+    clamped (n,): unknowns held at the supported nodes, and at border edges between two of them; those that ring beams take along.
+    carried (n - 6 nm, 6 nm): how the velocities of beams, which are the last unknowns, move the others.
     """
 
     shell: ShellModel
@@ -51,6 +53,7 @@ class ShellElements:
     weight: FloatArray
     facet: IntArray
     clamped: BoolArray
+    carried: sp.csr_matrix[np.float64]
 
     @property
     def unknowns(self) -> int:
@@ -59,12 +62,26 @@ class ShellElements:
 
     def translations(self, unknowns: FloatArray) -> FloatArray:
         """Return the translations of the nodes (nn, 3)."""
-        return unknowns[: 3 * len(self.shell.points)].reshape(-1, 3)
+        return self._moved(unknowns)[: 3 * len(self.shell.points)].reshape(-1, 3)
 
     def edge_rotation(self, unknowns: FloatArray) -> FloatArray:
         """Return the rotation of each edge about its axis (ne,)."""
         start = 3 * len(self.shell.points)
-        return unknowns[start : start + len(self.edges.nodes)]
+        return self._moved(unknowns)[start : start + len(self.edges.nodes)]
+
+    def beam_motion(self, unknowns: FloatArray) -> FloatArray:
+        """Return the motion of the beams (nm, 6), about their centroids."""
+        return unknowns[self.carried.shape[0] :].reshape(-1, 6)
+
+    def _moved(self, unknowns: FloatArray) -> FloatArray:
+        """Return the unknowns without those of the beams, moved along by them."""
+        own, beams = np.split(unknowns, [self.carried.shape[0]])
+        return own + self.carried @ beams if len(beams) else own
+
+    def conjugate(self, own: FloatArray, beams: FloatArray) -> FloatArray:
+        """Return the forces (n,) conjugate to the unknowns: of those (n - 6 nm,) on nodes, edges and bubbles, and of wrenches
+        (nm, 6) on the beams."""
+        return np.concatenate([own, self.carried.T @ own + beams.ravel()])
 
     def facet_strain(self, unknowns: FloatArray) -> FloatArray:
         """Return the strain of each facet (nt, 6), the mean of its quadrature points."""
@@ -104,15 +121,19 @@ def shell_elements(shell: ShellModel, membrane: Membrane = "LST", stations: Stat
     facet = np.repeat(np.arange(len(shell.triangles), dtype=np.int64), len(places))
     strain = _strain_operator(shell, edges, places, bubble_edge, bubble_direction)
     held = shell.supported[edges.nodes].all(axis=1) & (edges.facets == 1)
+    carried, along = carried_by_beams(shell, edges, bubble_edge)
     return ShellElements(
         shell=shell,
         edges=edges,
         bubble_edge=bubble_edge,
         bubble_direction=bubble_direction,
-        strain=strain,
+        strain=sp.csr_matrix(sp.hstack([strain, strain @ carried])),
         weight=shell.area[facet] / len(places),
         facet=facet,
-        clamped=np.concatenate([np.repeat(shell.supported, 3), held, held[bubble_edge]]),
+        clamped=np.append(
+            np.concatenate([np.repeat(shell.supported, 3), held, held[bubble_edge]]) | along, np.zeros(carried.shape[1], np.bool_)
+        ),
+        carried=carried,
     )
 
 
@@ -131,7 +152,8 @@ def surface_load(elements: ShellElements, pressure: FloatArray) -> FloatArray:
     sides = np.zeros((len(elements.edges.nodes), 3))
     np.add.at(sides, elements.edges.of_facet, in_plane[:, None, :])
     bubbles = np.einsum("bc,bc->b", sides[elements.bubble_edge], elements.bubble_direction)
-    return np.concatenate([nodes.ravel(), np.zeros(len(elements.edges.nodes)), bubbles])
+    own = np.concatenate([nodes.ravel(), np.zeros(len(elements.edges.nodes)), bubbles])
+    return elements.conjugate(own, np.zeros((shell.beams.count, 6)))
 
 
 def _bubbles(shell: ShellModel, edges: Edges) -> tuple[IntArray, FloatArray]:

@@ -1,6 +1,6 @@
 """Joints with a strength of their own in the shell, where one strength stands for all joints of a facet."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -24,34 +24,68 @@ def shell_joint_groups(
     materials
         Strength of the joints of each masonry, by name.
     groups
-        Of walls, between heights, or both; of two that pick a facet, the one listed later rules.
+        Of walls, between heights, or both; or between a wall and the ring beam on it. Of two that pick a facet, the one listed
+        later rules.
 
     Raises
     ------
     InputError
-        A group of one kind of joints, or between walls: a facet has one strength for all its joints. No such facet.
+        A group of one kind of joints, or between other walls: a facet has one strength for all its joints. No such facet.
     """
     check_kind("shell_joint_groups: shell", shell, ShellModel)
-    known = by_name(listed("shell_joint_groups: materials", materials, JointStrength))
+    shell, materials = with_bearings(shell, listed("shell_joint_groups: materials", materials, JointStrength))
+    known = by_name(materials)
     names = shell.material.astype(np.str_)
     for group in listed("shell_joint_groups: groups", groups, JointGroup):
         where = f"joints {group.name}"
-        if group.kind is not None or group.between is not None:
+        beam = next((name for name in group.between or () if name in shell.beams.name), None)
+        if group.kind is not None or (group.between is not None and beam is None):
             found = group.kind or f"between {' and '.join(group.between or ())}"
-            expected = "walls, above or below alone: the shell has one strength for all joints of a place"
+            expected = (
+                "walls, above or below alone, or a wall and its ring beam: the shell has one strength for all joints of a place"
+            )
             raise InputError(
                 where, "not in the shell", found=found, expected=expected, remedy="Rigid blocks take them as they are."
             )
         z = shell.centroid[:, 2]
         chosen = np.isin(shell.panel, group.walls) if group.walls else np.ones(len(z), dtype=np.bool_)
         chosen &= (z > (-np.inf if group.above is None else group.above)) & (z < (np.inf if group.below is None else group.below))
+        if beam is not None:
+            chosen &= np.isin(shell.panel, group.named) & (shell.beams.bearing == shell.beams.name.tolist().index(beam))
         if not chosen.any():
             raise InputError(where, "no such facet", expected="walls and heights that the shell has")
         given = {key: value for key in ("friction", "cohesion") if (value := getattr(group, key)) is not None}
         for name in np.unique(names[chosen]).tolist():
-            if name not in known:
-                raise InputError("materials", "a material of the shell is not given", found=name, expected=", ".join(known))
             other = f"{name}, {group.name}"
-            known[other] = replace(known[name], name=other, **given)
+            known[other] = replace(_known(known, name), name=other, **given)
             names = np.where(chosen & (names == name), other, names)
     return replace(shell, material=names), tuple(known.values())
+
+
+def with_bearings(shell: ShellModel, materials: Sequence[JointStrength]) -> tuple[ShellModel, tuple[JointStrength, ...]]:
+    """Return a shell whose facets under ring beams have the lesser strength of beam and masonry, and all materials.
+
+    Raises
+    ------
+    InputError: a material of the shell or of its beams is not given.
+    """
+    known = by_name(materials)
+    names = shell.material.astype(np.str_)
+    for number, (beam, material) in enumerate(zip(shell.beams.name.tolist(), shell.beams.material.tolist(), strict=True)):
+        bears = f" under {beam}"
+        under = shell.beams.bearing == number
+        for name in np.unique(names[under]).tolist():
+            # Of a facet that has its strength already, the group that gave it rules.
+            if bears in name or name == material:
+                continue
+            own, above, other = _known(known, name), _known(known, material), f"{name}{bears}"
+            weaker = {"friction": min(own.friction, above.friction), "cohesion": min(own.cohesion, above.cohesion)}
+            known[other] = replace(own, name=other, **weaker)
+            names = np.where(under & (names == name), other, names)
+    return replace(shell, material=names), tuple(known.values())
+
+
+def _known(known: Mapping[str, JointStrength], name: str) -> JointStrength:
+    if name not in known:
+        raise InputError("materials", "a material of the shell is not given", found=name, expected=", ".join(known))
+    return known[name]

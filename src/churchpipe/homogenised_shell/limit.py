@@ -11,6 +11,7 @@ from churchpipe.errors import InputError
 from churchpipe.homogenised_shell.bounds import Bounds, proved_bounds
 from churchpipe.homogenised_shell.condensed import CondensedShell
 from churchpipe.homogenised_shell.element import Membrane, ShellElements, Stations, shell_elements
+from churchpipe.homogenised_shell.joint_groups import with_bearings
 from churchpipe.homogenised_shell.settings import LIMIT, SOLVER
 from churchpipe.homogenised_shell.strength import with_warning
 from churchpipe.homogenised_shell.ties import tied_analysis
@@ -73,7 +74,7 @@ def shell_limit_analysis(
     """
     check_kind("shell_limit_analysis: shell", shell, ShellModel)
     check_kind("shell_limit_analysis: load", load, LoadCase)
-    materials = listed("shell_limit_analysis: materials", materials, JointStrength)
+    shell, materials = with_bearings(shell, listed("shell_limit_analysis: materials", materials, JointStrength))
     if solver not in get_args(Solver):
         raise InputError("solver", "unknown solver", found=solver, expected=", ".join(get_args(Solver)))
     begin = perf_counter()
@@ -148,6 +149,7 @@ def _state(elements: ShellElements, found: Bounds, status: Status, message: str)
         stress=found.stress,
         velocities=elements.translations(motion),
         edge_rotation=elements.edge_rotation(motion),
+        beam_velocities=elements.beam_motion(motion),
         plastic=elements.facet_strain(motion) * elements.shell.yields[:, None],
         equilibrium_residual=found.residual,
         yield_violation=found.violation,

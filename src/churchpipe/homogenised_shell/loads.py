@@ -36,13 +36,23 @@ def live_pressure(shell: ShellModel, load: LoadCase) -> FloatArray:
 
     Raises
     ------
+    InputError: as `pushed`.
+    """
+    return (pushed(shell, load)[: len(shell.triangles)] * shell.surface_weight)[:, None] * load.direction
+
+
+def pushed(shell: ShellModel, load: LoadCase) -> FloatArray:
+    """Return the share of the weight of facets and beams (nt + nm,) that a load pushes at load factor 1.
+
+    Raises
+    ------
     InputError: unknown panels, a direction and nothing to push in it.
     """
-    height = shell.centroid[:, 2] - shell.points[:, 2].min()
-    share = pushed_share(load, shell.panel, shell.weight, height) * shell.surface_weight
-    if load.direction.any() and not share.any():
+    weight = shell.body_weight
+    share = pushed_share(load, shell.body_panel, weight, shell.body_centroid[:, 2] - shell.points[:, 2].min())
+    if load.direction.any() and not (share * weight).any():
         raise InputError(f"load {load.name}", "nothing to push", expected="panels with weight")
-    return share[:, None] * load.direction
+    return share
 
 
 def dead_load(elements: ShellElements, load: LoadCase) -> FloatArray:
@@ -50,9 +60,11 @@ def dead_load(elements: ShellElements, load: LoadCase) -> FloatArray:
 
     Raises
     ------
-    InputError: wrenches that are not those of the facets.
+    InputError: wrenches that are not those of the facets and beams.
     """
-    return surface_load(elements, dead_pressure(elements.shell)) + _facet_load(elements, "LoadCase.dead", load.dead)
+    shell = elements.shell
+    own = surface_load(elements, dead_pressure(shell)) + _of_beams(elements, shell.beams.weight, np.array([0.0, 0.0, -1.0]))
+    return own + _given(elements, "LoadCase.dead", load.dead)
 
 
 def live_load(elements: ShellElements, load: LoadCase) -> FloatArray:
@@ -62,7 +74,10 @@ def live_load(elements: ShellElements, load: LoadCase) -> FloatArray:
     ------
     InputError: as `live_pressure`, and as `dead_load`.
     """
-    return surface_load(elements, live_pressure(elements.shell, load)) + _facet_load(elements, "LoadCase.live", load.live)
+    shell = elements.shell
+    share = pushed(shell, load)[len(shell.triangles) :]
+    own = surface_load(elements, live_pressure(shell, load)) + _of_beams(elements, share * shell.beams.weight, load.direction)
+    return own + _given(elements, "LoadCase.live", load.live)
 
 
 def load_vectors(elements: ShellElements, load: LoadCase) -> LoadVectors:
@@ -73,7 +88,7 @@ def load_vectors(elements: ShellElements, load: LoadCase) -> LoadVectors:
     InputError: as `live_load`; no weight.
     """
     shell = elements.shell
-    weight = float(shell.weight.sum())
+    weight = float(shell.body_weight.sum())
     if weight == 0:
         raise InputError("shell", "no weight", expected="surface_weight > 0 somewhere")
     h = shell.thickness[elements.facet]
@@ -91,18 +106,31 @@ def load_vectors(elements: ShellElements, load: LoadCase) -> LoadVectors:
     )
 
 
-def _facet_load(elements: ShellElements, name: str, wrench: FloatArray | None) -> FloatArray:
-    """Return the forces (n,) at nodes of wrenches (nt, 6) N and Nm about the facets' centroids: `nodal_forces`."""
-    shell = elements.shell
-    out = np.zeros(elements.unknowns)
+def _of_beams(elements: ShellElements, force: FloatArray, direction: FloatArray) -> FloatArray:
+    """Return the forces (n,) of forces (nm,) N on the beams in one direction (3,)."""
+    wrench = np.zeros((len(elements.shell.triangles) + len(force), 6))
+    wrench[len(elements.shell.triangles) :, :3] = force[:, None] * direction
+    return body_forces(elements, wrench)
+
+
+def _given(elements: ShellElements, name: str, wrench: FloatArray | None) -> FloatArray:
+    """Return the forces (n,) of the wrenches that a load case gives, if any: `body_forces`."""
     if wrench is None:
-        return out
-    if wrench.shape != (len(shell.triangles), 6):
+        return np.zeros(elements.unknowns)
+    expected = (len(elements.shell.body_weight), 6)
+    if wrench.shape != expected:
         remedy = "churchpipe.shell_loaded puts what a building carries on the facets of its shell."
-        raise InputError(name, "wrong shape", found=wrench.shape, expected=f"({len(shell.triangles)}, 6)", remedy=remedy)
-    nodes = nodal_forces(shell, wrench)
-    out[: nodes.size] = nodes.ravel()
-    return out
+        raise InputError(name, "wrong shape", found=wrench.shape, expected=str(expected), remedy=remedy)
+    return body_forces(elements, wrench)
+
+
+def body_forces(elements: ShellElements, wrench: FloatArray) -> FloatArray:
+    """Return the forces (n,) of wrenches (nt + nm, 6) N and Nm on facets and beams, about their centroids."""
+    own = np.zeros(elements.carried.shape[0])
+    on_facets, on_beams = np.split(wrench, [len(elements.shell.triangles)])
+    nodes = nodal_forces(elements.shell, on_facets)
+    own[: nodes.size] = nodes.ravel()
+    return elements.conjugate(own, on_beams)
 
 
 def nodal_forces(shell: ShellModel, wrench: FloatArray) -> FloatArray:

@@ -24,6 +24,7 @@ from churchpipe.conic.cholesky import Cholesky, NotDefiniteError
 from churchpipe.errors import InputError
 from churchpipe.homogenised_shell.condensed import CondensedShell, StressState
 from churchpipe.homogenised_shell.element import Membrane, ShellElements, Stations, shell_elements
+from churchpipe.homogenised_shell.joint_groups import with_bearings
 from churchpipe.homogenised_shell.limit import FALLS
 from churchpipe.homogenised_shell.settings import SOLVER
 from churchpipe.homogenised_shell.stiffness import facet_stiffness
@@ -88,7 +89,7 @@ def pushover(
     begin = perf_counter()
     check_kind("pushover: shell", shell, ShellModel)
     check_kind("pushover: load", load, LoadCase)
-    materials = listed("pushover: materials", materials, JointStrength)
+    shell, materials = with_bearings(shell, listed("pushover: materials", materials, JointStrength))
     if isinstance(steps, bool) or not isinstance(steps, Integral):
         raise InputError("steps", "not a whole number", found=describe(steps), expected=">= 1")
     if steps < 1:

@@ -12,7 +12,7 @@ import numpy as np
 from churchpipe.errors import InputError
 from churchpipe.homogenised_shell.condensed import StressState
 from churchpipe.homogenised_shell.element import ShellElements
-from churchpipe.homogenised_shell.loads import nodal_forces
+from churchpipe.homogenised_shell.loads import body_forces
 from churchpipe.homogenised_shell.settings import SOLVER
 from churchpipe.homogenised_shell.ties import unit_tension
 from churchpipe.model.arrays import FloatArray
@@ -33,8 +33,7 @@ class TiePath:
                 raise InputError(f"tie {tie.name}: stiffness", "a capacity curve needs it", found=None, expected=expected)
         self._pull = np.zeros((len(ties), elements.unknowns))
         for row, tie in zip(self._pull, ties, strict=True):
-            nodes = nodal_forces(shell, unit_tension(shell, tie))
-            row[: nodes.size] = nodes.ravel()
+            row[:] = body_forces(elements, unit_tension(shell, tie))
         self._free = ~elements.clamped
         self._stiffness = np.array([tie.stiffness for tie in ties], dtype=np.float64)
         self._most = np.array([tie.strength for tie in ties])

@@ -18,7 +18,7 @@ from scipy.optimize import linprog
 
 from churchpipe.homogenised_shell.loads import nodal_forces
 from churchpipe.homogenised_shell.settings import SOLVER
-from churchpipe.loading.wrenches import facets_of, wrenches_of
+from churchpipe.loading.wrenches import bodies_of, wrenches_of
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.results import ShellLimitState
@@ -39,13 +39,13 @@ class _Cut:
 
 
 def unit_tension(shell: ShellModel, tie: Tie) -> FloatArray:
-    """Return the wrenches (nt, 6) on the facets, about their centroids, of a tension of one newton."""
+    """Return the wrenches (nt + nm, 6) on facets and beams, about their centroids, of a tension of one newton."""
     point, force, wall = [tie.start[None], tie.end[None]], [tie.axis[None], -tie.axis[None]], [np.array([""]), np.array([""])]
     if tie.anchors is not None:
         point, wall = [anchor.point for anchor in tie.anchors], [anchor.wall for anchor in tie.anchors]
         force = [sign * anchor.share[:, None] * tie.axis for anchor, sign in zip(tie.anchors, (1, -1), strict=True)]
     places = np.concatenate(point)
-    return wrenches_of(shell.centroid, places, np.concatenate(force), facets_of(shell, places, np.concatenate(wall)))
+    return wrenches_of(shell.body_centroid, places, np.concatenate(force), bodies_of(shell, places, np.concatenate(wall)))
 
 
 def tied_analysis(
@@ -56,16 +56,18 @@ def tied_analysis(
     Status "not-converged": the bounds, which the state has, did not meet.
     """
     pull = np.array([unit_tension(shell, tie) for tie in ties])
-    nodes = np.array([nodal_forces(shell, wrench) for wrench in pull])
+    nodes = np.array([nodal_forces(shell, wrench[: len(shell.triangles)]) for wrench in pull])
+    beams = pull[:, len(shell.triangles) :]
     most = np.array([tie.strength for tie in ties])
-    weight = float(shell.weight.sum())
+    weight = float(shell.body_weight.sum())
     dead = np.zeros(pull.shape[1:]) if load.dead is None else load.dead
     cuts: list[_Cut] = []
 
     def at(tension: FloatArray) -> _Cut:
         case = _with_dead(load, dead + np.einsum("t,tfc->fc", tension, pull))
         state = analysed(case)
-        return _Cut(tension, state, -np.einsum("tnc,nc->t", nodes, state.velocities) / weight)
+        shortening = np.einsum("tnc,nc->t", nodes, state.velocities) + np.einsum("tmc,mc->t", beams, state.beam_velocities)
+        return _Cut(tension, state, -shortening / weight)
 
     first = at(most)
     if first.state.status in ("unstable", "failed"):

@@ -19,6 +19,7 @@ from churchpipe.model.contacts import Contacts, ContactTolerances, NearMisses
 from churchpipe.model.results import CapacityCurve, CapacityStep, Iteration, LimitState, ShellLimitState, StartRun
 from churchpipe.model.settlement import SettlementPath
 from churchpipe.model.shell import ShellModel
+from churchpipe.model.shell_beams import ShellBeams
 from churchpipe.model.stone_path import FallenStones
 
 
@@ -34,8 +35,8 @@ SCHEMAS: dict[type, str] = {
     Assemblage: "churchpipe assemblage 2",
     Contacts: "churchpipe contacts 2",
     LimitState: "churchpipe limit-state 2",
-    ShellModel: "churchpipe shell 1",
-    ShellLimitState: "churchpipe shell-limit-state 2",
+    ShellModel: "churchpipe shell 2",
+    ShellLimitState: "churchpipe shell-limit-state 3",
     CapacityCurve: "churchpipe capacity-curve 2",
     BlockCapacityCurve: "churchpipe block-capacity-curve 2",
     SettlementPath: "churchpipe settlement-path 2",
@@ -57,7 +58,7 @@ _RECORDS: dict[str, Callable[..., Any]] = {
 }
 
 # Fields that are dataclasses in turn; an array of theirs is stored as "field.name".
-_PARTS: dict[str, type] = {"near_misses": NearMisses, "tolerances": ContactTolerances}
+_PARTS: dict[str, type] = {"near_misses": NearMisses, "tolerances": ContactTolerances, "beams": ShellBeams}
 
 # What zipfile, zlib, NumPy's header, JSON and our own checks raise at a damaged file.
 DAMAGE = (

@@ -19,7 +19,8 @@ from churchpipe.model.shell import ShellModel
 
 @dataclass(frozen=True, slots=True)
 class _Bodies:
-    """What loads act on: stones or facets. centroid (n, 3) m, weight (n,) N, panel (n,); lowest: z of the lowest point, m."""
+    """What loads act on: stones, or facets and beams. centroid (n, 3) m, weight (n,) N, panel (n,); lowest: z of the lowest
+    point, m."""
 
     centroid: FloatArray
     weight: FloatArray
@@ -81,14 +82,15 @@ def shell_loaded(
     shell
         The shell.
     stones
-        Those of the same building: they say where the loads act. Each force goes to the facet of its wall nearest to it.
+        Those of the same building: they say where the loads act. Each force goes to the facet of its wall nearest to it, or to
+        its beam.
     loads
         As in `loaded`.
 
     Returns
     -------
     LoadCase
-        With wrenches (nt, 6) on the facets, about their centroids.
+        With wrenches (nt + nm, 6) on facets and beams, about their centroids.
 
     Raises
     ------
@@ -97,16 +99,20 @@ def shell_loaded(
     """
     check_kind("shell_loaded: shell", shell, ShellModel)
     placed = loads if isinstance(loads, PlacedLoads) else place_loads(stones, loads)
-    bodies = _Bodies(shell.centroid, shell.weight, shell.panel, float(shell.points[:, 2].min()))
-    return _with(load, bodies, placed, facets_of(shell, placed.point, placed.wall))
+    bodies = _Bodies(shell.body_centroid, shell.body_weight, shell.body_panel, float(shell.points[:, 2].min()))
+    return _with(load, bodies, placed, bodies_of(shell, placed.point, placed.wall))
 
 
-def facets_of(shell: ShellModel, point: FloatArray, wall: NameArray) -> IntArray:
-    """Return the facet (n,) nearest to each point (n, 3) m, among those of its wall, or of all where the shell lacks that."""
+def bodies_of(shell: ShellModel, point: FloatArray, wall: NameArray) -> IntArray:
+    """Return the facet (n,) nearest to each point (n, 3) m, among those of its wall, or of all where the shell lacks that; of a
+    beam, nt and its number."""
     out = np.zeros(len(point), dtype=np.int64)
+    for number, name in enumerate(shell.beams.name.tolist()):
+        out[wall == name] = len(shell.triangles) + number
+    on_beam = np.isin(wall, shell.beams.name)
     known = np.isin(wall, shell.panel)
     for name in [*np.unique(wall[known]).tolist(), None]:
-        mine = ~known if name is None else wall == name
+        mine = ~(known | on_beam) if name is None else wall == name
         if mine.any():
             out[mine] = facet_at(shell, point[mine], name)[0]
     return out
@@ -122,11 +128,11 @@ def resultants(stones: Assemblage, shell: ShellModel, placed: PlacedLoads) -> di
     """Return what the loads come to (6,) N and Nm on the stones and on the shell: the dead parts, and the masses' push along
     (1, 1, 1), which sees their places in all directions."""
     mass = placed.mass[:, None] * np.full(3, 1 / np.sqrt(3))
-    facet = facets_of(shell, placed.point, placed.wall)
+    body = bodies_of(shell, placed.point, placed.wall)
     return {
         name: (
             resultant(stones.centroid, wrenches_of(stones.centroid, placed.point, force, placed.stone)),
-            resultant(shell.centroid, wrenches_of(shell.centroid, placed.point, force, facet)),
+            resultant(shell.body_centroid, wrenches_of(shell.body_centroid, placed.point, force, body)),
         )
         for name, force in (("dead", placed.dead), ("masses", mass))
     }

@@ -112,7 +112,7 @@ class ShellLimitState:
     stress (nq, 6) N/m and N, in the axes of the facets; velocities (nn, 3) and edge_rotation (ne,), f_L . u = 1 per total weight
     (of an unstable shell: the falling mechanism, f_D . u = 1). plastic (nt, 6): its strain rates, 1/m and 1/m2, membrane and
     curvature, the mean of each facet in its own axes. equilibrium_residual over the total weight, yield_violation over the unit
-    of stress.
+    of stress. beam_velocities (nm, 6): of ring beams, about their centroids.
     """
 
     load_factor: float
@@ -131,6 +131,7 @@ class ShellLimitState:
     message: str = ""
     tie_forces: FloatArray = field(default_factory=_none)
     tie_sensitivity: FloatArray = field(default_factory=_none)
+    beam_velocities: FloatArray = field(default_factory=lambda: np.zeros((0, 6)))
 
     def __post_init__(self) -> None:
         one_of("ShellLimitState.status", self.status, *get_args(Status))
@@ -142,6 +143,7 @@ class ShellLimitState:
             plastic=floats("ShellLimitState.plastic", self.plastic, (None, 6), finite=False),
             tie_forces=floats("ShellLimitState.tie_forces", self.tie_forces, (None,), finite=False),
             tie_sensitivity=floats("ShellLimitState.tie_sensitivity", self.tie_sensitivity, self.tie_forces.shape, finite=False),
+            beam_velocities=floats("ShellLimitState.beam_velocities", self.beam_velocities, (None, 6), finite=False),
         )
 
     def _repr_html_(self) -> str:

@@ -7,6 +7,7 @@ import numpy as np
 from churchpipe.errors import InputError
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, NameArray, flags, floats, indices, names, rows_of, store
 from churchpipe.model.card import card
+from churchpipe.model.shell_beams import ShellBeams
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,7 +19,7 @@ class ShellModel:
     run; thickness (nt,) m; surface_weight (nt,) N/m2, zero where another wall's stones are counted; cell (nt,), row of
     unit_cells (nu, 2) m, course height a and stone length b; material, panel (nt,) names; yields (nt,) False for parts
     kept elastic, such as a lintel; supported (nn,) nodes that are clamped. bonds (nu,): the bond of each unit cell, a name of
-    `bond.period`; running bond if left out.
+    `bond.period`; running bond if left out. beams: rigid bodies that hold nodes of its walls.
     """
 
     points: FloatArray
@@ -33,6 +34,7 @@ class ShellModel:
     yields: BoolArray
     supported: BoolArray
     bonds: NameArray = field(default_factory=lambda: np.empty(0, dtype=np.str_))
+    beams: ShellBeams = field(default_factory=ShellBeams)
 
     def __post_init__(self) -> None:
         nn, nt = rows_of("ShellModel.points", self.points), rows_of("ShellModel.triangles", self.triangles)
@@ -52,6 +54,11 @@ class ShellModel:
             supported=flags("ShellModel.supported", self.supported, (nn,)),
             bonds=names("ShellModel.bonds", self.bonds if np.size(self.bonds) else np.full(nu, "running"), (nu,)),
         )
+        sizes = len(self.beams.of_node), len(self.beams.bearing)
+        if sizes != ((nn, nt) if self.beams.count else (0, 0)):
+            raise InputError(
+                "ShellModel.beams", "of another mesh", found=sizes, expected=f"an entry a node and facet, {(nn, nt)}"
+            )
         self._check_ranges()
         self._check_facets()
 
@@ -109,6 +116,21 @@ class ShellModel:
     def weight(self) -> FloatArray:
         """Weight of each facet (nt,), N."""
         return self.area * self.surface_weight
+
+    @property
+    def body_centroid(self) -> FloatArray:
+        """Middles (nt + nm, 3) m of what loads act on: the facets, then the beams."""
+        return np.concatenate([self.centroid, self.beams.centroid])
+
+    @property
+    def body_weight(self) -> FloatArray:
+        """Weights (nt + nm,) N of facets and beams."""
+        return np.concatenate([self.weight, self.beams.weight])
+
+    @property
+    def body_panel(self) -> NameArray:
+        """Macro-elements (nt + nm,) of facets, and the beams' own names."""
+        return np.concatenate([self.panel, self.beams.name])
 
     def _repr_html_(self) -> str:
         rows = {

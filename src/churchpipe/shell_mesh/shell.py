@@ -17,6 +17,8 @@ from churchpipe.model.building import BondRegion, Building, PlaneChart, Support
 from churchpipe.model.materials import by_name
 from churchpipe.model.polyhedra import face_normals
 from churchpipe.model.shell import ShellModel
+from churchpipe.model.shell_beams import ShellBeams
+from churchpipe.shell_mesh.beams import beams_of, shell_beams, with_bearings
 from churchpipe.shell_mesh.butt_joints import with_butt_joints
 from churchpipe.shell_mesh.midplanes import MidSurface, mid_surfaces
 from churchpipe.shell_mesh.self_weight import weight_factors
@@ -56,14 +58,14 @@ def derive_shell(building: Building, element_size: float, sizes: Mapping[str, fl
     if not building.panels and not building.vaults:
         raise InputError(f"building {building.name}", "no walls", found=0, expected="at least one panel or vault")
     check_count(building)
-    if building.ring_beams:
-        found = ", ".join(body for beam in building.ring_beams for body in beam.bodies)
-        remedy = "Rigid blocks take them as they are."
-        raise InputError(f"building {building.name}", "the shell has no ring beams", found=found, remedy=remedy)
     if building.vaults:
         return _vault_shell(building, element_size)
     lengths = _sizes(building, element_size, sizes or {})
     panels, names = with_butt_joints(building)
+    stones, bodies = beams_of(building) if building.ring_beams else (None, np.empty(0, dtype=np.int64))
+    bearing = np.empty(0, dtype=np.int64)
+    if stones is not None:
+        panels, names, bearing = with_bearings(panels, names, stones, bodies)
     surfaces = mid_surfaces(panels, building.junctions)
     meshes = _meshes(surfaces, subdivide(surfaces, lengths))
     counts = [len(mesh.bond) for mesh in meshes]
@@ -97,6 +99,7 @@ def derive_shell(building: Building, element_size: float, sizes: Mapping[str, fl
         panel=np.concatenate([part_names(p, m.corners.mean(axis=1)) for p, m in zip(panels, meshes, strict=True)]),
         yields=np.array([bond[2] for bond in bonds])[bond],
         supported=_supported(building, points),
+        beams=ShellBeams() if stones is None else shell_beams(building, stones, bodies, points, bearing[bond]),
     )
     _check_resting(shell)
     return shell
@@ -104,6 +107,10 @@ def derive_shell(building: Building, element_size: float, sizes: Mapping[str, fl
 
 def _vault_shell(building: Building, element_size: float) -> ShellModel:
     """Return the mid-surfaces of vaults, and of the walls that are laid with them."""
+    if building.ring_beams:
+        found = ", ".join(body for beam in building.ring_beams for body in beam.bodies)
+        remedy = "Rigid blocks take them as they are."
+        raise InputError(f"building {building.name}", "the shell of a vault has no ring beams", found=found, remedy=remedy)
     if building.panels:
         raise InputError(
             f"building {building.name}",

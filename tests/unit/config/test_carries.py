@@ -127,8 +127,9 @@ def test_a_ring_beam_of_a_case_is_a_stone_on_its_wall(tmp_path: Path) -> None:
     assert (str(stones.panel[-1]), str(stones.material[-1])) == ("beam on wall", "concrete")
     assert stones.weight[-1] == pytest.approx(25e3 * 4.0 * 0.5 * 0.3)
     assert building.macro_elements == ("wall", "beam on wall")
-    with pytest.raises(InputError, match="the shell has no ring beams; found beam on wall"):
-        derive_shell(building, 0.5)
+    shell = derive_shell(building, 0.5)
+    assert (shell.beams.name.tolist(), shell.beams.material.tolist()) == (["beam on wall"], ["concrete"])
+    assert (shell.beams.of_node >= 0).tolist() == (shell.points[:, 2] > building.panels[0].outline[:, 1].max() - 1e-6).tolist()
 
 
 BAD_BEAMS = [

@@ -1,0 +1,50 @@
+"""Ring beams of a shell: rigid bodies on the tops of its walls."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from churchpipe.errors import InputError
+from churchpipe.model.arrays import FloatArray, IntArray, NameArray, floats, indices, names, store
+
+
+@dataclass(frozen=True, slots=True)
+class ShellBeams:
+    """Rigid bodies that take nodes of a shell along.
+
+    Fields: name, material (nm,); centroid (nm, 3) m; weight (nm,) N; of_node (nn,), the beam that a node is held by, -1 for none;
+    bearing (nt,), the beam that a facet is the bearing of, in which that beam slides, -1 for none.
+    """
+
+    name: NameArray = field(default_factory=lambda: np.empty(0, dtype=np.str_))
+    material: NameArray = field(default_factory=lambda: np.empty(0, dtype=np.str_))
+    centroid: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
+    weight: FloatArray = field(default_factory=lambda: np.empty(0))
+    of_node: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    bearing: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+
+    def __post_init__(self) -> None:
+        count = len(self.name)
+        store(
+            self,
+            name=names("ShellBeams.name", self.name, (count,)),
+            material=names("ShellBeams.material", self.material, (count,)),
+            centroid=floats("ShellBeams.centroid", self.centroid, (count, 3)),
+            weight=floats("ShellBeams.weight", self.weight, (count,)),
+            **{key: _beams(f"ShellBeams.{key}", getattr(self, key), count) for key in ("of_node", "bearing")},
+        )
+        if (self.weight < 0).any():
+            raise InputError("ShellBeams.weight", "out of range", found=float(self.weight.min()), expected=">= 0 N")
+        loose = np.setdiff1d(np.arange(count), self.of_node)
+        if len(loose):
+            found = ", ".join(self.name[loose].tolist())
+            raise InputError("ShellBeams.of_node", "a beam holds no node", found=found, expected="nodes on the tops of its walls")
+
+    @property
+    def count(self) -> int:
+        """Number of beams."""
+        return len(self.name)
+
+
+def _beams(where: str, value: IntArray, count: int) -> IntArray:
+    return indices(where, np.asarray(value) + 1, (len(value),), below=count + 1) - 1
