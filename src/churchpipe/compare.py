@@ -208,6 +208,7 @@ def _question(entry: Mapping[str, Any], record: Mapping[str, Any]) -> tuple[str,
         str(record["load"]),
         str(record["friction"]),
         str(record["cohesion_kPa"]),
+        str(record.get("joints")),
         str(shared),
     )
 

@@ -17,6 +17,7 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.carried import Carried
 from churchpipe.model.contacts import Contacts, check_contacts_of
 from churchpipe.model.fill import Fill
+from churchpipe.model.joint_group import JointGroup
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength
 from churchpipe.model.names import STRENGTH
@@ -40,6 +41,7 @@ def write_report(
     shell: ShellModel | None = None,
     loads: Iterable[Carried | Fill] = (),
     ties: Sequence[Tie] = (),
+    joints: Sequence[JointGroup] = (),
     name: str = "Results",
 ) -> None:
     """Write results obtained in Python as the report that a run of a case makes: one HTML file, drawings and mechanisms in it.
@@ -60,6 +62,8 @@ def write_report(
         What the stones carry in these analyses; `loaded` made the load cases of it.
     ties
         Those of the analyses of the stones and of the shell.
+    joints
+        With a strength of their own in these analyses.
     name
         Title of the report.
 
@@ -73,6 +77,7 @@ def write_report(
     check_contacts_of(stones, contacts)
     html = path_of("write_report: path", path)
     materials = listed("write_report: materials", materials, JointStrength)
+    groups = listed("write_report: joints", joints, JointGroup)
     with Extra("the report"):
         from churchpipe.report.html import write_report as write_html
     borne = Borne(place_loads(stones, loads), tuple(listed("write_report: ties", ties, Tie)))
@@ -82,7 +87,7 @@ def write_report(
         check_kind("write_report: load", load, LoadCase)
         label = {"name": f"{number} {load.name}", "variant": None}
         if isinstance(result, LimitState) and len(result.velocities) == stones.count:
-            record = record_of(result, load, materials, ties=borne.ties).as_words()
+            record = record_of(result, load, materials, ties=borne.ties, joints=groups).as_words()
             of_blocks.append((label | record | compare.stone_parts(stones, result, load), result))
             continue
         motion = result.displacement if isinstance(result, CapacityCurve) else getattr(result, "velocities", ())
@@ -95,7 +100,9 @@ def write_report(
             expected = "a result of these stones" if shell is None else "a result of these stones or of this shell"
             raise InputError("write_report: results", "not a result of this model", found=describe(result), expected=expected)
         method = "pushover" if isinstance(result, CapacityCurve) else "limit"
-        record = shell_record_of(result, load, materials, method=method, planes=STRENGTH, ties=borne.ties).as_words()
+        record = shell_record_of(
+            result, load, materials, method=method, planes=STRENGTH, ties=borne.ties, joints=groups
+        ).as_words()
         parts = compare.shell_parts(shell, result, load) if isinstance(result, ShellLimitState) else {}
         of_shell.append((label | record | parts, _MESH, result))
     meshes = {}

@@ -214,13 +214,13 @@ def _analyse_shell(
         return
     mesh = read_npz(shell, ShellModel)
     used = [material for material in materials if material.name in mesh.material]
-    words: dict[str, Any] = {"method": method, "planes": table["planes"]}
+    words: dict[str, Any] = {"method": method, "planes": table["planes"], "joints": joints_of(table)}
     if progress:
         progress(f"{len(mesh.triangles)} elements", 0.0)
     stones = read_npz(assemblage, Assemblage)
     borne = placed(carries_of(table), stones)
     try:
-        mesh, materials = shell_joint_groups(mesh, materials, joints_of(table))
+        mesh, materials = shell_joint_groups(mesh, materials, words["joints"])
         found = work(mesh, shell_loaded(load, mesh, stones, borne.loads), materials, borne.ties)
     except InputError as error:
         write_npz(state, Absent(str(error)))
@@ -256,7 +256,7 @@ def rigid(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
     rates = sensitivities(found, stones, joints, pushed) if known else None
     write_npz(state, found)
     here, model = [one for one in materials if one.name in used], table.get("contact_model", CONTACT_MODEL)
-    write_record(record, record_of(found, load, here, model, borne.ties, ranked, rates))
+    write_record(record, record_of(found, load, here, model, borne.ties, ranked, rates, joints_of(table)))
 
 
 def curve(settings: Path, assemblage: Path, contacts: Path, state: Path, record: Path, progress: Progress | None = None) -> None:
@@ -279,7 +279,8 @@ def curve(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
     found = block_pushover(stones, joints, pushed, friction, borne.ties, **options, **more)
     write_npz(state, found)
     kept.clear()
-    write_record(record, curve_record_of(found, stones, load, [material for material in materials if material.name in used]))
+    here = [material for material in materials if material.name in used]
+    write_record(record, curve_record_of(found, stones, load, here, joints_of(table)))
 
 
 def movement(

@@ -10,21 +10,24 @@ from churchpipe.io.tie_records import candidates_of, gains_of, tie_forces_of
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.block_curve import BlockCapacityCurve
 from churchpipe.model.gains import Sensitivities
+from churchpipe.model.joint_group import JointGroup
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength
 from churchpipe.model.names import CONTACT_MODEL, ContactModel, Planes, ShellMethod
+from churchpipe.model.quantities import as_written
 from churchpipe.model.results import CapacityCurve, LimitState, ShellLimitState, Status
 from churchpipe.model.ties import RankedTie, Tie
 
 
-def question_of(load: LoadCase, materials: Sequence[JointStrength]) -> Question:
-    """Return what an analysis of a structure of these materials is asked."""
+def question_of(load: LoadCase, materials: Sequence[JointStrength], joints: Sequence[JointGroup] = ()) -> Question:
+    """Return what an analysis of a structure of these materials, and of these joints of their own, is asked."""
     return Question(
         load.name,
         tuple(load.direction.tolist()),
         {material.name: material.friction for material in materials},
         {material.name: material.cohesion for material in materials},
         {one.name: one.compressive_strength for one in materials if one.compressive_strength is not None},
+        tuple(as_written(group, defaults=False) for group in joints),
     )
 
 
@@ -36,6 +39,7 @@ def record_of(
     ties: Sequence[Tie] = (),
     ranked: Sequence[RankedTie] = (),
     rates: Sensitivities | None = None,
+    joints: Sequence[JointGroup] = (),
 ) -> RigidRecord:
     """Return the record of a rigid-block analysis with these ties, the ranking of others, and what would help its walls."""
     outcome = Outcome(
@@ -55,17 +59,21 @@ def record_of(
         history = tuple(step.load_factor for step in state.history)
         sliding = Sliding(state.gap, state.interval, state.friction_violation, state.fixed_points, history)
     tied = tie_forces_of(ties, state), candidates_of(ranked), gains_of(rates) if rates else ()
-    return RigidRecord(question_of(load, materials), outcome, state.flow, sliding, contact_model, *tied)
+    return RigidRecord(question_of(load, materials, joints), outcome, state.flow, sliding, contact_model, *tied)
 
 
 def curve_record_of(
-    curve: BlockCapacityCurve, stones: Assemblage, load: LoadCase, materials: Sequence[JointStrength]
+    curve: BlockCapacityCurve,
+    stones: Assemblage,
+    load: LoadCase,
+    materials: Sequence[JointStrength],
+    joints: Sequence[JointGroup] = (),
 ) -> BlockCurveRecord:
     """Return the record of a capacity curve of the stones; its load factor is that which starts the motion.
 
     status: "converged" when all of its steps are proved, however it ends: `ending`.
     """
-    lost = ["cohesion, which opening joints lose, is left out"] if any(material.cohesion for material in materials) else []
+    lost = ["cohesion, which opening joints lose, is left out"] if any(one.cohesion for one in (*materials, *joints)) else []
     status: Status = "converged" if curve.proved and curve.status != "not-converged" else "not-converged"
     if curve.status in ("unstable", "failed") or (curve.status == "unbounded" and not len(curve.displacement)):
         status = curve.status
@@ -87,7 +95,7 @@ def curve_record_of(
         fell_at=tuple(part.displacement for part in curve.fallen for _ in part.stones),
         misfit=float(curve.misfit.max(initial=0.0)),
     )
-    return BlockCurveRecord(question_of(load, materials), outcome, path)
+    return BlockCurveRecord(question_of(load, materials, joints), outcome, path)
 
 
 def shell_record_of(
@@ -98,6 +106,7 @@ def shell_record_of(
     method: ShellMethod,
     planes: Planes,
     ties: Sequence[Tie] = (),
+    joints: Sequence[JointGroup] = (),
 ) -> ShellRecord:
     """Return the record of an analysis of the shell; result: a text where it was refused, and why.
 
@@ -134,7 +143,7 @@ def shell_record_of(
     tensions = () if isinstance(result, str) else tie_forces_of(ties, result)
     lost = [] if planes == "cell" else _uncrushed(materials)
     said = "; ".join(words for words in (outcome.message, *lost) if words)
-    return ShellRecord(question_of(load, materials), replace(outcome, message=said), method, planes, curve, tensions)
+    return ShellRecord(question_of(load, materials, joints), replace(outcome, message=said), method, planes, curve, tensions)
 
 
 def _uncrushed(materials: Sequence[JointStrength]) -> list[str]:

@@ -19,7 +19,7 @@ from churchpipe.model.results import Status
 @dataclass(frozen=True, slots=True)
 class Question:
     """What an analysis was asked: name and direction (3,) of the load, and by material friction, cohesion (Pa), and compressive
-    strength (Pa) where there is one.
+    strength (Pa) where there is one; joints with a strength of their own, each a table of a case file.
 
     Raises
     ------
@@ -31,6 +31,7 @@ class Question:
     friction: dict[str, float]
     cohesion: dict[str, float]
     compressive_strength: dict[str, float] = field(default_factory=dict)
+    joints: tuple[dict[str, Any], ...] = ()
 
     def __post_init__(self) -> None:
         text("record: load", self.load)
@@ -53,6 +54,7 @@ class Question:
             "friction": _common(self.friction),
             "cohesion_kPa": _common(cohesion),
             **({"compressive_strength_MPa": _common(crushing) if all_crush else crushing} if crushing else {}),
+            **({"joints": list(self.joints)} if self.joints else {}),
         }
 
 

@@ -169,8 +169,9 @@ _UNIT = re.compile(r"_(mm|m|kPa|MPa|GPa|kN_m3|m_s2|percent|deg)$")
 
 
 def friction_text(row: Row) -> str:
-    """Return the friction coefficient, or one a material."""
-    return _by_material(row.record.get("friction"))
+    """Return the friction coefficient, or one a material, and the names of joints with a strength of their own."""
+    own = ", ".join(str(group["name"]) for group in row.record.get("joints", ()))
+    return _by_material(row.record.get("friction")) + (f"; joints of their own: {own}" if own else "")
 
 
 def _by_material(value: object) -> str:

@@ -21,6 +21,7 @@ from churchpipe.io.records import (
     write_record,
 )
 from churchpipe.io.tie_records import Gain
+from churchpipe.model.joint_group import JointGroup
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
 from churchpipe.model.results import CapacityCurve, CapacityStep
@@ -124,3 +125,15 @@ def test_what_would_help_the_walls_is_kept(tmp_path: Path) -> None:
         pytest.approx(1.5e-2),
         pytest.approx(-2e-3),
     )
+
+
+def test_joints_of_their_own_are_kept(tmp_path: Path) -> None:
+    groups = [JointGroup("damp course", kind="base", friction=0.3), JointGroup("anchors", between=("beam", "west"), cohesion=5e4)]
+    load = LoadCase((1, 0, 0))
+    record = shell_record_of("refused", load, [Material("m", 1.0, 0.6)], method="limit", planes="cell", joints=groups)
+    write_record(tmp_path / "r.json", record)
+    assert read_record(tmp_path / "r.json") == record
+    assert record.as_words()["joints"] == [
+        {"name": "damp course", "kind": "base", "friction": 0.3},
+        {"name": "anchors", "between": ["beam", "west"], "cohesion_kPa": 50.0},
+    ]
