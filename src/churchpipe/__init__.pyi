@@ -65,6 +65,7 @@ from .recognition.laying import lay_stones as lay_stones
 from .rigid_blocks.limit import limit_analysis as limit_analysis
 from .rigid_blocks.ranking import rank_ties as rank_ties
 from .rigid_blocks.sensitivity import sensitivities as sensitivities
+from .rigid_blocks.sensitivity import verify_gains as verify_gains
 from .rigid_blocks.study import LimitStudy as LimitStudy
 from .rigid_blocks.thickness import MinimumThickness as MinimumThickness
 from .rigid_blocks.thickness import minimum_thickness as minimum_thickness

@@ -234,7 +234,7 @@ def rigid(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
     """One rigid-block analysis -> its state and its record for the summary."""
     from churchpipe.rigid_blocks.limit import limit_analysis
     from churchpipe.rigid_blocks.ranking import rank_ties
-    from churchpipe.rigid_blocks.sensitivity import sensitivities
+    from churchpipe.rigid_blocks.sensitivity import sensitivities, verify_gains
     from churchpipe.stones.joints import crushing_strength, joint_strength
 
     table = read_json(settings)
@@ -254,6 +254,8 @@ def rigid(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
         ranked = rank_ties(found, borne.candidates, stones, joints, pushed, friction, cohesion, **options)
     known = found.flow == "associative" and np.isfinite(found.load_factor) and found.velocities.any()
     rates = sensitivities(found, stones, joints, pushed) if known else None
+    if rates and (best := table.get("verified_gains", 0)):
+        rates = verify_gains(rates, stones, joints, pushed, friction, cohesion, best=best, **options)
     write_npz(state, found)
     here, model = [one for one in materials if one.name in used], table.get("contact_model", CONTACT_MODEL)
     write_record(record, record_of(found, load, here, model, borne.ties, ranked, rates, joints_of(table)))

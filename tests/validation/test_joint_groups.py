@@ -4,6 +4,7 @@ Source: a block of width b and height h on a joint of friction mu turns over at 
 joint of area A adds c A / W to what it slides at.
 """
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -144,3 +145,37 @@ def test_rates_need_an_associative_mechanism() -> None:
     state = cp.limit_analysis(stones, contacts, load, 0.6, flow="non-associative")
     with pytest.raises(InputError, match="no rates; found non-associative"):
         cp.sensitivities(state, stones, contacts, load)
+
+
+def test_what_would_help_most_is_analysed_again() -> None:
+    # A cube that slides on the ground at mu + c A / W, W with what is added; one beside it that stands.
+    plate = box((-9, 9), (-9, 9), (-1, 0))
+    stones = cp.Assemblage.from_polyhedra(
+        [plate, box((0, 1), (0, 1), (0, 1)), box((3, 5), (0, 2), (0, 1))], 18e3, [0], panel=["", "weak", "firm"]
+    )
+    contacts, load = cp.find_contacts(stones), cp.LoadCase((1, 0, 0))
+    friction = np.where((contacts.blocks == 1).any(axis=1), 0.3, 0.9)
+    state = cp.limit_analysis(stones, contacts, load, friction, 900.0)
+    assert state.load_factor == pytest.approx(0.3 + 900 / 18e3, rel=1e-6)
+    rates = cp.sensitivities(state, stones, contacts, load)
+    found = cp.verify_gains(rates, stones, contacts, load, friction, 900.0, best=1)
+    assert found.panel.tolist() == ["firm", "weak"]
+    # The tangent of mu + c A / W holds for any c, and that of 1 / W is above the curve; the firm cube does not matter.
+    assert found.with_cohesion[1] == pytest.approx(0.3 + 10900 / 18e3, rel=1e-6)
+    assert state.load_factor + 10e3 * found.cohesion[1] == pytest.approx(found.with_cohesion[1], rel=1e-5)
+    assert found.weight == pytest.approx([0.0, -900 / 18e3**2], abs=1e-10)
+    assert found.with_weight[0] == pytest.approx(state.load_factor, rel=1e-6)
+    assert np.isnan(found.with_cohesion[0])
+    assert np.isnan(found.with_weight[1])
+
+
+def test_no_wall_gains_more_than_its_tangent() -> None:
+    stones, contacts, load, friction = wall_of(3)
+    top = stones.centroid[:, 2] > np.median(stones.centroid[:, 2])
+    stones = replace(stones, panel=np.where(top, "top", stones.panel))
+    state = cp.limit_analysis(stones, contacts, load, friction, 2e3)
+    found = cp.verify_gains(cp.sensitivities(state, stones, contacts, load), stones, contacts, load, friction, 2e3, best=2)
+    # The load factor is concave in the cohesion.
+    most = state.load_factor + 10e3 * found.cohesion
+    assert (found.with_cohesion <= most * (1 + 1e-6)).all()
+    assert (found.with_cohesion >= state.load_factor * (1 - 1e-6)).all()

@@ -72,6 +72,9 @@ class RigidSettings:
     contact_angle: Annotated[
         float | None, Quantity("_deg", 0.0, above=True, high=90, below=True), "Largest angle between two faces of a joint."
     ] = None
+    verified_gains: Annotated[
+        Whole, "Of how many walls what mortar and weight would add is analysed again, those that it would help most."
+    ] = 0
     overlap: Annotated[Length | None, "Largest depth to which two stones may overlap."] = None
     curve: Annotated[CurveSettings | None, "The capacity curve of the stones, where it is asked for."] = None
 

@@ -196,7 +196,7 @@ def _rigid_settings(case: Case, geometry: str, load: LoadCase, flow: str, contac
         settings["crushing_parts"] = case.rigid.crushing_parts
     if flow == "associative":
         # It has no method and no start: changing them must not touch it.
-        return settings
+        return settings | ({"verified_gains": case.rigid.verified_gains} if case.rigid.verified_gains else {})
     start = {"start": list(case.rigid.start)} if case.rigid.start else {}
     return settings | start | {"method": case.rigid.method, "bipotential_gap": case.rigid.bipotential_gap}
 

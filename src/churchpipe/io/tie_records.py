@@ -62,21 +62,25 @@ class TieCandidate:
 
 @dataclass(frozen=True, slots=True)
 class Gain:
-    """What changes of a wall would add to a load factor: cohesion of all its joints, 1/Pa, and weight, 1/N."""
+    """What changes of a wall would add to a load factor: cohesion of all its joints, 1/Pa, and weight, 1/N; and the load factors
+    with 10 kPa or 10 kN more, NaN where they were not analysed."""
 
     panel: str
     cohesion: float
     weight: float
+    with_cohesion: float = np.nan
+    with_weight: float = np.nan
 
     def as_words(self) -> dict[str, Any]:
         """Return the wall in the words of summary.json."""
-        return {"panel": self.panel, "cohesion_1_kPa": 1e3 * self.cohesion, "weight_1_kN": 1e3 * self.weight}
+        rates = {"cohesion_1_kPa": 1e3 * self.cohesion, "weight_1_kN": 1e3 * self.weight}
+        return {"panel": self.panel, **rates, "with_10_kPa": self.with_cohesion, "with_10_kN": self.with_weight}
 
 
 def gains_of(rates: Sensitivities) -> tuple[Gain, ...]:
     """Return what would help, by wall; nothing where there is one alone."""
-    columns = zip(rates.panel.tolist(), rates.cohesion.tolist(), rates.weight.tolist(), strict=True)
-    return tuple(Gain(*one) for one in columns) if len(rates.panel) > 1 else ()
+    columns = (rates.panel, rates.cohesion, rates.weight, rates.with_cohesion, rates.with_weight)
+    return tuple(Gain(*one) for one in zip(*(each.tolist() for each in columns), strict=True)) if len(rates.panel) > 1 else ()
 
 
 def tie_forces_of(ties: Sequence[Tie], state: LimitState | ShellLimitState | CapacityCurve) -> tuple[TieForce, ...]:

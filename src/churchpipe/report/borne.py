@@ -80,12 +80,23 @@ def candidate_rows(rows: Sequence[Row]) -> list[list[str]]:
 
 
 def gain_rows(rows: Sequence[Row]) -> list[list[str]]:
-    """Return for each analysis a row for each of the walls that more cohesion or weight would help or harm most."""
-    return [
-        [row.label, str(one["panel"]), f"{10 * one['cohesion_1_kPa']:+.4f}", f"{10 * one['weight_1_kN']:+.5f}"]
-        for row in rows
-        for one in sorted(row.record.get("gains") or (), key=lambda gain: -gain["cohesion_1_kPa"])[:_GAINS]
-    ]
+    """Return for each analysis a row for each of the walls that more cohesion or weight would help or harm most, and for each
+    that was analysed again: the load factor by the rate, and that of the analysis."""
+    out: list[list[str]] = []
+    for row in rows:
+        gains = sorted(row.record.get("gains") or (), key=lambda gain: -gain["cohesion_1_kPa"])
+        again = [any(gain.get(key) is not None for key in ("with_10_kPa", "with_10_kN")) for gain in gains]
+        for one in [gain for number, gain in enumerate(gains) if number < _GAINS or again[number]]:
+            cells = [f"{10 * one['cohesion_1_kPa']:+.4f}", *_again(row, one, "with_10_kPa")]
+            cells += [f"{10 * one['weight_1_kN']:+.5f}", *_again(row, one, "with_10_kN")]
+            out.append([row.label, str(one["panel"]), *cells])
+    return out
+
+
+def _again(row: Row, gain: Mapping[str, Any], key: str) -> list[str]:
+    """Return how much a load factor changed in a new analysis, if there was one."""
+    factor = gain.get(key)
+    return ["" if factor is None else f"{factor - row.record['load_factor']:+.5f}"]
 
 
 def add_borne(plotter: Any, stones: Assemblage, motion: FloatArray, amplitude: float, borne: Borne) -> None:

@@ -1,15 +1,21 @@
-"""What cohesion and weight would add to a load factor, wall by wall, from the mechanism found."""
+"""What cohesion and weight would add to a load factor, wall by wall: from the mechanism found, and from new analyses."""
+
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from churchpipe.errors import InputError
-from churchpipe.model.arguments import check_kind
+from churchpipe.model.arguments import check_kind, whole
+from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts, check_contacts_of
-from churchpipe.model.gains import Sensitivities
+from churchpipe.model.gains import COHESION_MORE, WEIGHT_MORE, Sensitivities
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.motion import velocity_at
 from churchpipe.model.results import LimitState
+from churchpipe.rigid_blocks.limit import limit_analysis
 
 
 def sensitivities(state: LimitState, stones: Assemblage, contacts: Contacts, load: LoadCase) -> Sensitivities:
@@ -51,15 +57,59 @@ def sensitivities(state: LimitState, stones: Assemblage, contacts: Contacts, loa
     joint = contacts.area * mean / weight
     free = ~stones.fixed
     panel, which = np.unique(stones.panel[free], return_inverse=True)
-    row = np.full(stones.count, -1)
-    row[free] = which.ravel()
-    sides = row[contacts.blocks]
-    of_wall = sides >= 0
-    share = joint[:, None] / np.maximum(of_wall.sum(axis=1), 1)[:, None]
-    halves = np.broadcast_to(share, sides.shape)[of_wall].astype(np.float64)
-    cohesion = np.bincount(sides[of_wall], halves, len(panel)).astype(np.float64)
+    cohesion = np.array([joint @ _share(stones, contacts, name) for name in panel.tolist()])
     pushed = np.ones(stones.count) if load.panels is None else np.isin(stones.panel, load.panels).astype(np.float64)
     gain = state.velocities[:, 2] - state.load_factor * pushed * (state.velocities[:, :3] @ load.direction)
     volume = np.where(free, stones.volume, 0.0)[free]
     spread = volume / np.bincount(which.ravel(), volume)[which.ravel()]
     return Sensitivities(panel, cohesion, np.bincount(which.ravel(), spread * gain[free], len(panel)) / weight, joint)
+
+
+def verify_gains(
+    rates: Sensitivities,
+    stones: Assemblage,
+    contacts: Contacts,
+    load: LoadCase,
+    friction: npt.ArrayLike = 0.6,
+    cohesion: npt.ArrayLike = 0.0,
+    *,
+    best: int = 3,
+    **options: Any,
+) -> Sensitivities:
+    """Return rates with the load factors of new analyses: 10 kPa more cohesion, or 10 kN more weight, in one wall at a time.
+
+    Parameters
+    ----------
+    rates
+        From `sensitivities`.
+    stones, contacts, load, friction, cohesion
+        The analysis of that state.
+    best
+        How many walls are analysed of those that cohesion would help most, and of those that weight would.
+    options
+        Further arguments of `limit_analysis`.
+
+    Raises
+    ------
+    InputError
+        Arguments of the wrong kind.
+    """
+    check_kind("verify_gains: rates", rates, Sensitivities)
+    check_kind("verify_gains: stones", stones, Assemblage)
+    whole("verify_gains: best", best, least=0)
+    with_cohesion, with_weight = rates.with_cohesion.copy(), rates.with_weight.copy()
+    for wall in np.argsort(-rates.cohesion, kind="stable")[:best].tolist():
+        more = np.asarray(cohesion, dtype=np.float64) + COHESION_MORE * _share(stones, contacts, str(rates.panel[wall]))
+        with_cohesion[wall] = limit_analysis(stones, contacts, load, friction, more, **options).load_factor
+    for wall in np.argsort(-rates.weight, kind="stable")[:best].tolist():
+        own = (stones.panel == rates.panel[wall]) & ~stones.fixed
+        heavier = replace(stones, unit_weight=stones.unit_weight + own * (WEIGHT_MORE / stones.volume[own].sum()))
+        with_weight[wall] = limit_analysis(heavier, contacts, load, friction, cohesion, **options).load_factor
+    return replace(rates, with_cohesion=with_cohesion, with_weight=with_weight)
+
+
+def _share(stones: Assemblage, contacts: Contacts, wall: str) -> FloatArray:
+    """Return the share of a wall in each interface (ni,): half of those with its neighbours, all of those with supports."""
+    free = ~stones.fixed[contacts.blocks]
+    own = free & (stones.panel[contacts.blocks] == wall)
+    return np.asarray(own.sum(axis=1) / np.maximum(free.sum(axis=1), 1))
