@@ -10,6 +10,8 @@ from churchpipe.model.arrays import FloatArray
 
 # Lines meet where they are closer than this share of the length of the median line.
 SNAP = 1e-3
+# An open outline that shares less than this part with all areas is a stone of its own.
+HIDDEN = 0.1
 # A corner closer to the line through its neighbours than this share of the outline's size is superfluous.
 STRAIGHT = 1e-6
 
@@ -19,8 +21,8 @@ class Net:
     """The areas that lines enclose, and the lines that enclose none.
 
     meshes: corners (n, 2) of each area, with the index of the line that covers most of its longest side. alone: indices of the
-    lines that meet no other. loose: indices of the lines with a free end. borders: indices of the closed outlines on which lines
-    end.
+    lines that meet no other, or that close over a place where no area is. loose: indices of the lines with a free end. borders:
+    indices of the closed outlines on which lines end.
     """
 
     meshes: list[tuple[int, FloatArray]]
@@ -57,8 +59,15 @@ def net_of(lines: Sequence[FloatArray], outlines: Sequence[FloatArray]) -> Net:
             nearest = int(tree.nearest(shapely.Point(corners[longest] + 0.5 * side[longest])))
             meshes.append((chosen[nearest], corners))
     left = [part for part in shapely.get_parts(dangles) if part.length > 3 * reach]
+    cells = shapely.union_all([shapely.Polygon(corners) for _, corners in meshes])
+    for k in chosen:
+        # Drawn along its neighbours, an outline that lacks its last side is hidden by theirs: it closes over an empty place.
+        if k < count and len(lines[k]) > 3:
+            own = shapely.Polygon(lines[k])
+            if own.is_valid and own.area > reach * own.length and own.intersection(cells).area < HIDDEN * own.area:
+                alone.append(k)
     loose = {chosen[int(tree.nearest(shapely.line_interpolate_point(part, 0.5, normalized=True)))] for part in left}
-    return Net(meshes, alone, sorted(k for k in loose if k < count), [k for k in chosen if k >= count])
+    return Net(meshes, alone, sorted(k for k in loose - set(alone) if k < count), [k for k in chosen if k >= count])
 
 
 def without_idle_corners(corners: FloatArray) -> FloatArray:

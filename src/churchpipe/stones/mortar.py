@@ -89,7 +89,9 @@ def close_joints(solids: Sequence[Solid], joint: float) -> Closed:
         normal, level = flat.normal[own.start : own.stop].copy(), flat.level[own.start : own.stop].copy()
         for face, (n, d) in shifted.items():
             normal[face], level[face] = n, d
-        shift = np.array([_shift(points[v], v, faces, normal, level, joint) for v in range(len(points))])
+        shift = np.array(
+            [_shift(points[v], v, faces, normal, level, flat.area[own.start : own.stop], joint) for v in range(len(points))]
+        )
         grown = points + shift
         split: Sequence[tuple[int, ...]] = split_warped(grown, faces)[0]
         cuts = _beyond_neighbours(flat, plane, opposite, own, faces, points, grown, np.linalg.norm(shift, axis=1) > joint)
@@ -301,15 +303,26 @@ def _fitted(parts: list[FloatArray]) -> tuple[FloatArray, float, float]:
 
 
 def _shift(
-    point: FloatArray, vertex: int, faces: Sequence[Sequence[int]], normal: FloatArray, level: FloatArray, joint: float
+    point: FloatArray,
+    vertex: int,
+    faces: Sequence[Sequence[int]],
+    normal: FloatArray,
+    level: FloatArray,
+    area: FloatArray,
+    joint: float,
 ) -> FloatArray:
-    """Return how far a vertex moves to lie on the planes of all its faces; the least way where these leave it free."""
-    around = [k for k, face in enumerate(faces) if vertex in face]
-    lacking = level[around] - normal[around] @ point
-    if not lacking.any():
-        return np.zeros(3)
-    for cut in (5e-3, 0.2):
-        step = np.linalg.pinv(normal[around], rcond=cut) @ lacking
+    """Return how far a vertex moves to lie on the planes of all its faces; the least way where these leave it free.
+
+    Where that is too far, because faces are nearly parallel there, the larger ones decide.
+    """
+    around = sorted((k for k, face in enumerate(faces) if vertex in face), key=lambda k: -area[k])
+    step = np.zeros(3)
+    while around:
+        lacking = level[around] - normal[around] @ point
+        if not lacking.any():
+            return np.zeros(3)
+        step = np.linalg.pinv(normal[around], rcond=5e-3) @ lacking
         if np.linalg.norm(step) <= FARTHEST * joint:
             break
+        around = around[:-1]
     return step

@@ -58,7 +58,7 @@ def check_joints(wall: BrickWall, path: Path, joint: float) -> None:
     assert not set(map(ordered, joints_of(wall, -0.2))) - set(found) - told
     for pair in set(found) - set(map(ordered, joints_of(wall))):
         first, second = (Polygon(wall.outlines[number]) for number in pair)
-        assert first.distance(second) < 1.5 * joint or max(found[pair]) < 0.5 * joint
+        assert first.distance(second) < 1.5 * joint or max(found[pair]) < joint
 
 
 def check_drawing(wall: BrickWall, path: Path, *, unclosed: int) -> Drawing:
@@ -132,8 +132,9 @@ def any_wall(seed: int, monkeypatch: pytest.MonkeyPatch) -> tuple[BrickWall, flo
     return brick_wall(6 + opening.bricks, int(top / (height + joint)) + 4, [opening]), joint
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1, 1043])
 def test_every_joint_of_any_wall_is_found_or_named(seed: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # In the second wall a brick ends in a tip of 1.4 degrees, too sharp to be grown to a point.
     wall, joint = any_wall(seed, monkeypatch)
     check_joints(wall, tmp_path / "wall.dxf", joint)
 

@@ -111,6 +111,21 @@ def test_a_wall_drawn_upright_in_space_stays_where_it_is(tmp_path: Path) -> None
     np.testing.assert_allclose(stones.points[:8].max(axis=0), (0.25, -0.04, 0.065), atol=1e-12)
 
 
+@pytest.mark.parametrize("number", range(12))
+def test_an_outline_among_others_is_kept_without_its_last_side(number: int, tmp_path: Path) -> None:
+    # Its sides lie on those of its neighbours, and the one left out may be on the free face of the wall.
+    bricks = [[(x + 250 * i + 125 * (row % 2), y + 65 * row) for x, y in BRICK] for row in range(4) for i in range(3)]
+
+    def draw(space: Any) -> None:
+        for k, corners in enumerate(bricks):
+            space.add_lwpolyline(corners, close=k != number)
+
+    drawing = read(drawn(tmp_path / "wall.dxf", draw))
+    free = ~drawing.stones.fixed
+    assert int(free.sum()) == 12
+    assert float(drawing.stones.volume[free].sum()) == pytest.approx(12 * 0.25 * 0.065 * 0.12)
+
+
 def test_a_net_of_lines_makes_a_stone_of_each_mesh(tmp_path: Path) -> None:
     # An outline 1000 x 195 with two beds and a head joint a course; lines end on it, or a little short.
     def draw(space: Any) -> None:
