@@ -15,16 +15,14 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.motion import velocity_at
-from churchpipe.model.names import MODELS, OUTER, RIGID_BLOCKS, analysis_name, crushes
+from churchpipe.model.names import GOOD, MODELS, OUTER, RIGID_BLOCKS, analysis_name, crushes
 from churchpipe.model.placed_loads import PlacedLoads
 from churchpipe.model.results import LimitState, ShellLimitState
 from churchpipe.model.shell import ShellModel
 from churchpipe.model.swept import of_both
 from churchpipe.rigid_blocks.equilibrium import lateral_weight
 from churchpipe.stones.account import joints_lines, joints_record
-
-# What a load factor rests on; anything else is bad news that the command line reports with its exit code.
-GOOD = frozenset({"optimal", "converged", "unbounded"})
+from churchpipe.thrust_lines import vaulted
 
 
 def figures(stones: Assemblage, contacts: Contacts) -> dict[str, Any]:
@@ -34,6 +32,7 @@ def figures(stones: Assemblage, contacts: Contacts) -> dict[str, Any]:
         "interfaces": len(contacts.blocks),
         "contact_points": len(contacts.point),
         "weight_kN": round(float(stones.weight.sum()) / 1e3, 6),
+        **({"vaults": vaults} if (vaults := list(vaulted(stones, contacts))) else {}),
         **joints_record(stones, contacts),
     }
 
@@ -67,7 +66,8 @@ def summary(
     both |= {"variants": list(variants)} if len(variants) > 1 else {}
     both |= {"movements": list(movements)} if movements else {}
     both |= {"contact_models": pairs} if (pairs := contact_models(analyses)) else {}
-    words = {"guidance": guidance(analyses), "questions": list(questions)}
+    vaults = {name: size.get("vaults", ()) for name, size in sizes.items()}
+    words = {"guidance": guidance(analyses, vaults), "questions": list(questions)}
     return {"case": name, **first, **several, "analyses": list(analyses), **both, **words}
 
 
@@ -84,22 +84,61 @@ _REASONS = {
 }
 
 
-def guidance(analyses: Sequence[Mapping[str, Any]]) -> list[str]:
+def careful_first(analyses: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Return records of analyses in an order in which, of those that answer one question, the careful one leads.
+
+    That is the lowest load factor of those that are proved or converged. Load factors by planes of the paper, which are too
+    large, lead only where there is nothing else; capacity curves of the stones, which tell what follows, come last.
+    """
+    return [record for records in _asked(analyses).values() for record in sorted(records, key=_carefulness)]
+
+
+def _asked(analyses: Sequence[dict[str, Any]]) -> dict[tuple[str, ...], list[dict[str, Any]]]:
+    found: dict[tuple[str, ...], list[dict[str, Any]]] = {}
+    for record in analyses:
+        found.setdefault(_question(_place(record), record), []).append(record)
+    return found
+
+
+def _carefulness(record: Mapping[str, Any]) -> tuple[bool, bool, float]:
+    # Equal to four digits is equal.
+    factor = round(float(record["load_factor"]), 4) if _stands(record) else 0.0
+    return not _stands(record) and record.get("status") != "unstable", record.get("planes") in OUTER, factor
+
+
+def _stands(record: Mapping[str, Any]) -> bool:
+    """Whether an analysis has a load factor to rest on."""
+    return record.get("status") in GOOD and _is_number(record.get("load_factor")) and record.get("method") != "curve"
+
+
+def guidance(analyses: Sequence[dict[str, Any]], vaults: Mapping[str, Sequence[str]] | None = None) -> list[str]:
     """Return a sentence for each question that several analyses answer: which load factor to use, and why they differ.
 
-    The careful one leads: the lowest of those that are proved or converged. Load factors by planes of the paper, which are too
-    large, lead only where there is nothing else. A sweep has one sentence for all its questions.
+    The careful one leads, as in `careful_first`. A sweep has one sentence for all its questions. vaults: names of the vaults of
+    each geometry; where there are some, a sentence before the others says why the value without dilatancy counts.
     """
-    asked: dict[tuple[str, ...], list[Mapping[str, Any]]] = {}
-    for record in analyses:
-        if record.get("status") in GOOD and _is_number(record.get("load_factor")) and record.get("method") != "curve":
-            asked.setdefault(_question(_place(record), record), []).append(record)
-    several = [records for records in asked.values() if len(records) > 1]
+    asked = [[record for record in records if _stands(record)] for records in _asked(analyses).values()]
+    several = [sorted(records, key=_carefulness) for records in asked if len(records) > 1]
+    first = _of_vaults(asked, list(dict.fromkeys(name for names in (vaults or {}).values() for name in names)))
     sentences = [_advice(records) for records in several]
     if len(sentences) <= 3:
-        return sentences
+        return first + sentences
     every = [record for records in several for record in records]
-    return [f"Of the load factors for one load and one strength use the lowest. They differ because {_reasons(every)}."]
+    return [*first, f"Of the load factors for one load and one strength use the lowest. They differ because {_reasons(every)}."]
+
+
+def _of_vaults(asked: Sequence[Sequence[Mapping[str, Any]]], names: Sequence[str]) -> list[str]:
+    if not names or not any(asked):
+        return []
+    more = f" and {len(names) - 3} more" if len(names) > 3 else ""
+    start = f"{', '.join(names[:3])}{more}: stones of vaults are held on all sides. An associative analysis wedges them as they "
+    start += "slide (dilatancy), which is strength that no vault has. "
+    lacking = [of[0]["load"] for of in asked if of and all(record.get("flow") != "non-associative" for record in of)]
+    if not lacking:
+        return [start + "Use the load factors without dilatancy (non-associative)."]
+    loads = ", ".join(dict.fromkeys(map(str, lacking)))
+    remedy = 'Ask for the value without dilatancy: flow = ["associative", "non-associative"] under [rigid].'
+    return [f"{start}So the load factors of load {loads} are upper estimates, which may be far too large. {remedy}"]
 
 
 def _place(record: Mapping[str, Any]) -> dict[str, Any]:
@@ -108,12 +147,12 @@ def _place(record: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _advice(records: Sequence[Mapping[str, Any]]) -> str:
-    ordered = sorted(records, key=lambda record: (record.get("planes") in OUTER, record["load_factor"]))
-    least = f"{ordered[0]['load_factor']:.4f}"
-    alike = [record for record in ordered if f"{record['load_factor']:.4f}" == least]
-    others = [f"{record['load_factor']:.4f} ({_kind(record)})" for record in ordered if record not in alike]
-    variant = f"{ordered[0]['variant']}, load" if ordered[0].get("variant") else "Load"
-    start = f"{variant} {ordered[0]['load']}: use {least} ({'; '.join(map(_kind, alike))})"
+    first = records[0]
+    least = f"{first['load_factor']:.4f}"
+    alike = [record for record in records if f"{record['load_factor']:.4f}" == least]
+    others = [f"{record['load_factor']:.4f} ({_kind(record)})" for record in records if record not in alike]
+    variant = f"{first['variant']}, load" if first.get("variant") else "Load"
+    start = f"{variant} {first['load']}: use {least} ({'; '.join(map(_kind, alike))})"
     if not others:
         return f"{start}, in which all analyses agree."
     return f"{start}, the careful value, not {', '.join(others)}; they differ because {_reasons(records)}."
@@ -206,8 +245,8 @@ def _question(entry: Mapping[str, Any], record: Mapping[str, Any]) -> tuple[str,
         entry["geometry"],
         str(entry.get("variant")),
         str(record["load"]),
-        str(record["friction"]),
-        str(record["cohesion_kPa"]),
+        str(record.get("friction")),
+        str(record.get("cohesion_kPa")),
         str(record.get("joints")),
         str(shared),
     )

@@ -334,7 +334,8 @@ def compare(plan: Path, summary: Path, table: Path, samples: Path | None = None)
     run = read_run(plan)
     sizes = {name: results.figures(*run.stones(name)) for name in run.index["geometries"]}
     shells = {mesh["name"]: run.shell_figures(mesh["name"], mesh["geometry"]) for mesh in run.index["shells"]}
-    analyses = [record for entry in run.index["analyses"] if (record := run.record(entry, shells))["status"] != "left-out"]
+    found = [record for entry in run.index["analyses"] if (record := run.record(entry, shells))["status"] != "left-out"]
+    analyses = results.careful_first(found)
     compared = [pair | run.overlap(*(pair[model] for model in MODELS)) for pair in results.pairs(run.index["analyses"], analyses)]
     write_table(table, analyses)
     stones = [run.stones(name)[0] for name in run.index["geometries"]]

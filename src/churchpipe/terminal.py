@@ -13,12 +13,11 @@ from rich.progress import BarColumn, Progress, SpinnerColumn, TaskID, TextColumn
 from rich.table import Table
 from rich.text import Text
 
-from churchpipe.compare import GOOD
 from churchpipe.doctor import Finding
 from churchpipe.engine import Event, say, unfinished
 from churchpipe.errors import InputError
 from churchpipe.io.tables import read_summary
-from churchpipe.model.names import MODELS, analysis_name
+from churchpipe.model.names import GOOD, MODELS, analysis_name
 from churchpipe.report.safety import NOT_SATISFIED, verdict, what_moves
 
 # Between two lines of progress of one stage, seconds: on a terminal, and where each line stays.

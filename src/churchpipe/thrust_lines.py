@@ -15,6 +15,8 @@ from churchpipe.model.contacts import Contacts, check_contacts_of
 _NOTHING = 1e-9
 # Sine of the least slope at which a vault may stand on what carries it.
 _LEVEL = 0.4
+# A macro-element in courses is a vault when its beds differ by more than this in slope: sine of 20 degrees.
+_TURNS = 0.34
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +47,22 @@ class RingForces:
     meridian: FloatArray
     vertical: FloatArray
     hoop: FloatArray
+
+
+def vaulted(stones: Assemblage, contacts: Contacts) -> dict[str, FloatArray]:
+    """Return the macro-elements in courses whose beds turn, as in a vault, each with the sums (2, 2) of the products of the
+    beds' normals in plan, by area."""
+    first, second = contacts.blocks.T
+    same = (stones.panel[first] == stones.panel[second]) & stones.coursed[first] & stones.coursed[second]
+    beds = np.flatnonzero(same & (stones.course[first] != stones.course[second]))
+    found: dict[str, FloatArray] = {}
+    for panel in np.unique(stones.panel[first[beds]]).tolist():
+        mine = beds[stones.panel[first[beds]] == panel]
+        level = np.abs(contacts.frame[mine, 0, 2])
+        if np.ptp(level) > _TURNS:
+            plan = contacts.frame[mine, 0, :2]
+            found[str(panel)] = np.einsum("i,ia,ib->ab", contacts.area[mine], plan, plan)
+    return found
 
 
 def thrust_line(

@@ -59,6 +59,15 @@ def opened(file: Path, width: int, chromium: str) -> Iterator[Page]:
 
 def test_nothing_is_cut(page: Page) -> None:
     assert page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
+    # Nor has anything to be scrolled sideways: wide tables are stacked, headings beside their cells.
+    inside = (
+        "[...document.querySelectorAll('.scroll, pre, figure')].filter((box) => box.scrollWidth > box.clientWidth + 1).length"
+    )
+    assert page.evaluate(inside) == 0
+    wide = page.locator("#load-factors .scroll")
+    assert ("stacked" in (wide.get_attribute("class") or "")) == page.evaluate("window.innerWidth < 700")
+    cell = wide.locator("td.factor").first
+    assert cell.get_attribute("data-heading") == "Load factor"
 
 
 def test_a_stone_shows_its_joints(page: Page) -> None:

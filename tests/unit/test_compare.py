@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from churchpipe.compare import bad_news, guidance, overlap, pairs
+from churchpipe.compare import bad_news, careful_first, guidance, overlap, pairs
 from churchpipe.generators import box
 from churchpipe.model.materials import Material
 from churchpipe.shell_mesh.shell import derive_shell
@@ -119,3 +119,36 @@ def test_a_sweep_has_one_sentence() -> None:
     [sentence] = guidance(records)
     assert sentence.startswith("Of the load factors for one load and one strength use the lowest.")
     assert "0.2" not in sentence
+
+
+def test_of_several_answers_to_one_question_the_careful_one_leads() -> None:
+    associative = analysed(0.2065, flow="associative")
+    sliding = analysed(0.1887, flow="non-associative", status="converged")
+    paper = analysed(0.15, method="limit", planes="paper")
+    other = analysed(0.1, "+x", flow="associative")
+    failed = analysed(None, flow="non-associative", status="failed")
+    curve = analysed(0.18, method="curve", status="converged")
+    assert careful_first([associative, other, failed, curve, paper, sliding]) == [
+        sliding,
+        associative,
+        paper,
+        failed,
+        curve,
+        other,
+    ]
+    unstable = analysed(None, flow="associative", status="unstable")
+    assert careful_first([paper, unstable]) == [unstable, paper]
+
+
+def test_of_vaults_the_value_without_dilatancy_counts_and_is_asked_for_where_it_is_missing() -> None:
+    associative, sliding = analysed(0.3, flow="associative"), analysed(0.2, flow="non-associative", status="converged")
+    first, second = guidance([associative, sliding], {"base": ["groin"]})
+    assert first.startswith("groin: stones of vaults are held on all sides.")
+    assert first.endswith("Use the load factors without dilatancy (non-associative).")
+    assert second.startswith("Load -y: use 0.2000 (rigid blocks, non-associative), the careful value")
+    failed = analysed(None, flow="non-associative", status="failed")
+    [alone] = guidance([associative, failed], {"base": ["groin"]})
+    assert "load factors of load -y are upper estimates" in alone
+    assert 'flow = ["associative", "non-associative"]' in alone
+    assert guidance([associative, sliding], {"base": []}) == [second]
+    assert guidance([failed], {"base": ["groin"]}) == []

@@ -120,7 +120,7 @@ def test_the_knowledge_level_counts_where_stones_crush() -> None:
     assert "zeta_e_lc1" not in plain
     table = check_table([Row(record("corners", 0.06, compressive_strength_MPa=1.0, check=found))])
     assert table is not None
-    assert "\u03b6_E, FC 1.35" in [title for title, _ in table["headings"]]
+    assert "\u03b6_E, FC 1.35" in [title for title, _ in table["headings"][1:-1]]
     assert table["kinds"] == ["crushing"]
 
 

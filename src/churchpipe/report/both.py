@@ -56,10 +56,10 @@ def gate(summary: Mapping[str, Any], meshes: Sequence[str]) -> dict[str, Any] | 
     if match is None:
         return None
     rows = [
-        {
-            "cells": [item["name"], *(_quantity(item[key], item["unit"]) for key in ("stones", "shell")), *_apart(item)],
-            "passed": item["passed"],
-        }
+        [
+            *(item["name"], *(_quantity(item[key], item["unit"]) for key in ("stones", "shell")), *_apart(item)),
+            "agrees" if item["passed"] else "differs",
+        ]
         for item in match.get("figures", ())
     ]
     overlap = match.get("junction_overlap")

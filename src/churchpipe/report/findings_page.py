@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import jinja2
 import numpy as np
 
 from churchpipe.dxf.elevation import stood_up
@@ -17,6 +16,7 @@ from churchpipe.model.building import Building
 from churchpipe.report import viewer
 from churchpipe.report.motion import viewpoint
 from churchpipe.report.packing import packed
+from churchpipe.report.page import template
 from churchpipe.report.walls import opening_outlines, wall_rows
 
 # Radius of a mark as a part of the size of the structure; the most places that are marked and listed of one kind.
@@ -37,14 +37,7 @@ def write_findings_page(
     stones: as read, None when nothing can be drawn. after: what to type next. building: its walls are listed, and their openings
     drawn. questions: about doubtful values.
     """
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(Path(__file__).parent / "templates"),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    text = environment.get_template("findings.html").render(
+    text = template("findings.html").render(
         file=findings.file,
         kinds=[_kind(kind) for kind in findings.kinds],
         errors=len(findings.errors),
@@ -59,6 +52,7 @@ def write_findings_page(
         viewer_data=viewer.script_json(_drawn(stones, findings, building)) if stones else "",
         import_map=viewer.import_map(),
         viewer_script=viewer.static_text("viewer.js"),
+        tables_script=viewer.static_text("tables.js"),
         three_licence=viewer.static_text("three/LICENSE"),
         style=viewer.static_text("report.css"),
     )

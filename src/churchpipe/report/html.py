@@ -7,13 +7,13 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-import jinja2
 import numpy as np
 
 from churchpipe.io.atomic import write_text
 from churchpipe.mechanism import stone_of_point
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import KINDS, Contacts
+from churchpipe.model.names import GOOD
 from churchpipe.model.placed_loads import Borne
 from churchpipe.model.results import LimitState
 from churchpipe.model.shell import ShellModel
@@ -27,6 +27,7 @@ from churchpipe.report.figures import Job, mechanism_picture, mechanism_pictures
 from churchpipe.report.motion import joint_opening, opened_joints, push_direction, viewpoint
 from churchpipe.report.movements import Moved, movements_shown
 from churchpipe.report.notes import convergence_note, status_note
+from churchpipe.report.page import template
 from churchpipe.report.paths import Followed, crack_maps, path_label, snapshots, viewer_path
 from churchpipe.report.plots import convergence_svg, gaps_svg
 from churchpipe.report.published import published_rows
@@ -82,19 +83,12 @@ def write_report(
     rows = rows_of(summary, results, shell_results)
     of_blocks = [row for row in rows if row.state is not None]
     of_shell = [row for row in rows if row.shell is not None]
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(Path(__file__).parent / "templates"),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
     columns = columns_for(rows)
     asis = [row for row in rows if not row.variant]
     geometry = next((row.record.get("geometry") for row in (*of_blocks, *of_shell, *rows)), None)
     with _pictures(stones, contacts, meshes, of_blocks, of_shell, figures_dir, borne or {}, followed) as pictures:
         domain, domain_words = both.domain_plot(meshes, rows)
-        text = environment.get_template("report.html").render(
+        text = template("report.html").render(
             name=(project or {}).get("title") or summary.get("case", ""),
             title_block=title_block(project or {}, case_text, versions),
             drawings=drawings_svg(stones),
@@ -104,12 +98,15 @@ def write_report(
             kinds=_interface_kinds(contacts),
             joints=joints_lines(joints_record(stones, contacts)),
             gaps=gaps_svg(contacts),
-            cards=[_card(row, bool(of_shell)) for row in asis] if len(asis) <= CARDS else [],
+            cards=_cards(asis, bool(of_shell)) if len(asis) <= CARDS else [],
             uncertainty=uncertainty_section(summary),
             variants=variants_section(summary, str(geometry or "")),
             elsewhere=_elsewhere(summary, str(geometry or "")),
-            columns=columns,
-            rows=[(row, [column.text(row) for column in columns]) for row in rows],
+            columns=[(column.title, column.meaning) for column in columns],
+            rows=[[column.text(row) for column in columns] for row in rows],
+            words=[place for place, column in enumerate(columns) if not column.numeric],
+            factors=[place for place, column in enumerate(columns) if column.title == "Load factor"],
+            chips=[place for place, column in enumerate(columns) if column.title == "Status"],
             parts=part_tables(rows),
             part_overview=part_overview(rows),
             check=check_table(rows),
@@ -187,6 +184,14 @@ _COUNTS = {"blocks": "stones", "interfaces": "interfaces", "contact_points": "co
 def _interface_kinds(contacts: Contacts) -> str:
     counts = [(int((contacts.kind == kind).sum()), kind) for kind in KINDS]
     return ", ".join(f"{count:,} {kind}" for count, kind in counts if count)
+
+
+def _cards(rows: Sequence[Row], both_models: bool) -> list[dict[str, str]]:
+    """Return a card for each analysis; of several that answer one question the first, the careful one, says so."""
+    asked = [both.question(row) for row in rows]
+    leads = [asked.count(one) > 1 and one not in asked[:place] for place, one in enumerate(asked)]
+    words = ["the careful value: use it" if lead and row.status in GOOD else "" for row, lead in zip(rows, leads, strict=True)]
+    return [_card(row, both_models) | {"use": use} for row, use in zip(rows, words, strict=True)]
 
 
 def _card(row: Row, both_models: bool) -> dict[str, str]:

@@ -37,7 +37,8 @@ SITE = (
 
 
 def check_table(rows: Sequence[Row]) -> dict[str, Any] | None:
-    """Return the table of safety checks, or None where no analysis has one: headings, rows (cells, verdict), sited, refused."""
+    """Return the table of safety checks, or None where no analysis has one: headings, rows of cells, chips (the
+    column of the verdicts, where there is one), sited, refused."""
     # Capacity curves have a check of their own: `report.displacements`.
     of_limits = [row for row in rows if row.record.get("method") != "curve"]
     found = [(row, check) for row in of_limits if isinstance(check := row.record.get("check"), Mapping)]
@@ -45,13 +46,17 @@ def check_table(rows: Sequence[Row]) -> dict[str, Any] | None:
     if not found:
         return None
     columns = [*ACTIVATION, *(column for column in SITE if any(column[2] in check for _, check in good))]
+    sited = any("zeta_e" in check for _, check in good)
     return {
-        "headings": [(title, meaning) for title, meaning, _, _ in columns],
+        "headings": ["Analysis", *((title, meaning) for title, meaning, _, _ in columns), *(["Verdict"] if sited else [])],
         "rows": [
-            ([row.label, *(_cell(check.get(key), digits) for *_, key, digits in columns)], verdict(check)) for row, check in good
+            [row.label, *(_cell(check.get(key), digits) for *_, key, digits in columns), *([verdict(check)] if sited else [])]
+            for row, check in good
         ],
+        "chips": [len(columns) + 1] if sited else [],
         "kinds": ["crushing" if crushes(row.record) else "" for row, _ in good],
-        "sited": any("zeta_e" in check for _, check in good),
+        "sited": sited,
+        "floor": any("floor_demand_m_s2" in check for _, check in good),
         "refused": [(row.label, check["message"]) for row, check in found if "message" in check],
     }
 
@@ -88,7 +93,7 @@ def fails(row: Row) -> bool:
 def part_overview(rows: Sequence[Row]) -> dict[str, Any] | None:
     """Return the share of the motion of each macro-element under each load, or None where there is one analysis to tell of.
 
-    headings (model and kind), loads; rows of cells of all that move under some load, "" where at rest; still: the others.
+    headings (load, model and kind); rows of cells of all that move under some load, "" where at rest; still: the others.
     """
     shown = _first_of_each(rows)
     if len(shown) < 2:
@@ -97,8 +102,7 @@ def part_overview(rows: Sequence[Row]) -> dict[str, Any] | None:
     largest = {name: max(shares.get(name, 0.0) for shares in motion) for shares in motion for name in shares}
     names = dict.fromkeys(str(part["name"]) for row in shown for part in row.record["parts"])
     return {
-        "headings": [("shell, " if row.of_shell else "") + row.kind for row in shown],
-        "loads": [row.load for row in shown],
+        "headings": ["Share of the motion", *(f"{row.load}, {'shell, ' if row.of_shell else ''}{row.kind}" for row in shown)],
         "rows": [
             [name, *("" if name not in shares else _percent(shares[name]) for shares in motion)]
             for name in sorted(largest, key=lambda name: -largest[name])

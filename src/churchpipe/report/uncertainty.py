@@ -31,8 +31,8 @@ def uncertainty_section(summary: Mapping[str, Any]) -> dict[str, Any] | None:
         "seed": study["seed"],
         "parameters": [(", ".join(map(heading, one["key"])), _distribution(one)) for one in study["parameters"]],
         "refused": study["refused"],
-        "headings": _HEADINGS,
-        "rows": [(_label(one), _row(one), _matters(one), _left_out(one)) for one in study["analyses"]],
+        "headings": ["Analysis", *_HEADINGS, "It hangs on", ""],
+        "rows": [[_label(one), *_row(one), _matters(one), "; ".join(_left_out(one))] for one in study["analyses"]],
         "demands": [(_label(one), _asked(*asked)) for one in analyses for asked in _demands(one)],
         "shown": [
             {

@@ -12,10 +12,8 @@ from churchpipe.model.contacts import Contacts
 from churchpipe.report.plots import svg_of
 from churchpipe.report.table import Row, figure
 from churchpipe.report.thrust import HINGE, section_figure
-from churchpipe.thrust_lines import ThrustLine, ring_forces, thrust_line
+from churchpipe.thrust_lines import ThrustLine, ring_forces, thrust_line, vaulted
 
-# A macro-element in courses is a vault when its beds differ by more than this in slope: sine of 20 degrees.
-_TURNS = 0.34
 # A dome's beds look to all sides: least share of them across the main direction.
 _ALL_ROUND = 0.25
 # No more sections are drawn.
@@ -44,22 +42,6 @@ def vault_sections(stones: Assemblage, contacts: Contacts, rows: Sequence[Row]) 
     for panel, across in vaulted(stones, contacts).items():
         if len(found) < _MOST and (section := _section(stones, contacts, row, panel, across)):
             found.append(section)
-    return found
-
-
-def vaulted(stones: Assemblage, contacts: Contacts) -> dict[str, FloatArray]:
-    """Return the macro-elements in courses whose beds turn, as in a vault, each with the sums (2, 2) of the products of the
-    beds' normals in plan, by area."""
-    first, second = contacts.blocks.T
-    same = (stones.panel[first] == stones.panel[second]) & stones.coursed[first] & stones.coursed[second]
-    beds = np.flatnonzero(same & (stones.course[first] != stones.course[second]))
-    found: dict[str, FloatArray] = {}
-    for panel in np.unique(stones.panel[first[beds]]).tolist():
-        mine = beds[stones.panel[first[beds]] == panel]
-        level = np.abs(contacts.frame[mine, 0, 2])
-        if np.ptp(level) > _TURNS:
-            plan = contacts.frame[mine, 0, :2]
-            found[str(panel)] = np.einsum("i,ia,ib->ab", contacts.area[mine], plan, plan)
     return found
 
 

@@ -9,20 +9,20 @@ from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import Building, CylinderChart, Opening, Panel
 
 
-def wall_rows(building: Building) -> list[dict[str, str]]:
+def wall_rows(building: Building) -> list[tuple[str, ...]]:
     """Return of each wall, and of each part of a vault, its name, what it is, its size, its material and its openings."""
     rows = [
-        {
-            "name": panel.name,
-            "kind": f"wall {1e3 * panel.thickness:.0f} mm" + (", curved" if isinstance(panel.chart, CylinderChart) else ""),
-            "size": _size(panel.outline),
-            "material": panel.material,
-            "openings": "; ".join(f"{opening.name} {_size(opening.outline)}" for opening in panel.openings),
-        }
+        (
+            panel.name,
+            f"wall {1e3 * panel.thickness:.0f} mm" + (", curved" if isinstance(panel.chart, CylinderChart) else ""),
+            _size(panel.outline),
+            panel.material,
+            "; ".join(f"{opening.name} {_size(opening.outline)}" for opening in panel.openings),
+        )
         for panel in building.panels
     ]
     parts = [(part, vault.material) for vault in building.vaults for part in vault.parts]
-    return rows + [{"name": n, "kind": "vault", "size": "", "material": material, "openings": ""} for n, material in parts]
+    return rows + [(name, "vault", "", material, "") for name, material in parts]
 
 
 def opening_outlines(building: Building, origin: FloatArray) -> list[dict[str, Any]]:

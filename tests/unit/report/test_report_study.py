@@ -151,7 +151,7 @@ def test_macro_elements_of_all_loads_stand_in_one_table(tmp_path: Path) -> None:
     rows = [Row(first, state), Row(second, state)]
     overview = part_overview(rows)
     assert overview is not None
-    assert overview["loads"] == ["+x", "\u2212y"]
+    assert overview["headings"] == ["Share of the motion", "+x, associative", "\u2212y, associative"]
     assert overview["rows"] == [["belfry", "3 %", "100 %"], ["shaft", "97 %", "< 1 %"]]
     assert overview["still"] == ["apse"]
     assert part_overview(rows[:1]) is None

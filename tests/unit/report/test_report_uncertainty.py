@@ -46,13 +46,13 @@ def test_the_section_has_figures_mechanisms_and_what_is_missing(summary: dict[st
     assert section is not None
     assert section["parameters"] == [("friction", "normal, mean 0.6, standard deviation 0.05, from 0.4")]
     assert [one["sample"] for one in section["refused"]] == ["00040"]
-    (_, cells, matters, left_out), (_, nothing, _, all_left_out) = section["rows"]
+    (_, *cells, matters, left_out), (_, *nothing, _, all_left_out) = section["rows"]
     assert cells[0] == "0.6000"
     assert float(cells[1]) == pytest.approx(0.5974, abs=1e-4)
     assert matters == "friction +1.00"
-    assert left_out == ["1 without a result (refused)"]
+    assert left_out == "1 without a result (refused)"
     assert nothing == ["0.6000", *[""] * 5]
-    assert all_left_out == ["39 without a result (not-converged)", "1 without a result (refused)"]
+    assert all_left_out == "39 without a result (not-converged); 1 without a result (refused)"
     (shown,) = section["shown"]
     assert [row[:2] for row in shown["mechanisms"]] == [("apse, nave", "74.4 %"), ("apse", "25.6 %")]
     assert shown["spread"].startswith("<svg")

@@ -11,7 +11,8 @@ from churchpipe.generators import dome, vault
 from churchpipe.model.building import Building
 from churchpipe.report.html import write_report
 from churchpipe.report.table import Row
-from churchpipe.report.vault_sections import vault_sections, vaulted
+from churchpipe.report.vault_sections import vault_sections
+from churchpipe.thrust_lines import vaulted
 
 WALLS: dict[str, Any] = {"wall_height": 1.0, "wall_thickness": 0.3, "wall_course": 0.25}
 BARREL: dict[str, Any] = {"span": 1.8, "thickness": 0.2, "courses": 13, "stone_length": 0.5, "length": 1.0} | WALLS

@@ -1,4 +1,4 @@
-// A button beside each table of the report that saves it as CSV.
+// A button beside each table of the report that saves it as CSV; tables wider than the page are stacked, row below row.
 const quoted = (text) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
 
 document.querySelectorAll(".scroll > table").forEach((table, number) => {
@@ -17,4 +17,15 @@ document.querySelectorAll(".scroll > table").forEach((table, number) => {
     setTimeout(() => URL.revokeObjectURL(link.href), 1000);
   });
   table.parentElement.before(button);
+  const headings = [...(table.tHead?.rows[0]?.cells ?? [])].map((cell) => cell.innerText.trim());
+  for (const row of table.tBodies[0].rows) [...row.cells].forEach((cell, place) => (cell.dataset.heading = headings[place] ?? ""));
 });
+
+function stack() {
+  for (const box of document.querySelectorAll(".scroll:has(> table)")) {
+    box.classList.remove("stacked");
+    box.classList.toggle("stacked", box.scrollWidth > box.clientWidth + 1);
+  }
+}
+stack();
+addEventListener("resize", stack);
