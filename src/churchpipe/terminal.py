@@ -259,9 +259,10 @@ def remarks(summary: Mapping[str, Any]) -> list[str]:
 def _movement(record: Mapping[str, Any]) -> str:
     unit = "deg" if record["turns"] else "mm"
     cracks = [f"{crack['opening_mm']:.3g} mm in {crack['wall']}" for crack in record["cracks"][:1]]
-    return f"Support {record['movement']}: {record[f'ultimate_{unit}']:.4g} {unit}, {record['ending']}; widest crack " + (
-        cracks[0] if cracks else "none"
-    )
+    reached = record[f"ultimate_{unit}"]
+    # Of a path that nothing ended the last movement is known, of a support that did not move at all not even that.
+    far = next((value for value in (reached, *record[f"movement_{unit}"][-1:]) if value is not None), 0.0)
+    return f"Support {record['movement']}: {far:.4g} {unit}, {record['ending']}; widest crack {''.join(cracks) or 'none'}"
 
 
 def findings_table(findings: Sequence[Finding]) -> Table:

@@ -426,7 +426,14 @@ def test_show_tells_what_moves_and_what_the_check_finds(capsys: pytest.CaptureFi
     parts = [{"name": "facade", "motion": 0.9}, {"name": "nave", "motion": 0.1}, {"name": "apse", "motion": 0.0}]
     check = {"moving_weight_kN": 123.4, "a0_lumped_m_s2": 1.937, "mass_fraction": 0.4368, "zeta_e": 0.8, "satisfied": False}
     analysis = {"name": "-y_associative", "load": "-y", "flow": "associative", "load_factor": 0.2, "status": "optimal"}
-    movement = {"movement": "pier", "turns": False, "ultimate_mm": 87.2, "ending": "unbounded", "status": "converged"}
+    movement = {
+        "movement": "pier",
+        "turns": False,
+        "ultimate_mm": 87.2,
+        "movement_mm": [87.2],
+        "ending": "unbounded",
+        "status": "converged",
+    }
     movement |= {"cracks": [{"wall": "nave", "opening_mm": 12.0, "slip_mm": 1.0}]}
     summary = {
         "case": "w",
@@ -440,6 +447,12 @@ def test_show_tells_what_moves_and_what_the_check_finds(capsys: pytest.CaptureFi
     for text in ("facade 90 %, nave 10 %", "123.4", "1.937", "0.4368", "not satisfied"):
         assert text in out
     assert "Support pier: 87.2 mm, unbounded; widest crack 12 mm in nave" in out
+    # One that is not followed to its end says how far it went.
+    unfinished = movement | {"ultimate_mm": None, "movement_mm": [0.0, 61.5], "ending": "unfinished"}
+    write_json(tmp_path / "summary.json", summary | {"movements": [unfinished, unfinished | {"movement_mm": []}]})
+    _, out, _ = call(capsys, "show", tmp_path)
+    assert "Support pier: 61.5 mm, unfinished" in out
+    assert "Support pier: 0 mm, unfinished" in out
 
 
 def test_long_lists_are_folded(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

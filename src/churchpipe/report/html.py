@@ -259,7 +259,8 @@ def _pictures(
         drawn: list[tuple[str, Path]] = []
         jobs: list[Job] = []
         for number, row in enumerate(first.values(), 1):
-            file = folder / f"{row.record.get('name', f'mechanism_{number}')}.png"
+            # Names of analyses of a run are those of its folders; any others may be no names of files.
+            file = folder / f"{row.record.get('name', number) if keep else number}.png"
             drawn.append((row.label, file))
             if row.state:
                 push = None if row.status == "unstable" else push_direction(row.record)

@@ -1,4 +1,7 @@
 // A button beside each table of the report that saves it as CSV; tables wider than the page are stacked, row below row.
+// A text that a spreadsheet would compute stands behind an apostrophe; axes, numbers and per cent are none.
+const harmless = /^(?:[+-][xyz]|[+-]?\d[\d.,]*(?:e[+-]?\d+)?(?: %)?|[^=+\-@].*|)$/s;
+const plain = (text) => (harmless.test(text) ? text : `'${text}`);
 const quoted = (text) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
 
 document.querySelectorAll(".scroll > table").forEach((table, number) => {
@@ -9,7 +12,7 @@ document.querySelectorAll(".scroll > table").forEach((table, number) => {
   const title = table.closest("section")?.querySelector("h2")?.textContent ?? "table";
   button.setAttribute("aria-label", `Save the table “${title}” as CSV`);
   button.addEventListener("click", () => {
-    const lines = [...table.rows].map((row) => [...row.cells].map((cell) => quoted(cell.innerText.trim().replace(/\s+/g, " "))).join(","));
+    const lines = [...table.rows].map((row) => [...row.cells].map((cell) => quoted(plain(cell.innerText.trim().replace(/\s+/g, " ")))).join(","));
     const link = document.createElement("a");
     link.href = URL.createObjectURL(new Blob(["\ufeff" + lines.join("\r\n") + "\r\n"], { type: "text/csv" }));
     link.download = `${document.querySelector("h1").textContent} ${title} ${number + 1}.csv`;
