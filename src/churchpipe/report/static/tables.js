@@ -1,4 +1,4 @@
-// A button beside each table of the report that saves it as CSV; tables wider than the page are stacked, row below row.
+// A button beside each table of the report that saves it as CSV; tables wider than the page are drawn closer, or stacked, row below row.
 // A text that a spreadsheet would compute stands behind an apostrophe; axes, numbers and per cent are none.
 const harmless = /^(?:[+-][xyz]|[+-]?\d[\d.,]*(?:e[+-]?\d+)?(?: %)?|[^=+\-@].*|)$/s;
 const plain = (text) => (harmless.test(text) ? text : `'${text}`);
@@ -26,8 +26,10 @@ document.querySelectorAll(".scroll > table").forEach((table, number) => {
 
 function stack() {
   for (const box of document.querySelectorAll(".scroll:has(> table)")) {
-    box.classList.remove("stacked");
-    box.classList.toggle("stacked", box.scrollWidth > box.clientWidth + 1);
+    const wide = () => box.scrollWidth > box.clientWidth + 1;
+    box.classList.remove("tight", "stacked");
+    if (wide()) box.classList.add("tight");
+    if (wide()) box.classList.add("stacked");
   }
 }
 stack();
