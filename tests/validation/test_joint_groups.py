@@ -13,6 +13,7 @@ import pytest
 import churchpipe as cp
 from churchpipe import generators
 from churchpipe.errors import InputError
+from churchpipe.stones.joints import check_group
 from solids import box
 
 GAMMA = 18e3
@@ -179,3 +180,12 @@ def test_no_wall_gains_more_than_its_tangent() -> None:
     most = state.load_factor + 10e3 * found.cohesion
     assert (found.with_cohesion <= most * (1 + 1e-6)).all()
     assert (found.with_cohesion >= state.load_factor * (1 - 1e-6)).all()
+
+
+def test_walls_apart_have_no_joints() -> None:
+    stones, _ = piled(0.5, 0.5, 0.5)
+    check_group(stones, cp.JointGroup("j", between=("a", "b"), friction=0.3))
+    with pytest.raises(InputError, match="joints j: walls that do not meet; found a and c"):
+        check_group(stones, cp.JointGroup("j", between=("a", "c"), friction=0.3))
+    with pytest.raises(InputError, match=r"joints j: no stones there; found below -0\.1 m"):
+        check_group(stones, cp.JointGroup("j", below=-0.1, friction=0.3))

@@ -259,3 +259,28 @@ def test_a_tied_block_through_a_case(tmp_path: Path) -> None:
     assert rod["tension_kN"] == pytest.approx(3.6, rel=1e-6)
     assert rod["yielded"]
     assert "gains" not in record  # one wall alone
+
+
+def test_a_bar_along_a_wall_stays_in_it() -> None:
+    building = free_wall(
+        length=4.0,
+        brick=(1.0, 0.5, 0.5),
+        courses=6,
+        materials=[cp.Material("default", 18e3, 0.6)],
+        openings=[{"start": 1.0, "width": 1.0, "sill_courses": 2, "height_courses": 2, "lintel_bearing": 0.5}],
+    )
+    stones = cp.derive_blocks(building)
+
+    def chain(height: float) -> cp.TieBar:
+        return cp.TieBar("chain", start=("wall", 0.0, height), end=("wall", 4.0, height), **STEEL)
+
+    assert place_ties(stones, [chain(2.75)])[0].length == pytest.approx(4.0)
+    with pytest.raises(
+        InputError, match=r"tie chain: it leaves the masonry of the wall wall; found an opening at \[1\.\d+, 0\.25, 1\.5\]"
+    ):
+        place_ties(stones, [chain(1.5)])
+    with pytest.raises(InputError, match=r"tie chain: start: below the wall wall; found -0\.2 m; expected at least 0 m"):
+        place_ties(stones, [chain(-0.2)])
+    # Its ends given as points, it may cross the opening in the open.
+    ends = {"start": (0.0, 0.25, 1.25), "end": (4.0, 0.25, 1.25)}
+    assert place_ties(stones, [cp.TieBar("chain", **ends, **STEEL)])[0].length == pytest.approx(4.0)

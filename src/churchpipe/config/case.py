@@ -133,7 +133,7 @@ class Case:
                 where, expected = f"{self.path}: {place}", ", ".join(known)
                 error = InputError(where, "no such panel", found=name, expected=expected, remedy=nearest(name, known))
                 raise located(error, self.path, self.overrides, swept=self.swept, variant=self.variant)
-        if self.carries or self.ring_beams:
+        if self.carries or self.ring_beams or self.joints:
             try:
                 self._bear(building)
             except InputError as error:
@@ -143,8 +143,10 @@ class Case:
         return building
 
     def _bear(self, building: Building) -> None:
-        """Raise InputError, with the table at fault, for beams, loads and ties that the walls cannot bear."""
+        """Raise InputError, with the table at fault, for beams, loads and ties that the walls cannot bear, and joints that they
+        cannot have."""
         from churchpipe.stones.blocks import derive_blocks
+        from churchpipe.stones.joints import check_group
         from churchpipe.stones.ring_beams import add_beams
 
         stones = derive_blocks(replace(building, ring_beams=()))
@@ -152,8 +154,11 @@ class Case:
         for number in range(len(self.ring_beams)):
             beams = self.ring_beams[: number + 1]
             tried(f"ring_beams.{number}", lambda beams=beams: add_beams(stones, beams, weights))
+        stones = add_beams(stones, self.ring_beams, weights)
+        for number, group in enumerate(self.joints):
+            tried(f"joints.{number}", partial(check_group, stones, group))
         if self.carries:
-            placed(self.carries, add_beams(stones, self.ring_beams, weights))
+            placed(self.carries, stones)
 
 
 def _of_the_farthest_number(error: InputError, where: str, source: Generated) -> InputError:
@@ -310,6 +315,12 @@ def _case(path: Path, table: dict[str, Any], swept: dict[str, Any], overrides: t
             if one.material and one.material not in checked["material"]:
                 where, expected = f"{file}: {key}.{number}.material", ", ".join(checked["material"])
                 raise InputError(where, "unknown material", found=one.material, expected=expected)
+    for key in ("ties", "tie_candidates"):
+        names = [str(table["name"]) for table in checked.get(key, [])]
+        for number, name in enumerate(names):
+            if name in names[:number]:
+                where, expected = f"{file}: {key}.{number}.name", "a name of its own for each"
+                raise InputError(where, "two ties of one name", found=name, expected=expected)
     source = _source(path, source)
     if buttresses and isinstance(source, Drawing):
         remedy = "Draw them, or take a generator."

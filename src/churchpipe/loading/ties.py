@@ -1,11 +1,11 @@
 """Ties to the stones that their anchors pull on."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
 from churchpipe.errors import InputError
-from churchpipe.geometry.locate import stones_at
+from churchpipe.geometry.locate import inside_stones, stones_at
 from churchpipe.geometry.walls import WallLine, points_of, wall_line
 from churchpipe.loading.plates import plate_on
 from churchpipe.model.arguments import check_kind, listed
@@ -17,6 +17,8 @@ from churchpipe.model.ties import Anchor, Tie
 # A bar runs along a wall, and not through it, if the cosine of its angle with the wall's normal is less than this.
 _THROUGH = 0.3
 _CLOSE = 1e-5
+# A bar along a wall is looked at every so many metres, but for its ends; with no stone at two places in a row it is in the open.
+_EVERY, _SPARED = 0.05, 0.02
 
 
 def place_ties(stones: Assemblage, bars: Iterable[TieBar]) -> list[Tie]:
@@ -108,13 +110,14 @@ def _placed(stones: Assemblage, bar: TieBar) -> Tie:
         for end, place in (("start", bar.start), ("end", bar.end))
     ]
     first, second = (
-        _middle(f"{where}: {end}", place, wall)
+        _middle(stones, f"{where}: {end}", place, wall)
         for end, place, wall in zip(("start", "end"), (bar.start, bar.end), walls, strict=True)
     )
     span = second - first
     if not np.linalg.norm(span) > _CLOSE:
         raise InputError(where, "no length", found=f"both ends at {first.round(4).tolist()} m", expected="two anchors apart")
     axis = span / np.linalg.norm(span)
+    _check_within(stones, where, walls, first, span)
     anchors: list[Anchor] = []
     ends: list[FloatArray] = []
     thickness: list[float | None] = []
@@ -147,13 +150,37 @@ def _placed(stones: Assemblage, bar: TieBar) -> Tie:
     return tie
 
 
-def _middle(where: str, place: AnchorPlace, wall: WallLine | None) -> FloatArray:
+def _check_within(stones: Assemblage, where: str, walls: Sequence[WallLine | None], first: FloatArray, span: FloatArray) -> None:
+    """Raise InputError for a bar along a wall that leaves its masonry, at an opening or above a step."""
+    wall, other = walls
+    if wall is None or other is None or wall.name != other.name:
+        return
+    length = float(np.linalg.norm(span))
+    way = np.linspace(_SPARED, length - _SPARED, max(2, int(length / _EVERY))) / length
+    # Not exactly on the middle plane, on which joints between two leaves lie.
+    places = first + way[:, None] * span + np.append(1e-3 * wall.thickness * wall.normal, 0.37e-3)
+    bare = ~inside_stones(stones, places)
+    if (bare[1:] & bare[:-1]).any():
+        at = places[1:][bare[1:] & bare[:-1]][0]
+        raise InputError(
+            where,
+            f"it leaves the masonry of the wall {wall.name}",
+            found=f"an opening at {at.round(2).tolist()} m",
+            expected="a bar within the wall",
+            remedy="Move it above or below; where it is to cross the opening in the open, give its ends as points (at_m).",
+        )
+
+
+def _middle(stones: Assemblage, where: str, place: AnchorPlace, wall: WallLine | None) -> FloatArray:
     """Return a place on the middle plane of its wall, or the point that it is (3,) m."""
     if wall is None or place.along is None or place.height is None:
         return np.array(place.at)
     if not -_CLOSE <= place.along <= wall.length + _CLOSE:
         expected = f"within 0 and {wall.length:.6g} m along it"
         raise InputError(where, f"beyond the wall {wall.name}", found=f"{place.along:g} m", expected=expected)
+    foot = float(points_of(stones, wall.stones)[:, 2].min())
+    if place.height < foot - _CLOSE:
+        raise InputError(where, f"below the wall {wall.name}", found=f"{place.height:g} m", expected=f"at least {foot:.6g} m")
     if place.height > wall.top + _CLOSE:
         raise InputError(where, f"above the wall {wall.name}", found=f"{place.height:g} m", expected=f"at most {wall.top:.6g} m")
     return np.append(wall.at(place.along), place.height)

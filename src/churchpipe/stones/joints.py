@@ -12,6 +12,9 @@ from churchpipe.model.contacts import Contacts, check_contacts_of
 from churchpipe.model.joint_group import JointGroup
 from churchpipe.model.materials import JointStrength, by_name
 
+# Stones whose boxes are this far apart have no joint, m.
+_APART = 0.05
+
 
 def joint_strength(
     stones: Assemblage, contacts: Contacts, materials: Sequence[JointStrength], groups: Sequence[JointGroup] = ()
@@ -80,6 +83,28 @@ def joints_of(stones: Assemblage, contacts: Contacts, group: JointGroup) -> Bool
     if not chosen.any():
         raise InputError(f"joints {group.name}", "no such joint", expected="kind, walls and heights that some joint has")
     return chosen
+
+
+def check_group(stones: Assemblage, group: JointGroup) -> None:
+    """Raise InputError for joints that no stones could have: of walls that stand apart, at heights without stones.
+
+    It looks at the boxes of the stones alone, before joints are sought.
+    """
+    low, high = (edge.reduceat(stones.points, stones.block_point_ptr[:-1], axis=0) for edge in (np.minimum, np.maximum))
+    free = ~stones.fixed
+    tallest = float(high[free, 2].max())
+    if (group.above or -np.inf) >= tallest or (np.inf if group.below is None else group.below) < float(low[free, 2].min()):
+        found = " ".join(f"{key} {value:g} m" for key in ("above", "below") if (value := getattr(group, key)) is not None)
+        raise InputError(f"joints {group.name}", "no stones there", found=found, expected=f"heights up to {tallest:.6g} m")
+    if group.between is None:
+        return
+    first, second = (np.flatnonzero(free & (stones.panel == name)) for name in group.between)
+    for stone in first.tolist():
+        apart = np.maximum(low[second] - high[stone], low[stone] - high[second]).max(axis=1)
+        if (apart < _APART).any():
+            return
+    found = " and ".join(group.between)
+    raise InputError(f"joints {group.name}", "walls that do not meet", found=found, expected="two walls with joints between them")
 
 
 def crushing_strength(stones: Assemblage, contacts: Contacts, materials: Sequence[JointStrength]) -> FloatArray | None:

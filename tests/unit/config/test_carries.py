@@ -109,6 +109,12 @@ def test_what_is_wrong_is_said_with_its_line(tmp_path: Path, given: str, wrong: 
         read_case(case_of(tmp_path, CASE.replace(given, wrong))).building()
 
 
+def test_ties_have_names_of_their_own(tmp_path: Path) -> None:
+    again = CASE[CASE.index("[[ties]]") :]
+    with pytest.raises(InputError, match=r"loaded\.toml: line \d+, ties\.1\.name: two ties of one name; found chain"):
+        read_case(case_of(tmp_path, f"{CASE}\n{again}"))
+
+
 BEAM = """
 [[ring_beams]]
 walls = ["wall"]
@@ -203,6 +209,7 @@ def test_joints_with_a_strength_of_their_own_reach_the_settings_of_the_analyses(
         ('kind = "base"', 'kind = "bass"', "line 43, joints.0.kind"),
         ("friction = 0.3", "", "line 41, joints.0: no strength"),
         ("friction = 0.3", "friction = -0.3", "line 44, joints.0.friction: wrong value"),
+        ("above_m = 1.0", "above_m = 40.0", "line 45, joints.1: joints grouted: no stones there; found above 40 m"),
     ):
         with pytest.raises(InputError, match=rf"loaded\.toml: {said}"):
             read_case(case_of(tmp_path, CASE + JOINTS.replace(given, wrong))).building()
