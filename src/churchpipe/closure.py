@@ -45,8 +45,8 @@ def _used(stage: str, package: Path) -> tuple[str, set[Path]]:
         own[name] = ""
         for node in defined[name]:
             if isinstance(node, ast.ImportFrom):
-                taken = [alias.name for alias in node.names if _bound(alias) == name]
-                modules |= {path for other in taken for path in _module(node.module, other, package)}
+                imported = [alias.name for alias in node.names if _bound(alias) == name]
+                modules |= {path for other in imported for path in _module(node.module, other, package)}
                 continue
             modules |= set(_imports(node, package))
             if not isinstance(node, ast.Import):

@@ -56,8 +56,8 @@ def _question(case: Path, changes: Sequence[str]) -> str:
     own, pipeline = Path(__file__).parent, pipeline_folder()
     program = [path for path in _files(own) if "__pycache__" not in path.parts]
     program += [pipeline / "Snakefile", *_files(pipeline / "rules"), *_files(pipeline / "profiles")]
-    told = [str(case.resolve()), hashlib.sha256(case.read_bytes()).hexdigest(), list(changes), _stamps(program)]
-    return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()
+    asked = [str(case.resolve()), hashlib.sha256(case.read_bytes()).hexdigest(), list(changes), _stamps(program)]
+    return hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()
 
 
 def _files(folder: Path) -> Iterator[Path]:

@@ -27,7 +27,7 @@ from churchpipe.io.vtu import write_vtu
 from churchpipe.loading.wrenches import loaded, shell_loaded
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
-from churchpipe.model.building import MOST_STONES, Building
+from churchpipe.model.building import Building
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength
@@ -44,11 +44,7 @@ def source(settings: Path, building: Path) -> None:
     from churchpipe.generators import generate
 
     table = read_json(settings)
-    added = {
-        "ring_beams": beams_of(table),
-        "buttresses": buttresses_of(table),
-        "most_stones": table.get("most_stones", MOST_STONES),
-    }
+    added = {"ring_beams": beams_of(table), "buttresses": buttresses_of(table), "most_stones": table["most_stones"]}
     write_building(building, generate(**table["source"], materials=weights_of(table), name=table["name"], **added))
 
 

@@ -174,17 +174,17 @@ def _folded(count: int) -> str | None:
 
 def mechanism_table(summary: Mapping[str, Any]) -> Table | None:
     """Return what moves in each mechanism and what the safety check finds of it, None where nothing is known of either."""
-    told = [one for one in summary["analyses"] if one.get("parts") or "a0_lumped_m_s2" in (one.get("check") or {})]
-    if not told:
+    listed = [one for one in summary["analyses"] if one.get("parts") or "a0_lumped_m_s2" in (one.get("check") or {})]
+    if not listed:
         return None
     table = Table(title="Mechanisms", title_justify="left", title_style="bold", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
     table.add_column("analysis")
-    if named := any(one.get("parts") for one in told):
+    if named := any(one.get("parts") for one in listed):
         table.add_column("what moves: share of the motion")
     for title in ("moving, kN", "a0*, m/s2", "e* of stones"):
         table.add_column(title, justify="right")
-    table.caption = _folded(len(told))
-    for one in told[:MOST_ROWS]:
+    table.caption = _folded(len(listed))
+    for one in listed[:MOST_ROWS]:
         check = one.get("check") or {}
         figures = [check.get(key) for key in ("moving_weight_kN", "a0_lumped_m_s2", "mass_fraction")]
         words = [what_moves(one)] if named else []

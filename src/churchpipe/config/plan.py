@@ -10,7 +10,6 @@ from churchpipe.config.carries import plain
 from churchpipe.config.case import Case, Drawing
 from churchpipe.config.plausible import questions
 from churchpipe.model import swept
-from churchpipe.model.building import MOST_STONES
 from churchpipe.model.loads import LoadCase, load_table
 from churchpipe.model.names import CONTACT_MODEL
 
@@ -171,7 +170,7 @@ def _geometry_settings(case: Case) -> dict[str, Any]:
         "materials": [material.name for material in case.materials],
         **({"buttresses": [plain(buttress) for buttress in case.buttresses]} if case.buttresses else {}),
         **({"ring_beams": [plain(beam) for beam in case.ring_beams]} if case.ring_beams else {}),
-        **({"most_stones": case.most_stones} if case.most_stones != MOST_STONES else {}),
+        "most_stones": case.most_stones,
         **({"panels": _named_panels(case)} if isinstance(case.source, Drawing) else {}),
     }
 

@@ -193,12 +193,12 @@ def supported(
 
 def uniquely_named(stones: list[Stone], findings: list[Finding]) -> list[Stone]:
     """Give stones that share an ID (a copy in the CAD program keeps it) names of their own, with a warning."""
-    taken = {stone.name for stone in stones}
+    used = {stone.name for stone in stones}
     seen: set[str] = set()
     out: list[Stone] = []
     for stone in stones:
         name, number = stone.name, 1
-        while name in seen or (name != stone.name and name in taken):
+        while name in seen or (name != stone.name and name in used):
             number += 1
             name = f"{stone.name}~{number}"
         if name != stone.name:

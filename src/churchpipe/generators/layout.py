@@ -120,7 +120,7 @@ def _check_fit(hole: Hole, layout: WallLayout, outline: Region, layouts: Sequenc
             expected=f"within {start:.4g} to {stop:.4g} m ({stop - start:.4g} m)",
             remedy="Move or narrow it.",
         )
-    if area(less(_taken(hole), [outline])) > CLOSE:
+    if area(less(_with_voussoirs(hole), [outline])) > CLOSE:
         raise InputError(
             where,
             "reaches beyond the top or the foot of its wall",
@@ -142,7 +142,7 @@ def _check_fit(hole: Hole, layout: WallLayout, outline: Region, layouts: Sequenc
 
 
 def _check_apart(first: Hole, second: Hole, wall: str) -> None:
-    shared = area(common(_taken(first), _taken(second)))
+    shared = area(common(_with_voussoirs(first), _with_voussoirs(second)))
     if shared > CLOSE:
         raise InputError(
             f"wall {wall}: openings {first.opening.name} and {second.opening.name}",
@@ -153,5 +153,5 @@ def _check_apart(first: Hole, second: Hole, wall: str) -> None:
         )
 
 
-def _taken(hole: Hole) -> Region:
+def _with_voussoirs(hole: Hole) -> Region:
     return united([polygon(hole.opening.outline), *(polygon(ring.outline) for ring in hole.rings)])

@@ -36,14 +36,14 @@ def room_vaults(
     rooms = rooms_of(plan, walls)
     apses = dict(zip(plan.apse_names, plan.apses, strict=True))
     found: list[Vault] = []
-    taken: set[str] = set()
+    vaulted: set[str] = set()
     for number, vault in enumerate(vaults):
         where = f"church.vaults.{number}"
         if vault.over not in {*rooms, *apses}:
             raise InputError(f"{where}.over", "no such room", found=vault.over, expected=", ".join([*rooms, *apses]))
-        if vault.over in taken:
+        if vault.over in vaulted:
             raise InputError(f"{where}.over", "has a vault already", found=vault.over, expected="one vault a room")
-        taken.add(vault.over)
+        vaulted.add(vault.over)
         if (vault.kind == "half_dome") != (vault.over in apses):
             expected = 'kind = "half_dome"' if vault.over in apses else 'kind = "barrel", "groin", "pavilion" or "dome"'
             raise InputError(f"{where}.kind", f"no vault for {vault.over}", found=vault.kind, expected=expected)

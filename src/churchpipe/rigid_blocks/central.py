@@ -1,4 +1,8 @@
-"""Sliding without dilatancy as one interior-point run from the centre of the cones, which no start decides."""
+"""Sliding without dilatancy as one interior-point run, from forces and rates in the middle of their cones.
+
+The searches of `iterations` begin with forces that somebody chose, and rounding decides which state they end at. This run begins
+without any: all points press and open alike, and the products of forces and rates (`contact_newton`) fall together to zero.
+"""
 
 from dataclasses import dataclass, replace
 
@@ -66,7 +70,7 @@ def central_run(
     settings: CentralSettings | None = None,
     progress: Progress | None = None,
 ) -> SlidingRun | None:
-    """Follow the centres of the complementarity to a collapse state without dilatancy; None where no forces balanced.
+    """Lower all products of forces and rates alike, to a collapse state without dilatancy; None where no forces balanced.
 
     Every step is pulled towards low load factors a little. Of the states that differ in self-stress it thus ends at a careful
     one, and the pull also leads around the folds of the path.

@@ -1,12 +1,16 @@
 """Damped Newton steps for sliding without dilatancy: complementarity in the least-squares sense, the balance exactly.
 
-Forces are X = (mu n, t), rates R = (s, v) with w = mu s the opening and v the sliding. A collapse state without dilatancy
-balances the load, does unit work with it, and has X o Z = 0 at each point, both in the cone u_0 >= |u_1|, with
-Z = (s + r, v), r^2 = |v|^2 + roundness^2 s^2. On the way the products are nu e.
+At each contact point (n, t, w, v, mu as in `coulomb`) forces are X = (mu n, t) and rates R = (s, v), with the opening w = mu s.
+Both X and the multipliers Z = (s + r, v), r^2 = |v|^2 + roundness^2 s^2, lie in the cone of vectors (a, b) with a >= |b|. Their
+product is that of the cone's algebra, (a, b) o (a', b') = (a a' + b . b', a b' + a' b). A collapse state without dilatancy
+balances the load, does unit work with it, and has X o Z = 0 at each point. On the way there every product is nu (1, 0, 0), with
+a nu > 0 that falls.
 
-With the Nesterov-Todd scaling W of X and Z, D = W^-1 dX, E = W J dR, J = dZ/dR, and the target r of D + E, a step solves
+A step changes forces, rates and load factor by dX, dR and dalpha. W is the Nesterov-Todd scaling, which maps X and Z to one
+point; D = W^-1 dX and E = W J dR, J = dZ/dR, are the changes as seen there, and q is what D + E should be for the products to
+fall as wanted. A step solves
 
-    min 1/2 |D + E - r|^2 + 1/2 damping (|D|^2 + |E|^2) + pull dalpha    subject to the balance and to unit work
+    min 1/2 |D + E - q|^2 + 1/2 damping (|D|^2 + |E|^2) + pull dalpha    subject to the balance and to unit work
 
 (Levenberg 1944, Marquardt 1963). The matrix of a plain Newton step is neither symmetric nor definite, since the rates of a
 Coulomb point are no gradient. This one needs Cholesky factors only, of two matrices with the pattern of the normal matrix.
@@ -81,15 +85,15 @@ class ContactSystem:
         return self.couple(at.forces) + self.dead + at.load_factor * self.live
 
     def roundness(self, rates: FloatArray) -> FloatArray:
-        """Return r (nc,)."""
+        """Return r (nc,), what Z adds to the opening."""
         return np.sqrt(rates[1] ** 2 + rates[2] ** 2 + (self.settings.roundness * rates[0]) ** 2)
 
     def multipliers(self, rates: FloatArray) -> FloatArray:
-        """Return Z (3, nc)."""
+        """Return Z (3, nc) of rates R (3, nc)."""
         return np.stack([rates[0] + self.roundness(rates), rates[1], rates[2]])
 
     def product(self, u: FloatArray, v: FloatArray) -> FloatArray:
-        """Return u o v."""
+        """Return the product u o v (3, nc) of the cones' algebra."""
         return self.cone.product(u[:, None], v[:, None])[:, 0]
 
     def reach(self, u: FloatArray, step: FloatArray) -> float:
@@ -97,7 +101,7 @@ class ContactSystem:
         return float(self.cone.rates(u[:, None], step[:, None], step[:, None], np.zeros(1)).max(initial=0.0))
 
     def scaling(self, forces: FloatArray, multipliers: FloatArray) -> SecondOrderScaling:
-        """Return W."""
+        """Return the Nesterov-Todd scaling W of forces and multipliers, both (3, nc)."""
         return self.cone.scaling(forces[:, None], multipliers[:, None])
 
     def recentre(self, product: FloatArray, low: float, high: float) -> FloatArray:

@@ -1,12 +1,19 @@
 """Coulomb friction without dilatancy: the gap that certifies a load factor, and the programs that lower it.
 
-The certificate is de Saxce's bipotential. For forces x in equilibrium and in the Coulomb cones, and velocities u with
-f_L . u = 1 that open or slide without dilating,
+A contact point carries a normal force n and a shear t (2 components), together x. Stones that move with velocities u open it at
+the rate w and slide in it at the rate v (2). mu is its friction, c its cohesion; f_D is the dead load, f_L the live load and
+alpha the load factor that multiplies f_L. Velocities are scaled to unit work of the live load, f_L . u = 1.
+
+Sliding without dilatancy asks that a point which slides stays closed. Then no single convex program gives the load factor, but
+a gap g tells how far forces and velocities are from a collapse state (the bipotential of de Saxce). For forces that balance the
+loads and keep to friction, |t| <= mu n, and velocities that overlap nowhere, w >= 0,
 
     g = -f_D . u + sum mu n |v| - alpha = sum n w + sum (mu n |v| + t . v)  >= 0,
 
-and g = 0 exactly when (x, u) is a collapse state with zero dilatancy. One convex program P(n) gives the smallest g for given x.
-Where the normal force is bounded, n <= b (a joint that crushes, a tie that yields), a point may also close, w < 0, and
+and g = 0 exactly when forces and velocities are a collapse state. Of given normal forces n one convex program, P(n), finds the
+velocities with the smallest g: its shear is limited by mu n, whatever the normal forces of its own solution.
+
+Where the normal force has a limit b (a joint that crushes, a tie that yields), a point may also close, w < 0, and
 dissipates b |w| then: g gains sum b max(0, -w), and its share (b - n) |w| there is as nonnegative as n w.
 """
 

@@ -1,4 +1,7 @@
-"""The interval of a mechanism: the load factors of all Coulomb states that fit given velocities."""
+"""The interval of a mechanism: the load factors of all forces that fit given velocities without dilatancy.
+
+Self-stress changes what friction can carry and moves nothing, so that one mechanism has a range of load factors.
+"""
 
 from dataclasses import replace
 

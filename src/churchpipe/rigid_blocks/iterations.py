@@ -1,4 +1,8 @@
-"""Sequences of convex programs that approach sliding without dilatancy: eq. (3) as printed, and a scheme with a certificate."""
+"""Sequences of convex programs that approach sliding without dilatancy.
+
+`paper_iteration` is eq. (3) of Malena et al. (2019) as printed. `certified_iteration` ends at a state whose gap g (`coulomb`)
+proves it. Symbols are those of `coulomb`.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -62,9 +66,10 @@ def paper_iteration(
 ) -> SlidingRun | None:
     """Iterate eq. (3) from normal forces n0 (nc,) and n_before (nc,) at iteration -1; None when the first step is infeasible.
 
-    |t_k| <= c_k - xi mu n_k with c_k = (beta n + (1 - beta) n_before) (1 + xi) mu + c0 max(n). The stop test as printed lacks
-    the absolute value. Here it must hold twice in succession, after at least three iterations. An iteration that does not settle
-    reports the mean of its last ten load factors.
+    |t_k| <= c_k - xi mu n_k with c_k = (beta n + (1 - beta) n_before) (1 + xi) mu + c0 max(n): the shear of a point k is limited
+    by the normal forces of the two steps before, mixed by beta, and by c0 of the largest. xi is a small slope against its own
+    normal force (`PaperSettings`). The stop test as printed lacks the absolute value. Here it must hold twice in succession,
+    after at least three iterations. An iteration that does not settle reports the mean of its last ten load factors.
 
     The forces of a step are not unique, and the result depends on which of them the solver returns. An interior-point method
     returns the analytic centre of the optimal ones, which reproduces the published values (docs/development.md).

@@ -125,11 +125,11 @@ def sliding_analysis(
         chosen = settled[leading([end[0] for end in settled])]
     else:
         chosen = min(search.ends, key=lambda end: _distance(end[0], options))
-    told, run, state = chosen
+    record, run, state = chosen
     if state is not None:
-        told = replace(told, interval=mechanism_interval(balance, strength, state, solve))
-    runs = [told if end is chosen else end[0] for end in search.ends]
-    return _state(balance, strength, associative, (told, run, state), runs, search.found)
+        record = replace(record, interval=mechanism_interval(balance, strength, state, solve))
+    runs = [record if end is chosen else end[0] for end in search.ends]
+    return _state(balance, strength, associative, (record, run, state), runs, search.found)
 
 
 def leading(runs: Sequence[StartRun]) -> int:
@@ -197,8 +197,8 @@ class _Search:
         state = _certificate(self._balance, self._strength, run, method, self._solve)
         self.found += runs
         gap = np.nan if state is None else state.gap
-        told = StartRun(start, run.load_factor, run.settled, gap, (np.nan, np.nan), run.history)
-        self.ends.append((told, run, state))
+        record = StartRun(start, run.load_factor, run.settled, gap, (np.nan, np.nan), run.history)
+        self.ends.append((record, run, state))
 
 
 def _associative_run(balance: Equilibrium, strength: Strength, associative: LimitState, solve: Solve) -> SlidingRun:

@@ -92,19 +92,19 @@ def with_ring_beams(
 def add_beams(stones: Assemblage, beams: Iterable[RingBeam], unit_weight: Mapping[str, float]) -> Assemblage:
     """Return the stones with beams after them; unit_weight: of each material, N/m3. Errors as of `with_ring_beams`."""
     out = stones
-    taken: list[_Stretch] = []
+    occupied: list[_Stretch] = []
     for beam in beams:
         solids: list[Polyhedron] = []
         own: list[_Stretch] = []
         for name in beam.walls:
             stretch = _stretch(stones, beam, name)
             if not (beam.closed or beam.slab):
-                stretch = _shortened(stretch, taken)
-                taken.append(stretch)
+                stretch = _shortened(stretch, occupied)
+                occupied.append(stretch)
                 solids.append(_over(stretch.plan, stretch.wall.top, beam.height))
             own.append(stretch)
         if beam.closed or beam.slab:
-            taken += own
+            occupied += own
             solids = [_along_all(beam, own)]
         for solid, name, stretch in zip(solids, beam.bodies, own, strict=False):
             material = beam.material or str(stones.material[stretch.wall.stones[0]])
@@ -130,11 +130,11 @@ def _stretch(stones: Assemblage, beam: RingBeam, name: str) -> _Stretch:
     return _Stretch(wall, span, width)
 
 
-def _shortened(one: _Stretch, taken: Iterable[_Stretch]) -> _Stretch:
+def _shortened(one: _Stretch, occupied: Iterable[_Stretch]) -> _Stretch:
     """Return a beam up to the faces of those that it would run into."""
     begin, end = one.span
     origin = one.wall.at(0.0)
-    for other in taken:
+    for other in occupied:
         if abs(float(one.wall.axis @ other.wall.axis)) > 0.5:
             continue
         along, across = (other.plan - origin) @ one.wall.axis, (other.plan - origin) @ one.wall.normal

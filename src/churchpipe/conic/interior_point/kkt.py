@@ -49,10 +49,10 @@ class Direction:
 
 
 class KktSystem:
-    """Solves, for one scaling W,
+    """Solves, for one scaling W of the cones and given right sides r, with B the coupling of a `CoupledProblem`,
 
     Q x + G^T z + B^T y = r_x,   B x + load growth = r_y,   growth . y + z_cap = r_load,   G x - W^2 z = r_z + W^2 pull,
-    the row of the cap, load - w_cap^2 z_cap, among the last.
+    the row of the cap of the load, load - w_cap^2 z_cap, among the last. Eliminating x and z leaves the normal matrix in y.
     """
 
     def __init__(self, problem: CoupledProblem, normal: NormalMatrix, cholesky: Cholesky) -> None:

@@ -1,4 +1,10 @@
-"""The loop: homogeneous embedding, Mehrotra predictor-corrector, Nesterov-Todd scaling, centrality correctors."""
+"""The interior-point loop: iterates of forces and multipliers inside their cones, whose products fall together to zero.
+
+Each step is a Newton step of the homogeneous embedding, in which an infeasible or unbounded program has a solution too, its
+certificate (Andersen, Roos and Terlaky 2003). A predictor aims at products of zero; its length says how much of the products the
+corrector keeps, the centring (Mehrotra 1992), in coordinates that the Nesterov-Todd scaling chooses for each cone. Centrality
+correctors, which use the same factorisation, then lengthen the step (Gondzio 1996).
+"""
 
 from dataclasses import dataclass, replace
 
@@ -19,6 +25,7 @@ _REACH = 0.5
 _WIN = 0.01
 # More centring than this only makes a solve longer, because the correctors keep the complementarity products together.
 _MOST_CENTRING = 0.03
+# Correctors aim at this share of the mean product at the least.
 _TARGET = 0.3
 # A corrector is added with the weight that reaches farthest (Colombo and Gondzio 2008).
 _WEIGHTS = np.array([1.0, 0.7, 0.4])
@@ -31,6 +38,7 @@ _BALANCED = 1e-9
 _OUTSIDE = 1e-13
 # Where that fails, several mechanisms compete for one load: the loop goes on to this share of the residual tolerance.
 _COMPETING = 1e-3
+# Three steps in succession that are shorter end the loop, and so do `_PATIENCE` iterations without a better iterate.
 _STALLED_STEP = 1e-3
 # So many of the first steps may be that short: a sliver of a mesh starts far from all other facets.
 _FIRST_STEPS = 8

@@ -16,6 +16,10 @@ class CoupledProblem:
     """minimise    sum_k (1/2 x_k Q_k x_k + linear_k x_k) - reward load
     subject to  coupling x + constant + load growth = 0,   G_k x_k + s_k = right_k,  s_k in cones,   load <= cap
 
+    A local problem k is one contact point of the stones or one facet of a shell. x_k are its forces, Q_k and linear_k what these
+    cost, G_k and right_k its strength, s_k what is left of that. The coupling rows balance the bodies: `constant` is the dead
+    load, `growth` the live load and `load` its factor. Multipliers are y of the coupling rows and z of the strength.
+
     x is flat, component first: x[i * count + k]. The cap, when finite, is the last row of s and z.
     """
 
