@@ -41,10 +41,15 @@ FERRIS_TIN_LOI_PATTERNS = {
 FERRIS_TIN_LOI_LOAD = LoadCase((1, 0, 0))
 
 DRY_STONE = (Material("default", 28.6e3, 0.7),)
+# The tilting tests of Malena, Portioli et al. (2019), section 4.1: 28.6 kN/m3, bricks of 80 x 40 x 30 mm.
+TILTING_BRICKS: dict[str, Any] = {"brick": (0.08, 0.04, 0.03), "courses": 21}
 TILTING_DOOR = {"start": 0.12, "width": 0.16, "height_courses": 15, "lintel_bearing": 0.04}
-TILTING_LAYOUTS: dict[str, dict[str, Any]] = {
-    "S5": {"main_wall_length": 0.64, "partitions_x": [0, 0.6], "partition_length": 0.32},
-    "S22": {"main_wall_length": 1.12, "partitions_x": [0, 0.52, 1.08], "partition_length": 0.84, "opening": TILTING_DOOR},
+S5 = TILTING_BRICKS | {"main_wall_length": 0.64, "partitions_x": [0.0, 0.6], "partition_length": 0.32}
+S22 = TILTING_BRICKS | {
+    "main_wall_length": 1.12,
+    "partitions_x": [0.0, 0.52, 1.08],
+    "partition_length": 0.84,
+    "opening": TILTING_DOOR,
 }
 TILTING_LOADS = {"S5": LoadCase((0, 1, 0)), "S22": LoadCase((0, -1, 0))}
 
@@ -76,9 +81,9 @@ def ferris_tin_loi_wall(number: int) -> Assemblage:
 
 
 def tilting_test(test: str, brick_length: float = 0.08, **options: Any) -> tuple[Assemblage, Contacts]:
-    """Stones and contacts of the tilting tests "S5" and "S22" of Malena, Portioli et al. (2019)."""
-    building = prototype(materials=DRY_STONE, brick=(brick_length, 0.04, 0.03), courses=21, **TILTING_LAYOUTS[test], **options)
-    stones = derive_blocks(building)
+    """Stones and contacts of the tilting tests "S5" and "S22"."""
+    layout = {"S5": S5, "S22": S22}[test] | {"brick": (brick_length, 0.04, 0.03)}
+    stones = derive_blocks(prototype(materials=DRY_STONE, **layout, **options))
     return stones, find_contacts(stones)
 
 

@@ -17,17 +17,7 @@ from churchpipe.recognition.panels import fit_panels
 from churchpipe.shell_mesh.shell import derive_shell
 from churchpipe.stones.blocks import derive_blocks
 from churchpipe.stones.contacts import find_contacts
-
-S5 = {"brick": (0.08, 0.04, 0.03), "main_wall_length": 0.64, "partitions_x": [0.0, 0.6], "partition_length": 0.32, "courses": 21}
-DOOR = {"start": 0.12, "width": 0.16, "height_courses": 15, "lintel_bearing": 0.04}
-S22 = {
-    "brick": (0.08, 0.04, 0.03),
-    "main_wall_length": 1.12,
-    "partitions_x": [0.0, 0.52, 1.08],
-    "partition_length": 0.84,
-    "courses": 21,
-    "opening": DOOR,
-}
+from models import S5, S22, TILTING_DOOR
 
 
 def blocks_of(building):
@@ -102,7 +92,7 @@ def test_a_missing_opening_fails_either_way():
 
 
 def test_an_opening_in_the_wrong_place_fails():
-    building, moved = prototype(**S22), prototype(**S22 | {"opening": DOOR | {"start": 0.4}})
+    building, moved = prototype(**S22), prototype(**S22 | {"opening": TILTING_DOOR | {"start": 0.4}})
     assert {"mid-surface backed by stones", "stones on a mid-surface"} <= failed(compare(building, moved))
 
 

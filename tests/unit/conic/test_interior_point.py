@@ -21,34 +21,11 @@ from churchpipe.conic.wrenches import apply
 from churchpipe.errors import InputError
 from churchpipe.model.assemblage import Assemblage, Polyhedron
 from churchpipe.model.loads import LoadCase
-from churchpipe.rigid_blocks.equilibrium import equilibrium
 from churchpipe.rigid_blocks.limit import limit_analysis
 from churchpipe.stones.contacts import find_contacts
 from churchpipe.stones.soundness import floating_stones
+from cone_programs import KINDS_OF_POINTS, stated, three_stones
 from solids import box, on_ground
-
-
-def stated(
-    stones: Assemblage,
-    *,
-    direction: tuple[float, float, float] = (1, 0, 0),
-    limit: float = 0.0,
-    slope: float = 0.7,
-    linear: float = 0.0,
-    quadratic: float = 0.0,
-    cap: float = np.inf,
-    bound: float = np.inf,
-) -> ConeProgram:
-    contacts = find_contacts(stones)
-    balance = equilibrium(stones, contacts, LoadCase(direction))
-    one = np.ones(len(contacts.point))
-    return ConeProgram(
-        balance.wrenches, balance.dead, balance.live, limit * one, slope * one, linear * one, quadratic * one, cap, bound * one
-    )
-
-
-def three_stones() -> Assemblage:
-    return on_ground(box((0, 1), (0, 1), (0, 1)), box((0.2, 1.2), (0, 1), (1, 2)), box((1, 1.6), (0, 1), (0, 1)))
 
 
 def wall(columns: int, courses: int) -> Assemblage:
@@ -78,25 +55,7 @@ def dual_value(program: ConeProgram, x: np.ndarray, y: np.ndarray) -> float:
     return float(-program.constant @ y + program.limit @ slip + price @ excess)
 
 
-@pytest.mark.parametrize(
-    "options",
-    [
-        {},
-        {"slope": 0.0},
-        {"limit": 0.02},
-        {"limit": 0.05, "slope": -0.001},
-        {"limit": 0.1, "slope": 0.0, "quadratic": 0.3},
-        {"limit": 0.1, "slope": -0.1, "quadratic": 0.3, "linear": 0.1},
-        {"quadratic": 0.3, "linear": 0.05},
-        {"cap": 0.05},
-        {"cap": 0.05, "limit": 0.1, "slope": -0.1, "linear": 0.1},
-        {"bound": 0.25},
-        {"bound": 0.25, "slope": 0.0, "limit": 0.1},
-        {"bound": 0.24, "limit": 0.02, "linear": 0.01},
-        {"bound": 0.24, "limit": 0.05, "slope": -0.1, "quadratic": 0.3},
-        {"bound": 0.25, "cap": 0.05},
-    ],
-)
+@pytest.mark.parametrize("options", KINDS_OF_POINTS)
 def test_every_kind_of_point_agrees_with_clarabel(options: dict[str, float]) -> None:
     program = stated(three_stones(), **options)
     ours, reference = solve_interior_point(program, Settings(duality_gap=1e-7)), solve_clarabel(program)

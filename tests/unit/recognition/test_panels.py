@@ -23,20 +23,10 @@ from churchpipe.resources import pipeline_folder
 from churchpipe.shell_mesh.shell import derive_shell
 from churchpipe.stones.blocks import derive_blocks
 from churchpipe.stones.contacts import find_contacts
+from models import S5, S22
 
 SAMPLES = Path(__file__).parents[3] / "cad_samples"
-BRICK = (0.08, 0.04, 0.03)
-PARAMETERS = {
-    "s5": {"brick": BRICK, "main_wall_length": 0.64, "partitions_x": [0.0, 0.6], "partition_length": 0.32, "courses": 21},
-    "s22": {
-        "brick": BRICK,
-        "main_wall_length": 1.12,
-        "partitions_x": [0.0, 0.52, 1.08],
-        "partition_length": 0.84,
-        "courses": 21,
-        "opening": {"start": 0.12, "width": 0.16, "height_courses": 15, "lintel_bearing": 0.04},
-    },
-}
+PARAMETERS = {"s5": S5, "s22": S22}
 TUFF = Material("default", 18e3, 0.6)
 BOND = {"course": 0.25, "stone_length": 0.5}
 GABLED = {"thickness": 0.8, "ridge": 8.0}

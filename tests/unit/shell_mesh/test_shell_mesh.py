@@ -24,18 +24,10 @@ from churchpipe.model.building import BondRegion, Building, CylinderChart, Openi
 from churchpipe.model.materials import Material
 from churchpipe.shell_mesh.shell import derive_shell
 from churchpipe.stones.blocks import derive_blocks
+from models import S5, S22
 
 # Malena et al. 2019, section 4.1, as in the project's targets: mid-planes of S22 1080 x 630 mm and three times 820 x 630 mm
 # less a door of 160 x 450 mm; of S5 600 x 630 mm and twice 300 x 630 mm.
-S5 = {"brick": (0.08, 0.04, 0.03), "main_wall_length": 0.64, "partitions_x": [0.0, 0.6], "partition_length": 0.32, "courses": 21}
-S22 = {
-    "brick": (0.08, 0.04, 0.03),
-    "main_wall_length": 1.12,
-    "partitions_x": [0.0, 0.52, 1.08],
-    "partition_length": 0.84,
-    "courses": 21,
-    "opening": {"start": 0.12, "width": 0.16, "height_courses": 15, "lintel_bearing": 0.04},
-}
 MATERIAL = Material("default", 18e3, 0.6)
 CELL = UnitCell(a=0.275, b=0.57)
 

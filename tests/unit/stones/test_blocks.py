@@ -17,17 +17,8 @@ from churchpipe.model.materials import Material
 from churchpipe.stones.blocks import derive_blocks
 from churchpipe.stones.contacts import find_contacts
 from churchpipe.stones.soundness import floating_stones, overlapping_stones
+from models import S5, S22
 
-# Malena et al. 2019, section 4.1, read as in the project's targets: 28.6 kN/m3, bricks 80 x 40 x 30 mm.
-S5 = {"brick": (0.08, 0.04, 0.03), "main_wall_length": 0.64, "partitions_x": [0.0, 0.6], "partition_length": 0.32, "courses": 21}
-S22 = {
-    "brick": (0.08, 0.04, 0.03),
-    "main_wall_length": 1.12,
-    "partitions_x": [0.0, 0.52, 1.08],
-    "partition_length": 0.84,
-    "courses": 21,
-    "opening": {"start": 0.12, "width": 0.16, "height_courses": 15, "lintel_bearing": 0.04},
-}
 MATERIAL = Material("default", 18e3, 0.6)
 CELL = UnitCell(a=0.275, b=0.57)
 
