@@ -95,7 +95,7 @@ def box_building(name: str) -> tuple[Assemblage, Contacts]:
 
 
 # Plane walls of bricks .4 x .2 x .2 m with doors and windows: length in m, courses, and openings as (start, width, sill, height),
-# the last two in courses. The first two have 1400 to 1700 stones, the last 5500.
+# the last two in courses. They have 173, 1400 to 1700 and 5500 stones.
 FACADES: dict[str, tuple[float, int, list[tuple[float, float, int, int]]]] = {
     "small": (6.0, 12, [(1.2, 0.8, 2, 4), (4.0, 0.8, 2, 4)]),
     "long": (
