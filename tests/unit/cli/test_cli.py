@@ -257,7 +257,7 @@ def test_one_load_given_twice(capsys: pytest.CaptureFixture[str], tmp_path: Path
 
 
 def test_an_imported_wall_gets_a_shell(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    samples = Path(__file__).parents[2] / "cad_samples"
+    samples = Path(__file__).parents[3] / "cad_samples"
     code, out, _ = call(capsys, "import-dxf", samples / "s5.dxf", "-o", tmp_path / "s5")
     assert code == 0
     assert "3 walls fitted for the shell: main, partition-1, partition-2." in out
@@ -517,7 +517,7 @@ def test_progress_elsewhere_than_on_a_terminal_is_lines(monkeypatch: pytest.Monk
 def test_a_place_that_cannot_be_written_to_is_named(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     taken = tmp_path / "taken"
     taken.write_text("a file, not a folder")
-    code, _, err = call(capsys, "run", Path(__file__).parents[2] / "pipeline" / "cases" / "wall.toml", "--out", taken)
+    code, _, err = call(capsys, "run", Path(__file__).parents[3] / "pipeline" / "cases" / "wall.toml", "--out", taken)
     assert code == cli.USAGE
     assert "taken: a file, where the folder of the run would be" in err.replace("\n", " ")
     assert taken.read_text() == "a file, not a folder"
