@@ -188,7 +188,8 @@ def _interface_kinds(contacts: Contacts) -> str:
 
 def _cards(rows: Sequence[Row], both_models: bool) -> list[dict[str, str]]:
     """Return a card for each analysis; of several that answer one question the first, the careful one, says so."""
-    asked = [both.question(row) for row in rows]
+    # Capacity curves of the stones answer another question, and have a check of their own.
+    asked = [(*both.question(row), str(row.record.get("method") == "curve")) for row in rows]
     leads = [asked.count(one) > 1 and one not in asked[:place] for place, one in enumerate(asked)]
     words = ["the careful value: use it" if lead and row.status in GOOD else "" for row, lead in zip(rows, leads, strict=True)]
     return [_card(row, both_models) | {"use": use} for row, use in zip(rows, words, strict=True)]

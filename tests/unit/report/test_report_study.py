@@ -9,6 +9,7 @@ import pytest
 from test_report import Page, record_of, report, state_of, tower
 
 from churchpipe.model.results import Iteration, StartRun
+from churchpipe.report.html import _cards
 from churchpipe.report.notes import convergence_note
 from churchpipe.report.plots import convergence_svg
 from churchpipe.report.published import published_rows
@@ -161,3 +162,13 @@ def test_macro_elements_of_all_loads_stand_in_one_table(tmp_path: Path) -> None:
     assert "moves: belfry 100 %" in page.text
     assert ["shaft", "97 %", "< 1 %"] in page.rows
     assert "At rest under all of them: apse." in page.text
+
+
+def test_the_card_of_the_careful_value_says_so_and_a_capacity_curve_is_no_rival() -> None:
+    sliding = row(factor=0.1885, flow="non-associative", status="converged")
+    curve = Row({key: value for key, value in row().record.items() if key != "flow"} | {"method": "curve", "status": "converged"})
+    assert [card["use"] for card in _cards([sliding, row(), shell(), curve, row("+x")], both_models=True)] == [
+        "the careful value: use it",
+        *[""] * 4,
+    ]
+    assert [card["use"] for card in _cards([row(), curve], both_models=False)] == ["", ""]
