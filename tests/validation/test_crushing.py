@@ -1,9 +1,11 @@
 """Joints that crush: closed forms of rigid-plastic statics, of joints in parts from below as these grow smaller."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import linprog
 
 import churchpipe as cp
 from churchpipe.errors import InputError
@@ -79,6 +81,53 @@ def test_parts_of_a_triangle_converge_from_below(strength: float) -> None:
     # Twice as many parts leave about a quarter of the error.
     assert errors[-1] < 0.012
     assert errors[-1] < 0.15 * errors[0] + 1e-6
+
+
+def best_pressure(plan: np.ndarray, height: float, strength: float, push: np.ndarray) -> float:
+    """Load factor of a pillar on squares of its base (n, 3), x, y, area, under at most the strength, by linear programming."""
+    x, y, area = plan.T
+    arm = np.stack([x, y], axis=1) - area @ plan[:, :2] / area.sum()
+    share = strength * area / (area.sum() * height * UNIT_WEIGHT)
+    along, across = arm @ push, arm @ [-push[1], push[0]]
+    found = linprog(-along, A_eq=[np.ones(len(x)), across], b_eq=[1 / share[0], 0], bounds=(0, 1), method="highs")
+    assert found.status == 0
+    return -found.fun * share[0] / (height / 2)
+
+
+L_SHAPE = [(0.0, 0.0), (1.0, 0.0), (1.0, 0.3), (0.3, 0.3), (0.3, 1.0), (0.0, 1.0)]
+
+
+@pytest.mark.parametrize("push", [(1, 0, 0), (-1, 0, 0), (1, 1, 0), (-1, -1, 0)])
+def test_a_joint_that_is_not_convex_is_not_overrated(push: tuple[float, float, float]) -> None:
+    # Its hull has half as much area again; what lies between the legs bears nothing.
+    cells = 60
+    x, y = np.meshgrid(*[(np.arange(cells) + 0.5) / cells] * 2)
+    inside = (x < 0.3) | (y < 0.3)
+    plan = np.stack([x[inside], y[inside], np.full(inside.sum(), 1.0 / cells**2)], axis=1)
+    exact = best_pressure(plan, 8.0, MPA, np.array(push[:2]) / np.linalg.norm(push))
+    found = []
+    for parts in (8, 16):
+        state = crushed(pillar(L_SHAPE, 8.0), MPA, push, crushing_parts=parts)
+        assert_certified(state)
+        found.append(state.load_factor / exact)
+    assert 0.8 < found[0] < found[1] < 1.002
+    assert found[1] > 0.9
+
+
+def test_a_joint_whose_material_is_not_found_is_refused() -> None:
+    stones = pillar(L_SHAPE, 8.0)
+    contacts = cp.find_contacts(stones)
+    smaller = replace(contacts, area=0.9 * contacts.area)
+    with pytest.raises(InputError, match=r"it is not convex, and where its material lies.*found 0.51 m2"):
+        cp.limit_analysis(stones, smaller, cp.LoadCase((1, 0, 0)), 0.7, compressive_strength=MPA)
+
+
+def test_a_rectangle_beside_a_linear_program() -> None:
+    cells = 100
+    x, y = (grid.ravel() for grid in np.meshgrid(*[(np.arange(cells) + 0.5) / cells] * 2))
+    plan = np.stack([0.9 * x, y, np.full(cells**2, 0.9 / cells**2)], axis=1)
+    exact = best_pressure(plan, 12.0, MPA, np.array([1.0, 0.0]))
+    assert crushed(wall(), MPA).load_factor == pytest.approx(exact, rel=1e-3)
 
 
 @pytest.mark.parametrize("strength", [0.4, 1.0])

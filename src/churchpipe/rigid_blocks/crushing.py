@@ -1,12 +1,13 @@
 """Parts of joints, each of which bears at most its area times the compressive strength."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.sparse as sp
 
 from churchpipe.errors import InputError
-from churchpipe.model.arrays import BoolArray, FloatArray, ragged_indices
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, ragged_indices
 from churchpipe.model.contacts import Contacts
 from churchpipe.rigid_blocks.polygons import JointPolygons, cross, joint_polygons
 
@@ -15,6 +16,10 @@ PARTS = 8
 # The i-th of k lines between the edge of a joint and its middle lies at the share (i / k)^GRADING of the way: parts at the edge,
 # where stones turn, are narrower.
 _GRADING = 1.5
+# The hull of a joint that is not convex encloses more than the joint by more than this share.
+_SAME_AREA = 1e-3
+# Says of parts, by their joints (m,) and corners (m, 4, 2), which lie wholly in the joint.
+Covered = Callable[[IntArray, FloatArray], BoolArray]
 # Shares of a part at which two Gauss points lie; they integrate what a bilinear map makes of areas and centroids exactly.
 _GAUSS = 0.5 + np.array([-0.5, 0.5]) / np.sqrt(3.0)
 
@@ -38,12 +43,14 @@ class JointParts:
     shares: sp.csr_matrix
 
 
-def joint_parts(contacts: Contacts, count: int = PARTS, chosen: BoolArray | None = None) -> JointParts:
+def joint_parts(
+    contacts: Contacts, count: int = PARTS, chosen: BoolArray | None = None, covered: Covered | None = None
+) -> JointParts:
     """Return the parts of the chosen joints (ni,), all if None: `count` (even) along each side of one with four corners.
 
     Each corner, the middles of its two edges and the mean of all corners span a quadrilateral, which is divided into
-    (count / 2)^2 parts. Where a joint is not convex its points are those of its convex hull, and the areas are reduced to that
-    of the joint.
+    (count / 2)^2 parts. Where a joint is not convex its points are those of its convex hull. Then `covered` says which parts
+    bear, those wholly in it; without it the areas of all parts are reduced to that of the joint.
 
     Raises
     ------
@@ -52,7 +59,7 @@ def joint_parts(contacts: Contacts, count: int = PARTS, chosen: BoolArray | None
     if not isinstance(count, int) or count < 2 or count % 2:
         raise InputError("limit_analysis: crushing_parts", "out of range", found=count, expected="2, 4, 6 ...")
     polygons = joint_polygons(contacts)
-    weights, area = _quadrilaterals(polygons, count // 2)
+    weights, area, quads = _quadrilaterals(polygons, count // 2)
     own, corners = area.shape[1], len(polygons.corner)
     part, corner = np.arange(own * corners), np.repeat(np.arange(corners), own)
     # The nodes of a quadrilateral: its corner, the middle of the edge after it, the mean of all corners, that of the edge before.
@@ -67,7 +74,12 @@ def joint_parts(contacts: Contacts, count: int = PARTS, chosen: BoolArray | None
     every = sp.csr_matrix((1.0 / polygons.count[polygons.interface], (polygons.interface, np.arange(corners))))
     far = sp.csr_matrix((mean, (part, polygons.interface[corner])), shape=(len(part), len(polygons.start))) @ every
     shares = sp.csr_matrix(near + far)
-    inside = area.ravel() * (contacts.area / np.abs(polygons.area))[polygons.interface[corner]]
+    share = contacts.area / np.abs(polygons.area)
+    inside = area.ravel() * share[polygons.interface[corner]]
+    if covered is not None:
+        bent = (share < 1.0 - _SAME_AREA) & (True if chosen is None else chosen)
+        mine = np.flatnonzero(bent[polygons.interface[corner]])
+        inside[mine] = area.ravel()[mine] * covered(polygons.interface[corner[mine]], quads[mine])
     if chosen is None or chosen.all():
         divided = np.ones(len(inside), dtype=np.bool_)
         return JointParts(
@@ -84,8 +96,9 @@ def joint_parts(contacts: Contacts, count: int = PARTS, chosen: BoolArray | None
     )
 
 
-def _quadrilaterals(polygons: JointPolygons, lines: int) -> tuple[FloatArray, FloatArray]:
-    """Return the weights (nc, parts, 4) of the nodes of each corner's quadrilateral in the centroids of its parts; their areas.
+def _quadrilaterals(polygons: JointPolygons, lines: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the weights (nc, parts, 4) of the nodes of each corner's quadrilateral in the centroids of its parts; the areas of
+    these, (nc, parts), and their corners, (nc parts, 4, 2).
 
     The bilinear map of the unit square with sides s and t on the quadrilateral has the shape functions (1 - s) (1 - t),
     s (1 - t), s t and (1 - s) t; its Jacobian is linear in s and t.
@@ -105,4 +118,7 @@ def _quadrilaterals(polygons: JointPolygons, lines: int) -> tuple[FloatArray, Fl
     element = np.abs(cross(along, across)) * size
     area = element.sum(axis=2)
     weights = np.einsum("pgn,kpg->kpn", value, element) / area[:, :, None]
-    return weights, area
+    i, j = (index.ravel() for index in np.indices((lines, lines)))
+    s, t = line[np.stack([i, i + 1, i + 1, i], axis=1)], line[np.stack([j, j, j + 1, j + 1], axis=1)]
+    quads = np.einsum("pgn,knc->kpgc", np.stack([(1 - s) * (1 - t), s * (1 - t), s * t, (1 - s) * t], axis=-1), node)
+    return weights, area, quads.reshape(-1, 4, 2)

@@ -31,14 +31,15 @@ from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP
 from churchpipe.rigid_blocks.sliding import Method, SlidingOptions, Start, sliding_analysis
 from churchpipe.rigid_blocks.ties import point_forces, with_ties
 from churchpipe.rigid_blocks.torsion import shift_about_pressure
+from churchpipe.stones.joint_outlines import covered
 
 Progress = Callable[[str, float], None]
 Standing = Literal["stable", "unstable", "failed"]
 Flow = Literal["associative", "non-associative"]
 # Dead load that is carried but for this share is carried.
 _CARRIED = 1e-6
-# Friction follows the centres of pressure until the load factor changes by no more than this share, or until two rounds cannot be
-# told apart, or for so many rounds. After the first two it goes but half of the way, or the rounds would go to and fro.
+# Friction follows the centres of pressure until the load factor changes by no more than this share, or for so many rounds, of
+# which the last two may not be told apart. Runs from the centre, after two, follow half of the way, or they would go to and fro.
 _AT_REST = 5e-4
 _ROUNDS, _WHOLE_WAY, _SHARE = 12, 2, 0.5
 
@@ -127,7 +128,8 @@ def limit_analysis(
     pressed, parts = np.zeros_like(endurance, dtype=np.bool_), None
     if compressive_strength is not None:
         pressed = parallelograms(joint_polygons(contacts), contacts.area) & np.isfinite(endurance)
-        parts = joint_parts(contacts, crushing_parts, np.isfinite(endurance) & ~pressed)
+        divided = np.isfinite(endurance) & ~pressed
+        parts = joint_parts(contacts, crushing_parts, divided, partial(covered, stones, contacts))
     balance = equilibrium(stones, contacts, load, contact_model, parts)
     strength = point_strength(contacts, friction, cohesion, balance.force, compressive_strength, parts)
     balance, strength = with_ties(balance, strength, stones, listed("limit_analysis: ties", ties, Tie))
@@ -194,8 +196,8 @@ def _about_pressure(
     """Return the state without dilatancy in which friction acts about the centres of pressure of that very state.
 
     shift_of: `torsion.shift_about_pressure` of these joints, whose shifts are in m. From a state to the friction that fits its
-    pressure, and from there to the next state, until the load factor comes to rest, or until each of two rounds lies within the
-    interval of the other: no load factor without dilatancy is known better than that.
+    pressure, and from there to the next state, until the load factor comes to rest, or at the end each of the last two lies
+    within the interval of the other: no load factor without dilatancy is known better than that.
     """
     change = np.inf
     # The run from the centre needs no start; a search goes on from the state before.
@@ -204,7 +206,7 @@ def _about_pressure(
         shift = balance.wrenches.shift.copy()
         here = slice(0, balance.contacts)
         wanted = shift_of(np.maximum(state.forces[:, 0], 0.0), shift[here] * balance.length) / balance.length
-        shift[here] += (1.0 if count <= _WHOLE_WAY else _SHARE) * (wanted - shift[here])
+        shift[here] += (_SHARE if count > _WHOLE_WAY and starts == ("centre",) else 1.0) * (wanted - shift[here])
         balance = replace(balance, wrenches=replace(balance.wrenches, shift=shift))
         solve = solver_for(balance.balance, solver)
         associative = associative_state(balance, strength, solve, perf_counter())
@@ -218,7 +220,7 @@ def _about_pressure(
         alike = state.interval[0] <= found.load_factor <= state.interval[1]
         alike = alike and found.interval[0] <= state.load_factor <= found.interval[1]
         state = replace(found, message=f"{found.message}; friction about the centres of pressure, round {count}: {change:.0e}")
-        if found.status == "converged" and (change <= _AT_REST or alike):
+        if found.status == "converged" and (change <= _AT_REST or (alike and count == _ROUNDS)):
             return state
     return replace(
         state,
