@@ -58,6 +58,7 @@ def obj(*bodies: tuple[str, Points, Sequence[Sequence[int]]]) -> str:
 PLATE = ("ground", corners((-1, 2), (-1, 2), (-0.5, 0)), FACES)
 LOW = ("low", corners((0, 1), (0, 1), (0, 0.5)), FACES)
 HIGH = corners((0, 1), (0, 1), (0.5, 1))
+PLATE_TOP = [(-1, -1, 0), (2, -1, 0), (2, 2, 0), (-1, 2, 0)]
 WARPED = [*HIGH[:7], (1, 1, 1.02)]
 SOUP = [HIGH[node - 1] for around in FACES for node in around]
 SOUP_FACES = [tuple(range(4 * k + 1, 4 * k + 5)) for k in range(6)]
@@ -92,6 +93,7 @@ FILES: dict[str, tuple[str, dict[str, Any], set[str]]] = {
         {"W18", "W24", "W19"},
     ),
     "no-thickness.dxf": (dxf(GROUNDED, polyline(BRICK)), {}, {"E24"}),
+    "far-away.dxf": (dxf(GROUNDED, polyline([*BRICK[:3], (0, 1e308)])), OUTLINES, {"E10", "W24"}),
     "crossing.dxf": (dxf(GROUNDED, polyline([BRICK[0], BRICK[2], BRICK[1], BRICK[3]])), OUTLINES, {"E25", "W24"}),
     "not-closed.dxf": (dxf(GROUNDED, polyline([*BRICK, (0, 2)], closed=False)), OUTLINES, {"W25", "W24", "W19"}),
     "joints-open.dxf": (
@@ -114,6 +116,11 @@ FILES: dict[str, tuple[str, dict[str, Any], set[str]]] = {
     ),
     "sound.obj": (obj(PLATE, LOW, ("high", HIGH, FACES)), {}, {"W19", "W43", "W45"}),
     "warped.obj": (obj(PLATE, LOW, ("high", WARPED, FACES)), {}, {"W10", "W19", "W43", "W45"}),
+    "ground-in-pieces.obj": (
+        obj(("ground", [*PLATE_TOP, *3 * [(5, 5, 0)]], [(1, 2, 3, 4), (5, 6, 7)]), LOW),
+        {},
+        {"E10", "W19", "W43", "W45"},
+    ),
     "soup.obj": (obj(PLATE, LOW, ("high", SOUP, SOUP_FACES)), {}, {"W40", "W19", "W43", "W45"}),
     "inside-out.obj": (obj(PLATE, LOW, ("high", HIGH, [around[::-1] for around in FACES])), {}, {"W40", "W19", "W43", "W45"}),
     "hole.obj": (obj(PLATE, LOW, ("high", HIGH, FACES[:5])), {}, {"E10", "W19", "W43", "W45"}),

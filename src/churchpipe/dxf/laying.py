@@ -91,7 +91,8 @@ def _flat_heads(panel: Panel, place: Place) -> list[Finding]:
         return []
     found = f'"{panel.name}": openings with a flat head and no lintel ({count}): friction of head joints holds the stones over it'
     remedy = (
-        "The shell bears no such thrust and may be unstable: draw an arch over it as a ring of its own, or run the stones alone."
+        "No shell stands over it without cohesion: shear dies out towards its free edge, nothing else holds what hangs there. "
+        "Draw an arch over it as a ring of its own, or run the stones alone."
     )
     return [place.finding("W28", found, remedy=remedy)]
 

@@ -173,7 +173,7 @@ def _gather_traces(found: Survey, entity: Any, branch: _Branch, layer: str) -> N
     except BAD_ENTITY as error:
         found.findings.append(place.finding("E03", f"its data cannot be read ({error})"))
         return
-    if not all(is_sane(trace.points) for trace in traces):
+    if not all(is_sane(trace.points) and is_sane(np.array(trace.depth)) for trace in traces):
         found.findings.append(place.finding("E10", NOT_SANE))
     elif traces:
         found.traces += traces

@@ -104,7 +104,7 @@ def _points(line: Any, distance: float) -> FloatArray:
 
 
 def _distinct(points: FloatArray, size: float) -> FloatArray:
-    step = np.linalg.norm(np.diff(points, axis=0), axis=1) > 1e-6 * size
+    step = np.linalg.norm(np.diff(points, axis=0) / size, axis=1) > 1e-6
     return points[np.concatenate(([True], step))]
 
 

@@ -101,10 +101,10 @@ def signed_volumes(solids: Sequence[tuple[FloatArray, Sequence[Face]]]) -> Float
 
 
 def flat(points: FloatArray, faces: Sequence[Face]) -> bool:
-    """Return whether all faces lie in one plane."""
+    """Return whether all faces lie in one plane, and not on a line of it."""
     corners = points[sorted({node for face in faces for node in face})]
     spread = np.linalg.svd(corners - corners.mean(axis=0), compute_uv=False)
-    return bool(spread[-1] <= NEARLY * spread[0])
+    return len(spread) == 3 and bool(spread[2] <= NEARLY * spread[0] < spread[1])
 
 
 def _doubled(points: FloatArray) -> bool:

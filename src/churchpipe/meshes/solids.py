@@ -84,7 +84,7 @@ def to_stones(
         for points, faces in parts:
             points = points @ AXES[up].T * factor
             shell = mend(*(_extruded(points, faces, thickness) if thickness else (points, faces)), repair=repair)
-            if shell.fault and flat(body.points, body.faces):
+            if shell.fault and flat(body.points, body.faces) and flat(points, faces):
                 flats += not fixed
                 if not fixed:
                     continue

@@ -111,6 +111,11 @@ def test_a_wall_drawn_upright_in_space_stays_where_it_is(tmp_path: Path) -> None
     np.testing.assert_allclose(stones.points[:8].max(axis=0), (0.25, -0.04, 0.065), atol=1e-12)
 
 
+def test_a_depth_beyond_all_numbers_is_named(tmp_path: Path) -> None:
+    path = drawn(tmp_path / "wall.dxf", lambda space: space.add_lwpolyline(BRICK, close=True, dxfattribs={"thickness": 1e308}))
+    assert "E10" in findings_of(path).codes
+
+
 @pytest.mark.parametrize("number", range(12))
 def test_an_outline_among_others_is_kept_without_its_last_side(number: int, tmp_path: Path) -> None:
     # Its sides lie on those of its neighbours, and the one left out may be on the free face of the wall.

@@ -248,6 +248,26 @@ def test_outlines_with_openings_are_laid(tmp_path: Path):
     assert set(stones.panel[~stones.fixed]) == {"FACADE"}
 
 
+def test_a_shell_needs_cohesion_over_a_flat_head(tmp_path: Path):
+    # Stress in a continuum is symmetric: shear dies out towards the free edge over the opening, and the layer there hangs.
+    document = ezdxf.new("R2010", units=6)
+    space = document.modelspace()
+    space.add_lwpolyline([(0, 0), (3, 0), (3, 2.4), (0, 2.4)], close=True)
+    space.add_lwpolyline([(1, 0), (2, 0), (2, 1.2), (1, 1.2)], close=True, dxfattribs={"layer": "OPENING"})
+    document.saveas(tmp_path / "wall.dxf")
+    options = {"support": "base", "unit_weight": 18e3, "bond": "running", "course": 0.2, "stone": 0.4, "thickness": 0.4}
+    stones, findings = cp.read_dxf(tmp_path / "wall.dxf", **options)
+    assert "No shell stands over it without cohesion" in str(findings)
+    load = cp.LoadCase((1, 0, 0))
+    state = cp.limit_analysis(stones, cp.find_contacts(stones), load, friction=0.6)
+    # Computed with this code.
+    assert state.load_factor == pytest.approx(0.4386, abs=1e-4)
+    for cohesion, status in ((0.0, "unstable"), (10e3, "optimal")):
+        masonry = cp.Material("default", 18e3, 0.6, cohesion)
+        shell = cp.derive_shell(fit_panels(stones).building((masonry,)), element_size=0.3)
+        assert cp.shell_limit_analysis(shell, load, [masonry]).status == status
+
+
 def arc(left: float, right: float, level: float, rise: float, depth: float) -> list[tuple[float, float, float]]:
     """A segmental arch as a polyline with bulges: intrados from left to right, then the extrados back."""
     half = 0.5 * (right - left)
