@@ -118,6 +118,10 @@ def view(
         webbrowser.open(page.resolve().as_uri())
 
 
+# Tables of a case that a drawing has no place for.
+_UNDRAWN = ("point_loads", "area_loads", "pressures", "fills", "tie_candidates", "joints", "movements", "variants")
+
+
 @app.command("export-dxf")
 def export_dxf(
     case: CaseFile,
@@ -143,6 +147,10 @@ def export_dxf(
     carried = read.carries
     write_dxf(stones, drawing, materials=read.materials, loads=read.loads, ties=carried.ties, line_loads=carried.line_loads)
     out.print(f"{int((~stones.fixed).sum())} stones: {drawing}", soft_wrap=True)
+    beams = () if isinstance(read.source, Generated) else ("ring_beams",)
+    left = [key for key in (*_UNDRAWN, *beams) if read.table.get(key)]
+    if left:
+        err.print(f"Not in the drawing, and the case's alone: {', '.join(left)}.", soft_wrap=True)
 
 
 def _list(findings: Any) -> None:

@@ -1,0 +1,75 @@
+"""The sample church with its roofs, as it is and with four measures (docs/strengthening.md).
+
+Our own figures, held so that they do not move unseen.
+"""
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import churchpipe as cp
+from churchpipe.config.carries import placed
+from churchpipe.config.case import Case, read_variants
+
+CASE = Path(__file__).parents[2] / "pipeline" / "cases" / "church_strengthened.toml"
+TIES, CHAINS, BEAMS, BOTH = (
+    "ties across the nave",
+    "chains along the side walls",
+    "beams on the side walls",
+    "beams and ties across the nave",
+)
+
+
+@cache
+def variants() -> dict[str, Case]:
+    return {case.variant.name if case.variant else "": case for case in read_variants(CASE)}
+
+
+@cache
+def stones_of(beams: bool) -> tuple[cp.Assemblage, cp.Contacts]:
+    stones = cp.derive_blocks(variants()[BEAMS if beams else ""].building())
+    return stones, cp.find_contacts(stones)
+
+
+@pytest.mark.slow("docs/strengthening.md: the church and four measures, stones")
+@pytest.mark.parametrize(
+    ("variant", "across", "along"),
+    [
+        ("", 0.21730, 0.24050),
+        (TIES, 0.23761, 0.24058),
+        (CHAINS, 0.22460, 0.35193),
+        (BEAMS, 0.21737, 0.30240),
+        (BOTH, 0.24382, 0.30254),
+    ],
+)
+def test_stones(variant: str, across: float, along: float) -> None:
+    case = variants()[variant]
+    stones, contacts = stones_of(bool(case.ring_beams))
+    borne = placed(case.carries, stones)
+    friction, cohesion = cp.joint_strength(stones, contacts, case.materials)
+    for load, expected in zip(case.loads, (across, along), strict=True):
+        state = cp.limit_analysis(stones, contacts, cp.loaded(load, stones, borne.loads), friction, cohesion, ties=borne.ties)
+        assert state.status == "optimal"
+        assert state.upper_bound == pytest.approx(state.lower_bound, rel=1e-6)
+        assert state.load_factor == pytest.approx(expected, abs=2e-5)
+
+
+@pytest.mark.slow("docs/strengthening.md: the church and four measures, shell")
+@pytest.mark.parametrize(
+    ("variant", "across", "along"), [("", 0.19521, 0.21952), (CHAINS, 0.20092, 0.33089), (BEAMS, 0.19323, 0.28484)]
+)
+def test_shell(variant: str, across: float, along: float) -> None:
+    case = variants()[variant]
+    assert case.shell is not None
+    stones, contacts = stones_of(bool(case.ring_beams))
+    borne = placed(case.carries, stones)
+    shell = cp.derive_shell(case.building(), case.shell.element_size)
+    assert cp.match_models(stones, contacts, shell, borne.loads).passed
+    for load, expected in zip(case.loads, (across, along), strict=True):
+        pushed = cp.shell_loaded(load, shell, stones, borne.loads)
+        state = cp.shell_limit_analysis(shell, pushed, case.materials, ties=borne.ties)
+        assert state.status == "optimal"
+        assert state.load_factor == pytest.approx(expected, abs=2e-5)
+        assert not np.isnan(state.tie_forces).any()
