@@ -34,5 +34,6 @@ def churchpipe(
 ) -> None:
     """How much lateral load brings a masonry building down, from its stones.
 
-    From a drawing: [bold]import-dxf[/], then [bold]run[/]. From a handful of dimensions: [bold]generate[/], edit, [bold]run[/].
+    From a drawing or a mesh: [bold]import[/], then [bold]run[/]. From a handful of dimensions: [bold]generate[/], edit,
+    [bold]run[/].
     """
