@@ -177,6 +177,12 @@ def moved_vertex(doc: Any) -> None:
 
 
 @damage("E10")
+def far_vertex(doc: Any) -> None:
+    """A vertex point is where no building is."""
+    _brick(doc).query("POINT")[6].dxf.location = (1e308, 0.2, 0.25)
+
+
+@damage("E10")
 def missing_vertex(doc: Any) -> None:
     """Position tag V3 is missing."""
     block = _brick(doc)

@@ -209,6 +209,8 @@ def _with_tagged_vertices(body: Body, tags: dict[str, list[FloatArray]]) -> Body
             state = "is missing" if index not in tagged else "is there more than once"
             return replace(body, flaw=f"position tag V{index} {state}, the body has {len(body.points)} corners")
     points = np.array([tagged[i][0] for i in range(len(tagged))])
+    if not is_sane(points):
+        return replace(body, flaw=f"of a vertex point {NOT_SANE}")
     if len(points) != len(body.points):
         return replace(body, flaw=f"{len(points)} vertex points, but the body has {len(body.points)} corners")
     distance = np.linalg.norm(points[:, None] - body.points[None], axis=2)
@@ -238,6 +240,8 @@ def _check_constants(content: Definition, body: Body, place: Place, repair: bool
     drawn = content.tags.get(schema.CENTROID_TAG, [])
     if not drawn:
         out.append(place.finding("W13", "no centroid point G; it was computed from the faces"))
-    elif not np.linalg.norm(drawn[0] - centroid) <= schema.VOLUME_TOLERANCE * np.linalg.norm(np.ptp(body.points, axis=0)):
+    elif not is_sane(drawn[0]) or not np.linalg.norm(drawn[0] - centroid) <= schema.VOLUME_TOLERANCE * np.linalg.norm(
+        np.ptp(body.points, axis=0)
+    ):
         out.append(place.finding("W14", "the centroid point G is off", expected="the centroid of the faces, which is used"))
     return out

@@ -36,7 +36,9 @@ def jointed(
         findings.append(Finding("E26", what, remedy=remedy, lengths=(joint, size, widest)))
         return stones, np.ones(len(stones))
     closed = close_joints([(stone.points, stone.faces) for stone in stones], joint)
-    count, share = len(closed.joints.width), closed.volume_before / closed.volume
+    count = len(closed.joints.width)
+    # A stone without a volume, of which another finding tells, has no mortar either.
+    share = np.divide(closed.volume_before, closed.volume, out=np.ones(len(stones)), where=closed.volume != 0)
     if not count:
         findings.append(Finding("W26", "no joint as wide as asked for ({}) was found", lengths=(joint,)))
         return stones, np.ones(len(stones))

@@ -7,6 +7,9 @@ import numpy as np
 import pytest
 
 import churchpipe
+from churchpipe.dxf.jointing import jointed
+from churchpipe.dxf.stones import Stone
+from churchpipe.findings import Place
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.stones.contacts import find_contacts
 from churchpipe.stones.mortar import close_joints, open_joints
@@ -81,6 +84,15 @@ def test_open_joints_are_measured_where_nobody_named_them() -> None:
     np.testing.assert_allclose(found.width, JOINT, rtol=1e-9)
     touching = [box((x, 0, z), (1, 1, 1)) for x in (0, 1) for z in (0, 1)]
     assert len(open_joints(touching).width) == 0
+
+
+def test_a_flat_stone_among_others_has_no_mortar() -> None:
+    place = Place("solid", "", "")
+    solids = [*bricks(2, 2), box((0, 0, 0.15), (0.25, 0.12, 0.0))]
+    stones = [Stone(points, faces, False, place, "", "default") for points, faces in solids]
+    _, share = jointed(stones, JOINT, "keep", "counted", 1.0, [])
+    assert share[-1] == 1.0
+    assert (share[:-1] > 1.0).all()
 
 
 def test_meshes_with_joints_between_them_grow_too(tmp_path: Path) -> None:
