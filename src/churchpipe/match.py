@@ -17,6 +17,7 @@ from churchpipe.model.contacts import Contacts, check_contacts_of
 from churchpipe.model.placed_loads import PlacedLoads
 from churchpipe.model.polyhedra import face_normals
 from churchpipe.model.shell import ShellModel
+from churchpipe.stones.bed_angles import angle_to_joints
 
 WEIGHT = 0.005
 CENTROID = 0.01
@@ -32,10 +33,6 @@ CURVED = 0.1
 TURNED, TURNED_SHARE = 20.0, 0.001
 # Facets within one stone whose normals differ by more than this (degrees) make it a stone that turns a corner.
 CORNER = 5.0
-# A joint crosses the line through a voussoir where the sine of their angle is at least this.
-LEAST_CROSSING = 0.4
-# Weight of that line among the joints of its stone when their mean direction is formed.
-SLIGHT = 1e-3
 # Tells a normal from its opposite: no wall of a drawing lies along it.
 SLANT = np.array([0.8367, 0.5476, 0.0123])
 
@@ -315,7 +312,7 @@ def _beds(stones: Assemblage, contacts: Contacts, shell: ShellModel, facet: IntA
     cosine = np.abs(np.einsum("ij,ij->i", level, along)) / np.where(length > 0, length, 1.0)
     angle = np.where(length > 0.5, np.degrees(np.arccos(np.minimum(cosine, 1.0))), np.nan)
     loose = found & ~stones.coursed
-    angle[loose] = _angle_to_joints(stones, contacts, along, across)[loose]
+    angle[loose] = angle_to_joints(stones, contacts, along, across)[loose]
     known = found & np.isfinite(angle)
     if not known.any():
         return _bed_figures(np.array([90.0]), np.ones(1))
@@ -328,78 +325,3 @@ def _bed_figures(angle: FloatArray, volume: FloatArray) -> tuple[Figure, Figure]
         Figure("angle between beds, mean", 0.0, mean, "degrees", mean, MEAN_ANGLE),
         Figure(f"stones turned by more than {TURNED:g} degrees", 0.0, turned, "", turned, TURNED_SHARE),
     )
-
-
-def _angle_to_joints(stones: Assemblage, contacts: Contacts, along: FloatArray, across: FloatArray) -> FloatArray:
-    """Return how far the bed direction lies outside the directions of each stone's bed joints (nb,), degrees; nan without any.
-
-    The joints of a voussoir are not parallel: inside it the bed direction turns from one joint to the other, so any direction
-    between the two fits. Its bed joints are those with its neighbours in the ring, stones without a course like itself. The last
-    voussoir of a ring has one such neighbour; the joint opposite, with a stone of a pier, counts too. A stone with more
-    neighbours, or with none, lies in a wall drawn without courses or stands alone: there the joints count that are within
-    45 degrees of the mean by area, and head joints do not.
-
-    Parameters
-    ----------
-    along, across: unit vectors (nb, 3) in the plane of each stone's wall: the bed direction, and that at right angles to it.
-    """
-    owner = contacts.blocks.ravel()
-    normal, area = np.repeat(contacts.frame[:, 0], 2, axis=0), np.repeat(contacts.area, 2)
-    # A joint is at right angles to its normal. What faces the front or back of the wall has no direction within it.
-    up, level = np.einsum("kc,kc->k", normal, across[owner]), np.einsum("kc,kc->k", normal, along[owner])
-    share: FloatArray = np.hypot(up, level)
-    turn: FloatArray = np.arctan2(-level, up)
-    loose = ~stones.coursed & ~stones.fixed
-    in_ring = np.repeat(loose[contacts.blocks].all(axis=1), 2) & (share > 0.5)
-    neighbours = np.bincount(owner[in_ring], minlength=stones.count)
-    voussoir = np.isin(neighbours, (1, 2))
-    alone: BoolArray = (neighbours == 0)[owner]
-    leading: BoolArray = (in_ring & ~alone) | (alone & (share > 0.5))
-    line = _inward_lines(stones, contacts, in_ring, along, across)
-    # The extrados does not cross the line through its voussoir.
-    crosses = np.abs(np.sin(turn - line[owner])) > LEAST_CROSSING
-    leading |= (neighbours == 1)[owner] & crosses & (share > 0.5)
-    weight = np.where(leading, area * share**2, 0.0)
-    # Two joints at right angles have no mean direction: of the two bisectors the bed is the one across the line.
-    slight = SLIGHT * np.bincount(owner, weight, minlength=stones.count)
-    mean = _mean_direction(
-        stones.count,
-        np.concatenate([owner, np.arange(stones.count)]),
-        np.concatenate([turn, line + 0.5 * np.pi]),
-        np.concatenate([weight, np.where(neighbours > 0, slight, 0.0)]),
-    )
-    off = _half_turn(turn - mean[owner])
-    of_ring: BoolArray = voussoir[owner]
-    beds: BoolArray = (of_ring & leading) | (~of_ring & (np.abs(off) < np.pi / 4) & (share > 0.5))
-    low, high = np.full(stones.count, np.inf), np.full(stones.count, -np.inf)
-    np.minimum.at(low, owner[beds], off[beds])
-    np.maximum.at(high, owner[beds], off[beds])
-    field = _half_turn(-mean)
-    outside = np.maximum(np.maximum(low - field, field - high), 0.0)
-    return np.degrees(np.where(np.isfinite(low), np.minimum(outside, np.pi - outside), np.nan))
-
-
-def _inward_lines(
-    stones: Assemblage, contacts: Contacts, in_ring: BoolArray, along: FloatArray, across: FloatArray
-) -> FloatArray:
-    """Return the direction (nb,) rad, from the bed direction, of the line from a joint in a ring to the centroid of the stone.
-
-    in_ring (2 ni,): of each joint as seen from its first stone, then from its second.
-    """
-    owner = contacts.blocks.ravel()
-    count = np.diff(contacts.point_ptr)
-    place = np.repeat(np.add.reduceat(contacts.point, contacts.point_ptr[:-1], axis=0) / count[:, None], 2, axis=0)
-    inwards = np.zeros((stones.count, 3))
-    inwards[owner[in_ring]] = stones.centroid[owner[in_ring]] - place[in_ring]
-    return np.arctan2(np.einsum("bc,bc->b", inwards, across), np.einsum("bc,bc->b", inwards, along))
-
-
-def _mean_direction(count: int, owner: IntArray, turn: FloatArray, weight: FloatArray) -> FloatArray:
-    """Return the mean direction (count,) rad. Directions repeat after half a turn, so their doubles are averaged as angles."""
-    sine, cosine = (np.bincount(owner, weight * part(2 * turn), minlength=count) for part in (np.sin, np.cos))
-    return 0.5 * np.arctan2(sine, cosine)
-
-
-def _half_turn(angle: FloatArray) -> FloatArray:
-    """Return angles, rad, less whole half turns: from -pi/2 to pi/2."""
-    return np.mod(angle + 0.5 * np.pi, np.pi) - 0.5 * np.pi

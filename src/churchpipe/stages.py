@@ -13,7 +13,7 @@ import numpy as np
 
 from churchpipe.closure import code_of
 from churchpipe.config.carries import carries_of, placed
-from churchpipe.config.settings import beams_of, buttresses_of, joints_of, load_of, strengths_of, weights_of
+from churchpipe.config.settings import beams_of, buttresses_of, joints_of, load_of, strengths_of, used_by, weights_of
 from churchpipe.errors import Extra, InputError
 from churchpipe.io.atomic import write_json
 from churchpipe.io.building_json import read_building, write_building
@@ -242,7 +242,6 @@ def rigid(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
     keys = ("flow", "solver", "method", "start", "bipotential_gap", "contact_model", "crushing_parts")
     options = {key: table[key] for key in keys if key in table}
     crushing = crushing_strength(stones, joints, materials)
-    used = set(stones.material[~stones.fixed].tolist())
     options |= {"ties": borne.ties, "compressive_strength": crushing}
     found = limit_analysis(stones, joints, pushed, friction, cohesion, **options, progress=progress)
     ranked: tuple[RankedTie, ...] = ()
@@ -253,8 +252,8 @@ def rigid(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
     if rates and (best := table.get("verified_gains", 0)):
         rates = verify_gains(rates, stones, joints, pushed, friction, cohesion, best=best, **options)
     write_npz(state, found)
-    here, model = [one for one in materials if one.name in used], table.get("contact_model", CONTACT_MODEL)
-    write_record(record, record_of(found, load, here, model, borne.ties, ranked, rates, joints_of(table)))
+    used, model = used_by(stones, materials), table.get("contact_model", CONTACT_MODEL)
+    write_record(record, record_of(found, load, used, model, borne.ties, ranked, rates, joints_of(table)))
 
 
 def curve(settings: Path, assemblage: Path, contacts: Path, state: Path, record: Path, progress: Progress | None = None) -> None:
@@ -269,7 +268,6 @@ def curve(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
     load, materials = load_of(table), strengths_of(table)
     friction, _ = joint_strength(stones, joints, materials, joints_of(table))
     options = {key: table[key] for key in ("solver", "control", "step", "steps", "furthest", "halo") if key in table}
-    used = set(stones.material[~stones.fixed].tolist())
     borne = placed(carries_of(table), stones)
     pushed = loaded(load, stones, borne.loads)
     kept = KeptSteps(BlockCapacityCurve, state.parent, (settings, assemblage, contacts), code_of("curve"))
@@ -277,8 +275,7 @@ def curve(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
     found = block_pushover(stones, joints, pushed, friction, borne.ties, **options, **more)
     write_npz(state, found)
     kept.clear()
-    here = [material for material in materials if material.name in used]
-    write_record(record, curve_record_of(found, stones, load, here, joints_of(table)))
+    write_record(record, curve_record_of(found, stones, load, used_by(stones, materials), joints_of(table)))
 
 
 def movement(
@@ -303,9 +300,8 @@ def movement(
     for file, part in zip(made, (moved.stones, moved.contacts, moved.path), strict=False):
         write_npz(file, part)
     kept.clear()
-    known = [material for material in materials if material.name in stones.material[~stones.fixed]]
     cracks = widest_cracks(moved.stones, moved.contacts, moved.opening, moved.slip)
-    write_json(made[-1], movement_words(moved.path, table, moved.stones, known, cracks))
+    write_json(made[-1], movement_words(moved.path, table, moved.stones, used_by(stones, materials), cracks))
 
 
 def sample(settings: Path, file: Path, record: Path, *shared: Path) -> None:

@@ -1,10 +1,11 @@
 """Settings of the stages, as `config.plan` writes them: SI. What reads them knows no case file, so that the code that reads
 cases decides a stage through its settings alone."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from churchpipe.code_check import Floor, Site
+from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.buttress import Buttress
 from churchpipe.model.joint_group import JointGroup
 from churchpipe.model.loads import LoadCase
@@ -44,6 +45,11 @@ def strengths_of(settings: Mapping[str, Any]) -> list[JointStrength]:
         JointStrength(name, **{**values, "elastic": Elastic(**values["elastic"]) if "elastic" in values else None})
         for name, values in settings["material"].items()
     ]
+
+
+def used_by(stones: Assemblage, materials: Sequence[JointStrength]) -> list[JointStrength]:
+    """Return the materials of the stones that are free."""
+    return [material for material in materials if material.name in stones.material[~stones.fixed]]
 
 
 def site_of(settings: Mapping[str, Any]) -> Site:
