@@ -1,12 +1,14 @@
 """Two-dimensional drawings: outlines of stones in every way that people close them, extruded and stood up."""
 
 from collections.abc import Callable
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
 import ezdxf
 import numpy as np
 import pytest
+import shapely
 
 from churchpipe.dxf.reader import Drawing, read_drawing
 from churchpipe.findings import Findings, FindingsError
@@ -109,6 +111,33 @@ def test_a_wall_drawn_upright_in_space_stays_where_it_is(tmp_path: Path) -> None
     stones = read(drawn(tmp_path / "a.dxf", draw, ground=False), support="base").stones
     np.testing.assert_allclose(stones.points[:8].min(axis=0), (0, -0.16, 0), atol=1e-12)
     np.testing.assert_allclose(stones.points[:8].max(axis=0), (0.25, -0.04, 0.065), atol=1e-12)
+
+
+@pytest.mark.parametrize(("seed", "joint", "unit", "metre"), [(1, 0.01, 6, 1.0), (2, 0.015, 5, 100.0), (3, 0.02, 2, 1 / 0.3048)])
+def test_rubble_with_mortar_keeps_every_joint(seed: int, joint: float, unit: int, metre: float, tmp_path: Path) -> None:
+    # Cells around points by chance, less half a joint all round; in metres, centimetres and feet. Their common edges are counted
+    # before the mortar is left out.
+    chance = np.random.default_rng(seed)
+    grid = np.stack(np.meshgrid(np.arange(0.1, 1.4, 0.2), np.arange(0.08, 1.0, 0.16)), -1).reshape(-1, 2)
+    wall = shapely.box(0, 0, 1.4, 0.96)
+    points = shapely.MultiPoint(grid + chance.uniform(-0.05, 0.05, grid.shape))
+    cells = [cell & wall for cell in shapely.get_parts(shapely.voronoi_polygons(points, extend_to=wall))]
+    common = [(i, j, float((cells[i] & cells[j]).length)) for i, j in combinations(range(len(cells)), 2)]
+
+    def draw(space: Any) -> None:
+        for cell in cells:
+            corners = shapely.get_coordinates(cell.buffer(-0.5 * joint, join_style="mitre"))[:-1]
+            space.add_lwpolyline((metre * corners).tolist(), close=True)
+
+    path = drawn(tmp_path / "rubble.dxf", draw, unit=unit, ground=False)
+    stones = read(path, joint=joint, support="base").stones
+    blocks = find_contacts(stones).blocks
+    order = {name: number for number, name in enumerate(stones.block_id[~stones.fixed])}
+    assert len(order) == len(cells)
+    pairs = stones.block_id[blocks[~stones.fixed[blocks].any(axis=1)]]
+    found = {tuple(sorted((order[first], order[second]))) for first, second in pairs}
+    assert {(i, j) for i, j, length in common if length > 1.2 * joint} <= found
+    assert found <= {(i, j) for i, j, length in common if length > 0}
 
 
 def test_a_depth_beyond_all_numbers_is_named(tmp_path: Path) -> None:
