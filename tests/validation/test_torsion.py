@@ -151,7 +151,8 @@ def test_tilting_tests_about_the_pressure(test: str, expected: float) -> None:
     assert state.gap <= 1e-5 * state.load_factor
     assert [run.start for run in state.starts] == ["centre"]
     assert state.interval[0] <= state.load_factor <= state.interval[1]
-    assert state.interval[1] - state.interval[0] < 0.01 * state.load_factor
+    # S5 has 1.2 % of the load factor, S22 .4 % (docs/contact_models.md).
+    assert state.interval[1] - state.interval[0] < 0.015 * state.load_factor
     assert state.load_factor == pytest.approx(expected, rel=2e-4)
 
 
