@@ -135,3 +135,20 @@ def test_loads_travel_with_their_stones() -> None:
     centre, height = place(-b / 2, h / 2)
     beside, _ = place(-b / 2 - 0.2, h / 2)
     assert curve.load_factor == pytest.approx(-(weight * centre + extra * beside) / (weight * height), abs=1e-6)
+
+
+def test_a_stone_that_loses_its_seat_falls_and_the_others_go_on() -> None:
+    # A slab on a post and on the back of a block, its centroid between the two; a stop holds it as the block rocks away below it.
+    post, plate, stop = box((-0.4, -0.05), (0, 1), (0, 4)), box((-9, 9), (-5, 5), (-1, 0)), box((0.2, 0.6), (0, 1), (4.2, 4.4))
+    block, slab = box((0, 1), (0, 1), (0, 4)), box((-0.2, 0.2), (0, 1), (4, 4.4))
+    stones = cp.Assemblage.from_polyhedra([plate, post, block, slab, stop], 18e3, fixed=[0, 1, 4])
+    curve = cp.block_pushover(stones, cp.find_contacts(stones), PUSH, 0.3, step=0.02)
+    (lost,) = curve.fallen
+    assert lost.stones.tolist() == [3]
+    # The corner of the block, where the slab rests, comes to the slab's end at .2 m: half of that at the block's centroid.
+    assert 0.05 < lost.displacement < 0.15
+    alone = curve.displacement > lost.displacement
+    assert 0 < alone.sum() < len(alone)
+    centre = curve.position[alone, 2]
+    assert curve.load_factor[alone] == pytest.approx((1 - centre[:, 0]) / centre[:, 2], abs=1e-5)
+    assert curve.status == "vanished"
