@@ -107,3 +107,14 @@ def _from_lowest_left(point: FloatArray, owner: IntArray, pointer: IntArray) -> 
     local = np.arange(len(owner)) - pointer[owner]
     size = np.diff(pointer)[owner]
     return point[pointer[owner] + (local + shift) % size]
+
+
+def below(corner: FloatArray, level: float) -> FloatArray:
+    """Return the part (n, 3) m of a plane polygon in space with corners (k, 3) m below a level z, m."""
+    found: list[FloatArray] = []
+    for first, second in zip(corner, np.roll(corner, -1, axis=0), strict=True):
+        if first[2] <= level:
+            found.append(first)
+        if (first[2] - level) * (second[2] - level) < 0:
+            found.append(first + (level - first[2]) / (second[2] - first[2]) * (second - first))
+    return np.array(found).reshape(-1, 3)

@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from churchpipe.errors import InputError
+from churchpipe.geometry.polygons import below
 from churchpipe.model.arguments import check_kind, positive
 from churchpipe.model.arrays import BoolArray, FloatArray
 from churchpipe.model.assemblage import Assemblage
@@ -69,7 +70,7 @@ def with_fill(
     pushed = load.panels is None or set(names) & set(load.panels)
     filled = 0.0
     for owner, corner in _backs(body, np.isin(body.panel, names), contacts):
-        volume, moment = _column(_below(corner, level), level)
+        volume, moment = _column(below(corner, level), level)
         filled += volume
         arm = moment - volume * centre[owner]
         for wrench, toward in ((dead, np.array([0.0, 0.0, -1.0])), (live, load.direction if pushed else np.zeros(3))):
@@ -109,17 +110,6 @@ def _backs(body: Assemblage | ShellModel, chosen: BoolArray, contacts: Contacts 
         on = np.abs((middle[joints] - mean[face]) @ normal[face]) < _ONE * body.size
         if contacts.area[joints[along & on]].sum() < _FREE * float(np.linalg.norm(vector[face])):
             yield int(owner[face]), body.points[body.face_nodes[slice(*body.face_ptr[face : face + 2])]]
-
-
-def _below(corner: FloatArray, level: float) -> FloatArray:
-    """Return the part of a plane polygon (k, 3) m below a level."""
-    found: list[FloatArray] = []
-    for a, b in zip(corner, np.roll(corner, -1, axis=0), strict=True):
-        if a[2] <= level:
-            found.append(a)
-        if (a[2] - level) * (b[2] - level) < 0:
-            found.append(a + (level - a[2]) / (b[2] - a[2]) * (b - a))
-    return np.array(found).reshape(-1, 3)
 
 
 def _column(corner: FloatArray, level: float) -> tuple[float, FloatArray]:

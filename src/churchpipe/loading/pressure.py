@@ -6,6 +6,7 @@ import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.geometry.locate import inside_stones
+from churchpipe.geometry.polygons import below
 from churchpipe.geometry.walls import WallLine, points_of
 from churchpipe.loading.bearing import CLOSE
 from churchpipe.model.arrays import FloatArray
@@ -45,7 +46,7 @@ def pressure_forces(stones: Assemblage, wall: WallLine, load: Pressure) -> list[
             corners = stones.points[stones.face_nodes[stones.face_ptr[face] : stones.face_ptr[face + 1]]]
             _, (normal,), _ = face_normals(corners, np.arange(len(corners)), np.array([0, len(corners)]))
             if normal @ outward > _AGAINST and (corners @ outward).min() > edge:
-                found += [(*part, stone, normal) for part in _on_face(_below(corners, load.top), pressed)]
+                found += [(*part, stone, normal) for part in _on_face(below(corners, load.top), pressed)]
     if not found:
         raise InputError(load.called, f"no face of the wall {wall.name} below z = {load.top:g} m on that side")
     place = np.array([point for point, *_ in found])
@@ -75,7 +76,7 @@ def fill_weights(stones: Assemblage, load: Fill) -> list[tuple[FloatArray, int, 
     found: list[tuple[FloatArray, float, int, FloatArray]] = []
     for face in np.flatnonzero((normal[:, 2] > _UP) & np.isin(stones.panel, load.on)[owner]).tolist():
         corners = stones.points[stones.face_nodes[stones.face_ptr[face] : stones.face_ptr[face + 1]]]
-        parts = _on_face(_below(corners, load.top), lambda z: load.unit_weight * (load.top - z))
+        parts = _on_face(below(corners, load.top), lambda z: load.unit_weight * (load.top - z))
         found += [(point, size * float(normal[face, 2]), int(owner[face]), normal[face]) for point, size in parts]
     if found:
         bare = ~inside_stones(stones, np.array([point + 10 * CLOSE * up for point, _, _, up in found]))
@@ -84,17 +85,6 @@ def fill_weights(stones: Assemblage, load: Fill) -> list[tuple[FloatArray, int, 
         expected = f"faces of {', '.join(load.on)} that look up, below z = {load.top:g} m"
         raise InputError(load.called, "nothing that it could lie on", expected=expected)
     return [(point, stone, weight) for point, weight, stone, _ in found]
-
-
-def _below(corners: FloatArray, level: float) -> FloatArray:
-    """Return the part (n, 3) of a plane polygon below a level, m."""
-    out: list[FloatArray] = []
-    for first, second in zip(corners, np.roll(corners, -1, axis=0), strict=True):
-        if first[2] <= level:
-            out.append(first)
-        if (first[2] - level) * (second[2] - level) < 0:
-            out.append(first + (level - first[2]) / (second[2] - first[2]) * (second - first))
-    return np.array(out).reshape(-1, 3)
 
 
 def _on_face(polygon: FloatArray, pressed: Callable[[FloatArray], FloatArray]) -> list[tuple[FloatArray, float]]:
