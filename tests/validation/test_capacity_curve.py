@@ -279,13 +279,13 @@ def _thrust_line(stones: Assemblage, curve: BlockCapacityCurve, step: int, close
 def test_s22() -> None:
     stones, contacts = model("S22")
     curve = block_pushover(stones, contacts, LOADS["S22"], 0.7, step=0.004)
-    # At its end next to nothing holds the wall: it falls, or has no load factor left, by when loose stones are taken out.
-    assert curve.status in ("vanished", "collapsed")
-    assert curve.load_factor[-1] < 0.15 * curve.load_factor[0]
+    # Where next to nothing holds the wall any more, stones may fall before the load factor is zero.
+    fallen = curve.status == "collapsed" and curve.load_factor[-1] < 0.01 * curve.load_factor[0]
+    assert curve.status == "vanished" or fallen
     # The interval of the certified load factor without dilatancy as drawn.
     assert 0.1882 <= curve.load_factor[0] <= 0.1889
-    # In steps of 4 mm .0182 m; .0197 m where loose stones are kept longer.
-    assert curve.d0 == pytest.approx(0.0182, rel=2e-2)
+    # In steps of 4 mm .01972 m.
+    assert curve.d0 == pytest.approx(0.0197, rel=2e-2)
     assert curve.residual.max() < 1e-8
     assert curve.violation.max() < 1e-8
     # Where next to nothing holds the wall any more, the motions of single stones are harder to fit.

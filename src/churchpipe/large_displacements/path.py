@@ -23,7 +23,7 @@ from churchpipe.rigid_blocks.certificate import Strength
 from churchpipe.rigid_blocks.equilibrium import contact_wrenches
 
 # Programs of a step: as drawn, where the sliding is unknown, and later.
-FIRST, PROGRAMS = 6, 4
+FIRST, PROGRAMS = 12, 4
 # Pairs of programs that make forces and motion fit, at most.
 PAIRS = 6
 # Times that they are sought, each with the length of step of the last motion.
@@ -46,8 +46,8 @@ _SPARED = 0.05
 class PathState:
     """Where a path has got to: poses, joints, which stones have fallen (nb,), length of the step, m per unit of work.
 
-    fastest: least speed so far of the fastest stone in a step whose motion was credible. before (nb, 6): velocities of the last
-    step at the origin, way (m per unit of work) how far it went; None as drawn. rest (nt,) m: what ties have been pulled to.
+    fastest: speed of the fastest stone in the last step whose motion was credible. before (nb, 6): velocities of the last step
+    at the origin, way (m per unit of work) how far it went; None as drawn. rest (nt,) m: what ties have been pulled to.
     """
 
     poses: Poses
@@ -125,11 +125,8 @@ def solve_state(model: MovingModel, state: PathState, programs: int = PROGRAMS, 
         wanted = _length(model, stones, _velocities(model, state, free, answer.y))
         return not free_way or max(wanted / length, length / wanted) < _NEAR, wanted if free_way else min(length, wanted)
 
-    def falling(answer: StepAnswer) -> BoolArray:
-        speed = stone_speed(stones, _velocities(model, state, free, answer.y))
-        return falling_stones(answer, speed, state.fastest, model.stones.weight, _spared(model, state))
-
     attempt, free_way = 0, True
+    before: tuple[StepAnswer, float] | None = None
     while True:
         program = replace(program, closing=np.maximum(gap / length, 0.0))
         answer = solve_step(program, sliding, solve)
@@ -141,15 +138,15 @@ def solve_state(model: MovingModel, state: PathState, programs: int = PROGRAMS, 
             break
         attempt += 1
         near, wanted = after(answer)
-        if attempt == programs or (near and (pairs or answer.misfit < _FITTING)):
+        if before and pairs and answer.misfit > max(_FITTING, 0.5 * before[0].misfit):
+            answer, length = min((answer, length), before, key=lambda one: one[0].misfit)
             break
-        sliding, length = program.slip(answer.y), wanted
+        if attempt == programs or (near and answer.misfit < _FITTING):
+            break
+        before, sliding, length = (answer, length), program.slip(answer.y), wanted
     way = 0.0
     if answer.outcome == "solved":
         for _ in range(_LENGTHS if pairs and answer.misfit > _FITTING else 0):
-            # What falls is taken out before forces and motion are made to fit.
-            if falling(answer).any():
-                break
             program = replace(program, closing=np.maximum(gap / length, 0.0))
             answer = without_dilatancy(program, answer, solve, _FITTING, pairs)
             near, wanted = after(answer)
@@ -171,7 +168,7 @@ def solve_state(model: MovingModel, state: PathState, programs: int = PROGRAMS, 
         rate=rate,
         way=way,
         friction_power=-float((answer.forces[:, 1:] * rate[:, 1:]).sum()) - _yielding(model, answer, rate),
-        lost=falling(answer),
+        lost=falling_stones(answer, speed, state.fastest, model.stones.weight, _spared(model, state)),
     )
 
 
@@ -208,7 +205,7 @@ def next_state(model: MovingModel, step: PathStep, furthest: float = np.inf) -> 
             state,
             poses=state.poses.moved(way * twist),
             length=2 * state.length if short else state.length,
-            fastest=min(state.fastest, float(step.speed.max(initial=0.0))) if step.answer.misfit < _CREDIBLE else state.fastest,
+            fastest=float(step.speed.max(initial=0.0)) if step.answer.misfit < _CREDIBLE else state.fastest,
             before=there,
             way=way,
         ),

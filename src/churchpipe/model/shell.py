@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from churchpipe.errors import InputError
+from churchpipe.model.arguments import check_kind
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, NameArray, flags, floats, indices, names, rows_of, store
 from churchpipe.model.card import card
 from churchpipe.model.shell_beams import ShellBeams
@@ -54,6 +55,7 @@ class ShellModel:
             supported=flags("ShellModel.supported", self.supported, (nn,)),
             bonds=names("ShellModel.bonds", self.bonds if np.size(self.bonds) else np.full(nu, "running"), (nu,)),
         )
+        check_kind("ShellModel.beams", self.beams, ShellBeams)
         sizes = len(self.beams.of_node), len(self.beams.bearing)
         if sizes != ((nn, nt) if self.beams.count else (0, 0)):
             raise InputError(

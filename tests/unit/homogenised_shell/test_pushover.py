@@ -121,7 +121,9 @@ def test_a_step_agrees_with_its_statement_in_cvxpy(planes: PlaneSet) -> None:
     standing = condensed.solve(condensed.loads.dead, None, compliance=compliance, cap=1.0)
     assert standing.holds
     before = standing.stress.T * condensed.loads.unit
-    factor, stress = reference_step(program, flexibility, before, displacement, tol_gap_abs=1e-10, tol_gap_rel=1e-10)
+    # Clarabel does not converge on the joints of the cell with rows and columns scaled anew.
+    options = {"tol_gap_abs": 1e-10, "tol_gap_rel": 1e-10, "equilibrate_enable": False}
+    factor, stress = reference_step(program, flexibility, before, displacement, **options)
     assert curve.load_factor[1] == pytest.approx(factor, rel=1e-6)
     state = condensed.solve(condensed.loads.dead, condensed.loads.live, compliance=compliance, before=standing)
     np.testing.assert_allclose(state.stress.T * condensed.loads.unit, stress, atol=1e-4 * np.abs(stress).max())
