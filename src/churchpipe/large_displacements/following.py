@@ -56,7 +56,7 @@ def follow(model: MovingModel, state: PathState, steps: int, record: Steps, ring
             if not may_go_on(model, taken):
                 return Ending("collapsed", f"{int(taken.lost.sum())} stones that cannot be spared fall")
             record.fall(taken)
-            state = without(model, state, taken.lost)
+            state = without(model, taken)
             taken = solve_state(model, state)
         if taken.answer.outcome == "unbounded":
             return Ending("unbounded", "the stones have locked: nothing of this kind moves them on")

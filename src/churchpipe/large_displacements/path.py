@@ -212,9 +212,9 @@ def next_state(model: MovingModel, step: PathStep, furthest: float = np.inf) -> 
     )
 
 
-def without(model: MovingModel, state: PathState, lost: BoolArray) -> PathState:
-    """Return a state without stones (nb,) that fall. Its step is as long as before: theirs was cut short by their own speed."""
-    return _renewed(model, replace(state, fallen=state.fallen | lost))
+def without(model: MovingModel, step: PathStep) -> PathState:
+    """Return the state of a step without the stones that fall."""
+    return _renewed(model, replace(step.state, fallen=step.state.fallen | step.lost))
 
 
 def may_go_on(model: MovingModel, step: PathStep) -> bool:
