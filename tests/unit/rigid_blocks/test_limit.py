@@ -36,6 +36,16 @@ def test_forces_on_the_edge_of_friction_are_balanced(solver: str) -> None:
     assert (state.status, state.load_factor) == ("optimal", pytest.approx(0.6, rel=1e-6))
 
 
+@pytest.mark.parametrize("solver", ["auto", "interior-point", "clarabel", "cvxpy"])
+@pytest.mark.parametrize("size", [0.01, 10.0])
+def test_every_solver_certifies_a_tower_that_overturns(solver: str, size: float) -> None:
+    """Eight equal stones turn about their edge at b / h = 1 / 4, be they pebbles or boulders."""
+    tower = [box((0, size), (0, size), (i * size / 2, (i + 1) * size / 2)) for i in range(8)]
+    stones = on_ground(*tower)
+    state = limit_analysis(stones, find_contacts(stones), PUSH, 0.6, solver=solver)
+    assert (state.status, state.load_factor) == ("optimal", pytest.approx(0.25, rel=1e-6))
+
+
 def test_balancing_keeps_cohesive_forces_in_their_cones() -> None:
     rng = np.random.default_rng(2)
     for _ in range(20):
