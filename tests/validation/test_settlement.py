@@ -81,6 +81,27 @@ def test_spreading_arch(voussoirs: int, thickness: float, thrust: float, error: 
     assert without.reaction == pytest.approx(state.reaction, rel=1e-5)
 
 
+def test_a_support_that_pushes() -> None:
+    """A fixed stone is driven against a block: friction on its face presses the block down, so that p = mu (W + mu p)."""
+    block, driver = box((0, 1), (0, 1), (0, 1)), box((-1, 0), (0, 1), (0, 0.5))
+    stones = cp.Assemblage.from_polyhedra([box((-5, 5), (-5, 5), (-1, 0)), block, driver], 18e3, fixed=[0, 2])
+    contacts = cp.find_contacts(stones)
+    state = cp.settlement_analysis(stones, contacts, [2], (1, 0, 0), friction=0.3)
+    assert (state.status, state.reaction / 18e3) == ("optimal", pytest.approx(-0.3 / (1 - 0.09), rel=1e-6))
+    path = cp.settlement_path(stones, contacts, [2], (1, 0, 0), friction=0.3, furthest=0.2)
+    # Once it slides without dilatancy, the friction on its face is not known: it may press the block down, or lift it.
+    assert (path.reaction / 18e3 > -0.301 / (1 - 0.09)).all()
+    assert (path.reaction / 18e3 < -0.299 / (1 + 0.09)).all()
+
+
+def test_a_support_that_moves_in_on_an_arch_is_pushed_with_its_greatest_thrust() -> None:
+    stones = derive_blocks(arch(mean_radius=1.0, thickness=0.2, width=1.0, voussoirs=27))
+    contacts = cp.find_contacts(stones)
+    right = int(np.argmax(np.where(stones.fixed, stones.centroid[:, 0], -np.inf)))
+    state = cp.settlement_analysis(stones, contacts, [right], (-1, 0, 0), friction=0.7)
+    assert state.reaction == pytest.approx(-cp.thrust_range(stones, contacts, [right], (1, 0, 0), 0.7).greatest, rel=1e-6)
+
+
 BEAM = cp.Assemblage.from_polyhedra(
     [box((0, 0.5), (0, 1), (0, 1)), box((3.5, 4), (0, 1), (0, 1)), box((0, 4), (0, 1), (1, 1.5)), box((9, 10), (0, 1), (0, 1))],
     18e3,

@@ -11,6 +11,7 @@ from churchpipe.large_displacements.moving_model import MovingModel, bearing, mo
 from churchpipe.large_displacements.path import FIRST, PAIRS, PathState, PathStep, first_state, solve_state
 from churchpipe.large_displacements.supports import support_movement
 from churchpipe.model.arguments import check_kind, one_of
+from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
@@ -20,6 +21,8 @@ from churchpipe.rigid_blocks.limit import dead_load_analysis, point_strength
 
 # Errors within which a reaction is proved.
 _BOUNDS, _BALANCE, _FLOW = 1e-5, 1e-8, 1e-3
+# A reaction below this share of the weight is none.
+NOTHING = 1e-7
 
 
 def settlement_analysis(
@@ -113,7 +116,7 @@ def _state(model: MovingModel, contacts: Contacts, step: PathStep, flow: str, se
     fits = answer.gap < _FLOW * max(abs(answer.load_factor), 1e-3) if flow == "non-associative" else answer.bound_gap < _BOUNDS
     proved = fits and answer.residual < _BALANCE and answer.violation < _BALANCE
     return SettlementState(
-        reaction=max(-answer.load_factor, 0.0) * model.force,
+        reaction=float(resistance(np.array(answer.load_factor))) * model.force,
         status="optimal" if proved else "not-converged",
         velocities=step.velocity,
         opening=rate[:, 0],
@@ -126,6 +129,11 @@ def _state(model: MovingModel, contacts: Contacts, step: PathStep, flow: str, se
         message=answer.message,
         seconds=seconds,
     )
+
+
+def resistance(load_factor: FloatArray) -> FloatArray:
+    """Return the reactions against a movement, over the weight, of the load factors of a push along it; rounding is none."""
+    return np.where(np.abs(load_factor) < NOTHING, 0.0, -load_factor)
 
 
 def _nothing(stones: Assemblage, contacts: Contacts, status: SettlementStatus, message: str, seconds: float) -> SettlementState:

@@ -14,7 +14,7 @@ from churchpipe.large_displacements.halo import HALO, STILL, held_around
 from churchpipe.large_displacements.moving_model import MovingModel
 from churchpipe.large_displacements.path import PathStep, first_state
 from churchpipe.large_displacements.record import Progress, Record
-from churchpipe.large_displacements.settlement import settlement_analysis, settlement_model
+from churchpipe.large_displacements.settlement import NOTHING, resistance, settlement_analysis, settlement_model
 from churchpipe.large_displacements.supports import SupportMovement
 from churchpipe.mechanism import reference_speed, stone_speed
 from churchpipe.model.arguments import positive, whole
@@ -24,8 +24,8 @@ from churchpipe.model.contacts import Contacts
 from churchpipe.model.settlement import SettlementEnding, SettlementPath, SettlementState
 from churchpipe.model.stone_path import no_step
 
-# A reaction below this share of the weight is none, and stones slower than this share of the support stand still.
-_NOTHING, _STILL = 1e-7, 1e-4
+# Stones slower than this share of the support stand still.
+_STILL = 1e-4
 
 
 def settlement_path(
@@ -140,7 +140,7 @@ class _Movement(Record):
         free = ~self.model.stones.fixed
         driven = np.isin(np.arange(len(free)), cast(SupportMovement, self.model.driven).stones)
         still = float(step.speed[free].max(initial=0.0)) < _STILL * float(step.speed[driven].max())
-        if -step.answer.load_factor < _NOTHING and still:
+        if -step.answer.load_factor < NOTHING and still:
             return Ending("free", "nothing rests on the support any more: the structure stands without it")
         if self.keep:
             self.keep(self.path(Ending("unfinished", "interrupted"), 0.0))
@@ -153,7 +153,7 @@ class _Movement(Record):
         """Return the path."""
         return SettlementPath(
             movement=np.array(self.displacement),
-            reaction=np.maximum(-np.array(self.load_factor), 0.0) * self.model.force,
+            reaction=resistance(np.array(self.load_factor)) * self.model.force,
             **self.arrays(),
             least=self.least,
             status=cast(SettlementEnding, ending.status),

@@ -18,8 +18,9 @@ SettlementStatus = Literal["optimal", "not-converged", "unstable", "unbounded", 
 class SettlementState:
     """The state of a structure at the onset of a movement of a support.
 
-    reaction: N, the least force along the movement with which the support must resist (Nm for a support that turns); 0 when the
-    structure stands without it, NaN where nothing was found.
+    reaction: N, the least force against the movement with which the support must resist (Nm for a support that turns); 0 when the
+    structure stands without it; negative when the support must be pushed along, as one that moves in on an arch; NaN where
+    nothing was found.
     velocities (nb, 6): of the centroids and rotations per unit of the movement, m or rad; opening, slip (nc,): of the contact
     points per unit of the movement: where it cracks. forces (nc, 3) N, components n, t1, t2.
     residual of the balance and violation of the friction cones, over the weight; bound_gap: kinematic against static bound, over

@@ -59,8 +59,9 @@ def _keys(record: Mapping[str, Any]) -> tuple[str, str, str, str]:
 
 def _sentence(record: Mapping[str, Any], path: SettlementPath) -> str:
     movement, reaction, length, force = _keys(record)
-    words = f"The support keeps {record[f'least_{reaction}']:.4g} {force} at least as it begins to move"
-    words += f" ({record[reaction][0]:.4g} {force} without dilatancy)"
+    least, first = record[f"least_{reaction}"], record[reaction][0]
+    kept = f"keeps {least:.4g} {force} at least" if least >= 0 else f"must be pushed along with {-least:.4g} {force} at most"
+    words = f"The support {kept} as it begins to move ({abs(first):.4g} {force} without dilatancy)"
     end = f"; at {record[movement][-1]:.4g} {length} {_ENDINGS[path.status]}"
     fallen = f". Stones that fell on the way: {', '.join(record['fallen_stones'])}" if record["fallen_stones"] else ""
     return f"{words}{end}{fallen}." + (" Ties are left out." if "ties are left out" in record["message"] else "")
@@ -73,7 +74,7 @@ def _reaction_svg(record: Mapping[str, Any]) -> str:
     axes.set_xlabel(f"movement, {length}", fontsize=8)
     axes.set_ylabel(f"reaction, {force}", fontsize=8)
     axes.set_xlim(left=0)
-    axes.set_ylim(bottom=0)
+    axes.set_ylim(bottom=min(0.0, *record[reaction]))
     return svg_of(plot)
 
 
