@@ -166,7 +166,7 @@ def limit(
     options = {key: table[key] for key in ("planes", "membrane", "solver")}
 
     def work(mesh: ShellModel, load: LoadCase, materials: list[JointStrength], ties: Sequence[Tie]) -> ShellLimitState:
-        return shell_limit_analysis(mesh, load, materials, ties=ties, **options)
+        return shell_limit_analysis(mesh, load, materials, ties=ties, **options, progress=progress)
 
     _analyse_shell("limit", table, shell, match, assemblage, state, record, work, progress)
 

@@ -14,20 +14,28 @@ from churchpipe.model.arguments import text
 # Forces whose imbalance exceeds this share of the largest load are no solution.
 _OUT_OF_BALANCE = 1e-5
 Proves: TypeAlias = Callable[[ConeSolution], bool]
-_Solver: TypeAlias = Callable[[ConeProgram, float | None], ConeSolution]
+Told: TypeAlias = Callable[[float], None]
+_Solver: TypeAlias = Callable[[ConeProgram, float | None, Told | None], ConeSolution]
 
 
 class Solve(Protocol):
     """Solves programs of one balance."""
 
     def __call__(
-        self, program: ConeProgram, /, *, duality_gap: float | None = None, proves: Proves | None = None
+        self,
+        program: ConeProgram,
+        /,
+        *,
+        duality_gap: float | None = None,
+        proves: Proves | None = None,
+        progress: Told | None = None,
     ) -> ConeSolution:
         """Solve a program; the forces of what is called solved balance to rounding (`restore_balance`).
 
         duality_gap: relative error of the objective that will do, for solvers that can stop early. Where it is given, the forces
         and velocities matter too: of all optimal ones the most central are wanted. proves: whether an answer proves what it
-        claims; where one does not, a solver that has a fallback turns to it.
+        claims; where one does not, a solver that has a fallback turns to it. progress: called with the share done, by our own
+        solver after each iteration.
         """
         ...
 
@@ -68,16 +76,23 @@ def solve(program: ConeProgram, name: str = "auto") -> ConeSolution:
 def _in_turn(*solvers: _Solver) -> Solve:
     """Return the solver that tries these one after another, until a solution is found and proves what it should."""
 
-    def solve(program: ConeProgram, /, *, duality_gap: float | None = None, proves: Proves | None = None) -> ConeSolution:
+    def solve(
+        program: ConeProgram,
+        /,
+        *,
+        duality_gap: float | None = None,
+        proves: Proves | None = None,
+        progress: Told | None = None,
+    ) -> ConeSolution:
         *others, last = solvers
         failures: list[str] = []
         for solver in others:
-            answer = _checked(program, solver(program, duality_gap))
+            answer = _checked(program, solver(program, duality_gap, progress))
             if answer.outcome != "failed" and (proves is None or proves(answer)):
                 return answer
             why = answer.message if answer.outcome == "failed" else "its answer proves nothing"
             failures.append(f"{answer.solver} failed ({why})")
-        answer = _checked(program, last(program, duality_gap))
+        answer = _checked(program, last(program, duality_gap, progress))
         said = f"{answer.solver}: {answer.message}" if failures else answer.message
         return replace(answer, message="; ".join([*failures, said]))
 
@@ -87,12 +102,14 @@ def _in_turn(*solvers: _Solver) -> Solve:
 def _own(balance: Balance) -> _Solver:
     """Return our own solver, which stops as early as it may."""
     from churchpipe.conic.interior_point import InteriorPointSolver
-    from churchpipe.conic.interior_point.settings import CENTRAL
+    from churchpipe.conic.interior_point.info import as_share
+    from churchpipe.conic.interior_point.settings import CENTRAL, Settings
 
     own = InteriorPointSolver(balance)
 
-    def solve(program: ConeProgram, duality_gap: float | None) -> ConeSolution:
-        return own.solve(program, None if duality_gap is None else replace(CENTRAL, duality_gap=duality_gap))
+    def solve(program: ConeProgram, duality_gap: float | None, tell: Told | None) -> ConeSolution:
+        settings = Settings() if duality_gap is None else replace(CENTRAL, duality_gap=duality_gap)
+        return own.solve(program, settings, as_share(tell, settings.duality_gap, settings.residual))
 
     return solve
 
@@ -100,7 +117,7 @@ def _own(balance: Balance) -> _Solver:
 def _whole(solve: Callable[[ConeProgram], ConeSolution]) -> _Solver:
     """Return a solver that never stops early."""
 
-    def whole(program: ConeProgram, _: float | None) -> ConeSolution:
+    def whole(program: ConeProgram, _: float | None, __: Told | None) -> ConeSolution:
         return solve(program)
 
     return whole

@@ -6,7 +6,7 @@ the current iterate. For planes D = (C + G^T W^-2 G)^-1, with C the elastic comp
 exact cell see `cell_elimination`. The symbolic analysis is done once, for dead load, limit load and every step of a curve.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,6 +14,7 @@ import scipy.sparse as sp
 
 from churchpipe.conic.cholesky import Cholesky
 from churchpipe.conic.interior_point.coupling import Coupling, touches
+from churchpipe.conic.interior_point.info import as_share
 from churchpipe.conic.interior_point.iterate import Iterate
 from churchpipe.conic.interior_point.loop import interior_start, solve_coupled
 from churchpipe.conic.interior_point.normal import NormalMatrix
@@ -100,6 +101,7 @@ class CondensedShell:
         reward: float = 1.0,
         cap: float = np.inf,
         settings: Settings = STEP,
+        progress: Callable[[float], None] | None = None,
     ) -> StressState:
         """Return the stresses with the largest  reward load - 1/2 sum (stress - origin) C (stress - origin).
 
@@ -107,6 +109,7 @@ class CondensedShell:
         ----------
         dead, live: loads (m,) over the weight, the second multiplied by the load (at most `cap`); None for nothing.
         compliance_abq: C (6, 6, nq), none for limit analysis. before: the state whose stresses are the origin; none, zero.
+        progress: called with the share done.
         """
         # At the start the work of all points together is about that of a unit load, whatever the number of points. If each
         # point started with that much, the steps of large models would become too short to reach the solution.
@@ -114,10 +117,11 @@ class CondensedShell:
         if compliance is not None and isinstance(self.strength, CellStrength):
             settings = replace(settings, correctors=SOLVER.correctors)
         iterations, start = 0, None
+        told = as_share(progress, settings.duality_gap, settings.residual)
         for more in self._regularisations(compliance):
             stated = self._statement(dead, live, compliance, before, reward, cap, more)
             begin = start or interior_start(stated.problem, settings)
-            ending = solve_coupled(stated.problem, self._normal, stated.cholesky, begin, settings)
+            ending = solve_coupled(stated.problem, self._normal, stated.cholesky, begin, settings, told)
             iterations += ending.info.iteration
             if ending.status not in ("running", "failed"):
                 break

@@ -1,7 +1,8 @@
 """Collapse load factor of a shell by static limit analysis, eqs. (5)-(7)."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from time import perf_counter
 from typing import Literal, get_args
 
@@ -25,6 +26,7 @@ from churchpipe.model.shell import ShellModel
 from churchpipe.model.ties import Tie
 
 Solver = Literal["auto", "interior-point", "clarabel"]
+Progress = Callable[[str, float], None]
 
 FALLS = (
     "the dead load alone brings it down: a continuum without cohesion cannot hold a flat soffit; "
@@ -42,6 +44,7 @@ def shell_limit_analysis(
     stations: Stations = "inner",
     solver: Solver = "auto",
     ties: Sequence[Tie] = (),
+    progress: Progress | None = None,
 ) -> ShellLimitState:
     """Return the collapse load factor of a shell and its mechanism, dead load first.
 
@@ -66,6 +69,8 @@ def shell_limit_analysis(
         "auto", the first, and the second where that fails on a mesh that it can take.
     ties
         Bars that pull facets together, from `place_ties`; the result has their tensions and what their strength adds.
+    progress
+        Called with what is solved and the share of that which is done.
 
     Raises
     ------
@@ -82,32 +87,35 @@ def shell_limit_analysis(
     bars = listed("shell_limit_analysis: ties", ties, Tie)
 
     def analysed(case: LoadCase) -> ShellLimitState:
-        return _solved(CondensedShell(elements, case, materials, planes), solver)
+        return _solved(CondensedShell(elements, case, materials, planes), solver, progress)
 
     state = tied_analysis(shell, load, bars, analysed) if bars else analysed(load)
     return replace(state, seconds=perf_counter() - begin, message=with_warning(state.message, planes))
 
 
-def _solved(condensed: CondensedShell, solver: Solver) -> ShellLimitState:
+def _solved(condensed: CondensedShell, solver: Solver, progress: Progress | None) -> ShellLimitState:
     shell = condensed.elements.shell
     methods = ["interior-point", "clarabel"] if solver == "auto" and len(shell.triangles) <= SOLVER.clarabel_facets else [solver]
     *others, last = methods
     for method in others:
-        state = _analysed(condensed, method)
+        state = _analysed(condensed, method, progress)
         if state.status != "failed":
             return state
-    return _analysed(condensed, "interior-point" if last == "auto" else last)
+    return _analysed(condensed, "interior-point" if last == "auto" else last, progress)
 
 
-def _analysed(condensed: CondensedShell, method: str) -> ShellLimitState:
+def _analysed(condensed: CondensedShell, method: str, progress: Progress | None) -> ShellLimitState:
     dead, live = condensed.loads.dead, condensed.loads.live
     if method == "clarabel":
         found = condensed.solve_directly(None, dead, cap=1.0)
     else:
-        found = condensed.solve(None, dead, cap=1.0, settings=LIMIT)
+        found = condensed.solve(None, dead, cap=1.0, settings=LIMIT, progress=progress and partial(progress, "dead load"))
     state = _verdict(condensed.elements, proved_bounds(condensed, found, np.zeros_like(dead), dead))
     if state is None:
-        found = condensed.solve_directly(dead, live) if method == "clarabel" else condensed.solve(dead, live, settings=LIMIT)
+        if method == "clarabel":
+            found = condensed.solve_directly(dead, live)
+        else:
+            found = condensed.solve(dead, live, settings=LIMIT, progress=progress and partial(progress, "limit load"))
         state = _decided(condensed.elements, proved_bounds(condensed, found, dead, live))
     return replace(state, solver=method)
 

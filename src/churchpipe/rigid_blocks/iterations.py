@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from churchpipe.conic.program import ConeProgram, ConeSolution
-from churchpipe.conic.solve import Proves, Solve
+from churchpipe.conic.solve import Proves, Solve, Told
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.results import Iteration
 from churchpipe.rigid_blocks.certificate import Strength
@@ -211,10 +211,16 @@ class SolveCount:
         self.solves = self.iterations = 0
 
     def __call__(
-        self, program: ConeProgram, /, *, duality_gap: float | None = None, proves: Proves | None = None
+        self,
+        program: ConeProgram,
+        /,
+        *,
+        duality_gap: float | None = None,
+        proves: Proves | None = None,
+        progress: Told | None = None,
     ) -> ConeSolution:
         """Solve a program, and count it."""
-        answer = self._solve(program, duality_gap=duality_gap, proves=proves)
+        answer = self._solve(program, duality_gap=duality_gap, proves=proves, progress=progress)
         self.solves += 1
         self.iterations += answer.iterations
         return answer

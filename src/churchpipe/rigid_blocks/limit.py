@@ -101,7 +101,7 @@ def limit_analysis(
     solver
         "auto" (our own interior point, Clarabel where that fails), "interior-point", "clarabel", "cvxpy", "cvxpy:MOSEK" ...
     progress
-        Called with a text and the share done.
+        Called with what is solved and the share of that which is done.
 
     Returns
     -------
@@ -163,15 +163,11 @@ def analysed(
 ) -> LimitState:
     """Return the limit state with this flow, the dead load first; stands: whether that is known to be carried."""
     begin = perf_counter()
-    if progress:
-        progress("dead load", 0.0)
     if not stands:
-        standing, dead_answer = dead_load_analysis(balance, strength, solve)
+        standing, dead_answer = dead_load_analysis(balance, strength, _telling(solve, "dead load", progress))
         if standing != "stable":
             return _fallen(balance, standing, dead_answer, flow, perf_counter() - begin)
-    if progress:
-        progress("associative", 0.1)
-    state = associative_state(balance, strength, solve, begin)
+    state = associative_state(balance, strength, _telling(solve, "associative", progress), begin)
     if flow == "associative":
         return state
     if state.status == "unbounded":
@@ -182,6 +178,11 @@ def analysed(
     elif state.status != "optimal":
         return replace(state, flow=flow)
     return sliding_analysis(balance, strength, state, options, solve, progress)
+
+
+def _telling(solve: Solve, what: str, progress: Progress | None) -> Solve:
+    """Return a solver that says what is solved, and which share of it is done."""
+    return partial(solve, progress=partial(progress, what)) if progress else solve
 
 
 def _about_pressure(

@@ -191,6 +191,19 @@ def test_progress_ends_at_the_tolerance() -> None:
     assert seen[-1].error <= 1e-6 < 1 < seen[0].error
 
 
+def test_an_analysis_tells_what_is_solved_and_which_share_of_it() -> None:
+    told: list[tuple[str, float]] = []
+    stones = wall(5, 5)
+    limit_analysis(stones, find_contacts(stones), LoadCase((1, 0, 0)), progress=lambda what, share: told.append((what, share)))
+    assert list(dict.fromkeys(what for what, _ in told)) == ["dead load", "associative"]
+    for stage in ("dead load", "associative"):
+        shares = [share for what, share in told if what == stage]
+        assert shares[0] == 0.0
+        assert shares[-1] == pytest.approx(1.0)
+        assert shares == sorted(shares)
+        assert len({*shares}) > 5
+
+
 def test_too_few_iterations_fail_honestly() -> None:
     answer = solve_interior_point(stated(wall(5, 5), slope=0.6), Settings(iterations=4))
     assert answer.outcome == "failed"

@@ -51,6 +51,16 @@ def test_the_reference_statement_agrees(planes: PlaneSet, cohesion: float) -> No
     assert state.load_factor == pytest.approx(reference_load_factor(program), rel=1e-6)
 
 
+def test_an_analysis_tells_what_is_solved_and_which_share_of_it() -> None:
+    told: list[tuple[str, float]] = []
+    shell_limit_analysis(wall(2), ASKEW, MASONRY, progress=lambda what, share: told.append((what, share)))
+    assert list(dict.fromkeys(what for what, _ in told)) == ["dead load", "limit load"]
+    shares = [share for what, share in told if what == "limit load"]
+    assert shares[0] == 0.0
+    assert shares[-1] == pytest.approx(1.0)
+    assert shares == sorted(shares)
+
+
 def test_stress_and_velocities_prove_the_load_factor() -> None:
     model = wall()
     state = shell_limit_analysis(model, ASKEW, MASONRY, membrane="CST")

@@ -1,5 +1,6 @@
 """The record of each iteration of the interior-point loop, and how the loop ends."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
@@ -26,3 +27,22 @@ class Info:
 
 
 Progress: TypeAlias = Callable[[Info], None]
+
+
+def as_share(tell: Callable[[float], None] | None, duality_gap: float, residual: float) -> Progress | None:
+    """Return what tells the share of the way to these tolerances after each iteration.
+
+    Errors fall by factors, so the way is measured on their logarithms. The share never falls, and 1 is solved.
+    """
+    if tell is None:
+        return None
+    longest = share = 0.0
+
+    def progress(info: Info) -> None:
+        nonlocal longest, share
+        left = math.log(max(info.error / duality_gap, info.residual / residual, 1.0))
+        longest = max(longest, left)
+        share = max(share, 1.0 - left / longest if left else 1.0)
+        tell(share)
+
+    return progress
