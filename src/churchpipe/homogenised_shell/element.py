@@ -19,6 +19,7 @@ import scipy.sparse as sp
 
 from churchpipe.errors import InputError
 from churchpipe.homogenised_shell.edges import Edges, find_edges
+from churchpipe.homogenised_shell.ledges import borne_by_walls
 from churchpipe.homogenised_shell.rigid_beams import carried_by_beams
 from churchpipe.homogenised_shell.settings import SOLVER
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
@@ -41,8 +42,9 @@ class ShellElements:
     Unknowns (n,): translations, node by node, m; edge_rotation, rad; bubbles, m (in this order). strain (6 nq, n): rows E11, E22,
     2 E12, chi11, chi22, 2 chi12 of each quadrature point in the facet's axes, strain at depth x3 is E + x3 chi; weight (nq,) m2;
     facet (nq,). bubble_edge (nb,), bubble_direction (nb, 3): mid-side translations beyond the mean of the ends.
-    clamped (n,): unknowns held at the supported nodes, and at border edges between two of them; those that ring beams take along.
-    carried (n - 6 nm, 6 nm): how the velocities of beams, which are the last unknowns, move the others.
+    clamped (n,): unknowns held at the supported nodes, and at border edges between two of them; those of feet of vaults and of
+    nodes under ring beams. motion (n - 6 nm, n): how translations, rotations and bubbles follow from the unknowns, of which the
+    last are the velocities of beams: feet go with their walls, and nodes under beams with these.
     """
 
     shell: ShellModel
@@ -53,7 +55,7 @@ class ShellElements:
     weight: FloatArray
     facet: IntArray
     clamped: BoolArray
-    carried: sp.csr_matrix[np.float64]
+    motion: sp.csr_matrix[np.float64]
 
     @property
     def unknowns(self) -> int:
@@ -71,17 +73,18 @@ class ShellElements:
 
     def beam_motion(self, unknowns: FloatArray) -> FloatArray:
         """Return the motion of the beams (nm, 6), about their centroids."""
-        return unknowns[self.carried.shape[0] :].reshape(-1, 6)
+        return unknowns[self.motion.shape[0] :].reshape(-1, 6)
 
     def _moved(self, unknowns: FloatArray) -> FloatArray:
-        """Return the unknowns without those of the beams, moved along by them."""
-        own, beams = np.split(unknowns, [self.carried.shape[0]])
-        return own + self.carried @ beams if len(beams) else own
+        """Return translations, rotations and bubbles."""
+        return np.asarray(self.motion @ unknowns)
 
     def conjugate(self, own: FloatArray, beams: FloatArray) -> FloatArray:
         """Return the forces (n,) conjugate to the unknowns: of those (n - 6 nm,) on nodes, edges and bubbles, and of wrenches
         (nm, 6) on the beams."""
-        return np.concatenate([own, self.carried.T @ own + beams.ravel()])
+        forces = np.asarray(self.motion.T @ own)
+        forces[len(own) :] += beams.ravel()
+        return forces
 
     def facet_strain(self, unknowns: FloatArray) -> FloatArray:
         """Return the strain of each facet (nt, 6), the mean of its quadrature points."""
@@ -122,18 +125,21 @@ def shell_elements(shell: ShellModel, membrane: Membrane = "LST", stations: Stat
     strain = _strain_operator(shell, edges, places, bubble_edge, bubble_direction)
     held = shell.supported[edges.nodes].all(axis=1) & (edges.facets == 1)
     carried, along = carried_by_beams(shell, edges, bubble_edge)
+    borne, feet = borne_by_walls(shell, edges, bubble_edge, bubble_direction)
+    motion = sp.csr_matrix(sp.hstack([borne, borne @ carried]))
     return ShellElements(
         shell=shell,
         edges=edges,
         bubble_edge=bubble_edge,
         bubble_direction=bubble_direction,
-        strain=sp.csr_matrix(sp.hstack([strain, strain @ carried])),
+        strain=sp.csr_matrix(strain @ motion),
         weight=shell.area[facet] / len(places),
         facet=facet,
         clamped=np.append(
-            np.concatenate([np.repeat(shell.supported, 3), held, held[bubble_edge]]) | along, np.zeros(carried.shape[1], np.bool_)
+            np.concatenate([np.repeat(shell.supported, 3), held, held[bubble_edge]]) | along | feet,
+            np.zeros(carried.shape[1], np.bool_),
         ),
-        carried=carried,
+        motion=motion,
     )
 
 

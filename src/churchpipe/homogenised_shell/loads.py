@@ -126,7 +126,7 @@ def _given(elements: ShellElements, name: str, wrench: FloatArray | None) -> Flo
 
 def body_forces(elements: ShellElements, wrench: FloatArray) -> FloatArray:
     """Return the forces (n,) of wrenches (nt + nm, 6) N and Nm on facets and beams, about their centroids."""
-    own = np.zeros(elements.carried.shape[0])
+    own = np.zeros(elements.motion.shape[0])
     on_facets, on_beams = np.split(wrench, [len(elements.shell.triangles)])
     nodes = nodal_forces(elements.shell, on_facets)
     own[: nodes.size] = nodes.ravel()

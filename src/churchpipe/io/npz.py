@@ -35,7 +35,7 @@ SCHEMAS: dict[type, str] = {
     Assemblage: "churchpipe assemblage 2",
     Contacts: "churchpipe contacts 2",
     LimitState: "churchpipe limit-state 2",
-    ShellModel: "churchpipe shell 2",
+    ShellModel: "churchpipe shell 3",
     ShellLimitState: "churchpipe shell-limit-state 3",
     CapacityCurve: "churchpipe capacity-curve 2",
     BlockCapacityCurve: "churchpipe block-capacity-curve 2",

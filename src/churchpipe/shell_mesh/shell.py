@@ -20,6 +20,7 @@ from churchpipe.model.shell import ShellModel
 from churchpipe.model.shell_beams import ShellBeams
 from churchpipe.shell_mesh.beams import beams_of, shell_beams, with_bearings
 from churchpipe.shell_mesh.butt_joints import with_butt_joints
+from churchpipe.shell_mesh.ledges import side_by_side, with_ledges
 from churchpipe.shell_mesh.midplanes import MidSurface, mid_surfaces
 from churchpipe.shell_mesh.self_weight import weight_factors
 from churchpipe.shell_mesh.subdivision import Subdivision, subdivide
@@ -58,9 +59,24 @@ def derive_shell(building: Building, element_size: float, sizes: Mapping[str, fl
     if not building.panels and not building.vaults:
         raise InputError(f"building {building.name}", "no walls", found=0, expected="at least one panel or vault")
     check_count(building)
+    if building.ring_beams and building.vaults:
+        found = ", ".join(body for beam in building.ring_beams for body in beam.bodies)
+        remedy = "Rigid blocks take them as they are."
+        raise InputError(f"building {building.name}", "the shell of a vault has no ring beams", found=found, remedy=remedy)
+    parts = [_wall_shell(building, element_size, sizes or {})] if building.panels else []
     if building.vaults:
-        return _vault_shell(building, element_size)
-    lengths = _sizes(building, element_size, sizes or {})
+        vaults = _vault_shell(building, element_size)
+        shell = side_by_side(parts[0], vaults) if parts else vaults
+        shell = with_ledges(shell, np.arange(len(shell.triangles)) >= len(shell.triangles) - len(vaults.triangles))
+    else:
+        (shell,) = parts
+    _check_resting(shell)
+    return shell
+
+
+def _wall_shell(building: Building, element_size: float, sizes: Mapping[str, float]) -> ShellModel:
+    """Return the mid-surfaces of the panels of a building."""
+    lengths = _sizes(building, element_size, sizes)
     panels, names = with_butt_joints(building)
     stones, bodies = beams_of(building) if building.ring_beams else (None, np.empty(0, dtype=np.int64))
     bearing = np.empty(0, dtype=np.int64)
@@ -85,7 +101,7 @@ def derive_shell(building: Building, element_size: float, sizes: Mapping[str, fl
     bond = np.concatenate([mesh.bond + offset for mesh, offset in zip(meshes, start[:-1], strict=True)])
     weights = {name: material.unit_weight for name, material in by_name(building.materials).items()}
     material = np.array([region.material or panel.material for panel in panels for region in panel.regions])[bond]
-    shell = ShellModel(
+    return ShellModel(
         points=points,
         triangles=triangles,
         axes=np.concatenate([_axes(*part) for part in zip(surfaces, meshes, facets, strict=True)]),
@@ -101,24 +117,10 @@ def derive_shell(building: Building, element_size: float, sizes: Mapping[str, fl
         supported=_supported(building, points),
         beams=ShellBeams() if stones is None else shell_beams(building, stones, bodies, points, bearing[bond]),
     )
-    _check_resting(shell)
-    return shell
 
 
 def _vault_shell(building: Building, element_size: float) -> ShellModel:
     """Return the mid-surfaces of vaults, and of the walls that are laid with them."""
-    if building.ring_beams:
-        found = ", ".join(body for beam in building.ring_beams for body in beam.bodies)
-        remedy = "Rigid blocks take them as they are."
-        raise InputError(f"building {building.name}", "the shell of a vault has no ring beams", found=found, remedy=remedy)
-    if building.panels:
-        raise InputError(
-            f"building {building.name}",
-            "no shell of vaults on walls with panels of their own",
-            found=", ".join(building.macro_elements),
-            expected='the walls of generator = "vault" or "dome"',
-            remedy="Rigid blocks take both together.",
-        )
     size = finite("element size", element_size)
     if not size > NODE_TOLERANCE * 10:
         raise InputError("element size", "out of range", found=size, expected="> 0 m")
@@ -132,7 +134,7 @@ def _vault_shell(building: Building, element_size: float) -> ShellModel:
     weights = {name: material.unit_weight for name, material in by_name(building.materials).items()}
     sides = facets.corner[:, 1:] - facets.corner[:, :1]
     area = 0.5 * np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
-    shell = ShellModel(
+    return ShellModel(
         points=points,
         triangles=label.reshape(-1, 3),
         axes=facets.axes,
@@ -145,8 +147,6 @@ def _vault_shell(building: Building, element_size: float) -> ShellModel:
         yields=facets.yields,
         supported=_supported(building, points),
     )
-    _check_resting(shell)
-    return shell
 
 
 def _sizes(building: Building, element_size: float, sizes: Mapping[str, float]) -> list[float]:
@@ -262,7 +262,7 @@ def _touching(support: Support, points: FloatArray) -> BoolArray:
 
 
 def _check_resting(shell: ShellModel) -> None:
-    edges = np.concatenate([shell.triangles[:, [0, 1]], shell.triangles[:, [1, 2]]])
+    edges = np.concatenate([shell.triangles[:, [0, 1]], shell.triangles[:, [1, 2]], shell.ledges[:, :, 0]])
     part = components(len(shell.points), edges)
     resting = np.bincount(part, shell.supported) > 0
     loose = ~resting[part[shell.triangles[:, 0]]]

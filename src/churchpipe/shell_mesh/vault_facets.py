@@ -9,7 +9,7 @@ import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.model.arrays import BoolArray, FloatArray, NameArray
-from churchpipe.model.vault import Run, Section, Side, Vault
+from churchpipe.model.vault import Run, Side, Vault
 from churchpipe.vaults.stones import places
 
 # Points closer than this are one, m.
@@ -54,7 +54,7 @@ def vault_facets(vaults: Sequence[Vault], element_size: float) -> VaultFacets:
 
     Raises
     ------
-    InputError: rings of voussoirs, masonry that has no mid-surface, courses whose middles do not meet.
+    InputError: rings of voussoirs, masonry that has no mid-surface.
     """
     for vault in vaults:
         if vault.beds == "section":
@@ -73,7 +73,6 @@ def vault_facets(vaults: Sequence[Vault], element_size: float) -> VaultFacets:
                 expected="vaults without backing, and without arches below them",
                 remedy="Rigid blocks take it as it is.",
             )
-    _check_middles(vaults)
     across = _divisions_along(vaults, element_size)
     patches = [patch for vault in vaults for patch in _facets(vault, element_size, across)]
     counts = [len(patch.corner) for patch in patches]
@@ -155,32 +154,3 @@ def _triangles(quad: FloatArray) -> FloatArray:
 
 def _areas(corner: FloatArray) -> FloatArray:
     return 0.5 * np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1)
-
-
-def _check_middles(vaults: Sequence[Vault]) -> None:
-    """Raise InputError where one bed lies on another and their middles are apart: the shell would bend about the wrong line."""
-    sides: dict[_SideKey, list[Run]] = {}
-    for vault in vaults:
-        for run in vault.runs:
-            sides.setdefault(_key(run.side), []).append(run)
-    for runs in sides.values():
-        for run in runs:
-            foot = run.section.lower
-            bearers = [below for below in runs if below is not run and _bears(below.section, foot)]
-            apart = [float(np.linalg.norm(below.section.upper - foot)) for below in bearers]
-            if apart and min(apart) > _ONE:
-                below = bearers[int(np.argmin(apart))]
-                raise InputError(
-                    f"shell of {run.part}",
-                    f"does not stand on the middle of {below.part}",
-                    found=f"middles {1e3 * min(apart):.4g} mm apart",
-                    expected="walls, drums and piers as thick as what springs from them",
-                    remedy="Rigid blocks take it as it is.",
-                )
-
-
-def _bears(section: Section, point: FloatArray) -> bool:
-    """Return whether the level top of a section reaches below a point (2,) m."""
-    top = section.corner[np.abs(section.corner[:, 1] - point[1]) < _ONE, 0]
-    level = abs(section.upper[1] - point[1]) < _ONE
-    return level and len(top) > 1 and bool(top.min() - _ONE < point[0] < top.max() + _ONE)

@@ -35,12 +35,16 @@ def both(build: Callable[..., Building], thickness: float, size: float, **sizes:
     [
         (vault, 0.15, BARREL),
         (vault, 0.15, BARREL | THIN | {"wall_thickness": 0.15}),
+        (vault, 0.15, BARREL | WALLS),
+        (vault, 0.15, CROSSED | {"kind": "groin"} | WALLS),
+        (vault, 0.15, CROSSED | {"kind": "pavilion"} | WALLS),
         (vault, 0.15, BARREL | {"shape": "pointed", "rise": 1.4}),
         (vault, 0.15, CROSSED | {"kind": "groin"}),
         (vault, 0.15, CROSSED | {"kind": "groin", "corner": "mitre", "second_span": 1.5} | THIN | {"wall_thickness": 0.15}),
         (vault, 0.10, CROSSED | {"kind": "pavilion"}),
         (vault, 0.10, CROSSED | {"kind": "octagonal", "corner": "alternate"} | THIN | {"wall_thickness": 0.1}),
         (dome, 0.10, {"rings": 12, "sides": 32} | DRUM),
+        (dome, 0.10, {"rings": 12, "sides": 32} | DRUM | {"drum_thickness": 0.2}),
         (dome, 0.10, {"rings": 9, "sides": 32} | LANTERN),
         (dome, 0.15, {"rings": 12, "sides": 16, "plan": "half"}),
     ],
@@ -92,7 +96,6 @@ def test_a_dome_stands_where_the_thrust_turns_at_a_level_fold(sizes: dict[str, A
 @pytest.mark.parametrize(
     ("sizes", "message"),
     [
-        (BARREL | WALLS, r"shell of vault: does not stand on the middle of wall_right; found middles 175 mm apart"),
         (BARREL | {"laid": "rings"}, "the shell of arches side by side is not derived"),
         (BARREL | WALLS | {"backing": 0.5}, "vault backing: has no mid-surface of its own; found backing_right, backing_left"),
     ],
