@@ -102,25 +102,11 @@ def _distances(middle: FloatArray, foot: FloatArray, bars: FloatArray) -> tuple[
 
 
 def side_by_side(first: ShellModel, second: ShellModel) -> ShellModel:
-    """Return two shells as one, whose nodes stay apart; beams are those of the first."""
-    nodes, cells = len(first.points), len(first.unit_cells)
-    joined = {
-        key: np.concatenate([getattr(first, key), getattr(second, key)])
-        for key in (
-            "points",
-            "axes",
-            "thickness",
-            "surface_weight",
-            "unit_cells",
-            "material",
-            "panel",
-            "yields",
-            "supported",
-            "bonds",
-        )
-    }
-    return ShellModel(
-        **joined,
-        triangles=np.concatenate([first.triangles, second.triangles + nodes]),
-        cell=np.concatenate([first.cell, second.cell + cells]),
+    """Return two shells without beams as one, whose nodes stay apart."""
+    alike = ("points", "supported", "unit_cells", "bonds", *(key for key in _BY_FACET if key != "cell"))
+    return replace(
+        first,
+        **{key: np.concatenate([getattr(first, key), getattr(second, key)]) for key in alike},
+        triangles=np.concatenate([first.triangles, second.triangles + len(first.points)]),
+        cell=np.concatenate([first.cell, second.cell + len(first.unit_cells)]),
     )
