@@ -91,7 +91,7 @@ def voids_of(panel: Panel) -> tuple[Void, ...]:
         whole = united([polygon(to_view(chart, middle, part)) for part in outlines])
         outer = corners(np.array([whole], dtype=np.object_))[0]
         half = float(np.abs(outer[:, 0]).max())
-        check_width(f"Panel {panel.name}: opening {opening.name}", half, inner)
+        check_width(f"wall {panel.name}: opening {opening.name}", half, inner)
         found.append(
             Void(
                 opening.rings,

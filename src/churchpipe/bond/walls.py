@@ -20,10 +20,10 @@ def wall_region(panel: Panel) -> Region:
     outline, openings = polygon(panel.outline), [polygon(o.outline) for o in panel.openings]
     for name, ring in zip((panel.name, *(o.name for o in panel.openings)), (outline, *openings), strict=True):
         if flaw := why_invalid(ring):
-            raise InputError(f"Panel {panel.name}: outline of {name}", "not a simple polygon", found=flaw)
+            raise InputError(f"wall {panel.name}: outline of {name}", "not a simple polygon", found=flaw)
     region = less(outline, openings)
     if area(region) == 0:
-        raise InputError(f"Panel {panel.name}", "nothing is left of the wall", remedy="Check its openings.")
+        raise InputError(f"wall {panel.name}", "nothing is left of the wall", remedy="Check its openings.")
     return region
 
 
@@ -60,12 +60,12 @@ def lay_wall(panel: Panel, solid: Region, junctions: WallJunctions) -> TileSet:
             sets.append(bond_of(region).tiles(field))
         except InputError as error:
             raise InputError(
-                f"Panel {panel.name}, {error.where}",
+                f"wall {panel.name}, {error.where}",
                 error.problem,
                 found=error.found,
                 expected=error.expected,
                 remedy=error.remedy,
             ) from error
     if not sets:
-        raise InputError(f"Panel {panel.name}", "nothing is left of the wall", remedy="Other walls own all of it.")
+        raise InputError(f"wall {panel.name}", "nothing is left of the wall", remedy="Other walls own all of it.")
     return sorted_by_course(join(sets))

@@ -55,17 +55,20 @@ def read_sound(path: Path, changes: Sequence[str]) -> Any:
 
 
 def check_case(path: Path, changes: Sequence[str]) -> None:
-    """Make all buildings of a case, or read its drawing, and say what a run would make."""
+    """Lay the stones of all buildings of a case, or read its drawing, and say what a run would make."""
     from churchpipe.config.case import Generated, read_variants
     from churchpipe.config.plan import plan
 
     cases = read_variants(path, changes)
-    drawn: list[Any] = []
+    seen: list[Any] = []
     for case in cases:
-        if isinstance(case.source, Generated):
-            case.building()
-        elif case.source not in drawn:
-            drawn.append(case.source)
+        made = case.building() if isinstance(case.source, Generated) else None
+        if (known := (case.source, case.buttresses)) in seen:
+            continue
+        seen.append(known)
+        if made:
+            _check_laid(path, case, made)
+        else:
             _check_drawn(path, case)
     todo = plan(cases)
     counts = (
@@ -78,6 +81,21 @@ def check_case(path: Path, changes: Sequence[str]) -> None:
     out.print(f"{path}: {', '.join(words)}.", soft_wrap=True)
     for question in todo.index["questions"]:
         err.print(question, soft_wrap=True)
+
+
+def _check_laid(path: Path, case: Any, building: Any) -> None:
+    from churchpipe.stones.blocks import derive_blocks
+    from churchpipe.stones.contacts import find_contacts
+    from churchpipe.stones.soundness import check_soundness
+
+    try:
+        stones = derive_blocks(building)
+        contacts = find_contacts(stones, case.rigid.contact_gap)
+        check_soundness(stones, contacts)
+    except InputError as error:
+        raise case.located(error) from error
+    name = f"{path}, {case.variant.name}" if case.variant else str(path)
+    out.print(f"{name}: {int((~stones.fixed).sum())} stones, {len(contacts.area)} joints.", markup=False, soft_wrap=True)
 
 
 def _check_drawn(path: Path, case: Any) -> None:

@@ -89,6 +89,11 @@ class Case:
     overrides: tuple[str, ...] = ()
     table: dict[str, Any] = field(default_factory=dict[str, Any])
 
+    def located(self, error: InputError) -> InputError:
+        """Return an error about the building with the line of the file that it is about."""
+        generator = self.source.generator if isinstance(self.source, Generated) else ""
+        return located(error, self.path, self.overrides, generator, swept=self.swept, variant=self.variant)
+
     def building(self) -> Building:
         """Generate the building.
 
@@ -114,9 +119,7 @@ class Case:
         except InputError as error:
             if error.problem == TOO_MANY:
                 error = _of_the_farthest_number(error, f"{self.path}: source", self.source)
-            raise located(
-                error, self.path, self.overrides, self.source.generator, swept=self.swept, variant=self.variant
-            ) from error
+            raise self.located(error) from error
         try:
             for number, buttress in enumerate(self.buttresses):
                 building = tried(f"buttresses.{number}", partial(with_buttresses, building, [buttress]))

@@ -30,8 +30,8 @@ def located(
 
     Parameters
     ----------
-    error: its place is "FILE: KEY", with the key as the schema or the generator has it.
-    generator: its name, for what it says of its parameters: "NAME.parameter".
+    error: its place is "FILE: KEY", with the key as the schema or the generator has it, or words that name a wall or opening.
+    generator: its name, for what it says of its parameters, "NAME.parameter", and of its walls.
     swept: values of the combination at fault, by their dotted keys; drawn: those that [sample] draws. variant: the one at fault,
     None: the building as it is.
     """
@@ -43,8 +43,9 @@ def located(
     key = error.where.removeprefix(f"{path}: ")
     if generator and f"{key}.".startswith(f"{generator}."):
         key = "source" + key.removeprefix(generator)
-    elif key == error.where:
+    elif key == error.where and not generator:
         return error
+    in_words = key == error.where
     try:
         text = path.read_text(encoding="utf-8-sig")
         table = asked = apply_overrides(tomllib.loads(text), overrides)
@@ -56,7 +57,7 @@ def located(
             set_key(table, new_key, new_value)
     except (OSError, ValueError):
         return error
-    parts = re.sub(r"\[(\d+)\]", r".\1", key).split(".")
+    parts = _table_of(key, table) if in_words else re.sub(r"\[(\d+)\]", r".\1", key).split(".")
     written, value = _followed(table, parts)
     missing = parts[len(written) :]
     changed = [parse_override(change)[0].split(".") for change in overrides]
@@ -69,11 +70,21 @@ def located(
     else:
         own = _of_variant(asked, variant, number, written)
         place = f"line {line_of(text, own or written)}" + (f', variant "{variant.name}"' if own and variant else "")
-    where = f"{path}: {place}, {'.'.join([*written, *missing])}"
+    where = f"{path}: {place}, {key if in_words else '.'.join([*written, *missing])}"
     if error.problem != WRONG or missing:
         return error.at(where)
     # Lengths were converted on the way to their check.
     return InputError(where, WRONG, found=shortened(value), expected=error.expected, remedy=error.remedy)
+
+
+def _table_of(words: str, table: Mapping[str, Any]) -> list[str]:
+    """Return the keys that lead to the opening, or else the wall, that words about a building name; to its source if to none."""
+    source = table.get("source", {})
+    wall, _, rest = words.partition(": opening")
+    for number, opening in enumerate(source.get("openings", [])):
+        if rest and re.search(rf"\s{re.escape(str(opening.get('name')))}\b", rest):
+            return ["source", "openings", str(number)]
+    return ["source", *(part for part in re.findall(r"\w+", wall) if part in source)][:2]
 
 
 def _begins(written: Sequence[str], key: str) -> bool:

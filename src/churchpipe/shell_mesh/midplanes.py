@@ -81,7 +81,7 @@ def _clipped(panel: Panel, zones: FloatArray, lines: FloatArray) -> tuple[Region
     left = first.min() if len(first) else low
     right = last.max() if len(last) else high
     if right - left < NODE_TOLERANCE:
-        raise InputError(f"Panel {panel.name}", "nothing is left between the mid-planes of the walls it ends at")
+        raise InputError(f"wall {panel.name}", "nothing is left between the mid-planes of the walls it ends at")
     _, bottom, _, top = extent(polygon(panel.outline))
     inner = (zones[:, 0] > low + TOLERANCE) & (zones[:, 1] < high - TOLERANCE)
     outline, *regions = (
@@ -91,7 +91,7 @@ def _clipped(panel: Panel, zones: FloatArray, lines: FloatArray) -> tuple[Region
     whole = common(polygon(outline), window)
     region = less(whole, [polygon(opening.outline) for opening in panel.openings])
     if area(region) == 0:
-        raise InputError(f"Panel {panel.name}", "nothing is left of its mid-surface", remedy="Check its openings.")
+        raise InputError(f"wall {panel.name}", "nothing is left of its mid-surface", remedy="Check its openings.")
     return region, tuple(regions)
 
 

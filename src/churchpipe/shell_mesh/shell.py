@@ -185,7 +185,7 @@ def _meshes(surfaces: Sequence[MidSurface], cuts: Sequence[Subdivision]) -> list
         found, expected = float(signed_areas(mesh.corners).sum()), area(surface.region)
         if abs(found - expected) > AREA_TOLERANCE * expected:
             raise InputError(
-                f"Panel {surface.panel.name}",
+                f"wall {surface.panel.name}",
                 "its mesh does not cover its mid-surface",
                 found=f"{found:.9g} m2",
                 expected=f"{expected:.9g} m2",
@@ -268,7 +268,7 @@ def _check_resting(shell: ShellModel) -> None:
     loose = ~resting[part[shell.triangles[:, 0]]]
     if loose.any():
         raise InputError(
-            f"Panel {shell.panel[loose][0]}",
+            f"wall {shell.panel[loose][0]}",
             "its mid-surface rests on nothing",
             found=f"walls without a path to the ground: {', '.join(np.unique(shell.panel[loose]))}",
             expected="walls whose footprints overlap where they meet, or that stand on the ground",

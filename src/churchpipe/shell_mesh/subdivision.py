@@ -94,7 +94,7 @@ def _bond_of(surface: MidSurface, faces: Sequence[Polygon]) -> IntArray:
     if (bond < 0).any():
         place = inside[bond < 0][0]
         raise InputError(
-            f"Panel {surface.panel.name}",
+            f"wall {surface.panel.name}",
             "a part of the wall has no bond",
             found=f"near s = {place[0]:.4g}, t = {place[1]:.4g} m",
             expected="bond regions that cover the wall",

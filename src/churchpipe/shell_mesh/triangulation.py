@@ -99,7 +99,7 @@ def _mesh(gmsh: Any, cut: Subdivision, name: str) -> Mesh:
     except InputError:
         raise
     except Exception as error:
-        raise InputError(f"Panel {name}", "its mid-surface cannot be meshed", found=error) from error
+        raise InputError(f"wall {name}", "its mid-surface cannot be meshed", found=error) from error
     finally:
         gmsh.model.remove()
     corners = nodes[place[np.concatenate(facets)]].reshape(-1, 3, 2)

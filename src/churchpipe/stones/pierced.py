@@ -56,7 +56,7 @@ def pierced_solids(panel: Panel, chart: CylinderChart, tiles: TileSet, voids: Se
                 if len(left.decompose()) != 1:
                     place = f"s = {bounded[number][0]:.4g} to {bounded[number][2]:.4g}, t = {bounded[number][1]:.4g} m"
                     raise InputError(
-                        f"Panel {panel.name}",
+                        f"wall {panel.name}",
                         "an arched opening cuts a stone in two, or away",
                         found=f"course {tiles.course[number]}, {place}",
                         remedy="Move or change the opening, or use shorter stones.",
@@ -83,7 +83,7 @@ def _view(
     ring = str(tiles.region[number])
     if ring not in of_void:
         raise InputError(
-            f"Panel {panel.name}, {ring}", "voussoirs of a curved wall around no opening", expected="an opening with this ring"
+            f"wall {panel.name}, {ring}", "voussoirs of a curved wall around no opening", expected="an opening with this ring"
         )
     void = of_void[ring]
     return void, to_view(chart, void.middle, tiles.corner[tiles.corner_ptr[number] : tiles.corner_ptr[number + 1]])

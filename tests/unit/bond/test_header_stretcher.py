@@ -248,7 +248,7 @@ MISTAKES = [
     (
         wall,
         WALL | {"brick": (0.5, 0.1, 0.2)},
-        r"Panel wall, bond: .*thinner than its headers are wide; found 0\.2 m thick, headers 0\.25",
+        r"wall wall, bond: .*thinner than its headers are wide; found 0\.2 m thick, headers 0\.25",
     ),
     (
         wall,
@@ -258,7 +258,7 @@ MISTAKES = [
     (
         tower,
         TOWER | {"plan": "round", "depth": None, "bonds": [{"wall": "round", "pattern": "header-stretcher"}]},
-        r"Panel round, bond: a curved wall cannot be laid in header-stretcher bond; found mid-radius 1\.2 m",
+        r"wall round, bond: a curved wall cannot be laid in header-stretcher bond; found mid-radius 1\.2 m",
     ),
     (
         tower,

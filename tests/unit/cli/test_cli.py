@@ -505,6 +505,18 @@ def test_a_case_of_a_drawing_is_checked_with_its_drawing(capsys: pytest.CaptureF
     assert "5 errors in the file" in err
 
 
+def test_a_case_is_checked_with_the_stones_that_a_run_would_lay(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    case = tmp_path / "chapel.toml"
+    assert call(capsys, "generate", "chapel", "-o", case)[0] == 0
+    code, out, _ = call(capsys, "check", case)
+    assert code == 0
+    assert "chapel.toml: 1282 stones, 3929 joints." in out
+    case.write_text(case.read_text().replace("inner_radius_m = 1.2", "inner_radius_m = 1.6"))
+    code, _, err = call(capsys, "check", case)
+    assert code == 1
+    assert re.search(r"chapel\.toml: line 5, wall east, bond: .*narrower than a quarter of a stone", err)
+
+
 def test_progress_elsewhere_than_on_a_terminal_is_lines(monkeypatch: pytest.MonkeyPatch) -> None:
     now = [0.0]
     monkeypatch.setattr("churchpipe.terminal.time.perf_counter", lambda: now[0])

@@ -107,6 +107,19 @@ def test_a_mistake_has_its_key_and_its_line(old: str, new: str, said: str, tmp_p
         read_case(case_file(tmp_path, CHAPEL.replace(old, new, 1))).building()
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "opening", "said"),
+    [
+        ("springing_m = 4.5", "springing_m = 6.5", "rose", "wall facade: opening rose: reaches"),
+        ("[2.4, 5.6]", "[2.4, 3.0]", "window", "wall nave_left: openings window-1 and window-2: overlap"),
+        ("[2.4, 5.6]", "[0.9, 5.6]", "window", "wall nave_left: opening window-1: reaches"),
+    ],
+)
+def test_a_mistake_of_two_keys_has_the_line_of_its_opening(old: str, new: str, opening: str, said: str, tmp_path: Path) -> None:
+    head = line(f'name = "{opening}"') - 1
+    test_a_mistake_has_its_key_and_its_line(old, new, f"line {head}, {said}", tmp_path)
+
+
 def test_what_was_set_has_no_line(tmp_path: Path) -> None:
     path = case_file(tmp_path, CHAPEL)
     with pytest.raises(InputError) as caught:

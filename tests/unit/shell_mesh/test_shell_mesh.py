@@ -289,14 +289,14 @@ def test_sizes_out_of_range_are_named(size, sizes, message):
 
 def test_a_wall_that_rests_on_nothing_is_named():
     building = wall(length=1.0, brick=(0.2, 0.1, 0.05), courses=4)
-    with pytest.raises(InputError, match="Panel wall: its mid-surface rests on nothing"):
+    with pytest.raises(InputError, match="wall wall: its mid-surface rests on nothing"):
         derive_shell(replace(building, ground=-1.0), 0.1)
 
 
 def test_a_part_without_a_bond_is_an_error():
     building = wall(length=1.0, brick=(0.2, 0.1, 0.05), courses=4)
     half = replace(building.panels[0].regions[0], outline=rectangle(0.5, 0.2))
-    with pytest.raises(InputError, match=r"Panel wall: a part of the wall has no bond; found near s = 0\.75"):
+    with pytest.raises(InputError, match=r"wall wall: a part of the wall has no bond; found near s = 0\.75"):
         derive_shell(replace(building, panels=(replace(building.panels[0], regions=(half,)),)), 0.1)
 
 

@@ -189,14 +189,14 @@ def test_rings_that_overlap_are_an_error():
     front = church.panels[0]
     lower = ring_outline((3.25, 2.0), 0.6, 1.05, 0.0, math.pi, 9)
     clash = (*front.regions, BondRegion("clash", lower, "voussoir", UnitCell(0.3, 0.45), centre=(3.25, 2.0), pieces=9))
-    with pytest.raises(InputError, match="Panel front, lower-ring: the ring touches a junction, an opening, another ring"):
+    with pytest.raises(InputError, match="wall front, lower-ring: the ring touches a junction, an opening, another ring"):
         derive_blocks(replace(church, panels=(replace(front, regions=clash), *church.panels[1:])))
 
 
 def test_a_lintel_that_reaches_into_a_junction_is_an_error():
     # On course 0 the main wall owns the corner y < .04, where this lintel would bear; on course 15 the partition does.
     door = {"start": 0.06, "width": 0.1, "height_courses": 14, "lintel_bearing": 0.04}
-    with pytest.raises(InputError, match="Panel partition-1, lintel-1: an opening, a junction or the end of the wall cuts"):
+    with pytest.raises(InputError, match="wall partition-1, lintel-1: an opening, a junction or the end of the wall cuts"):
         derive_blocks(prototype(**(S5 | {"opening": door})))
     assert derive_blocks(prototype(**(S5 | {"opening": door | {"height_courses": 15}}))).count > 300
 
@@ -226,7 +226,7 @@ def test_a_part_of_a_wall_without_a_bond_is_an_error():
 )
 def test_outlines_that_are_no_polygons_are_an_error(outline, flaw):
     building = wall(length=1.0, brick=(0.2, 0.1, 0.05), courses=4)
-    with pytest.raises(InputError, match=f"Panel wall: outline of wall: not a simple polygon; found .*{flaw}"):
+    with pytest.raises(InputError, match=f"wall wall: outline of wall: not a simple polygon; found .*{flaw}"):
         derive_blocks(replace(building, panels=(replace(building.panels[0], outline=np.array(outline, dtype=float)),)))
 
 
