@@ -23,7 +23,7 @@ from churchpipe.report.safety import NOT_SATISFIED, verdict, what_moves
 # Between two lines of progress of one stage, seconds: on a terminal, and where each line stays.
 PAUSE, PATIENCE = 0.25, 30.0
 # Longer lists are folded.
-MOST_ROWS, MOST_QUESTIONS = 40, 8
+MOST_ROWS, MOST_LINES = 40, 8
 STATUS_STYLES = {"optimal": "green", "converged": "green", "unbounded": "cyan"}
 
 
@@ -248,12 +248,21 @@ def remarks(summary: Mapping[str, Any]) -> list[str]:
         *uncertainty_lines(summary),
         *account_of_joints(summary),
         *gate_lines(summary),
+        *_few([_failure(one) for one in summary["analyses"] if one["status"] not in GOOD and one.get("message")]),
         *(_movement(one) for one in summary.get("movements", ())),
         *summary.get("guidance", ()),
         *(f"Load {one['load']}: {one['check']['governs']}" for one in summary["analyses"] if "governs" in one.get("check", {})),
-        *questions[:MOST_QUESTIONS],
-        *([f"and {len(questions) - MOST_QUESTIONS} more questions in the report"] if len(questions) > MOST_QUESTIONS else []),
+        *_few(questions),
     ]
+
+
+def _few(lines: list[str]) -> list[str]:
+    return lines[:MOST_LINES] + ([f"and {len(lines) - MOST_LINES} more in the report"] if len(lines) > MOST_LINES else [])
+
+
+def _failure(record: Mapping[str, Any]) -> str:
+    words = [record.get("variant"), f"load {record['load']}", MODELS.get(record.get("model", ""), ""), analysis_name(record)]
+    return f"{', '.join(word for word in words if word)}: {record['status']}. {record['message']}"
 
 
 def _movement(record: Mapping[str, Any]) -> str:

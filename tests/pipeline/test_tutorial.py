@@ -8,9 +8,10 @@ import pytest
 
 from churchpipe import cli
 from churchpipe.config.case import read_case, read_variants
+from manual_pages import ROOT, case_of_the_tutorial
 
-PAGE = (Path(__file__).parents[2] / "docs" / "tutorial.md").read_text(encoding="utf-8")
-STEPS = re.findall(r"^```toml\n(.*?)^```", PAGE, flags=re.DOTALL | re.MULTILINE)
+PAGE = (ROOT / "docs" / "tutorial.md").read_text(encoding="utf-8")
+STEPS = 3
 
 
 def called(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
@@ -20,12 +21,12 @@ def called(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
     return int(left.value.code or 0)
 
 
-@pytest.mark.parametrize("count", range(1, len(STEPS) + 1))
+@pytest.mark.parametrize("count", range(1, STEPS + 1))
 def test_the_case_is_sound_after_each_step(count: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    Path("nave.toml").write_text("\n".join(STEPS[:count]), encoding="utf-8")
+    Path("nave.toml").write_text(case_of_the_tutorial(count), encoding="utf-8")
     assert called(monkeypatch, "check", "nave.toml") == 0
-    assert [case.name for case in read_variants("nave.toml")] == ["nave"] * (2 if count == len(STEPS) else 1)
+    assert [case.name for case in read_variants("nave.toml")] == ["nave"] * (2 if count == STEPS else 1)
     assert {panel.name for panel in read_case("nave.toml").building().panels} >= {"facade", "nave_left", "nave_right", "east"}
 
 
@@ -39,11 +40,11 @@ def test_the_numbers_of_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     monkeypatch.chdir(tmp_path)
     rows = re.findall(r"^\| ([+-][xy]) \| (\.\d+) \|(?: (\.\d+) \|)?$", PAGE, flags=re.MULTILINE)
     assert len(rows) == 4
-    for text, printed in ((STEPS[0], rows[:2]), ("\n".join(STEPS), rows[2:])):
+    for text, printed in ((case_of_the_tutorial(1), rows[:2]), (case_of_the_tutorial(), rows[2:])):
         Path("nave.toml").write_text(text, encoding="utf-8")
         assert called(monkeypatch, "run", "nave.toml", "--out", "run") == 0
         found = load_factors(Path("run"))
-        if text != STEPS[0]:
+        if text != case_of_the_tutorial(1):
             indices = re.search(r"It is ([\d.]+) across the nave and ([\d.]+) for the facade", PAGE)
             assert indices
             checked = json.loads(Path("run", "summary.json").read_text(encoding="utf-8"))["analyses"][:2]

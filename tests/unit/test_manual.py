@@ -19,28 +19,26 @@ import churchpipe
 from churchpipe.cli import app
 from churchpipe.config.case import read_variants
 from churchpipe.errors import InputError
-
-ROOT = Path(__file__).parents[2]
-PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
-
-
-def commands(page: Path) -> list[str]:
-    """Return the calls of churchpipe in the code of a page, without their comments."""
-    text = re.sub(r"\\\n\s*", "", page.read_text(encoding="utf-8"))
-    lines = re.findall(r"^(?: {4}|\$ )(churchpipe .*)$", text, flags=re.MULTILINE)
-    return [part.strip() for line in lines for part in re.sub(r"\s{2,}[#(].*", "", line).split("&&")]
+from manual_pages import PAGES, ROOT, commands, commands_in_sentences
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_commands_exist(page: Path) -> None:
     group = typer.main.get_command(app)
-    for line in commands(page):
+    for line in [*commands(page), *commands_in_sentences(page)]:
         _, name, *arguments = shlex.split(line, comments=True)
         if name in ("--version", "--help"):
             continue
         command = group.commands[name]
         context = command.context_class(command, info_name=name)
         command.make_parser(context).parse_args(arguments)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_files_of_the_source_that_a_page_names_exist(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    named = re.findall(r"(?:benchmarks|cad_samples|pipeline|scripts|tests|src)/[\w/.-]+\.(?:py|sh|toml|dxf|yaml)\b", text)
+    assert not [name for name in named if not (ROOT / name).exists()]
 
 
 def python_blocks(page: Path) -> str:

@@ -1,5 +1,6 @@
 """Commands of case files: generate, schema."""
 
+import re
 import shlex
 from collections.abc import Sequence
 from pathlib import Path
@@ -25,7 +26,11 @@ def generate(
     if case.exists():
         raise UsageError(str(case), "exists already", remedy="Choose another name, or delete it first.")
     from churchpipe.config.json_schema import write_case
+    from churchpipe.config.schema import NAME_PATTERN
 
+    # A run has the name of its case: two cases of one sample are run in two folders.
+    if re.match(NAME_PATTERN, case.stem):
+        text = re.sub(r'^name = "[^"]*"', f'name = "{case.stem}"', text, count=1, flags=re.MULTILINE)
     write_case(case, text)
     out.print(f"{case}: edit it, then churchpipe run {shlex.quote(str(case))}", soft_wrap=True)
 

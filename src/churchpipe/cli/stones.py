@@ -119,7 +119,10 @@ def view(
 
 
 # Tables of a case that a drawing has no place for.
-_UNDRAWN = ("point_loads", "area_loads", "pressures", "fills", "tie_candidates", "joints", "movements", "variants")
+_UNDRAWN = (
+    *("project", "check", "published", "sample"),
+    *("point_loads", "area_loads", "pressures", "fills", "tie_candidates", "joints", "movements", "variants"),
+)
 
 
 @app.command("export-dxf")

@@ -63,6 +63,7 @@ def imported_case(
         missing.append("[[load]] with its direction")
     for key, records in (("line_loads", drawing.line_loads), ("ties", drawing.ties)):
         if records:
+            case.add(tomlkit.nl())
             case[key] = tomlkit.aot()
             for record in records:
                 case[key].append(_table(words(record)))

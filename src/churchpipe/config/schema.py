@@ -23,7 +23,9 @@ from churchpipe.model.materials import Material
 from churchpipe.model.quantities import MOST_COUNTED
 from churchpipe.model.ring_beam import RingBeam
 
-_Name = Annotated[str, Field(pattern=r"^\w[\w .+-]*$", max_length=100)]
+# A name of a case, which is that of the folder of its run.
+NAME_PATTERN = r"^\w[\w .+-]*$"
+_Name = Annotated[str, Field(pattern=NAME_PATTERN, max_length=100)]
 _MATERIAL = table_of(Material, "Material", without=("name",), may_lack=("unit_weight", "friction"))
 _LOAD = table_of(LoadCase, "Load", without=("dead", "live"))
 _RIGID, _SHELL = table_of(RigidSettings, "Rigid"), table_of(ShellSettings, "Shell")

@@ -42,7 +42,7 @@ def shell_table(stones: Assemblage, elastic: Mapping[str, bool]) -> ShellTable:
     keys = {"element_size_mm": float(f"{1e3 * size:g}"), "analyses": ["limit", "pushover"] if complete else ["limit"]}
     comment = "" if complete else '"pushover" besides: give each material its elastic constants'
     parts = [part for vault in fitted.vaults for part in vault.parts] or [panel.name for panel in fitted.panels]
-    what = "A vault" if fitted.vaults else f"{len(parts)} walls"
+    what = "A vault" if fitted.vaults else "1 wall" if len(parts) == 1 else f"{len(parts)} walls"
     note = f"{what} fitted for the shell: {', '.join(parts)}."
     if len(fitted.unfit):
         few = ", ".join(fitted.unfit[:8])

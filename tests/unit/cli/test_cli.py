@@ -131,6 +131,13 @@ def test_generate_writes_a_case_once(capsys: pytest.CaptureFixture[str], tmp_pat
     assert (tmp_path / "mine.toml").read_text() == "precious"
 
 
+def test_cases_of_one_sample_are_run_in_folders_of_their_own(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    # A run is a folder: what is no name of one keeps that of the sample.
+    for file, name in (("before", "before"), ('the "new"', "arch")):
+        assert call(capsys, "generate", "arch", "-o", tmp_path / f"{file}.toml")[0] == 0
+        assert read_case(tmp_path / f"{file}.toml").name == name
+
+
 def test_an_imported_case_is_exported_as_it_was_drawn(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     code, _, _ = call(capsys, "import", SAMPLES / "sound.dxf", "-o", tmp_path / "case")
     assert code == 0
@@ -145,10 +152,11 @@ def test_an_imported_case_is_exported_as_it_was_drawn(capsys: pytest.CaptureFixt
 def test_what_a_drawing_has_no_place_for_is_said(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     call(capsys, "generate", "wall", "-o", tmp_path / "w.toml")
     more = '[[joints]]\nname = "damp"\nkind = "base"\nfriction = 0.3\n[[variants]]\nname = "dry"\nremove = ["joints.damp"]\n'
+    more += "[check]\nag_g = 0.1\nsoil_factor = 1.2\n"
     (tmp_path / "w.toml").write_text((tmp_path / "w.toml").read_text() + more)
     code, _, err = call(capsys, "export-dxf", tmp_path / "w.toml", "-o", tmp_path / "w.dxf")
     assert code == 0
-    assert err == "Not in the drawing, and the case's alone: joints, variants.\n"
+    assert err == "Not in the drawing, and the case's alone: check, joints, variants.\n"
 
 
 def test_export_and_import_give_the_same_case(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
@@ -422,6 +430,21 @@ def test_show_tells_both_models_apart(capsys: pytest.CaptureFixture[str], tmp_pa
     assert "No shell. The two models do not match: weight. The rigid blocks stand." in call(capsys, "show", tmp_path)[1]
 
 
+def test_show_says_why_an_analysis_has_no_load_factor(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    shell = {"model": "homogenised-shell", "method": "limit", "load": "+x", "friction": 0.6, "load_factor": None}
+    fell = shell | {"status": "unstable", "message": "the dead load alone brings it down"}
+    summary = {"case": "w", "blocks": 1, "interfaces": 1, "weight_kN": 1.0, "analyses": [fell, shell | {"status": "optimal"}]}
+    write_json(tmp_path / "summary.json", summary)
+    out = call(capsys, "show", tmp_path)[1]
+    assert out.count("load +x, shell, limit load: unstable. the dead load alone brings it down\n") == 1
+    many = [fell | {"variant": f"v{number}"} for number in range(10)]
+    write_json(tmp_path / "summary.json", summary | {"analyses": many})
+    out = call(capsys, "show", tmp_path)[1]
+    assert "v7, load +x" in out
+    assert "v8, load +x" not in out
+    assert "and 2 more in the report" in out
+
+
 def test_show_does_not_show_what_a_failed_run_left(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     write_json(tmp_path / "summary.json", {"case": "w", "blocks": 1, "interfaces": 1, "weight_kN": 1.0, "analyses": []})
     assert call(capsys, "show", tmp_path)[0] == 0
@@ -472,7 +495,7 @@ def test_long_lists_are_folded(capsys: pytest.CaptureFixture[str], tmp_path: Pat
     assert out.count("optimal") == 40
     assert "and 60 more, all of them in table.csv and in the report" in out
     assert out.count("Question: ") == 8
-    assert "and 12 more questions in the report" in out
+    assert "and 12 more in the report" in out
 
 
 def test_show_lists_the_runs_of_a_folder(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
