@@ -117,7 +117,7 @@ def test_parts_of_case_files_are_taken(page: Path, tmp_path: Path) -> None:
 
 
 def test_a_wrong_key_on_a_page_is_found(tmp_path: Path) -> None:
-    assert {"tutorial.md", "shell.md", "check.md"} <= {page.name for page in WITH_TABLES}
+    assert {"tutorial.md", "second_model.md", "check.md"} <= {page.name for page in WITH_TABLES}
     for block in ("```toml\n[shell]\nelement_size = 100\n```\n", "\n    [shell]\n    element_size = 100\n"):
         with pytest.raises(InputError, match="element_size: unknown key"):
             check_tables(block, tmp_path)

@@ -57,7 +57,7 @@ def test_beds_between_long_stones_are_layers() -> None:
 
 
 def test_table_1_beside_solids() -> None:
-    # docs/shell.md, "Stiffness".
+    # docs/shell_results.md, "Stiffness of bonds".
     found, closed = wall_stiffness("running", A, B, H, ELASTIC), table_1(A, B, H, ELASTIC)
     assert np.diag(closed) / np.diag(found) == pytest.approx((1.026, 0.989, 1.010, 1.035, 0.990, 1.219), abs=1e-3)
     # Poisson's coupling, and no other.
@@ -68,7 +68,7 @@ def test_table_1_beside_solids() -> None:
     assert (others - np.diag(np.diag(others))).max() < 1e-9
 
 
-@pytest.mark.slow("docs/shell.md: Stiffness")
+@pytest.mark.slow("docs/shell_results.md: Stiffness of bonds")
 @pytest.mark.parametrize("bond", BONDS)
 def test_finer_elements_change_it_by_less_than_a_hundredth(bond: str) -> None:
     for a, b, h, elastic in ((A, B, H, ELASTIC), (0.275, 0.57, 0.9, Elastic(3e9, 0.2, 0.3e9, 0.2, 0.01))):

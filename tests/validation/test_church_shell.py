@@ -1,4 +1,5 @@
-"""The shell of the sample church R14 (docs/shell.md): the case study of Malena, Portioli et al. (2019) with the exact cell.
+"""The shell of the sample church R14 (docs/shell_results.md): the case study of Malena, Portioli et al. (2019) with the
+exact cell.
 
 The paper's shell has .210 (x), .229 (y) and .345 (tower) at 64 993 facets of another plan; ours, at 4488 facets, are our own
 figures, held so that they do not move unseen. Against the rigid blocks each must be the lower one, its stones being infinitely
@@ -23,7 +24,7 @@ def meshed() -> tuple[cp.ShellModel, Case]:
     return cp.derive_shell(case.building(), element_size=1.0), case
 
 
-@pytest.mark.slow("docs/shell.md: The church")
+@pytest.mark.slow("docs/shell_results.md: The church")
 @pytest.mark.parametrize(
     ("name", "planes", "ours", "blocks"),
     [
@@ -43,7 +44,7 @@ def test_limit_loads(name: str, planes: str, ours: float, blocks: float) -> None
     assert 0.75 * blocks < state.load_factor < blocks
 
 
-@pytest.mark.slow("docs/shell.md: The church")
+@pytest.mark.slow("docs/shell_results.md: The church")
 def test_without_a_bound_on_the_twisting_moment_the_mechanism_along_x_is_missed() -> None:
     # .30 instead of .20: the side wall, held by the triumphal wall and dragged along by the facade, has to warp.
     shell, case = meshed()

@@ -1,4 +1,4 @@
-"""The shell of walls in any bond against their rigid blocks: docs/shell.md, "Any bond"."""
+"""The shell of walls in any bond against their rigid blocks: docs/shell_results.md, "Walls and boxes of several bonds"."""
 
 from typing import Literal
 
@@ -38,7 +38,7 @@ def test_running_bond_is_as_strong_as_the_whole_wall() -> None:
     assert load_factor(OUT) == pytest.approx(THICKNESS / HEIGHT * MESH, rel=0.01)
 
 
-@pytest.mark.slow("docs/shell.md: Any bond")
+@pytest.mark.slow("docs/shell_results.md: Walls and boxes of several bonds")
 @pytest.mark.parametrize(
     ("headers", "out", "along"), [("english", 0.13380, 0.26193), ("flemish", 0.13394, 0.27495), ("none", 0.06724, 0.26193)]
 )

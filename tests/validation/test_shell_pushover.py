@@ -41,7 +41,7 @@ def test_plateau_of_s5_is_its_limit_load() -> None:
     assert 0.2 < point[0] < 0.44
 
 
-@pytest.mark.slow("docs/shell.md: S22 and its mesh")
+@pytest.mark.slow("docs/shell_results.md: S22 and its mesh")
 def test_plateau_of_s22_is_its_limit_load() -> None:
     shell, load, materials = coarse("s22", 0.06)
     curve = cp.pushover(shell, load, materials)
@@ -50,7 +50,7 @@ def test_plateau_of_s22_is_its_limit_load() -> None:
     assert curve.plateau == pytest.approx(limit.load_factor, rel=5e-3)
 
 
-@pytest.mark.slow("docs/shell.md: friction and stone length of S22")
+@pytest.mark.slow("docs/shell_results.md: friction and stone length of S22")
 def test_load_factors_of_s22_grow_with_friction_and_stone_length() -> None:
     shell, load, materials = coarse("s22", 0.06)
     by_friction = [
@@ -67,7 +67,7 @@ def test_load_factors_of_s22_grow_with_friction_and_stone_length() -> None:
     assert by_length == pytest.approx([0.18507, 0.20654, 0.22201], abs=5e-5)
 
 
-@pytest.mark.slow("docs/shell.md: friction and stone length of S22")
+@pytest.mark.slow("docs/shell_results.md: friction and stone length of S22")
 def test_load_factors_of_s22_grow_with_stone_length_as_calculated_where_its_lintels_reach_as_far() -> None:
     # .199 .208 .213 for b = 40 60 80 mm, with "a strong lintel strip"; ours then begins at the main wall.
     case = cp.read_case(CASES / "s22.toml", ["source.opening.lintel_bearing_mm=120"])

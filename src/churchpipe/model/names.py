@@ -19,7 +19,7 @@ GOOD = frozenset({"optimal", "converged", "unbounded"})
 
 # Strength of the shell unless a case or a caller says otherwise: the exact one.
 STRENGTH: Planes = "cell"
-# Why a strength that is not exact gives load factors that are too large, by its name; up to 53 % on the church of docs/shell.md.
+# Why a strength that is not exact gives load factors that are too large, by its name; up to 53 %: docs/shell_results.md.
 OUTER: dict[str, str] = {
     "paper": "the eight planes of the paper are an outer approximation of the strength and bound no twisting: the load factor "
     'may be up to 50 % above that of the exact cell; use planes = "cell"',
