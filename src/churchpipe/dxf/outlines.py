@@ -6,6 +6,7 @@ import numpy as np
 
 from churchpipe.dxf.traces import Plane, Trace
 from churchpipe.findings import Finding
+from churchpipe.geometry.divisions import divided
 from churchpipe.geometry.nets import covering, net_of, outline_flaw, turned_left, without_idle_corners
 from churchpipe.model.arrays import FloatArray
 
@@ -24,8 +25,10 @@ class Outline:
 
 def outlines_of(plane: Plane, findings: list[Finding]) -> tuple[list[Outline], int]:
     """Return the outlines drawn in a plane, in drawing order, and how many lines close nothing."""
+    axes = plane.axes[:2].T
+    lines = divided([t.points @ axes for t in plane.traces], [None if t.fine is None else t.fine @ axes for t in plane.traces])
     traces = [trace for trace in plane.traces if not trace.filled]
-    flat = [trace.points @ plane.axes[:2].T for trace in traces]
+    flat = [line for trace, line in zip(plane.traces, lines, strict=True) if not trace.filled]
     rings = [_ring(points, trace, findings) for points, trace in zip(flat, traces, strict=True)]
     opened = [k for k, ring in enumerate(rings) if ring is None]
     found: list[tuple[int, FloatArray]] = []
@@ -48,7 +51,7 @@ def outlines_of(plane: Plane, findings: list[Finding]) -> tuple[list[Outline], i
     found += [(k, ring) for k, ring in enumerate(rings) if ring is not None]
     outlines = [_outline(corners, plane, traces[k], findings) for k, corners in sorted(found, key=lambda pair: pair[0])]
     sound = [outline for outline in outlines if outline is not None]
-    hatches = [_outline(t.points @ plane.axes[:2].T, plane, t, findings) for t in plane.traces if t.filled]
+    hatches = [_outline(line, plane, t, findings) for t, line in zip(plane.traces, lines, strict=True) if t.filled]
     fillings = [outline for outline in hatches if outline is not None]
     # A hatch that fills an outline drawn besides is no stone of its own.
     fills = covering([outline.corners for outline in fillings], [outline.corners for outline in sound])

@@ -13,8 +13,8 @@ from churchpipe.geometry.nets import farthest
 from churchpipe.model.arrays import FloatArray
 
 KINDS: Final = ("LWPOLYLINE", "POLYLINE", "HATCH", "LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE")
-# A curve is drawn with chords that leave it by at most this part of the size of what it belongs to.
-CHORD = 0.01
+# A curve is drawn with chords that leave it by at most the first part of the size of what it belongs to; finely, by the second.
+CHORD, FINE = 0.01, 1e-4
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,7 +23,8 @@ class Trace:
 
     points (n, 3), drawing units, in space; closed: said to be closed, then the first point is not repeated; normal (3,): of the
     plane it is drawn in; depth: its DXF thickness, 0 when it has none; curve: how far a curve leaves the chords taken for it;
-    filled: boundary of a hatch; bearing: drawn as ground.
+    filled: boundary of a hatch; bearing: drawn as ground; fine (m, 3): the points of a line with curves, drawn finely, the first
+    one repeated when it is closed.
     """
 
     points: FloatArray
@@ -35,6 +36,7 @@ class Trace:
     curve: float = 0.0
     filled: bool = False
     bearing: bool = False
+    fine: FloatArray | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,16 +55,18 @@ def traces_of(entity: Any, matrix: Matrix, place: Place, layer: str, bearing: bo
     up = np.array(entity.dxf.get("extrusion", (0, 0, 1))) @ np.linalg.inv(matrix[0]).T
     out: list[Trace] = []
     for line in (part for whole in drawn for part in whole.sub_paths()):
-        points, curve = _flattened(line)
+        points, fine = _flattened(line)
         closed = filled or (bool(line.is_closed) and len(points) > 3)
         if not len(points) or (closed and len(points) < 4):
             continue
+        curve = 0.0 if fine is None else farthest(points[:, :2], fine[:, :2])
         points = transformed(points[:-1] if closed else points, matrix)
+        fine = None if fine is None else transformed(fine, matrix)
         x, y, z = points[0].tolist()
         where = Place(place.entity, place.handle, place.block, (x, y, z))
         own = entity.dxf.get("thickness", 0.0) if entity.dxf.is_supported("thickness") else 0.0
         depth = float(own) * float(np.linalg.norm(matrix[0][2]))
-        out.append(Trace(points, closed, up / np.linalg.norm(up), where, layer, depth, curve, filled, bearing))
+        out.append(Trace(points, closed, up / np.linalg.norm(up), where, layer, depth, curve, filled, bearing, fine))
     return out
 
 
@@ -87,16 +91,15 @@ def is_flat(trace: Trace) -> bool:
     return bool(np.ptp(trace.points @ trace.normal) <= 1e-3 * np.ptp(trace.points, axis=0).max())
 
 
-def _flattened(line: Any) -> tuple[FloatArray, float]:
-    """Return the corners of a path (n, 3) without those that repeat, and how far its curves leave the chords."""
+def _flattened(line: Any) -> tuple[FloatArray, FloatArray | None]:
+    """Return the corners of a path (n, 3) without those that repeat; and the path with curves drawn finely (m, 3), or None."""
     ends = np.array([tuple(vertex) for vertex in line.control_vertices()], dtype=float).reshape(-1, 3)
     size = float(np.ptp(ends, axis=0).max()) if len(ends) else 0.0
     if not (0 < size < np.inf):
-        return np.zeros((0, 3)), 0.0
+        return np.zeros((0, 3)), None
     if not line.has_curves:
-        return _distinct(ends, size), 0.0
-    points = _points(line, CHORD * size)
-    return _distinct(points, size), farthest(points[:, :2], _points(line, 1e-4 * size)[:, :2])
+        return _distinct(ends, size), None
+    return _distinct(_points(line, CHORD * size), size), _points(line, FINE * size)
 
 
 def _points(line: Any, distance: float) -> FloatArray:

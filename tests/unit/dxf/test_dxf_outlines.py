@@ -1,7 +1,7 @@
 """Two-dimensional drawings: outlines of stones in every way that people close them, extruded and stood up."""
 
 from collections.abc import Callable
-from itertools import combinations
+from itertools import combinations, pairwise
 from pathlib import Path
 from typing import Any
 
@@ -185,6 +185,39 @@ def test_curved_sides_are_chords_and_told(tmp_path: Path) -> None:
     assert codes(drawing) == ["W27", "W12"]
     # The bulge b = .05 of a chord c bellies out by b c / 2 and adds nearly 2/3 of that along the chord.
     assert drawing.stones.volume[0] == pytest.approx((0.25 * 0.065 + 2 / 3 * 0.05 * 0.25 / 2 * 0.25) * 0.12, rel=0.02)
+
+
+def bulged_ring(space: Any, radius: float, depth: float, joints: list[float], mortar: float) -> None:
+    """Voussoirs (mm) between joints at these angles, intrados and extrados as bulges, with mortar between them."""
+    for start, stop in pairwise(joints):
+        inner, outer = ([(r, a) for a in (start + mortar / 2 / r, stop - mortar / 2 / r)] for r in (radius, radius + depth))
+        corners = [*inner[::-1], *outer]
+        bulges = [-np.tan((inner[1][1] - inner[0][1]) / 4), 0, np.tan((outer[1][1] - outer[0][1]) / 4), 0]
+        points = [(r * np.cos(a), r * np.sin(a), b) for (r, a), b in zip(corners, bulges, strict=True)]
+        space.add_lwpolyline(points, format="xyb", close=True)
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "mortar"),
+    [(21, 21.3, 10.0), (21, 21.3, 0.0), (11, 11.3, 10.0), (11, 11.3, 0.0), (13, 17, 12.0), (21, 21, 10.0)],
+)
+def test_rings_of_an_arch_meet_wherever_their_joints_are(first: int, second: float, mortar: float, tmp_path: Path) -> None:
+    """Of curved voussoirs whose joints are staggered no chord leans against the one beside it. 21.3: shifted by .3 of a stone."""
+    shift = second % 1
+    lower = np.linspace(0, np.pi, first + 1).tolist()
+    upper = [0.0, *((np.arange(0 if shift else 1, int(second)) + shift) * np.pi / int(second)).tolist(), np.pi]
+
+    def draw(space: Any) -> None:
+        bulged_ring(space, 1000, 200, lower, mortar)
+        bulged_ring(space, 1200 + mortar, 200, upper, mortar)
+
+    options = {"joint": mortar / 1000} if mortar else {}
+    stones = read(drawn(tmp_path / "a.dxf", draw, ground=False), support="base", **options).stones
+    contacts = find_contacts(stones)
+    free = contacts.blocks[~stones.fixed[contacts.blocks].any(axis=1)]
+    beside = sum(min(b, d) - max(a, c) > 1e-3 for a, b in pairwise(lower) for c, d in pairwise(upper))
+    assert len(np.unique(np.sort(free), axis=0)) == len(lower) - 2 + len(upper) - 2 + beside
+    assert not len(contacts.near_misses.gap)
 
 
 @pytest.mark.parametrize(
