@@ -29,14 +29,15 @@ def divided(lines: Sequence[FloatArray], curves: Sequence[FloatArray | None]) ->
         return list(lines)
     owner = np.repeat(np.arange(len(lines)), [len(line) for line in lines])
     corner = np.concatenate(lines)
-    tree = shapely.STRtree(shapely.points(corner))
+    tree = shapely.STRtree([shapely.Point(point) for point in corner])
     out = list(lines)
     for k in bent:
         curve = shapely.LineString(curves[k])
         size = float(np.ptp(lines[k], axis=0).max())
         near = tree.query(curve, predicate="dwithin", distance=REACH * size)
         own = shapely.line_locate_point(curve, shapely.points(lines[k]))
-        places = _clusters(shapely.line_locate_point(curve, shapely.points(corner[near[owner[near] != k]])), APART * size)
+        beside = shapely.points(corner[near[owner[near] != k]])
+        places = _clusters(np.atleast_1d(shapely.line_locate_point(curve, beside)), APART * size)
         end = curve.length if curve.is_closed else np.inf
         away = np.abs(places[:, None] - np.concatenate([own, own + end, own - end])[None, :]).min(axis=1, initial=np.inf)
         added = places[away > APART * size]

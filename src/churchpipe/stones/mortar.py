@@ -66,11 +66,12 @@ def close_joints(solids: Sequence[Solid], joint: float) -> Closed:
     """Grow stones until they meet in the middle of the joints between them.
 
     Each face with another opposite across a joint is moved to the mid-surface of the joint, so that each stone gets half of the
-    mortar. The mid-surface of a wedge-shaped joint lies between its two faces. A face with no other opposite stays where it is.
+    mortar. The mid-surface of a wedge-shaped joint lies between its two faces. A face with no other opposite stays where it is,
+    and nothing grows into the ground below all stones.
 
     Parameters
     ----------
-    solids: points (n, 3) in any one unit and outward faces. joint: nominal width of the joints, in that unit.
+    solids: points (n, 3), z up, in any one unit and outward faces. joint: nominal width of the joints, in that unit.
     """
     flat = _Faces.of(solids)
     joints = _joints(flat, joint)
@@ -78,6 +79,7 @@ def close_joints(solids: Sequence[Solid], joint: float) -> Closed:
     opposite = _opposite(joints)
     out: list[Solid] = []
     stuck: list[int] = []
+    lowest = min(float(points[:, 2].min()) for points, _ in solids)
     before = np.array([signed_volume(points, [tuple(face) for face in faces]) for points, faces in solids])
     after = before.copy()
     for index, (points, faces) in enumerate(solids):
@@ -95,6 +97,8 @@ def close_joints(solids: Sequence[Solid], joint: float) -> Closed:
         grown = points + shift
         split: Sequence[tuple[int, ...]] = split_warped(grown, faces)[0]
         cuts = _beyond_neighbours(flat, plane, opposite, own, faces, points, grown, np.linalg.norm(shift, axis=1) > joint)
+        if grown[:, 2].min() < lowest - TOUCHING * flat.size:
+            cuts.append((np.array([0.0, 0.0, -1.0]), -lowest))
         if cuts:
             grown, split = trimmed(grown, split, cuts)
         volume = signed_volume(grown, split)
