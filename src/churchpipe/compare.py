@@ -79,7 +79,7 @@ _REASONS = {
     "their mid-planes, so it may err to either side",
     "torsion": "friction at the corners of a joint overrates its resistance to torsion, which the torsion model gets right under "
     "uniform pressure",
-    "crushing": "the masonry crushes in limit analyses of the stones and in a shell of cells alone",
+    "crushing": "the masonry crushes in analyses of the stones and in a shell of cells alone",
     "planes": "planes of the paper are an outer approximation of the shell's strength, so their load factors are too large",
 }
 

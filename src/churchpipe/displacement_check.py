@@ -174,14 +174,17 @@ def _largest(bearable: Callable[[float], bool]) -> float:
     return low
 
 
-def displacement_record(curve: BlockCapacityCurve, stones: Assemblage, load: LoadCase, site: Site | None) -> dict[str, Any]:
+def displacement_record(
+    curve: BlockCapacityCurve, stones: Assemblage, load: LoadCase, site: Site | None, *, crushing: bool = False
+) -> dict[str, Any]:
     """Return the displacement-based check of a capacity curve in the words of summary.json; {"message": why} where there is none.
 
     It leads with e* = 1 and has what holds with e* of the stones besides, as the check with q does. That check is made of the
-    same mechanism, for comparison.
+    same mechanism, for comparison. crushing: whether the masonry crushes on the curve, so that the confidence factor is that of
+    the knowledge level.
     """
     try:
-        found, start = _mechanism(curve, stones, load, site)
+        found, start = _mechanism(curve, stones, load, site.confidence(crushing) if site else CONFIDENCE_FACTOR)
     except InputError as error:
         return {"message": str(error)}
     careful = found.lumped
@@ -225,14 +228,13 @@ def displacement_record(curve: BlockCapacityCurve, stones: Assemblage, load: Loa
     }
 
 
-def _mechanism(curve: BlockCapacityCurve, stones: Assemblage, load: LoadCase, site: Site | None) -> tuple[Oscillator, Activation]:
+def _mechanism(curve: BlockCapacityCurve, stones: Assemblage, load: LoadCase, confidence: float) -> tuple[Oscillator, Activation]:
     """Return the oscillator of a curve, and what sets its mechanism in motion."""
     if len(curve.displacement) < 2:
         raise InputError("check", "no mechanism", found=f"{len(curve.displacement)} steps of the curve", expected="two or more")
     first = np.concatenate([np.diff(part[:2], axis=0)[0] for part in (curve.position, curve.rotation)], axis=1)
     moving = moving_stones(stone_speed(stones, first)) & ~stones.fixed
     motion = np.where(moving, along(load.direction, first), 0.0)
-    confidence = site.confidence_factor if site else CONFIDENCE_FACTOR
     pushed = lateral_weight(stones, load)
     displacement, d0 = _mean_displacement(curve, pushed, load)
     found = oscillator(

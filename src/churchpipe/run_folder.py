@@ -91,13 +91,14 @@ class RunFolder:
         settings = read_json(self.folder(entry) / "settings.json")
         load = load_of(settings)
         site = site_of(entry["check"]) if "check" in entry else None
+        crushing = all("compressive_strength" in values for values in settings["material"].values())
         if entry["kind"] == "curve":
-            return {"check": displacement_record(self.block_curve(entry), self.stones(entry["geometry"])[0], load, site)}
+            curve, stones = self.block_curve(entry), self.stones(entry["geometry"])[0]
+            return {"check": displacement_record(curve, stones, load, site, crushing=crushing)}
         if entry["kind"] == "limit":
             mesh = read_npz(self._mesh(entry["shell"]), ShellModel)
             return compare.shell_parts(mesh, read_npz(self.folder(entry) / "limit.npz", ShellLimitState), load)
         stones, state = self.stones(entry["geometry"])[0], self.block_state(entry)
-        crushing = all("compressive_strength" in values for values in settings["material"].values())
         masses = self.borne(entry["name"], stones).loads
         check = compare.safety(stones, state, load, site, masses, crushing=crushing)
         return compare.stone_parts(stones, state, load) | {"check": check}

@@ -261,13 +261,14 @@ def curve(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
     from churchpipe.io.kept_steps import KeptSteps
     from churchpipe.large_displacements.pushover import block_pushover
     from churchpipe.model.block_curve import BlockCapacityCurve
-    from churchpipe.stones.joints import joint_strength
+    from churchpipe.stones.joints import crushing_strength, joint_strength
 
     table = read_json(settings)
     stones, joints = read_npz(assemblage, Assemblage), read_npz(contacts, Contacts)
     load, materials = load_of(table), strengths_of(table)
     friction, _ = joint_strength(stones, joints, materials, joints_of(table))
     options = {key: table[key] for key in ("solver", "control", "step", "steps", "furthest", "halo") if key in table}
+    options |= {"compressive_strength": crushing_strength(stones, joints, materials)}
     borne = placed(carries_of(table), stones)
     pushed = loaded(load, stones, borne.loads)
     kept = KeptSteps(BlockCapacityCurve, state.parent, (settings, assemblage, contacts), code_of("curve"))

@@ -12,9 +12,11 @@ from churchpipe import stages
 from churchpipe.code_check import Site
 from churchpipe.compare import contact_models, guidance, safety
 from churchpipe.configuring import configure
+from churchpipe.displacement_check import displacement_record
 from churchpipe.dxf.properties import decode_properties, encode_materials
 from churchpipe.io.recording import shell_record_of
 from churchpipe.io.tables import read_json
+from churchpipe.large_displacements.pushover import block_pushover
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength, Material
 from churchpipe.model.names import analysis_name, crushes
@@ -22,6 +24,7 @@ from churchpipe.report.contact_models import contact_model_rows
 from churchpipe.report.safety import check_table
 from churchpipe.report.table import Row, columns_for
 from churchpipe.rigid_blocks.limit import limit_analysis
+from churchpipe.spectrum import SiteSpectrum
 from churchpipe.stones.contacts import find_contacts
 from churchpipe.stones.joints import crushing_strength
 from solids import box, on_ground
@@ -124,12 +127,22 @@ def test_the_knowledge_level_counts_where_stones_crush() -> None:
     assert table["kinds"] == ["crushing"]
 
 
+def test_the_knowledge_level_counts_on_a_curve_that_crushes() -> None:
+    stones = on_ground(box((0, 0.9), (0, 1), (0, 12)))
+    load, site = LoadCase((1, 0, 0)), Site(1.5, knowledge_level="LC2", spectrum=SiteSpectrum(2.5, 0.5, soil="B"))
+    curve = block_pushover(stones, find_contacts(stones), load, 0.7, step=0.1, compressive_strength=1e6)
+    found = displacement_record(curve, stones, load, site, crushing=True)
+    assert found["alpha0"] == pytest.approx(0.0588, abs=1e-6)
+    assert found["confidence_factor"] == 1.2
+    assert displacement_record(curve, stones, load, site)["confidence_factor"] == 1.35
+
+
 def test_analyses_without_crushing_say_so() -> None:
     soft = JointStrength("tuff", 0.6, compressive_strength=2e6)
     load = LoadCase((1, 0, 0))
     told = shell_record_of("refused", load, [soft], method="limit", planes="paper").as_words()
     assert told["message"] == (
-        'refused; nothing crushes here: compressive_strength enters limit analyses of stones, and shells with planes = "cell"'
+        'refused; nothing crushes here: compressive_strength enters analyses of stones, and shells with planes = "cell"'
     )
     assert told["compressive_strength_MPa"] == 2.0
     assert not crushes(told)

@@ -132,9 +132,8 @@ def test_a_rectangle_beside_a_linear_program() -> None:
 
 @pytest.mark.parametrize("strength", [0.4, 1.0])
 def test_pillar_pushed_along_its_diagonal(strength: float) -> None:
-    # Meyerhof's square in the corner has sides s, f s^2 = W, and its centre lies s / sqrt(2) from the corner. The best part is a
-    # triangle with legs l, f l^2 / 2 = W, and centroid sqrt(2) l / 3 from the corner: the more of the base is crushed, the more
-    # the square is below it, 4 % where a fifth is.
+    # The pressed part is a triangle with legs l, f l^2 / 2 = W, and centroid sqrt(2) l / 3 from the corner. Meyerhof's square in
+    # the corner, with the sides s, f s^2 = W, would be 4 % below it where a fifth of the base is crushed.
     b, h = 1.0, 10.0
     side = np.sqrt(b * b * h * UNIT_WEIGHT / (strength * MPA))
     leg = np.sqrt(2) * side
@@ -142,7 +141,7 @@ def test_pillar_pushed_along_its_diagonal(strength: float) -> None:
     best, square = ((b / np.sqrt(2) - arm) / (h / 2) for arm in (np.sqrt(2) * leg / 3, side / np.sqrt(2)))
     state = crushed(wall(b, h, b), strength * MPA, (1, 1, 0))
     assert_certified(state)
-    assert state.load_factor == pytest.approx(square, rel=1e-6)
+    assert state.load_factor == pytest.approx(best, rel=1e-6)
     assert best * (0.95 if strength == 1.0 else 0.89) < square < best
 
 

@@ -83,7 +83,7 @@ def curve_record_of(
         equilibrium_residual=float(curve.residual.max(initial=0.0)),
         violation=float(curve.violation.max(initial=0.0)),
         seconds=curve.seconds,
-        message="; ".join(said for said in (curve.message, *lost, *_uncrushed(materials)) if said),
+        message="; ".join(said for said in (curve.message, *lost) if said),
     )
     path = BlockPath(
         ending=curve.status,
@@ -141,16 +141,7 @@ def shell_record_of(
         case str():
             outcome = Outcome("failed", message=result)
     tensions = () if isinstance(result, str) else tie_forces_of(ties, result)
-    lost = [] if planes == "cell" else _uncrushed(materials)
-    said = "; ".join(words for words in (outcome.message, *lost) if words)
-    return ShellRecord(question_of(load, materials, joints), replace(outcome, message=said), method, planes, curve, tensions)
-
-
-def _uncrushed(materials: Sequence[JointStrength]) -> list[str]:
-    """Return what an analysis that knows no crushing has to say of materials that do crush."""
     strong = any(material.compressive_strength is not None for material in materials)
-    return (
-        ['nothing crushes here: compressive_strength enters limit analyses of stones, and shells with planes = "cell"']
-        if strong
-        else []
-    )
+    lost = 'nothing crushes here: compressive_strength enters analyses of stones, and shells with planes = "cell"'
+    said = "; ".join(words for words in (outcome.message, lost if strong and planes != "cell" else "") if words)
+    return ShellRecord(question_of(load, materials, joints), replace(outcome, message=said), method, planes, curve, tensions)

@@ -15,7 +15,8 @@ class Joints:
 
     blocks (ni, 2); frame (ni, 3, 3), rows n, t1, t2 in the axes of the first stone; area (ni,) m2; kind (ni,); point_ptr
     (ni + 1,); first, second (nc, 3) m, the point of either stone, an arm from its centroid in its axes. sliding (nc,): mu times
-    the slip rate of the last step, see `solve_state`. rest (nc,) m: the gap as drawn, which counts as closed.
+    the slip rate of the last step, see `solve_state`. rest (nc,) m: the gap as drawn, which counts as closed. place (nc, 2),
+    rectangle and margin (ni,): as in `Touching`, of joints that crush.
     """
 
     blocks: IntArray
@@ -27,6 +28,9 @@ class Joints:
     second: FloatArray
     sliding: FloatArray
     rest: FloatArray
+    place: FloatArray
+    rectangle: FloatArray
+    margin: FloatArray
 
     @property
     def pair(self) -> IntArray:
@@ -47,23 +51,16 @@ class Joints:
         first, second = self.pair.T
         frame = np.einsum("kai,kji->kaj", self.frame, poses.rotation[self.blocks[:, 0]])
         near, far = poses.place(first, self.first), poses.place(second, self.second)
-        gap = np.einsum("ki,ki->k", frame[self.interface, 0], far - near) - self.rest
+        gap = np.einsum("ki,ki->k", frame[self.interface, 0], far - near) - self.rest - self.margin[self.interface]
         return Contacts(self.blocks, frame, self.area, far, self.point_ptr, self.kind), gap
 
     def selected(self, keep: BoolArray) -> "Joints":
         """Return the interfaces that are kept (ni,)."""
-        point = np.repeat(keep, np.diff(self.point_ptr))
-        counts = np.diff(self.point_ptr)[keep]
+        count = np.diff(self.point_ptr)
+        kept = {len(keep): keep, len(self.sliding): np.repeat(keep, count)}
+        values = {item.name: getattr(self, item.name) for item in fields(self) if item.name != "point_ptr"}
         return Joints(
-            blocks=self.blocks[keep],
-            frame=self.frame[keep],
-            area=self.area[keep],
-            kind=self.kind[keep],
-            point_ptr=np.concatenate(([0], np.cumsum(counts))),
-            first=self.first[point],
-            second=self.second[point],
-            sliding=self.sliding[point],
-            rest=self.rest[point],
+            point_ptr=np.concatenate(([0], np.cumsum(count[keep]))), **{name: v[kept[len(v)]] for name, v in values.items()}
         )
 
 
@@ -77,11 +74,20 @@ def joined(one: Joints, other: Joints) -> Joints:
     return Joints(point_ptr=np.concatenate([one.point_ptr, one.point_ptr[-1] + other.point_ptr[1:]]), **merged)
 
 
-def joints_of(contacts: Contacts, poses: Poses, gap: FloatArray | None = None) -> Joints:
+def joints_of(
+    contacts: Contacts,
+    poses: Poses,
+    gap: FloatArray | None = None,
+    place: FloatArray | None = None,
+    rectangle: FloatArray | None = None,
+    margin: FloatArray | None = None,
+) -> Joints:
     """Return the joints of contacts found at these poses.
 
-    gap (nc,) m: how far each point is open; the contact's point is that of the second stone.
+    gap (nc,) m: how far each point is open; the contact's point is that of the second stone. place, rectangle, margin: of joints
+    that crush, as in `Touching`.
     """
+    count = len(contacts.blocks)
     first, second = contacts.blocks[contacts.interface_of_point].T
     n = contacts.frame[contacts.interface_of_point, 0]
     open_by = np.zeros(len(contacts.point)) if gap is None else gap
@@ -95,4 +101,7 @@ def joints_of(contacts: Contacts, poses: Poses, gap: FloatArray | None = None) -
         second=poses.arm(second, contacts.point),
         sliding=np.zeros(len(contacts.point)),
         rest=np.zeros(len(contacts.point)),
+        place=np.zeros((len(contacts.point), 2)) if place is None else place,
+        rectangle=np.zeros(count) if rectangle is None else rectangle,
+        margin=np.zeros(count) if margin is None else margin,
     )

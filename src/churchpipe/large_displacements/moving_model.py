@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from churchpipe.large_displacements.joints import Joints
 from churchpipe.large_displacements.poses import start_poses
-from churchpipe.large_displacements.renewal import PairFriction, first_joints, pair_friction
+from churchpipe.large_displacements.renewal import PairValues, first_joints, pair_values
 from churchpipe.large_displacements.supports import SupportMovement
 from churchpipe.large_displacements.travelling import TravellingLoads, dead_loads
 from churchpipe.large_displacements.travelling_ties import TravellingTies, travelling_ties
@@ -31,13 +31,14 @@ class MovingModel:
     drawn: the joints as drawn, but for those between supports. driven: the loads that grow, or the support that moves.
     held (nb,): stones that are held still. moving N: the weight that moves at the start. force N and length m are the units of
     the programs. step m: the largest displacement of a step. reach m: how far apart points may be that can still come to bear.
+    strength: Pa, of pairs in compression; None: nothing crushes.
     """
 
     stones: Assemblage
     drawn: Joints
     dead: TravellingLoads
     driven: TravellingLoads | SupportMovement
-    friction: PairFriction
+    friction: PairValues
     held: BoolArray
     moving: float
     force: float
@@ -46,6 +47,7 @@ class MovingModel:
     reach: float
     solver: str
     ties: TravellingTies
+    strength: PairValues | None = None
 
 
 def moving_model(
@@ -59,18 +61,23 @@ def moving_model(
     step: float | None,
     solver: str,
     ties: Sequence[Tie] = (),
+    strength: npt.ArrayLike | None = None,
 ) -> MovingModel:
     """Return the model of stones of which `moving` (nb,) go first; balance: theirs as drawn; step m, None: by their thickness."""
     size = thinnest(stones, moving)
-    drawn = first_joints(contacts, stones, start_poses(stones), _REACH * size)
-    interface = np.broadcast_to(np.asarray(friction, dtype=np.float64), contacts.area.shape)
+    drawn = first_joints(contacts, stones, start_poses(stones), _REACH * size, crushing=strength is not None)
+
+    def of_pairs(value: npt.ArrayLike) -> PairValues:
+        of_joints = np.broadcast_to(np.asarray(value, dtype=np.float64), contacts.area.shape)
+        return pair_values(contacts.blocks, of_joints, stones.count)
+
     return MovingModel(
         stones=stones,
         # Supports do not bear on each other: one that moves past another is not held by it.
         drawn=drawn.selected(bearing(stones.fixed, contacts.blocks)),
         dead=dead_loads(stones, load),
         driven=driven,
-        friction=pair_friction(contacts.blocks, interface, stones.count),
+        friction=of_pairs(friction),
         held=np.zeros(stones.count, dtype=bool),
         moving=float(stones.weight[moving].sum()),
         force=balance.force,
@@ -79,6 +86,7 @@ def moving_model(
         reach=_REACH * size,
         solver=solver,
         ties=travelling_ties(stones, ties),
+        strength=None if strength is None else of_pairs(strength),
     )
 
 

@@ -6,8 +6,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import scipy.sparse as sp
 
+from churchpipe.conic.pressed import pressed_joints
 from churchpipe.conic.solve import solver_for
-from churchpipe.conic.wrenches import Balance, transpose
+from churchpipe.conic.wrenches import Balance
 from churchpipe.large_displacements.falling import falling_stones
 from churchpipe.large_displacements.joints import Joints
 from churchpipe.large_displacements.moving_model import MovingModel, bearing
@@ -21,6 +22,7 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.stone_path import FallenStones
 from churchpipe.rigid_blocks.certificate import Strength
 from churchpipe.rigid_blocks.equilibrium import contact_wrenches
+from churchpipe.rigid_blocks.pressed import with_further
 
 # Programs of a step: as drawn, where the sliding is unknown, and later.
 FIRST, PROGRAMS = 12, 4
@@ -119,7 +121,8 @@ def solve_state(model: MovingModel, state: PathState, programs: int = PROGRAMS, 
     """
     stones, program, free, gap = _program(model, state)
     solve = solver_for(program.balance, model.solver)
-    length, sliding = state.length, np.append(state.joints.sliding, np.zeros(len(model.ties.name)))
+    length, sliding = state.length, np.zeros(len(gap))
+    sliding[: len(state.joints.sliding)] = state.joints.sliding
 
     def after(answer: StepAnswer) -> tuple[bool, float]:
         wanted = _length(model, stones, _velocities(model, state, free, answer.y))
@@ -159,7 +162,7 @@ def solve_state(model: MovingModel, state: PathState, programs: int = PROGRAMS, 
     # Where the load does hardly any work, as in a fall, rates are measured by the mean speed of the weight.
     answer = replace(answer, gap=answer.gap / max(1.0, _mean_speed(model, velocity)))
     speed = stone_speed(stones, velocity)
-    rate = transpose(program.balance, answer.y)
+    rate = program.motion(answer.y)
     return PathStep(
         state=replace(state, joints=replace(state.joints, sliding=sliding[: len(state.joints.sliding)]), length=length),
         answer=answer,
@@ -167,15 +170,17 @@ def solve_state(model: MovingModel, state: PathState, programs: int = PROGRAMS, 
         velocity=velocity,
         rate=rate,
         way=way,
-        friction_power=-float((answer.forces[:, 1:] * rate[:, 1:]).sum()) - _yielding(model, answer, rate),
+        friction_power=-_work(model, answer, rate),
         lost=falling_stones(answer, speed, state.fastest, model.stones.weight, _spared(model, state)),
     )
 
 
-def _yielding(model: MovingModel, answer: StepAnswer, rate: FloatArray) -> float:
-    """Return the work of the tensions on the ends of the ties, per unit of work: negative where ties yield."""
-    tied = slice(len(rate) - len(model.ties.name), len(rate))
-    return float(answer.forces[tied, 0] @ rate[tied, 0])
+def _work(model: MovingModel, answer: StepAnswer, rate: FloatArray) -> float:
+    """Return the work per unit of work of friction, of ties on their ends, and of pressure on joints that crush: negative."""
+    work = answer.forces[: len(rate)] * rate
+    if model.strength is None:
+        work[: len(rate) - len(model.ties.name), 0] = 0.0
+    return float(work.sum())
 
 
 def next_state(model: MovingModel, step: PathStep, furthest: float = np.inf) -> PathState:
@@ -232,7 +237,8 @@ def _spared(model: MovingModel, state: PathState) -> float:
 
 def _renewed(model: MovingModel, state: PathState) -> PathState:
     stones = _standing(model, state)
-    joints = renewed(state.joints, stones, state.poses, state.fallen, model.reach)
+    crushing = model.strength is not None
+    joints = renewed(state.joints, stones, state.poses, state.fallen, model.reach, crushing=crushing)
     return replace(state, joints=joints, rest=np.maximum(state.rest, model.ties.lengths(state.poses)))
 
 
@@ -252,34 +258,37 @@ def _program(model: MovingModel, state: PathState) -> tuple[Assemblage, StepProg
     rotation = state.poses.rotation
     dead = model.dead.rows(rotation, free, model.force, model.length)
     friction = model.friction.of(contacts.blocks, stones.count)[contacts.interface_of_point]
+    bound = np.full(len(gap), np.inf)
     if isinstance(model.driven, TravellingLoads):
-        balance = contact_wrenches(stones, contacts, free, model.length)
+        balance: Balance = contact_wrenches(stones, contacts, free, model.length)
         live = model.driven.rows(rotation, free, model.force, model.length)
-        if not model.ties.name:
-            return stones, _plain(balance, dead, live, friction), free, gap
-        balance = balance.joined(model.ties.wrenches(state.poses, free, model.length))
-        broken = model.ties.broken(state.rest, state.fallen)
-        bound = np.where(broken, 0.0, model.ties.strength / model.force)
-        strength = Strength(
-            np.append(friction, np.zeros(len(bound))),
-            np.zeros(len(gap) + len(bound)),
-            np.append(np.full(len(gap), np.inf), bound),
-        )
-        program = StepProgram(balance, dead, live, strength, np.zeros(len(gap) + len(bound)))
-        return stones, program, free, np.append(gap, state.rest - model.ties.lengths(state.poses))
-    twist = model.driven.twist(state.poses)
-    twist[:, 3:] *= model.length
-    balance = contact_wrenches(stones, contacts, np.append(free, model.driven.stones), model.length)
-    # Of the balance of the support only that along its movement is left.
-    along = sp.block_diag([sp.identity(6 * len(free)), twist.reshape(1, -1)], format="csr")
-    rows = sp.csc_matrix(along @ balance.tocsc())
-    return stones, _plain(rows, np.append(dead, 0.0), np.append(np.zeros_like(dead), 1.0), friction), free, gap
-
-
-def _plain(balance: Balance, dead: FloatArray, live: FloatArray, friction: FloatArray) -> StepProgram:
-    """Return the program of contact points that are all closed."""
-    none = np.zeros_like(friction)
-    return StepProgram(balance, dead, live, Strength(friction, none, np.full_like(friction, np.inf)), none)
+        if model.ties.name:
+            balance = balance.joined(model.ties.wrenches(state.poses, free, model.length))
+            broken = model.ties.broken(state.rest, state.fallen)
+            bound = np.append(bound, np.where(broken, 0.0, model.ties.strength / model.force))
+            gap = np.append(gap, state.rest - model.ties.lengths(state.poses))
+            friction = np.append(friction, np.zeros(len(broken)))
+    else:
+        twist = model.driven.twist(state.poses)
+        twist[:, 3:] *= model.length
+        wrenches = contact_wrenches(stones, contacts, np.append(free, model.driven.stones), model.length)
+        # Of the balance of the support only that along its movement is left.
+        along = sp.block_diag([sp.identity(6 * len(free)), twist.reshape(1, -1)], format="csr")
+        balance = sp.csc_matrix(along @ wrenches.tocsc())
+        dead, live = np.append(dead, 0.0), np.append(np.zeros_like(dead), 1.0)
+    strength, points, rows = Strength(friction, np.zeros_like(bound), bound), len(bound), len(dead)
+    if model.strength is not None:
+        joints = state.joints
+        capacity = model.strength.of(joints.blocks, stones.count) * joints.rectangle / model.force
+        crush = np.isfinite(capacity)
+        bear = np.flatnonzero(crush[joints.interface])
+        number = (np.cumsum(crush) - 1)[joints.interface[bear]]
+        if len(bear):
+            pressed = pressed_joints(bear, number, joints.place[bear], capacity[crush], 1.0 / int(crush.sum()), points)
+            balance, strength = pressed.below(balance), with_further(strength, pressed)
+            dead, live = np.append(dead, pressed.constant), np.append(live, np.zeros_like(pressed.constant))
+            gap = np.append(gap, np.zeros(len(strength.bound) - points))
+    return stones, StepProgram(balance, dead, live, strength, np.zeros_like(gap), points, rows), free, gap
 
 
 def _velocities(model: MovingModel, state: PathState, free: IntArray, y: FloatArray) -> FloatArray:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from time import perf_counter
 from typing import cast
 
@@ -26,7 +27,7 @@ from churchpipe.model.results import LimitState
 from churchpipe.model.stone_path import no_step
 from churchpipe.model.ties import Tie
 from churchpipe.rigid_blocks.equilibrium import equilibrium
-from churchpipe.rigid_blocks.limit import Flow, limit_analysis
+from churchpipe.rigid_blocks.limit import limit_analysis
 
 # A halo keeps the first load factor within this share; a start this far from a motion without dilatancy is not good enough.
 _KEPT, _STARTED = 0.01, 0.01
@@ -40,6 +41,7 @@ def block_pushover(
     ties: Sequence[Tie] = (),
     control: npt.ArrayLike | None = None,
     *,
+    compressive_strength: npt.ArrayLike | None = None,
     step: float | None = None,
     steps: int = 400,
     furthest: float | None = None,
@@ -70,6 +72,9 @@ def block_pushover(
     control
         Point (3,) m of the drawing whose displacement along the load the curve is drawn against; None: the mean displacement
         of the pushed stones, weighed by their load.
+    compressive_strength
+        Pa, a number or one an interface (ni,), infinite for joints that do not crush; None: none does. Each joint is pressed
+        in a part of the rectangle within it, and sinks in where its strength is used up.
     step
         Largest displacement of a step, m; None: a tenth of the thinnest side of the stones that move.
     steps
@@ -101,25 +106,35 @@ def block_pushover(
     begin = perf_counter()
     _check(step, steps, furthest, halo)
     listed("block_pushover: ties", ties, Tie)
-    state = limit_analysis(stones, contacts, load, friction, ties=ties, solver=solver)
+    state = limit_analysis(stones, contacts, load, friction, ties=ties, compressive_strength=compressive_strength, solver=solver)
     if state.status != "optimal":
         return _nothing(stones, state, perf_counter() - begin)
     measure = control_of(stones, load, control)
     speed = stone_speed(stones, state.velocities)
     moving = moving_stones(speed) & ~stones.fixed
     balance = equilibrium(stones, contacts, load)
-    model = moving_model(stones, contacts, load, live_loads(stones, load), friction, balance, moving, step, solver, ties)
-    model = replace(model, held=_held(model, contacts, load, friction, state, halo, ties)) if halo else model
+    driven = live_loads(stones, load)
+    model = moving_model(stones, contacts, load, driven, friction, balance, moving, step, solver, ties, compressive_strength)
+    analysed = partial(
+        limit_analysis,
+        contacts=contacts,
+        load=load,
+        friction=friction,
+        ties=ties,
+        compressive_strength=compressive_strength,
+        solver=solver,
+    )
+    model = replace(model, held=_held(model, contacts, analysed, state, halo)) if halo else model
     record = _Curve(model, measure, furthest, progress, keep)
     if resume is not None and len(resume.position):
         start = record.go_on_from(resume, resume.displacement, resume.load_factor)
         steps -= len(resume.position) - 1
     else:
-        start = _started(model, contacts, load, friction, ties)
+        start = _started(model, analysed)
     return record.curve(follow(record.model, start, int(steps), record, halo), perf_counter() - begin)
 
 
-def _started(model: MovingModel, contacts: Contacts, load: LoadCase, friction: npt.ArrayLike, ties: Sequence[Tie]) -> PathState:
+def _started(model: MovingModel, analysed: Callable[..., LimitState]) -> PathState:
     """Return the state as drawn with the sliding of a motion without dilatancy: that of its own programs, or where these come
     near it too slowly, that of the certified analysis. With stones held that has no run from the centre of the cones, since
     points between them cannot open: the first step then makes forces and motion fit as all others do."""
@@ -127,42 +142,23 @@ def _started(model: MovingModel, contacts: Contacts, load: LoadCase, friction: n
     step = solve_state(model, first, FIRST, 0)
     if step.answer.outcome != "solved" or step.answer.misfit < _STARTED or model.held.any():
         return step.state
-    found = _of_followed(model, contacts, load, friction, "non-associative", ties)
+    found = analysed(model.stones, flow="non-associative")
     return sliding_as(model, first, found.velocities) if found.status in ("converged", "not-converged") else step.state
 
 
 def _held(
-    model: MovingModel,
-    contacts: Contacts,
-    load: LoadCase,
-    friction: npt.ArrayLike,
-    state: LimitState,
-    rings: int,
-    ties: Sequence[Tie],
+    model: MovingModel, contacts: Contacts, analysed: Callable[..., LimitState], state: LimitState, rings: int
 ) -> BoolArray:
-    """Return the stones to hold still (nb,): without them the first load factor is kept to `_KEPT`."""
+    """Return the stones to hold still (nb,): without them the first load factor of `analysed` is kept to `_KEPT`."""
     speed = stone_speed(model.stones, state.velocities)
     moving = speed > STILL * reference_speed(speed)
     moving[model.ties.stone] = True
     while True:
         held = held_around(model.stones, contacts.blocks, moving, rings)
-        followed = _of_followed(replace(model, held=held), contacts, load, friction, "associative", ties) if held.any() else state
+        followed = analysed(replace(model.stones, fixed=model.stones.fixed | held)) if held.any() else state
         if followed.status == "optimal" and followed.load_factor <= (1 + _KEPT) * state.load_factor:
             return held
         rings *= 2
-
-
-def _of_followed(
-    model: MovingModel,
-    contacts: Contacts,
-    load: LoadCase,
-    friction: npt.ArrayLike,
-    flow: Flow,
-    ties: Sequence[Tie],
-) -> LimitState:
-    """Return the limit analysis of the stones that are not held."""
-    stones = replace(model.stones, fixed=model.stones.fixed | model.held)
-    return limit_analysis(stones, contacts, load, friction, flow=flow, ties=ties, solver=model.solver)
 
 
 class _Curve(Record):

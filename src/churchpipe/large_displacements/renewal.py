@@ -5,12 +5,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import cKDTree
 
+from churchpipe.large_displacements.crushed import rectangles_of
 from churchpipe.large_displacements.joints import Joints, joints_of
 from churchpipe.large_displacements.poses import Poses
 from churchpipe.large_displacements.touching import touching
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
+from churchpipe.rigid_blocks.polygons import joint_polygons
 
 # Shares of the reach: how deep new neighbours may have sunk into each other, and stones that bore on each other before; and the
 # narrowest overlap that is a joint.
@@ -22,44 +24,51 @@ _SAME = 0.7
 
 
 @dataclass(frozen=True, slots=True)
-class PairFriction:
-    """Friction coefficient of each pair of stones that bore on each other as drawn; of others, the least of what both have."""
+class PairValues:
+    """A strength of each pair of stones that bore on each other as drawn; of others, the least of what both have."""
 
     pair: IntArray
-    friction: FloatArray
+    value: FloatArray
     least: FloatArray
 
     def of(self, blocks: IntArray, count: int) -> FloatArray:
-        """Return the coefficient (ni,) of interfaces of stones (ni, 2)."""
+        """Return the values (ni,) of interfaces of stones (ni, 2)."""
         key = _key(blocks, count)
         place = np.minimum(np.searchsorted(self.pair, key), len(self.pair) - 1)
-        return np.where(self.pair[place] == key, self.friction[place], self.least[blocks].min(axis=1))
+        return np.where(self.pair[place] == key, self.value[place], self.least[blocks].min(axis=1))
 
 
-def pair_friction(blocks: IntArray, friction: FloatArray, count: int) -> PairFriction:
-    """Return the coefficients of pairs of stones from those of their interfaces (ni,), the least where there are several."""
+def pair_values(blocks: IntArray, value: FloatArray, count: int) -> PairValues:
+    """Return the values of pairs of stones from those of their interfaces (ni,), the least where there are several."""
     pair, place = np.unique(_key(blocks, count), return_inverse=True)
-    value = np.full(len(pair), np.inf)
-    np.minimum.at(value, place, friction)
-    least = np.full(count, float(friction.max()))
-    np.minimum.at(least, blocks.ravel(), np.repeat(friction, 2))
-    return PairFriction(pair, value, least)
+    of_pair = np.full(len(pair), np.inf)
+    np.minimum.at(of_pair, place, value)
+    least = np.full(count, float(value.max()))
+    np.minimum.at(least, blocks.ravel(), np.repeat(value, 2))
+    return PairValues(pair, of_pair, least)
 
 
-def first_joints(contacts: Contacts, stones: Assemblage, poses: Poses, reach: float) -> Joints:
+def first_joints(contacts: Contacts, stones: Assemblage, poses: Poses, reach: float, *, crushing: bool = False) -> Joints:
     """Return the joints of the contacts as drawn: what gap the drawing leaves in them, or what overlap, counts as closed."""
-    real, gap = touching(stones, np.zeros(stones.count, dtype=bool), reach, reach, _NARROW * reach)
+    real, gap, *_ = touching(stones, np.zeros(stones.count, dtype=bool), reach, reach, _NARROW * reach)
     known, found = joints_of(contacts, poses), joints_of(real, poses, gap)
     origin = _origin(found, real, contacts.point, known.pair, contacts.frame[known.interface, 0], stones)
     rest = np.where(origin >= 0, gap[origin], 0.0)
-    return replace(joints_of(contacts, poses, rest), rest=rest)
+    joints = replace(joints_of(contacts, poses, rest), rest=rest)
+    if not crushing:
+        return joints
+    polygons = joint_polygons(contacts)
+    place, share = rectangles_of(polygons.corner, polygons.start)
+    return replace(joints, place=place, rectangle=share * contacts.area)
 
 
-def renewed(joints: Joints, stones: Assemblage, poses: Poses, left_out: BoolArray, reach: float) -> Joints:
+def renewed(
+    joints: Joints, stones: Assemblage, poses: Poses, left_out: BoolArray, reach: float, *, crushing: bool = False
+) -> Joints:
     """Return the joints of displaced stones (nb) that come within reach, m; what points carried goes to the nearest new ones."""
     wide = reach + float(np.abs(joints.rest).max(initial=0.0))
-    contacts, gap = touching(stones, left_out, wide, _DEEPER * wide, _NARROW * reach)
-    new = joints_of(contacts, poses, gap)
+    contacts, gap, *crushed = touching(stones, left_out, wide, _DEEPER * wide, _NARROW * reach, crushing=crushing)
+    new = joints_of(contacts, poses, gap, *crushed)
     before, _ = joints.at(poses)
     origin = _origin(joints, before, contacts.point, new.pair, contacts.frame[new.interface, 0], stones)
     known = origin >= 0

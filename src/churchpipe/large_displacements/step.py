@@ -27,6 +27,8 @@ class StepProgram:
     (nc,) >= 0: the rate at which each point may close, its gap over the length of the step. The last points may be ties: their
     strength bounds n, and closing is their slack. A force acts only where a gap closes within the step, so that w + closing
     stands where w, the rate of opening, would stand without gaps (time-stepping, Anitescu 2006).
+
+    Where joints crush, their rows follow the `rows` of the stones, and their further points the `points` (`conic.pressed`).
     """
 
     balance: Balance
@@ -34,11 +36,8 @@ class StepProgram:
     live: FloatArray
     strength: Strength
     closing: FloatArray
-
-    @property
-    def points(self) -> int:
-        """Number of contact points and ties."""
-        return len(self.closing)
+    points: int
+    rows: int
 
     def residual(self, x: FloatArray, load_factor: float) -> FloatArray:
         """Return what is left of the balance (m,) of forces x (nc, 3)."""
@@ -50,6 +49,10 @@ class StepProgram:
         rate[:, 0] += self.closing
         return rate
 
+    def motion(self, y: FloatArray) -> FloatArray:
+        """Return the rates w and v (points, 3) at which stones open and slide."""
+        return transpose(self.balance, np.where(np.arange(len(y)) < self.rows, y, 0.0))[: self.points]
+
     def program(
         self,
         limit: FloatArray,
@@ -59,12 +62,15 @@ class StepProgram:
         quadratic: FloatArray | None = None,
     ) -> ConeProgram:
         """Return the cone program of this balance, as `Equilibrium.program`; normal forces pay for the gaps as well."""
-        price, curvature = (np.zeros(len(limit)) if each is None else each for each in (linear, quadratic))
+        own = np.arange(len(limit)) < self.points
+        price, curvature = (np.zeros(len(limit)) if each is None else np.where(own, each, 0.0) for each in (linear, quadratic))
+        limit, slope = np.where(own, limit, 0.0), np.where(own, slope, 1.0)
         return ConeProgram(self.balance, self.dead, self.live, limit, slope, price + self.closing, curvature, bound=bound)
 
     def slip(self, y: FloatArray) -> FloatArray:
-        """Return the opening mu |v| (nc,) that sliding at this rate costs in an associative program."""
+        """Return the opening mu |v| (nc,) that sliding at this rate costs in an associative program, zero at further points."""
         rate = transpose(self.balance, y)
+        rate[self.points :] = 0.0
         return self.strength.friction * np.hypot(rate[:, 1], rate[:, 2])
 
 
@@ -132,7 +138,7 @@ def _answer(
 ) -> StepAnswer:
     strength, rate = program.strength, program.rates(y)
     n = np.maximum(x[:, 0], 0.0)
-    excess = np.maximum(0.0, program.slip(y) - rate[:, 0] - sliding)
+    excess = np.maximum(0.0, strength.friction * np.hypot(rate[:, 1], rate[:, 2]) - rate[:, 0] - sliding)
     upper = float(-program.dead @ y + n @ excess)
     lower = load_factor - float(n @ (program.closing + sliding))
     return StepAnswer(

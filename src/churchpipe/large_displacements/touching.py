@@ -1,8 +1,11 @@
 """Stones that touch, or nearly, wherever they have moved to."""
 
+from typing import NamedTuple
+
 import numpy as np
 import shapely
 
+from churchpipe.large_displacements.crushed import bearing_margin, rectangles_of, with_lines_of_equal_gap
 from churchpipe.large_displacements.edges import edge_normals
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, ragged_indices
 from churchpipe.model.assemblage import Assemblage
@@ -16,8 +19,24 @@ _STEEPEST = np.radians(50.0)
 _STRAIGHT = 1e-3
 
 
-def touching(stones: Assemblage, left_out: BoolArray, reach: float, depth: float, narrow: float) -> tuple[Contacts, FloatArray]:
-    """Return the contacts of displaced stones and the gap (nc,) m of their points.
+class Touching(NamedTuple):
+    """Contacts of displaced stones.
+
+    gap (nc,) m of their points. Of joints that crush: place (nc, 2) of the points in the rectangle that bears, from -1 to 1;
+    rectangle (ni,) m2, its area; margin (ni,) m, up to which gap it bears. Zeros where joints do not crush.
+    """
+
+    contacts: Contacts
+    gap: FloatArray
+    place: FloatArray
+    rectangle: FloatArray
+    margin: FloatArray
+
+
+def touching(
+    stones: Assemblage, left_out: BoolArray, reach: float, depth: float, narrow: float, *, crushing: bool = False
+) -> Touching:
+    """Return the contacts of displaced stones.
 
     Faces that look at each other are projected onto the plane between them; where the projections overlap, the distance of
     the faces is linear. It is a joint where its least distance lies between -depth and reach, and its points are the corners no
@@ -26,29 +45,41 @@ def touching(stones: Assemblage, left_out: BoolArray, reach: float, depth: float
     Parameters
     ----------
     stones: as displaced. left_out (nb,): stones that touch nothing. reach, depth: m. narrow: m; stones that meet along an edge
-    overlap in a strip as wide as one has sunk into the other, so that overlaps narrower than this are no joints.
+    overlap in a strip as wide as one has sunk into the other, so that overlaps narrower than this are no joints. crushing: joints
+    press along the normal of the second face, in which their points lie, and have points on lines of equal gap (`crushed`).
     """
     _, normal, mean = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
     first, second = _face_pairs(stones, normal, _stone_pairs(stones, left_out, reach), reach)
-    n = normal[first] - normal[second]
+    n = -normal[second] if crushing else normal[first] - normal[second]
     n /= np.linalg.norm(n, axis=1, keepdims=True)
     axes = frames(n)[:, 1:]
     centre = 0.5 * (mean[first] + mean[second])
     overlap = shapely.intersection(_projected(stones, first, axes, centre), _projected(stones, second, axes, centre))
     chosen = np.flatnonzero(2 * shapely.area(overlap) > narrow * shapely.length(overlap))
     corner, owner = _corners(overlap[chosen], _STRAIGHT * narrow)
-    pair = chosen[owner]
-    flat = centre[pair] + np.einsum("ka,kac->kc", corner, axes[pair])
-    height = [
-        np.einsum("kc,kc->k", mean[f[pair]] - flat, normal[f[pair]]) / np.einsum("kc,kc->k", n[pair], normal[f[pair]])
-        for f in (first, second)
-    ]
-    gap = height[1] - height[0]
+
+    def on_second(corner: FloatArray, pair: IntArray) -> tuple[FloatArray, FloatArray]:
+        flat = centre[pair] + np.einsum("ka,kac->kc", corner, axes[pair])
+        height = [
+            np.einsum("kc,kc->k", mean[f[pair]] - flat, normal[f[pair]]) / np.einsum("kc,kc->k", n[pair], normal[f[pair]])
+            for f in (first, second)
+        ]
+        return flat + height[1][:, None] * n[pair], height[1] - height[0]
+
+    _, gap = on_second(corner, chosen[owner])
     least = np.full(len(chosen), np.inf)
     np.minimum.at(least, owner, gap)
+    place, rectangle, margin = np.zeros((len(corner), 2)), np.zeros(len(chosen)), np.zeros(len(chosen))
+    if crushing and len(chosen):
+        place, share = rectangles_of(corner, np.searchsorted(owner, np.arange(len(chosen))))
+        rectangle, margin = share * shapely.area(overlap[chosen]), bearing_margin(least, reach)
+        both, owner = with_lines_of_equal_gap(np.column_stack([corner, place]), gap, owner, margin, reach)
+        corner, place = both[:, :2], both[:, 2:]
+    pair = chosen[owner]
+    point, gap = on_second(corner, pair)
     keep = (gap <= reach) & ((least >= -depth) & (least <= reach))[owner]
-    pair, point = pair[keep], (flat + height[1][:, None] * n[pair])[keep]
-    edge = edge_normals(stones, first[pair], second[pair], normal, point, 0.1 * narrow)
+    pair, owner, point, place = pair[keep], owner[keep], point[keep], place[keep]
+    edge = n[pair] if crushing else edge_normals(stones, first[pair], second[pair], normal, point, 0.1 * narrow)
     # Points side by side share an interface where they share a normal.
     begins = np.append(True, (np.diff(pair) != 0) | (np.abs(np.diff(edge, axis=0)) > 0).any(axis=1))[: len(pair)]
     start = np.flatnonzero(begins)
@@ -61,7 +92,7 @@ def touching(stones: Assemblage, left_out: BoolArray, reach: float, depth: float
         point_ptr=np.append(start, len(pair)),
         kind=np.full(len(start), "bed"),
     )
-    return contacts, gap[keep]
+    return Touching(contacts, gap[keep], place, rectangle[owner[start]], margin[owner[start]])
 
 
 def frames(n: FloatArray) -> FloatArray:

@@ -40,6 +40,6 @@ def analysis_name(record: Mapping[str, Any]) -> str:
 
 
 def crushes(record: Mapping[str, Any]) -> bool:
-    """Whether the masonry of an analysis crushes: in limit analyses of the stones, and in a shell with the strength of cells."""
-    knows = "flow" in record or record.get("planes") == "cell"
+    """Whether the masonry of an analysis crushes: in all of the stones, and in a shell with the strength of cells."""
+    knows = record.get("model") == RIGID_BLOCKS or record.get("planes") == "cell"
     return knows and bool(record.get("compressive_strength_MPa"))

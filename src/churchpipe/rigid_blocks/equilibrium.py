@@ -99,11 +99,7 @@ class Equilibrium:
     @cached_property
     def balance(self) -> Balance:
         """All rows in all points: what a cone program balances."""
-        if self.pressed is None:
-            return self.wrenches
-        matrix = self.pressed.matrix
-        nothing = sp.csc_matrix((self.rows, matrix.shape[1] - 3 * self.points))
-        return sp.csc_matrix(sp.vstack([sp.hstack([self.wrenches.tocsc(), nothing]), matrix]))
+        return self.wrenches if self.pressed is None else self.pressed.below(self.wrenches)
 
     def residual(self, x: FloatArray, load_factor: float) -> FloatArray:
         """Return what is left of the balance (rows,) of forces x (points, 3)."""

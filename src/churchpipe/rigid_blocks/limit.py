@@ -93,7 +93,7 @@ def limit_analysis(
         torsion exactly.
     compressive_strength
         Pa, scalar or one an interface (ni,), infinite for joints that do not crush; None: none does. Joints that are
-        parallelograms crush by Meyerhof's rule (`conic.pressed`), others in parts. The forces of the result are given at the
+        parallelograms crush up to a straight line (`conic.pressed`), others in parts. The forces of the result are given at the
         corners of the joints all the same.
     crushing_parts
         Parts along each side of a joint that may crush and is no parallelogram, an even number. With few parts the load factor

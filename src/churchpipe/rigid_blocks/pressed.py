@@ -1,13 +1,16 @@
-"""Joints in the balance of rigid blocks that crush where they are pressed: five more points and nine more rows each."""
+"""Joints in the balance of rigid blocks that crush where they are pressed: more points and rows of their own."""
 
 from dataclasses import replace
 
 import numpy as np
 
-from churchpipe.conic.pressed import CORNERS, POINTS, pressed_joints
+from churchpipe.conic.pressed import PressedJoints, pressed_joints
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.rigid_blocks.certificate import Strength
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
+
+# Where the corners of a parallelogram lie in it.
+_CORNERS = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
 
 
 def with_pressed(balance: Equilibrium, strength: Strength, first: IntArray, capacity: FloatArray) -> tuple[Equilibrium, Strength]:
@@ -19,13 +22,20 @@ def with_pressed(balance: Equilibrium, strength: Strength, first: IntArray, capa
     count = len(first)
     if not count:
         return balance, strength
-    joints = pressed_joints(first[:, None] + np.arange(CORNERS), capacity, 1.0 / count, balance.points)
-    further = np.zeros(POINTS * count)
+    point = (first[:, None] + np.arange(len(_CORNERS))).ravel()
+    joint, place = np.repeat(np.arange(count), len(_CORNERS)), np.tile(_CORNERS, (count, 1))
+    joints = pressed_joints(point, joint, place, capacity, 1.0 / count, balance.points)
     pressed = replace(
         balance,
         pressed=joints,
         dead=np.concatenate([balance.dead, joints.constant]),
         live=np.concatenate([balance.live, np.zeros_like(joints.constant)]),
     )
+    return pressed, with_further(strength, joints)
+
+
+def with_further(strength: Strength, joints: PressedJoints) -> Strength:
+    """Return the strength of points and of the further points of joints that crush."""
+    further = np.zeros(joints.matrix.shape[1] // 3 - len(strength.friction))
     values = ((strength.friction, further + 1.0), (strength.cohesion, further), (strength.bound, further + np.inf))
-    return pressed, Strength(*(np.concatenate(pair) for pair in values))
+    return Strength(*(np.concatenate(pair) for pair in values))

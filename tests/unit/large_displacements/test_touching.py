@@ -23,7 +23,7 @@ def moved(stones: Assemblage, twist: FloatArray) -> Assemblage:
 
 
 def found(stones: Assemblage, reach: float = 0.05) -> tuple[FloatArray, FloatArray, FloatArray]:
-    contacts, gap = touching(stones, np.zeros(stones.count, dtype=bool), reach, reach, 0.1 * reach)
+    contacts, gap, *_ = touching(stones, np.zeros(stones.count, dtype=bool), reach, reach, 0.1 * reach)
     return contacts.point, gap, contacts.frame[contacts.interface_of_point, 0]
 
 
