@@ -157,7 +157,7 @@ class PressedJoints(NamedTuple):
             (2 * np.hypot(whole, along), 2 * whole, 2 * along),
             (2 * v + self.unit, 2 * np.hypot(whole, along) / self.rho, 2 * v - self.unit),
         )
-        return 0.5 * np.stack([np.stack(point, axis=1) for point in points], axis=1).reshape(-1, 3)
+        return np.asarray(0.5 * np.stack([np.stack(point, axis=1) for point in points], axis=1).reshape(-1, 3), dtype=np.float64)
 
     def below(self, balance: Balance) -> sp.csc_matrix[np.float64]:
         """Return a balance of the points with the rows of these joints below it, and their further points beside it."""
