@@ -8,6 +8,7 @@ import numpy as np
 
 from churchpipe.code_check import CONFIDENCE_FACTOR, Site, activation, along, verdict_record
 from churchpipe.errors import InputError
+from churchpipe.io.records import Analysis, words_of
 from churchpipe.loading.wrenches import pushed_masses
 from churchpipe.mechanism import mechanism_name, moving_stones, parts, stone_speed
 from churchpipe.model.arrays import BoolArray, FloatArray, NameArray
@@ -15,7 +16,7 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.motion import velocity_at
-from churchpipe.model.names import GOOD, MODELS, OUTER, RIGID_BLOCKS, analysis_name, crushes
+from churchpipe.model.names import GOOD, OUTER, RIGID_BLOCKS, SHELL
 from churchpipe.model.placed_loads import PlacedLoads
 from churchpipe.model.results import LimitState, ShellLimitState
 from churchpipe.model.shell import ShellModel
@@ -47,7 +48,7 @@ def summary(
     name: str,
     sizes: Mapping[str, dict[str, Any]],
     shells: Mapping[str, dict[str, Any]],
-    analyses: Sequence[dict[str, Any]],
+    analyses: Sequence[Analysis],
     compared: Sequence[dict[str, Any]],
     questions: Sequence[str] = (),
     variants: Sequence[dict[str, Any]] = (),
@@ -68,7 +69,7 @@ def summary(
     both |= {"contact_models": pairs} if (pairs := contact_models(analyses)) else {}
     vaults = {name: size.get("vaults", ()) for name, size in sizes.items()}
     words = {"guidance": guidance(analyses, vaults), "questions": list(questions)}
-    return {"case": name, **first, **several, "analyses": list(analyses), **both, **words}
+    return {"case": name, **first, **several, "analyses": [words_of(record) for record in analyses], **both, **words}
 
 
 # Why load factors of one structure differ, by the kind of analysis.
@@ -84,7 +85,7 @@ _REASONS = {
 }
 
 
-def careful_first(analyses: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+def careful_first(analyses: Sequence[Analysis]) -> list[Analysis]:
     """Return records of analyses in an order in which, of those that answer one question, the careful one leads.
 
     That is the lowest load factor of those that are proved or converged. Load factors by planes of the paper, which are too
@@ -93,31 +94,26 @@ def careful_first(analyses: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     return [record for records in _asked(analyses).values() for record in sorted(records, key=_carefulness)]
 
 
-def _asked(analyses: Sequence[dict[str, Any]]) -> dict[tuple[str, ...], list[dict[str, Any]]]:
-    found: dict[tuple[str, ...], list[dict[str, Any]]] = {}
+def _asked(analyses: Sequence[Analysis]) -> dict[tuple[str, ...], list[Analysis]]:
+    found: dict[tuple[str, ...], list[Analysis]] = {}
     for record in analyses:
-        found.setdefault(_question(_place(record), record), []).append(record)
+        found.setdefault(_question(record), []).append(record)
     return found
 
 
-def _carefulness(record: Mapping[str, Any]) -> tuple[bool, bool, float]:
+def _carefulness(record: Analysis) -> tuple[bool, bool, float]:
     # Equal to four digits is equal.
-    factor = round(float(record["load_factor"]), 4) if _stands(record) else 0.0
-    return not _stands(record) and record.get("status") != "unstable", record.get("planes") in OUTER, factor
+    factor = round(record.load_factor, 4) if record.stands else 0.0
+    return not record.stands and record.status != "unstable", record.planes in OUTER, factor
 
 
-def _stands(record: Mapping[str, Any]) -> bool:
-    """Whether an analysis has a load factor to rest on."""
-    return record.get("status") in GOOD and _is_number(record.get("load_factor")) and record.get("method") != "curve"
-
-
-def guidance(analyses: Sequence[dict[str, Any]], vaults: Mapping[str, Sequence[str]] | None = None) -> list[str]:
+def guidance(analyses: Sequence[Analysis], vaults: Mapping[str, Sequence[str]] | None = None) -> list[str]:
     """Return a sentence for each question that several analyses answer: which load factor to use, and why they differ.
 
     The careful one leads, as in `careful_first`. A sweep has one sentence for all its questions. vaults: names of the vaults of
     each geometry; where there are some, a sentence before the others says why the value without dilatancy counts.
     """
-    asked = [[record for record in records if _stands(record)] for records in _asked(analyses).values()]
+    asked = [[record for record in records if record.stands] for records in _asked(analyses).values()]
     several = [sorted(records, key=_carefulness) for records in asked if len(records) > 1]
     first = _of_vaults(asked, list(dict.fromkeys(name for names in (vaults or {}).values() for name in names)))
     sentences = [_advice(records) for records in several]
@@ -127,72 +123,63 @@ def guidance(analyses: Sequence[dict[str, Any]], vaults: Mapping[str, Sequence[s
     return [*first, f"Of the load factors for one load and one strength use the lowest. They differ because {_reasons(every)}."]
 
 
-def _of_vaults(asked: Sequence[Sequence[Mapping[str, Any]]], names: Sequence[str]) -> list[str]:
+def _of_vaults(asked: Sequence[Sequence[Analysis]], names: Sequence[str]) -> list[str]:
     if not names or not any(asked):
         return []
     more = f" and {len(names) - 3} more" if len(names) > 3 else ""
     start = f"{', '.join(names[:3])}{more}: stones of vaults are held on all sides. An associative analysis wedges them as they "
     start += "slide (dilatancy), which is strength that no vault has. "
-    lacking = [of[0]["load"] for of in asked if of and all(record.get("flow") != "non-associative" for record in of)]
+    lacking = [of[0].load for of in asked if of and all(record.flow != "non-associative" for record in of)]
     if not lacking:
         return [start + "Use the load factors without dilatancy (non-associative)."]
-    loads = ", ".join(dict.fromkeys(map(str, lacking)))
+    loads = ", ".join(dict.fromkeys(lacking))
     remedy = 'Ask for the value without dilatancy: flow = ["associative", "non-associative"] under [rigid].'
     return [f"{start}So the load factors of load {loads} are upper estimates, which may be far too large. {remedy}"]
 
 
-def _place(record: Mapping[str, Any]) -> dict[str, Any]:
-    place = {"geometry": str(record.get("geometry", "")), "variant": record.get("variant")}
-    return place | {"swept": record.get("swept", {})}
-
-
-def _advice(records: Sequence[Mapping[str, Any]]) -> str:
+def _advice(records: Sequence[Analysis]) -> str:
     first = records[0]
-    least = f"{first['load_factor']:.4f}"
-    alike = [record for record in records if f"{record['load_factor']:.4f}" == least]
-    others = [f"{record['load_factor']:.4f} ({_kind(record)})" for record in records if record not in alike]
-    variant = f"{first['variant']}, load" if first.get("variant") else "Load"
-    start = f"{variant} {first['load']}: use {least} ({'; '.join(map(_kind, alike))})"
+    least = f"{first.load_factor:.4f}"
+    alike = [record for record in records if f"{record.load_factor:.4f}" == least]
+    others = [f"{record.load_factor:.4f} ({_kind(record)})" for record in records if record not in alike]
+    start = f"{first.variant}, load" if first.variant else "Load"
+    start = f"{start} {first.load}: use {least} ({'; '.join(map(_kind, alike))})"
     if not others:
         return f"{start}, in which all analyses agree."
     return f"{start}, the careful value, not {', '.join(others)}; they differ because {_reasons(records)}."
 
 
-def _kind(record: Mapping[str, Any]) -> str:
-    size = record.get("element_size_mm")
-    words = [
-        MODELS.get(str(record.get("model")), ""),
-        analysis_name(record),
-    ]
-    return ", ".join([word for word in words if word] + ([f"{size:g} mm"] if size else []))
+def _kind(record: Analysis) -> str:
+    size = [f"{1e3 * record.element_size:g} mm"] if record.element_size else []
+    return ", ".join([record.model_words, record.kind, *size])
 
 
-def _reasons(records: Sequence[Mapping[str, Any]]) -> str:
-    keys = {str(record.get("flow")) if record.get("model") == RIGID_BLOCKS else "shell" for record in records}
-    keys |= {"planes" for record in records if record.get("planes") in OUTER}
-    keys |= {"torsion"} if len({record["contact_model"] for record in records if "contact_model" in record}) > 1 else set()
-    keys |= {"crushing"} if len({crushes(record) for record in records}) > 1 else set()
+def _reasons(records: Sequence[Analysis]) -> str:
+    keys = {"shell" if record.of_shell else str(record.flow) for record in records}
+    keys |= {"planes" for record in records if record.planes in OUTER}
+    keys |= {"torsion"} if len({record.contact_model for record in records if record.contact_model}) > 1 else set()
+    keys |= {"crushing"} if len({record.crushes for record in records}) > 1 else set()
     return "; ".join(reason for key, reason in _REASONS.items() if key in keys)
 
 
-def contact_models(analyses: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+def contact_models(analyses: Sequence[Analysis]) -> list[dict[str, Any]]:
     """Return the load factors of both contact models of a joint, where analyses ask for both.
 
     Each: load, flow, load factor of "corners" and "torsion", "difference" of the latter over the former, and a sentence where
     that is more than 3 %.
     """
-    found: dict[tuple[str, ...], dict[str, Mapping[str, Any]]] = {}
+    found: dict[tuple[str, ...], dict[str, Analysis]] = {}
     for record in analyses:
-        if "contact_model" in record and record.get("status") in GOOD and _is_number(record.get("load_factor")):
-            asked = (*_question(_place(record), record), str(record["flow"]), str(record.get("compressive_strength_MPa")))
-            found.setdefault(asked, {})[str(record["contact_model"])] = record
+        if record.contact_model and record.stands:
+            asked = (*_question(record), str(record.flow), str(record.compressive_strength))
+            found.setdefault(asked, {})[record.contact_model] = record
     out: list[dict[str, Any]] = []
     for both in found.values():
-        if len(both) == 2 and (corners := both["corners"]["load_factor"]):
-            torsion = both["torsion"]["load_factor"]
-            apart = torsion / corners - 1
-            pair = {"load": both["corners"]["load"], "flow": both["corners"]["flow"], "corners": corners, "torsion": torsion}
-            pair |= {"difference": apart, "analyses": [both[name]["name"] for name in ("corners", "torsion")]}
+        if len(both) == 2 and (first := both["corners"]).load_factor:
+            second = both["torsion"]
+            apart = second.load_factor / first.load_factor - 1
+            pair = {"load": first.load, "flow": first.flow, "corners": first.load_factor, "torsion": second.load_factor}
+            pair |= {"difference": apart, "analyses": [first.name, second.name]}
             out.append(pair | ({"sentence": _APART} if abs(apart) > _ALIKE else {}))
     return out
 
@@ -219,41 +206,26 @@ def bad_news(summary: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     return [record for record in records if record.get("status") not in GOOD] + [gate for gate in gates if not gate["passed"]]
 
 
-def pairs(entries: Sequence[Mapping[str, Any]], records: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+def pairs(analyses: Sequence[Analysis]) -> list[dict[str, Any]]:
     """Return the analyses of both models that answer the same question: stones, load and strength alike.
 
-    entries: those of the plan. Each pair: load, name of either analysis by model, and "ratio", shell over rigid blocks.
+    Each pair: load, name of either analysis by model, and "ratio", shell over rigid blocks.
     """
-    comparable = [record for record in records if record.get("method") != "curve"]
-    known = {record["name"]: record for record in comparable if _is_number(record.get("load_factor"))}
-    mine = [entry for entry in entries if entry["name"] in known]
+    comparable = [record for record in analyses if record.method != "curve" and math.isfinite(record.load_factor)]
     found: list[dict[str, Any]] = []
-    for shell in (entry for entry in mine if "shell" in entry):
-        for blocks in (entry for entry in mine if "shell" not in entry):
-            names = (blocks["name"], shell["name"])
-            of_blocks, of_shell = (known[name] for name in names)
-            if _question(blocks, of_blocks) == _question(shell, of_shell):
-                factor = of_blocks["load_factor"]
-                ratio = of_shell["load_factor"] / factor if factor else None
-                found.append({"load": of_shell["load"], **dict(zip(MODELS, names, strict=True)), "ratio": ratio})
+    for shell in (record for record in comparable if record.of_shell):
+        for blocks in (record for record in comparable if not record.of_shell):
+            if _question(blocks) == _question(shell):
+                ratio = shell.load_factor / blocks.load_factor if blocks.load_factor else None
+                found.append({"load": shell.load, RIGID_BLOCKS: blocks.name, SHELL: shell.name, "ratio": ratio})
     return found
 
 
-def _question(entry: Mapping[str, Any], record: Mapping[str, Any]) -> tuple[str, ...]:
-    shared = {key: value for key, value in entry["swept"].items() if of_both(key)}
-    return (
-        entry["geometry"],
-        str(entry.get("variant")),
-        str(record["load"]),
-        str(record.get("friction")),
-        str(record.get("cohesion_kPa")),
-        str(record.get("joints")),
-        str(shared),
-    )
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and math.isfinite(value)
+def _question(record: Analysis) -> tuple[str, ...]:
+    """Return what an analysis asks, by either model: stones, load and strength."""
+    shared = {key: value for key, value in record.swept.items() if of_both(key)}
+    asked = (record.geometry, record.variant, record.load, record.friction, record.cohesion, record.joints, shared)
+    return tuple(map(str, asked))
 
 
 def stone_parts(stones: Assemblage, state: LimitState, load: LoadCase) -> dict[str, Any]:
@@ -271,7 +243,7 @@ def shell_parts(shell: ShellModel, state: ShellLimitState, load: LoadCase) -> di
 
 def _parts(panel: NameArray, weight: FloatArray, velocity: FloatArray, moving: BoolArray, load: LoadCase) -> dict[str, Any]:
     found = parts(panel, weight, velocity, moving, load.direction)
-    return {"parts": [part.as_dict() for part in found], "mechanism": mechanism_name(found)} if len(found) > 1 else {}
+    return {"parts": found, "mechanism": mechanism_name(found)} if len(found) > 1 else {}
 
 
 def safety(

@@ -2,14 +2,15 @@
 
 import os
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict
-from typing import Any, cast
+from dataclasses import asdict, replace
+from typing import cast
 
 import numpy as np
 
 from churchpipe import compare
 from churchpipe.errors import Extra, InputError
 from churchpipe.io.recording import record_of, shell_record_of
+from churchpipe.io.records import Analysis
 from churchpipe.loading.placing import place_loads
 from churchpipe.match import match_models
 from churchpipe.model.arguments import check_kind, describe, listed, path_of
@@ -81,14 +82,14 @@ def write_report(
     with Extra("the report"):
         from churchpipe.report.html import write_report as write_html
     borne = Borne(place_loads(stones, loads), tuple(listed("write_report: ties", ties, Tie)))
-    of_blocks: list[tuple[dict[str, Any], LimitState]] = []
-    of_shell: list[tuple[dict[str, Any], str, ShellLimitState | CapacityCurve]] = []
+    of_blocks: list[tuple[Analysis, LimitState]] = []
+    of_shell: list[tuple[Analysis, str, ShellLimitState | CapacityCurve]] = []
     for number, (load, result) in enumerate(results, 1):
         check_kind("write_report: load", load, LoadCase)
-        label = {"name": f"{number} {load.name}", "variant": None}
+        name_of = f"{number} {load.name}"
         if isinstance(result, LimitState) and len(result.velocities) == stones.count:
-            record = record_of(result, load, materials, ties=borne.ties, joints=groups).as_words()
-            of_blocks.append((label | record | compare.stone_parts(stones, result, load), result))
+            record = record_of(result, load, materials, ties=borne.ties, joints=groups)
+            of_blocks.append((replace(record, name=name_of, **compare.stone_parts(stones, result, load)), result))
             continue
         motion = result.displacement if isinstance(result, CapacityCurve) else getattr(result, "velocities", ())
         if (
@@ -100,11 +101,9 @@ def write_report(
             expected = "a result of these stones" if shell is None else "a result of these stones or of this shell"
             raise InputError("write_report: results", "not a result of this model", found=describe(result), expected=expected)
         method = "pushover" if isinstance(result, CapacityCurve) else "limit"
-        record = shell_record_of(
-            result, load, materials, method=method, planes=STRENGTH, ties=borne.ties, joints=groups
-        ).as_words()
+        record = shell_record_of(result, load, materials, method=method, planes=STRENGTH, ties=borne.ties, joints=groups)
         parts = compare.shell_parts(shell, result, load) if isinstance(result, ShellLimitState) else {}
-        of_shell.append((label | record | parts, _MESH, result))
+        of_shell.append((replace(record, name=name_of, **parts), _MESH, result))
     meshes = {}
     if shell is not None:
         gate = match_models(stones, contacts, shell, borne.loads).as_dict() | {"message": ""}
@@ -114,6 +113,7 @@ def write_report(
     write_html(
         html,
         summary=compare.summary(name, {"base": compare.figures(stones, contacts)}, meshes, analyses, []),
+        analyses=analyses,
         stones=stones,
         contacts=contacts,
         results=of_blocks,
@@ -121,7 +121,7 @@ def write_report(
         shell_results=of_shell,
         project={"title": name},
         materials=[asdict(material) for material in materials],
-        borne={str(record["name"]): borne for record, _ in of_blocks},
+        borne={record.name: borne for record, _ in of_blocks},
         case_text="",
         versions=versions(),
     )

@@ -1,13 +1,14 @@
 """What moves in a collapse mechanism, and how much of each named part."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, NameArray
 from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.quantities import Quantity
 
 # A stone slower than this share of the mechanism's speed stands still: solvers leave such a dust of velocities.
 STILL = 1e-3
@@ -19,20 +20,15 @@ TAKES_PART = 0.05
 class Part:
     """A macro-element in a mechanism.
 
-    weight: N, all of it. moving: the share of it that moves. displacement: its mean displacement along the load, weighed by
+    weight: all of it. moving: the share of it that moves. displacement: its mean displacement along the load, weighed by
     weight, over the largest one among the parts. motion: its share of the whole motion, weight x speed.
     """
 
     name: str
-    weight: float
+    weight: Annotated[float, Quantity("_kN")]
     moving: float
     displacement: float
     motion: float
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the part in the words of summary.json."""
-        words = asdict(self)
-        return {"name": words.pop("name"), "weight_kN": words.pop("weight") / 1e3, **words}
 
 
 def parts(

@@ -2,7 +2,7 @@
 
 import importlib.metadata
 import platform
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +11,7 @@ from churchpipe.config.carries import carries_of, placed
 from churchpipe.config.settings import load_of, site_of
 from churchpipe.displacement_check import displacement_record
 from churchpipe.io.npz import Absent, read_if_made, read_npz
-from churchpipe.io.records import LeftOut, read_record
+from churchpipe.io.records import Analysis, read_record
 from churchpipe.io.tables import read_json
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.block_curve import BlockCapacityCurve
@@ -73,16 +73,20 @@ class RunFolder:
         mesh = self.shell(name)
         return compare.shell_figures(None if isinstance(mesh, Absent) else mesh, gate, geometry, size)
 
-    def record(self, entry: dict[str, Any], shells: dict[str, dict[str, Any]]) -> dict[str, Any]:
+    def record(self, entry: dict[str, Any], shells: dict[str, dict[str, Any]]) -> Analysis:
         """Return the record of an analysis, with its name, its variant, what was swept, its geometry where there are several, its
         mesh and what is known of its mechanism. shells: figures of all meshes, by name."""
-        place = {"geometry": entry["geometry"]} if len(self.index["geometries"]) > 1 else {}
-        mesh = {key: shells[entry["shell"]][key] for key in ("element_size_mm", "elements")} if "shell" in entry else {}
-        swept = {"swept": entry["swept"]} if entry["swept"] else {}
-        found = read_record(self.folder(entry) / f"{entry['kind']}.json")
-        words = {"status": "left-out", "message": found.reason} if isinstance(found, LeftOut) else found.as_words()
-        asked = {"name": entry["name"], "variant": entry["variant"]}
-        return {**asked, **words, **mesh, **place, **swept} | self._mechanism(entry, words["status"])
+        mesh = shells.get(entry.get("shell", ""))
+        return replace(
+            found := read_record(self.folder(entry) / f"{entry['kind']}.json"),
+            name=entry["name"],
+            variant=entry["variant"],
+            geometry=entry["geometry"] if len(self.index["geometries"]) > 1 else None,
+            element_size=mesh["element_size_mm"] / 1e3 if mesh else None,
+            elements=mesh["elements"] if mesh else None,
+            swept=entry["swept"],
+            **self._mechanism(entry, found.status),
+        )
 
     def _mechanism(self, entry: dict[str, Any], status: str) -> dict[str, Any]:
         """Return the macro-elements that move and, of the rigid blocks, the safety check."""

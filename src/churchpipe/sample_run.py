@@ -6,12 +6,13 @@ from pathlib import Path
 from typing import Any
 
 from churchpipe.io.atomic import write_json
+from churchpipe.io.records import Analysis
 from churchpipe.run_folder import RunFolder
 
 Stages = Mapping[str, Callable[..., None]]
 
 
-def run_sample(table: Mapping[str, Any], drawing: Path, shared: Sequence[Path], stages: Stages) -> list[dict[str, Any]]:
+def run_sample(table: Mapping[str, Any], drawing: Path, shared: Sequence[Path], stages: Stages) -> list[Analysis]:
     """Return the records of the analyses of a sample, as those of a run.
 
     Parameters

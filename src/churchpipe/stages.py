@@ -20,7 +20,7 @@ from churchpipe.io.building_json import read_building, write_building
 from churchpipe.io.movement_record import movement_words, widest_cracks
 from churchpipe.io.npz import Absent, read_if_made, read_npz, write_npz
 from churchpipe.io.recording import curve_record_of, record_of, shell_record_of
-from churchpipe.io.records import LeftOut, write_record
+from churchpipe.io.records import Analysis, analyses_of, words_of, write_record
 from churchpipe.io.shell_vtu import write_shell_mechanism, write_shell_msh, write_shell_vtu
 from churchpipe.io.tables import read_json, write_table
 from churchpipe.io.vtu import write_vtu
@@ -32,6 +32,7 @@ from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength
 from churchpipe.model.names import CONTACT_MODEL, MODELS
+from churchpipe.model.quantities import as_written
 from churchpipe.model.results import CapacityCurve, CapacityStep, ShellLimitState
 from churchpipe.model.shell import ShellModel
 from churchpipe.model.ties import RankedTie, Tie
@@ -204,13 +205,14 @@ def _analyse_shell(
     from churchpipe.homogenised_shell.joint_groups import shell_joint_groups
 
     load, materials = load_of(table), strengths_of(table)
+    words: dict[str, Any] = {"method": method, "planes": table["planes"], "joints": joints_of(table)}
     if not read_json(match)["passed"]:
-        write_npz(state, Absent("the two models do not match"))
-        write_record(record, LeftOut("the two models do not match"))
+        reason = "the two models do not match"
+        write_npz(state, Absent(reason))
+        write_record(record, shell_record_of(reason, load, materials, **words, status="left-out"))
         return
     mesh = read_npz(shell, ShellModel)
     used = [material for material in materials if material.name in mesh.material]
-    words: dict[str, Any] = {"method": method, "planes": table["planes"], "joints": joints_of(table)}
     if progress:
         progress(f"{len(mesh.triangles)} elements", 0.0)
     stones = read_npz(assemblage, Assemblage)
@@ -312,7 +314,7 @@ def sample(settings: Path, file: Path, record: Path, *shared: Path) -> None:
     stages = (source, blocks, drawing, contacts, panels, shell, match, rigid, curve, limit, pushover)
     try:
         found = run_sample(read_json(settings), file, shared, {stage.__name__: stage for stage in stages})
-        write_json(record, {"analyses": found})
+        write_json(record, {"analyses": list(map(words_of, found))})
     except InputError as error:
         write_json(record, {"analyses": [], "message": str(error)})
 
@@ -321,23 +323,23 @@ def compare(plan: Path, summary: Path, table: Path, samples: Path | None = None)
     """All analyses of a plan -> summary.json and table.csv; those of all samples -> samples.csv."""
     from churchpipe import compare as results
     from churchpipe.config.plausible import size_questions
+    from churchpipe.io.sample_study import sample_study, sampled_records
     from churchpipe.run_folder import read_run
-    from churchpipe.uncertainty import sample_rows, uncertainty_record
 
     run = read_run(plan)
     sizes = {name: results.figures(*run.stones(name)) for name in run.index["geometries"]}
     shells = {mesh["name"]: run.shell_figures(mesh["name"], mesh["geometry"]) for mesh in run.index["shells"]}
-    found = [record for entry in run.index["analyses"] if (record := run.record(entry, shells))["status"] != "left-out"]
+    found = [record for entry in run.index["analyses"] if (record := run.record(entry, shells)).status != "left-out"]
     analyses = results.careful_first(found)
-    compared = [pair | run.overlap(*(pair[model] for model in MODELS)) for pair in results.pairs(run.index["analyses"], analyses)]
-    write_table(table, analyses)
+    compared = [pair | run.overlap(*(pair[model] for model in MODELS)) for pair in results.pairs(found)]
+    write_table(table, list(map(words_of, analyses)))
     stones = [run.stones(name)[0] for name in run.index["geometries"]]
     asked = dict.fromkeys([*run.index["questions"], *(text for one in stones for text in size_questions(one))])
     variants, movements = run.index["variants"], run.movements()
     words = results.summary(run.index["case"], sizes, shells, analyses, compared, list(asked), variants, movements)
     if samples:
-        words["uncertainty"] = uncertainty_record(run.index["sample"], run.samples(), analyses)
-        write_table(samples, sample_rows(run.index["sample"], run.samples()))
+        words["uncertainty"] = as_written(sample_study(run.index["sample"], run.samples(), analyses), defaults=False)
+        write_table(samples, list(map(words_of, sampled_records(run.index["sample"], run.samples()))))
     write_json(summary, words)
 
 
@@ -352,7 +354,7 @@ def report(plan: Path, summary: Path, assemblage: Path, contacts: Path, html: Pa
 
     run, geometry, words = read_run(plan), assemblage.parent.name, read_json(summary)
     stones, joints = read_npz(assemblage, Assemblage), read_npz(contacts, Contacts)
-    records = {record["name"]: record for record in words["analyses"]}
+    records = {record.name: record for record in analyses_of(words)}
     mine = [entry for entry in run.index["analyses"] if entry["geometry"] == geometry]
     states = {entry["name"]: run.block_state(entry) for entry in mine if entry["kind"] == "rigid"}
     for name, state in states.items():
@@ -366,7 +368,7 @@ def report(plan: Path, summary: Path, assemblage: Path, contacts: Path, html: Pa
         write_path(run.path / "movement" / record["name"] / "path.pvd", own, way)
     made = {mesh["name"]: run.shell(mesh["name"]) for mesh in run.index["shells"] if mesh["geometry"] == geometry}
     meshes = {name: mesh for name, mesh in made.items() if isinstance(mesh, ShellModel)}
-    found: list[tuple[dict[str, Any], str, ShellLimitState | CapacityCurve]] = []
+    found: list[tuple[Analysis, str, ShellLimitState | CapacityCurve]] = []
     for entry in (entry for entry in mine if "shell" in entry):
         mechanism, state = run.folder(entry) / "mechanism.vtu", run.shell_state(entry)
         if isinstance(state, Absent):
@@ -377,6 +379,7 @@ def report(plan: Path, summary: Path, assemblage: Path, contacts: Path, html: Pa
     write_report(
         html,
         summary=words,
+        analyses=list(records.values()),
         stones=stones,
         contacts=joints,
         results=[(records[name], state) for name, state in states.items()],

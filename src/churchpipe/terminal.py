@@ -16,8 +16,10 @@ from rich.text import Text
 from churchpipe.doctor import Finding
 from churchpipe.engine import Event, say, unfinished
 from churchpipe.errors import InputError
+from churchpipe.io.records import Analysis, analyses_of
+from churchpipe.io.sample_study import study_of
 from churchpipe.io.tables import read_summary
-from churchpipe.model.names import GOOD, MODELS, analysis_name
+from churchpipe.model.names import GOOD
 from churchpipe.report.safety import NOT_SATISFIED, verdict, what_moves
 
 # Between two lines of progress of one stage, seconds: on a terminal, and where each line stays.
@@ -122,7 +124,7 @@ class Reporter:
 
 def results_table(summary: Mapping[str, Any]) -> Table:
     """Return summary.json as a table."""
-    analyses: Sequence[Mapping[str, Any]] = summary["analyses"]
+    analyses = analyses_of(summary)
     sizes = f"{summary['blocks']} stones, {summary['interfaces']} interfaces, {summary['weight_kN']:.4g} kN"
     shells = list(summary.get("shells", {}).values()) or [summary.get("shell", {})]
     meshes = ", ".join(f"{shell['elements']}" for shell in shells if shell.get("elements"))
@@ -130,9 +132,9 @@ def results_table(summary: Mapping[str, Any]) -> Table:
     table = Table(
         title=f"{summary['case']}: {sizes}", title_justify="left", title_style="bold", box=SIMPLE_HEAD, padding=(0, 1, 0, 0)
     )
-    both = len({analysis.get("model") for analysis in analyses}) > 1
-    swept = [key for key in dict.fromkeys(k for a in analyses for k in a.get("swept", {})) if not key.endswith(".friction")]
-    variants = any(analysis.get("variant") for analysis in analyses)
+    both = len({analysis.model for analysis in analyses}) > 1
+    swept = [key for key in dict.fromkeys(k for a in analyses for k in a.swept) if not key.endswith(".friction")]
+    variants = any(analysis.variant for analysis in analyses)
     for title in (
         *(["variant"] if variants else []),
         "load",
@@ -142,7 +144,7 @@ def results_table(summary: Mapping[str, Any]) -> Table:
         *swept,
     ):
         table.add_column(title)
-    checks = [analysis.get("check") or {} for analysis in analyses]
+    checks = [analysis.check or {} for analysis in analyses]
     safety = {"zeta_E": "zeta_e", "of stones": "zeta_e_stones"} if any("zeta_e" in check for check in checks) else {}
     for title in ("load factor", "bounds apart", *safety, "s"):
         table.add_column(title, justify="right")
@@ -151,17 +153,17 @@ def results_table(summary: Mapping[str, Any]) -> Table:
         table.add_column("check")
     for analysis, check in list(zip(analyses, checks, strict=True))[:MOST_ROWS]:
         table.add_row(
-            *([analysis.get("variant") or "as it is"] if variants else []),
-            str(analysis["load"]),
-            *([MODELS.get(analysis["model"], analysis["model"])] if both else []),
-            analysis_name(analysis),
-            _words(analysis.get("friction")),
-            *(_words(analysis.get("swept", {}).get(key)) for key in swept),
-            "no limit" if analysis["status"] == "unbounded" else _figure(analysis.get("load_factor")),
+            *([analysis.variant or "as it is"] if variants else []),
+            analysis.load,
+            *([analysis.model_words] if both else []),
+            analysis.kind,
+            _words(analysis.friction),
+            *(_words(analysis.swept.get(key)) for key in swept),
+            "no limit" if analysis.status == "unbounded" else _figure(analysis.load_factor),
             _bounds(analysis),
             *(_figure(check[key], 2) if key in check else "" for key in safety.values()),
-            f"{analysis.get('seconds') or 0:.1f}",
-            Text(analysis["status"], STATUS_STYLES.get(analysis["status"], "red")),
+            f"{analysis.seconds:.1f}",
+            Text(analysis.status, STATUS_STYLES.get(analysis.status, "red")),
             *([Text(word := verdict(check), "red" if word == NOT_SATISFIED else "")] if safety else []),
         )
     table.caption = _folded(len(analyses))
@@ -174,21 +176,21 @@ def _folded(count: int) -> str | None:
 
 def mechanism_table(summary: Mapping[str, Any]) -> Table | None:
     """Return what moves in each mechanism and what the safety check finds of it, None where nothing is known of either."""
-    listed = [one for one in summary["analyses"] if one.get("parts") or "a0_lumped_m_s2" in (one.get("check") or {})]
+    listed = [one for one in analyses_of(summary) if one.parts or "a0_lumped_m_s2" in (one.check or {})]
     if not listed:
         return None
     table = Table(title="Mechanisms", title_justify="left", title_style="bold", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
     table.add_column("analysis")
-    if named := any(one.get("parts") for one in listed):
+    if named := any(one.parts for one in listed):
         table.add_column("what moves: share of the motion")
     for title in ("moving, kN", "a0*, m/s2", "e* of stones"):
         table.add_column(title, justify="right")
     table.caption = _folded(len(listed))
     for one in listed[:MOST_ROWS]:
-        check = one.get("check") or {}
+        check = one.check or {}
         figures = [check.get(key) for key in ("moving_weight_kN", "a0_lumped_m_s2", "mass_fraction")]
         words = [what_moves(one)] if named else []
-        table.add_row(str(one.get("name", one["load"])), *words, *("" if v is None else f"{v:.4g}" for v in figures))
+        table.add_row(one.name or one.load, *words, *("" if v is None else f"{v:.4g}" for v in figures))
     return table
 
 
@@ -210,12 +212,12 @@ def _run_words(run: Path) -> list[str]:
     if why := unfinished(run):
         return [when, "", "", why.splitlines()[0]]
     try:
-        analyses = read_summary(run / "summary.json")["analyses"]
+        analyses = analyses_of(read_summary(run / "summary.json"))
     except (InputError, OSError):
         return [when, "", "", "no results"]
-    factors = [one["load_factor"] for one in analyses if isinstance(one.get("load_factor"), float)]
+    factors = [one.load_factor for one in analyses if math.isfinite(one.load_factor)]
     ends = f"{min(factors):.4f}" + (f" to {max(factors):.4f}" if len(factors) > 1 else "") if factors else "none"
-    bad = sum(one["status"] not in GOOD for one in analyses)
+    bad = sum(one.status not in GOOD for one in analyses)
     return [when, str(len(analyses)), ends, f"{bad} without a result" if bad else "well"]
 
 
@@ -241,17 +243,19 @@ def remarks(summary: Mapping[str, Any]) -> list[str]:
     """Return what stands under the table: joints and near misses, the gate, which load factor to use and why, doubtful input;
     before it what samples say."""
     from churchpipe.compare import account_of_joints
+    from churchpipe.report.table import Row
     from churchpipe.report.uncertainty import uncertainty_lines
 
+    analyses = analyses_of(summary)
     questions = [f"Question: {text}" for text in summary.get("questions", ())]
     return [
-        *uncertainty_lines(summary),
+        *uncertainty_lines(study_of(summary), [Row(record) for record in analyses]),
         *account_of_joints(summary),
         *gate_lines(summary),
-        *_few([_failure(one) for one in summary["analyses"] if one["status"] not in GOOD and one.get("message")]),
+        *_few([_failure(one) for one in analyses if one.status not in GOOD and one.message]),
         *(_movement(one) for one in summary.get("movements", ())),
         *summary.get("guidance", ()),
-        *(f"Load {one['load']}: {one['check']['governs']}" for one in summary["analyses"] if "governs" in one.get("check", {})),
+        *(f"Load {one.load}: {one.check['governs']}" for one in analyses if one.check and "governs" in one.check),
         *_few(questions),
     ]
 
@@ -260,9 +264,9 @@ def _few(lines: list[str]) -> list[str]:
     return lines[:MOST_LINES] + ([f"and {len(lines) - MOST_LINES} more in the report"] if len(lines) > MOST_LINES else [])
 
 
-def _failure(record: Mapping[str, Any]) -> str:
-    words = [record.get("variant"), f"load {record['load']}", MODELS.get(record.get("model", ""), ""), analysis_name(record)]
-    return f"{', '.join(word for word in words if word)}: {record['status']}. {record['message']}"
+def _failure(record: Analysis) -> str:
+    words = [record.variant, f"load {record.load}", record.model_words, record.kind]
+    return f"{', '.join(word for word in words if word)}: {record.status}. {record.message}"
 
 
 def _movement(record: Mapping[str, Any]) -> str:
@@ -285,8 +289,8 @@ def findings_table(findings: Sequence[Finding]) -> Table:
     return table
 
 
-def _bounds(analysis: Mapping[str, Any]) -> str:
-    lower, upper = analysis.get("lower_bound"), analysis.get("upper_bound")
+def _bounds(analysis: Analysis) -> str:
+    lower, upper = analysis.lower_bound, analysis.upper_bound
     if lower is None or upper is None or not math.isfinite(upper - lower):
         return ""
     return f"{abs(upper - lower):.1e}"

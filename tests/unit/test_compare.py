@@ -1,13 +1,17 @@
 """Pairs of analyses that ask the same, and how far two mechanisms are alike."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from churchpipe.compare import bad_news, careful_first, guidance, overlap, pairs
 from churchpipe.generators import box
+from churchpipe.io.records import Analysis
 from churchpipe.model.materials import Material
 from churchpipe.shell_mesh.shell import derive_shell
 from churchpipe.stones.blocks import derive_blocks
+from records import analysis
 
 HOUSE = box(
     length=2.0, width=1.5, thickness=0.25, brick=(0.5, 0.25, 0.25), courses=4, materials=(Material("default", 18e3, 0.6),)
@@ -41,32 +45,20 @@ def test_motions_at_right_angles_do_not_overlap(models) -> None:
     assert np.isnan(overlap(stones, velocities, shell, np.zeros_like(shell.points)))
 
 
-def entry(name: str, swept: dict[str, object] | None = None, **more: str) -> dict[str, object]:
-    return {"name": name, "geometry": "base", "swept": swept or {}, **more}
-
-
-def record(name: str, factor: float | None, friction: float = 0.6, load: str = "+x") -> dict[str, object]:
-    return {"name": name, "load": load, "friction": friction, "cohesion_kPa": 0.0, "load_factor": factor, "status": "optimal"}
-
-
 def test_pairs_ask_the_same_question() -> None:
-    entries = [
-        entry("r5", {"material.default.friction": 0.5}),
-        entry("r6", {"material.default.friction": 0.6}),
-        entry("r6 uniform", {"material.default.friction": 0.6, "rigid.start": "uniform"}),
-        entry("s6 fine", {"material.default.friction": 0.6, "shell.element_size_mm": 30}, shell="fine"),
-        entry("s6 failed", {"material.default.friction": 0.6}, shell="fine"),
-        entry("s6 other load", {"material.default.friction": 0.6}, shell="fine"),
-    ]
+    def record(name: str, factor: float | None, friction: float = 0.6, load: str = "+x") -> Analysis:
+        model, swept = "homogenised-shell" if name.startswith("s") else "rigid-block", {"material.default.friction": friction}
+        return analysis(name=name, model=model, load_factor=factor, friction=friction, load=load, swept=swept)
+
     records = [
         record("r5", 0.18, 0.5),
         record("r6", 0.2),
-        record("r6 uniform", 0.19),
-        record("s6 fine", 0.21),
+        replace(record("r6 uniform", 0.19), swept={"material.default.friction": 0.6, "rigid.start": "uniform"}),
+        replace(record("s6 fine", 0.21), swept={"material.default.friction": 0.6, "shell.element_size_mm": 30}),
         record("s6 failed", None),
         record("s6 other load", 0.3, load="+y"),
     ]
-    found = pairs(entries, records)
+    found = pairs(records)
     assert [(pair["rigid-block"], pair["homogenised-shell"]) for pair in found] == [("r6", "s6 fine"), ("r6 uniform", "s6 fine")]
     assert found[0]["ratio"] == pytest.approx(0.21 / 0.2)
 
@@ -79,10 +71,9 @@ def test_news_of_gates_and_analyses() -> None:
     assert bad_news({"analyses": [good], "match": {"passed": True}, "shells": meshes}) == [{"passed": False, "figures": []}]
 
 
-def analysed(factor: float | None, load: str = "-y", status: str = "optimal", **more: object) -> dict[str, object]:
+def analysed(factor: float | None, load: str = "-y", status: str = "optimal", **more: object) -> Analysis:
     model = "homogenised-shell" if "method" in more else "rigid-block"
-    same = {"load": load, "friction": 0.7, "cohesion_kPa": 0.0, "load_factor": factor, "status": status}
-    return {"model": model, **same, **more}
+    return analysis(model=model, load=load, load_factor=factor, status=status, **more)
 
 
 def test_a_sentence_says_which_load_factor_to_use_and_why_they_differ() -> None:
@@ -106,7 +97,7 @@ def test_a_sentence_says_which_load_factor_to_use_and_why_they_differ() -> None:
 
 def test_there_is_nothing_to_say_of_one_value_or_of_none() -> None:
     assert guidance([analysed(0.2, flow="associative"), analysed(0.3, "+x", flow="associative")]) == []
-    failed = [analysed(None, flow="non-associative", status="failed"), analysed(0.19, flow="x", status="not-converged")]
+    failed = [analysed(None, flow="non-associative", status="failed"), analysed(0.19, flow="associative", status="not-converged")]
     assert guidance([analysed(0.2, flow="associative"), *failed]) == []
 
 

@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from churchpipe.model.arrays import FloatArray
 from churchpipe.model.block_curve import BlockCapacityCurve
 from churchpipe.report.displacements import displacement_checks
 from churchpipe.spectrum import GRAVITY, SiteSpectrum, Spectrum, StoreySpectrum, spectral_displacement
+from records import analysis
 from solids import box, on_ground
 
 SITE = Spectrum(2.5, 0.5, soil_factor=1.2)
@@ -165,16 +167,16 @@ def test_what_is_missing_is_named(curve: BlockCapacityCurve) -> None:
 
 
 def test_the_report_shows_the_check(curve: BlockCapacityCurve) -> None:
-    record = {"method": "curve", "load": "+x", "friction": 0.7}
+    record = analysis(method="curve")
     check = displacement_record(curve, LEANING, PUSH, SITED)
-    shown = displacement_checks([record | {"check": check}, record | {"check": {"message": "why"}}, record], None)
+    shown = displacement_checks([replace(record, check=check), replace(record, check={"message": "why"}), record], None)
     assert shown is not None
     (one,) = shown["checks"]
     assert one.diagram.startswith("<svg")
     assert [row[0] for row in one.rows] == ["SLV", "SLC"]
     assert one.governs == check["governs"]
     assert shown["refused"] == [("load +x, friction 0.7", "why")]
-    unsited = displacement_checks([record | {"check": displacement_record(curve, LEANING, PUSH, None)}], None)
+    unsited = displacement_checks([replace(record, check=displacement_record(curve, LEANING, PUSH, None))], None)
     assert unsited is not None
     assert (unsited["checks"][0].rows, unsited["checks"][0].governs) == ([], "")
     assert displacement_checks([record], None) is None

@@ -15,11 +15,11 @@ from churchpipe.configuring import configure
 from churchpipe.displacement_check import displacement_record
 from churchpipe.dxf.properties import decode_properties, encode_materials
 from churchpipe.io.recording import shell_record_of
+from churchpipe.io.records import Analysis
 from churchpipe.io.tables import read_json
 from churchpipe.large_displacements.pushover import block_pushover
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength, Material
-from churchpipe.model.names import analysis_name, crushes
 from churchpipe.report.contact_models import contact_model_rows
 from churchpipe.report.safety import check_table
 from churchpipe.report.table import Row, columns_for
@@ -27,6 +27,7 @@ from churchpipe.rigid_blocks.limit import limit_analysis
 from churchpipe.spectrum import SiteSpectrum
 from churchpipe.stones.contacts import find_contacts
 from churchpipe.stones.joints import crushing_strength
+from records import analysis
 from solids import box, on_ground
 
 CASE = WALL.replace("friction = 0.6\n", "friction = 0.6\ncompressive_strength_MPa = 0.1\n") + (
@@ -68,18 +69,8 @@ def test_from_the_case_to_the_summary(tmp_path: Path) -> None:
     assert "compressive_strength_MPa" in (run / "table.csv").read_text()
 
 
-def record(model: str, factor: float, **more: Any) -> dict[str, Any]:
-    return {
-        "name": f"a {model}",
-        "model": "rigid-block",
-        "flow": "associative",
-        "contact_model": model,
-        "load": "+x",
-        "friction": 0.7,
-        "cohesion_kPa": 0.0,
-        "load_factor": factor,
-        "status": "optimal",
-    } | more
+def record(model: str, factor: float, **more: Any) -> Analysis:
+    return analysis(**{"name": f"a {model}", "flow": "associative", "contact_model": model, "load_factor": factor} | more)
 
 
 def test_models_that_differ_get_a_sentence() -> None:
@@ -102,9 +93,9 @@ def test_models_that_differ_get_a_sentence() -> None:
 
 def test_what_crushes_is_named() -> None:
     crushing = record("torsion", 0.3, compressive_strength_MPa=1.5)
-    assert analysis_name(crushing) == "associative, torsion, crushing"
-    assert analysis_name(record("corners", 0.3)) == "associative"
-    assert analysis_name({"method": "limit", "compressive_strength_MPa": 1.5}) == "limit load"
+    assert crushing.kind == "associative, torsion, crushing"
+    assert record("corners", 0.3).kind == "associative"
+    assert analysis(model="homogenised-shell", method="limit", compressive_strength_MPa=1.5).kind == "limit load"
     rows = [Row(crushing), Row(record("corners", 0.4))]
     (column,) = [column for column in columns_for(rows) if column.title == "Strength, MPa"]
     assert [column.text(row) for row in rows] == ["1.5", ""]
@@ -140,17 +131,17 @@ def test_the_knowledge_level_counts_on_a_curve_that_crushes() -> None:
 def test_analyses_without_crushing_say_so() -> None:
     soft = JointStrength("tuff", 0.6, compressive_strength=2e6)
     load = LoadCase((1, 0, 0))
-    told = shell_record_of("refused", load, [soft], method="limit", planes="paper").as_words()
-    assert told["message"] == (
+    refused = shell_record_of("refused", load, [soft], method="limit", planes="paper")
+    assert refused.message == (
         'refused; nothing crushes here: compressive_strength enters analyses of stones, and shells with planes = "cell"'
     )
-    assert told["compressive_strength_MPa"] == 2.0
-    assert not crushes(told)
-    cell = shell_record_of("refused", load, [soft], method="limit", planes="cell").as_words()
-    assert cell["message"] == "refused"
-    assert crushes(cell)
+    assert refused.compressive_strength == 2e6
+    assert not refused.crushes
+    cell = shell_record_of("refused", load, [soft], method="limit", planes="cell")
+    assert cell.message == "refused"
+    assert cell.crushes
     plain = shell_record_of("refused", load, [JointStrength("tuff", 0.6)], method="limit", planes="paper")
-    assert plain.as_words()["message"] == "refused"
+    assert plain.message == "refused"
 
 
 def test_a_drawing_keeps_the_strength() -> None:

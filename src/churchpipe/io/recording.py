@@ -1,11 +1,11 @@
 """Records made of results: what was asked, what came out, what an analysis left out of it."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from typing import Any, Literal
 
 import numpy as np
 
-from churchpipe.io.records import BlockCurveRecord, BlockPath, Curve, Outcome, Question, RigidRecord, ShellRecord, Sliding
+from churchpipe.io.records import Analysis, common
 from churchpipe.io.tie_records import candidates_of, gains_of, tie_forces_of
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.block_curve import BlockCapacityCurve
@@ -13,22 +13,29 @@ from churchpipe.model.gains import Sensitivities
 from churchpipe.model.joint_group import JointGroup
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength
-from churchpipe.model.names import CONTACT_MODEL, ContactModel, Planes, ShellMethod
-from churchpipe.model.quantities import as_written
+from churchpipe.model.names import CONTACT_MODEL, RIGID_BLOCKS, SHELL, ContactModel, Planes, ShellMethod
 from churchpipe.model.results import CapacityCurve, LimitState, ShellLimitState, Status
 from churchpipe.model.ties import RankedTie, Tie
 
 
-def question_of(load: LoadCase, materials: Sequence[JointStrength], joints: Sequence[JointGroup] = ()) -> Question:
+def _question(load: LoadCase, materials: Sequence[JointStrength], joints: Sequence[JointGroup]) -> dict[str, Any]:
     """Return what an analysis of a structure of these materials, and of these joints of their own, is asked."""
-    return Question(
-        load.name,
-        tuple(load.direction.tolist()),
-        {material.name: material.friction for material in materials},
-        {material.name: material.cohesion for material in materials},
-        {one.name: one.compressive_strength for one in materials if one.compressive_strength is not None},
-        tuple(as_written(group, defaults=False) for group in joints),
-    )
+    crushing = {one.name: one.compressive_strength for one in materials if one.compressive_strength is not None}
+    return {
+        "load": load.name,
+        "direction": tuple(load.direction.tolist()),
+        "friction": common({material.name: material.friction for material in materials}),
+        "cohesion": common({material.name: material.cohesion for material in materials}),
+        "compressive_strength": (common(crushing) if len(crushing) == len(materials) else crushing) if crushing else None,
+        "joints": tuple(joints),
+    }
+
+
+_BOUNDED = ("load_factor", "lower_bound", "upper_bound", "status", "iterations", "solver", "equilibrium_residual", "message")
+
+
+def _ending(state: LimitState | ShellLimitState) -> dict[str, Any]:
+    return {key: getattr(state, key) for key in _BOUNDED} | {"seconds": round(state.seconds, 3)}
 
 
 def record_of(
@@ -40,26 +47,24 @@ def record_of(
     ranked: Sequence[RankedTie] = (),
     rates: Sensitivities | None = None,
     joints: Sequence[JointGroup] = (),
-) -> RigidRecord:
+) -> Analysis:
     """Return the record of a rigid-block analysis with these ties, the ranking of others, and what would help its walls."""
-    outcome = Outcome(
-        state.status,
-        state.load_factor,
-        state.lower_bound,
-        state.upper_bound,
-        state.equilibrium_residual,
-        state.cone_violation,
-        state.iterations,
-        state.seconds,
-        state.solver,
-        state.message,
-    )
-    sliding = None
+    sliding: dict[str, Any] = {}
     if state.flow == "non-associative":
-        history = tuple(step.load_factor for step in state.history)
-        sliding = Sliding(state.gap, state.interval, state.friction_violation, state.fixed_points, history)
-    tied = tie_forces_of(ties, state), candidates_of(ranked), gains_of(rates) if rates else ()
-    return RigidRecord(question_of(load, materials, joints), outcome, state.flow, sliding, contact_model, *tied)
+        sliding = {key: getattr(state, key) for key in ("gap", "interval", "friction_violation", "fixed_points")}
+        sliding["history"] = tuple(step.load_factor for step in state.history)
+    return Analysis(
+        model=RIGID_BLOCKS,
+        flow=state.flow,
+        contact_model=contact_model,
+        **_question(load, materials, joints),
+        **_ending(state),
+        cone_violation=state.cone_violation,
+        tie_candidates=candidates_of(ranked),
+        gains=gains_of(rates) if rates else (),
+        **sliding,
+        tie_forces=tie_forces_of(ties, state),
+    )
 
 
 def curve_record_of(
@@ -68,7 +73,7 @@ def curve_record_of(
     load: LoadCase,
     materials: Sequence[JointStrength],
     joints: Sequence[JointGroup] = (),
-) -> BlockCurveRecord:
+) -> Analysis:
     """Return the record of a capacity curve of the stones; its load factor is that which starts the motion.
 
     status: "converged" when all of its steps are proved, however it ends: `ending`.
@@ -77,25 +82,26 @@ def curve_record_of(
     status: Status = "converged" if curve.proved and curve.status != "not-converged" else "not-converged"
     if curve.status in ("unstable", "failed") or (curve.status == "unbounded" and not len(curve.displacement)):
         status = curve.status
-    outcome = Outcome(
-        status,
+    return Analysis(
+        model=RIGID_BLOCKS,
+        method="curve",
+        **_question(load, materials, joints),
         load_factor=curve.initial,
+        status=status,
+        seconds=round(curve.seconds, 3),
         equilibrium_residual=float(curve.residual.max(initial=0.0)),
-        violation=float(curve.violation.max(initial=0.0)),
-        seconds=curve.seconds,
+        cone_violation=float(curve.violation.max(initial=0.0)),
         message="; ".join(said for said in (curve.message, *lost) if said),
-    )
-    path = BlockPath(
         ending=curve.status,
         d0=curve.d0,
         displacement=tuple(curve.displacement.tolist()),
         load_factors=tuple(curve.load_factor.tolist()),
-        largest=float(curve.largest.max(initial=0.0)),
-        fallen=tuple(str(name) for part in curve.fallen for name in stones.block_id[part.stones].tolist()),
+        largest_displacement=float(curve.largest.max(initial=0.0)),
+        fallen_stones=tuple(str(name) for part in curve.fallen for name in stones.block_id[part.stones].tolist()),
         fell_at=tuple(part.displacement for part in curve.fallen for _ in part.stones),
         misfit=float(curve.misfit.max(initial=0.0)),
+        steps=len(curve.displacement),
     )
-    return BlockCurveRecord(question_of(load, materials, joints), outcome, path)
 
 
 def shell_record_of(
@@ -107,41 +113,34 @@ def shell_record_of(
     planes: Planes,
     ties: Sequence[Tie] = (),
     joints: Sequence[JointGroup] = (),
-) -> ShellRecord:
-    """Return the record of an analysis of the shell; result: a text where it was refused, and why.
+    status: Literal["failed", "left-out"] = "failed",
+) -> Analysis:
+    """Return the record of an analysis of the shell; result: a text where it was not made, and why, with its status.
 
     The load factor of a capacity curve is the largest one reached.
     """
-    curve = None
     match result:
         case ShellLimitState():
-            outcome = Outcome(
-                result.status,
-                result.load_factor,
-                result.lower_bound,
-                result.upper_bound,
-                result.equilibrium_residual,
-                result.yield_violation,
-                result.iterations,
-                result.seconds,
-                result.solver,
-                result.message,
-            )
+            ending: dict[str, Any] = _ending(result) | {"yield_violation": result.yield_violation}
         case CapacityCurve():
-            outcome = Outcome(
-                result.status,
-                result.plateau if result.status in ("converged", "not-converged") else np.nan,
-                equilibrium_residual=max((step.residual for step in result.steps), default=np.nan),
-                violation=max((step.violation for step in result.steps), default=np.nan),
-                iterations=sum(step.iterations for step in result.steps),
-                seconds=result.seconds,
-                message=result.message,
-            )
-            curve = Curve(int(result.control_point), tuple(result.control.tolist()), tuple(result.load_factor.tolist()))
+            ending = {
+                "load_factor": result.plateau if result.status in ("converged", "not-converged") else np.nan,
+                "status": result.status,
+                "iterations": sum(step.iterations for step in result.steps),
+                "seconds": round(result.seconds, 3),
+                "equilibrium_residual": max((step.residual for step in result.steps), default=np.nan),
+                "yield_violation": max((step.violation for step in result.steps), default=np.nan),
+                "message": result.message,
+                "steps": len(result.control),
+                "control_point": int(result.control_point),
+                "control": tuple(result.control.tolist()),
+                "load_factors": tuple(result.load_factor.tolist()),
+            }
         case str():
-            outcome = Outcome("failed", message=result)
+            ending = {"load_factor": np.nan, "status": status, "seconds": 0.0, "equilibrium_residual": np.nan, "message": result}
     tensions = () if isinstance(result, str) else tie_forces_of(ties, result)
     strong = any(material.compressive_strength is not None for material in materials)
     lost = 'nothing crushes here: compressive_strength enters analyses of stones, and shells with planes = "cell"'
-    said = "; ".join(words for words in (outcome.message, lost if strong and planes != "cell" else "") if words)
-    return ShellRecord(question_of(load, materials, joints), replace(outcome, message=said), method, planes, curve, tensions)
+    ending["message"] = "; ".join(words for words in (ending["message"], lost if strong and planes != "cell" else "") if words)
+    asked = _question(load, materials, joints)
+    return Analysis(model=SHELL, method=method, planes=planes, **asked, **ending, tie_forces=tensions)

@@ -1,244 +1,172 @@
-"""Records of analyses: what a stage hands to the comparison, JSON in SI; and the same in the words and units of summary.json."""
+"""The record of an analysis, declared once: SI in the file of its stage, the units of its keys in summary.json."""
 
-from dataclasses import asdict, dataclass, field, fields
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any, get_args
+from typing import Annotated, Any, Literal, get_args
 
 import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.io.atomic import write_json
 from churchpipe.io.tables import read_json
-from churchpipe.io.tie_records import Gain, TieCandidate, TieForce, tie_words
+from churchpipe.io.tie_records import Gain, TieCandidate, TieForce
+from churchpipe.mechanism import Part
 from churchpipe.model.arguments import finite, one_of, text
 from churchpipe.model.block_curve import CURVE_STATUSES
-from churchpipe.model.names import CONTACT_MODEL, RIGID_BLOCKS, SHELL, ContactModel, Planes, ShellMethod
+from churchpipe.model.joint_group import JointGroup
+from churchpipe.model.names import GOOD, METHODS, MODELS, OUTER, SHELL, ContactModel, Model, Planes
+from churchpipe.model.quantities import Quantity, as_read, as_written
 from churchpipe.model.results import Status
 
+Flow = Literal["associative", "non-associative"]
+# One value, or one a material where they differ.
+Strength = float | dict[str, float]
+Displacements = Annotated[tuple[float, ...] | None, Quantity("_m")]
+_CHOICES: dict[str, tuple[str, ...]] = {
+    "model": get_args(Model),
+    "flow": get_args(Flow),
+    "contact_model": get_args(ContactModel),
+    "method": tuple(METHODS),
+    "planes": get_args(Planes),
+    "status": (*get_args(Status), "left-out"),
+    "ending": CURVE_STATUSES,
+}
 
-@dataclass(frozen=True, slots=True)
-class Question:
-    """What an analysis was asked: name and direction (3,) of the load, and by material friction, cohesion (Pa), and compressive
-    strength (Pa) where there is one; joints with a strength of their own, each a table of a case file.
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Analysis:
+    """What an analysis was asked and how it ended; None where its kind knows no such thing, NaN where there is no such number.
+
+    name, variant, geometry, swept: its place in the plan of the run. flow and contact_model are of limit analyses of the stones,
+    planes of the shell, method is "limit" or "pushover" of the shell and "curve" of the stones. direction: (3,) of the load.
+    status: "left-out" where it was not made. equilibrium_residual: over the weight. gap to history: of a non-associative
+    analysis, see `LimitState`; history holds its load factors. control: of a capacity curve of the shell, at the node
+    control_point. ending to misfit: of a capacity curve of the stones, see `BlockCapacityCurve`; largest_displacement is of all
+    stones, fallen_stones are names, and fell_at is the displacement at which each fell. element_size, elements: of its mesh.
+    parts, mechanism: the macro-elements that move, and their name. check: the safety check.
 
     Raises
     ------
-    InputError: no name, a direction that is no vector, strength that is no number >= 0.
+    InputError: an unknown word, a direction that is no vector, a strength, count or time below zero, a curve whose
+    displacements have no load factors.
     """
 
+    name: str = ""
+    variant: str | None = None
+    model: Model
+    flow: Flow | None = None
+    method: Literal["limit", "pushover", "curve"] | None = None
+    contact_model: ContactModel | None = None
+    planes: Planes | None = None
     load: str
     direction: tuple[float, ...]
-    friction: dict[str, float]
-    cohesion: dict[str, float]
-    compressive_strength: dict[str, float] = field(default_factory=dict)
-    joints: tuple[dict[str, Any], ...] = ()
+    friction: Strength
+    cohesion: Annotated[Strength, Quantity("_kPa")]
+    compressive_strength: Annotated[Strength | None, Quantity("_MPa")] = None
+    joints: tuple[JointGroup, ...] = ()
+    load_factor: float
+    lower_bound: float | None = None
+    upper_bound: float | None = None
+    status: Status | Literal["left-out"]
+    iterations: int | None = None
+    seconds: float
+    solver: str | None = None
+    equilibrium_residual: float
+    cone_violation: float | None = None
+    yield_violation: float | None = None
+    message: str
+    tie_candidates: tuple[TieCandidate, ...] = ()
+    gains: tuple[Gain, ...] = ()
+    gap: float | None = None
+    interval: tuple[float, ...] | None = None
+    friction_violation: float | None = None
+    fixed_points: tuple[float, ...] | None = None
+    history: tuple[float, ...] | None = None
+    ending: str | None = None
+    d0: Annotated[float | None, Quantity("_m")] = None
+    displacement: Displacements = None
+    load_factors: tuple[float, ...] | None = None
+    largest_displacement: Annotated[float | None, Quantity("_m")] = None
+    fallen_stones: tuple[str, ...] | None = None
+    fell_at: Displacements = None
+    misfit: float | None = None
+    steps: int | None = None
+    control_point: int | None = None
+    control: Annotated[tuple[float, ...] | None, Quantity("_mm")] = None
+    tie_forces: tuple[TieForce, ...] = ()
+    element_size: Annotated[float | None, Quantity("_mm")] = None
+    elements: int | None = None
+    geometry: str | None = None
+    swept: dict[str, Any] = field(default_factory=dict)
+    parts: tuple[Part, ...] = ()
+    mechanism: str = ""
+    check: dict[str, Any] | None = None
 
     def __post_init__(self) -> None:
         text("record: load", self.load)
         if len(self.direction) != 3:
             raise InputError("record: direction", "wrong length", found=len(self.direction), expected="3 components")
-        strength = ("friction", self.friction), ("cohesion", self.cohesion), ("compressive_strength", self.compressive_strength)
-        for name, values in strength:
-            for material, value in values.items():
-                if finite(f"record: {name} of {material}", value) < 0:
-                    raise InputError(f"record: {name} of {material}", "out of range", found=value, expected=">= 0")
+        for key, words in _CHOICES.items():
+            if getattr(self, key) is not None:
+                one_of(f"record: {key}", getattr(self, key), *words)
+        for key in ("friction", "cohesion", "compressive_strength", "iterations", "seconds"):
+            value = getattr(self, key)
+            for name, number in value.items() if isinstance(value, dict) else [("", value)]:
+                where = f"record: {key}" + (f" of {name}" if name else "")
+                if number is not None and finite(where, number) < 0:
+                    raise InputError(where, "out of range", found=number, expected=">= 0")
+        for places in (self.displacement, self.control):
+            if places is not None and len(places) != len(self.load_factors or ()):
+                counts = f"{len(places)} and {len(self.load_factors or ())}"
+                raise InputError("record", "displacements without load factors", found=counts, expected="as many of each")
 
-    def as_words(self) -> dict[str, Any]:
-        """Return the keys of summary.json; each strength: one number, or one a material where they differ."""
-        cohesion = {name: value / 1e3 for name, value in self.cohesion.items()}
-        crushing = {name: value / 1e6 for name, value in self.compressive_strength.items()}
-        all_crush = crushing.keys() == cohesion.keys()
-        return {
-            "load": self.load,
-            "direction": list(self.direction),
-            "friction": _common(self.friction),
-            "cohesion_kPa": _common(cohesion),
-            **({"compressive_strength_MPa": _common(crushing) if all_crush else crushing} if crushing else {}),
-            **({"joints": list(self.joints)} if self.joints else {}),
-        }
+    @property
+    def of_shell(self) -> bool:
+        """Whether it is one of the shell."""
+        return self.model == SHELL
 
+    @property
+    def stands(self) -> bool:
+        """Whether it has a load factor to rest on; that of a capacity curve of the stones tells how it starts."""
+        return self.status in GOOD and bool(np.isfinite(self.load_factor)) and self.method != "curve"
 
-@dataclass(frozen=True, slots=True)
-class Outcome:
-    """How an analysis ended: NaN where there is no such number; residual over the weight, violation as of its state.
+    @property
+    def crushes(self) -> bool:
+        """Whether its masonry crushes: in all analyses of the stones, and in a shell with the strength of cells."""
+        return (not self.of_shell or self.planes == "cell") and bool(self.compressive_strength)
 
-    Raises
-    ------
-    InputError: an unknown status, a negative count or time.
-    """
+    @property
+    def kind(self) -> str:
+        """Flow rule or method in words: with what its joints do besides rubbing at their corners, and with the strength of a
+        shell where it is not the exact one."""
+        words: list[str] = [self.flow or METHODS.get(self.method or "", "")]
+        words += ["torsion"] if self.contact_model == "torsion" else []
+        words += ["crushing"] if self.crushes else []
+        words += ["planes of the paper (too strong)"] if self.planes in OUTER else []
+        return ", ".join(words)
 
-    status: Status
-    load_factor: float = np.nan
-    lower_bound: float = np.nan
-    upper_bound: float = np.nan
-    equilibrium_residual: float = np.nan
-    violation: float = np.nan
-    iterations: int = 0
-    seconds: float = 0.0
-    solver: str = ""
-    message: str = ""
-
-    def __post_init__(self) -> None:
-        one_of("record: status", self.status, *get_args(Status))
-        for name in ("iterations", "seconds"):
-            if finite(f"record: {name}", getattr(self, name)) < 0:
-                raise InputError(f"record: {name}", "out of range", found=getattr(self, name), expected=">= 0")
+    @property
+    def model_words(self) -> str:
+        """The model as people call it."""
+        return MODELS[self.model]
 
 
-@dataclass(frozen=True, slots=True)
-class Sliding:
-    """What a non-associative analysis has besides: see `LimitState`; history: its load factors."""
-
-    gap: float
-    interval: tuple[float, ...]
-    friction_violation: float
-    fixed_points: tuple[float, ...]
-    history: tuple[float, ...]
+def common(values: Mapping[str, float]) -> Strength:
+    """Return the one value of all materials, or one a material."""
+    distinct = set(values.values())
+    return float(distinct.pop()) if len(distinct) == 1 else dict(values)
 
 
-@dataclass(frozen=True, slots=True)
-class RigidRecord:
-    """A rigid-block analysis, with the ties of the structure, those that might be added, and what would help its walls."""
-
-    question: Question
-    outcome: Outcome
-    flow: str
-    sliding: Sliding | None = None
-    contact_model: ContactModel = CONTACT_MODEL
-    ties: tuple[TieForce, ...] = ()
-    candidates: tuple[TieCandidate, ...] = ()
-    gains: tuple[Gain, ...] = ()
-
-    def __post_init__(self) -> None:
-        one_of("record: flow", self.flow, "associative", "non-associative")
-        one_of("record: contact_model", self.contact_model, *get_args(ContactModel))
-
-    def as_words(self) -> dict[str, Any]:
-        """Return the record of summary.json."""
-        words = {"model": RIGID_BLOCKS, "flow": self.flow, "contact_model": self.contact_model, **self.question.as_words()}
-        words |= _ending(self.outcome, "cone_violation")
-        words |= {"tie_candidates": [one.as_words() for one in self.candidates]} if self.candidates else {}
-        words |= {"gains": [one.as_words() for one in self.gains]} if self.gains else {}
-        return words | (asdict(self.sliding) if self.sliding else {}) | tie_words(self.ties)
+_SCHEMA = "churchpipe analysis 1"
 
 
-@dataclass(frozen=True, slots=True)
-class Curve:
-    """A capacity curve: the node that is followed, its displacement (ns,) m, load factors (ns,)."""
-
-    control_point: int
-    control: tuple[float, ...]
-    load_factors: tuple[float, ...]
-
-    def __post_init__(self) -> None:
-        if len(self.control) != len(self.load_factors):
-            counts = f"{len(self.control)} and {len(self.load_factors)}"
-            raise InputError("record: curve", "displacements without load factors", found=counts, expected="as many of each")
+def write_record(path: str | Path, record: Analysis) -> None:
+    """Write a record in SI; numbers that are not finite become null."""
+    write_json(path, {"schema": _SCHEMA} | asdict(record))
 
 
-@dataclass(frozen=True, slots=True)
-class ShellRecord:
-    """An analysis of the shell; curve: of a pushover."""
-
-    question: Question
-    outcome: Outcome
-    method: ShellMethod
-    planes: Planes
-    curve: Curve | None = None
-    ties: tuple[TieForce, ...] = ()
-
-    def __post_init__(self) -> None:
-        one_of("record: method", self.method, *get_args(ShellMethod))
-        one_of("record: planes", self.planes, *get_args(Planes))
-
-    def as_words(self) -> dict[str, Any]:
-        """Return the record of summary.json."""
-        words = {"model": SHELL, "method": self.method, "planes": self.planes, **self.question.as_words()}
-        words |= _ending(self.outcome, "yield_violation")
-        if self.method == "pushover":
-            for key in ("lower_bound", "upper_bound", "solver"):
-                del words[key]
-        if self.curve:
-            words |= {"steps": len(self.curve.control), "control_point": self.curve.control_point}
-            words |= {"control_mm": [1e3 * place for place in self.curve.control], "load_factors": list(self.curve.load_factors)}
-        return words | tie_words(self.ties)
-
-
-@dataclass(frozen=True, slots=True)
-class BlockPath:
-    """The path of a capacity curve of the stones: see `BlockCapacityCurve`.
-
-    largest: m, of all displacements. fallen: names of the stones that fell on the way; fell_at (m) the displacement of each.
-    misfit: the largest of the steps.
-    """
-
-    ending: str
-    d0: float
-    displacement: tuple[float, ...]
-    load_factors: tuple[float, ...]
-    largest: float
-    fallen: tuple[str, ...]
-    fell_at: tuple[float, ...]
-    misfit: float
-
-    def __post_init__(self) -> None:
-        one_of("record: ending", self.ending, *CURVE_STATUSES)
-        if len(self.displacement) != len(self.load_factors):
-            counts = f"{len(self.displacement)} and {len(self.load_factors)}"
-            raise InputError("record: path", "displacements without load factors", found=counts, expected="as many of each")
-
-
-@dataclass(frozen=True, slots=True)
-class BlockCurveRecord:
-    """A capacity curve of the stones."""
-
-    question: Question
-    outcome: Outcome
-    path: BlockPath
-
-    def as_words(self) -> dict[str, Any]:
-        """Return the record of summary.json."""
-        words = {"model": RIGID_BLOCKS, "method": "curve", **self.question.as_words(), **_ending(self.outcome, "cone_violation")}
-        for key in ("lower_bound", "upper_bound", "solver", "iterations"):
-            del words[key]
-        return words | {
-            "ending": self.path.ending,
-            "d0_m": self.path.d0,
-            "displacement_m": list(self.path.displacement),
-            "load_factors": list(self.path.load_factors),
-            "largest_displacement_m": self.path.largest,
-            "fallen_stones": list(self.path.fallen),
-            "fell_at_m": list(self.path.fell_at),
-            "misfit": self.path.misfit,
-            "steps": len(self.path.displacement),
-        }
-
-
-@dataclass(frozen=True, slots=True)
-class LeftOut:
-    """Stands for an analysis that was not made, and says why."""
-
-    reason: str
-
-
-Record = RigidRecord | BlockCurveRecord | ShellRecord | LeftOut
-_SCHEMAS: dict[str, type[Any]] = {
-    "churchpipe rigid-record 3": RigidRecord,
-    "churchpipe block-curve-record 1": BlockCurveRecord,
-    "churchpipe shell-record 2": ShellRecord,
-    "churchpipe left-out 1": LeftOut,
-}
-_LISTS = {"ties": TieForce, "candidates": TieCandidate, "gains": Gain}
-_PARTS = {"question": Question, "outcome": Outcome, "sliding": Sliding, "curve": Curve, "path": BlockPath}
-
-
-def write_record(path: str | Path, record: Record) -> None:
-    """Write a record; numbers that are not finite become null."""
-    schema = next(name for name, kind in _SCHEMAS.items() if isinstance(record, kind))
-    write_json(path, {"schema": schema} | asdict(record))
-
-
-def read_record(path: str | Path) -> Record:
+def read_record(path: str | Path) -> Analysis:
     """Read a record.
 
     Raises
@@ -246,43 +174,29 @@ def read_record(path: str | Path) -> Record:
     InputError: not such a file, one of another version, or values out of range.
     """
     stored: Any = read_json(path)
-    schema = stored.pop("schema", None) if isinstance(stored, dict) else None
+    schema = stored.get("schema") if isinstance(stored, dict) else None
     remedy = "Delete the file and run the case again."
-    if schema not in _SCHEMAS:
-        raise InputError(str(path), "no record of an analysis", found=schema, expected=", ".join(_SCHEMAS), remedy=remedy)
+    if schema != _SCHEMA:
+        raise InputError(str(path), "no record of an analysis", found=schema, expected=_SCHEMA, remedy=remedy)
     try:
-        parts = {
-            key: _part(_PARTS[key], value) if key in _PARTS and value is not None else value for key, value in stored.items()
-        }
-        lists = {key: parts[key] or () for key in _LISTS if key in parts}
-        parts |= {key: tuple(_part(_LISTS[key], one) for one in value) for key, value in lists.items()}
-        return _SCHEMAS[schema](**parts)
+        return as_read(Analysis, stored, units=False)
     except (TypeError, AttributeError) as error:
-        raise InputError(str(path), "a damaged record", found=error, expected=schema, remedy=remedy) from error
+        raise InputError(str(path), "a damaged record", found=error, expected=_SCHEMA, remedy=remedy) from error
 
 
-def _part(kind: type[Any], stored: dict[str, Any]) -> Any:
-    """Return a part of a record: lists are tuples, and null stands for a number that is none."""
-    numbers = {item.name for item in fields(kind) if item.type is float}
-    values = {key: tuple(np.nan if x is None else x for x in v) if isinstance(v, list) else v for key, v in stored.items()}
-    return kind(**{key: np.nan if value is None and key in numbers else value for key, value in values.items()})
+def words_of(record: Analysis) -> dict[str, Any]:
+    """Return the record as summary.json has it: in the units of its keys, without what it does not know."""
+    return {"name": record.name, "variant": record.variant} | as_written(record, defaults=False)
 
 
-def _ending(outcome: Outcome, violation: str) -> dict[str, Any]:
-    return {
-        "load_factor": outcome.load_factor,
-        "lower_bound": outcome.lower_bound,
-        "upper_bound": outcome.upper_bound,
-        "status": outcome.status,
-        "iterations": outcome.iterations,
-        "seconds": round(outcome.seconds, 3),
-        "solver": outcome.solver,
-        "equilibrium_residual": outcome.equilibrium_residual,
-        violation: outcome.violation,
-        "message": outcome.message,
-    }
+def analyses_of(summary: Mapping[str, Any]) -> list[Analysis]:
+    """Return the analyses of the content of a summary.json.
 
-
-def _common(values: dict[str, float]) -> float | dict[str, float]:
-    distinct = set(values.values())
-    return float(distinct.pop()) if len(distinct) == 1 else values
+    Raises
+    ------
+    InputError: they are not as this version writes them.
+    """
+    try:
+        return [as_read(Analysis, words) for words in summary["analyses"]]
+    except (TypeError, AttributeError) as error:
+        raise InputError("summary.json", "analyses of another version", found=error, remedy="Run the case again.") from error

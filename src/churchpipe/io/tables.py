@@ -76,7 +76,8 @@ def read_summary(path: str | Path) -> dict[str, Any]:
 
 
 def write_table(path: str | Path, analyses: Sequence[dict[str, Any]]) -> None:
-    """Write analyses as CSV, one row each: first what was swept, then `COLUMNS`; `zeta_e` and its neighbours from the check.
+    """Write analyses, as summary.json has them, as CSV, one row each: first what was swept, then `COLUMNS`; `zeta_e` and its
+    neighbours from the check.
 
     A text that a spreadsheet would take for a formula stands behind an apostrophe; names of axes ("-y") are none.
     """

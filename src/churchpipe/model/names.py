@@ -1,7 +1,6 @@
 """Names of models, analyses and strengths: as records hold them, and as people read them."""
 
-from collections.abc import Mapping
-from typing import Any, Literal
+from typing import Literal
 
 Model = Literal["rigid-block", "homogenised-shell"]
 ShellMethod = Literal["limit", "pushover"]
@@ -26,20 +25,3 @@ OUTER: dict[str, str] = {
     "paper+torsion": "the planes of the paper are an outer approximation of the strength, with a bound of twisting too: the load "
     'factor may be up to 35 % above that of the exact cell; use planes = "cell"',
 }
-
-
-def analysis_name(record: Mapping[str, Any]) -> str:
-    """Return flow rule or method of an analysis in words: with what its joints do besides rubbing at their corners, and with the
-    strength of a shell where it is not the exact one."""
-    flow, method = record.get("flow"), record.get("method")
-    words = [str(flow or METHODS.get(str(method), str(method or "")))]
-    words += ["torsion"] if record.get("contact_model") == "torsion" else []
-    words += ["crushing"] if crushes(record) else []
-    words += ["planes of the paper (too strong)"] if record.get("planes") in OUTER else []
-    return ", ".join(words)
-
-
-def crushes(record: Mapping[str, Any]) -> bool:
-    """Whether the masonry of an analysis crushes: in all of the stones, and in a shell with the strength of cells."""
-    knows = record.get("model") == RIGID_BLOCKS or record.get("planes") == "cell"
-    return knows and bool(record.get("compressive_strength_MPa"))

@@ -10,7 +10,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, dataclass, fields, is_dataclass
 from functools import lru_cache
-from typing import Annotated, Any, NamedTuple, cast, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, NamedTuple, TypeVar, cast, get_args, get_origin, get_type_hints
 
 # Standard gravity, m/s2.
 GRAVITY = 9.80665
@@ -25,6 +25,7 @@ class Unit(NamedTuple):
     divide: float = 1.0
 
 
+NO_UNIT = Unit("")
 # By the end of the keys that have it.
 UNITS = {
     "_mm": Unit("mm", divide=1e3),
@@ -42,8 +43,12 @@ UNITS = {
     "_g": Unit("g", GRAVITY),
     "_s": Unit("s"),
     "_percent": Unit("%"),
+    "_1_kN": Unit("1/kN", divide=1e3),
+    "_1_kPa": Unit("1/kPa", divide=1e3),
+    # What something becomes with so much more.
+    "_10_kN": NO_UNIT,
+    "_10_kPa": NO_UNIT,
 }
-NO_UNIT = Unit("")
 
 
 class Usual(NamedTuple):
@@ -141,6 +146,8 @@ def written(key: str, value: Any, *, defaults: bool = True) -> Any:
     """Return a value (SI) in the unit of its key; tuples become lists, dataclasses tables: `as_written`."""
     if isinstance(value, list | tuple):
         return [written(key, item, defaults=defaults) for item in cast("Sequence[Any]", value)]
+    if isinstance(value, dict):
+        return {name: written(key, item, defaults=defaults) for name, item in cast("dict[str, Any]", value).items()}
     if is_dataclass(value):
         return as_written(value, defaults=defaults)
     unit = unit_of(key)
@@ -153,16 +160,46 @@ def in_si(table: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def as_written(record: Any, *, defaults: bool = True) -> dict[str, Any]:
-    """Return the fields of a dataclass by their keys, in their units; None is left out, dataclasses in it are tables.
+    """Return the fields of a dataclass by their keys, in their units; dataclasses in it are tables.
 
-    defaults: whether values that are the default of their field are there.
+    None is left out of fields that have a default. defaults: whether values that are the default of their field are there.
     """
     out: dict[str, Any] = {}
     for item in declared(record.__class__).values():
         value = getattr(record, item.name)
-        if value is not None and (defaults or item.default is MISSING or value != item.default):
+        if item.default is MISSING or (value is not None and (defaults or value != item.default)):
             out[item.key] = written(item.key, value, defaults=defaults)
     return out
+
+
+Kind = TypeVar("Kind")
+
+
+def as_read(kind: type[Kind], table: Mapping[str, Any], *, units: bool = True) -> Kind:
+    """Return the dataclass that a table was made of: by `as_written`, or, units False, by `dataclasses.asdict`.
+
+    None is NaN where a number must stand, as JSON has it; keys of no field are left out.
+    """
+    keys = {(item.key if units else name): item for name, item in declared(kind).items()}
+    return kind(**{item.name: _read(item, table[key], units) for key, item in keys.items() if key in table})
+
+
+def _read(item: Declared, value: Any, units: bool) -> object:
+    if item.table is not None:
+        kind: type[Any] = item.table
+        if isinstance(value, list):
+            return tuple(as_read(kind, one, units=units) for one in cast("list[Any]", value))
+        return None if value is None else as_read(kind, value, units=units)
+    key = item.key if units else ""
+    if isinstance(value, dict):
+        none = math.nan if get_args(item.hint)[1:] == (float,) else None
+        values = {name: si(key, part) for name, part in cast("dict[str, Any]", value).items()}
+        return {name: none if part is None else part for name, part in values.items()}
+    value = si(key, value)
+    if isinstance(value, tuple):
+        return tuple(math.nan if part is None else part for part in cast("tuple[Any, ...]", value))
+    number = (get_args(item.hint)[0] if get_origin(item.hint) is Annotated else item.hint) is float
+    return math.nan if value is None and number else cast("object", value)
 
 
 def _suffix(key: str) -> str:

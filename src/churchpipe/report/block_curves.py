@@ -1,11 +1,13 @@
 """Capacity curves of the stones at large displacements, in the report."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+import math
+from collections.abc import Sequence
 
 import numpy as np
 
+from churchpipe.io.records import Analysis
 from churchpipe.report.plots import legend_beside, new_plot, svg_of
+from churchpipe.report.table import by_material
 
 _ENDINGS = {
     "vanished": "the load factor has vanished",
@@ -16,33 +18,33 @@ _ENDINGS = {
 }
 
 
-def block_curve_plots(analyses: Sequence[Mapping[str, Any]], geometry: str | None) -> list[tuple[str, str, list[str]]]:
+def block_curve_plots(analyses: Sequence[Analysis], geometry: str | None) -> list[tuple[str, str, list[str]]]:
     """Return (load, SVG, a sentence on each curve) for the loads that have curves of the stones; those of the shell beside them.
 
     analyses: the records of the summary. geometry: that of the report where there are several.
     """
-    of_load: dict[str, list[Mapping[str, Any]]] = {}
-    of_shell: dict[str, list[Mapping[str, Any]]] = {}
-    for record in (record for record in analyses if record.get("geometry") == geometry):
-        if record.get("method") == "curve" and record.get("displacement_m"):
-            of_load.setdefault(str(record["load"]), []).append(record)
-        if record.get("method") == "pushover" and record.get("control_mm"):
-            of_shell.setdefault(str(record["load"]), []).append(record)
+    of_load: dict[str, list[Analysis]] = {}
+    of_shell: dict[str, list[Analysis]] = {}
+    for record in (record for record in analyses if record.geometry == geometry):
+        if record.method == "curve" and record.displacement:
+            of_load.setdefault(record.load, []).append(record)
+        if record.method == "pushover" and record.control:
+            of_shell.setdefault(record.load, []).append(record)
     return [
         (load, _svg(records, of_shell.get(load, ())), [*map(_sentence, records), *map(_of_shell, of_shell.get(load, ()))])
         for load, records in of_load.items()
     ]
 
 
-def _svg(records: Sequence[Mapping[str, Any]], shells: Sequence[Mapping[str, Any]]) -> str:
+def _svg(records: Sequence[Analysis], shells: Sequence[Analysis]) -> str:
     figure, (axes,) = new_plot(1, (7.2, 3.4))
     for record in records:
-        axes.plot(
-            np.array(record["displacement_m"]) * 1e3, record["load_factors"], "-o", ms=2.5, lw=1.4, label=curve_label(record)
-        )
-    furthest = max(1e3 * max(record["displacement_m"]) for record in records)
+        places = 1e3 * np.array(record.displacement)
+        axes.plot(places, record.load_factors, "-o", ms=2.5, lw=1.4, label=curve_label(record))
+    furthest = max(1e3 * max(record.displacement or (0.0,)) for record in records)
     for record in shells:
-        axes.plot(record["control_mm"], record["load_factors"], "--s", ms=2.5, lw=1.2, label=f"shell, {curve_label(record)}")
+        label = f"shell, {curve_label(record)}"
+        axes.plot(1e3 * np.array(record.control), record.load_factors, "--s", ms=2.5, lw=1.2, label=label)
     axes.set_xlabel("displacement along the load, mm", fontsize=8)
     axes.set_ylabel("load factor", fontsize=8)
     # Displacements of the shell are small in its theory: its plateau goes on for ever.
@@ -52,22 +54,20 @@ def _svg(records: Sequence[Mapping[str, Any]], shells: Sequence[Mapping[str, Any
     return svg_of(figure)
 
 
-def curve_label(record: Mapping[str, Any]) -> str:
+def curve_label(record: Analysis) -> str:
     """Return what tells a curve from others of its load: what was swept, or its friction."""
-    swept = [f"{key.rpartition('.')[2]} = {value}" for key, value in record.get("swept", {}).items()]
-    return ", ".join(swept) or f"friction {record['friction']}"
+    swept = [f"{key.rpartition('.')[2]} = {value}" for key, value in record.swept.items()]
+    return ", ".join(swept) or f"friction {by_material(record.friction)}"
 
 
-def _of_shell(record: Mapping[str, Any]) -> str:
-    return (
-        f"Dashed: the shell at small displacements, elastic and associative, against that of its node {record['control_point']}."
-    )
+def _of_shell(record: Analysis) -> str:
+    return f"Dashed: the shell at small displacements, elastic and associative, against that of its node {record.control_point}."
 
 
-def _sentence(record: Mapping[str, Any]) -> str:
-    last = record["d0_m"] if record["d0_m"] is not None else record["displacement_m"][-1]
-    fell = zip(record["fallen_stones"], record["fell_at_m"], strict=True)
+def _sentence(record: Analysis) -> str:
+    last = (record.displacement or (0.0,))[-1] if record.d0 is None or math.isnan(record.d0) else record.d0
+    fell = zip(record.fallen_stones or (), record.fell_at or (), strict=True)
     names = ", ".join(f"{name} (at {at * 1e3:.3g} mm)" for name, at in fell)
     fallen = f". On the way fell {names}" if names else ""
-    start = f"{curve_label(record)}: it starts at a load factor of {record['load_factor']:.4f}"
-    return f"{start} and ends at {last * 1e3:.4g} mm, where {_ENDINGS[record['ending']]}{fallen}."
+    start = f"{curve_label(record)}: it starts at a load factor of {record.load_factor:.4f}"
+    return f"{start} and ends at {last * 1e3:.4g} mm, where {_ENDINGS[str(record.ending)]}{fallen}."

@@ -1,5 +1,6 @@
 """What a building carries, and its ties: tables of the report, and lines and arrows on its pictures."""
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -50,15 +51,15 @@ def tie_rows(rows: Sequence[Row]) -> list[list[str]]:
     return [
         [
             row.label,
-            str(tie["name"]),
-            f"{tie['tension_kN']:.1f}",
-            f"{tie['strength_kN']:.1f}",
-            f"{tie['share']:.2f}" if tie["share"] is not None else "",
-            "at its strength" if tie["yielded"] else "below it",
-            str(tie["governs"]),
+            tie.name,
+            f"{tie.tension / 1e3:.1f}",
+            f"{tie.strength / 1e3:.1f}",
+            "" if math.isnan(tie.share) else f"{tie.share:.2f}",
+            "at its strength" if tie.yielded else "below it",
+            tie.governs,
         ]
         for row in rows
-        for tie in row.record.get("tie_forces") or ()
+        for tie in row.record.tie_forces
     ]
 
 
@@ -68,14 +69,14 @@ def candidate_rows(rows: Sequence[Row]) -> list[list[str]]:
     return [
         [
             row.label,
-            str(one["name"]),
-            f"{one['strength_kN']:.1f}",
-            f"{one['rate_1_kN']:.2e}",
-            figure(one["most"], 4),
-            figure(one["load_factor"], 4) if one["load_factor"] is not None else "not analysed",
+            one.name,
+            f"{one.strength / 1e3:.1f}",
+            f"{1e3 * one.rate:.2e}",
+            figure(one.most, 4),
+            "not analysed" if math.isnan(one.load_factor) else figure(one.load_factor, 4),
         ]
         for row in rows
-        for one in row.record.get("tie_candidates") or ()
+        for one in row.record.tie_candidates
     ]
 
 
@@ -84,19 +85,18 @@ def gain_rows(rows: Sequence[Row]) -> list[list[str]]:
     that was analysed again: the load factor by the rate, and that of the analysis."""
     out: list[list[str]] = []
     for row in rows:
-        gains = sorted(row.record.get("gains") or (), key=lambda gain: -gain["cohesion_1_kPa"])
-        again = [any(gain.get(key) is not None for key in ("with_10_kPa", "with_10_kN")) for gain in gains]
+        gains = sorted(row.record.gains, key=lambda gain: -gain.cohesion)
+        again = [math.isfinite(gain.with_cohesion) or math.isfinite(gain.with_weight) for gain in gains]
         for one in [gain for number, gain in enumerate(gains) if number < _GAINS or again[number]]:
-            cells = [f"{10 * one['cohesion_1_kPa']:+.4f}", *_again(row, one, "with_10_kPa")]
-            cells += [f"{10 * one['weight_1_kN']:+.5f}", *_again(row, one, "with_10_kN")]
-            out.append([row.label, str(one["panel"]), *cells])
+            cells = [f"{1e4 * one.cohesion:+.4f}", _again(row, one.with_cohesion)]
+            cells += [f"{1e4 * one.weight:+.5f}", _again(row, one.with_weight)]
+            out.append([row.label, one.panel, *cells])
     return out
 
 
-def _again(row: Row, gain: Mapping[str, Any], key: str) -> list[str]:
+def _again(row: Row, factor: float) -> str:
     """Return how much a load factor changed in a new analysis, if there was one."""
-    factor = gain.get(key)
-    return ["" if factor is None else f"{factor - row.record['load_factor']:+.5f}"]
+    return "" if math.isnan(factor) else f"{factor - row.record.load_factor:+.5f}"
 
 
 def add_borne(plotter: Any, stones: Assemblage, motion: FloatArray, amplitude: float, borne: Borne) -> None:

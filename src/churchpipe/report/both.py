@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from churchpipe.io.records import Strength
 from churchpipe.model.names import MODELS
 from churchpipe.model.results import CapacityCurve
 from churchpipe.model.shell import ShellModel
@@ -17,8 +18,8 @@ from churchpipe.report.table import Row, figure, friction_text, minus, setting, 
 def question(row: Row) -> tuple[str, ...]:
     """Return what an analysis asks, by either model: stones, load, strength."""
     others = {key: value for key, value in swept(row).items() if of_both(key)}
-    strength = friction_text(row), str(row.record.get("cohesion_kPa"))
-    return str(row.record.get("geometry", "")), row.load, *strength, str(others), row.variant
+    strength = friction_text(row), str(row.record.cohesion)
+    return row.record.geometry or "", row.load, *strength, str(others), row.variant
 
 
 def partner(row: Row, rows: Sequence[Row]) -> int:
@@ -28,7 +29,7 @@ def partner(row: Row, rows: Sequence[Row]) -> int:
 
 def compared(summary: Mapping[str, Any], rows: Sequence[Row]) -> list[list[str]]:
     """Return the cells of the table of pairs: load, then analysis and load factor of either model, shell over blocks, overlap."""
-    by_name = {str(row.record.get("name")): row for row in rows}
+    by_name = {row.record.name: row for row in rows}
     out: list[list[str]] = []
     for pair in summary.get("comparison", ()):
         blocks, shell = (by_name.get(str(pair.get(model))) for model in MODELS)
@@ -45,8 +46,7 @@ def compared(summary: Mapping[str, Any], rows: Sequence[Row]) -> list[list[str]]
 
 def _words(row: Row) -> str:
     more = [setting(key, value) for key, value in swept(row).items() if key != "shell.element_size_mm"]
-    size = row.record.get("element_size_mm")
-    return ", ".join([row.kind, *([f"{size:g} mm"] if row.of_shell and size else []), f"friction {friction_text(row)}", *more])
+    return ", ".join([row.kind, *([row.mesh_size] if row.mesh_size else []), f"friction {friction_text(row)}", *more])
 
 
 def gate(summary: Mapping[str, Any], meshes: Sequence[str]) -> dict[str, Any] | None:
@@ -113,9 +113,9 @@ def mesh_plot(rows: Sequence[Row]) -> str:
     """Return load factor against element size when some analysis of the shell was made on several meshes; else ""."""
     series: dict[tuple[str, ...], list[tuple[float, float]]] = {}
     for row in rows:
-        factor, size = row.value("load_factor"), row.record.get("element_size_mm")
+        factor, size = row.value("load_factor"), row.record.element_size
         if row.of_shell and size and factor is not None and math.isfinite(factor):
-            series.setdefault((*question(row), row.kind), []).append((float(size), factor))
+            series.setdefault((*question(row), row.kind), []).append((1e3 * size, factor))
     drawn = {key: points for key, points in series.items() if len({size for size, _ in points}) > 1}
     if not drawn:
         return ""
@@ -136,7 +136,7 @@ def mesh_plot(rows: Sequence[Row]) -> str:
 def domain_plot(meshes: Mapping[str, ShellModel], rows: Sequence[Row]) -> tuple[str, str]:
     """Return sections of the strength of the most common unit cell of the shell, and what they are drawn for."""
     shell = next(iter(meshes.values()), None)
-    friction = next((_one(row.record.get("friction"), shell) for row in rows if row.of_shell and shell is not None), None)
+    friction = next((_one(row.record.friction, shell) for row in rows if row.of_shell and shell is not None), None)
     if shell is None or not friction or not shell.yields.any():
         return "", ""
     bonds, rank = np.unique(shell.bonds, return_inverse=True)
@@ -150,7 +150,7 @@ def domain_plot(meshes: Mapping[str, ShellModel], rows: Sequence[Row]) -> tuple[
     return domain_svg(a, b, h, friction, bond), words
 
 
-def _one(friction: object, shell: ShellModel) -> float | None:
-    if isinstance(friction, Mapping):
-        friction = friction.get(str(shell.material[shell.yields][0])) if shell.yields.any() else None
-    return float(friction) if isinstance(friction, int | float) else None
+def _one(friction: Strength, shell: ShellModel) -> float | None:
+    if isinstance(friction, dict):
+        return friction.get(str(shell.material[shell.yields][0])) if shell.yields.any() else None
+    return friction

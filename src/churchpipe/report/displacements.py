@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from churchpipe.io.records import Analysis
 from churchpipe.report import colours
 from churchpipe.report.block_curves import curve_label
 from churchpipe.report.plots import legend_beside, new_plot, svg_of
@@ -35,13 +36,13 @@ class DisplacementCheck:
     missing: str
 
 
-def displacement_checks(analyses: Sequence[Mapping[str, Any]], geometry: str | None) -> dict[str, Any] | None:
+def displacement_checks(analyses: Sequence[Analysis], geometry: str | None) -> dict[str, Any] | None:
     """Return the checks made of capacity curves, None where there are none: headings, checks, refused (label, message).
 
     analyses: the records of the summary. geometry: that of the report where there are several.
     """
-    mine = [record for record in analyses if record.get("method") == "curve" and record.get("geometry") == geometry]
-    checked = [(record, record["check"]) for record in mine if "check" in record]
+    mine = [record for record in analyses if record.method == "curve" and record.geometry == geometry]
+    checked = [(record, record.check) for record in mine if record.check]
     if not checked:
         return None
     good = [(record, check) for record, check in checked if "message" not in check]
@@ -52,8 +53,8 @@ def displacement_checks(analyses: Sequence[Mapping[str, Any]], geometry: str | N
     }
 
 
-def _label(record: Mapping[str, Any]) -> str:
-    return f"load {record['load']}, {curve_label(record)}"
+def _label(record: Analysis) -> str:
+    return f"load {record.load}, {curve_label(record)}"
 
 
 def _check(label: str, check: Mapping[str, Any]) -> DisplacementCheck:

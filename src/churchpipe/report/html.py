@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 
 from churchpipe.io.atomic import write_text
+from churchpipe.io.records import Analysis
+from churchpipe.io.sample_study import study_of
 from churchpipe.mechanism import stone_of_point
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import KINDS, Contacts
@@ -35,7 +37,7 @@ from churchpipe.report.safety import CUT_OFF, check_table, fails, part_overview,
 from churchpipe.report.sensitivity import sensitivity_plots
 from churchpipe.report.shell_picture import shell_picture
 from churchpipe.report.shell_view import ShellState, joint_outlines, motion_of, shell_data
-from churchpipe.report.table import Record, Row, columns_for, figure, friction_text, rows_of, swept
+from churchpipe.report.table import Row, columns_for, figure, friction_text, rows_of, swept
 from churchpipe.report.title_block import MATERIAL_HEADINGS, material_rows, title_block
 from churchpipe.report.uncertainty import uncertainty_section
 from churchpipe.report.variants import link_to, variants_section
@@ -49,14 +51,15 @@ def write_report(
     path: str | Path,
     *,
     summary: Mapping[str, Any],
+    analyses: Sequence[Analysis],
     stones: Assemblage,
     contacts: Contacts,
-    results: Sequence[tuple[Record, LimitState]],
+    results: Sequence[tuple[Analysis, LimitState]],
     case_text: str,
     versions: Mapping[str, str],
     figures_dir: Path | None = None,
     shells: Mapping[str, ShellModel] | None = None,
-    shell_results: Sequence[tuple[Record, str, ShellState]] = (),
+    shell_results: Sequence[tuple[Analysis, str, ShellState]] = (),
     published: Sequence[Mapping[str, Any]] = (),
     project: Mapping[str, str] | None = None,
     materials: Sequence[Mapping[str, Any]] = (),
@@ -68,8 +71,7 @@ def write_report(
 
     Parameters
     ----------
-    summary: the content of summary.json. results: for each rigid-block analysis its record in `summary["analyses"]` and its
-        state; a record may hold "direction" (3,), drawn as an arrow.
+    summary: the content of summary.json, analyses: its records. results: each rigid-block analysis that is drawn, and its state.
     figures_dir: where the pictures of the mechanisms are kept as PNG too (None: nowhere).
     shells: the meshes of the shell, by name. shell_results: for each analysis of the shell its record, its mesh, its state.
     published: load factors of others, see `published_rows`. project: the title block. materials: of the case, in SI.
@@ -80,12 +82,12 @@ def write_report(
     """
     meshes = shells or {}
     followed = [(record, curve) for record, curve in followed if len(curve.displacement)]
-    rows = rows_of(summary, results, shell_results)
+    rows = rows_of(analyses, results, shell_results)
     of_blocks = [row for row in rows if row.state is not None]
     of_shell = [row for row in rows if row.shell is not None]
     columns = columns_for(rows)
     asis = [row for row in rows if not row.variant]
-    geometry = next((row.record.get("geometry") for row in (*of_blocks, *of_shell, *rows)), None)
+    geometry = next((row.record.geometry for row in (*of_blocks, *of_shell, *rows)), None)
     with _pictures(stones, contacts, meshes, of_blocks, of_shell, figures_dir, borne or {}, followed) as pictures:
         domain, domain_words = both.domain_plot(meshes, rows)
         text = template("report.html").render(
@@ -99,9 +101,9 @@ def write_report(
             joints=joints_lines(joints_record(stones, contacts)),
             gaps=gaps_svg(contacts),
             cards=_cards(asis, bool(of_shell)) if len(asis) <= CARDS else [],
-            uncertainty=uncertainty_section(summary),
-            variants=variants_section(summary, str(geometry or "")),
-            elsewhere=_elsewhere(summary, str(geometry or "")),
+            uncertainty=uncertainty_section(study_of(summary), rows),
+            variants=variants_section(summary, analyses, geometry or ""),
+            elsewhere=_elsewhere(summary, geometry or ""),
             columns=[(column.title, column.meaning) for column in columns],
             rows=[[column.text(row) for column in columns] for row in rows],
             words=[place for place, column in enumerate(columns) if not column.numeric],
@@ -117,9 +119,9 @@ def write_report(
             capacity=both.capacity_plots(rows),
             movements=movements_shown(moved),
             vault_sections=vault_sections(stones, contacts, of_blocks),
-            block_curves=block_curve_plots(summary.get("analyses", []), geometry),
+            block_curves=block_curve_plots(analyses, geometry),
             crack_maps=crack_maps(stones, contacts, followed),
-            displacements=displacement_checks(summary.get("analyses", []), geometry),
+            displacements=displacement_checks(analyses, geometry),
             mesh_plot=both.mesh_plot(rows),
             domain=domain,
             domain_words=domain_words,
@@ -134,7 +136,7 @@ def write_report(
             published=published_rows(published, asis),
             sensitivity=sensitivity_plots(rows),
             convergence=_convergence(rows),
-            non_associative=any(row.record.get("flow") == "non-associative" for row in rows),
+            non_associative=any(row.record.flow == "non-associative" for row in rows),
             choices=[
                 *(f"{row.label}: {figure(row.value('load_factor'), 4)}" for row in of_blocks),
                 *(path_label(record) for record, _ in followed),
@@ -162,7 +164,7 @@ def _elsewhere(summary: Mapping[str, Any], here: str) -> list[tuple[str, str]]:
 
 def _sizes(summary: Mapping[str, Any], rows: Sequence[Row]) -> Mapping[str, Any]:
     """Return the part of the summary that holds the sizes of the geometry that is drawn."""
-    geometry = str(rows[0].record.get("geometry")) if rows else ""
+    geometry = rows[0].record.geometry or "" if rows else ""
     return {**summary, **summary.get("geometries", {}).get(geometry, {})}
 
 
@@ -189,7 +191,7 @@ def _interface_kinds(contacts: Contacts) -> str:
 def _cards(rows: Sequence[Row], both_models: bool) -> list[dict[str, str]]:
     """Return a card for each analysis; of several that answer one question the first, the careful one, says so."""
     # Capacity curves of the stones answer another question, and have a check of their own.
-    asked = [(*both.question(row), str(row.record.get("method") == "curve")) for row in rows]
+    asked = [(*both.question(row), str(row.record.method == "curve")) for row in rows]
     leads = [asked.count(one) > 1 and one not in asked[:place] for place, one in enumerate(asked)]
     words = ["the careful value: use it" if lead and row.status in GOOD else "" for row, lead in zip(rows, leads, strict=True)]
     return [_card(row, both_models) | {"use": use} for row, use in zip(rows, words, strict=True)]
@@ -229,7 +231,7 @@ def _viewer_data(
     of_shell: Sequence[Row],
     followed: Sequence[Followed],
 ) -> dict[str, Any]:
-    data = viewer.viewer_data(stones, [(dict(row.record), row.state, row.label) for row in of_blocks if row.state], contacts)
+    data = viewer.viewer_data(stones, [(row.record, row.state, row.label) for row in of_blocks if row.state], contacts)
     data["analyses"] += [viewer_path(stones, record, curve, viewer.origin_of(stones)) for record, curve in followed]
     if not of_shell or not of_blocks:
         return data
@@ -261,11 +263,11 @@ def _pictures(
         jobs: list[Job] = []
         for number, row in enumerate(first.values(), 1):
             # Names of analyses of a run are those of its folders; any others may be no names of files.
-            file = folder / f"{row.record.get('name', number) if keep else number}.png"
+            file = folder / f"{row.record.name or number if keep else number}.png"
             drawn.append((row.label, file))
             if row.state:
                 push = None if row.status == "unstable" else push_direction(row.record)
-                carried = borne.get(str(row.record.get("name")))
+                carried = borne.get(row.record.name)
                 jobs.append((mechanism_picture, (stones, np.nan_to_num(row.state.velocities), file, push, carried)))
             elif row.shell:
                 beside = rows[max(both.partner(row, rows), 0)].state if rows else None
@@ -275,7 +277,7 @@ def _pictures(
                 scene = (mesh, motion_of(state), np.nan_to_num(state.plastic))
                 toward = viewpoint(stones, moved)
                 jobs.append((shell_picture, (*scene, file, toward)))
-                if beside and row.record.get("method") == "limit":
+                if beside and row.record.method == "limit":
                     overlay = file.with_stem(f"{file.stem}_overlay")
                     joints = joint_outlines(contacts, np.flatnonzero(opened_joints(joint_opening(contacts, stones, moved))))
                     drawn.append((f"{row.label}: plastic strain, and the joints of the stones that open", overlay))

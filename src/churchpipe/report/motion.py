@@ -1,10 +1,8 @@
 """How a mechanism moves: rigid motion of the stones at an amplitude, and from where it is best seen."""
 
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 
+from churchpipe.io.records import Analysis
 from churchpipe.mechanism import reference_speed, stone_of_point
 from churchpipe.model.arrays import BoolArray, FloatArray
 from churchpipe.model.assemblage import Assemblage
@@ -135,18 +133,11 @@ def ground_plate(stones: Assemblage) -> BoolArray:
     return stones.fixed & covers & (high[:, 2] <= bottom[2] + slack)
 
 
-def push_direction(record: Mapping[str, Any]) -> FloatArray | None:
-    """Return the unit vector (3,) of an analysis' load: its "direction", else read from a load name such as "-y"; or None."""
-    given = record.get("direction")
-    name = str(record.get("load", ""))
-    if given is not None:
-        vector = np.asarray(given, dtype=float)
-    elif len(name) == 2 and name[0] in "+-" and name[1] in "xyz":
-        vector = np.eye(3)["xyz".index(name[1])] * (1.0 if name[0] == "+" else -1.0)
-    else:
-        return None
+def push_direction(record: Analysis) -> FloatArray | None:
+    """Return the unit vector (3,) of an analysis' load, None of one that pushes nowhere."""
+    vector = np.array(record.direction)
     length = float(np.linalg.norm(vector))
-    return vector / length if vector.shape == (3,) and length > 0 else None
+    return vector / length if length > 0 else None
 
 
 def push_arrow_start(stones: Assemblage, push: FloatArray) -> FloatArray:

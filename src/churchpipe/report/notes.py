@@ -64,7 +64,7 @@ def convergence_note(row: Row) -> str:
 def _missing_proof(row: Row) -> str:
     """Return what a failed analysis lacks, from its own figures: bounds at all, bounds that meet, or forces that balance."""
     lower, upper = row.value("lower_bound"), row.value("upper_bound")
-    message = row.state.message if row.state else str(row.record.get("message") or "")
+    message = row.state.message if row.state else row.record.message
     says = f" The solver says: {message}." if message else ""
     if lower is None or upper is None or not (math.isfinite(lower) and math.isfinite(upper)):
         return f"The solver stopped before it had bounds.{says}"
@@ -88,7 +88,7 @@ def _start_note(run: StartRun) -> str:
 
 
 def _shell_note(row: Row) -> str:
-    message = str(row.record.get("message") or (row.shell[1].message if row.shell else ""))
+    message = row.record.message
     match row.status:
         case "unstable":
             return f"The shell does not stand under its own weight, so there is no load factor: {message}."
@@ -98,7 +98,7 @@ def _shell_note(row: Row) -> str:
             return f"The capacity curve ends before a proved plateau; its load factor is the largest one reached. {message}"
         case "failed":
             return f"No certified answer was found. {message}"
-    note = OUTER.get(str(row.record.get("planes")), "")
+    note = OUTER.get(row.record.planes or "", "")
     return f"{note[0].upper()}{note[1:]}." if note else ""
 
 

@@ -1,11 +1,12 @@
 """The real path of the stones in the report: frames for the viewer, snapshots, and crack maps."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from churchpipe.io.records import Analysis
 from churchpipe.large_displacements.cracks import joint_cracks
 from churchpipe.mechanism import moving_stones, reference_speed, stone_speed
 from churchpipe.model.arrays import FloatArray
@@ -19,18 +20,18 @@ from churchpipe.report.frames import frames, placed
 from churchpipe.report.motion import push_direction, viewpoint
 from churchpipe.report.packing import packed
 
-Followed = tuple[Mapping[str, Any], BlockCapacityCurve]
+Followed = tuple[Analysis, BlockCapacityCurve]
 # Crack maps show the joints at this share of d0, the life safety limit state, and so many walls at the most, those with cracks of
 # this share of the widest.
 _LIMIT, _WALLS, _SHOWN = 0.4, 8, 0.05
 
 
-def path_label(record: Mapping[str, Any]) -> str:
+def path_label(record: Analysis) -> str:
     """Return the name of a path for a chooser."""
-    return f"real path, load {record['load']}, {curve_label(record)}"
+    return f"real path, load {record.load}, {curve_label(record)}"
 
 
-def viewer_path(stones: Assemblage, record: Mapping[str, Any], curve: BlockCapacityCurve, origin: FloatArray) -> dict[str, Any]:
+def viewer_path(stones: Assemblage, record: Analysis, curve: BlockCapacityCurve, origin: FloatArray) -> dict[str, Any]:
     """Return a path as an analysis of the viewer: `path` holds its frames, position (nf, nb, 3) m, rotation (nf, nb, 3) rad and
     the words of each; stones are coloured by how far they go in the end."""
     kept = frames(len(curve.displacement))
@@ -60,7 +61,7 @@ def snapshots(stones: Assemblage, followed: Sequence[Followed], folder: Path) ->
     for record, curve in followed:
         last = len(curve.displacement) - 1
         for step in dict.fromkeys((last // 2, last)):
-            file = folder / f"{record.get('name', 'curve')}_{step:03d}.png"
+            file = folder / f"{record.name or 'curve'}_{step:03d}.png"
             label = f"{path_label(record)}: {_words(curve, step)}"
             job = (
                 _snapshot,

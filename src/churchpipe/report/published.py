@@ -26,11 +26,11 @@ def published_rows(published: Sequence[Mapping[str, Any]], rows: Sequence[Row]) 
 
 def _same_question(row: Row, value: Mapping[str, Any]) -> bool:
     record = row.record
-    if record.get("load") != value["load"] or value["friction"] not in (None, record.get("friction")):
+    if record.load != value["load"] or value["friction"] not in (None, record.friction):
         return False
     # What was measured on the real thing stands beside every analysis.
     model = _MODELS.get(value["model"])
-    return model is None or (record.get("model") == model and value["flow"] in (None, record.get("flow")))
+    return model is None or (record.model == model and value["flow"] in (None, record.flow))
 
 
 def _published(value: Mapping[str, Any]) -> str:
@@ -41,10 +41,9 @@ def _published(value: Mapping[str, Any]) -> str:
 
 def _ours(row: Row, published: float) -> list[str]:
     factor = row.value("load_factor")
-    size = row.record.get("element_size_mm")
-    words = [MODELS.get(str(row.record.get("model")), ""), row.kind, f"{size:g} mm" if row.of_shell and size else ""]
+    words = [row.record.model_words, row.kind, row.mesh_size]
     words += [setting(key, value) for key, value in swept(row).items() if key != "shell.element_size_mm"]
-    words += [f"friction {friction_text(row)}"] if row.record.get("swept") else []
+    words += [f"friction {friction_text(row)}"] if row.record.swept else []
     words += [row.status] if row.status not in ("optimal", "converged") else []
     apart = "" if factor is None or math.isinf(factor) else minus(f"{100 * (factor / published - 1):+.1f} %")
     return [", ".join(word for word in words if word), figure(factor, 4), apart]

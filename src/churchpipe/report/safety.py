@@ -3,9 +3,9 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from churchpipe.mechanism import STILL, TAKES_PART
-from churchpipe.model.names import crushes
-from churchpipe.report.table import Record, Row, amount, figure, minus
+from churchpipe.io.records import Analysis
+from churchpipe.mechanism import STILL, TAKES_PART, Part
+from churchpipe.report.table import Row, amount, figure, minus
 
 # Share of the mechanism's speed from which on a stone is said to move.
 CUT_OFF = f"1/{1 / STILL:.0f}"
@@ -40,8 +40,8 @@ def check_table(rows: Sequence[Row]) -> dict[str, Any] | None:
     """Return the table of safety checks, or None where no analysis has one: headings, rows of cells, chips (the
     column of the verdicts, where there is one), sited, refused."""
     # Capacity curves have a check of their own: `report.displacements`.
-    of_limits = [row for row in rows if row.record.get("method") != "curve"]
-    found = [(row, check) for row in of_limits if isinstance(check := row.record.get("check"), Mapping)]
+    of_limits = [row for row in rows if row.record.method != "curve"]
+    found = [(row, row.record.check) for row in of_limits if row.record.check]
     good = [(row, check) for row, check in found if "a0_m_s2" in check]
     if not found:
         return None
@@ -54,7 +54,7 @@ def check_table(rows: Sequence[Row]) -> dict[str, Any] | None:
             for row, check in good
         ],
         "chips": [len(columns) + 1] if sited else [],
-        "kinds": ["crushing" if crushes(row.record) else "" for row, _ in good],
+        "kinds": ["crushing" if row.record.crushes else "" for row, _ in good],
         "sited": sited,
         "floor": any("floor_demand_m_s2" in check for _, check in good),
         "refused": [(row.label, check["message"]) for row, check in found if "message" in check],
@@ -76,8 +76,8 @@ def verdict(check: Mapping[str, Any]) -> str:
 
 def safety_index(row: Row) -> str:
     """Return zeta_E of a row's check with its verdict, with e* = 1 first; "" where the case says nothing of the site."""
-    check = row.record.get("check")
-    if not isinstance(check, Mapping) or "zeta_e" not in check:
+    check = row.record.check
+    if not check or "zeta_e" not in check:
         return ""
     words = f"\u03b6_E = {figure(check['zeta_e'], 2)}, {verdict(check)}"
     stones = check.get("zeta_e_stones")
@@ -86,8 +86,7 @@ def safety_index(row: Row) -> str:
 
 def fails(row: Row) -> bool:
     """Return whether a row's check was made and is not satisfied."""
-    check = row.record.get("check")
-    return isinstance(check, Mapping) and check.get("satisfied") is False
+    return (row.record.check or {}).get("satisfied") is False
 
 
 def part_overview(rows: Sequence[Row]) -> dict[str, Any] | None:
@@ -98,9 +97,9 @@ def part_overview(rows: Sequence[Row]) -> dict[str, Any] | None:
     shown = _first_of_each(rows)
     if len(shown) < 2:
         return None
-    motion = [{str(part["name"]): part["motion"] for part in row.record["parts"] if part["moving"] > 0} for row in shown]
+    motion = [{part.name: part.motion for part in row.record.parts if part.moving > 0} for row in shown]
     largest = {name: max(shares.get(name, 0.0) for shares in motion) for shares in motion for name in shares}
-    names = dict.fromkeys(str(part["name"]) for row in shown for part in row.record["parts"])
+    names = dict.fromkeys(part.name for row in shown for part in row.record.parts)
     return {
         "headings": ["Share of the motion", *(f"{row.load}, {'shell, ' if row.of_shell else ''}{row.kind}" for row in shown)],
         "rows": [
@@ -111,10 +110,10 @@ def part_overview(rows: Sequence[Row]) -> dict[str, Any] | None:
     }
 
 
-def what_moves(record: Record, share: float = TAKES_PART) -> str:
+def what_moves(record: Analysis, share: float = TAKES_PART) -> str:
     """Return the macro-elements that carry at least a share of the motion, with the most first; "" where none is known."""
-    parts = [part for part in record.get("parts", ()) if part["motion"] >= share]
-    return ", ".join(f"{part['name']} {_percent(part['motion'])}" for part in parts)
+    parts = [part for part in record.parts if part.motion >= share]
+    return ", ".join(f"{part.name} {_percent(part.motion)}" for part in parts)
 
 
 def _percent(share: float) -> str:
@@ -125,7 +124,7 @@ def _first_of_each(rows: Sequence[Row]) -> list[Row]:
     """Return the first analysis of each load, model and kind whose macro-elements are known."""
     first: dict[tuple[str, bool, str], Row] = {}
     for row in rows:
-        if row.record.get("parts"):
+        if row.record.parts:
             first.setdefault((row.load, row.of_shell, row.kind), row)
     return list(first.values())
 
@@ -135,18 +134,13 @@ def part_tables(rows: Sequence[Row]) -> list[dict[str, Any]]:
     return [
         {
             "label": row.label,
-            "rows": [_part(part) for part in row.record["parts"] if part["moving"] > 0],
-            "still": [part["name"] for part in row.record["parts"] if not part["moving"] > 0],
+            "rows": [_part(part) for part in row.record.parts if part.moving > 0],
+            "still": [part.name for part in row.record.parts if not part.moving > 0],
         }
         for row in _first_of_each(rows)
     ]
 
 
-def _part(part: Mapping[str, Any]) -> list[str]:
-    return [
-        str(part["name"]),
-        amount(part["weight_kN"], 1),
-        f"{100 * part['moving']:.0f} %",
-        minus(f"{part['displacement']:z.2f}"),
-        f"{100 * part['motion']:.1f} %",
-    ]
+def _part(part: Part) -> list[str]:
+    shares = f"{100 * part.moving:.0f} %", minus(f"{part.displacement:z.2f}"), f"{100 * part.motion:.1f} %"
+    return [part.name, amount(part.weight / 1e3, 1), *shares]

@@ -1,7 +1,7 @@
 """Load factor against whatever number a run sweeps: friction, length of the stones, any key of the case."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -32,15 +32,10 @@ def _plot(key: str, rows: Sequence[Row]) -> str:
 def _curve(row: Row, key: str, rows: Sequence[Row]) -> str:
     """Name the curve that an analysis belongs to: all that tells it from others but the number itself."""
     models = ["shell"] if row.of_shell else ["rigid blocks"] if any(other.of_shell for other in rows) else []
-    others = [setting(other, value) for other, value in _swept(row).items() if other != key]
+    others = [setting(other, value) for other, value in row.record.swept.items() if other != key]
     models += [row.variant] if row.variant else []
     return ", ".join([*models, row.kind, f"load {row.load}", *others])
 
 
-def _swept(row: Row) -> dict[str, object]:
-    swept = row.record.get("swept")
-    return dict(swept) if isinstance(swept, Mapping) else {}
-
-
 def _numbers(row: Row) -> dict[str, float]:
-    return {key: float(v) for key, v in _swept(row).items() if isinstance(v, int | float) and not isinstance(v, bool)}
+    return {key: float(v) for key, v in row.record.swept.items() if isinstance(v, int | float) and not isinstance(v, bool)}

@@ -2,15 +2,11 @@
 
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
-from churchpipe.model.names import MODELS, SHELL, analysis_name, crushes
+from churchpipe.io.records import Analysis, Strength
 from churchpipe.model.results import CapacityCurve, LimitState, ShellLimitState
-
-Record = Mapping[str, Any]
-IDENTITY = ("model", "method", "flow", "load", "friction", "geometry")
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,48 +14,51 @@ class Row:
     """An analysis: its record in the summary, and its state when this report draws it: `state` of the rigid blocks; of the shell
     `shell`, the name of its mesh and the state."""
 
-    record: Record
+    record: Analysis
     state: LimitState | None = None
     shell: tuple[str, ShellLimitState | CapacityCurve] | None = None
 
     @property
     def status(self) -> str:
-        return str(self.record.get("status") or (self.state.status if self.state else "unknown"))
+        return self.record.status
 
     @property
     def kind(self) -> str:
         """Flow rule or method, and the strength where it is not the exact one."""
-        return analysis_name(self.record)
+        return self.record.kind
 
     @property
     def of_shell(self) -> bool:
         """Whether the analysis is one of the shell."""
-        return self.record.get("model") == SHELL
+        return self.record.of_shell
 
     @property
     def load(self) -> str:
-        return minus(str(self.record.get("load", "")))
+        return minus(self.record.load)
 
     @property
     def variant(self) -> str:
         """Name of its variant of the building; "" as the building is."""
-        return str(self.record.get("variant") or "")
+        return self.record.variant or ""
 
     @property
     def label(self) -> str:
         """Name of the analysis for a chooser or a heading."""
-        words = [*([self.variant] if self.variant else []), *(["shell"] if self.of_shell else [])]
-        words += [self.kind or str(self.record.get("model", "analysis"))]
-        words += [f"load {self.load}"] if self.load else []
-        words += [f"friction {friction_text(self)}"] if "friction" in self.record else []
+        words = [*([self.variant] if self.variant else []), *(["shell"] if self.of_shell else []), self.kind]
+        words += [f"load {self.load}", f"friction {friction_text(self)}"]
         return ", ".join(words + [setting(key, value) for key, value in swept(self).items()])
+
+    @property
+    def mesh_size(self) -> str:
+        """Size of the elements of its mesh in words; "" of the rigid blocks."""
+        return f"{1e3 * self.record.element_size:g} mm" if self.record.element_size else ""
 
     def value(self, key: str) -> float | None:
         """Return a number of the record, else of the state (JSON has no infinity); None when neither has one."""
-        value = self.record.get(key)
-        if value is None and self.state is not None:
+        value = getattr(self.record, key)
+        if (value is None or math.isnan(value)) and self.state is not None:
             value = getattr(self.state, key, None)
-        return value if isinstance(value, int | float) and not math.isnan(value) else None
+        return None if value is None or math.isnan(value) else value
 
     @property
     def relative_gap(self) -> float | None:
@@ -79,23 +78,14 @@ class Column:
 
 
 def rows_of(
-    summary: Record,
-    results: Sequence[tuple[Record, LimitState]],
-    shells: Sequence[tuple[Record, str, ShellLimitState | CapacityCurve]] = (),
+    analyses: Sequence[Analysis],
+    results: Sequence[tuple[Analysis, LimitState]],
+    shells: Sequence[tuple[Analysis, str, ShellLimitState | CapacityCurve]] = (),
 ) -> list[Row]:
-    """Return the analyses in the order of the summary, each with its state; those that only `results` has come last."""
-    states = {identity(record): Row(record, state) for record, state in results}
-    states |= {identity(record): Row(record, None, (mesh, state)) for record, mesh, state in shells}
-    rows: list[Row] = []
-    for record in summary.get("analyses", ()):
-        found = states.pop(identity(record), Row(record))
-        rows.append(Row(record, found.state, found.shell))
-    return rows + list(states.values())
-
-
-def identity(record: Record) -> tuple[str, ...]:
-    """Return what tells one analysis of a run from another: its name, if it has one."""
-    return (str(record["name"]),) if "name" in record else tuple(str(record.get(key, "")) for key in IDENTITY)
+    """Return the analyses of a run, each with its state."""
+    states = {record.name: Row(record, state) for record, state in results}
+    states |= {record.name: Row(record, None, (mesh, state)) for record, mesh, state in shells}
+    return [states.get(record.name, Row(record)) for record in analyses]
 
 
 def columns_for(rows: Sequence[Row]) -> list[Column]:
@@ -142,10 +132,8 @@ def minus(text: str) -> str:
 
 def swept(row: Row) -> dict[str, str]:
     """Return the swept settings of a row and their values; friction has a column of its own."""
-    values = row.record.get("swept")
-    items = values.items() if isinstance(values, Mapping) else ()
-    alone = isinstance(row.record.get("friction"), int | float)
-    return {key: str(value) for key, value in items if not (alone and key.endswith(".friction"))}
+    alone = not isinstance(row.record.friction, dict)
+    return {key: str(value) for key, value in row.record.swept.items() if not (alone and key.endswith(".friction"))}
 
 
 def heading(key: str) -> str:
@@ -170,33 +158,32 @@ _UNIT = re.compile(r"_(mm|m|kPa|MPa|GPa|kN_m3|m_s2|percent|deg)$")
 
 def friction_text(row: Row) -> str:
     """Return the friction coefficient, or one a material, and the names of joints with a strength of their own."""
-    own = ", ".join(str(group["name"]) for group in row.record.get("joints", ()))
-    return _by_material(row.record.get("friction")) + (f"; joints of their own: {own}" if own else "")
+    own = ", ".join(group.name for group in row.record.joints)
+    return by_material(row.record.friction) + (f"; joints of their own: {own}" if own else "")
 
 
-def _by_material(value: object) -> str:
-    if isinstance(value, Mapping):
-        return ", ".join(f"{name} {_by_material(number)}" for name, number in value.items())
-    return f"{value:g}" if isinstance(value, int | float) else ""
+def by_material(value: Strength, unit: float = 1.0) -> str:
+    """Return a strength as text in a unit (of so much in SI), or one a material."""
+    if isinstance(value, dict):
+        return ", ".join(f"{name} {number / unit:g}" for name, number in value.items())
+    return f"{value / unit:g}"
 
 
 def _model(row: Row) -> str:
-    name = str(row.record.get("model", ""))
-    return MODELS.get(name, name)
+    return row.record.model_words
 
 
 def _cohesion(row: Row) -> str:
-    value = row.record.get("cohesion_kPa")
-    return _by_material(value) if value else ""
+    return by_material(row.record.cohesion, 1e3) if row.record.cohesion else ""
 
 
 def _crushing(row: Row) -> str:
-    return _by_material(row.record["compressive_strength_MPa"]) if crushes(row.record) else ""
+    strength = row.record.compressive_strength
+    return by_material(strength, 1e6) if row.record.crushes and strength else ""
 
 
 def _elements(row: Row) -> str:
-    value = row.record.get("elements")
-    return f"{value:,}" if isinstance(value, int) and row.of_shell else ""
+    return f"{row.record.elements:,}" if row.record.elements else ""
 
 
 def _seconds(row: Row) -> str:

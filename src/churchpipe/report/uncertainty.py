@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from churchpipe.io.sample_study import Asked, Mechanism, SampledAnalysis, SampleStudy
 from churchpipe.model.quantities import GRAVITY
 from churchpipe.report import colours
 from churchpipe.report.plots import legend_beside, new_plot, svg_of
@@ -18,137 +19,142 @@ _NOISE = 0.1
 _HEADINGS = ("as it is", "mean", "CoV", "5 %", "median", "95 %")
 
 
-def uncertainty_section(summary: Mapping[str, Any]) -> dict[str, Any] | None:
+def uncertainty_section(study: SampleStudy | None, rows: Sequence[Row]) -> dict[str, Any] | None:
     """Return what the section shows, or None of a case without [sample]: parameters, refused samples, and of each analysis its
     figures, plots and mechanisms."""
-    study = summary.get("uncertainty")
     if study is None:
         return None
-    analyses = [one for one in study["analyses"] if one["count"]]
+    label = _labels(rows)
+    analyses = [one for one in study.analyses if one.count]
     return {
-        "number": study["number"],
-        "method": {"sobol": "a Sobol sequence", "latin-hypercube": "Latin hypercubes"}[study["method"]],
-        "seed": study["seed"],
-        "parameters": [(", ".join(map(heading, one["key"])), _distribution(one)) for one in study["parameters"]],
-        "refused": study["refused"],
+        "number": study.number,
+        "method": {"sobol": "a Sobol sequence", "latin-hypercube": "Latin hypercubes"}[study.method],
+        "seed": study.seed,
+        "parameters": [(", ".join(map(heading, table["key"])), _distribution(table)) for table in study.parameters],
+        "refused": study.refused,
         "headings": ["Analysis", *_HEADINGS, "It hangs on", ""],
-        "rows": [[_label(one), *_row(one), _matters(one), "; ".join(_left_out(one))] for one in study["analyses"]],
-        "demands": [(_label(one), _asked(*asked)) for one in analyses for asked in _demands(one)],
+        "rows": [[label[one.name], *_row(one), _matters(one), "; ".join(_left_out(one))] for one in study.analyses],
+        "demands": [(label[one.name], _asked(*asked)) for one in analyses for asked in _demands(one)],
         "shown": [
             {
-                "label": _label(one),
+                "label": label[one.name],
                 "spread": _spread_svg(one),
-                "influence": _influence_svg(one, study["points"]),
-                "explained": one["explained"],
-                "mechanisms": [_mechanism(kind) for kind in one["mechanisms"]],
+                "influence": _influence_svg(one, study.points),
+                "explained": None if math.isnan(one.explained) else one.explained,
+                "mechanisms": [_mechanism(kind) for kind in one.mechanisms],
             }
             for one in analyses
         ],
     }
 
 
-def uncertainty_lines(summary: Mapping[str, Any]) -> list[str]:
+def uncertainty_lines(study: SampleStudy | None, rows: Sequence[Row]) -> list[str]:
     """Return the same for a terminal: a sentence or two an analysis, and one for what could not be built."""
-    study = summary.get("uncertainty")
     if study is None:
         return []
-    lines: list[str] = []
-    for one in study["analyses"]:
+    label, lines = _labels(rows), list[str]()
+    for one in study.analyses:
         row = dict(zip(_HEADINGS, _row(one), strict=True))
-        words = f"{_label(one)}: {one['count']} samples, load factor {row['mean']} in the mean, CoV {row['CoV']}, 90 % of them "
+        words = f"{label[one.name]}: {one.count} samples, load factor {row['mean']} in the mean, CoV {row['CoV']}, 90 % of them "
         words += f"from {row['5 %']} to {row['95 %']}"
         lines.append("; ".join([words, *([f"it hangs on {_matters(one)}"] if _matters(one) else []), *_left_out(one)]) + ".")
-        kinds = one["mechanisms"][:3] if len(one["mechanisms"]) > 1 else ()
-        lines += [f"  {100 * kind['share']:.0f} % fall by: {kind['moves']} (mean {figure(kind['mean'], 4)})" for kind in kinds]
+        kinds = one.mechanisms[:3] if len(one.mechanisms) > 1 else ()
+        lines += [f"  {100 * kind.share:.0f} % fall by: {kind.moves} (mean {figure(kind.mean, 4)})" for kind in kinds]
         lines += [f"  {_asked(*asked)}" for asked in _demands(one)]
-    refused = study["refused"]
-    lines += (
-        [f"{len(refused)} of {study['number']} samples could not be built; the first: {refused[0]['message']}"] if refused else []
-    )
+    refused = study.refused
+    lines += [f"{len(refused)} of {study.number} samples could not be built; the first: {refused[0].message}"] if refused else []
     return lines
 
 
-def _label(one: Mapping[str, Any]) -> str:
-    row = Row(one)
-    words = [*([row.variant] if row.variant else []), *(["shell"] if row.of_shell else []), row.kind, f"load {row.load}"]
-    return ", ".join(words + [setting(key, value) for key, value in one.get("swept", {}).items()])
+def _labels(rows: Sequence[Row]) -> dict[str, str]:
+    """Return what to call each analysis, by name; its friction may be among what varies."""
+    return {
+        row.record.name: ", ".join(
+            [
+                *([row.variant] if row.variant else []),
+                *(["shell"] if row.of_shell else []),
+                row.kind,
+                f"load {row.load}",
+                *(setting(key, value) for key, value in row.record.swept.items()),
+            ]
+        )
+        for row in rows
+    }
 
 
-def _distribution(one: Mapping[str, Any]) -> str:
+def _distribution(table: Mapping[str, Any]) -> str:
     named = (("mean", "mean"), ("standard deviation", "standard_deviation"), ("from", "low"), ("to", "high"))
     return ", ".join(
-        [one["distribution"], *(f"{words} {minus(f'{one[key]:g}')}" for words, key in named if one[key] is not None)]
+        [table["distribution"], *(f"{words} {minus(f'{table[key]:g}')}" for words, key in named if table[key] is not None)]
     )
 
 
-def _unlimited(value: float | None) -> float:
-    """Return a number of the summary, in which null stands for what has no limit."""
-    return math.inf if value is None else value
+def _unlimited(value: float) -> float:
+    """Return a number of the summary, which has none for what has no limit."""
+    return math.inf if math.isnan(value) else value
 
 
-def _row(one: Mapping[str, Any]) -> list[str]:
-    if not one["count"]:
-        return [figure(one["as_it_is"], 4), *[""] * 5]
-    mean, spread = one["mean"], one["standard_deviation"]
-    share = "" if not mean or spread is None else f"{100 * spread / mean:.1f} %"
-    quantiles = (figure(_unlimited(one["quantiles"][level]), 4) for level in ("0.05", "0.5", "0.95"))
-    return [figure(one["as_it_is"], 4), figure(_unlimited(mean), 4), share, *quantiles]
+def _row(one: SampledAnalysis) -> list[str]:
+    if not one.count:
+        return [figure(one.as_it_is, 4), *[""] * 5]
+    mean, spread = one.mean, one.standard_deviation
+    share = "" if not mean or math.isnan(spread) else f"{100 * spread / mean:.1f} %"
+    quantiles = (figure(_unlimited(one.quantiles[level]), 4) for level in ("0.05", "0.5", "0.95"))
+    return [figure(one.as_it_is, 4), figure(_unlimited(mean), 4), share, *quantiles]
 
 
-def _left_out(one: Mapping[str, Any]) -> list[str]:
-    return [f"{count} without a result ({status})" for status, count in one["without_result"].items()]
+def _left_out(one: SampledAnalysis) -> list[str]:
+    return [f"{count} without a result ({status})" for status, count in one.without_result.items()]
 
 
-def _ranked(one: Mapping[str, Any]) -> list[tuple[str, float]]:
+def _ranked(one: SampledAnalysis) -> list[tuple[str, float]]:
     """Return the parameters and their rank correlations, the strongest first."""
-    known = [(key, value) for key, value in one["rank_correlation"].items() if value is not None]
+    known = [(key, value) for key, value in one.rank_correlation.items() if not math.isnan(value)]
     return sorted(known, key=lambda item: -abs(item[1]))
 
 
-def _matters(one: Mapping[str, Any]) -> str:
+def _matters(one: SampledAnalysis) -> str:
     found = [(key, value) for key, value in _ranked(one) if abs(value) >= _NOISE]
     return ", ".join(f"{heading(key).partition(',')[0]} {minus(f'{value:+.2f}')}" for key, value in found)
 
 
-def _demands(one: Mapping[str, Any]) -> list[tuple[str, Mapping[str, float]]]:
+def _demands(one: SampledAnalysis) -> list[tuple[str, Asked]]:
     """Return the demands on an analysis as words, and the answers."""
-    found = [(f"load factor {figure(asked['demand'], 4)}", asked) for asked in one["demands"]]
-    ground = one.get("ground_acceleration", {"demands": ()})
-    return found + [(f"ground acceleration {figure(asked['demand'] / GRAVITY, 3)} g", asked) for asked in ground["demands"]]
+    found = [(f"load factor {figure(asked.demand, 4)}", asked) for asked in one.demands]
+    ground = one.ground_acceleration.demands if one.ground_acceleration else ()
+    return found + [(f"ground acceleration {figure(asked.demand / GRAVITY, 3)} g", asked) for asked in ground]
 
 
-def _asked(words: str, answer: Mapping[str, float]) -> str:
-    low, high = (f"{100 * answer[key]:.1f}" for key in ("low", "high"))
-    return (
-        f"{words} is more than it bears with a probability of {100 * answer['probability']:.1f} % (90 % band: {low} to {high} %)"
-    )
+def _asked(words: str, answer: Asked) -> str:
+    low, high = (f"{100 * value:.1f}" for value in (answer.low, answer.high))
+    return f"{words} is more than it bears with a probability of {100 * answer.probability:.1f} % (90 % band: {low} to {high} %)"
 
 
-def _mechanism(kind: Mapping[str, Any]) -> tuple[str, str, str, str]:
-    span = f"{figure(kind['low'], 4)} to {figure(kind['high'], 4)}"
-    return kind["moves"] or "the only wall", f"{100 * kind['share']:.1f} %", figure(kind["mean"], 4), span
+def _mechanism(kind: Mechanism) -> tuple[str, str, str, str]:
+    span = f"{figure(kind.low, 4)} to {figure(kind.high, 4)}"
+    return kind.moves or "the only wall", f"{100 * kind.share:.1f} %", figure(kind.mean, 4), span
 
 
-def _by_mechanism(one: Mapping[str, Any]) -> list[tuple[str, Any, Any]]:
+def _by_mechanism(one: SampledAnalysis) -> list[tuple[str, Any, Any]]:
     """Return name, colour and samples of each mechanism, the most frequent first; where a load factor is finite."""
-    names, values = one["mechanism_of"], np.array([math.nan if v is None else v for v in one["load_factors"]])
-    kinds = [kind["moves"] for kind in one["mechanisms"]] or [None]
+    names, values = one.mechanism_of, np.array(one.load_factors)
+    kinds = [kind.moves for kind in one.mechanisms] or [""]
     colour = (colours.PANELS[number % len(colours.PANELS)] for number in range(len(kinds)))
     chosen = [np.array([name == kind for name in names]) & np.isfinite(values) for kind in kinds]
     return list(zip(kinds, colour, chosen, strict=True))
 
 
-def _spread_svg(one: Mapping[str, Any]) -> str:
+def _spread_svg(one: SampledAnalysis) -> str:
     """Return an SVG: load factors by mechanism, and the fragility curve with its band."""
     from scipy.stats import norm
 
     figure_, ((left, right),) = new_plot(1, (9.4, 3.2), columns=2)
-    kinds, values = _by_mechanism(one), np.array([math.nan if v is None else v for v in one["load_factors"]])
+    kinds, values = _by_mechanism(one), np.array(one.load_factors)
     groups = [values[chosen] for _, _, chosen in kinds]
     words = [name or "" for name, _, _ in kinds]
-    left.hist(groups, bins=min(30, 8 + one["count"] // 10), stacked=True, color=[colour for _, colour, _ in kinds], label=words)
-    if one["as_it_is"] is not None:
-        left.axvline(one["as_it_is"], color=colours.INK, lw=1, ls="--", label="as it is")
+    left.hist(groups, bins=min(30, 8 + one.count // 10), stacked=True, color=[colour for _, colour, _ in kinds], label=words)
+    if not math.isnan(one.as_it_is):
+        left.axvline(one.as_it_is, color=colours.INK, lw=1, ls="--", label="as it is")
     left.set_axisbelow(True)
     # Room for the legend.
     left.set_ylim(top=1.3 * left.get_ylim()[1])
@@ -156,22 +162,22 @@ def _spread_svg(one: Mapping[str, Any]) -> str:
     left.set_ylabel("samples")
     if any(words) and len(words) <= 8:
         left.legend(fontsize=7, frameon=False)
-    curve = {key: np.array(column) for key, column in one["fragility"].items()}
-    right.fill_between(curve["demand"], curve["low"], curve["high"], color=colours.PUSH, alpha=0.15, lw=0, label="90 % band")
-    right.plot(curve["demand"], curve["probability"], color=colours.PUSH, lw=1.6, label="samples")
-    if one["dispersion"]:
-        smooth = np.linspace(curve["demand"][0], curve["demand"][-1], 200)
-        share = norm.cdf(np.log(smooth / one["median"]) / one["dispersion"])
+    curve = one.fragility
+    right.fill_between(curve.demand, curve.low, curve.high, color=colours.PUSH, alpha=0.15, lw=0, label="90 % band")
+    right.plot(curve.demand, curve.probability, color=colours.PUSH, lw=1.6, label="samples")
+    if one.dispersion > 0:
+        smooth = np.linspace(curve.demand[0], curve.demand[-1], 200)
+        share = norm.cdf(np.log(smooth / one.median) / one.dispersion)
         right.plot(smooth, share, color=colours.ALARM, lw=1, ls="--", label="lognormal")
-    for asked in one["demands"]:
-        right.plot(asked["demand"], asked["probability"], "o", ms=4, color=colours.INK)
+    for asked in one.demands:
+        right.plot(asked.demand, asked.probability, "o", ms=4, color=colours.INK)
     right.set_xlabel("load factor asked")
     right.set_ylabel("probability of collapse")
     legend_beside(right)
     return svg_of(figure_)
 
 
-def _influence_svg(one: Mapping[str, Any], points: Mapping[str, Sequence[float]]) -> str:
+def _influence_svg(one: SampledAnalysis, points: dict[str, tuple[float, ...]]) -> str:
     """Return an SVG: rank correlations, and load factor against the parameters that matter most; "" where nothing varies."""
     ranked = _ranked(one)
     if not ranked:
@@ -189,7 +195,7 @@ def _influence_svg(one: Mapping[str, Any], points: Mapping[str, Sequence[float]]
     bars.set_xlim(-1, 1)
     bars.axvline(0, color=colours.INK, lw=0.8)
     bars.set_xlabel("rank correlation")
-    values = np.array([math.nan if v is None else v for v in one["load_factors"]])
+    values = np.array(one.load_factors)
     for axis, (key, _) in zip(scatters, shown, strict=True):
         for _, colour, chosen in _by_mechanism(one):
             axis.plot(np.array(points[key])[chosen], values[chosen], "o", ms=2.6, color=colour)

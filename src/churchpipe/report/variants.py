@@ -7,6 +7,7 @@ from urllib.parse import quote
 
 import numpy as np
 
+from churchpipe.io.records import Analysis
 from churchpipe.report import colours
 from churchpipe.report.plots import legend_beside, new_plot, svg_of
 from churchpipe.report.safety import safety_index, what_moves
@@ -15,7 +16,7 @@ from churchpipe.report.table import Row, figure, minus, setting, swept
 AS_IS = "as it is"
 
 
-def variants_section(summary: Mapping[str, Any], geometry: str) -> dict[str, Any] | None:
+def variants_section(summary: Mapping[str, Any], analyses: Sequence[Analysis], geometry: str) -> dict[str, Any] | None:
     """Return what the section of the variants shows, or None of a case without variants.
 
     headings: of the load factors, by model and kind. costs: names of the cost figures. rows: one for each load and variant.
@@ -24,7 +25,7 @@ def variants_section(summary: Mapping[str, Any], geometry: str) -> dict[str, Any
     variants = summary.get("variants", ())
     if len(variants) < 2:
         return None
-    known = {str(record.get("name")): Row(record) for record in summary["analyses"] if record.get("method") != "curve"}
+    known = {record.name: Row(record) for record in analyses if record.method != "curve"}
     cells: dict[str, dict[str, dict[str, Row]]] = {}
     for variant in variants:
         for row in (known[name] for name in variant["analyses"] if name in known):
@@ -77,8 +78,8 @@ def _factor(row: Row | None, asis: Row | None, name: str) -> tuple[str, str]:
 
 def _check(rows: Iterable[Row]) -> str:
     """Return the lowest safety index of several analyses, with e* = 1, and its verdict."""
-    checked = [row for row in rows if isinstance(row.record.get("check"), Mapping) and "zeta_e" in row.record["check"]]
-    lowest = min(checked, key=lambda row: row.record["check"]["zeta_e"], default=None)
+    checked = [(check["zeta_e"], row) for row in rows if "zeta_e" in (check := row.record.check or {})]
+    lowest = min(checked, key=lambda one: one[0], default=(0.0, None))[1]
     return safety_index(lowest).partition(";")[0] if lowest else ""
 
 

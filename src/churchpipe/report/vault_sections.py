@@ -37,7 +37,7 @@ def vault_sections(stones: Assemblage, contacts: Contacts, rows: Sequence[Row]) 
     if not carried:
         return []
     first = [row for row in carried if (row.variant, row.load) == (carried[0].variant, carried[0].load)]
-    row = next((row for row in first if row.record.get("flow") == "non-associative"), first[0])
+    row = next((row for row in first if row.record.flow == "non-associative"), first[0])
     found: list[VaultSection] = []
     for panel, across in vaulted(stones, contacts).items():
         if len(found) < _MOST and (section := _section(stones, contacts, row, panel, across)):

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from churchpipe.io.records import Analysis
 from churchpipe.mechanism import moving_stones, reference_speed, stone_of_point, stone_speed
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
@@ -34,7 +35,7 @@ STATIC = Path(__file__).parent / "static"
 
 
 def viewer_data(
-    stones: Assemblage, results: Sequence[tuple[dict[str, Any], LimitState, str]], contacts: Contacts | None = None
+    stones: Assemblage, results: Sequence[tuple[Analysis, LimitState, str]], contacts: Contacts | None = None
 ) -> dict[str, Any]:
     """Return the viewer's input as JSON-ready values; results: record of the analysis, its state, its label.
 
@@ -105,7 +106,7 @@ def joint_values(stones: Assemblage, contacts: Contacts, state: LimitState) -> F
 
 
 def _analysis(
-    stones: Assemblage, record: dict[str, Any], state: LimitState, label: str, origin: FloatArray, contacts: Contacts | None
+    stones: Assemblage, record: Analysis, state: LimitState, label: str, origin: FloatArray, contacts: Contacts | None
 ) -> dict[str, Any]:
     velocities = np.nan_to_num(state.velocities)
     speed = stone_speed(stones, velocities)

@@ -11,10 +11,12 @@ import pytest
 from rich.console import Console
 
 import churchpipe as cp
+from churchpipe.io.records import words_of
 from churchpipe.io.tables import write_table
 from churchpipe.io.vtu import write_vtu
 from churchpipe.report.joints_vtu import write_joints
 from churchpipe.terminal import results_table
+from records import analysis
 
 NAMES = {
     "markup": "</script></title><img src=x onerror=alert(1)>&amp;",
@@ -45,7 +47,7 @@ def test_a_name_is_text_wherever_it_stands(name: str, tmp_path: Path) -> None:
     page = (tmp_path / "r.html").read_text(encoding="utf-8")
     assert "<img src=x" not in page
     assert html.escape(name[:40].split("\n")[0], quote=False).replace('"', "&#34;").replace("'", "&#39;") in page
-    record = {"load": name, "model": "rigid-block", "flow": "associative", "load_factor": 0.5, "status": "optimal"}
+    record = words_of(analysis(load=name, flow="associative", load_factor=0.5))
     write_table(tmp_path / "t.csv", [record])
     with (tmp_path / "t.csv").open(newline="", encoding="utf-8") as file:
         (row,) = csv.DictReader(file)

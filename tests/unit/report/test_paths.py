@@ -11,13 +11,14 @@ import churchpipe as cp
 from churchpipe.model.arrays import FloatArray
 from churchpipe.report.paths import crack_maps, path_label, snapshots, viewer_path
 from churchpipe.report.viewer import origin_of
+from records import analysis
 from solids import box, on_ground
 
 STONES = replace(
     on_ground(*[box((0, 0.4), (0, 1), (i / 2, (i + 1) / 2)) for i in range(4)]), panel=np.array(["ground", *["pier"] * 4])
 )
 CONTACTS = cp.find_contacts(STONES)
-RECORD = {"load": "+x", "friction": 0.6, "name": "curve"}
+RECORD = analysis(name="curve", friction=0.6)
 
 
 @pytest.fixture(scope="module")

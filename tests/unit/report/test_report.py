@@ -5,9 +5,11 @@ import itertools
 import json
 import re
 import sys
+from collections.abc import Sequence
 from contextlib import nullcontext
 from dataclasses import replace
 from html.parser import HTMLParser
+from itertools import count
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +18,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.image import imread
 
+from churchpipe.io.records import Analysis
 from churchpipe.mechanism import moving_stones, reference_speed, stone_of_point, stone_speed
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.polyhedra import face_normals
@@ -32,9 +35,11 @@ from churchpipe.report.title_block import material_rows, title_block
 from churchpipe.report.viewer import joint_values
 from churchpipe.stones.contacts import find_contacts
 from imprecise import corner
+from records import analysis
 from solids import box, on_ground, prism
 
 VERSIONS = {"churchpipe": "0.1.0", "clarabel": "0.11.1"}
+DIRECTIONS = {"+x": [1.0, 0.0, 0.0], "-x": [-1.0, 0.0, 0.0], "+y": [0.0, 1.0, 0.0], "-y": [0.0, -1.0, 0.0]}
 NAN, INF = float("nan"), float("inf")
 
 
@@ -65,12 +70,18 @@ def state_of(stones: Assemblage, **changes: object) -> LimitState:
     return replace(base, **changes)
 
 
-def record_of(state: LimitState, load: str = "+x", friction: float = 0.7, **more: object) -> dict:
-    keys = ("flow", "load_factor", "lower_bound", "upper_bound", "status", "iterations", "seconds")
-    return {"model": "rigid-block", "load": load, "friction": friction, **{key: getattr(state, key) for key in keys}, **more}
+_NUMBERS = count(1)
 
 
-def report(folder: Path, results: list[tuple[dict, LimitState]], **summary: object) -> str:
+def record_of(state: LimitState, load: str = "+x", friction: float = 0.7, **more: object) -> Analysis:
+    keys = ("flow", "load_factor", "lower_bound", "upper_bound", "status", "iterations", "seconds", "equilibrium_residual")
+    words = {"name": f"a{next(_NUMBERS)}", "load": load, "friction": friction} | {key: getattr(state, key) for key in keys}
+    return analysis(**words | {"direction": DIRECTIONS.get(load, [0.0, 0.0, 0.0])} | more)
+
+
+def report(
+    folder: Path, results: list[tuple[Analysis, LimitState]], analyses: Sequence[Analysis] | None = None, **summary: object
+) -> str:
     stones = tower()
     contacts = find_contacts(stones)
     content = {"case": "tower & co", "blocks": 3, "interfaces": 3, "contact_points": 12, "weight_kN": 54.0, **summary}
@@ -81,7 +92,8 @@ def report(folder: Path, results: list[tuple[dict, LimitState]], **summary: obje
         )
         write_report(
             folder / "report.html",
-            summary={"analyses": [record for record, _ in results], **content},
+            summary=content,
+            analyses=analyses or [record for record, _ in results],
             stones=stones,
             contacts=contacts,
             results=results,
@@ -157,7 +169,7 @@ def page_text(tmp_path_factory: pytest.TempPathFactory) -> str:
         (record_of(second), second),
         (record_of(third, friction=0.1), third),
         # summary.json has no infinity: the state knows better.
-        (record_of(fourth, load="up") | {"load_factor": None, "lower_bound": None, "upper_bound": None}, fourth),
+        (replace(record_of(fourth, load="up"), load_factor=NAN, lower_bound=None, upper_bound=None), fourth),
     ]
     return report(tmp_path_factory.mktemp("report"), results)
 
@@ -299,7 +311,7 @@ def test_unusual_ends_are_explained(page: Page) -> None:
 def test_a_failed_analysis_says_what_it_lacks(lower: float, upper: float, words: str) -> None:
     stones = tower()
     state = state_of(stones, load_factor=NAN, lower_bound=lower, upper_bound=upper, status="failed", message="short steps")
-    note = status_note(stones, Row({"status": "failed"}, state))
+    note = status_note(stones, Row(record_of(state), state))
     assert words in note
     assert note.endswith("The solver says: short steps.")
     assert ("did not meet" in note) == (lower == 0.396)
@@ -351,12 +363,14 @@ def test_viewer_data_decode_to_the_arrays(page: Page) -> None:
 def test_pictures_are_inlined_and_kept(tmp_path: Path) -> None:
     stones = tower()
     state = state_of(stones)
+    record = record_of(state, name="a1")
     write_report(
         tmp_path / "report.html",
-        summary={"case": "t", "analyses": [record_of(state, name="a1")]},
+        summary={"case": "t"},
+        analyses=[record],
         stones=stones,
         contacts=find_contacts(stones),
-        results=[(record_of(state, name="a1"), state)],
+        results=[(record, state)],
         case_text="",
         versions={},
         figures_dir=tmp_path / "figures",
@@ -372,9 +386,9 @@ def test_report_without_graphics_is_still_written(tmp_path: Path, monkeypatch: p
     stones = tower()
     state = state_of(stones)
     results = [(record_of(state), state)]
-    summary = {"case": "t", "analyses": [results[0][0]]}
     path = tmp_path / "report.html"
-    write_report(path, summary=summary, stones=stones, contacts=find_contacts(stones), results=results, case_text="", versions={})
+    given = {"summary": {"case": "t"}, "analyses": [results[0][0]], "case_text": "", "versions": {}}
+    write_report(path, stones=stones, contacts=find_contacts(stones), results=results, **given)
     page = Page(path.read_text(encoding="utf-8"))
     assert "Pictures could not be drawn" in page.text
     assert page.table[0]["Load factor"] == "0.250000"
@@ -383,19 +397,12 @@ def test_report_without_graphics_is_still_written(tmp_path: Path, monkeypatch: p
 
 def test_sections_follow_the_content(tmp_path: Path) -> None:
     state = state_of(tower())
-    shell = {
-        "model": "homogenised-shell",
-        "method": "limit",
-        "load": "+x",
-        "friction": 0.7,
-        "load_factor": 0.31,
-        "status": "optimal",
-    }
+    shell, own = analysis(name="s", model="homogenised-shell", method="limit", load_factor=0.31), record_of(state)
     plain = Page(report(tmp_path, [(record_of(state), state)]))
     assert "Sliding without dilatancy" not in plain.text
     assert "Gap g" not in plain.rows[0]
     assert "Model" not in plain.rows[0]
-    both = Page(report(tmp_path, [(record_of(state), state)], analyses=[record_of(state), shell], shell={"elements": 1440}))
+    both = Page(report(tmp_path, [(own, state)], [own, shell], shell={"elements": 1440}))
     assert [(row["Model"], row["Load factor"]) for row in both.table] == [
         ("rigid blocks", "0.250000"),
         ("shell", "0.310000"),
@@ -505,16 +512,11 @@ def test_view_frames_every_point_and_faces_the_push() -> None:
 
 
 @pytest.mark.parametrize(
-    ("record", "expected"),
-    [
-        ({"load": "-y"}, [0, -1, 0]),
-        ({"load": "wind", "direction": [3, 4, 0]}, [0.6, 0.8, 0]),
-        ({"load": "wind"}, None),
-        ({}, None),
-    ],
+    ("direction", "expected"),
+    [([0, -1, 0], [0, -1, 0]), ([3, 4, 0], [0.6, 0.8, 0]), ([0, 0, 0], None)],
 )
-def test_push_direction(record: dict, expected: list[float] | None) -> None:
-    found = push_direction(record)
+def test_push_direction(direction: list[float], expected: list[float] | None) -> None:
+    found = push_direction(analysis(direction=direction))
     assert (None if found is None else found.tolist()) == expected
 
 
@@ -613,10 +615,8 @@ def test_report_tells_of_near_misses_and_pictures_the_gaps(tmp_path: Path) -> No
     exact, open_heads = corner(), corner(head_gap=0.01)
     assert gaps_svg(find_contacts(exact)) == ""
     path = tmp_path / "report.html"
-    summary = {"case": "corner", "analyses": []}
-    write_report(
-        path, summary=summary, stones=open_heads, contacts=find_contacts(open_heads), results=[], case_text="", versions={}
-    )
+    given = {"summary": {"case": "corner"}, "analyses": [], "results": [], "case_text": "", "versions": {}}
+    write_report(path, stones=open_heads, contacts=find_contacts(open_heads), **given)
     text = path.read_text(encoding="utf-8")
     assert "Near misses: 48 pairs of faces" in text
     assert "contact gap, 0.002" in text

@@ -10,6 +10,7 @@ import pytest
 from matplotlib.image import imread
 
 from churchpipe.homogenised_shell.strength import paper_planes
+from churchpipe.io.records import Analysis
 from churchpipe.model.results import CapacityCurve, CapacityStep, ShellLimitState
 from churchpipe.report.both import capacity_plots, compared, mesh_plot, partner
 from churchpipe.report.motion import joint_opening, opened_joints, plastic_size, reference_strain
@@ -18,6 +19,7 @@ from churchpipe.report.shell_plots import bend_of, capacity_svg, domain_section,
 from churchpipe.report.shell_view import borders, joint_outlines, shell_data
 from churchpipe.report.table import Row
 from churchpipe.stones.contacts import find_contacts
+from records import analysis
 from shell_meshes import grid, joined_walls, shell, wall_points
 from solids import box, on_ground
 
@@ -118,16 +120,8 @@ def curve() -> CapacityCurve:
     return CapacityCurve(factor, place, 0, np.zeros((3, 3)), np.zeros(3), empty, np.zeros((1, 8)), steps, "converged")
 
 
-def record(name: str, factor: float, **more: object) -> dict[str, object]:
-    return {
-        "name": name,
-        "model": "rigid-block",
-        "load": "+x",
-        "friction": 0.6,
-        "load_factor": factor,
-        "status": "optimal",
-        **more,
-    }
+def record(name: str, factor: float, **more: object) -> Analysis:
+    return analysis(**{"name": name, "friction": 0.6, "load_factor": factor} | more)
 
 
 def test_curves_have_the_load_factors_of_the_same_question_across() -> None:

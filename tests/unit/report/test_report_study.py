@@ -16,6 +16,7 @@ from churchpipe.report.published import published_rows
 from churchpipe.report.safety import part_overview, what_moves
 from churchpipe.report.sensitivity import sensitivity_plots
 from churchpipe.report.table import Row, heading, setting
+from records import analysis
 
 NAN = float("nan")
 
@@ -25,13 +26,12 @@ def cited(load: str, model: str, factor: float, flow: str | None = None, frictio
 
 
 def row(load: str = "-y", factor: float | None = 0.234, **record: object) -> Row:
-    base = {"model": "rigid-block", "flow": "associative", "load": load, "friction": 0.6, "status": "optimal"}
-    return Row(base | {"load_factor": factor} | record)
+    return Row(analysis(**{"flow": "associative", "load": load, "friction": 0.6, "load_factor": factor} | record))
 
 
 def shell(factor: float = 0.24, **record: object) -> Row:
-    base = {"model": "homogenised-shell", "method": "limit", "load": "-y", "friction": 0.6, "status": "optimal"}
-    return Row(base | {"load_factor": factor, "element_size_mm": 200.0} | record)
+    base = {"model": "homogenised-shell", "method": "limit", "load": "-y", "friction": 0.6, "element_size_mm": 200.0}
+    return Row(analysis(**base | {"load_factor": factor} | record))
 
 
 def test_published_values_stand_beside_what_answers_them() -> None:
@@ -120,7 +120,7 @@ def test_both_starts_are_drawn_with_their_intervals() -> None:
     assert "load factor, dead-load start" in both
     assert "gap g / load factor, associative start" in both
     assert both.count("interval of the mechanism, 0.2300 to 0.2600") == 1
-    words = convergence_note(Row({"load_factor": 0.24, "gap": 1e-7}, replace(state, starts=runs, fixed_points=(0.24,))))
+    words = convergence_note(Row(analysis(load_factor=0.24, gap=1e-7), replace(state, starts=runs, fixed_points=(0.24,))))
     assert "The dead-load start led to 0.2400 (gap 4.2e\u221207, interval 0.2300 to 0.2600)." in words
     assert "The associative start did not settle; it last was at 0.2500 (gap 4.0e\u221203)." in words
 
@@ -166,7 +166,7 @@ def test_macro_elements_of_all_loads_stand_in_one_table(tmp_path: Path) -> None:
 
 def test_the_card_of_the_careful_value_says_so_and_a_capacity_curve_is_no_rival() -> None:
     sliding = row(factor=0.1885, flow="non-associative", status="converged")
-    curve = Row({key: value for key, value in row().record.items() if key != "flow"} | {"method": "curve", "status": "converged"})
+    curve = row(flow=None, method="curve", status="converged")
     assert [card["use"] for card in _cards([sliding, row(), shell(), curve, row("+x")], both_models=True)] == [
         "the careful value: use it",
         *[""] * 4,

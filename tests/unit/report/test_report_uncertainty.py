@@ -1,10 +1,18 @@
 """The section of the report and the lines of the terminal about samples."""
 
+import json
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from churchpipe.io.atomic import canonical_json
+from churchpipe.io.records import words_of
+from churchpipe.io.sample_study import SampleStudy, sample_study, study_of
+from churchpipe.model.quantities import as_written
+from churchpipe.report.table import Row
 from churchpipe.report.uncertainty import uncertainty_lines, uncertainty_section
-from churchpipe.uncertainty import uncertainty_record
+from records import analysis
 
 PARAMETER = {
     "key": ["material.default.friction"],
@@ -17,18 +25,16 @@ PARAMETER = {
 
 
 @pytest.fixture
-def summary() -> dict[str, object]:
+def study() -> tuple[SampleStudy, list[Row]]:
     """Forty samples of two loads: one whose load factor is the friction, with two mechanisms, and one without any result."""
     friction = np.linspace(0.5, 0.7, 40)
     names = [f"{number:05d}" for number in range(1, 41)]
-    asis = [
-        {"name": load, "load": load, "model": "rigid-block", "flow": "associative", "load_factor": 0.6} for load in ("+x", "+y")
-    ]
+    asis = [analysis(name=load, load=load, flow="associative", load_factor=0.6) for load in ("+x", "+y")]
     made = {
         name: {
             "analyses": [
-                asis[0] | {"load_factor": mu, "status": "optimal", "mechanism": "apse" if mu < 0.55 else "apse, nave"},
-                asis[1] | {"load_factor": None, "status": "not-converged"},
+                words_of(replace(asis[0], load_factor=mu, mechanism="apse" if mu < 0.55 else "apse, nave")),
+                words_of(replace(asis[1], load_factor=np.nan, status="not-converged")),
             ]
         }
         for name, mu in zip(names[:-1], friction.tolist(), strict=False)
@@ -38,14 +44,15 @@ def summary() -> dict[str, object]:
         "names": names,
         "points": {"material.default.friction": friction.tolist()},
     }
-    return {"uncertainty": uncertainty_record(sample, made, asis)}
+    words = canonical_json({"uncertainty": as_written(sample_study(sample, made, asis), defaults=False)})
+    return study_of(json.loads(words)), [Row(one) for one in asis]
 
 
-def test_the_section_has_figures_mechanisms_and_what_is_missing(summary: dict[str, object]) -> None:
-    section = uncertainty_section(summary)
+def test_the_section_has_figures_mechanisms_and_what_is_missing(study: tuple[SampleStudy, list[Row]]) -> None:
+    section = uncertainty_section(*study)
     assert section is not None
     assert section["parameters"] == [("friction", "normal, mean 0.6, standard deviation 0.05, from 0.4")]
-    assert [one["sample"] for one in section["refused"]] == ["00040"]
+    assert [one.sample for one in section["refused"]] == ["00040"]
     (_, *cells, matters, left_out), (_, *nothing, _, all_left_out) = section["rows"]
     assert cells[0] == "0.6000"
     assert float(cells[1]) == pytest.approx(0.5974, abs=1e-4)
@@ -61,11 +68,11 @@ def test_the_section_has_figures_mechanisms_and_what_is_missing(summary: dict[st
     assert "probability of 25.6 %" in section["demands"][0][1]
 
 
-def test_the_terminal_says_it_in_sentences(summary: dict[str, object]) -> None:
-    text = "\n".join(uncertainty_lines(summary))
+def test_the_terminal_says_it_in_sentences(study: tuple[SampleStudy, list[Row]]) -> None:
+    text = "\n".join(uncertainty_lines(*study))
     assert "39 samples, load factor 0.5974 in the mean" in text
     assert "it hangs on friction +1.00" in text
     assert "74 % fall by: apse, nave" in text
     assert "1 of 40 samples could not be built; the first: a door beyond its wall" in text
-    assert uncertainty_section({}) is None
-    assert uncertainty_lines({}) == []
+    assert uncertainty_section(None, []) is None
+    assert uncertainty_lines(None, []) == []

@@ -4,32 +4,29 @@ from pathlib import Path
 
 from test_report import Page, record_of, report, state_of, tower
 
+from churchpipe.io.records import Analysis
 from churchpipe.report.variants import variants_section
+from records import analysis
 
 SITE = {"zeta_e": 0.8, "zeta_e_stones": 1.1, "satisfied": False, "satisfied_stones": True}
 MOVES = [{"name": "facade", "motion": 0.93, "moving": 1.0, "weight_kN": 3.0, "displacement": 1.0}]
 
 
-def record(name: str, factor: float | None, variant: str | None = None, load: str = "-y", **more: object) -> dict:
-    base = {"name": name, "variant": variant, "model": "rigid-block", "flow": "associative", "load": load, "friction": 0.6}
-    status = "unstable" if factor is None else "optimal"
-    return base | {"load_factor": factor, "status": status, "geometry": "base"} | more
+def record(name: str, factor: float | None, variant: str | None = None, load: str = "-y", **more: object) -> Analysis:
+    base = {"name": name, "variant": variant, "flow": "associative", "load": load, "geometry": "base"}
+    return analysis(**base | {"load_factor": factor, "status": "unstable" if factor is None else "optimal"} | more)
 
 
 SHELL = {"model": "homogenised-shell", "method": "limit", "flow": None}
+ANALYSES = [
+    record("a", 0.2, check=SITE, parts=MOVES),
+    record("b", 0.3, load="+x"),
+    record("s", 0.21, **SHELL),
+    record("a ties", 0.25, "two ties", check=SITE | {"zeta_e": 1.05, "satisfied": True}),
+    record("s ties", 0.24, "two ties", **SHELL),
+    record("a thick", None, "thicker", geometry="thicker"),
+]
 SUMMARY = {
-    "case": "chapel",
-    "blocks": 2,
-    "interfaces": 1,
-    "weight_kN": 1.0,
-    "analyses": [
-        record("a", 0.2, check=SITE, parts=MOVES),
-        record("b", 0.3, load="+x"),
-        record("s", 0.21, **SHELL),
-        record("a ties", 0.25, "two ties", check=SITE | {"zeta_e": 1.05, "satisfied": True}),
-        record("s ties", 0.24, "two ties", **SHELL),
-        record("a thick", None, "thicker", geometry="thicker"),
-    ],
     "variants": [
         {"name": None, "geometry": "base", "cost": {}, "analyses": ["a", "b", "s"]},
         {"name": "two ties", "geometry": "base", "cost": {"tie, m": 24, "EUR": 9500.5}, "analyses": ["a ties", "b", "s ties"]},
@@ -39,7 +36,7 @@ SUMMARY = {
 
 
 def test_each_load_has_the_building_as_it_is_and_its_variants() -> None:
-    section = variants_section(SUMMARY, "base")
+    section = variants_section(SUMMARY, ANALYSES, "base")
     assert section is not None
     assert section["headings"] == ["rigid blocks, associative", "shell, limit load"]
     assert section["costs"] == ["tie, m", "EUR"]
@@ -64,21 +61,21 @@ def test_each_load_has_the_building_as_it_is_and_its_variants() -> None:
 
 
 def test_pictures_of_other_geometries_are_linked() -> None:
-    section = variants_section(SUMMARY, "base")
+    section = variants_section(SUMMARY, ANALYSES, "base")
     assert section is not None
     assert {row["name"]: row["link"] for row in section["rows"]} == {
         "as it is": "",
         "two ties": "",
         "thicker": "geometry/thicker/report.html",
     }
-    other = variants_section(SUMMARY, "thicker")
+    other = variants_section(SUMMARY, ANALYSES, "thicker")
     assert other is not None
     assert other["rows"][0]["link"] == "../../report.html"
-    assert variants_section(SUMMARY | {"variants": []}, "base") is None
+    assert variants_section({}, ANALYSES, "base") is None
 
 
 def test_variants_of_one_geometry_link_nowhere() -> None:
-    section = variants_section(SUMMARY | {"variants": SUMMARY["variants"][:2]}, "")
+    section = variants_section({"variants": SUMMARY["variants"][:2]}, ANALYSES, "")
     assert section is not None
     assert [row["link"] for row in section["rows"]] == [""] * 4
 

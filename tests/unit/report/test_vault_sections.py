@@ -1,5 +1,6 @@
 """Sections of vaults in the report: which macro-elements are vaults, their lines of thrust, the rings of domes."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from churchpipe.report.html import write_report
 from churchpipe.report.table import Row
 from churchpipe.report.vault_sections import vault_sections
 from churchpipe.thrust_lines import vaulted
+from records import analysis
 
 WALLS: dict[str, Any] = {"wall_height": 1.0, "wall_thickness": 0.3, "wall_course": 0.25}
 BARREL: dict[str, Any] = {"span": 1.8, "thickness": 0.2, "courses": 13, "stone_length": 0.5, "length": 1.0} | WALLS
@@ -25,8 +27,7 @@ def pushed(building: Building, **record: object) -> tuple[cp.Assemblage, cp.Cont
     contacts = cp.find_contacts(stones)
     state = cp.limit_analysis(stones, contacts, cp.LoadCase((1, 0, 0)), friction=0.7)
     keys = ("flow", "load_factor", "lower_bound", "upper_bound", "status", "iterations", "seconds")
-    base = {"model": "rigid-block", "load": "+x", "friction": 0.7, **{key: getattr(state, key) for key in keys}}
-    return stones, contacts, Row(base | record, state)
+    return stones, contacts, Row(analysis(**{key: getattr(state, key) for key in keys} | record), state)
 
 
 def test_a_barrel_on_walls_has_one_section_across_it() -> None:
@@ -52,17 +53,15 @@ def test_a_dome_has_the_forces_of_its_rings_beside(tmp_path: Path) -> None:
     weight = stones.weight[stones.panel == "dome"].sum() / 1e3
     assert float(section.rings[0][3]) == pytest.approx(weight, abs=0.01)
     assert row.state is not None
-    summary = {"case": "dome", "analyses": [dict(row.record)]}
     page = tmp_path / "report.html"
-    write_report(
-        page, summary=summary, stones=stones, contacts=contacts, results=[(row.record, row.state)], case_text="", versions={}
-    )
+    given = {"summary": {"case": "dome"}, "analyses": [row.record], "case_text": "", "versions": {}}
+    write_report(page, stones=stones, contacts=contacts, results=[(row.record, row.state)], **given)
     assert "Lines of thrust in vaults and domes" in page.read_text(encoding="utf-8")
 
 
 def test_the_value_without_dilatancy_is_drawn_where_there_is_one() -> None:
     stones, contacts, row = pushed(vault(**BARREL))
-    sliding = Row(dict(row.record) | {"flow": "non-associative"}, row.state)
+    sliding = Row(replace(row.record, flow="non-associative"), row.state)
     (section,) = vault_sections(stones, contacts, [row, sliding])
     assert section.label.startswith("vault: non-associative")
 
