@@ -15,6 +15,7 @@ from churchpipe.dxf.writer import write_dxf
 from churchpipe.errors import InputError, UsageError
 from churchpipe.findings import FindingsError
 from churchpipe.importing import import_drawing
+from churchpipe.io.atomic import write_text
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
 from churchpipe.resources import sample_case
@@ -47,7 +48,7 @@ def test_what_editors_make_of_a_case_is_read(data: str | bytes, tmp_path: Path) 
         (b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR", r"not a text in UTF-8"),
         ("a = " + "[" * 5000 + "]" * 5000, r"not a case file; found lists or tables too deep"),
         (ARCH + ".".join(["a"] * 1200) + " = 1", r"not a case file; found lists or tables too deep"),
-        ("", r"source: missing key; expected a table"),
+        ("", r"line 1, source: missing key; expected a table"),
         (ARCH + "\0", r"not TOML"),
     ],
     ids=["UTF-16", "picture", "deep", "deep key", "empty", "null byte"],
@@ -242,3 +243,16 @@ def test_why_a_run_did_not_end_is_read_whatever_it_says(capsys: pytest.CaptureFi
     code, _, err = call(capsys, "show", tmp_path)
     assert code == cli.FINDINGS
     assert "the last run did not go to its end" in err
+
+
+def test_a_file_that_cannot_be_written_is_named_as_the_person_named_it(tmp_path: Path) -> None:
+    (tmp_path / "page.html").mkdir()
+    with pytest.raises(OSError, match=r"page\.html") as raised:
+        write_text(tmp_path / "page.html", "text")
+    assert raised.value.filename == str(tmp_path / "page.html")
+
+
+def test_a_case_is_not_imported(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    code, _, err = call(capsys, "import", written(tmp_path, ARCH))
+    assert code == 2
+    assert "a case, which is not imported; expected a drawing or a mesh. churchpipe run" in err

@@ -41,6 +41,15 @@ def test_files_of_the_source_that_a_page_names_exist(page: Path) -> None:
     assert not [name for name in named if not (ROOT / name).exists()]
 
 
+def test_each_known_limit_says_its_effect_its_side_and_what_to_do() -> None:
+    rows = re.findall(r"^\|(.*)\|$", (ROOT / "docs" / "limits.md").read_text(encoding="utf-8"), flags=re.MULTILINE)
+    table = [[cell.strip() for cell in row.split(" | ")] for row in rows if not row.startswith("---")]
+    assert {len(row) for row in table} == {4}
+    assert all(cell for row in table for cell in row)
+    sides = {row[2] for row in table if row[0] != "limit"}
+    assert all(re.match("unsafe|safe|mostly safe|either|none", side) for side in sides)
+
+
 def python_blocks(page: Path) -> str:
     """Return the Python of a page, one block after the other, as a reader follows them."""
     return "\n".join(re.findall(r"^```python\n(.*?)^```", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE))

@@ -33,6 +33,9 @@ def import_file(
     """
     from churchpipe.importing import import_drawing, parse_length
 
+    if file.suffix.lower() == ".toml":
+        command = f"churchpipe run {shlex.quote(str(file))}"
+        raise UsageError(str(file), "a case, which is not imported", expected="a drawing or a mesh", remedy=f"{command} runs it.")
     folder = folder or Path(file.stem)
     done = import_drawing(
         file,

@@ -372,12 +372,10 @@ def _check_complete(checked: Table, file: str) -> None:
     if not checked.get("load") and not checked.get("movements"):
         missing.append("load (a table [[load]] with its direction)")
     if missing:
-        raise InputError(
-            file,
-            "missing keys",
-            expected=", ".join(missing),
-            remedy="Neither the file nor its drawing says them, and nothing is assumed.",
-        )
+        bare = [name for name, table in materials.items() if needed[0] not in table]
+        meant = next((nearest(name, {*materials} - {*bare}) for name in bare if len(bare) < len(materials)), "")
+        remedy = "Neither the file nor its drawing says them, and nothing is assumed."
+        raise InputError(file, "missing keys", expected=", ".join(missing), remedy=f"{remedy} {meant}".strip())
 
 
 def _source(path: Path, source: Section) -> Generated | Drawing:

@@ -77,7 +77,10 @@ def override(table: Table, overrides: Sequence[str]) -> None:
         if key in SWITCHES and isinstance(value, bool):
             _switch(table, key, value)
         else:
-            set_key(table, key, value)
+            try:
+                set_key(table, key, value)
+            except InputError as error:
+                raise error.at(f"--set {error.where}") from error
         not_swept(table, key)
 
 
@@ -147,6 +150,7 @@ def flatten(table: Table, prefix: str = "") -> Table:
 
 def _position(place: list[Any], part: str, key: str) -> int:
     if not part.isdecimal() or int(part) >= len(place):
-        expected = f"a number from 0 to {len(place) - 1}" if place else "an entry, and the list is empty"
+        numbers = "0, the only one" if len(place) == 1 else f"a number from 0 to {len(place) - 1}"
+        expected = numbers if place else "an entry, and the list is empty"
         raise InputError(key, "no such entry", found=part, expected=expected)
     return int(part)

@@ -59,7 +59,8 @@ def located(
         return error
     parts = _table_of(key, table) if in_words else re.sub(r"\[(\d+)\]", r".\1", key).split(".")
     written, value = _followed(table, parts)
-    missing = parts[len(written) :]
+    # A key may hold dots, as those of [sweep] do.
+    missing = parts[sum(key.count(".") + 1 for key in written) :]
     changed = [parse_override(change)[0].split(".") for change in overrides]
     if any(_begins(written, ".".join(change)) for change in changed):
         place = "--set"
@@ -126,7 +127,7 @@ def line_of(text: str, keys: Sequence[str]) -> int:
     while True:
         known = next(((stop, table) for stop in _order(without, within) if (table := _read(lines[:stop])) is not None), None)
         if known is None:
-            return min(without + 1, len(lines))
+            return max(min(without + 1, len(lines)), 1)
         stop, table = known
         if len(_followed(table, keys)[0]) == len(keys):
             within = stop

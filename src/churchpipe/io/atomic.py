@@ -24,6 +24,10 @@ def replacing(path: str | Path) -> Iterator[Path]:
     try:
         yield part
         part.replace(target)
+    except OSError as error:
+        if error.filename == str(part):
+            error.filename = str(target)
+        raise
     finally:
         part.unlink(missing_ok=True)
 
