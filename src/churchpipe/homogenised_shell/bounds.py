@@ -44,9 +44,10 @@ class Bounds:
 def proved_bounds(condensed: CondensedShell, state: StressState, dead: FloatArray, live: FloatArray) -> Bounds:
     """Return the bounds that a solution proves.
 
-    The upper bound is the dissipation of the strength in the strain of the velocities (lintels included), less the work of the
-    dead load, plus the largest work that the stresses could do on strain which no flow rule explains. That last part is due to
-    rounding.
+    The lower bound is the load of the stresses, less the work that what is left of equilibrium does on the motion: a residual
+    of 1e-7 of the weight may hide several millionths of the load factor. The upper bound is the dissipation of the strength in
+    the strain of the velocities (lintels included), less the work of the dead load, plus the largest work that the stresses
+    could do on strain which no flow rule explains. That last part is due to rounding.
     """
     motion = state.motion[~condensed.elements.clamped]
     earned = float(live @ motion)
@@ -57,7 +58,7 @@ def proved_bounds(condensed: CondensedShell, state: StressState, dead: FloatArra
     cost = law.price(state.multipliers) + (law.offset * state.strain).sum(axis=0)
     lintel = ~condensed.elements.shell.yields[condensed.elements.facet]
     return Bounds(
-        lower=state.load,
+        lower=state.load - state.lack,
         upper=scale * (float(cost.sum()) + doubt - float(dead @ motion)) if earned > 0 else np.inf,
         stress=state.stress.T * condensed.loads.unit,
         motion=scale * motion,

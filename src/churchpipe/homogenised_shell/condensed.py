@@ -19,7 +19,6 @@ from churchpipe.conic.interior_point.iterate import Iterate
 from churchpipe.conic.interior_point.loop import interior_start, solve_coupled
 from churchpipe.conic.interior_point.normal import NormalMatrix
 from churchpipe.conic.interior_point.problem import CoupledProblem
-from churchpipe.conic.interior_point.settings import Settings
 from churchpipe.conic.program import Outcome
 from churchpipe.homogenised_shell.cell_elimination import CellElimination
 from churchpipe.homogenised_shell.cells import CellCholesky, CellCoupling, CellPoints
@@ -29,7 +28,7 @@ from churchpipe.homogenised_shell.energy import elastic_energy
 from churchpipe.homogenised_shell.loads import load_vectors
 from churchpipe.homogenised_shell.planes import plane_points
 from churchpipe.homogenised_shell.points import CellStrength, PlaneStrength, local_strength
-from churchpipe.homogenised_shell.settings import SOLVER, STEP
+from churchpipe.homogenised_shell.settings import LIMIT, SOLVER, STEP
 from churchpipe.homogenised_shell.strength import PlaneSet
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.loads import LoadCase
@@ -54,6 +53,7 @@ class StressState:
     unexplained: FloatArray
     strain: FloatArray
     residual: float
+    lack: float
     violation: float
     gap: float
     iterations: int
@@ -100,7 +100,6 @@ class CondensedShell:
         before: StressState | None = None,
         reward: float = 1.0,
         cap: float = np.inf,
-        settings: Settings = STEP,
         progress: Callable[[float], None] | None = None,
     ) -> StressState:
         """Return the stresses with the largest  reward load - 1/2 sum (stress - origin) C (stress - origin).
@@ -111,11 +110,11 @@ class CondensedShell:
         compliance_abq: C (6, 6, nq), none for limit analysis. before: the state whose stresses are the origin; none, zero.
         progress: called with the share done.
         """
-        # At the start the work of all points together is about that of a unit load, whatever the number of points. If each
-        # point started with that much, the steps of large models would become too short to reach the solution.
-        settings = replace(settings, rate=1.0 / (settings.force * len(self.elements.facet)))
+        settings = LIMIT if compliance is None else STEP
         if compliance is not None and isinstance(self.strength, CellStrength):
             settings = replace(settings, correctors=SOLVER.correctors)
+        # At the start all points together do `rate` times the work of a unit load, whatever their number.
+        settings = replace(settings, rate=settings.rate / (settings.force * len(self.elements.facet)))
         iterations, start = 0, None
         told = as_share(progress, settings.duality_gap, settings.residual)
         for more in self._regularisations(compliance):
@@ -207,6 +206,7 @@ class CondensedShell:
             unexplained=unexplained,
             strain=np.asarray(self._strain @ motion[free]).reshape(-1, 6).T,
             residual=float(np.abs(balance).max(initial=0.0)),
+            lack=abs(float(balance @ at.y)) / theta,
             violation=law.violation(x),
             gap=gap,
             iterations=iterations,

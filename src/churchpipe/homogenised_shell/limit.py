@@ -13,7 +13,7 @@ from churchpipe.homogenised_shell.bounds import Bounds, proved_bounds
 from churchpipe.homogenised_shell.condensed import CondensedShell
 from churchpipe.homogenised_shell.element import Membrane, ShellElements, Stations, shell_elements
 from churchpipe.homogenised_shell.joint_groups import with_bearings
-from churchpipe.homogenised_shell.settings import LIMIT, SOLVER
+from churchpipe.homogenised_shell.settings import SOLVER
 from churchpipe.homogenised_shell.strength import with_warning
 from churchpipe.homogenised_shell.ties import tied_analysis
 from churchpipe.model.arguments import check_kind, listed
@@ -109,13 +109,13 @@ def _analysed(condensed: CondensedShell, method: str, progress: Progress | None)
     if method == "clarabel":
         found = condensed.solve_directly(None, dead, cap=1.0)
     else:
-        found = condensed.solve(None, dead, cap=1.0, settings=LIMIT, progress=progress and partial(progress, "dead load"))
+        found = condensed.solve(None, dead, cap=1.0, progress=progress and partial(progress, "dead load"))
     state = _verdict(condensed.elements, proved_bounds(condensed, found, np.zeros_like(dead), dead))
     if state is None:
         if method == "clarabel":
             found = condensed.solve_directly(dead, live)
         else:
-            found = condensed.solve(dead, live, settings=LIMIT, progress=progress and partial(progress, "limit load"))
+            found = condensed.solve(dead, live, progress=progress and partial(progress, "limit load"))
         state = _decided(condensed.elements, proved_bounds(condensed, found, dead, live))
     return replace(state, solver=method)
 
