@@ -51,7 +51,7 @@ def bearing_margin(least: FloatArray, reach: float) -> FloatArray:
 def with_lines_of_equal_gap(
     corner: FloatArray, gap: FloatArray, owner: IntArray, margin: FloatArray, reach: float
 ) -> tuple[FloatArray, IntArray]:
-    """Return the corners of polygons with the points where their sides cross lines of equal gap, and the polygon of each.
+    """Return the corners of polygons with the points where their sides cross lines of equal gap, in order, and their polygons.
 
     corner (nc, m): whatever is linear along a side; gap (nc,) m, linear over a polygon; owner (nc,), ascending. The lines are
     those of the margin (np,) m of each polygon, of the reach, and of the gap half-way between them by ratio.
@@ -60,12 +60,12 @@ def with_lines_of_equal_gap(
     after[np.append(start[1:], len(corner)) - 1] = start
     whole = (1.0 - 1e-9) * reach
     further = margin * _FURTHER**2 < whole
-    points, owners = [corner], [owner]
+    points, owners, places = [corner], [owner], [np.arange(len(corner), dtype=np.float64)]
     for level in (margin, np.where(further, np.sqrt(margin * whole), np.inf), np.where(further, whole, np.inf)):
         crossed = np.flatnonzero((gap < level[owner]) != (gap[after] < level[owner]))
         share = (level[owner[crossed]] - gap[crossed]) / (gap[after[crossed]] - gap[crossed])
         points.append(corner[crossed] + share[:, None] * (corner[after[crossed]] - corner[crossed]))
         owners.append(owner[crossed])
-    every = np.concatenate(owners)
-    order = np.argsort(every, kind="stable")
-    return np.concatenate(points)[order], every[order]
+        places.append(crossed + share)
+    order = np.argsort(np.concatenate(places))
+    return np.concatenate(points)[order], np.concatenate(owners)[order]

@@ -16,7 +16,7 @@ class Joints:
     blocks (ni, 2); frame (ni, 3, 3), rows n, t1, t2 in the axes of the first stone; area (ni,) m2; kind (ni,); point_ptr
     (ni + 1,); first, second (nc, 3) m, the point of either stone, an arm from its centroid in its axes. sliding (nc,): mu times
     the slip rate of the last step, see `solve_state`. rest (nc,) m: the gap as drawn, which counts as closed. place (nc, 2),
-    rectangle and margin (ni,): as in `Touching`, of joints that crush.
+    rectangle and margin (ni,): as in `Touching`, of joints that crush. lever (nc, 3) m: where friction acts beside the point.
     """
 
     blocks: IntArray
@@ -31,6 +31,7 @@ class Joints:
     place: FloatArray
     rectangle: FloatArray
     margin: FloatArray
+    lever: FloatArray
 
     @property
     def pair(self) -> IntArray:
@@ -104,4 +105,5 @@ def joints_of(
         place=np.zeros((len(contacts.point), 2)) if place is None else place,
         rectangle=np.zeros(count) if rectangle is None else rectangle,
         margin=np.zeros(count) if margin is None else margin,
+        lever=np.zeros((len(contacts.point), 3)),
     )

@@ -1,7 +1,7 @@
 """What stays the same while stones move: the drawing, loads and friction, and the lengths that steps are measured by."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -16,8 +16,10 @@ from churchpipe.model.arrays import BoolArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
+from churchpipe.model.names import ContactModel
 from churchpipe.model.ties import Tie
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
+from churchpipe.rigid_blocks.torsion import friction_points
 
 # The largest displacement of a step, and how far apart points may be that can still come to bear, over the thinnest side of the
 # stones that move.
@@ -48,6 +50,12 @@ class MovingModel:
     solver: str
     ties: TravellingTies
     strength: PairValues | None = None
+    contact_model: ContactModel = "corners"
+
+    @property
+    def plain(self) -> bool:
+        """True where nothing crushes and friction acts at the points of contact."""
+        return self.strength is None and self.contact_model == "corners"
 
 
 def moving_model(
@@ -62,10 +70,13 @@ def moving_model(
     solver: str,
     ties: Sequence[Tie] = (),
     strength: npt.ArrayLike | None = None,
+    contact_model: ContactModel = "corners",
 ) -> MovingModel:
     """Return the model of stones of which `moving` (nb,) go first; balance: theirs as drawn; step m, None: by their thickness."""
     size = thinnest(stones, moving)
     drawn = first_joints(contacts, stones, start_poses(stones), _REACH * size, crushing=strength is not None)
+    if contact_model == "torsion":
+        drawn = replace(drawn, lever=friction_points(contacts) - contacts.point)
 
     def of_pairs(value: npt.ArrayLike) -> PairValues:
         of_joints = np.broadcast_to(np.asarray(value, dtype=np.float64), contacts.area.shape)
@@ -87,6 +98,7 @@ def moving_model(
         solver=solver,
         ties=travelling_ties(stones, ties),
         strength=None if strength is None else of_pairs(strength),
+        contact_model=contact_model,
     )
 
 

@@ -16,6 +16,7 @@ from churchpipe.large_displacements.poses import Poses, displaced, start_poses
 from churchpipe.large_displacements.renewal import renewed
 from churchpipe.large_displacements.step import StepAnswer, StepProgram, solve_step, without_dilatancy
 from churchpipe.large_displacements.travelling import TravellingLoads
+from churchpipe.large_displacements.twisted import friction_shift
 from churchpipe.mechanism import reference_speed, stone_speed
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
@@ -38,6 +39,9 @@ _NEAR, _SHORTEST = 1.6, 1e-3
 # up to the second.
 _FITTING, _CREDIBLE = 2e-3, 0.1
 
+# Friction follows the pressure until it acts elsewhere by no more than this share of a stone, or for so many rounds; after the
+# first few half of the way, or it would go to and fro.
+_AT_REST, _ROUNDS, _WHOLE_WAY = 1e-3, 8, 2
 # A motion goes on as it did when no stone's speed has changed by more than this share of the fastest.
 _STEADY = 0.3
 # Stones that weigh no more than this share of what moved at the start may fall out without ending the curve.
@@ -118,7 +122,36 @@ def solve_state(model: MovingModel, state: PathState, programs: int = PROGRAMS, 
     sliding opened, mu |v|, in the program before: so it need not dilate. Length and slip come out of the program, which is
     solved again until they agree, so many times at the most. That need not happen: where many joints slide the programs go round
     in circles. Forces and motion that fit each other are then sought from the last one, in so many pairs of programs.
+
+    Where friction acts about the centres of pressure, the step is solved again until these are those of its own forces.
     """
+    step = _solved(model, state, programs, pairs)
+    for count in range(_ROUNDS if model.contact_model == "torsion" else 0):
+        lever, change = _levers(model, step)
+        joints = step.state.joints
+        if step.answer.outcome != "solved" or change < _AT_REST:
+            break
+        share = 1.0 if count < _WHOLE_WAY else 0.5
+        joints = replace(joints, lever=joints.lever + share * (lever - joints.lever))
+        step = _solved(model, replace(step.state, joints=joints), programs, pairs)
+    return step
+
+
+def _levers(model: MovingModel, step: PathStep) -> tuple[FloatArray, float]:
+    """Return where friction acts beside the points (nc, 3) m under the forces of a step, and by how much of a stone that is
+    another place than the one taken there, in the mean over these forces."""
+    joints = step.state.joints
+    contacts, _ = joints.at(step.state.poses)
+    tangents = contacts.frame[contacts.interface_of_point, 1:]
+    n = np.maximum(step.answer.forces[: len(joints.lever), 0], 0.0)
+    shift = friction_shift(contacts, n, np.einsum("kac,kc->ka", tangents, joints.lever))
+    lever = np.einsum("kac,ka->kc", tangents, shift)
+    moved = float(n @ np.linalg.norm(lever - joints.lever, axis=1)) / max(float(n.sum()), 1e-300)
+    return lever, moved / model.length
+
+
+def _solved(model: MovingModel, state: PathState, programs: int, pairs: int) -> PathStep:
+    """Return the step that a state takes with friction acting where its joints say."""
     stones, program, free, gap = _program(model, state)
     solve = solver_for(program.balance, model.solver)
     length, sliding = state.length, np.zeros(len(gap))
@@ -260,7 +293,8 @@ def _program(model: MovingModel, state: PathState) -> tuple[Assemblage, StepProg
     friction = model.friction.of(contacts.blocks, stones.count)[contacts.interface_of_point]
     bound = np.full(len(gap), np.inf)
     if isinstance(model.driven, TravellingLoads):
-        balance: Balance = contact_wrenches(stones, contacts, free, model.length)
+        at = contacts.point + state.joints.lever if model.contact_model == "torsion" else None
+        balance: Balance = contact_wrenches(stones, contacts, free, model.length, at)
         live = model.driven.rows(rotation, free, model.force, model.length)
         if model.ties.name:
             balance = balance.joined(model.ties.wrenches(state.poses, free, model.length))

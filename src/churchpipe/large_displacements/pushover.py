@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from time import perf_counter
-from typing import cast
+from typing import cast, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -17,12 +17,13 @@ from churchpipe.large_displacements.path import FIRST, PathState, PathStep, firs
 from churchpipe.large_displacements.record import Progress, Record
 from churchpipe.large_displacements.travelling import live_loads
 from churchpipe.mechanism import moving_stones, reference_speed, stone_speed
-from churchpipe.model.arguments import listed, positive, whole
+from churchpipe.model.arguments import listed, one_of, positive, whole
 from churchpipe.model.arrays import BoolArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.block_curve import BlockCapacityCurve, CurveStatus
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
+from churchpipe.model.names import ContactModel
 from churchpipe.model.results import LimitState
 from churchpipe.model.stone_path import no_step
 from churchpipe.model.ties import Tie
@@ -41,6 +42,7 @@ def block_pushover(
     ties: Sequence[Tie] = (),
     control: npt.ArrayLike | None = None,
     *,
+    contact_model: ContactModel = "corners",
     compressive_strength: npt.ArrayLike | None = None,
     step: float | None = None,
     steps: int = 400,
@@ -72,6 +74,8 @@ def block_pushover(
     control
         Point (3,) m of the drawing whose displacement along the load the curve is drawn against; None: the mean displacement
         of the pushed stones, weighed by their load.
+    contact_model
+        "torsion": friction acts about the centre of the pressure of each joint, as in `limit_analysis` without dilatancy.
     compressive_strength
         Pa, a number or one an interface (ni,), infinite for joints that do not crush; None: none does. Each joint is pressed
         in a part of the rectangle within it, and sinks in where its strength is used up.
@@ -106,7 +110,18 @@ def block_pushover(
     begin = perf_counter()
     _check(step, steps, furthest, halo)
     listed("block_pushover: ties", ties, Tie)
-    state = limit_analysis(stones, contacts, load, friction, ties=ties, compressive_strength=compressive_strength, solver=solver)
+    one_of("block_pushover: contact_model", contact_model, *get_args(ContactModel))
+    analysed = partial(
+        limit_analysis,
+        contacts=contacts,
+        load=load,
+        friction=friction,
+        ties=ties,
+        contact_model=contact_model,
+        compressive_strength=compressive_strength,
+        solver=solver,
+    )
+    state = analysed(stones)
     if state.status != "optimal":
         return _nothing(stones, state, perf_counter() - begin)
     measure = control_of(stones, load, control)
@@ -114,15 +129,8 @@ def block_pushover(
     moving = moving_stones(speed) & ~stones.fixed
     balance = equilibrium(stones, contacts, load)
     driven = live_loads(stones, load)
-    model = moving_model(stones, contacts, load, driven, friction, balance, moving, step, solver, ties, compressive_strength)
-    analysed = partial(
-        limit_analysis,
-        contacts=contacts,
-        load=load,
-        friction=friction,
-        ties=ties,
-        compressive_strength=compressive_strength,
-        solver=solver,
+    model = moving_model(
+        stones, contacts, load, driven, friction, balance, moving, step, solver, ties, compressive_strength, contact_model
     )
     model = replace(model, held=_held(model, contacts, analysed, state, halo)) if halo else model
     record = _Curve(model, measure, furthest, progress, keep)
@@ -136,11 +144,11 @@ def block_pushover(
 
 def _started(model: MovingModel, analysed: Callable[..., LimitState]) -> PathState:
     """Return the state as drawn with the sliding of a motion without dilatancy: that of its own programs, or where these come
-    near it too slowly, that of the certified analysis. With stones held that has no run from the centre of the cones, since
-    points between them cannot open: the first step then makes forces and motion fit as all others do."""
+    near it too slowly, that of the certified analysis. That takes many times as long with stones held, joints that crush and
+    friction that follows the pressure: the first step then makes forces and motion fit as all others do."""
     first = first_state(model)
     step = solve_state(model, first, FIRST, 0)
-    if step.answer.outcome != "solved" or step.answer.misfit < _STARTED or model.held.any():
+    if step.answer.outcome != "solved" or step.answer.misfit < _STARTED or model.held.any() or not model.plain:
         return step.state
     found = analysed(model.stones, flow="non-associative")
     return sliding_as(model, first, found.velocities) if found.status in ("converged", "not-converged") else step.state

@@ -78,7 +78,8 @@ def renewed(
     np.minimum.at(least, new.interface, gap)
     np.logical_or.at(seen, new.interface, known)
     keep = (least <= reach) & (seen | (least >= -_DEPTH * reach))
-    return replace(new, sliding=np.where(known, joints.sliding[origin], 0.0), rest=rest).selected(keep)
+    sliding, lever = np.where(known, joints.sliding[origin], 0.0), np.where(known[:, None], joints.lever[origin], 0.0)
+    return replace(new, sliding=sliding, rest=rest, lever=lever).selected(keep)
 
 
 def _key(blocks: IntArray, count: int) -> IntArray:

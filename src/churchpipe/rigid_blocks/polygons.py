@@ -40,18 +40,25 @@ def joint_polygons(contacts: Contacts) -> JointPolygons:
     ------
     InputError: the points of an interface are not the corners of a polygon in order.
     """
-    count, interface, start = contacts.points_per_interface, contacts.interface_of_point, contacts.point_ptr[:-1]
+    count = contacts.points_per_interface
     if len(count) and count.min() < 3:
         raise _no_polygon(int(np.argmin(count)), f"{count.min()} points", "3 or more")
+    polygons = polygons_of(contacts)
+    wrong = np.flatnonzero(~(np.abs(polygons.area) > (1 - _SAME_AREA) * contacts.area))
+    if len(wrong):
+        first = int(wrong[0])
+        raise _no_polygon(first, f"they enclose {abs(polygons.area[first]):.6g} m2", f"{contacts.area[first]:.6g} m2")
+    return polygons
+
+
+def polygons_of(contacts: Contacts) -> JointPolygons:
+    """Return the polygons whose corners are the contact points of interfaces, three or more of each, in order."""
+    count, interface, start = contacts.points_per_interface, contacts.interface_of_point, contacts.point_ptr[:-1]
     after, before = np.arange(len(interface)) + 1, np.arange(len(interface)) - 1
     after[contacts.point_ptr[1:] - 1], before[start] = start, contacts.point_ptr[1:] - 1
     middle = summed(contacts.point, start) / count[:, None]
     corner = np.einsum("kac,kc->ka", contacts.frame[interface, 1:], contacts.point - middle[interface])
     area = summed(cross(corner, corner[after]), start) / 2.0
-    wrong = np.flatnonzero(~(np.abs(area) > (1 - _SAME_AREA) * contacts.area))
-    if len(wrong):
-        first = int(wrong[0])
-        raise _no_polygon(first, f"they enclose {abs(area[first]):.6g} m2", f"{contacts.area[first]:.6g} m2")
     return JointPolygons(interface, start, after, before, count, middle, corner, area)
 
 

@@ -46,8 +46,13 @@ def shift_about_pressure(contacts: Contacts, points: Contacts, n: FloatArray, be
     contacts: the joints with their corners; points: the same joints with the points that n acts at; before (np, 2): the answer
     for joints without pressure.
     """
-    polygons, interface = joint_polygons(contacts), points.interface_of_point
-    place = np.einsum("kac,kc->ka", contacts.frame[interface, 1:], points.point - polygons.middle[interface])
+    return shift_in_polygons(joint_polygons(contacts), points, n, before)
+
+
+def shift_in_polygons(polygons: JointPolygons, points: Contacts, n: FloatArray, before: FloatArray) -> FloatArray:
+    """Return the shifts (np, 2) m of `shift_about_pressure` in joints of these polygons."""
+    interface = points.interface_of_point
+    place = np.einsum("kac,kc->ka", points.frame[interface, 1:], points.point - polygons.middle[interface])
     pressed = np.bincount(interface, n, minlength=len(polygons.start))
     loaded = pressed > _LOADED * pressed.max(initial=0.0)
     force = np.where(loaded, pressed, 1.0)
@@ -55,7 +60,7 @@ def shift_about_pressure(contacts: Contacts, points: Contacts, n: FloatArray, be
     centre = np.stack([np.bincount(interface, n * along, minlength=len(force)) for along in place.T], axis=1) / force[:, None]
     # On an edge the area would be none.
     centre = np.where(loaded[:, None], centroid + (1.0 - _INSIDE) * (centre - centroid), centroid)
-    corner, pointer = symmetric_parts(polygons.corner, contacts.point_ptr, centre)
+    corner, pointer = symmetric_parts(polygons.corner, np.append(polygons.start, len(polygons.corner)), centre)
     after = np.arange(len(corner)) + 1
     after[pointer[1:] - 1] = pointer[:-1]
     around = np.repeat(centre, np.diff(pointer), axis=0)
