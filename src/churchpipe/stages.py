@@ -269,7 +269,8 @@ def curve(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
     stones, joints = read_npz(assemblage, Assemblage), read_npz(contacts, Contacts)
     load, materials = load_of(table), strengths_of(table)
     friction, _ = joint_strength(stones, joints, materials, joints_of(table))
-    options = {key: table[key] for key in ("solver", "control", "step", "steps", "furthest", "halo") if key in table}
+    keys = ("solver", "control", "step", "steps", "furthest", "halo", "contact_model")
+    options = {key: table[key] for key in keys if key in table}
     options |= {"compressive_strength": crushing_strength(stones, joints, materials)}
     borne = placed(carries_of(table), stones)
     pushed = loaded(load, stones, borne.loads)
@@ -278,7 +279,9 @@ def curve(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
     found = block_pushover(stones, joints, pushed, friction, borne.ties, **options, **more)
     write_npz(state, found)
     kept.clear()
-    write_record(record, curve_record_of(found, stones, load, used_by(stones, materials), joints_of(table)))
+    write_record(
+        record, curve_record_of(found, stones, load, used_by(stones, materials), joints_of(table), table.get("contact_model"))
+    )
 
 
 def movement(

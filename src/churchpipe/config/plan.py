@@ -204,6 +204,8 @@ def _curve_settings(case: Case, geometry: str, load: LoadCase) -> dict[str, Any]
     assert case.rigid.curve is not None
     settings = {"geometry": geometry, "load": load_table(load), **_strengths(case), "solver": case.rigid.solver}
     settings |= case.carries.settings(*_BORNE)
+    if case.rigid.contact_model[0] != CONTACT_MODEL:
+        settings["contact_model"] = case.rigid.contact_model[0]
     return settings | {key: value for key, value in asdict(case.rigid.curve).items() if value is not None}
 
 

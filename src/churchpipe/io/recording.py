@@ -73,6 +73,7 @@ def curve_record_of(
     load: LoadCase,
     materials: Sequence[JointStrength],
     joints: Sequence[JointGroup] = (),
+    contact_model: ContactModel | None = None,
 ) -> Analysis:
     """Return the record of a capacity curve of the stones; its load factor is that which starts the motion.
 
@@ -85,6 +86,7 @@ def curve_record_of(
     return Analysis(
         model=RIGID_BLOCKS,
         method="curve",
+        contact_model=contact_model,
         **_question(load, materials, joints),
         load_factor=curve.initial,
         status=status,

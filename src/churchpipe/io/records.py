@@ -38,8 +38,9 @@ _CHOICES: dict[str, tuple[str, ...]] = {
 class Analysis:
     """What an analysis was asked and how it ended; None where its kind knows no such thing, NaN where there is no such number.
 
-    name, variant, geometry, swept: its place in the plan of the run. flow and contact_model are of limit analyses of the stones,
-    planes of the shell, method is "limit" or "pushover" of the shell and "curve" of the stones. direction: (3,) of the load.
+    name, variant, geometry, swept: its place in the plan of the run. flow is of limit analyses of the stones, contact_model of
+    these and of a curve with torsion, planes of the shell, method is "limit" or "pushover" of the shell and "curve" of the
+    stones. direction: (3,) of the load.
     status: "left-out" where it was not made. equilibrium_residual: over the weight. gap to history: of a non-associative
     analysis, see `LimitState`; history holds its load factors. control: of a capacity curve of the shell, at the node
     control_point. ending to misfit: of a capacity curve of the stones, see `BlockCapacityCurve`; largest_displacement is of all

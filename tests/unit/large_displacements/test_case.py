@@ -71,6 +71,13 @@ def test_a_case_asks_for_a_curve_of_each_load(tmp_path: Path) -> None:
     assert not any(entry["kind"] == "curve" for entry in plan([read(tmp_path, "")]).index["analyses"])
 
 
+def test_a_curve_takes_the_first_contact_model(tmp_path: Path, curve: BlockCapacityCurve) -> None:
+    case = read(tmp_path, '[rigid]\ncontact_model = ["torsion", "corners"]\n[rigid.curve]\n')
+    settings = next(value for name, value in plan([case]).analyses.items() if name.endswith("curve"))
+    assert settings["contact_model"] == "torsion"
+    assert curve_record_of(curve, BLOCK, PUSH, [DRY], (), settings["contact_model"]).contact_model == "torsion"
+
+
 @pytest.mark.parametrize(
     ("lines", "said"),
     [("step_mm = 0", "rigid.curve.step_mm"), ("stpes = 3", "steps"), ("control_mm = [0, 0]", "rigid.curve.control_mm")],
