@@ -80,9 +80,12 @@ def candidate_rows(rows: Sequence[Row]) -> list[list[str]]:
     ]
 
 
-def gain_rows(rows: Sequence[Row]) -> list[list[str]]:
-    """Return for each analysis a row for each of the walls that more cohesion or weight would help or harm most, and for each
-    that was analysed again: the load factor by the rate, and that of the analysis."""
+_GAIN_TITLES = ("Analysis", "Wall", "10 kPa of cohesion", "analysed", "10 kN of weight", "analysed")
+
+
+def gain_table(rows: Sequence[Row]) -> tuple[list[str], list[list[str]]]:
+    """Return titles, and for each analysis a row for each of the walls that more cohesion or weight would help or harm most, and
+    for each that was analysed again: the load factor by the rate, and that of the analysis, if there is one."""
     out: list[list[str]] = []
     for row in rows:
         gains = sorted(row.record.gains, key=lambda gain: -gain.cohesion)
@@ -91,7 +94,8 @@ def gain_rows(rows: Sequence[Row]) -> list[list[str]]:
             cells = [f"{1e4 * one.cohesion:+.4f}", _again(row, one.with_cohesion)]
             cells += [f"{1e4 * one.weight:+.5f}", _again(row, one.with_weight)]
             out.append([row.label, one.panel, *cells])
-    return out
+    kept = [column for column, title in enumerate(_GAIN_TITLES) if title != "analysed" or any(row[column] for row in out)]
+    return [_GAIN_TITLES[column] for column in kept], [[row[column] for column in kept] for row in out]
 
 
 def _again(row: Row, factor: float) -> str:

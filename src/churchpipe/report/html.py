@@ -21,7 +21,7 @@ from churchpipe.model.results import LimitState
 from churchpipe.model.shell import ShellModel
 from churchpipe.report import both, viewer
 from churchpipe.report.block_curves import block_curve_plots
-from churchpipe.report.borne import beam_rows, candidate_rows, gain_rows, load_rows, tie_rows
+from churchpipe.report.borne import beam_rows, candidate_rows, gain_table, load_rows, tie_rows
 from churchpipe.report.contact_models import contact_model_rows
 from churchpipe.report.displacements import displacement_checks
 from churchpipe.report.drawings import drawings_svg
@@ -131,7 +131,7 @@ def write_report(
             beam_rows=beam_rows(stones),
             tie_rows=tie_rows(rows),
             candidate_rows=candidate_rows(rows),
-            gain_rows=gain_rows([row for row in rows if not row.variant]),
+            gains=gain_table([row for row in rows if not row.variant]),
             notes=[(row.label, note) for row in rows if (note := status_note(stones, row))],
             published=published_rows(published, asis),
             sensitivity=sensitivity_plots(rows),

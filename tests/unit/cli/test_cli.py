@@ -64,6 +64,27 @@ def test_version_and_help(capsys: pytest.CaptureFixture[str]) -> None:
     assert "stage " not in out
 
 
+@pytest.mark.parametrize(
+    ("typed", "offered"),
+    [("churchpipe ru", ["run"]), ("churchpipe run --mod", ["--model"]), ("churchpipe export", ["export-dxf"])],
+)
+def test_the_shell_completes_commands_and_options(typed: str, offered: list[str]) -> None:
+    bash, program = shutil.which("bash"), Path(sys.executable).with_name("churchpipe")
+    assert bash
+    words = typed.split()
+    script = f"""
+        source <(_CHURCHPIPE_COMPLETE=source_bash churchpipe)
+        COMP_WORDS=({typed}) COMP_CWORD={len(words) - 1}
+        _churchpipe_completion churchpipe {words[-1]} {words[-2]}
+        printf '%s\\n' "${{COMPREPLY[@]}}"
+    """
+    path = f"{program.parent}:/usr/bin:/bin"
+    done = subprocess.run(
+        [bash, "-c", script], capture_output=True, text=True, check=True, env={"PATH": path, "HOME": "/nowhere"}
+    )
+    assert done.stdout.split() == offered
+
+
 def test_import_is_light() -> None:
     heavy = [
         "gmsh",

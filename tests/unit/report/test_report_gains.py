@@ -1,0 +1,23 @@
+"""What more mortar or weight would do, as a table."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from churchpipe.report.borne import gain_table
+
+
+def row(with_cohesion: float) -> Any:
+    gain = SimpleNamespace(panel="nave", cohesion=4e-6, with_cohesion=with_cohesion, weight=2e-9, with_weight=np.nan)
+    return SimpleNamespace(label="load +x", record=SimpleNamespace(gains=[gain], load_factor=0.2))
+
+
+def test_columns_of_new_analyses_stand_only_where_there_are_some() -> None:
+    titles, rows = gain_table([row(np.nan)])
+    assert titles == ["Analysis", "Wall", "10 kPa of cohesion", "10 kN of weight"]
+    assert rows == [["load +x", "nave", "+0.0400", "+0.00002"]]
+    titles, rows = gain_table([row(0.23)])
+    assert titles == ["Analysis", "Wall", "10 kPa of cohesion", "analysed", "10 kN of weight"]
+    assert rows == [["load +x", "nave", "+0.0400", "+0.03000", "+0.00002"]]
+    assert gain_table([])[1] == []
