@@ -38,6 +38,9 @@ def outlines_of(plane: Plane, findings: list[Finding]) -> tuple[list[Outline], i
         index = opened + [k for k, _ in closed]
         net = net_of([flat[k] for k in opened], [ring for _, ring in closed])
         found += [(index[k], corners) for k, corners in net.meshes]
+        for k, gap in sorted(net.mended.items()):
+            what = "an end of the line misses the line that it should end on, or runs past it, by {}: they meet"
+            findings.append(traces[index[k]].place.finding("W25", what, lengths=(gap,)))
         for k in (index[border] for border in net.borders):
             rings[k] = None
         for k in (index[line] for line in net.alone):

@@ -1,7 +1,7 @@
 """Lines in a plane: the areas that they enclose, and outlines without superfluous corners."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -10,6 +10,8 @@ from churchpipe.model.arrays import FloatArray
 
 # Lines meet where they are closer than this share of the length of the median line.
 SNAP = 1e-3
+# Ends that miss a line by more, or run past one, are slips of the hand up to this share of that length; they are told.
+SLIP = 0.1
 # An open outline that shares less than this part with all areas is a stone of its own.
 HIDDEN = 0.1
 # A corner closer to the line through its neighbours than this share of the outline's size is superfluous.
@@ -22,30 +24,79 @@ class Net:
 
     meshes: corners (n, 2) of each area, with the index of the line that covers most of its longest side. alone: indices of the
     lines that meet no other, or that close over a place where no area is. loose: indices of the lines with a free end. borders:
-    indices of the closed outlines on which lines end.
+    indices of the closed outlines on which lines end. mended: of lines with an end that missed the next line, or ran past it: by
+    how much at most.
     """
 
     meshes: list[tuple[int, FloatArray]]
     alone: list[int]
     loose: list[int]
     borders: list[int]
+    mended: dict[int, float]
 
 
 def net_of(lines: Sequence[FloatArray], outlines: Sequence[FloatArray]) -> Net:
     """Return what open lines (n, 2) make, with each other and with closed outlines (n, 2); indices count the outlines after the
-    lines. Ends meet a line when they miss it by up to a thousandth of the median line."""
+    lines. Ends may miss a line, or run past one, by up to a tenth of the median line.
+    """
     count = len(lines)
+    median = float(np.median([shapely.LineString(line).length for line in lines]))
+    reach, slip = SNAP * median, SLIP * median
+    lines, mended = _reaching(lines, outlines, reach, slip)
     drawn = [*map(shapely.LineString, lines), *map(shapely.LinearRing, outlines)]
-    reach = SNAP * float(np.median([line.length for line in drawn[:count]]))
     ends = shapely.points(np.concatenate([line[[0, -1]] for line in lines]))
     own = np.repeat(np.arange(count), 2)
     end, other = shapely.STRtree(drawn).query(ends, predicate="dwithin", distance=reach)
-    met = own[end] != other
-    joined = set(own[end[met]].tolist()) | set(other[met].tolist())
-    chosen = sorted(joined)
-    alone = [k for k in range(count) if k not in joined]
+    apart = own[end] != other
+    met = set(own[end[apart]].tolist()) | set(other[apart].tolist())
+    crossing = set(shapely.STRtree(drawn[:count]).query(drawn[:count], predicate="crosses").ravel().tolist()) - met
+    net = _meshed(lines, drawn, sorted(met | crossing), reach, slip)
+    # A line that only crosses others, and goes on beyond them, is no side of a stone: an axis, or a dimension.
+    beyond = crossing & set(net.loose)
+    if beyond:
+        net = _meshed(lines, drawn, sorted((met | crossing) - beyond), reach, slip)
+    unused = [k for k in range(count) if k in beyond or k not in met | crossing]
+    return replace(net, alone=[*net.alone, *unused], mended=mended | net.mended)
+
+
+def _reaching(
+    lines: Sequence[FloatArray], outlines: Sequence[FloatArray], reach: float, slip: float
+) -> tuple[list[FloatArray], dict[int, float]]:
+    """Return lines whose straight ends go on to the line that they miss by less than a slip, or to where another end would go
+    on to; and by how much they missed it.
+    """
+    drawn = [*map(shapely.LineString, lines), *map(shapely.LinearRing, outlines)]
+    tree = shapely.STRtree(drawn)
+    straight = [(k, last) for k, line in enumerate(lines) if len(line) == 2 for last in (0, 1)]
+    short = [
+        (k, last)
+        for k, last in straight
+        if set(tree.query(shapely.Point(lines[k][last]), predicate="dwithin", distance=reach).tolist()) <= {k}
+    ]
+    along = [(lines[k][last] - lines[k][1 - last]) / np.linalg.norm(np.diff(lines[k], axis=0)) for k, last in short]
+    ahead = [shapely.LineString([lines[k][last], lines[k][last] + slip * u]) for (k, last), u in zip(short, along, strict=True)]
+    owner = [*range(len(drawn)), *(k for k, _ in short)]
+    targets = [*drawn, *ahead]
+    tree = shapely.STRtree(targets)
+    out, missed = [line.copy() for line in lines], dict[int, float]()
+    for (k, last), u, ray in zip(short, along, ahead, strict=True):
+        met = [(o, ray & targets[o]) for o in tree.query(ray, predicate="intersects").tolist() if owner[o] != k]
+        # Two ends that point at each other, of sides of two stones in one line, do not meet between them.
+        places = [place for o, place in met if o < len(drawn) or place.length == 0]
+        if places:
+            gap = min(float(shapely.distance(shapely.Point(lines[k][last]), place)) for place in places)
+            out[k][last] += gap * u
+            missed[k] = max(gap, missed.get(k, 0.0))
+    return out, missed
+
+
+def _meshed(
+    lines: Sequence[FloatArray], drawn: Sequence[shapely.LineString], chosen: list[int], reach: float, slip: float
+) -> Net:
+    """Return the net of the chosen lines and outlines alone."""
     if not chosen:
-        return Net([], alone, [], [])
+        return Net([], [], [], [], {})
+    count = len(lines)
     sources = [_lengthened(lines[k], reach) if k < count else drawn[k] for k in chosen]
     tree = shapely.STRtree(sources)
     found, _, dangles, _ = shapely.polygonize_full(shapely.get_parts(shapely.union_all(sources)))
@@ -58,16 +109,25 @@ def net_of(lines: Sequence[FloatArray], outlines: Sequence[FloatArray]) -> Net:
             longest = int(np.argmax(np.linalg.norm(side, axis=1)))
             nearest = int(tree.nearest(shapely.Point(corners[longest] + 0.5 * side[longest])))
             meshes.append((chosen[nearest], corners))
-    left = [part for part in shapely.get_parts(dangles) if part.length > 3 * reach]
     cells = shapely.union_all([shapely.Polygon(corners) for _, corners in meshes])
+    alone: list[int] = []
     for k in chosen:
         # Drawn along its neighbours, an outline that lacks its last side is hidden by theirs: it closes over an empty place.
         if k < count and len(lines[k]) > 3:
             own = shapely.Polygon(lines[k])
             if own.is_valid and own.area > reach * own.length and own.intersection(cells).area < HIDDEN * own.area:
                 alone.append(k)
-    loose = {chosen[int(tree.nearest(shapely.line_interpolate_point(part, 0.5, normalized=True)))] for part in left}
-    return Net(meshes, alone, sorted(k for k in loose - set(alone) if k < count), [k for k in chosen if k >= count])
+    loose: set[int] = set()
+    mended: dict[int, float] = {}
+    for part in shapely.get_parts(dangles):
+        k = chosen[int(tree.nearest(shapely.line_interpolate_point(part, 0.5, normalized=True)))]
+        if k >= count or part.length <= 3 * reach:
+            continue
+        if part.length > slip + reach:
+            loose.add(k)
+        else:
+            mended[k] = max(part.length - reach, mended.get(k, 0.0))
+    return Net(meshes, alone, sorted(loose - set(alone)), [k for k in chosen if k >= count], mended)
 
 
 def without_idle_corners(corners: FloatArray) -> FloatArray:

@@ -187,6 +187,26 @@ def test_curved_sides_are_chords_and_told(tmp_path: Path) -> None:
     assert drawing.stones.volume[0] == pytest.approx((0.25 * 0.065 + 2 / 3 * 0.05 * 0.25 / 2 * 0.25) * 0.12, rel=0.02)
 
 
+@pytest.mark.parametrize("over", [0.0, 2.0, 10.0, 20.0, -2.0, -5.0])
+def test_lines_of_a_net_may_run_past_each_other_or_stop_short(over: float, tmp_path: Path) -> None:
+    """Beds over the whole wall, head joints a course high; an axis that goes on far beyond the wall is no joint."""
+
+    def draw(space: Any) -> None:
+        for row in range(6):
+            space.add_line((-over, row * 200), (2000 + over, row * 200))
+        for row in range(5):
+            for x in np.unique([0, *range(0 if row % 2 else 250, 2001, 500), 2000]):
+                space.add_line((x, row * 200 - over), (x, row * 200 + 200 + over))
+        space.add_line((1100, -300), (1100, 1400))
+
+    drawing = read(drawn(tmp_path / "a.dxf", draw, ground=False), support="base")
+    assert set(codes(drawing)) == {"W12", "W18"} | ({"W25"} if over else set())
+    assert "1 lines that close nothing" in str(drawing.findings)
+    stones = drawing.stones
+    assert int((~stones.fixed).sum()) == 3 * 5 + 2 * 4
+    assert stones.volume[~stones.fixed].sum() == pytest.approx(2.0 * 1.0 * 0.12, rel=1e-9)
+
+
 def bulged_ring(space: Any, radius: float, depth: float, joints: list[float], mortar: float) -> None:
     """Voussoirs (mm) between joints at these angles, intrados and extrados as bulges, with mortar between them."""
     for start, stop in pairwise(joints):
