@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 import shapely
 
-from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, ragged_indices
 
 Polygons = npt.NDArray[np.object_]
 Polygon = shapely.Polygon
@@ -29,8 +29,12 @@ def rings(region: shapely.Polygon) -> list[FloatArray]:
 
 def polygons_of(corner: FloatArray, corner_ptr: IntArray) -> Polygons:
     """Return polygons (n,) from corners (nc, 2) and their pointer array (n + 1,)."""
-    owner = np.repeat(np.arange(len(corner_ptr) - 1), np.diff(corner_ptr))
-    return np.atleast_1d(np.asarray(shapely.polygons(shapely.linearrings(corner, indices=owner)), dtype=np.object_))
+    counts = np.diff(corner_ptr)
+    # Rings are closed: each repeats its first corner, also where its last one is at the same place.
+    order = ragged_indices(corner_ptr[:-1], counts + 1)
+    order[np.cumsum(counts + 1) - 1] = corner_ptr[:-1]
+    ring = shapely.linearrings(corner[order], indices=np.repeat(np.arange(len(counts)), counts + 1))
+    return np.atleast_1d(np.asarray(shapely.polygons(ring), dtype=np.object_))
 
 
 def boxes(rectangles: FloatArray) -> Polygons:
@@ -40,9 +44,14 @@ def boxes(rectangles: FloatArray) -> Polygons:
 
 def overlapping(rectangles: FloatArray) -> IntArray:
     """Return the pairs i < j (k, 2) of rectangles s0, t0, s1, t1 (n, 4) that have a point in common."""
-    found = boxes(rectangles)
-    i, j = shapely.STRtree(found).query(found)
-    return np.stack([i[i < j], j[i < j]], axis=1)
+    pairs = meeting(rectangles, rectangles)
+    return pairs[pairs[:, 0] < pairs[:, 1]]
+
+
+def meeting(first: FloatArray, second: FloatArray) -> IntArray:
+    """Return the pairs (k, 2) of a rectangle s0, t0, s1, t1 of the first (n, 4) and one of the second that have a point in
+    common."""
+    return np.asarray(shapely.STRtree(boxes(second)).query(boxes(first)), dtype=np.int64).T
 
 
 def why_invalid(region: Region) -> str:
@@ -92,7 +101,7 @@ def edges(region: Region) -> FloatArray:
 def outer_rings(polygons: Polygons) -> tuple[FloatArray, IntArray]:
     """Return the corners (nc, 2) of the outer rings, the closing one left out, and the polygon (nc,) each belongs to."""
     point, owner = shapely.get_coordinates(shapely.get_exterior_ring(polygons), return_index=True)
-    closing = np.append(owner[1:] != owner[:-1], True)
+    closing = np.append(owner[1:] != owner[:-1], True)[: len(owner)]
     return point[~closing], owner[~closing].astype(np.int64)
 
 
@@ -109,6 +118,12 @@ def moved(polygons: Polygons, corner: FloatArray) -> Polygons:
 def all_coordinates(polygons: Polygons) -> FloatArray:
     """Return all ring coordinates (n, 2), closing points included."""
     return np.asarray(shapely.get_coordinates(polygons), dtype=np.float64)
+
+
+def coordinates_of(polygons: Polygons) -> tuple[FloatArray, IntArray]:
+    """Return all ring coordinates (n, 2), closing points included, and the polygon (n,) each belongs to."""
+    point, owner = shapely.get_coordinates(polygons, return_index=True)
+    return np.asarray(point, dtype=np.float64), np.asarray(owner, dtype=np.int64)
 
 
 def centroids(polygons: Polygons) -> FloatArray:
@@ -157,13 +172,18 @@ def common_areas(polygons: Polygons, region: Region) -> FloatArray:
     return areas(np.asarray(shapely.intersection(polygons, region), dtype=np.object_))
 
 
+def plain_intersections(first: Polygons, second: Polygons) -> Polygons:
+    """Return what the polygons of two lists (n,) have in common, pair by pair, as GEOS has it."""
+    return np.asarray(shapely.intersection(first, second), dtype=np.object_)
+
+
 def intersections(first: Polygons, second: Polygons) -> Polygons:
     """Return what the polygons of two lists (n,) have in common, pair by pair.
 
     With nearly collinear edges GEOS may return the places where the edges cross and lose the area between them. Where boxes
     overlap and the answer has no area, coordinates are rounded to `GRID` for another try.
     """
-    common = np.asarray(shapely.intersection(first, second), dtype=np.object_)
+    common = plain_intersections(first, second)
     low = np.maximum(shapely.bounds(first)[:, :2], shapely.bounds(second)[:, :2])
     high = np.minimum(shapely.bounds(first)[:, 2:], shapely.bounds(second)[:, 2:])
     doubtful = (shapely.area(common) == 0) & (high - low > DOUBTFUL).all(axis=1)
@@ -198,6 +218,11 @@ def hull_corners(polygons: Polygons, tolerance: FloatArray) -> tuple[FloatArray,
         corner, owner = corner[~straight], owner[~straight]
     counts = np.bincount(owner, minlength=len(polygons))
     return corner, np.concatenate(([0], np.cumsum(counts)))
+
+
+def simple_hulls(polygons: Polygons, tolerance: float) -> Polygons:
+    """Return the convex hulls of polygons (n,) without the corners that are less than a tolerance off a straight edge."""
+    return np.asarray(shapely.simplify(shapely.normalize(shapely.convex_hull(polygons)), tolerance), dtype=np.object_)
 
 
 def outlined(corner: FloatArray, counts: IntArray, rings: IntArray) -> Polygons:

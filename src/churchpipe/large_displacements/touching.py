@@ -3,8 +3,17 @@
 from typing import NamedTuple
 
 import numpy as np
-import shapely
 
+from churchpipe.geometry.planar import (
+    Polygons,
+    areas,
+    outer_rings,
+    overlapping,
+    perimeters,
+    plain_intersections,
+    polygons_of,
+    simple_hulls,
+)
 from churchpipe.large_displacements.crushed import bearing_margin, rectangles_of, with_lines_of_equal_gap
 from churchpipe.large_displacements.edges import edge_normals
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, ragged_indices
@@ -54,9 +63,9 @@ def touching(
     n /= np.linalg.norm(n, axis=1, keepdims=True)
     axes = frames(n)[:, 1:]
     centre = 0.5 * (mean[first] + mean[second])
-    overlap = shapely.intersection(_projected(stones, first, axes, centre), _projected(stones, second, axes, centre))
-    chosen = np.flatnonzero(2 * shapely.area(overlap) > narrow * shapely.length(overlap))
-    corner, owner = _corners(overlap[chosen], _STRAIGHT * narrow)
+    overlap = plain_intersections(_projected(stones, first, axes, centre), _projected(stones, second, axes, centre))
+    chosen = np.flatnonzero(2 * areas(overlap) > narrow * perimeters(overlap))
+    corner, owner = outer_rings(simple_hulls(overlap[chosen], _STRAIGHT * narrow))
 
     def on_second(corner: FloatArray, pair: IntArray) -> tuple[FloatArray, FloatArray]:
         flat = centre[pair] + np.einsum("ka,kac->kc", corner, axes[pair])
@@ -72,7 +81,7 @@ def touching(
     place, rectangle, margin = np.zeros((len(corner), 2)), np.zeros(len(chosen)), np.zeros(len(chosen))
     if crushing and len(chosen):
         place, share = rectangles_of(corner, np.searchsorted(owner, np.arange(len(chosen))))
-        rectangle, margin = share * shapely.area(overlap[chosen]), bearing_margin(least, reach)
+        rectangle, margin = share * areas(overlap[chosen]), bearing_margin(least, reach)
         both, owner = with_lines_of_equal_gap(np.column_stack([corner, place]), gap, owner, margin, reach)
         corner, place = both[:, :2], both[:, 2:]
     pair = chosen[owner]
@@ -87,7 +96,7 @@ def touching(
     contacts = Contacts(
         blocks=np.stack([block[first[pair[start]]], block[second[pair[start]]]], axis=1),
         frame=frames(edge[start]),
-        area=np.asarray(shapely.area(overlap[pair[start]]), dtype=np.float64),
+        area=areas(overlap[pair[start]]),
         point=point,
         point_ptr=np.append(start, len(pair)),
         kind=np.full(len(start), "bed"),
@@ -108,9 +117,8 @@ def _stone_pairs(stones: Assemblage, left_out: BoolArray, reach: float) -> IntAr
     low, high = (edge.reduceat(stones.points, stones.block_point_ptr[:-1], axis=0) for edge in (np.minimum, np.maximum))
     chosen = np.flatnonzero(~left_out)
     half = 0.5 * reach
-    boxes = shapely.box(*(low[chosen, :2] - half).T, *(high[chosen, :2] + half).T)
-    one, other = (chosen[side] for side in shapely.STRtree(boxes).query(boxes))
-    near = (one < other) & ~(stones.fixed[one] & stones.fixed[other])
+    one, other = chosen[overlapping(np.column_stack([low[chosen, :2] - half, high[chosen, :2] + half]))].T
+    near = ~(stones.fixed[one] & stones.fixed[other])
     one, other = one[near], other[near]
     near = (low[one, 2] <= high[other, 2] + reach) & (low[other, 2] <= high[one, 2] + reach)
     return np.stack([one[near], other[near]], axis=1)
@@ -133,18 +141,9 @@ def _face_pairs(stones: Assemblage, normal: FloatArray, pairs: IntArray, reach: 
     return first[near], second[near]
 
 
-def _projected(stones: Assemblage, face: IntArray, axes: FloatArray, centre: FloatArray) -> np.ndarray:
+def _projected(stones: Assemblage, face: IntArray, axes: FloatArray, centre: FloatArray) -> Polygons:
     """Return the faces as polygons (k,) in planes of their own, with axes (k, 2, 3) and origins (k, 3)."""
     start, count = stones.face_ptr[face], np.diff(stones.face_ptr)[face]
     owner = np.repeat(np.arange(len(face)), count)
     arm = stones.points[stones.face_nodes[ragged_indices(start, count)]] - centre[owner]
-    return np.asarray(shapely.polygons(shapely.linearrings(np.einsum("kc,kac->ka", arm, axes[owner]), indices=owner)))
-
-
-def _corners(polygon: np.ndarray, tolerance: float) -> tuple[FloatArray, IntArray]:
-    """Return the corners (k, 2) of the convex hulls, those on a straight edge left out, and the polygon (k,) of each."""
-    hull = shapely.simplify(shapely.normalize(shapely.convex_hull(polygon)), tolerance)
-    corner, owner = shapely.get_coordinates(shapely.get_exterior_ring(hull), return_index=True)
-    # Rings are closed: the last corner is the first again.
-    inside = np.append(owner[1:] == owner[:-1], np.zeros(min(len(owner), 1), dtype=bool))
-    return corner[inside], owner[inside]
+    return polygons_of(np.einsum("kc,kac->ka", arm, axes[owner]), np.append(0, np.cumsum(count)))

@@ -114,6 +114,11 @@ class Run:
             )
 
     @property
+    def of_ring(self) -> bool:
+        """Whether its stones are voussoirs of a ring, which lie in no course."""
+        return self.course < 0
+
+    @property
     def volume(self) -> FloatArray:
         """Volume of each segment (m,), m3: the area of the section times the length at its centroid."""
         return self.section.area * (np.diff(self.stations, axis=0) @ np.array([1.0, self.section.centroid[0]]))

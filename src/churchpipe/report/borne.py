@@ -39,7 +39,7 @@ def load_rows(borne: Mapping[str, Borne]) -> list[list[str]]:
 def beam_rows(stones: Assemblage) -> list[list[str]]:
     """Return a row for each ring beam: name, material, height m and weight kN."""
     rows: list[list[str]] = []
-    for stone in np.flatnonzero(np.char.startswith(stones.panel, RING_BEAM) & (stones.course < 0)).tolist():
+    for stone in np.flatnonzero(np.char.startswith(stones.panel, RING_BEAM) & ~stones.coursed).tolist():
         height = np.ptp(stones.points[slice(*stones.block_point_ptr[stone : stone + 2]), 2])
         name, material = str(stones.panel[stone]), str(stones.material[stone])
         rows.append([name, material, f"{height:.2f}", f"{stones.weight[stone] / 1e3:.1f}"])

@@ -15,11 +15,10 @@ from churchpipe.errors import InputError
 from churchpipe.geometry.planar import centroids
 from churchpipe.geometry.polygons import TOLERANCE, snap
 from churchpipe.model.arguments import check_kind
-from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, NameArray
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage, assemble
 from churchpipe.model.building import Building, CylinderChart, Panel
 from churchpipe.model.materials import by_name
-from churchpipe.model.vault import Vault
 from churchpipe.stones.pierced import pierced_solids
 from churchpipe.stones.prisms import Solids, solids_of, stations_of, thicken
 from churchpipe.stones.ring_beams import add_beams
@@ -131,7 +130,7 @@ def _assemble(building: Building, tiles: Sequence[TileSet], bodies: Sequence[Sol
     )
     names = [name for p, t in zip(building.panels, tiles, strict=True) for name in _names(p, t)]
     parts = [stone_parts(vault) for vault in building.vaults]
-    names += [name for vault, part in zip(building.vaults, parts, strict=True) for name in _vault_names(vault, *part)]
+    names += [name for _, _, own in parts for name in own.tolist()]
     return assemble(
         # Two walls compute the same corner by different sums. This makes coordinates equal that differ by rounding.
         points=np.stack([snap(points[:, axis]) for axis in range(3)], axis=1),
@@ -145,14 +144,14 @@ def _assemble(building: Building, tiles: Sequence[TileSet], bodies: Sequence[Sol
             [
                 fixed_names,
                 *(part_names(p, centroids(t.polygons)) for p, t in zip(building.panels, tiles, strict=True)),
-                *(part for part, _ in parts),
+                *(part for part, _, _ in parts),
             ]
         ),
-        course=np.concatenate([np.full(len(fixed_names), -1), *(t.course for t in tiles), *(course for _, course in parts)]),
+        course=np.concatenate([np.full(len(fixed_names), -1), *(t.course for t in tiles), *(course for _, course, _ in parts)]),
         fixed=np.arange(len(material)) < len(fixed_names),
         block_id=np.array([*fixed_names, *names]),
         butts=np.concatenate(
-            [np.zeros(len(fixed_names), dtype=np.bool_), *butts, np.zeros(sum(len(p) for p, _ in parts), dtype=np.bool_)]
+            [np.zeros(len(fixed_names), dtype=np.bool_), *butts, np.zeros(sum(len(p) for p, _, _ in parts), dtype=np.bool_)]
         ),
     )
 
@@ -172,12 +171,3 @@ def _names(panel: Panel, tiles: TileSet) -> list[str]:
     start = np.append(True, group[1:] != group[:-1])
     number = np.arange(tiles.count) - np.maximum.accumulate(np.where(start, np.arange(tiles.count), 0))
     return [f"{panel.name}-{g}-{k:03d}" for g, k in zip(group, number, strict=True)]
-
-
-def _vault_names(vault: Vault, part: NameArray, course: IntArray) -> list[str]:
-    """Return "part-course-number", numbered in each course; "part-number" in rings of voussoirs."""
-    group = np.where(course < 0, part, np.char.add(np.char.add(part, "-"), np.char.mod("%02d", course)))
-    place = np.empty(vault.stone_count, dtype=np.int64)
-    for name in np.unique(group):
-        place[group == name] = np.arange((group == name).sum())
-    return [f"{g}-{k:03d}" for g, k in zip(group.tolist(), place.tolist(), strict=True)]

@@ -1,9 +1,8 @@
 """Exact joints: opposite faces of different stones in one plane."""
 
 import numpy as np
-import shapely
 
-from churchpipe.geometry.planar import areas, hull_corners, intersections
+from churchpipe.geometry.planar import Polygons, areas, bounds, hull_corners, intersections, meeting, pieces_of, polygons_of
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, ragged_indices
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.polyhedra import face_normals
@@ -28,15 +27,15 @@ def coplanar_interfaces(stones: Assemblage, faces: BoolArray, gap: float) -> Int
     block = np.repeat(np.arange(stones.count), np.diff(stones.block_face_ptr))
     centre = 0.5 * (stones.points.min(axis=0) + stones.points.max(axis=0))
     bucket, axes, front = _planes(normal, mean - centre, gap, stones.size)
-    polygon = _face_polygons(_project(stones, axes, centre), stones.face_ptr)
+    polygon = polygons_of(_project(stones, axes, centre), stones.face_ptr)
     wide = np.flatnonzero(faces & (_width(stones, area_vector) > NARROW))
     first, second = (wide[face] for face in _pairs(polygon[wide], bucket[wide], front[wide], block[wide]))
     apart = np.abs(np.einsum("ij,ij->i", mean[second] - mean[first], normal[first])) > gap + ANGLE_TOLERANCE * stones.size
     first, second = first[~apart], second[~apart]
-    part, pair = shapely.get_parts(intersections(polygon[first], polygon[second]), return_index=True)
+    part, pair = pieces_of(intersections(polygon[first], polygon[second]))
     face_area = np.linalg.norm(area_vector, axis=1)
     smallest = AREA_TOLERANCE * np.minimum(face_area[first], face_area[second])[pair]
-    keep = (shapely.get_type_id(part) == shapely.GeometryType.POLYGON) & (shapely.area(part) > smallest)
+    keep = areas(part) > smallest
     first, second, part = first[pair[keep]], second[pair[keep]], part[keep]
     corner, corner_ptr = hull_corners(part, np.full(len(part), gap))
     return _lift(corner, corner_ptr, areas(part), axes[first], first, second, normal, mean, centre, gap)
@@ -83,27 +82,16 @@ def _project(stones: Assemblage, axes: FloatArray, centre: FloatArray) -> FloatA
     return np.einsum("ic,iac->ia", stones.points[stones.face_nodes] - centre, axes[face_of][:, 1:])
 
 
-def _face_polygons(flat: FloatArray, face_ptr: IntArray) -> np.ndarray:
-    counts = np.diff(face_ptr)
-    # Rings are closed: each face repeats its first corner.
-    order = ragged_indices(face_ptr[:-1], counts + 1)
-    order[np.cumsum(counts + 1) - 1] = face_ptr[:-1]
-    rings = shapely.linearrings(flat[order], indices=np.repeat(np.arange(len(counts)), counts + 1))
-    return np.asarray(shapely.polygons(rings))
-
-
-def _pairs(polygon: np.ndarray, bucket: IntArray, front: BoolArray, block: IntArray) -> tuple[IntArray, IntArray]:
+def _pairs(polygon: Polygons, bucket: IntArray, front: BoolArray, block: IntArray) -> tuple[IntArray, IntArray]:
     """Return pairs (first, second) of faces of different stones in one group that face each other and whose boxes overlap."""
     out, into = np.flatnonzero(front), np.flatnonzero(~front)
     if not len(out) or not len(into):
         return out[:0], into[:0]
     # One tree of boxes serves all groups, because each group is moved to a place of its own along a line.
-    bounds = shapely.bounds(polygon)
-    reach = 2.0 * np.abs(bounds).max() + 1.0
-    shift = bucket * (2.0 * reach)
-    boxes = shapely.box(bounds[:, 0] + shift, bounds[:, 1], bounds[:, 2] + shift, bounds[:, 3])
-    found = shapely.STRtree(boxes[into]).query(boxes[out])
-    first, second = out[found[0]], into[found[1]]
+    boxes = bounds(polygon)
+    boxes[:, [0, 2]] += (bucket * (2.0 * (2.0 * np.abs(boxes).max() + 1.0)))[:, None]
+    found = meeting(boxes[out], boxes[into])
+    first, second = out[found[:, 0]], into[found[:, 1]]
     keep = (bucket[first] == bucket[second]) & (block[first] != block[second])
     return first[keep], second[keep]
 

@@ -4,9 +4,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import shapely
 
-from churchpipe.geometry.planar import Polygons, areas, centroids, intersections, outlined, pieces_of
+from churchpipe.geometry.planar import Polygons, areas, centroids, coordinates_of, intersections, meeting, outlined, pieces_of
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, ragged_indices
 from churchpipe.model.contacts import TOUCHING
 from churchpipe.stones.facets import Facets
@@ -88,7 +87,7 @@ def measured(facets: Facets, side: IntArray, frame: FloatArray, origin: FloatArr
         level = np.einsum("ic,ic->i", facets.centre[facet] - origin, normal)
         heights.append(np.stack([level, -along[:, 1], -along[:, 2]], axis=1) / along[:, :1])
     apart = heights[1] - heights[0]
-    corner, owner = shapely.get_coordinates(polygon, return_index=True)
+    corner, owner = coordinates_of(polygon)
     distance = apart[owner, 0] + np.einsum("ij,ij->i", apart[owner, 1:], corner)
     start = np.searchsorted(owner, np.arange(len(polygon)))
     empty = not len(polygon)
@@ -137,8 +136,8 @@ def _pairs(facets: Facets, chosen: BoolArray, reach: float, angle: float) -> Int
         along, across = sorted(others, key=lambda k: -extent[k])
         likely = np.abs(normal[:, axis]) >= steepest - 2.0 * np.sin(angle + twist)
         up, down = (np.flatnonzero(likely & (sign * normal[:, axis] > 0)) for sign in (1.0, -1.0))
-        boxes = [shapely.box(low[k, axis], low[k, along], high[k, axis], high[k, along]) for k in (up, down)]
-        query, hit = shapely.STRtree(boxes[1]).query(boxes[0])
+        boxes = np.stack([low[:, axis], low[:, along], high[:, axis], high[:, along]], axis=1)
+        query, hit = meeting(boxes[up], boxes[down]).T
         i, j = up[query], down[hit]
         keep = (low[i, across] <= high[j, across]) & (low[j, across] <= high[i, across])
         i, j = i[keep], j[keep]

@@ -5,10 +5,10 @@ from collections.abc import Callable
 import manifold3d
 import numpy as np
 import scipy.sparse as sp
-import shapely
 
 from churchpipe.errors import InputError
 from churchpipe.geometry.manifolds import manifold
+from churchpipe.geometry.planar import overlapping
 from churchpipe.model.arguments import check_kind
 from churchpipe.model.arrays import BoolArray, IntArray
 from churchpipe.model.assemblage import Assemblage
@@ -178,10 +178,9 @@ def _boxes(stones: Assemblage) -> tuple[np.ndarray, np.ndarray]:
 def _close_boxes(stones: Assemblage, shrink: float) -> IntArray:
     """Return pairs i < j whose bounding boxes, each shrunk by `shrink` on all sides, overlap."""
     low, high = _boxes(stones)
-    plan = shapely.box(low[:, 0] + shrink, low[:, 1] + shrink, high[:, 0] - shrink, high[:, 1] - shrink)
     # A thin stone shrunk to nothing keeps its centre.
-    i, j = shapely.STRtree(plan).query(plan)
-    keep = (i < j) & (low[i, 2] + shrink < high[j, 2] - shrink) & (low[j, 2] + shrink < high[i, 2] - shrink)
+    i, j = overlapping(np.column_stack([low[:, :2] + shrink, high[:, :2] - shrink])).T
+    keep = (low[i, 2] + shrink < high[j, 2] - shrink) & (low[j, 2] + shrink < high[i, 2] - shrink)
     return np.stack([i[keep], j[keep]], axis=1)
 
 

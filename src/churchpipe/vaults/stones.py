@@ -1,6 +1,6 @@
 """From the courses of a vault to its stones: unions of segments, whose shared faces cancel."""
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 
 import numpy as np
 
@@ -70,9 +70,19 @@ def _local(place: FloatArray, faces: list[IntArray]) -> tuple[FloatArray, list[I
     return place[used], np.split(number.ravel(), np.cumsum([len(face) for face in faces])[:-1])
 
 
-def stone_parts(vault: Vault) -> tuple[NameArray, IntArray]:
-    """Return the macro-element and the course of each stone (n,)."""
+def stone_parts(vault: Vault) -> tuple[NameArray, IntArray, NameArray]:
+    """Return the macro-element, the course and the name of each stone (n,).
+
+    Names are "part-course-number", numbered in each course, and "part-number" of voussoirs.
+    """
     part, course = np.empty(vault.stone_count, dtype=np.object_), np.empty(vault.stone_count, dtype=np.int64)
+    group: dict[int, str] = {}
     for run in vault.runs:
         part[run.stone], course[run.stone] = run.part, run.course
-    return part.astype(np.str_), course
+        group |= dict.fromkeys(run.stone.tolist(), run.part if run.of_ring else f"{run.part}-{run.course:02d}")
+    number: Counter[str] = Counter()
+    names: list[str] = []
+    for stone in range(vault.stone_count):
+        names.append(f"{group[stone]}-{number[group[stone]]:03d}")
+        number[group[stone]] += 1
+    return part.astype(np.str_), course, np.array(names)
