@@ -53,7 +53,8 @@ UNITS: Final = {
 UNIT_OF_CODE: Final = {code: name for name, (code, _) in UNITS.items()}
 
 # Median cube root of the volume of the stones, or of walls drawn whole, m: outside of this a drawing's unit is not believed.
-PLAUSIBLE_SIZE: Final = {"stone": (0.02, 5.0), "wall": (0.2, 50.0)}
+# Bricks drawn in millimetres and taken for inches would measure 3 m.
+PLAUSIBLE_SIZE: Final = {"stone": (0.02, 2.5), "wall": (0.2, 50.0)}
 
 # No coordinate of a building is larger, in any unit; larger ones are damage, and overflow.
 LARGEST_COORDINATE: Final = 1e12

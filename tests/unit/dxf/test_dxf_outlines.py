@@ -315,6 +315,13 @@ def test_inches_that_are_metres_are_told_by_the_size_of_the_outlines(tmp_path: P
     assert codes(drawing) == ["W26", "W04", "W12"]
 
 
+def test_inches_that_are_millimetres_are_told_by_the_size_of_the_outlines(tmp_path: Path) -> None:
+    path = drawn(tmp_path / "a.dxf", lambda space: course(space, 10.0), unit=1, ground=False)
+    text = str(findings_of(path, joint=10.0, support="base"))
+    assert "E05" in text
+    assert "--units mm (127 mm)" in text
+
+
 def test_duplicates_are_listed_and_dropped_on_request(tmp_path: Path) -> None:
     def draw(space: Any) -> None:
         course(space, 10.0)
