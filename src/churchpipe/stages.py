@@ -325,7 +325,7 @@ def sample(settings: Path, file: Path, record: Path, *shared: Path) -> None:
 def compare(plan: Path, summary: Path, table: Path, samples: Path | None = None) -> None:
     """All analyses of a plan -> summary.json and table.csv; those of all samples -> samples.csv."""
     from churchpipe import compare as results
-    from churchpipe.config.plausible import size_questions
+    from churchpipe.config.plausible import size_questions, unanswered
     from churchpipe.io.sample_study import sample_study, sampled_records
     from churchpipe.run_folder import read_run
 
@@ -337,7 +337,7 @@ def compare(plan: Path, summary: Path, table: Path, samples: Path | None = None)
     compared = [pair | run.overlap(*(pair[model] for model in MODELS)) for pair in results.pairs(found)]
     write_table(table, list(map(words_of, analyses)))
     stones = [run.stones(name)[0] for name in run.index["geometries"]]
-    asked = dict.fromkeys([*run.index["questions"], *(text for one in stones for text in size_questions(one))])
+    asked = dict.fromkeys([*unanswered(run.index["questions"]), *(text for one in stones for text in size_questions(one))])
     variants, movements = run.index["variants"], run.movements()
     words = results.summary(run.index["case"], sizes, shells, analyses, compared, list(asked), variants, movements)
     if samples:

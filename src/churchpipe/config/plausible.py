@@ -16,6 +16,10 @@ if TYPE_CHECKING:
 _METRES = UNITS["_m"]
 # Piers thinner than this many thicknesses of their groin vault are questioned.
 _PIER = 2.0
+_DILATANT_VAULT = (
+    "A vault is analysed with joints that open as they slide, an upper estimate, up to twice the load factor that is "
+    'safe: flow = "non-associative" in [rigid] gives the value to use. Is it left out on purpose?'
+)
 HEIGHT = Usual(0.05, 200.0, "models of tilting tests to the tallest spires")
 LENGTH = Usual(0.05, 500.0, "models of tilting tests to the longest churches")
 STONE = Usual(0.005, 25.0, "bricks of models to the largest cut stones")
@@ -24,6 +28,11 @@ STONE = Usual(0.005, 25.0, "bricks of models to the largest cut stones")
 def questions(cases: Sequence["Case"]) -> list[str]:
     """Return what to ask about materials and site of a case's variants, each once."""
     return list(dict.fromkeys(text for case in cases for text in _of_case(case) if text))
+
+
+def unanswered(asked: Sequence[str]) -> list[str]:
+    """Return the questions without the one that is not asked beside results, whose guidance says it with their loads."""
+    return [text for text in asked if text != _DILATANT_VAULT]
 
 
 def size_questions(stones: Assemblage) -> list[str]:
@@ -79,10 +88,7 @@ def _of_vaults(case: "Case") -> Iterator[str]:
     if generator not in ("vault", "dome") and not given.get("vaults"):
         return
     if "non-associative" not in case.rigid.flow:
-        yield (
-            "A vault is analysed with joints that open as they slide, an upper estimate, up to twice the load factor that is "
-            'safe: flow = "non-associative" in [rigid] gives the value to use. Is it left out on purpose?'
-        )
+        yield _DILATANT_VAULT
     if given.get("plan") == "half" and given.get("front", "free") == "free":
         yield (
             "A half dome pushes outwards all round, and here nothing stands before it: it holds by friction along its rings "
