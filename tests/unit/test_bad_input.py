@@ -4,7 +4,6 @@ import os
 from pathlib import Path
 
 import pytest
-from test_cli import call
 
 from churchpipe import cli, engine
 from churchpipe.config.asrun import claim, other_case
@@ -19,6 +18,7 @@ from churchpipe.io.atomic import write_text
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
 from churchpipe.resources import sample_case
+from command_line import call
 from solids import box, on_ground
 
 ARCH = sample_case("arch")

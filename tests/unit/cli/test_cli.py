@@ -29,25 +29,12 @@ from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Elastic, Material
 from churchpipe.resources import sample_names
 from churchpipe.terminal import Display
+from command_line import call
 from corpus_files import CORPUS
 from damaged_drawings import SAMPLES
 from imprecise import corner
 from records import WORDS
 from solids import box, on_ground, prism
-
-
-def call(capsys: pytest.CaptureFixture[str], *arguments: object) -> tuple[int, str, str]:
-    """Run a command in this process; return its exit code and what it wrote."""
-    old = sys.argv
-    sys.argv = ["churchpipe", *map(str, arguments)]
-    try:
-        with pytest.raises(SystemExit) as left:
-            cli.main()
-    finally:
-        sys.argv = old
-    out, err = capsys.readouterr()
-    assert "Traceback" not in out + err
-    return int(left.value.code or 0), out, err
 
 
 @pytest.fixture

@@ -9,7 +9,6 @@ from typing import Any
 import jsonschema
 import numpy as np
 import pytest
-from test_cli import call
 
 from churchpipe import generators
 from churchpipe.config.json_schema import case_schema
@@ -18,9 +17,10 @@ from churchpipe.config.reference import reference_page
 from churchpipe.dxf.writer import write_dxf
 from churchpipe.resources import sample_case, sample_names
 from churchpipe.stones.blocks import derive_blocks
+from command_line import call
 
 SCHEMA = jsonschema.Draft7Validator(case_schema())
-PAGE = Path(__file__).parents[2] / "docs" / "reference_case.md"
+PAGE = Path(__file__).parents[3] / "docs" / "reference_case.md"
 
 
 def messages(table: dict[str, Any]) -> list[str]:
