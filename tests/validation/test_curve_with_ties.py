@@ -53,12 +53,29 @@ def test_a_tie_that_yields(share: float, start: float) -> None:
     assert work == pytest.approx(lifted + curve.dissipation[-1], rel=2e-3)
 
 
-def test_a_tie_that_breaks() -> None:
-    curve = curve_with(0.1, ultimate=0.2)
+@pytest.mark.parametrize(("stiffness", "pretension", "ultimate"), [(0.3, 0.0, np.inf), (0.3, 0.02, 0.4), (20.0, 0.05, np.inf)])
+def test_an_elastic_tie(stiffness: float, pretension: float, ultimate: float) -> None:
+    curve = curve_with(0.1, stiffness=stiffness * WEIGHT, pretension=pretension * WEIGHT, ultimate=ultimate)
+    longer = _elongation(curve)
+    pull = np.where(longer < ultimate, np.minimum(pretension + stiffness * longer, 0.1), 0.0)
+    assert curve.load_factor == pytest.approx(expected(curve, pull), abs=1e-6)
+    assert curve.tie_forces[:, 0] == pytest.approx(pull * WEIGHT, abs=1e-6 * WEIGHT)
+    assert curve.load_factor[0] == pytest.approx(B / H + 2 * pretension * Z / H, abs=1e-6)
+    assert curve.status == "vanished"
+    assert curve.proved
+    if ultimate == np.inf:
+        assert curve.d0 == pytest.approx(curve_with(0.1).d0, rel=1e-4)
+
+
+def _elongation(curve: cp.BlockCapacityCurve) -> np.ndarray:
     turn = curve.rotation[:, 2, 1]
     anchor = np.column_stack([B - B * np.cos(turn) + Z * np.sin(turn), Z * np.cos(turn) + B * np.sin(turn)])
-    longer = np.linalg.norm(anchor - [-3.0, Z], axis=1) - 3.0
-    pull = np.where(longer < 0.2, 0.1, 0.0)
+    return np.linalg.norm(anchor - [-3.0, Z], axis=1) - 3.0
+
+
+def test_a_tie_that_breaks() -> None:
+    curve = curve_with(0.1, ultimate=0.2)
+    pull = np.where(_elongation(curve) < 0.2, 0.1, 0.0)
     assert 0 < (pull > 0).sum() < len(pull)
     assert curve.load_factor == pytest.approx(expected(curve, pull), abs=1e-6)
     assert curve.message.startswith("tie bar broke at a displacement of ")

@@ -7,8 +7,8 @@ import numpy as np
 import scipy.sparse as sp
 
 from churchpipe.conic.pressed import pressed_joints
-from churchpipe.conic.solve import solver_for
-from churchpipe.conic.wrenches import Balance
+from churchpipe.conic.solve import Solve, solver_for
+from churchpipe.conic.wrenches import Balance, apply
 from churchpipe.large_displacements.falling import falling_stones
 from churchpipe.large_displacements.joints import Joints
 from churchpipe.large_displacements.moving_model import MovingModel, bearing
@@ -89,7 +89,7 @@ def first_state(model: MovingModel) -> PathState:
     still = model.stones.fixed | model.held
     joints = model.drawn.selected(bearing(still, model.drawn.blocks))
     none = np.zeros(len(still), dtype=bool)
-    return PathState(start_poses(model.stones), joints, none, model.step, rest=model.ties.drawn)
+    return PathState(start_poses(model.stones), joints, none, model.step, rest=model.ties.first_rest)
 
 
 def state_at(model: MovingModel, every: Sequence[Poses], fallen: Sequence[FallenStones]) -> PathState:
@@ -101,7 +101,9 @@ def state_at(model: MovingModel, every: Sequence[Poses], fallen: Sequence[Fallen
     for part in fallen:
         lost[part.stones] = True
     first = first_state(model)
-    rest = np.max([model.ties.drawn, *(model.ties.lengths(poses) for poses in every)], axis=0)
+    rest = first.rest
+    for poses in every:
+        rest = model.ties.yielded(rest, poses)
     return _renewed(model, replace(first, poses=every[-1], fallen=lost, rest=rest))
 
 
@@ -153,6 +155,7 @@ def _levers(model: MovingModel, step: PathStep) -> tuple[FloatArray, float]:
 def _solved(model: MovingModel, state: PathState, programs: int, pairs: int) -> PathStep:
     """Return the step that a state takes with friction acting where its joints say."""
     stones, program, free, gap = _program(model, state)
+    softness = program.softness
     solve = solver_for(program.balance, model.solver)
     length, sliding = state.length, np.zeros(len(gap))
     sliding[: len(state.joints.sliding)] = state.joints.sliding
@@ -164,7 +167,7 @@ def _solved(model: MovingModel, state: PathState, programs: int, pairs: int) -> 
     attempt, free_way = 0, True
     before: tuple[StepAnswer, float] | None = None
     while True:
-        program = replace(program, closing=np.maximum(gap / length, 0.0))
+        program = program.within(gap, softness, length)
         answer = solve_step(program, sliding, solve)
         if answer.outcome == "unbounded" and length > _SHORTEST * model.step:
             # It comes up against a stone within this step: it may go no further than that.
@@ -183,7 +186,7 @@ def _solved(model: MovingModel, state: PathState, programs: int, pairs: int) -> 
     way = 0.0
     if answer.outcome == "solved":
         for _ in range(_LENGTHS if pairs and answer.misfit > _FITTING else 0):
-            program = replace(program, closing=np.maximum(gap / length, 0.0))
+            program = program.within(gap, softness, length).stretched(answer.forces)
             answer = without_dilatancy(program, answer, solve, _FITTING, pairs)
             near, wanted = after(answer)
             if near:
@@ -191,6 +194,7 @@ def _solved(model: MovingModel, state: PathState, programs: int, pairs: int) -> 
             length = wanted
         sliding = program.slip(answer.y)
         way = min(length, after(answer)[1])
+        answer = _with_present_tensions(model, state, program, answer, sliding, solve)
     velocity = _velocities(model, state, free, answer.y)
     # Where the load does hardly any work, as in a fall, rates are measured by the mean speed of the weight.
     answer = replace(answer, gap=answer.gap / max(1.0, _mean_speed(model, velocity)))
@@ -206,6 +210,31 @@ def _solved(model: MovingModel, state: PathState, programs: int, pairs: int) -> 
         friction_power=-_work(model, answer, rate),
         lost=falling_stones(answer, speed, state.fastest, model.stones.weight, _spared(model, state)),
     )
+
+
+def _with_present_tensions(
+    model: MovingModel, state: PathState, program: StepProgram, answer: StepAnswer, sliding: FloatArray, solve: Solve
+) -> StepAnswer:
+    """Return the answer with load factor and forces under the tensions that elastic ties have at this state.
+
+    Its motion is that under the tensions which they reach within the step, or stones that a stiff tie holds would run away.
+    """
+    count = len(model.ties.name)
+    tension = model.ties.tension(state.rest, state.poses, model.ties.broken(state.rest, state.fallen)) / model.force
+    known = np.zeros(len(sliding), dtype=bool)
+    known[program.points - count : program.points] = np.isfinite(tension)
+    if not (count and np.isfinite(model.ties.stiffness).any()):
+        return answer
+    pull = np.zeros((len(sliding), 3))
+    pull[known, 0] = tension[np.isfinite(tension)]
+    strength = replace(program.strength, bound=np.where(known, 0.0, program.strength.bound))
+    dead = program.dead + apply(program.balance, pull)
+    held = replace(program, dead=dead, strength=strength, softness=np.zeros_like(program.softness))
+    found = solve_step(held, sliding, solve)
+    if found.outcome != "solved":
+        return answer
+    forces = found.forces + pull
+    return replace(answer, forces=forces, load_factor=found.load_factor, residual=found.residual, violation=found.violation)
 
 
 def _work(model: MovingModel, answer: StepAnswer, rate: FloatArray) -> float:
@@ -272,7 +301,7 @@ def _renewed(model: MovingModel, state: PathState) -> PathState:
     stones = _standing(model, state)
     crushing = model.strength is not None
     joints = renewed(state.joints, stones, state.poses, state.fallen, model.reach, crushing=crushing)
-    return replace(state, joints=joints, rest=np.maximum(state.rest, model.ties.lengths(state.poses)))
+    return replace(state, joints=joints, rest=model.ties.yielded(state.rest, state.poses))
 
 
 def _free(model: MovingModel, state: PathState) -> BoolArray:
@@ -291,7 +320,7 @@ def _program(model: MovingModel, state: PathState) -> tuple[Assemblage, StepProg
     rotation = state.poses.rotation
     dead = model.dead.rows(rotation, free, model.force, model.length)
     friction = model.friction.of(contacts.blocks, stones.count)[contacts.interface_of_point]
-    bound = np.full(len(gap), np.inf)
+    bound, softness = np.full(len(gap), np.inf), np.zeros(len(gap))
     if isinstance(model.driven, TravellingLoads):
         at = contacts.point + state.joints.lever if model.contact_model == "torsion" else None
         balance: Balance = contact_wrenches(stones, contacts, free, model.length, at)
@@ -300,7 +329,8 @@ def _program(model: MovingModel, state: PathState) -> tuple[Assemblage, StepProg
             balance = balance.joined(model.ties.wrenches(state.poses, free, model.length))
             broken = model.ties.broken(state.rest, state.fallen)
             bound = np.append(bound, np.where(broken, 0.0, model.ties.strength / model.force))
-            gap = np.append(gap, state.rest - model.ties.lengths(state.poses))
+            gap = np.append(gap, np.where(broken, 0.0, state.rest - model.ties.lengths(state.poses)))
+            softness = np.append(softness, np.where(broken, 0.0, model.force / model.ties.stiffness))
             friction = np.append(friction, np.zeros(len(broken)))
     else:
         twist = model.driven.twist(state.poses)
@@ -321,8 +351,8 @@ def _program(model: MovingModel, state: PathState) -> tuple[Assemblage, StepProg
             pressed = pressed_joints(bear, number, joints.place[bear], capacity[crush], 1.0 / int(crush.sum()), points)
             balance, strength = pressed.below(balance), with_further(strength, pressed)
             dead, live = np.append(dead, pressed.constant), np.append(live, np.zeros_like(pressed.constant))
-            gap = np.append(gap, np.zeros(len(strength.bound) - points))
-    return stones, StepProgram(balance, dead, live, strength, np.zeros_like(gap), points, rows), free, gap
+            gap, softness = (np.append(each, np.zeros(len(strength.bound) - points)) for each in (gap, softness))
+    return stones, StepProgram(balance, dead, live, strength, np.zeros_like(gap), points, rows, softness), free, gap
 
 
 def _velocities(model: MovingModel, state: PathState, free: IntArray, y: FloatArray) -> FloatArray:

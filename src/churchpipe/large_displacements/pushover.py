@@ -18,7 +18,7 @@ from churchpipe.large_displacements.record import Progress, Record
 from churchpipe.large_displacements.travelling import live_loads
 from churchpipe.mechanism import moving_stones, reference_speed, stone_speed
 from churchpipe.model.arguments import listed, one_of, positive, whole
-from churchpipe.model.arrays import BoolArray
+from churchpipe.model.arrays import BoolArray, FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.block_curve import BlockCapacityCurve, CurveStatus
 from churchpipe.model.contacts import Contacts
@@ -69,8 +69,8 @@ def block_pushover(
     friction
         Coefficient, a number or one an interface (ni,).
     ties
-        Rigid-plastic: each pulls with its strength while it lengthens, hangs slack when its ends come nearer again, and breaks at
-        its ultimate elongation.
+        Each stretches from its pretension by its stiffness, at once where it has none, yields, hangs slack when its ends come
+        nearer again, and breaks at its ultimate elongation.
     control
         Point (3,) m of the drawing whose displacement along the load the curve is drawn against; None: the mean displacement
         of the pushed stones, weighed by their load.
@@ -136,6 +136,7 @@ def block_pushover(
     record = _Curve(model, measure, furthest, progress, keep)
     if resume is not None and len(resume.position):
         start = record.go_on_from(resume, resume.displacement, resume.load_factor)
+        record.tensions = list(resume.tie_forces[: len(record.poses)])
         steps -= len(resume.position) - 1
     else:
         start = _started(model, analysed)
@@ -185,11 +186,14 @@ class _Curve(Record):
         super().__init__(model, control)
         self.furthest, self.progress, self.keep = furthest, progress, keep
         self.broken: dict[str, float] = {}
+        self.tensions: list[FloatArray] = []
 
     def add(self, step: PathStep) -> Ending | None:
         """Take down a step; it ends the curve when the load factor has vanished or a stone has gone far enough."""
         self.note(step)
         ties, state = self.model.ties, step.state
+        if ties.name:
+            self.tensions.append(step.answer.forces[len(step.rate) - len(ties.name) : len(step.rate), 0] * self.model.force)
         for name in np.array(ties.name)[ties.broken(state.rest, state.fallen)]:
             self.broken.setdefault(str(name), self.displacement[-1])
         if step.answer.load_factor <= 0:
@@ -213,6 +217,7 @@ class _Curve(Record):
         return BlockCapacityCurve(
             displacement=np.array(gone),
             load_factor=np.array(factor),
+            tie_forces=np.array(self.tensions).reshape(len(self.tensions), -1 if self.tensions else 0),
             **self.arrays(),
             status=cast(CurveStatus, ending.status),
             d0=d0,

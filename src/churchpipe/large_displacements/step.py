@@ -25,8 +25,9 @@ class StepProgram:
 
     balance A (m, 3 nc): what the forces of the points do to the stones; dead f_D and live f_L (m,) as in `Equilibrium`. closing
     (nc,) >= 0: the rate at which each point may close, its gap over the length of the step. The last points may be ties: their
-    strength bounds n, and closing is their slack. A force acts only where a gap closes within the step, so that w + closing
-    stands where w, the rate of opening, would stand without gaps (time-stepping, Anitescu 2006).
+    strength bounds n, and closing is their slack, negative for one that is stretched; softness (nc,) is the rate at which an
+    elastic one lengthens under a unit of n, zero elsewhere. A force acts only where a gap closes within the step, so that
+    w + closing stands where w, the rate of opening, would stand without gaps (time-stepping, Anitescu 2006).
 
     Where joints crush, their rows follow the `rows` of the stones, and their further points the `points` (`conic.pressed`).
     """
@@ -38,6 +39,7 @@ class StepProgram:
     closing: FloatArray
     points: int
     rows: int
+    softness: FloatArray
 
     def residual(self, x: FloatArray, load_factor: float) -> FloatArray:
         """Return what is left of the balance (m,) of forces x (nc, 3)."""
@@ -48,6 +50,15 @@ class StepProgram:
         rate = transpose(self.balance, y)
         rate[:, 0] += self.closing
         return rate
+
+    def within(self, gap: FloatArray, softness: FloatArray, length: float) -> "StepProgram":
+        """Return the program of a step of this length, m per unit of work; gap (nc,) m, softness (nc,) m per unit of force."""
+        closing = np.where(softness > 0, gap, np.maximum(gap, 0.0)) / length
+        return replace(self, closing=closing, softness=softness / length)
+
+    def stretched(self, x: FloatArray) -> "StepProgram":
+        """Return the program in which elastic ties have lengthened as under forces x (nc, 3), and lengthen no further."""
+        return replace(self, closing=self.closing + self.softness * x[:, 0], softness=np.zeros_like(self.softness))
 
     def motion(self, y: FloatArray) -> FloatArray:
         """Return the rates w and v (points, 3) at which stones open and slide."""
@@ -65,7 +76,9 @@ class StepProgram:
         own = np.arange(len(limit)) < self.points
         price, curvature = (np.zeros(len(limit)) if each is None else np.where(own, each, 0.0) for each in (linear, quadratic))
         limit, slope = np.where(own, limit, 0.0), np.where(own, slope, 1.0)
-        return ConeProgram(self.balance, self.dead, self.live, limit, slope, price + self.closing, curvature, bound=bound)
+        return ConeProgram(
+            self.balance, self.dead, self.live, limit, slope, price + self.closing, curvature + self.softness, bound=bound
+        )
 
     def slip(self, y: FloatArray) -> FloatArray:
         """Return the opening mu |v| (nc,) that sliding at this rate costs in an associative program, zero at further points."""
@@ -113,7 +126,9 @@ def solve_step(program: StepProgram, sliding: FloatArray, solve: Solve) -> StepA
     answer = solve(cone, duality_gap=_DUALITY_GAP)
     if answer.outcome != "solved":
         return StepAnswer(answer.outcome, answer.x, np.nan, answer.y, message=answer.message)
-    return _answer(program, sliding, answer.x, answer.tau, answer.y / float(program.live @ answer.y), answer.message)
+    return _answer(
+        program.stretched(answer.x), sliding, answer.x, answer.tau, answer.y / float(program.live @ answer.y), answer.message
+    )
 
 
 def without_dilatancy(program: StepProgram, answer: StepAnswer, solve: Solve, misfit: float, pairs: int) -> StepAnswer:

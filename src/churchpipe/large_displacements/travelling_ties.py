@@ -1,4 +1,4 @@
-"""Ties that travel with their stones: they yield, hang slack when their ends come nearer again, and break."""
+"""Ties that travel with their stones: they stretch, yield, hang slack when their ends come nearer again, and break."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,11 +16,11 @@ from churchpipe.stones.interfaces import frames
 
 @dataclass(frozen=True, slots=True)
 class TravellingTies:
-    """Rigid-plastic bars (nt,) between points of stones.
+    """Bars (nt,) between points of stones, elastic and plastic, or rigid and plastic where they have no stiffness.
 
     pointer (nt + 1,): the pulls of each; stone, share (np,): a stone and its share of the tension, negative at the start of the
     bar; arm (np, 3) m from its centroid in the axes of the drawing. strength (nt,) N; ultimate (nt,) m, elongation at which it
-    breaks; drawn (nt,) m, length as drawn; name (nt,).
+    breaks; drawn (nt,) m, length as drawn; stiffness (nt,) N/m, infinite for rigid ones; pretension (nt,) N; name (nt,).
     """
 
     pointer: IntArray
@@ -30,6 +30,8 @@ class TravellingTies:
     strength: FloatArray
     ultimate: FloatArray
     drawn: FloatArray
+    stiffness: FloatArray
+    pretension: FloatArray
     name: tuple[str, ...]
 
     @property
@@ -70,11 +72,28 @@ class TravellingTies:
             np.zeros((len(self.name), 2)),
         )
 
+    @property
+    def first_rest(self) -> FloatArray:
+        """Length (nt,) m at which each tie has no tension, as drawn."""
+        return self.drawn - self.pretension / self.stiffness
+
+    def yielded(self, rest: FloatArray, poses: Poses) -> FloatArray:
+        """Return the lengths (nt,) m without tension after a tie has been as long as at these poses; infinite once it broke."""
+        length = self.lengths(poses)
+        return np.where(length - self.drawn >= self.ultimate, np.inf, np.maximum(rest, length - self.strength / self.stiffness))
+
     def broken(self, rest: FloatArray, fallen: BoolArray) -> BoolArray:
-        """Return which ties (nt,) have broken: longer (rest (nt,) m) than they bear, or torn out with a stone that fell."""
+        """Return which ties (nt,) have broken, or were torn out with a stone that fell; rest as of `yielded`."""
         torn = np.zeros(len(self.name), dtype=bool)
         torn[self.owner[fallen[self.stone]]] = True
-        return torn | (rest - self.drawn >= self.ultimate)
+        return torn | np.isinf(rest)
+
+    def tension(self, rest: FloatArray, poses: Poses, broken: BoolArray) -> FloatArray:
+        """Return the tension (nt,) N of elastic ties at these poses, NaN of rigid ones, which have any up to their strength."""
+        elastic = np.isfinite(self.stiffness)
+        stretched = np.where(broken, 0.0, np.maximum(self.lengths(poses) - rest, 0.0))
+        pull = np.where(elastic, self.stiffness, 0.0) * stretched
+        return np.where(elastic, np.minimum(pull, self.strength), np.where(broken, 0.0, np.nan))
 
 
 def travelling_ties(stones: Assemblage, ties: Sequence[Tie]) -> TravellingTies:
@@ -101,5 +120,7 @@ def travelling_ties(stones: Assemblage, ties: Sequence[Tie]) -> TravellingTies:
         strength=np.array([tie.strength for tie in ties]),
         ultimate=np.array([tie.ultimate for tie in ties]),
         drawn=np.linalg.norm(spans, axis=1),
+        stiffness=np.array([np.inf if tie.stiffness is None else tie.stiffness for tie in ties]),
+        pretension=np.array([tie.pretension for tie in ties]),
         name=tuple(tie.name for tie in ties),
     )

@@ -1,6 +1,6 @@
 """The capacity curve of rigid blocks at large displacements."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -19,8 +19,8 @@ class BlockCapacityCurve(StonePath):
     """Load factor of an assemblage against its displacement, in the geometry as displaced.
 
     displacement (ns,) m, of the control along the load: mean of the pushed stones weighed by their load, or the chosen point;
-    load_factor (ns,). d0 m: displacement at which the load factor vanishes, or the structure collapses; NaN where the curve ends
-    before.
+    load_factor (ns,). tie_forces (ns, nt) N. d0 m: displacement at which the load factor vanishes, or the structure collapses;
+    NaN where the curve ends before.
 
     status: "vanished" the load factor came down to zero; "collapsed" stones fell out that cannot be spared; "unfinished" the
     steps or the displacement asked for were used up; "not-converged" a step's program was not solved; "unbounded" no load of
@@ -31,12 +31,14 @@ class BlockCapacityCurve(StonePath):
     load_factor: FloatArray
     status: CurveStatus
     d0: float = np.nan
+    tie_forces: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
 
     def __post_init__(self) -> None:
         StonePath.__post_init__(self)
         one_of("BlockCapacityCurve.status", self.status, *CURVE_STATUSES)
         for name in ("displacement", "load_factor"):
             store(self, **{name: floats(f"BlockCapacityCurve.{name}", getattr(self, name), (len(self.position),))})
+        store(self, tie_forces=floats("BlockCapacityCurve.tie_forces", self.tie_forces, (None, None)))
 
     def until(self, step: int) -> "BlockCapacityCurve":
         """Return the curve up to a step, that included: what `block_pushover(resume=...)` may go on from."""
