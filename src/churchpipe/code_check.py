@@ -26,7 +26,6 @@ _SPECTRAL = Quantity(
 )
 _SOIL = Quantity(low=0.0, above=True, usual=Usual(0.8, 3, "S_S up to 1.8 times S_T up to 1.4"))
 _BEHAVIOUR = Quantity(low=1, usual=Usual(1, 4, "2 for local mechanisms, at most 3 to 4 for whole buildings of masonry"), key="q")
-_PERIOD = Quantity("_s", 0.0, above=True)
 _CONFIDENCE = Quantity(low=1, usual=Usual(1, 1.35, "the code has 1, 1.2 and 1.35"))
 
 
