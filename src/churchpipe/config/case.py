@@ -17,9 +17,9 @@ from churchpipe.config.analyses import MovementSettings, RigidSettings, ShellSet
 from churchpipe.config.carries import KINDS, Carries, placed, tried
 from churchpipe.config.distributions import SampleSettings, quantile
 from churchpipe.config.places import located
-from churchpipe.config.plausible import farthest_number
 from churchpipe.config.project import Project
 from churchpipe.config.published import Published, check_published
+from churchpipe.config.ready import farthest_number
 from churchpipe.config.schema import check
 from churchpipe.config.section import GatheredError, Section, Table, nearest
 from churchpipe.config.tables import record
