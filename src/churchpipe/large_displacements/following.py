@@ -26,7 +26,7 @@ class Ending:
 
 
 class Steps(Protocol):
-    """What takes down the steps of a path, and may end it."""
+    """What keeps the steps of a path, and may end it."""
 
     @property
     def left(self) -> float:
@@ -34,36 +34,37 @@ class Steps(Protocol):
         ...
 
     def add(self, step: PathStep) -> Ending | None:
-        """Take down a step; return how the path ends with it, None where it goes on."""
+        """Keep a step. Return how the path ends with it, or None where it goes on."""
         ...
 
     def fall(self, step: PathStep) -> None:
-        """Take down the stones that fall in a step."""
+        """Keep which stones fall in a step."""
         ...
 
 
 def follow(model: MovingModel, state: PathState, steps: int, record: Steps, rings: int) -> Ending:
-    """Take step after step, so many at the most, and return how it ended. Stones that fall and can be spared are taken out.
+    """Solve and keep at most so many steps of a path, and return how it ended.
 
-    rings: contacts from a moving stone to those held.
+    A step is solved on the stones that move and those near to them, so many contacts away (`rings`). Where it moves others, it is
+    solved again with more. Where stones fall in it, it is solved again without them, unless the structure cannot spare them.
     """
     for _ in range(steps):
-        taken = solve_state(model, state)
-        while (wider := grown(model, taken, rings)) is not None:
+        step = solve_state(model, state)
+        while (wider := grown(model, step, rings)) is not None:
             model, state = wider
-            taken = solve_state(model, state)
-        while taken.lost.any():
-            if not may_go_on(model, taken):
-                return Ending("collapsed", f"{int(taken.lost.sum())} stones that cannot be spared fall")
-            record.fall(taken)
-            state = without(model, taken)
-            taken = solve_state(model, state)
-        if taken.answer.outcome == "unbounded":
+            step = solve_state(model, state)
+        while step.lost.any():
+            if not may_go_on(model, step):
+                return Ending("collapsed", f"{int(step.lost.sum())} stones that cannot be spared fall")
+            record.fall(step)
+            state = without(model, step)
+            step = solve_state(model, state)
+        if step.answer.outcome == "unbounded":
             return Ending("unbounded", "the stones have locked: nothing of this kind moves them on")
-        if taken.answer.outcome != "solved":
-            return Ending("not-converged", f"the program of a step was not solved: {taken.answer.message}")
-        ending = record.add(taken)
+        if step.answer.outcome != "solved":
+            return Ending("not-converged", f"the program of a step was not solved: {step.answer.message}")
+        ending = record.add(step)
         if ending is not None:
             return ending
-        state = next_state(model, taken, record.left)
+        state = next_state(model, step, record.left)
     return Ending("unfinished", f"all {steps} steps were used up")
