@@ -23,7 +23,7 @@ from churchpipe.geometry.planar import (
     united,
     vertices,
 )
-from churchpipe.geometry.polygons import corners
+from churchpipe.geometry.polygons import corners, snap_polygons
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, Opening, Panel, PlaneChart
 
@@ -60,7 +60,9 @@ def with_rings(panels: Sequence[Panel]) -> list[Panel]:
 
 def outline_and_holes(region: Polygon) -> tuple[FloatArray, list[FloatArray]]:
     """Return the outline (n, 2) of a region and those of its holes, counter-clockwise, without corners on straight sides."""
-    outer, *inner = (corners(np.array([polygon(ring)], dtype=np.object_))[0] for ring in rings(region))
+    # Corners that an overlay left a rounding apart are one: each alone looks like a corner on a straight side.
+    whole = (snap_polygons(np.array([polygon(ring)], dtype=np.object_))[0] for ring in rings(region))
+    outer, *inner = (corners(one)[0] for one in whole)
     return outer, inner
 
 
