@@ -14,6 +14,8 @@ SNAP = 1e-3
 SLIP = 0.1
 # An open outline that shares less than this part with all areas is a stone of its own.
 HIDDEN = 0.1
+# A line that turns by less than this (rad) at each of its points is curved: it is no outline that lacks its last side.
+BENT = np.radians(30.0)
 # A corner closer to the line through its neighbours than this share of the outline's size is superfluous.
 STRAIGHT = 1e-6
 
@@ -112,8 +114,9 @@ def _meshed(
     cells = shapely.union_all([shapely.Polygon(corners) for _, corners in meshes])
     alone: list[int] = []
     for k in chosen:
-        # Drawn along its neighbours, an outline that lacks its last side is hidden by theirs: it closes over an empty place.
-        if k < count and len(lines[k]) > 3:
+        # Drawn along its neighbours, an outline that lacks its last side is hidden by theirs: it closes over an empty place. So
+        # does an arch over its opening, but it has no corners.
+        if k < count and len(lines[k]) > 3 and _sharpest(lines[k]) > BENT:
             own = shapely.Polygon(lines[k])
             if own.is_valid and own.area > reach * own.length and own.intersection(cells).area < HIDDEN * own.area:
                 alone.append(k)
@@ -190,3 +193,10 @@ def _lengthened(points: FloatArray, reach: float) -> shapely.LineString:
         along = points[end] - points[beside]
         out[end] += reach * along / np.linalg.norm(along)
     return shapely.LineString(out)
+
+
+def _sharpest(line: FloatArray) -> float:
+    """Return the greatest angle by which a line (n, 2) turns, rad."""
+    side = np.diff(line, axis=0)
+    cross = side[:-1, 0] * side[1:, 1] - side[:-1, 1] * side[1:, 0]
+    return float(np.abs(np.arctan2(cross, np.einsum("nc,nc->n", side[:-1], side[1:]))).max())

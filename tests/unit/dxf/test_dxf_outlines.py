@@ -240,6 +240,25 @@ def test_rings_of_an_arch_meet_wherever_their_joints_are(first: int, second: flo
     assert not len(contacts.near_misses.gap)
 
 
+@pytest.mark.parametrize("overrun", [0.0, 5.0])
+def test_an_arch_of_two_arcs_and_radial_lines(overrun: float, tmp_path: Path) -> None:
+    """The lower arc closes over an empty place, but the room under it is no stone."""
+
+    def draw(space: Any) -> None:
+        for radius in (1000, 1300):
+            space.add_arc((0, 0), radius, 0, 180)
+        for number, angle in enumerate(np.linspace(0, np.pi, 16)):
+            past = overrun if 0 < number < 15 else 0.0
+            ends = [(r * np.cos(angle), r * np.sin(angle)) for r in (1000 - past, 1300 + past)]
+            space.add_line(*ends)
+
+    stones = read(drawn(tmp_path / "a.dxf", draw, ground=False), support="base").stones
+    contacts = find_contacts(stones)
+    free = contacts.blocks[~stones.fixed[contacts.blocks].any(axis=1)]
+    assert (int((~stones.fixed).sum()), len(free)) == (15, 14)
+    assert stones.volume[~stones.fixed].sum() == pytest.approx(0.5 * np.pi * (1.3**2 - 1) * 0.12, rel=0.02)
+
+
 @pytest.mark.parametrize(
     ("points", "what"),
     [

@@ -17,6 +17,7 @@ from churchpipe.findings import FindingsError
 from churchpipe.geometry.prism import prism_of
 from churchpipe.match import match_models
 from churchpipe.model.assemblage import Assemblage, Polyhedron
+from churchpipe.recognition.inset_rings import outline_and_holes
 from churchpipe.recognition.panels import fit_panels
 from mesh_files import write_obj, write_stl
 from solids import box
@@ -303,6 +304,14 @@ def test_an_arch_drawn_in_a_wall_takes_its_place(tmp_path: Path, rise: float):
     segment = radius**2 * (angle - math.sin(angle) * math.cos(angle))
     free = stones.volume[~stones.fixed].sum() / 0.4
     assert free == pytest.approx(17.5 - 2.0 - segment, abs=0.01 * 1.5 * 2 * radius * angle)
+
+
+def test_a_corner_that_an_overlay_left_in_three_pieces_is_kept():
+    # A rounding apart, each of the three looks like a corner on the straight side between the other two.
+    crown = [(0.5 + n * 1e-16 * 4, 1.2) for n in (1, 0, -1)]
+    outer, holes = outline_and_holes(shapely.Polygon([(0, 0), (1, 0), (1, 1), *crown, (0, 1)]))
+    assert not holes
+    np.testing.assert_allclose(outer, [(0, 0), (1, 0), (1, 1), (0.5, 1.2), (0, 1)], atol=1e-9)
 
 
 def test_every_body_that_is_no_wall_is_named(tmp_path: Path):
