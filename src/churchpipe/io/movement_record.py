@@ -26,6 +26,8 @@ def movement_words(
     friction = {material.friction for material in materials}
     lost = ["cohesion, which opening joints lose, is left out"] if any(material.cohesion for material in materials) else []
     lost += ["ties are left out"] if settings["without_ties"] else []
+    crushing = any(material.compressive_strength is not None for material in materials)
+    lost += ["nothing crushes as a support moves: the compressive strength is left out"] if crushing else []
     return {
         "movement": settings["name"],
         "direction": list(settings["direction"]),

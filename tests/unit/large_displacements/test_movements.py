@@ -174,3 +174,6 @@ def test_ties_that_are_left_out_are_told(tmp_path: Path) -> None:
     moved = cp.settlement_path(stones, cp.find_contacts(stones), [0], step=0.1, furthest=0.1)
     record = movement_words(moved, words, stones, [], [])
     assert record["message"].endswith("; ties are left out")
+    soft = cp.Material("default", 18e3, 0.6, compressive_strength=2e6)
+    told = movement_words(moved, words | {"without_ties": False}, stones, [soft], [])["message"]
+    assert told.endswith("; nothing crushes as a support moves: the compressive strength is left out")
