@@ -10,6 +10,7 @@ from churchpipe.dxf.stones import Stone
 from churchpipe.dxf.units import plausible
 from churchpipe.findings import Finding
 from churchpipe.model.arrays import FloatArray
+from churchpipe.stones.contact_tolerances import HAIRLINE
 from churchpipe.stones.mortar import close_joints, open_joints
 
 # Open joints are a matter of the whole drawing when there are this many for each stone.
@@ -62,6 +63,8 @@ def jointed(
 def unnamed_joints(stones: Sequence[Stone], unit: float) -> list[Finding]:
     """Return what is to be said of stones that do not touch because mortar was left out between them."""
     width = open_joints([(stone.points, stone.faces) for stone in stones]).width
+    # Hairlines, such as between the chords of two curves, are joints without being asked for.
+    width = width[width > HAIRLINE * float(np.median([np.ptp(stone.points, axis=0).min() for stone in stones]))]
     if len(width) < MANY * len(stones):
         return []
     low, usual, high = (float(value) for value in np.quantile(width, (0.0, 0.5, 1.0)))

@@ -145,6 +145,7 @@ def without_idle_corners(corners: FloatArray) -> FloatArray:
         none = (off <= STRAIGHT * size * length) & between | (np.linalg.norm(offset, axis=1) <= STRAIGHT * size)
         # Two neighbours are never dropped at once: of two corners at one place one must stay.
         none &= ~np.roll(none, 1) | (np.arange(len(none)) == 0)
+        none[-1] &= not none[0]
         if not none.any():
             break
         first = int(np.argmax(none))
