@@ -56,7 +56,7 @@ class ShellModel:
             yields=flags("ShellModel.yields", self.yields, (nt,)),
             supported=flags("ShellModel.supported", self.supported, (nn,)),
             bonds=names("ShellModel.bonds", self.bonds if np.size(self.bonds) else np.full(nu, "running"), (nu,)),
-            ledges=indices("ShellModel.ledges", self.ledges, (len(self.ledges), 2, 2), below=nn),
+            ledges=indices("ShellModel.ledges", self.ledges, (None, 2, 2), below=nn),
         )
         check_kind("ShellModel.beams", self.beams, ShellBeams)
         sizes = len(self.beams.of_node), len(self.beams.bearing)
