@@ -62,3 +62,12 @@ def test_a_state_without_dilatancy_is_certified(name: str, friction: float) -> N
     assert state.load_factor <= associative.upper_bound
     low, high = state.interval
     assert low <= state.load_factor <= high
+
+
+@pytest.mark.slow("docs/development.md: Sliding without dilatancy")
+def test_thirty_random_walls_end_in_a_certified_state() -> None:
+    for seed in range(1, 31):
+        stones = random_wall(seed)
+        state = limit_analysis(stones, find_contacts(stones), LoadCase((1, 0, 0)), 0.75, flow="non-associative")
+        assert (seed, state.status) == (seed, "converged")
+        assert 0 <= state.gap <= 1e-5 * state.load_factor
