@@ -2,6 +2,7 @@
 
     python benchmarks/church_vaults.py               # all rows, each in a process of its own
     python benchmarks/church_vaults.py 0 4           # some of them; the last, without dilatancy, takes longest
+    python benchmarks/church_vaults.py shell 0       # the second table, stones and shell; without numbers all of its rows
 
 Processor time is that of each step, memory the most that the process held.
 """
@@ -52,6 +53,31 @@ def row(name: str, building: cp.Building, case: Case, load: cp.LoadCase, **setti
     print(f"| {name} | {load.name} | {count} | {times} | {memory():.0f} | {value} {state.status} |", flush=True)
 
 
+def both(chosen: list[int]) -> None:
+    """Print stones and shell with each vault alone and with all, along +x."""
+    case = cp.read_case(CASE)
+    source = case.source
+    assert isinstance(source, Generated)
+    barrel, _, half = source.parameters["vaults"]
+    bare = {key: value for key, value in barrel.items() if key != "backing"}
+    groin = {"over": "crossing", "kind": "groin", "thickness": 0.4, "courses": 15}
+    rows = [("barrel", (bare,)), ("half dome", (half,)), ("groin vault of 0.4 m over the crossing", (groin,))]
+    rows.append(("all three", (bare, groin, half)))
+    for name, vaults in [rows[k] for k in chosen or range(len(rows))]:
+        building = vaulted(case, vaults)
+        stones, shell = cp.derive_blocks(building), cp.derive_shell(building, 1.0)
+        contacts = cp.find_contacts(stones)
+        strength = joint_strength(stones, contacts, case.materials)
+        start = spent()
+        of_stones = cp.limit_analysis(stones, contacts, case.loads[0], *strength)
+        middle = spent()
+        of_shell = cp.shell_limit_analysis(shell, case.loads[0], case.materials)
+        times = f"{middle - start:.0f} | {spent() - middle:.0f}"
+        gate = "passed" if cp.match_models(stones, contacts, shell).passed else "failed"
+        factors = f"{of_stones.load_factor:.4f} | {of_shell.load_factor:.4f}"
+        print(f"| {name} | {len(shell.triangles)} | {gate} | {times} | {factors} |", flush=True)
+
+
 def main(chosen: list[int]) -> None:
     """Print the table, or the rows chosen."""
     case = cp.read_case(CASE)
@@ -81,4 +107,5 @@ def main(chosen: list[int]) -> None:
 
 
 if __name__ == "__main__":
-    main([int(number) for number in sys.argv[1:]])
+    numbers = [int(number) for number in sys.argv[1:] if number != "shell"]
+    (both if "shell" in sys.argv else main)(numbers)

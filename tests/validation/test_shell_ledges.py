@@ -31,13 +31,6 @@ def stepped(thin: float = THIN, length: float = 0.5) -> Building:
     return Building("stepped", (), MATERIAL, vaults=(courses.vault("walls", "default"),))
 
 
-def in_the_limit(factors: list[float]) -> float:
-    """Richardson: of three meshes, each half the one before."""
-    coarse, middle, fine = factors
-    ratio = (coarse - middle) / (middle - fine)
-    return fine - (middle - fine) / (ratio - 1)
-
-
 @pytest.mark.parametrize(("thin", "way"), [(0.3, 1.0), (0.3, -1.0), (0.15, 1.0)])
 def test_a_wall_turns_with_what_stands_on_its_edge(thin: float, way: float) -> None:
     # About the toe ahead: (W1 T/2 + W2 arm) / (W1 h1/2 + W2 (h1 + h2/2)), arm = T - t/2 outwards and t/2 inwards; the upper wall
@@ -48,12 +41,11 @@ def test_a_wall_turns_with_what_stands_on_its_edge(thin: float, way: float) -> N
     expected = min(turned, thin / HIGH)
     stones, load = cp.derive_blocks(stepped(thin)), cp.LoadCase((way, 0, 0))
     assert cp.limit_analysis(stones, cp.find_contacts(stones), load, 0.7).load_factor == pytest.approx(expected, rel=1e-6)
-    factors: list[float] = []
-    for size in (0.25, 0.125, 0.0625):
-        state = cp.shell_limit_analysis(cp.derive_shell(stepped(thin), size), load, MATERIAL, planes="paper")
-        assert state.status == "optimal"
-        factors.append(state.load_factor)
-    assert in_the_limit(factors) == pytest.approx(expected, rel=0.01)
+    # A hinge lies in the middle of the lowest row, 1/32 of the course above the base.
+    state = cp.shell_limit_analysis(cp.derive_shell(stepped(thin), 0.25), load, MATERIAL, planes="paper")
+    assert state.status == "optimal"
+    assert state.load_factor == pytest.approx(expected, rel=0.02)
+    assert state.load_factor > expected
 
 
 def barrel(**sizes: float) -> Building:
@@ -93,13 +85,10 @@ def test_two_walls_and_a_barrel_fall_as_their_stones_do(sizes: dict[str, float])
     stones = cp.derive_blocks(building)
     contacts = cp.find_contacts(stones)
     expected = cp.limit_analysis(stones, contacts, load, 0.7).load_factor
-    factors: list[float] = []
-    for size in (0.5, 0.25, 0.125):
-        shell = cp.derive_shell(building, size)
-        assert cp.match_models(stones, contacts, shell).passed
-        factors.append(cp.shell_limit_analysis(shell, load, MATERIAL, planes="paper").load_factor)
+    shell = cp.derive_shell(building, 0.25)
+    assert cp.match_models(stones, contacts, shell).passed
     # .0452: walls and vault fall together; .0484: walls that go on leave it to the vault, whose hinges the shell spreads.
-    assert in_the_limit(factors) == pytest.approx(expected, rel=0.02)
+    assert cp.shell_limit_analysis(shell, load, MATERIAL, planes="paper").load_factor == pytest.approx(expected, rel=0.02)
 
 
 def test_a_vaulted_chapel_passes_the_gate() -> None:
@@ -118,3 +107,14 @@ def test_a_foot_beside_its_wall_is_named() -> None:
     points[apart, 1] += 5.0
     with pytest.raises(InputError, match=r"shell of vault: its foot stands on no wall; found at \[.* m from the middle"):
         with_ledges(replace(shell, points=points, ledges=np.empty((0, 2, 2), dtype=np.int64)), high)
+
+
+def test_the_end_of_a_barrel_presses_on_the_wall_before_it() -> None:
+    # Strips reach from the ends to the middles of both gables, as far as these rise.
+    shell = cp.derive_shell(vaulted_chapel(), 0.7)
+    front = shell.panel == "vault_nave front"
+    assert front.any()
+    assert shell.weight[front].sum() == 0
+    assert set(shell.bonds[shell.cell[front]].tolist()) == {"butt"}
+    assert np.unique(shell.panel[shell.held[:, 1]]).tolist() == ["east", "facade"]
+    assert np.unique(shell.points[shell.held[:, 0], 1].round(9)).tolist() == pytest.approx([0.0, 8.3])

@@ -22,6 +22,7 @@ class ShellModel:
     kept elastic, such as a lintel; supported (nn,) nodes that are clamped. bonds (nu,): the bond of each unit cell, a name of
     `bond.period`; running bond if left out. beams: rigid bodies that hold nodes of its walls. ledges (nl, 2, 2), `ledges_lkn`:
     nodes n of an edge at the foot of a vault (k = 0), and of the edge at the top of a wall that bears it (k = 1) at a distance.
+    held (nh, 2): nodes that lie in a facet of a wall and go with it, each with that facet.
     """
 
     points: FloatArray
@@ -38,6 +39,7 @@ class ShellModel:
     bonds: NameArray = field(default_factory=lambda: np.empty(0, dtype=np.str_))
     beams: ShellBeams = field(default_factory=ShellBeams)
     ledges: IntArray = field(default_factory=lambda: np.empty((0, 2, 2), dtype=np.int64))
+    held: IntArray = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
 
     def __post_init__(self) -> None:
         nn, nt = rows_of("ShellModel.points", self.points), rows_of("ShellModel.triangles", self.triangles)
@@ -57,6 +59,7 @@ class ShellModel:
             supported=flags("ShellModel.supported", self.supported, (nn,)),
             bonds=names("ShellModel.bonds", self.bonds if np.size(self.bonds) else np.full(nu, "running"), (nu,)),
             ledges=indices("ShellModel.ledges", self.ledges, (None, 2, 2), below=nn),
+            held=indices("ShellModel.held", self.held, (None, 2), below=max(nn, nt)),
         )
         check_kind("ShellModel.beams", self.beams, ShellBeams)
         sizes = len(self.beams.of_node), len(self.beams.bearing)
@@ -77,10 +80,11 @@ class ShellModel:
             if bad.any():
                 expected = "> 0" if positive else ">= 0"
                 raise InputError(f"ShellModel.{key}", "out of range", found=float(values[bad][0]), expected=expected)
-        both = np.intersect1d(self.ledges[:, 0], self.ledges[:, 1])
+        followed = np.concatenate([self.ledges[:, 1].ravel(), self.triangles[self.held[:, 1]].ravel()])
+        both = np.intersect1d(np.concatenate([self.ledges[:, 0].ravel(), self.held[:, 0]]), followed)
         if len(both):
             found = f"node {int(both[0])}"
-            raise InputError("ShellModel.ledges", "both of a foot and of a wall's top", found=found, expected="one of them")
+            raise InputError("ShellModel", "a node both of a vault's end and of its wall", found=found, expected="one of them")
         unused = np.setdiff1d(np.arange(len(self.points)), self.triangles)
         if len(unused):
             raise InputError("ShellModel.points", "a node belongs to no triangle", found=int(unused[0]))

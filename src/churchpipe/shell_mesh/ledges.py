@@ -14,8 +14,8 @@ _LEAST = 0.01
 _BY_FACET = ("axes", "thickness", "surface_weight", "cell", "material", "panel", "yields")
 
 
-def with_ledges(shell: ShellModel, vaulted: BoolArray) -> ShellModel:
-    """Return a shell whose vaults go with the walls below them; vaulted (nt,): facets of vaults.
+def with_ledges(shell: ShellModel, vaulted: BoolArray) -> tuple[ShellModel, BoolArray]:
+    """Return a shell whose vaults go with the walls below them, and its facets of vaults; vaulted (nt,): these as given.
 
     A foot is a level edge that no other facet shares, of a facet of a vault above it. It is cut beside the nodes of the wall's
     top, and each part stands on the nearest level edge at its height, of a facet below, within half the thickness of that facet's
@@ -34,7 +34,7 @@ def with_ledges(shell: ShellModel, vaulted: BoolArray) -> ShellModel:
     alone = shared[number.ravel()] == 1
     foot = np.flatnonzero(level & alone & vaulted[facet] & (rise > NODE_TOLERANCE) & ~shell.supported[edge].all(axis=1))
     if not len(foot):
-        return shell
+        return shell, vaulted
     top = np.flatnonzero(level & (rise < -NODE_TOLERANCE))
     nodes, triangles, of_facet = (
         [shell.points],
@@ -70,7 +70,7 @@ def with_ledges(shell: ShellModel, vaulted: BoolArray) -> ShellModel:
             best = near[np.argmin(np.where(apart < reach, apart + reach * turned, np.inf))]
             ledges.append(np.stack([part, edge[best]]))
     chosen = np.concatenate(of_facet)
-    return replace(
+    cut = replace(
         shell,
         points=np.concatenate(nodes),
         triangles=np.concatenate(triangles),
@@ -78,6 +78,7 @@ def with_ledges(shell: ShellModel, vaulted: BoolArray) -> ShellModel:
         **{key: getattr(shell, key)[chosen] for key in _BY_FACET},
         ledges=np.array(ledges),
     )
+    return cut, vaulted[chosen]
 
 
 def _cuts(foot: FloatArray, bars: FloatArray, reach: FloatArray) -> FloatArray:

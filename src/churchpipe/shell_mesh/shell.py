@@ -20,6 +20,7 @@ from churchpipe.model.shell import ShellModel
 from churchpipe.model.shell_beams import ShellBeams
 from churchpipe.shell_mesh.beams import beams_of, shell_beams, with_bearings
 from churchpipe.shell_mesh.butt_joints import with_butt_joints
+from churchpipe.shell_mesh.fronts import with_fronts
 from churchpipe.shell_mesh.ledges import side_by_side, with_ledges
 from churchpipe.shell_mesh.midplanes import MidSurface, mid_surfaces
 from churchpipe.shell_mesh.self_weight import weight_factors
@@ -67,7 +68,7 @@ def derive_shell(building: Building, element_size: float, sizes: Mapping[str, fl
     if building.vaults:
         vaults = _vault_shell(building, element_size)
         shell = side_by_side(parts[0], vaults) if parts else vaults
-        shell = with_ledges(shell, np.arange(len(shell.triangles)) >= len(shell.triangles) - len(vaults.triangles))
+        shell = with_fronts(*with_ledges(shell, np.arange(len(shell.triangles)) >= len(shell.triangles) - len(vaults.triangles)))
     else:
         (shell,) = parts
     _check_resting(shell)
@@ -263,6 +264,7 @@ def _touching(support: Support, points: FloatArray) -> BoolArray:
 
 def _check_resting(shell: ShellModel) -> None:
     edges = np.concatenate([shell.triangles[:, [0, 1]], shell.triangles[:, [1, 2]], shell.ledges[:, :, 0]])
+    edges = np.concatenate([edges, np.column_stack([shell.held[:, 0], shell.triangles[shell.held[:, 1], 0]])])
     part = components(len(shell.points), edges)
     resting = np.bincount(part, shell.supported) > 0
     loose = ~resting[part[shell.triangles[:, 0]]]

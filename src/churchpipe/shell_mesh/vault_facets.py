@@ -14,6 +14,8 @@ from churchpipe.vaults.stones import places
 
 # Points closer than this are one, m.
 _ONE = 1e-6
+# Rows at a springing, as shares of the course. A hinge of the shell lies in the middle of a row, that of a vault in the joint.
+FOOT = np.array([1 / 16, 1 / 4])
 _SideKey = tuple[float, ...]
 
 
@@ -114,9 +116,10 @@ def _facets(vault: Vault, element_size: float, across: dict[_SideKey, int]) -> I
     for run in vault.runs:
         place = run.part, run.course
         rows[place] = max(rows.get(place, 1), math.ceil(run.section.height / element_size - 1e-9))
+    ends = _springings(vault)
     for run in vault.runs:
         stations = _stations(run, across)
-        share = np.linspace(0, 1, rows[run.part, run.course] + 1)[:, None]
+        share = _rows(rows[run.part, run.course], *(_place(run, end) in ends for end in (run.section.lower, run.section.upper)))
         line = (1 - share) * run.section.lower + share * run.section.upper
         place = places(run.side, line, stations)
         volume = run.section.area * (np.diff(stations, axis=0) @ np.array([1.0, run.section.centroid[0]]))
@@ -136,6 +139,26 @@ def _facets(vault: Vault, element_size: float, across: dict[_SideKey, int]) -> I
             yield _Patch(
                 corner, carried * area / area.sum(), axes, run.section.area / height, cell, vault.material, run.part, True
             )
+
+
+def _place(run: Run, joint: FloatArray) -> _SideKey:
+    return (*_key(run.side), *(np.round(joint / _ONE) * _ONE).tolist())
+
+
+def _springings(vault: Vault) -> set[_SideKey]:
+    """Return the middles of joints that no other course of the vault continues, at the lower end of a course."""
+    sections = [(run, run.section) for run in vault.runs]
+    low = [(run, s.lower if s.lower[1] < s.upper[1] else s.upper) for run, s in sections]
+    high = {_place(run, s.upper if s.lower[1] < s.upper[1] else s.lower) for run, s in sections}
+    return {_place(run, joint) for run, joint in low} - high
+
+
+def _rows(count: int, first: bool, last: bool) -> FloatArray:
+    """Return where a course is divided into rows, (n, 1) from 0 to 1; finely at a springing, where a hinge lies at its joint."""
+    share = np.linspace(0, 1, count + 1)
+    below = FOOT[count * FOOT < 1]
+    parts = [share, below if first else below[:0], 1 - below if last else below[:0]]
+    return np.unique(np.concatenate(parts))[:, None]
 
 
 def _stations(run: Run, across: dict[_SideKey, int]) -> FloatArray:
