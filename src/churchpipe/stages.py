@@ -35,7 +35,7 @@ from churchpipe.model.names import CONTACT_MODEL, MODELS
 from churchpipe.model.quantities import as_written
 from churchpipe.model.results import CapacityCurve, CapacityStep, ShellLimitState
 from churchpipe.model.shell import ShellModel
-from churchpipe.model.ties import RankedTie, Tie
+from churchpipe.model.ties import Tie
 
 Progress = Callable[[str, float], None]
 
@@ -147,14 +147,12 @@ def match(shell: Path, carried: Path, assemblage: Path, contacts: Path, record: 
     """Both models and what they carry -> whether they are one building, and all figures of it."""
     from churchpipe.match import match_models
 
-    mesh = read_if_made(shell, ShellModel)
-    if isinstance(mesh, Absent):
+    if isinstance(mesh := read_if_made(shell, ShellModel), Absent):
         write_json(record, {"passed": False, "message": mesh.reason, "figures": []})
         return
     stones = read_npz(assemblage, Assemblage)
     loads = [placed(carries_of(table), stones).loads for table in read_json(carried) if table]
-    found = match_models(stones, read_npz(contacts, Contacts), mesh, loads)
-    write_json(record, found.as_dict() | {"message": ""})
+    write_json(record, match_models(stones, read_npz(contacts, Contacts), mesh, loads).as_dict() | {"message": ""})
 
 
 def limit(
@@ -243,13 +241,11 @@ def rigid(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
     friction, cohesion = joint_strength(stones, joints, materials, joints_of(table))
     keys = ("flow", "solver", "method", "start", "bipotential_gap", "contact_model", "crushing_parts")
     options = {key: table[key] for key in keys if key in table}
-    crushing = crushing_strength(stones, joints, materials)
-    options |= {"ties": borne.ties, "compressive_strength": crushing}
+    options |= {"ties": borne.ties, "compressive_strength": crushing_strength(stones, joints, materials)}
     found = limit_analysis(stones, joints, pushed, friction, cohesion, **options, progress=progress)
-    ranked: tuple[RankedTie, ...] = ()
-    if borne.candidates and np.isfinite(found.load_factor):
-        ranked = rank_ties(found, borne.candidates, stones, joints, pushed, friction, cohesion, **options)
-    known = found.flow == "associative" and np.isfinite(found.load_factor) and found.velocities.any()
+    ended, weighed = np.isfinite(found.load_factor), borne.candidates
+    ranked = rank_ties(found, weighed, stones, joints, pushed, friction, cohesion, **options) if weighed and ended else ()
+    known = found.flow == "associative" and ended and found.velocities.any()
     rates = sensitivities(found, stones, joints, pushed) if known else None
     if rates and (best := table.get("verified_gains", 0)):
         rates = verify_gains(rates, stones, joints, pushed, friction, cohesion, best=best, **options)
@@ -270,8 +266,8 @@ def curve(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
     load, materials = load_of(table), strengths_of(table)
     friction, _ = joint_strength(stones, joints, materials, joints_of(table))
     keys = ("solver", "control", "step", "steps", "furthest", "halo", "contact_model")
-    options = {key: table[key] for key in keys if key in table}
-    options |= {"compressive_strength": crushing_strength(stones, joints, materials)}
+    crushing = crushing_strength(stones, joints, materials)
+    options = {"compressive_strength": crushing} | {key: table[key] for key in keys if key in table}
     borne = placed(carries_of(table), stones)
     pushed = loaded(load, stones, borne.loads)
     kept = KeptSteps(BlockCapacityCurve, state.parent, (settings, assemblage, contacts), code_of("curve"))
@@ -279,16 +275,14 @@ def curve(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
     found = block_pushover(stones, joints, pushed, friction, borne.ties, **options, **more)
     write_npz(state, found)
     kept.clear()
-    write_record(
-        record, curve_record_of(found, stones, load, used_by(stones, materials), joints_of(table), table.get("contact_model"))
-    )
+    words = (load, used_by(stones, materials), joints_of(table), table.get("contact_model"))
+    write_record(record, curve_record_of(found, stones, *words))
 
 
 def movement(
     settings: Path, tolerances: Path, assemblage: Path, contacts: Path, *made: Path, progress: Progress | None = None
 ) -> None:
-    """One support that moves -> the stones with their ground cut, their joints, the path and its record for the summary; an
-    interrupted run goes on from its steps."""
+    """A support that moves -> stones, their ground cut, joints, path and record; an interrupted run goes on from its steps."""
     from churchpipe.io.kept_steps import KeptSteps
     from churchpipe.large_displacements.moved_support import moved_support
     from churchpipe.model.settlement import SettlementPath
@@ -336,8 +330,8 @@ def compare(plan: Path, summary: Path, table: Path, samples: Path | None = None)
     analyses = results.careful_first(found)
     compared = [pair | run.overlap(*(pair[model] for model in MODELS)) for pair in results.pairs(found)]
     write_table(table, list(map(words_of, analyses)))
-    stones = [run.stones(name)[0] for name in run.index["geometries"]]
-    asked = dict.fromkeys([*unanswered(run.index["questions"]), *(text for one in stones for text in size_questions(one))])
+    sizes_asked = (text for name in run.index["geometries"] for text in size_questions(run.stones(name)[0]))
+    asked = dict.fromkeys([*unanswered(run.index["questions"]), *sizes_asked])
     variants, movements = run.index["variants"], run.movements()
     words = results.summary(run.index["case"], sizes, shells, analyses, compared, list(asked), variants, movements)
     if samples:
@@ -363,8 +357,8 @@ def report(plan: Path, summary: Path, assemblage: Path, contacts: Path, html: Pa
     for name, state in states.items():
         write_vtu(run.path / "rigid" / name / "mechanism.vtu", stones, state.velocities)
         write_joints(run.path / "rigid" / name / "joints.vtu", stones, joints, state)
-    followed = [(records[entry["name"]], run.block_curve(entry)) for entry in mine if entry["kind"] == "curve"]
-    for entry, (_, path) in zip((entry for entry in mine if entry["kind"] == "curve"), followed, strict=True):
+    curves = {entry["name"]: (entry, run.block_curve(entry)) for entry in mine if entry["kind"] == "curve"}
+    for entry, path in curves.values():
         write_path(run.folder(entry) / "path.pvd", stones, path)
     moved = [(record, *run.moved(record["name"])) for record in run.movements(geometry)]
     for record, own, _, way in moved:
@@ -392,7 +386,7 @@ def report(plan: Path, summary: Path, assemblage: Path, contacts: Path, html: Pa
         project=run.index["project"],
         materials=run.index["materials"],
         moved=moved,
-        followed=followed,
+        followed=[(records[name], path) for name, (_, path) in curves.items()],
         borne={name: run.borne(name, stones) for name in states},
         case_text=(run.path / "as-run.toml").read_text(encoding="utf-8"),
         versions=versions(),
