@@ -8,6 +8,7 @@ exact cell see `cell_elimination`. The symbolic analysis is done once, for dead 
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 import scipy.sparse as sp
@@ -28,7 +29,7 @@ from churchpipe.homogenised_shell.energy import elastic_energy
 from churchpipe.homogenised_shell.loads import load_vectors
 from churchpipe.homogenised_shell.planes import plane_points
 from churchpipe.homogenised_shell.points import CellStrength, PlaneStrength, local_strength
-from churchpipe.homogenised_shell.settings import LIMIT, SOLVER, STEP
+from churchpipe.homogenised_shell.settings import LIMIT, SOLVER, STARTED_LOW, STEP
 from churchpipe.homogenised_shell.strength import PlaneSet
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.loads import LoadCase
@@ -110,14 +111,15 @@ class CondensedShell:
         compliance_abq: C (6, 6, nq), none for limit analysis. before: the state whose stresses are the origin; none, zero.
         progress: called with the share done.
         """
-        settings = LIMIT if compliance is None else STEP
+        # Some models whose points start with much work get no further, and get there with little.
+        tried = (LIMIT, STARTED_LOW) if compliance is None else (STEP,)
         if compliance is not None and isinstance(self.strength, CellStrength):
-            settings = replace(settings, correctors=SOLVER.correctors)
-        # At the start all points together do `rate` times the work of a unit load, whatever their number.
-        settings = replace(settings, rate=settings.rate / (settings.force * len(self.elements.facet)))
+            tried = (replace(STEP, correctors=SOLVER.correctors),)
         iterations, start = 0, None
-        told = as_share(progress, settings.duality_gap, settings.residual)
-        for more in self._regularisations(compliance):
+        told = as_share(progress, tried[0].duality_gap, tried[0].residual)
+        for chosen, more in product(tried, self._regularisations(compliance)):
+            # At the start all points together do `rate` times the work of a unit load, whatever their number.
+            settings = replace(chosen, rate=chosen.rate / (chosen.force * len(self.elements.facet)))
             stated = self._statement(dead, live, compliance, before, reward, cap, more)
             begin = start or interior_start(stated.problem, settings)
             ending = solve_coupled(stated.problem, self._normal, stated.cholesky, begin, settings, told)
@@ -125,7 +127,7 @@ class CondensedShell:
             if ending.status not in ("running", "failed"):
                 break
             # The next, smaller regularisation may be too small to get this far from its own start.
-            start = ending.at if ending.info.error <= SOLVER.near else None
+            start = ending.at if ending.info.error <= SOLVER.near and not isinstance(self.strength, CellStrength) else None
         outcome = "failed" if ending.status == "running" else ending.status
         # A certificate of infeasibility is a mechanism. It is scaled by its largest entry.
         theta = ending.at.theta if outcome != "infeasible" else float(np.abs(ending.at.y).max())
