@@ -76,8 +76,10 @@ class ShellElements:
         return unknowns[self.motion.shape[0] :].reshape(-1, 6)
 
     def _moved(self, unknowns: FloatArray) -> FloatArray:
-        """Return translations, rotations and bubbles."""
-        return np.asarray(self.motion @ unknowns)
+        """Return translations, rotations and bubbles: the unknowns themselves where none goes with a wall or a beam."""
+        rows, columns = self.motion.shape
+        alone = rows == columns and not len(self.shell.ledges) and not len(self.shell.held)
+        return unknowns if alone else np.asarray(self.motion @ unknowns)
 
     def conjugate(self, own: FloatArray, beams: FloatArray) -> FloatArray:
         """Return the forces (n,) conjugate to the unknowns: of those (n - 6 nm,) on nodes, edges and bubbles, and of wrenches

@@ -37,7 +37,7 @@ _STARTS: dict[Method, tuple[Start, ...]] = {"default": ("centre", "dead-load"), 
 _PATIENCE = 8
 # Where the run from the centre cannot begin, or stops short of a state, the search is tried from these.
 _OTHERS: tuple[Start, ...] = ("dead-load", "associative")
-_LAST: Start = "scattered"
+_LAST: tuple[Start, ...] = ("uniform", "scattered")
 # Factors of the scattered forces, and the seed that draws them.
 _SCATTER, _SEED = (0.3, 3.0), 1
 
@@ -111,7 +111,7 @@ def sliding_analysis(
     for start in starts:
         search.begin(start)
     if options.starts == _STARTS["default"]:
-        for start in (*_OTHERS, _LAST):
+        for start in (*_OTHERS, *_LAST):
             if start not in starts and not any(end[0].settled for end in search.ends):
                 search.begin(start)
     if not search.ends:

@@ -1,10 +1,12 @@
 """Where the search without dilatancy begins from forces that carry nothing, and where no start leads anywhere."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
 from churchpipe.conic.program import ConeProgram, ConeSolution
-from churchpipe.conic.solve import Proves, Solve, solver_for
+from churchpipe.conic.solve import Solve, solver_for
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
 from churchpipe.rigid_blocks.certificate import Strength
@@ -45,13 +47,11 @@ class OnlyAssociative:
     def __init__(self, solve: Solve) -> None:
         self._solve = solve
 
-    def __call__(
-        self, program: ConeProgram, /, *, duality_gap: float | None = None, proves: Proves | None = None
-    ) -> ConeSolution:
+    def __call__(self, program: ConeProgram, /, **options: Any) -> ConeSolution:
         if not program.slope.any() and program.limit.any():
             nothing = np.full((program.points, 3), np.nan)
             return ConeSolution(nothing, np.nan, np.full(len(program.constant), np.nan), "failed", 0, 0.0, "test")
-        return self._solve(program, duality_gap=duality_gap, proves=proves)
+        return self._solve(program, **options)
 
 
 def test_where_no_start_leads_anywhere_the_associative_forces_are_told() -> None:
