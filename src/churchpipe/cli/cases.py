@@ -68,7 +68,7 @@ def check_case(path: Path, changes: Sequence[str]) -> None:
     seen: list[Any] = []
     for case in cases:
         made = case.building() if isinstance(case.source, Generated) else None
-        if (known := (case.source, case.buttresses)) in seen:
+        if (known := (case.source, case.buttresses, case.ring_beams)) in seen:
             continue
         seen.append(known)
         if made:

@@ -126,8 +126,7 @@ class Case:
             building = replace(building, ring_beams=self.ring_beams)
             check_count(building)
         except InputError as error:
-            where = error.at(f"{self.path}: {error.where}")
-            raise located(where, self.path, self.overrides, swept=self.swept, variant=self.variant) from error
+            raise self.located(error.at(f"{self.path}: {error.where}")) from error
         known = building.macro_elements
         named = [(f"load.{number}.panels", load.panels or ()) for number, load in enumerate(self.loads)]
         named += [(f"joints.{number}", group.named) for number, group in enumerate(self.joints)]
@@ -135,14 +134,12 @@ class Case:
             for name in {*names} - {*known}:
                 where, expected = f"{self.path}: {place}", ", ".join(known)
                 error = InputError(where, "no such panel", found=name, expected=expected, remedy=nearest(name, known))
-                raise located(error, self.path, self.overrides, swept=self.swept, variant=self.variant)
+                raise self.located(error)
         if self.carries or self.ring_beams or self.joints:
             try:
                 self._bear(building)
             except InputError as error:
-                raise located(
-                    error.at(f"{self.path}: {error.where}"), self.path, self.overrides, swept=self.swept, variant=self.variant
-                ) from error
+                raise self.located(error.at(f"{self.path}: {error.where}")) from error
         return building
 
     def _bear(self, building: Building) -> None:

@@ -111,10 +111,12 @@ class CondensedShell:
         compliance_abq: C (6, 6, nq), none for limit analysis. before: the state whose stresses are the origin; none, zero.
         progress: called with the share done.
         """
-        # Some models whose points start with much work get no further, and get there with little.
-        tried = (LIMIT, STARTED_LOW) if compliance is None else (STEP,)
-        if compliance is not None and isinstance(self.strength, CellStrength):
-            tried = (replace(STEP, correctors=SOLVER.correctors),)
+        by_cell = isinstance(self.strength, CellStrength)
+        if compliance is None:
+            # Some models whose points start with much work get no further, and get there with little.
+            tried = (LIMIT, STARTED_LOW)
+        else:
+            tried = (replace(STEP, correctors=SOLVER.correctors) if by_cell else STEP,)
         iterations, start = 0, None
         told = as_share(progress, tried[0].duality_gap, tried[0].residual)
         for chosen, more in product(tried, self._regularisations(compliance)):
@@ -127,7 +129,7 @@ class CondensedShell:
             if ending.status not in ("running", "failed"):
                 break
             # The next, smaller regularisation may be too small to get this far from its own start.
-            start = ending.at if ending.info.error <= SOLVER.near and not isinstance(self.strength, CellStrength) else None
+            start = ending.at if ending.info.error <= SOLVER.near and not by_cell else None
         outcome = "failed" if ending.status == "running" else ending.status
         # A certificate of infeasibility is a mechanism. It is scaled by its largest entry.
         theta = ending.at.theta if outcome != "infeasible" else float(np.abs(ending.at.y).max())
