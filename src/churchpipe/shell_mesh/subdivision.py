@@ -10,12 +10,26 @@ from churchpipe.errors import InputError
 from churchpipe.geometry.charts import base_level
 from churchpipe.geometry.clusters import NODE_TOLERANCE, clusters
 from churchpipe.geometry.noding import faces_between
-from churchpipe.geometry.planar import Polygon, all_coordinates, contains, extent, inner_points, moved, polygon, rings, vertices
+from churchpipe.geometry.planar import (
+    Polygon,
+    all_coordinates,
+    contains,
+    edges,
+    extent,
+    inner_points,
+    moved,
+    polygon,
+    rings,
+    vertices,
+)
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.shell_mesh.midplanes import MidSurface, line_plan
 
 # Grid to which coordinates are rounded while lines are cut, m, so that lines that nearly meet do meet.
 GRID = 1e-6
+# Borders of macro-elements carry names alone, so their corners give way to the wall's outline within this share of an element:
+# corners fitted to stones end a few millimetres before a gable, and the strip between them would be meshed with slivers.
+WELD = 0.1
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +57,7 @@ def subdivide(surfaces: Sequence[MidSurface], sizes: Sequence[float]) -> list[Su
     ----------
     surfaces: the mid-surfaces. sizes: element size of each, m; walls that meet take the smaller one on the shared line.
     """
-    faces = [_faces(surface) for surface in surfaces]
+    faces = [_faces(surface, size) for surface, size in zip(surfaces, sizes, strict=True)]
     stations = [np.unique(np.concatenate([surface.lines, extent(surface.region)[[0, 2]]])) for surface in surfaces]
     owner = np.repeat(np.arange(len(surfaces)), [len(s) for s in stations])
     station = np.concatenate(stations)
@@ -64,11 +78,12 @@ def subdivide(surfaces: Sequence[MidSurface], sizes: Sequence[float]) -> list[Su
     return found
 
 
-def _faces(surface: MidSurface) -> list[Polygon]:
+def _faces(surface: MidSurface, size: float) -> list[Polygon]:
     low, bottom, high, top = extent(surface.region)
     # Junction lines run over the whole height: a line that ended inside the wall would divide nothing.
     lines = [np.array([(s, bottom), (s, top)]) for s in surface.lines if low < s < high]
-    outlines = [*surface.regions, *(part.outline for part in surface.panel.parts)]
+    parts = [_welded(part.outline, edges(surface.region), WELD * size) for part in surface.panel.parts]
+    outlines = [*surface.regions, *parts]
     borders = [np.concatenate([outline, outline[:1]]) for outline in outlines]
     faces = faces_between(surface.region, [*borders, *lines], GRID)
     given = np.concatenate([vertices(surface.region), *outlines])
@@ -76,6 +91,21 @@ def _faces(surface: MidSurface) -> list[Polygon]:
     point = all_coordinates(faces)
     faces = moved(faces, np.stack([_onto(point[:, axis], marks[axis]) for axis in (0, 1)], axis=1))
     return list(faces[np.lexsort(np.round(inner_points(faces), 6).T)])
+
+
+def _welded(corner: FloatArray, edge: FloatArray, reach: float) -> FloatArray:
+    """Return the corners, those within reach of an edge moved onto it, or onto its end if that is within reach too."""
+    start, along = edge[:, 0], edge[:, 1] - edge[:, 0]
+    from_start = corner[:, None] - start
+    share = np.clip((from_start * along).sum(axis=2) / (along**2).sum(axis=1), 0.0, 1.0)
+    foot = start + share[..., None] * along
+    each = np.arange(len(corner))
+    for candidates in (foot, np.broadcast_to(start, foot.shape)):
+        distance = np.linalg.norm(corner[:, None] - candidates, axis=2)
+        nearest = distance.argmin(axis=1)
+        found = distance[each, nearest]
+        corner = np.where(((found > GRID) & (found < reach))[:, None], candidates[each, nearest], corner)
+    return corner
 
 
 def _onto(values: FloatArray, marks: FloatArray) -> FloatArray:
@@ -136,15 +166,15 @@ def _numbered(faces: Sequence[Polygon], bond: IntArray, stations: FloatArray, fi
     corners, number = np.unique(np.round(np.concatenate(flat), 11) + 0.0, axis=0, return_inverse=True)
     loops = np.split(number.ravel(), np.cumsum([len(ring) for ring in flat])[:-1])
     ends = np.concatenate([np.stack([loop, np.roll(loop, -1)], axis=1) for loop in loops])
-    edges = np.unique(np.sort(ends, axis=1), axis=0)
-    largest = np.full(len(edges), size)
+    pairs = np.unique(np.sort(ends, axis=1), axis=0)
+    largest = np.full(len(pairs), size)
     for s, shared in zip(stations, finest, strict=True):
-        on_line = (np.abs(corners[edges][:, :, 0] - s) < NODE_TOLERANCE).all(axis=1)
+        on_line = (np.abs(corners[pairs][:, :, 0] - s) < NODE_TOLERANCE).all(axis=1)
         largest[on_line] = np.minimum(largest[on_line], shared)
     counts = np.cumsum([0] + [len(face) for face in outlines])
     return Subdivision(
         corners,
-        edges,
+        pairs,
         largest,
         tuple(tuple(loops[start:stop]) for start, stop in pairwise(counts)),
         bond,

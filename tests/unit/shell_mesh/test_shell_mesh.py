@@ -20,7 +20,7 @@ from churchpipe.errors import InputError
 from churchpipe.generators import arch, box, prototype, wall
 from churchpipe.io.shell_vtu import write_shell_msh, write_shell_vtu
 from churchpipe.match import boundary_edges
-from churchpipe.model.building import BondRegion, Building, CylinderChart, Opening, Panel, PlaneChart, UnitCell
+from churchpipe.model.building import BondRegion, Building, CylinderChart, Opening, Panel, Part, PlaneChart, UnitCell
 from churchpipe.model.materials import Material
 from churchpipe.shell_mesh.shell import derive_shell
 from churchpipe.stones.blocks import derive_blocks
@@ -211,6 +211,25 @@ def _gable():
     front = replace(front, regions=(*front.regions, *rings), openings=(Opening("door", door), Opening("window", window)))
     sides = [straight(name, (x, 0, 0), (0, 1, 0), rectangle(5, 3.3), 0.9, 1) for name, x in (("left", 0.45), ("right", 6.05))]
     return Building("church", (front, *sides), (MATERIAL,))
+
+
+def least_angle(shell):
+    corner = shell.points[shell.triangles]
+    to_next, to_last = np.roll(corner, -1, axis=1) - corner, np.roll(corner, 1, axis=1) - corner
+    cosine = (to_next * to_last).sum(axis=2) / (np.linalg.norm(to_next, axis=2) * np.linalg.norm(to_last, axis=2))
+    return np.degrees(np.arccos(cosine)).min()
+
+
+@pytest.mark.parametrize("short", [0.0, 0.004, 0.03])
+def test_macro_elements_that_end_before_a_gable_leave_no_slivers(short):
+    # A tympanum recognised from stones ends where its last stones do, a few millimetres before the slope of the gable.
+    outline = np.array([(0, 0), (6, 0), (6, 4), (3, 7), (0, 4)], dtype=float)
+    tympanum = Part("tympanum", np.array([(1 - short, 5 - 2 * short), (5 + short, 5 - 2 * short), (3, 7 - 2 * short)]))
+    bond = BondRegion("bond", outline, "running", CELL, joints="bay")
+    gable = Panel("gable", PlaneChart(np.zeros(3), np.array([1.0, 0, 0])), outline, 0.6, (bond,), parts=(tympanum,))
+    shell = derive_shell(Building("gable", (gable,), (MATERIAL,)), element_size=0.5)
+    assert least_angle(shell) > 15
+    assert shell.area.sum() == pytest.approx(6 * 4 + 9, rel=1e-9)
 
 
 def test_beds_are_radial_over_arches_and_round_windows_stay_open():
