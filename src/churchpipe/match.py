@@ -17,6 +17,7 @@ from churchpipe.model.contacts import Contacts, check_contacts_of
 from churchpipe.model.placed_loads import PlacedLoads
 from churchpipe.model.polyhedra import face_normals
 from churchpipe.model.shell import ShellModel
+from churchpipe.shell_mesh.beams import APART
 from churchpipe.stones.bed_angles import angle_to_joints
 
 WEIGHT = 0.005
@@ -137,7 +138,7 @@ def match_models(
 
 
 def _beam(stones: Assemblage, shell: ShellModel, number: int) -> tuple[Figure, ...]:
-    """Compare a ring beam: weight, centroid, and how far in plan the nodes that it holds end from its own ends."""
+    """Compare a ring beam or slab: weight, centroid, and how far in plan the nodes that it holds end from its own ends."""
     name = str(shell.beams.name[number])
     own = np.flatnonzero(stones.panel == name)
     weight = float(stones.weight[own].sum())
@@ -150,8 +151,9 @@ def _beam(stones: Assemblage, shell: ShellModel, number: int) -> tuple[Figure, .
     below = shell.points[held, :2]
     apart = float(np.linalg.norm(centre - shell.beams.centroid[number])) / stones.size
     ends = [np.concatenate([part.min(axis=0), part.max(axis=0)]) for part in (points, below)]
-    # Mid-planes lie half a thickness within the faces of their walls, where other walls cross them or beside them.
-    room = 0.5 * float(shell.thickness[held[shell.triangles].any(axis=1)].max()) * (1 + 1e-6)
+    # Mid-planes lie half a thickness within the faces of their walls, where other walls cross them or beside them; beams that
+    # meet lie a little apart.
+    room = 0.5 * float(shell.thickness[held[shell.triangles].any(axis=1)].max()) * (1 + 1e-6) + APART
     length, of_shell = (float(np.ptp(part.reshape(2, 2), axis=0).max()) for part in ends)
     return (
         weights,

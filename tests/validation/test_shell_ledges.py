@@ -9,16 +9,18 @@ import pytest
 import churchpipe as cp
 from churchpipe.config.case import Generated
 from churchpipe.errors import InputError
-from churchpipe.generators import vault
+from churchpipe.generators import chapel, vault
 from churchpipe.generators.profile import wall
 from churchpipe.homogenised_shell.element import shell_elements
 from churchpipe.model.building import Building
+from churchpipe.model.ring_beam import RingBeam
 from churchpipe.model.vault import Side
 from churchpipe.shell_mesh.ledges import with_ledges
 from churchpipe.vaults.barrel import add_barrel
 from churchpipe.vaults.sweep import Courses
 
 MATERIAL = (cp.Material("default", 18e3, 0.7),)
+APSE = {"inner_radius": 1.2, "thickness": 0.6, "height": 2.0}
 THICK, LOW, THIN, HIGH = 0.6, 2.0, 0.2, 1.0
 
 
@@ -118,3 +120,51 @@ def test_the_end_of_a_barrel_presses_on_the_wall_before_it() -> None:
     assert set(shell.bonds[shell.cell[front]].tolist()) == {"butt"}
     assert np.unique(shell.panel[shell.held[:, 1]]).tolist() == ["east", "facade"]
     assert np.unique(shell.points[shell.held[:, 0], 1].round(9)).tolist() == pytest.approx([0.0, 8.3])
+
+
+def domed() -> Building:
+    """A square room of 4.6 m, its walls 0.7 x 3 m, and on slabs across its corners a dome 0.3 m thick."""
+    over = {"over": "nave", "kind": "dome", "thickness": 0.3, "courses": 8}
+    room = {"width": 6.0, "length": 6.0, "height": 3.0, "thickness": 0.7}
+    return chapel(course=0.25, stone_length=0.5, vaults=(over,), materials=MATERIAL, **room)
+
+
+def test_a_dome_on_slabs_passes_the_gate() -> None:
+    building = domed()
+    stones, shell = cp.derive_blocks(building), cp.derive_shell(building, 0.75)
+    match = cp.match_models(stones, cp.find_contacts(stones), shell)
+    assert match.passed, [figure for figure in match.figures if not figure.passed]
+    # Four slabs and four stones between them, rigid in both models, hold the foot of the dome and the walls below it.
+    assert shell.beams.count == 8
+    assert shell.body_weight.sum() == pytest.approx(stones.weight.sum(), rel=1e-6)
+    foot = (np.abs(shell.points[:, 2] - 3.3) < 1e-9) & np.isin(
+        np.arange(len(shell.points)), shell.triangles[shell.panel == "vault_nave"]
+    )
+    assert foot.sum() >= 16
+    assert (shell.beams.of_node[foot] >= 0).all()
+    # Each holds the foot above it, and the wall below to its ends.
+    assert len(np.unique(shell.beams.of_node[foot])) == 8
+    assert np.bincount(shell.beams.of_node[~foot & shell.on_beam]).min() >= 3
+    assert not len(shell.ledges)
+
+
+def test_a_vaulted_apse_stands_beside_ring_beams() -> None:
+    over = {"over": "apse", "kind": "half_dome", "thickness": 0.3, "courses": 6}
+    room = {"width": 6.0, "length": 6.0, "height": 3.0, "thickness": 0.7, "apse": APSE}
+    building = chapel(course=0.25, stone_length=0.5, vaults=(over,), materials=MATERIAL, **room)
+    building = replace(building, ring_beams=(RingBeam(("nave_left", "nave_right"), 0.3),))
+    stones, shell = cp.derive_blocks(building), cp.derive_shell(building, 0.7)
+    match = cp.match_models(stones, cp.find_contacts(stones), shell)
+    assert match.passed, [figure for figure in match.figures if not figure.passed]
+    assert (shell.beams.count, len(shell.ledges) > 0) == (2, True)
+
+
+@pytest.mark.slow("docs/vaults.md: a dome on slabs, as stones and as a shell of finer and finer elements")
+@pytest.mark.parametrize(("size", "expected"), [(0.75, 0.5211), (0.5, 0.5217)])
+def test_a_dome_on_slabs_as_a_shell(size: float, expected: float) -> None:
+    building, load = domed(), cp.LoadCase((1, 0, 0))
+    stones = cp.derive_blocks(building)
+    assert cp.limit_analysis(stones, cp.find_contacts(stones), load, 0.7).load_factor == pytest.approx(0.5728, abs=5e-5)
+    assert cp.shell_limit_analysis(cp.derive_shell(building, size), load, MATERIAL).load_factor == pytest.approx(
+        expected, abs=2e-4
+    )

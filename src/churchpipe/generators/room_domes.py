@@ -60,9 +60,9 @@ def crossing_dome(where: str, vault: RoomVault, room: Room, material: str) -> li
     centre = ((room.x[0] + room.x[1]) / 2, (room.y[0] + room.y[1]) / 2)
     name = f"vault_{vault.over}"
     below, courses = Courses(), Courses()
-    add_squinches(below, half, reach, (room.top, top), centre=centre, part=(f"{name}_slabs", f"{name}_springers"))
+    add_squinches(below, half, reach, (room.top, top), centre=centre, part=(f"{name}_slab", f"{name}_springer"))
     _add_hemisphere(courses, vault, inner, top, centre)
-    return [courses.vault(name, material), below.vault(f"{name}_foot", material, surface=False)]
+    return [courses.vault(name, material), below.vault(f"{name}_foot", material, shell="bodies")]
 
 
 def _check_shape(where: str, vault: RoomVault, level: float, top: str) -> None:

@@ -106,5 +106,5 @@ def _over_room(
         for part, sections in [*laid, (name, to_middle(half))]:
             lay(filled if part.endswith("backing") else courses, sections, part=part, key=part == name)
     beside = ((filled, "backing"), (under, "arches"))
-    others = [more.vault(f"{name}_{part}", material, surface=False) for more, part in beside if more.runs]
+    others = [more.vault(f"{name}_{part}", material, shell="none") for more, part in beside if more.runs]
     return [courses.vault(name, material), *others]

@@ -197,8 +197,8 @@ def _barrel(p: VaultParameters, material: str) -> list[Vault]:
 def _collected(material: str, courses: Courses, filled: Courses, under: Courses) -> list[Vault]:
     """Return a vault with what it stands on, the masonry on its haunches, and the arches below or before it."""
     found = [courses.vault("vault", material)] if courses.runs else []
-    found += [filled.vault("backing", material, surface=False)] if filled.runs else []
-    return [*found, under.vault("arches", material, surface=False)] if under.runs else found
+    found += [filled.vault("backing", material, shell="none")] if filled.runs else []
+    return [*found, under.vault("arches", material, shell="none")] if under.runs else found
 
 
 def _below(p: VaultParameters) -> list[tuple[str, list[Section]]]:

@@ -22,7 +22,8 @@ def carried_by_beams(shell: ShellModel, edges: Edges, bubble_edge: IntArray) -> 
     of_node = np.where(shell.supported, -1, beams.of_node)
     node = np.flatnonzero(of_node >= 0)
     first, second = of_node[edges.nodes].T
-    edge = np.flatnonzero((first >= 0) & (first == second))
+    between = (first >= 0) & (second >= 0)
+    edge = np.flatnonzero(between & (first == second))
     # A translation of a node is v + w x r: of its component c the rows are e_c and r x e_c.
     arm = shell.points[node] - beams.centroid[of_node[node]]
     turn = np.cross(arm[:, None], np.eye(3))
@@ -35,6 +36,7 @@ def carried_by_beams(shell: ShellModel, edges: Edges, bubble_edge: IntArray) -> 
     matrix.eliminate_zeros()
     follows = np.zeros(rows, dtype=np.bool_)
     follows[row] = True
-    # The side of a rigid body stays straight: its middle moves as the mean of its ends.
-    follows[3 * nn + ne :] = np.isin(bubble_edge, edge)
+    # The side of a rigid body stays straight: its middle moves as the mean of its ends. So does a side from one body to the next,
+    # which would be a free soffit else.
+    follows[3 * nn + ne :] = between[bubble_edge]
     return matrix, follows

@@ -131,6 +131,11 @@ class ShellModel:
         return self.area * self.surface_weight
 
     @property
+    def on_beam(self) -> BoolArray:
+        """Which nodes (nn,) a beam holds."""
+        return self.beams.of_node >= 0 if self.beams.count else np.zeros(len(self.points), dtype=np.bool_)
+
+    @property
     def body_centroid(self) -> FloatArray:
         """Middles (nt + nm, 3) m of what loads act on: the facets, then the beams."""
         return np.concatenate([self.centroid, self.beams.centroid])

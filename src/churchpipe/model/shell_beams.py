@@ -1,6 +1,6 @@
-"""Ring beams of a shell: rigid bodies on the tops of its walls."""
+"""Ring beams of a shell, and slabs below its domes: rigid bodies on the tops of its walls."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -44,6 +44,14 @@ class ShellBeams:
     def count(self) -> int:
         """Number of beams."""
         return len(self.name)
+
+    def on_mesh(self, nodes: int, facet: IntArray) -> "ShellBeams":
+        """Return the beams of another mesh: of so many nodes, the first of them as before, and facets (nt,) of these numbers
+        before, -1 for new ones."""
+        if not self.count:
+            return self
+        bearing = np.where(facet >= 0, self.bearing[facet], -1)
+        return replace(self, of_node=np.append(self.of_node, np.full(nodes - len(self.of_node), -1)), bearing=bearing)
 
 
 def _beams(where: str, value: IntArray, count: int) -> IntArray:

@@ -129,21 +129,22 @@ class Vault:
     """A vault, a dome or a part of one: courses that fit on one another because they share joints, sides and mitres.
 
     beds: what the continuous joints follow, the "path", or the "section" where rings of voussoirs stand side by side. A ring's
-    width is the `length` of its runs. surface: whether it has a mid-surface; masonry on the haunches and arches below a vault
-    have none, and the shell refuses them.
+    width is the `length` of its runs. shell: what it is in the second model: "facets" of a mid-surface; "bodies", each of its
+    stones a rigid body with a name of its own as part; or "none", as masonry on the haunches and arches below a vault, which the
+    shell refuses.
     """
 
     name: str
     runs: tuple[Run, ...]
     material: str = "default"
     beds: Literal["path", "section"] = "path"
-    surface: bool = True
+    shell: Literal["facets", "bodies", "none"] = "facets"
 
     def __post_init__(self) -> None:
         where = f"Vault {text('Vault.name', self.name)}"
         one_of(f"{where}.beds", self.beds, "path", "section")
         text(f"{where}.material", self.material)
-        check_kind(f"{where}.surface", self.surface, bool)
+        one_of(f"{where}.shell", self.shell, "facets", "bodies", "none")
         store(self, runs=tuple(listed(f"{where}.runs", self.runs, Run)))
         if not self.runs:
             raise InputError(f"{where}.runs", "no course", expected="at least one")

@@ -1,4 +1,4 @@
-"""Ring beams of a shell: the bodies that lie on the stones, and the nodes that they hold."""
+"""Rigid bodies on the tops of a shell's walls, ring beams and the slabs below a dome: and the nodes that they hold."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -10,15 +10,17 @@ from churchpipe.errors import InputError
 from churchpipe.geometry.charts import base_level
 from churchpipe.geometry.clusters import NODE_TOLERANCE
 from churchpipe.geometry.locate import stones_at
-from churchpipe.geometry.planar import Region, common, pieces, polygon, united, vertices
-from churchpipe.model.arrays import FloatArray, IntArray
+from churchpipe.geometry.planar import Region, level_section, mapped, polygon, united
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import BondRegion, Building, Panel, PlaneChart
+from churchpipe.model.shell import ShellModel
 from churchpipe.model.shell_beams import ShellBeams
+from churchpipe.shell_mesh.ledges import feet
 from churchpipe.stones.blocks import derive_blocks
 
-# Half the width of the stripe that stands for the line in which the mid-plane of a wall meets its top, m.
-_NARROW = 1e-4
+# A shorter stretch of a wall under a beam bears nothing; half the gap between beams that meet; m.
+_SHORT, APART = 0.01, 0.005
 
 
 def with_bearings(
@@ -29,7 +31,7 @@ def with_bearings(
 
     bonds: of the panels as they are. beams (nm,): the stones that are beams.
     """
-    plans = [(number, *_plan(stones, beam)) for number, beam in enumerate(beams.tolist())]
+    plans = [_plan(stones, beam) for beam in beams.tolist()]
     changed: list[Panel] = []
     names: list[BondName] = []
     bearing: list[int] = []
@@ -38,31 +40,38 @@ def with_bearings(
         main, *others = panel.regions
         own: Sequence[BondName] = bonds[begin : begin + len(panel.regions)]
         begin += len(panel.regions)
-        strips = [(beam, strip) for beam, plan, level in plans for strip in _strips(panel, plan, level)]
+        strips = _strips(panel, plans)
         changed.append(replace(panel, regions=(main, *(strip for _, strip in strips), *others)))
         names.extend([own[0], *(own[0] for _ in strips), *own[1:]])
         bearing += [-1, *(beam for beam, _ in strips), *(-1 for _ in others)]
     return tuple(changed), names, np.array(bearing)
 
 
-def _strips(panel: Panel, plan: Region, level: float) -> list[BondRegion]:
-    """Return the stretches of a panel under a beam with this plan and lower face."""
+def _strips(panel: Panel, plans: Sequence[tuple[Region, float]]) -> list[tuple[int, BondRegion]]:
+    """Return the stretches of a panel under beams with these plans and levels, each with the number of its beam."""
     chart, main = panel.chart, panel.regions[0]
     if not isinstance(chart, PlaneChart):
         return []
-    top = level - base_level(chart)
-    if top > panel.outline[:, 1].max() + NODE_TOLERANCE:
-        return []
-    ends = chart.origin[:2] + np.array([panel.outline[:, 0].min(), panel.outline[:, 0].max()])[:, None] * chart.s_axis[:2]
-    across = _NARROW * np.array([-chart.s_axis[1], chart.s_axis[0]])
-    middle = polygon(np.array([ends[0] - across, ends[1] - across, ends[1] + across, ends[0] + across]))
-    under = [(vertices(part) - chart.origin[:2]) @ chart.s_axis[:2] for part in pieces(common(plan, middle))]
-    spans = [(float(s.min()), float(s.max())) for s in under if len(s) and np.ptp(s) > 10 * _NARROW]
-    return [
-        replace(main, name=f"under a beam {number}", outline=np.array([[a, top - depth], [b, top - depth], [b, top], [a, top]]))
-        for number, (a, b) in enumerate(spans, 1)
-        for depth in [min(main.cell.a, 0.5 * top)]
-    ]
+    axes = np.array([chart.s_axis[:2], [-chart.s_axis[1], chart.s_axis[0]]])
+    low, high = panel.outline[:, 0].min(), panel.outline[:, 0].max()
+    stretches: list[tuple[int, float, float, float]] = []
+    for beam, (plan, level) in enumerate(plans):
+        top = level - base_level(chart)
+        spans = np.clip(level_section(mapped(plan, axes, -axes @ chart.origin[:2]), 0.0), low, high)
+        if top < panel.outline[:, 1].max() + NODE_TOLERANCE:
+            stretches += [(beam, top, a, b) for a, b in spans.tolist() if b - a > _SHORT]
+    ends = np.array([(top, end) for _, top, *both in stretches for end in both]).reshape(-1, 2)
+    found: list[tuple[int, BondRegion]] = []
+    for number, (beam, top, a, b) in enumerate(stretches, 1):
+        # Two beams that meet keep a little apart, so that each has nodes of its own to its end.
+        a, b = (
+            end + side * APART * (np.abs(ends - [top, end]).max(axis=1) < _SHORT).sum(initial=-1)
+            for end, side in ((a, 1), (b, -1))
+        )
+        depth = min(main.cell.a, 0.5 * top)
+        outline = np.array([[a, top - depth], [b, top - depth], [b, top], [a, top]])
+        found.append((beam, replace(main, name=f"under a beam {number}", outline=outline)))
+    return found
 
 
 def _plan(stones: Assemblage, stone: int) -> tuple[Region, float]:
@@ -83,19 +92,14 @@ def shell_beams(building: Building, stones: Assemblage, beams: IntArray, points:
     ------
     InputError: a beam that no edge of the mesh lies under.
     """
-    of_node = np.full(len(points), -1, dtype=np.int64)
-    level = np.array([_level(stones, beam) for beam in beams.tolist()])
-    near = np.flatnonzero((np.abs(points[:, 2, None] - level) < NODE_TOLERANCE).any(axis=1))
-    for node in near.tolist():
-        own = np.flatnonzero(np.isin(beams, stones_at(stones, points[node])) & (np.abs(level - points[node, 2]) < NODE_TOLERANCE))
-        of_node[node] = own[0] if len(own) else -1
+    of_node = _holding(stones, beams, points, [_level(stones, beam) for beam in beams.tolist()])
     for number, name in enumerate(stones.panel[beams].tolist()):
         held = int((of_node == number).sum())
         if held < 2:
             raise InputError(
                 f"building {building.name}",
-                "the shell has no nodes under a ring beam",
-                found=f"{held} under {name}",
+                f"the shell has no nodes under {name}",
+                found=f"{held}",
                 expected="the mid-plane of a wall under it",
                 remedy="A beam narrower than its wall lies in its middle; smaller elements may help.",
             )
@@ -109,12 +113,38 @@ def shell_beams(building: Building, stones: Assemblage, beams: IntArray, points:
     )
 
 
-def beams_of(building: Building) -> tuple[Assemblage, IntArray]:
-    """Return the stones of a building, and which of them (nm,) are its beams."""
+def beams_of(building: Building) -> tuple[Assemblage, IntArray] | None:
+    """Return the stones of a building, and which of them (nm,) are rigid bodies of its shell; None where there are none."""
+    names = [part for vault in building.vaults if vault.shell == "bodies" for part in vault.parts]
+    names += [body for beam in building.ring_beams for body in beam.bodies]
+    if not names:
+        return None
     stones = derive_blocks(building)
-    count = sum(len(beam.bodies) for beam in building.ring_beams)
-    return stones, np.arange(stones.count - count, stones.count)
+    return stones, np.flatnonzero(np.isin(stones.panel, names))
+
+
+def with_vaults_on(shell: ShellModel, stones: Assemblage, beams: IntArray, vaulted: BoolArray) -> ShellModel:
+    """Return the shell whose beams hold the feet of vaults that stand on them, too. vaulted (nt,): facets of vaults."""
+    node = np.unique(feet(shell, vaulted))
+    top = [float(_corners(stones, beam)[:, 2].max()) for beam in beams.tolist()]
+    of_node = shell.beams.of_node.copy()
+    of_node[node] = _holding(stones, beams, shell.points[node], top)
+    return replace(shell, beams=replace(shell.beams, of_node=of_node))
+
+
+def _holding(stones: Assemblage, beams: IntArray, points: FloatArray, level: Sequence[float]) -> IntArray:
+    """Return for each point (n, 3) m the first beam (nm,) with a bed there, at its level (nm,) m, or -1."""
+    found = np.full(len(points), -1, dtype=np.int64)
+    at_level = np.abs(points[:, 2, None] - np.asarray(level)) < NODE_TOLERANCE
+    for node in np.flatnonzero(at_level.any(axis=1)).tolist():
+        own = np.flatnonzero(np.isin(beams, stones_at(stones, points[node])) & at_level[node])
+        found[node] = own[0] if len(own) else -1
+    return found
 
 
 def _level(stones: Assemblage, stone: int) -> float:
-    return float(stones.points[slice(*stones.block_point_ptr[stone : stone + 2]), 2].min())
+    return float(_corners(stones, stone)[:, 2].min())
+
+
+def _corners(stones: Assemblage, stone: int) -> FloatArray:
+    return stones.points[slice(*stones.block_point_ptr[stone : stone + 2])]

@@ -24,6 +24,7 @@ def with_fronts(shell: ShellModel, vaulted: BoolArray) -> ShellModel:
     facet = np.repeat(np.arange(len(shell.triangles)), 3)
     _, number, shared = np.unique(np.sort(edge, axis=1), axis=0, return_inverse=True, return_counts=True)
     foot = np.isin(edge, shell.ledges[:, 0]).all(axis=1) | shell.supported[edge].all(axis=1)
+    foot |= shell.on_beam[edge].all(axis=1)
     border = np.flatnonzero((shared[number.ravel()] == 1) & vaulted[facet] & ~foot)
     node = np.unique(edge[border])
     behind = _behind(shell, shell.points[node], np.flatnonzero(~vaulted))
@@ -58,7 +59,9 @@ def with_fronts(shell: ShellModel, vaulted: BoolArray) -> ShellModel:
         "bonds": np.full(len(shell.unit_cells), "butt"),
     }
     grown = {key: np.concatenate([getattr(shell, key), value]) for key, value in strips.items()}
-    return replace(shell, **grown, held=np.column_stack([len(shell.points) + np.arange(len(near)), wall]))
+    facet = np.append(np.arange(len(shell.triangles)), np.full(len(triangles), -1))
+    beams = shell.beams.on_mesh(len(grown["points"]), facet)
+    return replace(shell, **grown, beams=beams, held=np.column_stack([len(shell.points) + np.arange(len(near)), wall]))
 
 
 def _behind(shell: ShellModel, points: FloatArray, walls: IntArray) -> IntArray:

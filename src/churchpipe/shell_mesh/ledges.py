@@ -17,7 +17,7 @@ _BY_FACET = ("axes", "thickness", "surface_weight", "cell", "material", "panel",
 def with_ledges(shell: ShellModel, vaulted: BoolArray) -> tuple[ShellModel, BoolArray]:
     """Return a shell whose vaults go with the walls below them, and its facets of vaults; vaulted (nt,): these as given.
 
-    A foot is a level edge that no other facet shares, of a facet of a vault above it. It is cut beside the nodes of the wall's
+    A foot (see `feet`) that no beam holds is cut beside the nodes of the wall's
     top, and each part stands on the nearest level edge at its height, of a facet below, within half the thickness of that facet's
     wall; of edges as near, on one along it.
 
@@ -25,17 +25,10 @@ def with_ledges(shell: ShellModel, vaulted: BoolArray) -> tuple[ShellModel, Bool
     ------
     InputError: a foot that stands on no wall.
     """
-    edge = np.stack([shell.triangles, np.roll(shell.triangles, -1, axis=1)], axis=2).reshape(-1, 2)
-    facet = np.repeat(np.arange(len(shell.triangles)), 3)
-    _, number, shared = np.unique(np.sort(edge, axis=1), axis=0, return_inverse=True, return_counts=True)
-    z = shell.points[edge, 2]
-    level = np.abs(z[:, 1] - z[:, 0]) < NODE_TOLERANCE
-    rise = shell.centroid[facet, 2] - z.mean(axis=1)
-    alone = shared[number.ravel()] == 1
-    foot = np.flatnonzero(level & alone & vaulted[facet] & (rise > NODE_TOLERANCE) & ~shell.supported[edge].all(axis=1))
+    edge, facet, foot, top = _feet_and_tops(shell, vaulted)
+    foot = foot[~shell.on_beam[edge[foot]].all(axis=1)]
     if not len(foot):
         return shell, vaulted
-    top = np.flatnonzero(level & (rise < -NODE_TOLERANCE))
     nodes, triangles, of_facet = (
         [shell.points],
         [np.delete(shell.triangles, facet[foot], axis=0)],
@@ -44,7 +37,7 @@ def with_ledges(shell: ShellModel, vaulted: BoolArray) -> tuple[ShellModel, Bool
     ledges: list[IntArray] = []
     count = len(shell.points)
     for own in foot.tolist():
-        near = top[np.abs(z[top, 0] - z[own, 0]) < NODE_TOLERANCE]
+        near = top[np.abs(shell.points[edge[top, 0], 2] - shell.points[edge[own, 0], 2]) < NODE_TOLERANCE]
         bars, reach = shell.points[edge[near], :2], shell.thickness[facet[near]] / 2 + NODE_TOLERANCE
         ends = shell.points[edge[own]]
         share = _cuts(ends[:, :2], bars, reach)
@@ -72,6 +65,7 @@ def with_ledges(shell: ShellModel, vaulted: BoolArray) -> tuple[ShellModel, Bool
     chosen = np.concatenate(of_facet)
     cut = replace(
         shell,
+        beams=shell.beams.on_mesh(count, chosen),
         points=np.concatenate(nodes),
         triangles=np.concatenate(triangles),
         supported=np.append(shell.supported, np.zeros(count - len(shell.points), np.bool_)),
@@ -79,6 +73,25 @@ def with_ledges(shell: ShellModel, vaulted: BoolArray) -> tuple[ShellModel, Bool
         ledges=np.array(ledges),
     )
     return cut, vaulted[chosen]
+
+
+def feet(shell: ShellModel, vaulted: BoolArray) -> IntArray:
+    """Return the nodes (n, 2) of the feet of vaults: level edges of a facet (nt,) of a vault above, which no other shares."""
+    edge, _, foot, _ = _feet_and_tops(shell, vaulted)
+    return edge[foot]
+
+
+def _feet_and_tops(shell: ShellModel, vaulted: BoolArray) -> tuple[IntArray, IntArray, IntArray, IntArray]:
+    """Return the sides (3 nt, 2) of the facets, the facet of each, and which are feet of vaults and level with a facet below."""
+    edge = np.stack([shell.triangles, np.roll(shell.triangles, -1, axis=1)], axis=2).reshape(-1, 2)
+    facet = np.repeat(np.arange(len(shell.triangles)), 3)
+    _, number, shared = np.unique(np.sort(edge, axis=1), axis=0, return_inverse=True, return_counts=True)
+    z = shell.points[edge, 2]
+    level = np.abs(z[:, 1] - z[:, 0]) < NODE_TOLERANCE
+    rise = shell.centroid[facet, 2] - z.mean(axis=1)
+    alone = shared[number.ravel()] == 1
+    foot = level & alone & vaulted[facet] & (rise > NODE_TOLERANCE) & ~shell.supported[edge].all(axis=1)
+    return edge, facet, np.flatnonzero(foot), np.flatnonzero(level & (rise < -NODE_TOLERANCE))
 
 
 def _cuts(foot: FloatArray, bars: FloatArray, reach: FloatArray) -> FloatArray:
@@ -103,11 +116,13 @@ def _distances(middle: FloatArray, foot: FloatArray, bars: FloatArray) -> tuple[
 
 
 def side_by_side(first: ShellModel, second: ShellModel) -> ShellModel:
-    """Return two shells without beams as one, whose nodes stay apart."""
+    """Return two shells as one, whose nodes stay apart; the beams are those of the first."""
+    facet = np.append(np.arange(len(first.triangles)), np.full(len(second.triangles), -1))
     alike = ("points", "supported", "unit_cells", "bonds", *(key for key in _BY_FACET if key != "cell"))
     return replace(
         first,
         **{key: np.concatenate([getattr(first, key), getattr(second, key)]) for key in alike},
         triangles=np.concatenate([first.triangles, second.triangles + len(first.points)]),
         cell=np.concatenate([first.cell, second.cell + len(first.unit_cells)]),
+        beams=first.beams.on_mesh(len(first.points) + len(second.points), facet),
     )

@@ -13,12 +13,13 @@ from churchpipe.geometry.clusters import NODE_TOLERANCE, clusters, components
 from churchpipe.geometry.planar import area
 from churchpipe.model.arguments import check_kind, finite
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
+from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import BondRegion, Building, PlaneChart, Support
 from churchpipe.model.materials import by_name
 from churchpipe.model.polyhedra import face_normals
 from churchpipe.model.shell import ShellModel
 from churchpipe.model.shell_beams import ShellBeams
-from churchpipe.shell_mesh.beams import beams_of, shell_beams, with_bearings
+from churchpipe.shell_mesh.beams import beams_of, shell_beams, with_bearings, with_vaults_on
 from churchpipe.shell_mesh.butt_joints import with_butt_joints
 from churchpipe.shell_mesh.fronts import with_fronts
 from churchpipe.shell_mesh.ledges import side_by_side, with_ledges
@@ -60,29 +61,33 @@ def derive_shell(building: Building, element_size: float, sizes: Mapping[str, fl
     if not building.panels and not building.vaults:
         raise InputError(f"building {building.name}", "no walls", found=0, expected="at least one panel or vault")
     check_count(building)
-    if building.ring_beams and building.vaults:
-        found = ", ".join(body for beam in building.ring_beams for body in beam.bodies)
-        remedy = "Rigid blocks take them as they are."
-        raise InputError(f"building {building.name}", "the shell of a vault has no ring beams", found=found, remedy=remedy)
-    parts = [_wall_shell(building, element_size, sizes or {})] if building.panels else []
+    bodies = beams_of(building)
+    if bodies and not building.panels:
+        found, remedy = ", ".join(bodies[0].panel[bodies[1]].tolist()), "Rigid blocks take them as they are."
+        raise InputError(f"building {building.name}", "the shell of a vault alone has no ring beams", found=found, remedy=remedy)
+    parts = [_wall_shell(building, bodies, element_size, sizes or {})] if building.panels else []
     if building.vaults:
         vaults = _vault_shell(building, element_size)
         shell = side_by_side(parts[0], vaults) if parts else vaults
-        shell = with_fronts(*with_ledges(shell, np.arange(len(shell.triangles)) >= len(shell.triangles) - len(vaults.triangles)))
+        vaulted = np.arange(len(shell.triangles)) >= len(shell.triangles) - len(vaults.triangles)
+        if bodies:
+            shell = with_vaults_on(shell, *bodies, vaulted)
+        shell = with_fronts(*with_ledges(shell, vaulted))
     else:
         (shell,) = parts
     _check_resting(shell)
     return shell
 
 
-def _wall_shell(building: Building, element_size: float, sizes: Mapping[str, float]) -> ShellModel:
-    """Return the mid-surfaces of the panels of a building."""
+def _wall_shell(
+    building: Building, bodies: tuple[Assemblage, IntArray] | None, element_size: float, sizes: Mapping[str, float]
+) -> ShellModel:
+    """Return the mid-surfaces of the panels of a building, under its rigid bodies."""
     lengths = _sizes(building, element_size, sizes)
     panels, names = with_butt_joints(building)
-    stones, bodies = beams_of(building) if building.ring_beams else (None, np.empty(0, dtype=np.int64))
     bearing = np.empty(0, dtype=np.int64)
-    if stones is not None:
-        panels, names, bearing = with_bearings(panels, names, stones, bodies)
+    if bodies:
+        panels, names, bearing = with_bearings(panels, names, *bodies)
     surfaces = mid_surfaces(panels, building.junctions)
     meshes = _meshes(surfaces, subdivide(surfaces, lengths))
     counts = [len(mesh.bond) for mesh in meshes]
@@ -116,7 +121,7 @@ def _wall_shell(building: Building, element_size: float, sizes: Mapping[str, flo
         panel=np.concatenate([part_names(p, m.corners.mean(axis=1)) for p, m in zip(panels, meshes, strict=True)]),
         yields=np.array([bond[2] for bond in bonds])[bond],
         supported=_supported(building, points),
-        beams=ShellBeams() if stones is None else shell_beams(building, stones, bodies, points, bearing[bond]),
+        beams=shell_beams(building, *bodies, points, bearing[bond]) if bodies else ShellBeams(),
     )
 
 
@@ -125,10 +130,11 @@ def _vault_shell(building: Building, element_size: float) -> ShellModel:
     size = finite("element size", element_size)
     if not size > NODE_TOLERANCE * 10:
         raise InputError("element size", "out of range", found=size, expected="> 0 m")
+    curved = [vault for vault in building.vaults if vault.shell != "bodies"]
     # The area of the mid-surfaces is about the volume over the thickness.
-    count = sum(4 * run.volume.sum() * run.section.height / run.section.area for v in building.vaults for run in v.runs) / size**2
+    count = sum(4 * run.volume.sum() * run.section.height / run.section.area for v in curved for run in v.runs) / size**2
     _check_elements(count, size)
-    facets = vault_facets(building.vaults, size)
+    facets = vault_facets(curved, size)
     label = clusters(facets.corner.reshape(-1, 3))
     points = facets.corner.reshape(-1, 3)[np.unique(label, return_index=True)[1]]
     unit_cells, cell = np.unique(np.round(facets.cell, 12), axis=0, return_inverse=True)
@@ -265,6 +271,10 @@ def _touching(support: Support, points: FloatArray) -> BoolArray:
 def _check_resting(shell: ShellModel) -> None:
     edges = np.concatenate([shell.triangles[:, [0, 1]], shell.triangles[:, [1, 2]], shell.ledges[:, :, 0]])
     edges = np.concatenate([edges, np.column_stack([shell.held[:, 0], shell.triangles[shell.held[:, 1], 0]])])
+    # Nodes of one beam go together.
+    held = np.flatnonzero(shell.on_beam)
+    _, first, beam = np.unique(shell.beams.of_node[held], return_index=True, return_inverse=True)
+    edges = np.concatenate([edges, np.column_stack([held, held[first[beam]]])])
     part = components(len(shell.points), edges)
     resting = np.bincount(part, shell.supported) > 0
     loose = ~resting[part[shell.triangles[:, 0]]]

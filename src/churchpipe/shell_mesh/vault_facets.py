@@ -67,7 +67,7 @@ def vault_facets(vaults: Sequence[Vault], element_size: float) -> VaultFacets:
                 expected='laid = "courses"',
                 remedy="Rigid blocks take it as it is.",
             )
-        if not vault.surface:
+        if vault.shell == "none":
             raise InputError(
                 f"vault {vault.name}",
                 "has no mid-surface of its own",

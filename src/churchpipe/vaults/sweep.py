@@ -32,9 +32,16 @@ class Courses:
         number = [self.numbers.setdefault((part, course, stone), len(self.numbers)) for stone in stones]
         self.runs.append(Run(section, side, np.array(stations, dtype=float), np.array(number), course, part, length))
 
-    def vault(self, name: str, material: str, beds: Literal["path", "section"] = "path", *, surface: bool = True) -> Vault:
+    def vault(
+        self,
+        name: str,
+        material: str,
+        beds: Literal["path", "section"] = "path",
+        *,
+        shell: Literal["facets", "bodies", "none"] = "facets",
+    ) -> Vault:
         """Return the vault."""
-        return Vault(name, tuple(self.runs), material, beds, surface)
+        return Vault(name, tuple(self.runs), material, beds, shell)
 
 
 def polygon_sides(centre: tuple[float, float], sides: int, start: float = 0.0, turn: float = 2 * np.pi) -> list[Side]:
