@@ -26,13 +26,15 @@ SHOWN = {
     "curved.dxf": "W27",
     "no-support.dxf": "E12",
     "narrow-pier.dxf": "E28",
+    "void.dxf": "W29",
+    "outline-inside.dxf": "E29",
 }
 
 
 def main() -> None:
     """Read the drawings, draw them as drawn, and circle what was found."""
-    figure = Figure(figsize=(12, 4.8), layout="constrained")
-    for axes, (name, code) in zip(figure.subplots(2, 4).flat, SHOWN.items(), strict=True):
+    figure = Figure(figsize=(15, 4.8), layout="constrained")
+    for axes, (name, code) in zip(figure.subplots(2, 5).flat, SHOWN.items(), strict=True):
         corners = []
         for entity in ezdxf.readfile(CORPUS / name).modelspace():
             points = np.array([(point.x, point.y) for point in make_path(entity).flattening(1.0)])

@@ -11,6 +11,8 @@ CORPUS = Path(__file__).parent / "corpus"
 Points = Sequence[tuple[float, ...]]
 
 BRICK = [(0, 0), (250, 0), (250, 65), (0, 65)]
+BLOCK = [(0, 0), (400, 0), (400, 300), (0, 300)]
+HOLE = [(150, 100), (250, 100), (250, 200), (150, 200)]
 BRICK_ABOVE = [(x, y + 65) for x, y in BRICK]
 GROUND = [(-200, -80), (700, -80), (700, 0), (-200, 0)]
 OUTLINES: dict[str, Any] = {"thickness": 0.12}
@@ -109,6 +111,8 @@ FILES: dict[str, tuple[str, dict[str, Any], set[str]]] = {
     "curved.dxf": (dxf(GROUNDED, polyline([(0, 0), (250, 0), (250, 65, 0.3), (0, 65)])), OUTLINES, {"W27", "W24", "W19"}),
     "open-body.dxf": (dxf(*(face([CUBE[n - 1] for n in around]) for around in FACES[:5])), {}, {"E10"}),
     "opening.dxf": (dxf(polyline(WALL), polyline(WINDOW, layer="OPENING")), LAID, {"W12", "W24", "W28", "W19"}),
+    "void.dxf": (dxf(GROUNDED, polyline(BLOCK), polyline(HOLE, layer="OPENING")), OUTLINES, {"W29", "W24", "W19"}),
+    "outline-inside.dxf": (dxf(GROUNDED, polyline(BLOCK), polyline(HOLE)), OUTLINES, {"E29", "W24", "W19"}),
     "narrow-pier.dxf": (
         dxf(polyline(WALL), polyline([(60, 0), (3000, 0), (3000, 2000), (60, 2000)], layer="OPENING")),
         LAID,

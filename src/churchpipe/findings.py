@@ -48,6 +48,8 @@ CODES: Final = {
     "W27": "curved sides were taken as chords",
     "E28": "a whole wall in which no stones can be laid",
     "W28": "stones were laid in whole walls",
+    "E29": "an outline inside another",
+    "W29": "voids were cut out of stones",
     "W40": "bodies were mended without a change of shape",
     "W41": "bodies were mended (--repair)",
     "W42": "several solids under one name",
@@ -55,6 +57,8 @@ CODES: Final = {
     "W44": "hulls of one stone were united",
     "W45": "the unit or the axis that points up was assumed",
     "W46": "bytes that are no text in the encoding of the file",
+    "E47": "coordinates rounded by more than a hundredth of a stone",
+    "W47": "coordinates rounded by more than a thousandth of a stone",
 }
 
 # What to do about a finding, where nothing nearer is known. A warning is nothing to mend if what it says is meant.
@@ -98,6 +102,8 @@ REMEDIES: Final = {
     "W27": "Draw the side with more corners if that is too coarse.",
     "E28": "Mend the body as it says, or cut it into walls.",
     "W28": "Look whether they are as you meant; --course and --stone change them.",
+    "E29": "Put it on a layer OPENING if it is a void, or the other on a layer that is off if that is no stone.",
+    "W29": "Draw the outline of a stone in it if it is none.",
     "W40": "Nothing to mend: the shape is the same.",
     "W41": "Compare the volumes, and look at the stone: churchpipe check FILE -o DIR shows it.",
     "W42": "Give each a name of its own if the case is to name them.",
@@ -105,6 +111,8 @@ REMEDIES: Final = {
     "W44": "Compare the volumes; draw the stone as one body if they differ.",
     "W45": "Pass --units or --up if that is wrong.",
     "W46": "Look at the names of layers and stones; export the drawing again if they are wrong.",
+    "E47": "Move the model near the origin in the program that made it, and export it again.",
+    "W47": "Move the model near the origin in the program that made it, and export it again.",
 }
 
 # Places named after the first of a kind.

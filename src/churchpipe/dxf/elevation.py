@@ -9,12 +9,12 @@ from typing import Final
 import numpy as np
 
 from churchpipe.dxf import schema
-from churchpipe.dxf.outlines import Outline, outlines_of
+from churchpipe.dxf.outlines import Outline, cut_out, inside_others, outlines_of
 from churchpipe.dxf.reading import ElevationPlane
 from churchpipe.dxf.stones import Stone
 from churchpipe.dxf.traces import Trace, by_plane, is_flat
 from churchpipe.findings import Finding
-from churchpipe.geometry.planar import area, common, less, pieces, polygon
+from churchpipe.geometry.planar import area, common, less, pieces
 from churchpipe.geometry.prism import prism_of
 from churchpipe.model.arrays import FloatArray
 
@@ -40,23 +40,25 @@ def stones_of_traces(
     those on a layer that means opening are cut out of them.
     """
     left: Counter[str] = Counter()
-    drawn = [trace for trace in traces if trace.layer not in NO_STONE or cut]
-    left["outlines of openings"] += len(traces) - len(drawn)
-    warped = [trace for trace in drawn if not is_flat(trace)]
-    left["lines that lie in no plane"] += len(warped)
-    flat = [trace for trace in drawn if is_flat(trace)]
+    flat = [trace for trace in traces if is_flat(trace)]
+    left["lines that lie in no plane"] += len(traces) - len(flat)
     outlines: list[Outline] = []
     # A line that ends on the ground, or at an opening, is no part of its outline.
     for kind in (_Kind.STONE, _Kind.GROUND, _Kind.OPENING):
         group = [trace for trace in flat if _kind(trace) == kind]
         for level in by_plane(group):
-            found, loose = outlines_of(level, findings)
+            found, loose = outlines_of(level, findings if kind != _Kind.OPENING or cut else [])
             outlines += found
             left["lines that close nothing"] += loose
     order = {id(trace): number for number, trace in enumerate(traces)}
     outlines.sort(key=lambda outline: order[id(outline.trace)])
     openings = [outline for outline in outlines if _kind(outline.trace) == _Kind.OPENING]
     outlines = [outline for outline in outlines if _kind(outline.trace) != _Kind.OPENING]
+    if not cut:
+        told = len(findings)
+        outlines = cut_out(outlines, openings, findings)
+        left["outlines of openings"] += len(openings) - len(findings) + told
+        findings += [_inside(inner, outer) for inner, outer in inside_others(outlines)]
     shallow = [outline for outline in outlines if not outline.trace.depth]
     if shallow and thickness is None:
         remedy = "Pass --thickness, such as --thickness 0.12m."
@@ -68,7 +70,7 @@ def stones_of_traces(
     stones = [
         stone
         for outline in outlines
-        for stone in _stones(outline, openings if _kind(outline.trace) == _Kind.STONE else [], thickness or 0.0, plane)
+        for stone in _stones(outline, openings if cut and _kind(outline.trace) == _Kind.STONE else [], thickness or 0.0, plane)
     ]
     of_handle = Counter(stone.name for stone in stones)
     numbers = {name: itertools.count(1) for name, many in of_handle.items() if many > 1}
@@ -83,10 +85,10 @@ def _stones(outline: Outline, openings: list[Outline], thickness: float, plane: 
     trace, axes = outline.trace, outline.plane.axes
     depth = (trace.depth or thickness) * (-1.0 if trace.depth and trace.normal @ axes[2] < 0 else 1.0)
     levels = sorted((outline.plane.height, outline.plane.height + depth))
-    holes = [polygon(opening.corners) for opening in openings if np.allclose(opening.plane.axes, axes, atol=1e-6)]
-    whole = polygon(outline.corners)
+    holes = [opening.region for opening in openings if np.allclose(opening.plane.axes, axes, atol=1e-6)]
+    whole = outline.region
     cut = [hole for hole in holes if area(common(whole, hole)) > 0]
-    bodies = [prism_of(part) for part in pieces(less(whole, cut))] if cut else [prism_of(whole)]
+    bodies = [prism_of(part) for part in pieces(less(whole, cut) if cut else whole)]
     bearing = _bears(trace)
     panel = "" if bearing else WALL if trace.layer == "0" else trace.layer
     stones: list[Stone] = []
@@ -109,6 +111,11 @@ def _bears(trace: Trace) -> bool:
 def stood_up(points: FloatArray) -> FloatArray:
     """Turn points (n, 3) about x, so that what is drawn with y upwards has z upwards."""
     return np.stack([points[:, 0], -points[:, 2], points[:, 1]], axis=1)
+
+
+def _inside(inner: Outline, outer: Outline) -> Finding:
+    of = outer.trace.place
+    return inner.trace.place.finding("E29", f"the outline lies inside that of {of.entity} #{of.handle}")
 
 
 def _said(outlines: list[Outline], plane: ElevationPlane) -> list[Finding]:

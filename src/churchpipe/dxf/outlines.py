@@ -1,6 +1,7 @@
 """Lines of a drawing to outlines of stones: closed ones, almost closed ones, and the meshes of a net of lines."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -8,6 +9,7 @@ from churchpipe.dxf.traces import Plane, Trace
 from churchpipe.findings import Finding
 from churchpipe.geometry.divisions import divided
 from churchpipe.geometry.nets import covering, net_of, outline_flaw, turned_left, without_idle_corners
+from churchpipe.geometry.planar import Region, extent, less, nested, polygon
 from churchpipe.model.arrays import FloatArray
 
 # Ends of an outline that miss each other, or cross, by up to this part of its length meet.
@@ -16,9 +18,9 @@ ALMOST = 0.1
 
 @dataclass(frozen=True, slots=True)
 class Outline:
-    """A closed outline in its plane: corners (n, 2), counter-clockwise, none on a straight side; and what it came from."""
+    """What a closed outline encloses in its plane, without voids, no corner on a straight side; and what it came from."""
 
-    corners: FloatArray
+    region: Region
     plane: Plane
     trace: Trace
 
@@ -55,10 +57,55 @@ def outlines_of(plane: Plane, findings: list[Finding]) -> tuple[list[Outline], i
     outlines = [_outline(corners, plane, traces[k], findings) for k, corners in sorted(found, key=lambda pair: pair[0])]
     sound = [outline for outline in outlines if outline is not None]
     hatches = [_outline(line, plane, t, findings) for t, line in zip(plane.traces, lines, strict=True) if t.filled]
-    fillings = [outline for outline in hatches if outline is not None]
+    fillings = [outline for outline in hatches if outline is not None and not outline.trace.void]
+    voids = [outline for outline in hatches if outline is not None and outline.trace.void]
+    # The border of a void may be drawn besides: it is a stone only where it is hatched itself.
+    borders = covering(_regions(sound), _regions(voids), alike=True)
+    hatched = covering(_regions(sound), _regions(fillings), alike=True)
+    sound = [outline for outline, *of in zip(sound, borders, hatched, strict=True) if of != [True, False]]
+    whole = cut_out([*sound, *fillings], voids, findings)
+    sound, fillings = whole[: len(sound)], whole[len(sound) :]
     # A hatch that fills an outline drawn besides is no stone of its own.
-    fills = covering([outline.corners for outline in fillings], [outline.corners for outline in sound])
+    fills = covering(_regions(fillings), _regions(sound))
     return sound + [outline for outline, drawn in zip(fillings, fills, strict=True) if not drawn], left
+
+
+def cut_out(outlines: Sequence[Outline], voids: Sequence[Outline], findings: list[Finding]) -> list[Outline]:
+    """Return outlines without the voids that lie wholly in them, which findings tell."""
+    out = list(outlines)
+    if not voids:
+        return out
+    told: set[int] = set()
+    for inner, outer in nested(np.array(_regions([*outlines, *voids]), dtype=np.object_)).tolist():
+        if inner >= len(out) > outer and np.allclose(out[outer].plane.axes, voids[inner - len(out)].plane.axes, atol=1e-6):
+            void = voids[inner - len(out)]
+            out[outer] = replace(out[outer], region=less(out[outer].region, [void.region]))
+            told.add(inner - len(out))
+    for void in (voids[number] for number in sorted(told)):
+        findings.append(void.trace.place.finding("W29", "a void, {} wide, was cut out of a stone", lengths=(_size(void.region),)))
+    return out
+
+
+def inside_others(outlines: Sequence[Outline]) -> list[tuple[Outline, Outline]]:
+    """Return the outlines that lie in another at the same height, each with that other."""
+    if len(outlines) < 2:
+        return []
+    out: dict[int, tuple[Outline, Outline]] = {}
+    for number, other in nested(np.array(_regions(outlines), dtype=np.object_)).tolist():
+        inner, outer = outlines[number], outlines[other]
+        near = abs(inner.plane.height - outer.plane.height) <= 1e-3 * _size(outer.region)
+        if near and np.allclose(inner.plane.axes, outer.plane.axes, atol=1e-6):
+            out[number] = inner, outer
+    return list(out.values())
+
+
+def _regions(outlines: Sequence[Outline]) -> list[Region]:
+    return [outline.region for outline in outlines]
+
+
+def _size(region: Region) -> float:
+    low_u, low_v, high_u, high_v = extent(region).tolist()
+    return max(high_u - low_u, high_v - low_v)
 
 
 def _ring(points: FloatArray, trace: Trace, findings: list[Finding]) -> FloatArray | None:
@@ -98,4 +145,4 @@ def _outline(corners: FloatArray, plane: Plane, trace: Trace, findings: list[Fin
         finding = trace.place.finding
         findings.append(finding("E25", f"the outline {flaw}", expected="a closed outline of one stone", remedy="Redraw it."))
         return None
-    return Outline(turned_left(corners), plane, trace)
+    return Outline(polygon(turned_left(corners)), plane, trace)

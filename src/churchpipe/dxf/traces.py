@@ -1,15 +1,17 @@
 """The lines of a drawing: polylines, lines, arcs and boundaries of hatches as points in space."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 import numpy as np
 from ezdxf import path as paths
+from ezdxf.lldxf import const
 
 from churchpipe.dxf.definitions import Matrix, transformed
 from churchpipe.findings import Place
 from churchpipe.geometry.nets import farthest
+from churchpipe.geometry.planar import nested, polygon
 from churchpipe.model.arrays import FloatArray
 
 KINDS: Final = ("LWPOLYLINE", "POLYLINE", "HATCH", "LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE")
@@ -23,8 +25,8 @@ class Trace:
 
     points (n, 3), drawing units, in space; closed: said to be closed, then the first point is not repeated; normal (3,): of the
     plane it is drawn in; depth: its DXF thickness, 0 when it has none; curve: how far a curve leaves the chords taken for it;
-    filled: boundary of a hatch; bearing: drawn as ground; fine (m, 3): the points of a line with curves, drawn finely, the first
-    one repeated when it is closed.
+    filled: boundary of a hatch; void: of a part of it that is left empty; bearing: drawn as ground; fine (m, 3): the points of a
+    line with curves, drawn finely, the first one repeated when it is closed.
     """
 
     points: FloatArray
@@ -35,6 +37,7 @@ class Trace:
     depth: float = 0.0
     curve: float = 0.0
     filled: bool = False
+    void: bool = False
     bearing: bool = False
     fine: FloatArray | None = None
 
@@ -51,23 +54,46 @@ class Plane:
 def traces_of(entity: Any, matrix: Matrix, place: Place, layer: str, bearing: bool) -> list[Trace]:
     """Return the traces of one entity of `KINDS`: the boundaries of a hatch, one of any other; what has no length is left out."""
     filled = entity.dxftype() == "HATCH"
-    drawn = paths.from_hatch(entity) if filled else [paths.make_path(entity)]
-    up = np.array(entity.dxf.get("extrusion", (0, 0, 1))) @ np.linalg.inv(matrix[0]).T
+    drawn = _boundaries(entity) if filled else [paths.make_path(entity)]
+    normal = np.array(entity.dxf.get("extrusion", (0, 0, 1))) @ np.linalg.inv(matrix[0]).T
+    up: FloatArray = np.asarray(normal / np.linalg.norm(normal), dtype=np.float64)
+    across = _axes(up)[:2].T
+    own = entity.dxf.get("thickness", 0.0) if entity.dxf.is_supported("thickness") else 0.0
+    depth = float(own) * float(np.linalg.norm(matrix[0][2]))
     out: list[Trace] = []
     for line in (part for whole in drawn for part in whole.sub_paths()):
         points, fine = _flattened(line)
         closed = filled or (bool(line.is_closed) and len(points) > 3)
         if not len(points) or (closed and len(points) < 4):
             continue
-        curve = 0.0 if fine is None else farthest(points[:, :2], fine[:, :2])
-        points = transformed(points[:-1] if closed else points, matrix)
+        points = transformed(points, matrix)
         fine = None if fine is None else transformed(fine, matrix)
+        curve = 0.0 if fine is None else farthest(points @ across, fine @ across)
+        points = points[:-1] if closed else points
         x, y, z = points[0].tolist()
         where = Place(place.entity, place.handle, place.block, (x, y, z))
-        own = entity.dxf.get("thickness", 0.0) if entity.dxf.is_supported("thickness") else 0.0
-        depth = float(own) * float(np.linalg.norm(matrix[0][2]))
-        out.append(Trace(points, closed, up / np.linalg.norm(up), where, layer, depth, curve, filled, bearing, fine))
-    return out
+        out.append(Trace(points, closed, up, where, layer, depth, curve, filled, bearing=bearing, fine=fine))
+    return _with_voids(out, across, entity.dxf.get("hatch_style", 0)) if filled and len(out) > 1 else out
+
+
+def _boundaries(hatch: Any) -> list[Any]:
+    """Return the paths of the boundaries of a hatch without those about texts, which are no voids."""
+    drawn = [boundary for boundary in hatch.paths if not boundary.path_type_flags & const.BOUNDARY_PATH_TEXTBOX]
+    height = hatch.dxf.elevation.z
+    return [paths.from_hatch_boundary_path(boundary, hatch.ocs(), elevation=height) for boundary in drawn]
+
+
+def _with_voids(traces: list[Trace], across: FloatArray, style: int) -> list[Trace]:
+    """Return the boundaries of a hatch, those of voids marked as its style has it; without those that bound nothing in it.
+
+    across (3, 2): two axes in its plane; style: 0 hatched and left empty in turn from the outside inwards, 1 empty from the
+    first void inwards, 2 no voids.
+    """
+    inner = nested(np.array([polygon(trace.points @ across) for trace in traces], dtype=np.object_))[:, 0]
+    level = np.bincount(inner, minlength=len(traces))
+    deepest = {1: 1, 2: 0}.get(style, len(traces))
+    marked = zip(traces, level.tolist(), strict=True)
+    return [replace(trace, void=number % 2 == 1) for trace, number in marked if number <= deepest]
 
 
 def by_plane(traces: Sequence[Trace]) -> list[Plane]:

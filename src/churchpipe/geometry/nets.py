@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import shapely
 
+from churchpipe.geometry.planar import WITHIN, Region
 from churchpipe.model.arrays import FloatArray
 
 # Lines meet where they are closer than this share of the length of the median line.
@@ -168,17 +169,20 @@ def turned_left(corners: FloatArray) -> FloatArray:
     return corners if shapely.is_ccw(shapely.LinearRing(corners)) else corners[::-1]
 
 
-def covering(first: Sequence[FloatArray], second: Sequence[FloatArray]) -> list[bool]:
-    """Return for each outline of the first list whether one of the second covers half of the smaller of the two."""
+def covering(first: Sequence[Region], second: Sequence[Region], *, alike: bool = False) -> list[bool]:
+    """Return for each region of the first list whether one of the second covers half of the smaller of the two.
+
+    alike: whether one covers nearly all of the larger of the two.
+    """
     if not first or not second:
         return [False] * len(first)
-    borders = np.array([shapely.Polygon(corners) for corners in second], dtype=object)
-    tree = shapely.STRtree(borders)
+    regions = np.array(second, dtype=object)
+    tree = shapely.STRtree(regions)
+    share, extreme = (WITHIN, np.maximum) if alike else (0.5, np.minimum)
     out: list[bool] = []
-    for corners in first:
-        own = shapely.Polygon(corners)
-        near = borders[tree.query(own, predicate="intersects")]
-        out.append(bool((shapely.area(shapely.intersection(near, own)) > 0.5 * np.minimum(shapely.area(near), own.area)).any()))
+    for own in first:
+        near = regions[tree.query(own, predicate="intersects")]
+        out.append(bool((shapely.area(shapely.intersection(near, own)) > share * extreme(shapely.area(near), own.area)).any()))
     return out
 
 

@@ -15,6 +15,8 @@ Region = shapely.Polygon | shapely.MultiPolygon
 # Grid, m, to which coordinates are rounded where an intersection fails with the exact ones. Boxes overlap if by more than this.
 GRID = 1e-9
 DOUBTFUL = 1e-6
+# A polygon lies in another when this part of it does, and when it is smaller than this part of the other.
+WITHIN = 0.99
 
 
 def polygon(outline: npt.ArrayLike, holes: Sequence[FloatArray] = ()) -> shapely.Polygon:
@@ -165,6 +167,17 @@ def covered(polygons: Polygons, region: Region) -> BoolArray:
     """Return which polygons (n,) lie wholly in the region."""
     shapely.prepare(region)
     return np.asarray(shapely.covers(region, polygons))
+
+
+def nested(polygons: Polygons) -> IntArray:
+    """Return the pairs inner, outer (k, 2) of polygons (n,) of which the first lies in the second, which is larger."""
+    sound = np.asarray(shapely.make_valid(polygons), dtype=np.object_)
+    size = areas(sound)
+    inner, outer = shapely.STRtree(sound).query(sound, predicate="intersects")
+    smaller = size[inner] < WITHIN * size[outer]
+    inner, outer = inner[smaller], outer[smaller]
+    inside = areas(plain_intersections(sound[inner], sound[outer])) > WITHIN * size[inner]
+    return np.stack([inner, outer], axis=1)[inside]
 
 
 def common_areas(polygons: Polygons, region: Region) -> FloatArray:

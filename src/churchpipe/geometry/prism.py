@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from churchpipe.geometry.planar import Polygon, area, boxes, clip, extent, inner_points, polygon, rings
+from churchpipe.geometry.planar import Polygon, area, boxes, clip, extent, inner_points, polygon, rings, vertices
 from churchpipe.model.arrays import FloatArray
 
 Faces = tuple[tuple[int, ...], ...]
@@ -13,7 +13,8 @@ Faces = tuple[tuple[int, ...], ...]
 def prism_of(region: Polygon) -> tuple[FloatArray, Faces]:
     """Return a prism over a region: points (2 n, 3), u and v and 0 at the bottom, 1 at the top; and outward faces.
 
-    Bottom and top of a region with holes are cut along an upright line through each hole, so that every face has one outline.
+    Bottom and top of a region with holes are cut along an upright line through each hole, so that every face has one outline. A
+    side that such a line ends on stays one face.
     """
     parts = _without_holes(region)
     corner = np.concatenate(parts)
@@ -24,7 +25,15 @@ def prism_of(region: Polygon) -> tuple[FloatArray, Faces]:
     edges = [edge for ring in around for edge in zip(ring, (*ring[1:], ring[0]), strict=True)]
     # Edges between two parts of the bottom run both ways; what is left is the border.
     inner = {(stop, start) for start, stop in edges}
-    sides = tuple((a, b, b + count, a + count) for a, b in edges if (a, b) not in inner)
+    border = [edge for edge in edges if edge not in inner]
+    corners = {tuple(corner) for corner in vertices(region).tolist()}
+    after = {start: stop for start, stop in border if tuple(flat[start].tolist()) not in corners}
+    sides: list[tuple[int, ...]] = []
+    for edge in (edge for edge in border if edge[0] not in after):
+        low = list(edge)
+        while low[-1] in after:
+            low.append(after[low[-1]])
+        sides.append((*low, *(node + count for node in low[::-1])))
     points = np.column_stack([np.tile(flat, (2, 1)), np.repeat([0.0, 1.0], count)])
     lids = tuple(ring[::-1] for ring in around) + tuple(tuple(node + count for node in ring) for ring in around)
     return points, (*lids, *sides)

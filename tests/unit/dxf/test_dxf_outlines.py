@@ -14,6 +14,7 @@ from churchpipe.dxf.reader import Drawing, read_drawing
 from churchpipe.findings import Findings, FindingsError
 from churchpipe.geometry.nets import without_idle_corners
 from churchpipe.stones.contacts import find_contacts
+from churchpipe.stones.soundness import check_soundness
 
 BRICK = [(0.0, 0.0), (250.0, 0.0), (250.0, 65.0), (0.0, 65.0)]
 
@@ -139,6 +140,73 @@ def test_rubble_with_mortar_keeps_every_joint(seed: int, joint: float, unit: int
     found = {tuple(sorted((order[first], order[second]))) for first, second in pairs}
     assert {(i, j) for i, j, length in common if length > 1.2 * joint} <= found
     assert found <= {(i, j) for i, j, length in common if length > 0}
+
+
+FRAME = [(0.0, 0.0), (400.0, 0.0), (400.0, 400.0), (0.0, 400.0)]
+HOLE = [(150.0, 100.0), (250.0, 100.0), (250.0, 300.0), (150.0, 300.0)]
+PLUG = [(150.0, 100.0), (250.0, 100.0), (250.0, 200.0), (150.0, 200.0)]
+
+
+def hatched(space: Any, *boundaries: list[tuple[float, float]], flags: tuple[int, ...] = (1, 16, 0), style: int = 0) -> None:
+    """One hatch with boundaries as AutoCAD marks them: 1 external, 16 outermost, 0 further in, 8 about a text."""
+    hatch = space.add_hatch(dxfattribs={"hatch_style": style})
+    for corners, flag in zip(boundaries, flags, strict=False):
+        hatch.paths.add_polyline_path(corners, is_closed=True, flags=flag)
+
+
+def outlined(space: Any, *boundaries: list[tuple[float, float]], layer: str = "0") -> None:
+    for corners in boundaries:
+        space.add_lwpolyline(corners, close=True, dxfattribs={"layer": layer})
+
+
+IN_HOLE = [(190.0, 100.0), (210.0, 100.0), (210.0, 300.0), (190.0, 300.0)]
+# What is drawn: areas of the stones (m2), joints of these with each other and the ground, findings.
+NESTS: dict[str, tuple[Callable[[Any], object], list[float], int, list[str]]] = {
+    "an island of a hatch": (lambda s: hatched(s, FRAME, HOLE), [0.14], 1, ["W29"]),
+    "unmarked, the island first": (lambda s: hatched(s, HOLE, FRAME, flags=(0, 0)), [0.14], 1, ["W29"]),
+    "a hatch on both outlines": (lambda s: (outlined(s, FRAME, HOLE), hatched(s, FRAME, HOLE)), [0.14], 1, ["W29"]),
+    "an island in an island": (lambda s: hatched(s, FRAME, HOLE, IN_HOLE), [0.14, 0.004], 3, ["W29"]),
+    "a stone in the island": (lambda s: (hatched(s, FRAME, HOLE), outlined(s, PLUG)), [0.14, 0.01], 4, ["W29"]),
+    "a hatched stone that fills it": (lambda s: (hatched(s, FRAME, HOLE), hatched(s, HOLE)), [0.14, 0.02], 5, ["W29"]),
+    "a text in a hatch": (lambda s: hatched(s, FRAME, HOLE, flags=(1, 8)), [0.16], 1, []),
+    "a hatch that ignores islands": (lambda s: hatched(s, FRAME, HOLE, style=2), [0.16], 1, []),
+    "a void on its layer": (lambda s: (outlined(s, FRAME), outlined(s, HOLE, layer="OPENING")), [0.14], 1, ["W29"]),
+    "a window between stones": (
+        lambda s: (outlined(s, FRAME), outlined(s, [(x + 300, y) for x, y in HOLE], layer="OPENING")),
+        [0.16],
+        1,
+        ["W18"],
+    ),
+}
+
+
+@pytest.mark.parametrize("name", NESTS)
+def test_voids_of_stones_are_cut_out_and_told(name: str, tmp_path: Path) -> None:
+    draw, areas, joints, expected = NESTS[name]
+    drawing = read(drawn(tmp_path / "a.dxf", draw))
+    stones = drawing.stones
+    assert codes(drawing) == expected
+    np.testing.assert_allclose(np.sort(stones.volume[~stones.fixed])[::-1], 0.12 * np.array(areas), rtol=1e-9)
+    contacts = find_contacts(stones)
+    assert len(contacts.blocks) == joints
+    check_soundness(stones, contacts)
+
+
+def test_a_stone_in_a_void_meets_it_across_the_mortar(tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        hatched(space, FRAME, HOLE)
+        outlined(space, [(160, 110), (240, 110), (240, 290), (160, 290)])
+
+    stones = read(drawn(tmp_path / "a.dxf", draw), joint=0.01).stones
+    np.testing.assert_allclose(stones.volume[1:].sum(), 0.16 * 0.12, rtol=1e-9)
+    assert len(find_contacts(stones).blocks) == 5
+
+
+def test_an_outline_in_another_is_asked_about(tmp_path: Path) -> None:
+    text = str(findings_of(drawn(tmp_path / "a.dxf", lambda space: outlined(space, FRAME, HOLE, BRICK))))
+    assert "E29 a.dxf: 2 times: LWPOLYLINE" in text
+    assert "the outline lies inside that of LWPOLYLINE #" in text
+    assert "OPENING" in text
 
 
 def test_a_depth_beyond_all_numbers_is_named(tmp_path: Path) -> None:
