@@ -98,8 +98,12 @@ def write_glb(stones: Assemblage, path: Path) -> Path:
     return path
 
 
+# The units of 3MF, m.
+METRES = {"micron": 1e-6, "millimeter": 1e-3, "centimeter": 0.01, "inch": 0.0254, "foot": 0.3048, "meter": 1.0}
+
+
 def write_3mf(stones: Assemblage, path: Path, *, unit: str = "millimeter") -> Path:
-    factor = {"millimeter": 1e3, "meter": 1.0}[unit]
+    factor = 1 / METRES.get(unit, 1.0)
     objects, items = [], []
     for number, (name, points, faces, _) in enumerate(solids(stones), 1):
         # The build plate places each object: it is written around its first corner.

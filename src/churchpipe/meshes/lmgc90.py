@@ -91,7 +91,7 @@ def _contactor(record: _Record, lines: list[tuple[int, str]], position: int, sou
     kind, sizes = line.split()[0], _values(row, line, source)
     position += 1
     if kind in ("POLYR", "POLYG"):
-        vertices, faces = int(sizes.get("nb_vertex", 0)), int(sizes.get("nb_face", 0))
+        vertices, faces = int(sizes.get("nb_vertex", 0)), int(sizes.get("nb_face", sizes.get("nb_faces", 0)))
         held = [_values(*numbered, source) for numbered in lines[position : position + vertices + faces]]
         axes = ("coo1", "coo2", "coo3") if kind == "POLYR" else ("coo1", "coo2")
         sound = len(held) == vertices + faces and all(axis in row for row in held[:vertices] for axis in axes)

@@ -13,7 +13,8 @@ from churchpipe.meshes.source import Body, Face, Source, left_out, number, read_
 from churchpipe.model.arrays import FloatArray
 
 CORE = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
-UNITS = {"micron": "", "millimeter": "mm", "centimeter": "cm", "inch": "in", "foot": "ft", "meter": "m"}
+UNITS = {"micron": "mm", "millimeter": "mm", "centimeter": "cm", "inch": "in", "foot": "ft", "meter": "m"}
+MICRON = 1e-3
 # A model of this many bytes is none of a building.
 LARGEST_MODEL = 2_000_000_000
 DEEPEST = 20
@@ -45,8 +46,10 @@ def read_3mf(path: Path) -> Source:
             roots = [ElementTree.fromstring(archive.read(info)) for info in names]
     except BAD_ARCHIVE as error:
         raise _damaged(path, str(error)) from error
-    unit = UNITS.get(roots[0].get("unit", "millimeter"), "")
-    source = Source([], "3mf", unit=unit or None)
+    said = roots[0].get("unit", "millimeter")
+    if said not in UNITS:
+        raise _damaged(path, f"it says that its unit is {said!r}, of which 3MF knows nothing")
+    source = Source([], "3mf", unit=UNITS[said])
     objects = {item.get("id", ""): item for root in roots for item in root.iter(f"{CORE}object")}
     others: Counter[str] = Counter()
     try:
@@ -54,7 +57,9 @@ def read_3mf(path: Path) -> Source:
             if item.get("printable") == "0":
                 others["objects that are not to be printed"] += 1
             else:
-                _place(source, objects, item, _matrix(item.get("transform")), "", 0)
+                turn, shift = _matrix(item.get("transform"))
+                factor = MICRON if said == "micron" else 1.0
+                _place(source, objects, item, (factor * turn, factor * shift), "", 0)
     except (ValueError, KeyError) as error:
         raise _damaged(path, f"an object, a vertex, a triangle or a transform cannot be understood ({error})") from error
     source.findings += left_out(others)

@@ -9,7 +9,7 @@ import pytest
 import churchpipe as cp
 from churchpipe.findings import FindingsError
 from churchpipe.model.assemblage import Assemblage
-from mesh_files import WRITERS, solids, write_3dec, write_obj, write_ply, write_stl
+from mesh_files import METRES, WRITERS, solids, write_3dec, write_3mf, write_obj, write_ply, write_stl
 from solids import box, prism
 
 GROUND = box((-1, 2), (-1, 1), (-0.5, 0))
@@ -84,6 +84,18 @@ def test_names_materials_and_ground_are_kept(tmp_path: Path) -> None:
     assert set(read.material) == {"stone"}
     assert read.fixed.tolist() == [True] + [False] * 12
     assert "obj/W43 wall.obj: 1 bodies are ground by their names: ground-0." in str(findings)
+
+
+@pytest.mark.parametrize("unit", METRES)
+def test_a_3mf_is_read_in_the_unit_that_it_says(unit: str, tmp_path: Path) -> None:
+    stones = wall()
+    read, _ = cp.read_stones(write_3mf(stones, tmp_path / "wall.3mf", unit=unit), unit_weight=18e3)
+    np.testing.assert_allclose(read.volume, stones.volume, rtol=1e-6)
+
+
+def test_a_3mf_in_a_unit_of_its_own_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(FindingsError, match="its unit is 'cubit'"):
+        cp.read_stones(write_3mf(wall(), tmp_path / "wall.3mf", unit="cubit"))
 
 
 def test_units_scale_and_the_axis_that_points_up(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import churchpipe as cp
+from churchpipe.findings import FindingsError
 from churchpipe.generators import vault
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
@@ -15,7 +16,7 @@ from churchpipe.model.contacts import Contacts
 from churchpipe.model.materials import UnitWeight
 from imprecise import joined_pairs, voussoir_arch
 from mesh_files import write_obj, write_stl
-from solids import prism
+from solids import box, prism
 
 # Of an arch of 27 voussoirs, t/R .2, and of a barrel of 27 courses: an independent calculation (test_arches).
 ARCH = 0.284337
@@ -37,6 +38,23 @@ def bridge(gap: float = 0.0) -> Assemblage:
 
 def _voussoir(start: float, stop: float, half: float) -> list[tuple[float, float]]:
     return [(r, end + sign * half / r) for r, end, sign in ((5.0, start, 1), (5.8, start, 1), (5.8, stop, -1), (5.0, stop, -1))]
+
+
+@pytest.mark.parametrize(("shift", "code"), [(4e6, "E47"), (5e3, "W47"), (50.0, "")])
+def test_single_precision_far_from_the_origin_is_told(shift: float, code: str, tmp_path: Path) -> None:
+    # A binary STL holds 32 bits a number: their step is .25 m at 4000 km, as in a national grid, .5 mm at 5 km, 4e-6 m at 50 m.
+    bricks = [
+        box((0.43 * k, 0.43 * k + 0.43), (shift, shift + 0.3), (0.21 * z, 0.21 * z + 0.21)) for k in range(4) for z in range(3)
+    ]
+    path = write_stl(Assemblage.from_polyhedra(bricks, 1.0), tmp_path / "wall.stl", binary=True)
+    try:
+        _, findings = cp.read_stones(path, unit_weight=20e3, support="base")
+    except FindingsError as error:
+        findings = error.findings
+    assert [found for found in findings.codes if found.endswith("47")] == [code][: len(code)]
+    if code:
+        assert "32 bits" in str(findings)
+        assert "near the origin" in str(findings)
 
 
 def read(path: Path, exact: Assemblage, expected: set[str]) -> tuple[Assemblage, Contacts]:
