@@ -34,8 +34,9 @@ LIMIT_STATES: dict[LimitName, LimitStateRule] = {
     "SLV": LimitStateRule(0.40, 1.68, 8.0),
     "SLC": LimitStateRule(0.60, 1.56, 10.0),
 }
-# A load factor that falls by more than this share within a step is a loss of connection.
-_LOSS = 0.5
+# A load factor that falls by more than this share within a step, or within the second share of d0 however short the steps, is a
+# loss of connections.
+_LOSS, _WITHIN = 0.5, 0.05
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +44,7 @@ class Oscillator:
     """The capacity curve of a mechanism as that of the equivalent oscillator [C8.7.1.3-5].
 
     displacement (ns,) d, m; acceleration (ns,) a, m/s2; ultimate: d0, m, where the acceleration vanishes.
-    loss: m, the displacement at which connections are lost that cost more than half of the acceleration, or infinite.
+    loss: m, the displacement short of d_SLV at which connections are lost that cost half of the acceleration, or infinite.
     fraction: e* of the stones, the share of the moving mass that takes part; weight: N, of what moves.
     """
 
@@ -130,13 +131,14 @@ def oscillator(
     scale = second / first * float(load.sum()) / float(load @ motion)
     level = float(load @ motion) / first * GRAVITY / (fraction * confidence_factor)
     kept = load_factor > 0
-    falls = np.flatnonzero(load_factor[1:] < (1 - _LOSS) * load_factor[:-1])
-    sudden = [k for k in falls if displacement[k + 1] < 0.9 * d0]
+    soon = np.interp(displacement + _WITHIN * d0, displacement, load_factor)
+    soon[:-1] = np.minimum(soon[:-1], load_factor[1:])
+    sudden = displacement[(soon < (1 - _LOSS) * load_factor) & (displacement < LIMIT_STATES["SLV"].share * d0)]
     return Oscillator(
         np.append(displacement[kept], d0) * scale,
         np.append(load_factor[kept], 0.0) * level,
         d0 * scale,
-        float(displacement[sudden[0]]) * scale if sudden else math.inf,
+        float(sudden[0]) * scale if len(sudden) else math.inf,
         fraction,
         all_moving,
     )

@@ -77,6 +77,12 @@ def test_a_loss_of_connections_limits_the_displacement() -> None:
     assert capacity(curve, SITE, "SLC").displacement == pytest.approx(0.18)
 
 
+def test_a_loss_of_connections_counts_however_short_the_steps_are() -> None:
+    displacement = np.array([0, 0.05, 0.052, 0.054, 0.057, 0.2, 0.3])
+    curve = oscillator(displacement, np.array([0.2, 0.19, 0.16, 0.12, 0.08, 0.05, 0.0]), 0.3, np.ones(1), np.ones(1))
+    assert curve.loss == pytest.approx(0.05)
+
+
 def test_what_does_not_even_start_to_move() -> None:
     # A small model has little displacement: the onset governs.
     found = capacity(block(0.03, 0.3), SITE)

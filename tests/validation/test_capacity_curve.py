@@ -284,12 +284,8 @@ def test_s22() -> None:
     assert curve.status == "vanished" or fallen
     # The interval of the certified load factor without dilatancy as drawn.
     assert 0.1882 <= curve.load_factor[0] <= 0.1889
-    # In steps of 4 mm .01972 m.
-    assert curve.d0 == pytest.approx(0.0197, rel=2e-2)
-    assert curve.residual.max() < 1e-8
-    assert curve.violation.max() < 1e-8
-    # Where next to nothing holds the wall any more, the motions of single stones are harder to fit.
-    assert curve.misfit[curve.load_factor > 0.5 * curve.load_factor[0]].max() < 3e-3
+    assert curve.d0 == pytest.approx(0.0194, rel=2e-2)
+    assert_certified(curve)
     work, taken = energies(stones, curve)
     assert work == pytest.approx(taken, rel=2e-2)
 
@@ -297,12 +293,17 @@ def test_s22() -> None:
 @pytest.mark.slow("docs/capacity_curve.md: S22 in half the step")
 def test_s22_in_half_the_step() -> None:
     stones, contacts = model("S22")
-    whole, half = (block_pushover(stones, contacts, LOADS["S22"], 0.7, step=step) for step in (0.004, 0.002))
-    # From .0144 m on the finer path turns to another one, whose last steps are not certified (docs/capacity_curve.md).
-    early = half.displacement <= 0.0136
-    assert half.misfit[early].max() <= 1e-2
-    same = np.interp(half.displacement[early], whole.displacement, whole.load_factor)
-    assert np.abs(half.load_factor[early] - same).max() <= 2e-2 * whole.load_factor[0]
+    whole, half = (block_pushover(stones, contacts, LOADS["S22"], 0.7, step=step, furthest=0.072) for step in (0.004, 0.002))
+    assert whole.proved
+    assert half.proved
+    # Within one step the bricks at the top of a partition slide off what they lay on, and the load factor drops.
+    drop = [int(np.argmin(np.diff(curve.load_factor))) for curve in (whole, half)]
+    begins, ends = ([curve.displacement[k + more] for curve, k in zip((whole, half), drop, strict=True)] for more in (0, 1))
+    assert begins[0] - 1e-4 <= begins[1] < ends[1] <= ends[0] + 2e-4
+    alike = (half.displacement <= begins[0]) | (half.displacement >= ends[0])
+    same = np.interp(half.displacement, whole.displacement, whole.load_factor)
+    assert np.abs(half.load_factor - same)[alike].max() <= 2e-2 * whole.load_factor[0]
+    assert np.abs(half.load_factor - same)[half.displacement <= begins[0]].max() <= 2e-3 * whole.load_factor[0]
 
 
 @pytest.mark.slow("docs/capacity_curve.md: S5")

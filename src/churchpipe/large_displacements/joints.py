@@ -17,6 +17,7 @@ class Joints:
     (ni + 1,); first, second (nc, 3) m, the point of either stone, an arm from its centroid in its axes. sliding (nc,): mu times
     the slip rate of the last step, see `solve_state`. rest (nc,) m: the gap as drawn, which counts as closed. place (nc, 2),
     rectangle and margin (ni,): as in `Touching`, of joints that crush. lever (nc, 3) m: where friction acts beside the point.
+    pressing (nc,): the normal force of the last step over the weight.
     """
 
     blocks: IntArray
@@ -32,6 +33,7 @@ class Joints:
     rectangle: FloatArray
     margin: FloatArray
     lever: FloatArray
+    pressing: FloatArray
 
     @property
     def pair(self) -> IntArray:
@@ -106,4 +108,5 @@ def joints_of(
         rectangle=np.zeros(count) if rectangle is None else rectangle,
         margin=np.zeros(count) if margin is None else margin,
         lever=np.zeros((len(contacts.point), 3)),
+        pressing=np.zeros(len(contacts.point)),
     )

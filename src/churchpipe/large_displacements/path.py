@@ -14,7 +14,8 @@ from churchpipe.large_displacements.joints import Joints
 from churchpipe.large_displacements.moving_model import MovingModel, bearing
 from churchpipe.large_displacements.poses import Poses, displaced, start_poses
 from churchpipe.large_displacements.renewal import renewed
-from churchpipe.large_displacements.step import StepAnswer, StepProgram, solve_step, without_dilatancy
+from churchpipe.large_displacements.search import Attempt, StepSearch
+from churchpipe.large_displacements.step import StepAnswer, StepProgram, solve_step
 from churchpipe.large_displacements.travelling import TravellingLoads
 from churchpipe.large_displacements.twisted import friction_shift
 from churchpipe.mechanism import reference_speed, stone_speed
@@ -29,16 +30,10 @@ from churchpipe.rigid_blocks.pressed import with_further
 FIRST, PROGRAMS = 12, 4
 # Pairs of programs that make forces and motion fit, at most.
 PAIRS = 6
-# Times that they are sought, each with the length of step of the last motion.
-_LENGTHS = 3
 # Largest rotation in a step, rad.
 _TURN = 0.02
-# A length of step that is right within this factor is kept; one shorter than this share of the largest ends the path.
-_NEAR, _SHORTEST = 1.6, 1e-3
-# A motion fits its forces when what it lacks of one without dilatancy is less than this share of the load factor; it is credible
-# up to the second.
-_FITTING, _CREDIBLE = 2e-3, 0.1
-
+# A motion is credible when what it lacks of one without dilatancy is less than this share of the load factor.
+_CREDIBLE = 0.1
 # Friction follows the pressure until it acts elsewhere by no more than this share of a stone, or for so many rounds; after the
 # first few half of the way, or it would go to and fro.
 _AT_REST, _ROUNDS, _WHOLE_WAY = 1e-3, 8, 2
@@ -107,14 +102,15 @@ def state_at(model: MovingModel, every: Sequence[Poses], fallen: Sequence[Fallen
     return _renewed(model, replace(first, poses=every[-1], fallen=lost, rest=rest))
 
 
-def sliding_as(model: MovingModel, state: PathState, velocities: FloatArray) -> PathState:
-    """Return a state whose points slide as under these velocities (nb, 6), those of a motion without dilatancy."""
+def as_in(model: MovingModel, state: PathState, normal: FloatArray, velocities: FloatArray) -> PathState:
+    """Return a state whose points press and slide as in an analysis without dilatancy: its normal forces (nc,) N and velocities
+    (nb, 6)."""
     _, program, free, _ = _program(model, state)
     y = velocities[free]
     y = np.concatenate([y[:, :3], model.length * y[:, 3:]], axis=1).ravel()
     power = float(program.live @ y)
-    slip = program.slip(y / power)[: len(state.joints.sliding)] if power > 0 else state.joints.sliding
-    return replace(state, joints=replace(state.joints, sliding=slip))
+    slip = program.slip(y / power)[: len(normal)] if power > 0 else state.joints.sliding
+    return replace(state, joints=replace(state.joints, sliding=slip, pressing=np.maximum(normal, 0.0) / model.force))
 
 
 def solve_state(model: MovingModel, state: PathState, programs: int = PROGRAMS, pairs: int = PAIRS) -> PathStep:
@@ -155,53 +151,42 @@ def _levers(model: MovingModel, step: PathStep) -> tuple[FloatArray, float]:
 def _solved(model: MovingModel, state: PathState, programs: int, pairs: int) -> PathStep:
     """Return the step that a state takes with friction acting where its joints say."""
     stones, program, free, gap = _program(model, state)
-    softness = program.softness
-    solve = solver_for(program.balance, model.solver)
-    length, sliding = state.length, np.zeros(len(gap))
-    sliding[: len(state.joints.sliding)] = state.joints.sliding
+    solve, points = solver_for(program.balance, model.solver), len(state.joints.sliding)
+    sliding, forces = np.zeros(len(gap)), np.zeros((len(gap), 3))
+    sliding[:points], forces[:points, 0] = state.joints.sliding, state.joints.pressing
 
-    def after(answer: StepAnswer) -> tuple[bool, float]:
-        wanted = _length(model, stones, _velocities(model, state, free, answer.y))
-        return not free_way or max(wanted / length, length / wanted) < _NEAR, wanted if free_way else min(length, wanted)
+    def longest(y: FloatArray) -> float:
+        return _length(model, stones, _velocities(model, state, free, y))
 
-    attempt, free_way = 0, True
-    before: tuple[StepAnswer, float] | None = None
-    while True:
-        program = program.within(gap, softness, length)
-        answer = solve_step(program, sliding, solve)
-        if answer.outcome == "unbounded" and length > _SHORTEST * model.step:
-            # It comes up against a stone within this step: it may go no further than that.
-            length, free_way = 0.25 * length, False
-            continue
-        if answer.outcome != "solved":
-            break
-        attempt += 1
-        near, wanted = after(answer)
-        if before and pairs and answer.misfit > max(_FITTING, 0.5 * before[0].misfit):
-            answer, length = min((answer, length), before, key=lambda one: one[0].misfit)
-            break
-        if attempt == programs or (near and answer.misfit < _FITTING):
-            break
-        before, sliding, length = (answer, length), program.slip(answer.y), wanted
-    way = 0.0
+    search = StepSearch(program, gap, solve, longest, state.length, model.step)
+    # Where forces and motion fitted each other in pairs of programs only, the forces of the last step are the best to begin with:
+    # they keep the path on its way where others branch off.
+    attempt = Attempt(StepAnswer("failed", forces, np.nan, np.zeros(0)), state.length)
+    if pairs and forces.any() and not program.softness.any():
+        attempt = search.by_pairs(attempt, pairs)
+    if not attempt.fits:
+        other = search.by_programs(sliding, programs, pairs)
+        better = attempt.answer.outcome == other.answer.outcome == "solved" and attempt.answer.misfit < other.answer.misfit
+        attempt = attempt if better else other
+    answer, way, joints = attempt.answer, 0.0, state.joints
     if answer.outcome == "solved":
-        for _ in range(_LENGTHS if pairs and answer.misfit > _FITTING else 0):
-            program = program.within(gap, softness, length).stretched(answer.forces)
-            answer = without_dilatancy(program, answer, solve, _FITTING, pairs)
-            near, wanted = after(answer)
-            if near:
-                break
-            length = wanted
-        sliding = program.slip(answer.y)
-        way = min(length, after(answer)[1])
-        answer = _with_present_tensions(model, state, program, answer, sliding, solve)
+        at = search.within(attempt.length)
+        sliding = at.slip(answer.y)
+        way = min(attempt.length, search.way(attempt))
+        if attempt.paired or not attempt.fits:
+            credible = answer.misfit < _CREDIBLE
+            joints = replace(joints, pressing=np.maximum(answer.forces[:points, 0], 0.0) if credible else joints.pressing)
+        else:
+            joints = replace(joints, pressing=np.zeros(points))
+        joints = replace(joints, sliding=sliding[:points])
+        answer = _with_present_tensions(model, state, at, answer, sliding, solve)
     velocity = _velocities(model, state, free, answer.y)
     # Where the load does hardly any work, as in a fall, rates are measured by the mean speed of the weight.
     answer = replace(answer, gap=answer.gap / max(1.0, _mean_speed(model, velocity)))
     speed = stone_speed(stones, velocity)
     rate = program.motion(answer.y)
     return PathStep(
-        state=replace(state, joints=replace(state.joints, sliding=sliding[: len(state.joints.sliding)]), length=length),
+        state=replace(state, joints=joints, length=attempt.length),
         answer=answer,
         speed=speed,
         velocity=velocity,
@@ -309,7 +294,7 @@ def _free(model: MovingModel, state: PathState) -> BoolArray:
 
 
 def _standing(model: MovingModel, state: PathState) -> Assemblage:
-    return replace(displaced(model.stones, state.poses), fixed=~_free(model, state))
+    return displaced(model.stones, state.poses, ~_free(model, state))
 
 
 def _program(model: MovingModel, state: PathState) -> tuple[Assemblage, StepProgram, IntArray, FloatArray]:

@@ -1,10 +1,11 @@
 """Where rigid stones are: finite rotations and translations, moved exactly."""
 
-from dataclasses import dataclass, replace
+from copy import copy
+from dataclasses import dataclass
 
 import numpy as np
 
-from churchpipe.model.arrays import FloatArray, IntArray, floats, store
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, floats, store
 from churchpipe.model.assemblage import Assemblage
 
 # Below this angle, rad, the series of the screw motion is exact to rounding.
@@ -45,11 +46,16 @@ def start_poses(stones: Assemblage) -> Poses:
     return Poses(stones.centroid, np.broadcast_to(np.eye(3), (stones.count, 3, 3)).copy())
 
 
-def displaced(stones: Assemblage, poses: Poses) -> Assemblage:
-    """Return the stones at other poses."""
+def displaced(stones: Assemblage, poses: Poses, fixed: BoolArray | None = None) -> Assemblage:
+    """Return the stones at other poses; fixed (nb,): which are, if not those of the drawing.
+
+    A rigid motion leaves sound stones sound: they are not looked at again, which would take longer than all else in a step.
+    """
     owner = np.repeat(np.arange(stones.count), np.diff(stones.block_point_ptr))
     points = poses.place(owner, stones.points - stones.centroid[owner])
-    return replace(stones, points=points, centroid=poses.centroid)
+    out = copy(stones)
+    store(out, points=points, centroid=poses.centroid, fixed=stones.fixed if fixed is None else fixed)
+    return out
 
 
 def screw(rotation: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -12,8 +12,8 @@ import numpy.typing as npt
 from churchpipe.large_displacements.control import Control, control_of
 from churchpipe.large_displacements.following import Ending, follow
 from churchpipe.large_displacements.halo import HALO, STILL, held_around
-from churchpipe.large_displacements.moving_model import MovingModel, moving_model
-from churchpipe.large_displacements.path import FIRST, PathState, PathStep, first_state, sliding_as, solve_state
+from churchpipe.large_displacements.moving_model import MovingModel, bearing, moving_model
+from churchpipe.large_displacements.path import FIRST, PROGRAMS, PathState, PathStep, as_in, first_state, solve_state
 from churchpipe.large_displacements.record import Progress, Record
 from churchpipe.large_displacements.travelling import live_loads
 from churchpipe.mechanism import moving_stones, reference_speed, stone_speed
@@ -139,20 +139,24 @@ def block_pushover(
         record.tensions = list(resume.tie_forces[: len(record.poses)])
         steps -= len(resume.position) - 1
     else:
-        start = _started(model, analysed)
+        start = _started(model, contacts, analysed)
     return record.curve(follow(record.model, start, int(steps), record, halo), perf_counter() - begin)
 
 
-def _started(model: MovingModel, analysed: Callable[..., LimitState]) -> PathState:
+def _started(model: MovingModel, contacts: Contacts, analysed: Callable[..., LimitState]) -> PathState:
     """Return the state as drawn with the sliding of a motion without dilatancy: that of its own programs, or where these come
     near it too slowly, that of the certified analysis. That takes many times as long with stones held, joints that crush and
     friction that follows the pressure: the first step then makes forces and motion fit as all others do."""
     first = first_state(model)
-    step = solve_state(model, first, FIRST, 0)
+    # With stones held the pairs of programs of the first step do the rest.
+    step = solve_state(model, first, PROGRAMS if model.held.any() else FIRST, 0)
     if step.answer.outcome != "solved" or step.answer.misfit < _STARTED or model.held.any() or not model.plain:
         return step.state
     found = analysed(model.stones, flow="non-associative")
-    return sliding_as(model, first, found.velocities) if found.status in ("converged", "not-converged") else step.state
+    if found.status not in ("converged", "not-converged"):
+        return step.state
+    bears = bearing(model.stones.fixed, contacts.blocks)[contacts.interface_of_point]
+    return as_in(model, first, found.forces[bears, 0], found.velocities)
 
 
 def _held(

@@ -79,7 +79,9 @@ def renewed(
     np.logical_or.at(seen, new.interface, known)
     keep = (least <= reach) & (seen | (least >= -_DEPTH * reach))
     sliding, lever = np.where(known, joints.sliding[origin], 0.0), np.where(known[:, None], joints.lever[origin], 0.0)
-    return replace(new, sliding=sliding, rest=rest, lever=lever).selected(keep)
+    share = joints.pressing / np.maximum(np.bincount(origin[known], minlength=len(joints.pressing)), 1)
+    pressing = np.where(known, share[origin], 0.0)
+    return replace(new, sliding=sliding, rest=rest, lever=lever, pressing=pressing).selected(keep)
 
 
 def _key(blocks: IntArray, count: int) -> IntArray:

@@ -132,18 +132,23 @@ def solve_step(program: StepProgram, sliding: FloatArray, solve: Solve) -> StepA
 
 
 def without_dilatancy(program: StepProgram, answer: StepAnswer, solve: Solve, misfit: float, pairs: int) -> StepAnswer:
-    """Return forces and motion without dilatancy, sought from an answer in pairs of programs, so many at the most.
+    """Return forces and motion without dilatancy, sought from the forces of an answer in pairs of programs, so many at the most.
 
     Of each pair one finds the velocities that fit the forces, the other the forces that fit the velocities, see `closed_gap`.
-    It ends where the misfit is as small as wanted; where it grows instead the answer given is returned.
+    It ends where the misfit is as small as wanted; where it grows instead, or none are found, the answer given is returned, which
+    need not have a motion ("failed").
     """
-    share = misfit * max(abs(answer.load_factor), LEAST) / max(abs(answer.load_factor), 1e-3)
+    first = answer.outcome != "solved"
+    known = 1.0 if first else abs(answer.load_factor)
+    share = misfit * max(known, LEAST) / max(known, 1e-3)
     settings = SchemeSettings(gap=share, stage_b=pairs)
     run = closed_gap(program, program.strength, np.maximum(answer.forces[:, 0], 0.0), solve, settings)
     if run is None:
         return answer
     y = run.y / float(program.live @ run.y)
     found = _answer(program, program.slip(y), run.x, run.load_factor, y, answer.message)
+    if first:
+        return found
     given = bipotential_gap(program, program.strength, answer.forces, answer.y)
     return found if found.gap <= given else replace(answer, gap=given)
 

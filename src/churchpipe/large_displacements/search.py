@@ -1,0 +1,113 @@
+"""Forces and motion of a step, sought in programs until they fit each other."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from churchpipe.conic.solve import Solve
+from churchpipe.large_displacements.step import StepAnswer, StepProgram, solve_step, without_dilatancy
+from churchpipe.model.arrays import FloatArray
+
+# A motion fits its forces when what it lacks of one without dilatancy is less than this share of the load factor.
+FITTING = 2e-3
+# Times that pairs of programs are begun, each with the length of step of the last motion.
+_LENGTHS = 3
+# A length of step that is right within this factor is kept; one shorter than this share of the largest ends the path.
+_NEAR, _SHORTEST = 1.6, 1e-3
+# A step may charge its gaps as if it were this much shorter than the last one, however short it is then: where a few stones run
+# ahead of all others, every sliding joint would else count as open.
+_SHORTER = 0.04
+
+
+class Attempt(NamedTuple):
+    """An answer and the length of the step that it charges the gaps for, m per unit of work.
+
+    blocked: it may go no further. paired: sought in pairs of programs.
+    """
+
+    answer: StepAnswer
+    length: float
+    blocked: bool = False
+    paired: bool = False
+
+    @property
+    def fits(self) -> bool:
+        """True where forces and motion fit each other."""
+        return self.answer.outcome == "solved" and self.answer.misfit <= FITTING
+
+
+class StepSearch:
+    """The programs of one step.
+
+    program: of the step, of any length. gap (nc,) m of its points. longest: what a motion y (m,) may last, m per unit of work.
+    begin: the length of the last step, and most the largest displacement of one.
+    """
+
+    def __init__(
+        self,
+        program: StepProgram,
+        gap: FloatArray,
+        solve: Solve,
+        longest: Callable[[FloatArray], float],
+        begin: float,
+        most: float,
+    ) -> None:
+        self._program, self._gap, self._solve, self._longest = program, gap, solve, longest
+        self._begin, self._least, self._most = begin, _SHORTER * begin, most
+
+    def within(self, length: float) -> StepProgram:
+        """Return the program of a step of this length."""
+        return self._program.within(self._gap, self._program.softness, length)
+
+    def way(self, attempt: Attempt) -> float:
+        """Return how far a motion may go, m per unit of work."""
+        longest = self._longest(attempt.answer.y)
+        return min(attempt.length, longest) if attempt.blocked else longest
+
+    def _next(self, attempt: Attempt) -> tuple[bool, float]:
+        """Return whether the length of an attempt suits its motion, and the one that does."""
+        suited = max(self.way(attempt), min(self._least, attempt.length))
+        return attempt.blocked or max(suited / attempt.length, attempt.length / suited) < _NEAR, suited
+
+    def by_pairs(self, attempt: Attempt, pairs: int) -> Attempt:
+        """Return an attempt that fits, sought from the forces of another one in so many pairs of programs at the most."""
+        for _ in range(_LENGTHS):
+            program = self.within(attempt.length).stretched(attempt.answer.forces)
+            answer = without_dilatancy(program, attempt.answer, self._solve, FITTING, pairs)
+            attempt = attempt._replace(answer=answer, paired=True)
+            if attempt.answer.outcome != "solved":
+                break
+            near, length = self._next(attempt)
+            if near:
+                break
+            attempt = attempt._replace(length=length)
+        return attempt
+
+    def by_programs(self, sliding: FloatArray, programs: int, pairs: int) -> Attempt:
+        """Return an attempt that fits, sought in so many programs at the most: each charges the sliding of the one before.
+
+        sliding (nc,) is that of the first one. Where the programs go round in circles the search goes on by pairs.
+        """
+        attempt = Attempt(StepAnswer("failed", np.zeros((0, 3)), np.nan, np.zeros(0)), self._begin)
+        before: Attempt | None = None
+        count = 0
+        while count < programs:
+            attempt = attempt._replace(answer=solve_step(self.within(attempt.length), sliding, self._solve))
+            if attempt.answer.outcome == "unbounded" and attempt.length > _SHORTEST * self._most:
+                # It comes up against a stone within this step: it may go no further than that.
+                attempt = attempt._replace(length=0.25 * attempt.length, blocked=True)
+                continue
+            if attempt.answer.outcome != "solved":
+                return attempt
+            count += 1
+            near, length = self._next(attempt)
+            if near and attempt.fits:
+                return attempt
+            if before and pairs and attempt.answer.misfit > max(FITTING, 0.5 * before.answer.misfit):
+                attempt = attempt if attempt.answer.misfit < before.answer.misfit else before
+                break
+            if count < programs:
+                before, sliding = attempt, self.within(attempt.length).slip(attempt.answer.y)
+                attempt = attempt._replace(length=length)
+        return self.by_pairs(attempt, pairs) if pairs and attempt.answer.misfit > FITTING else attempt
