@@ -9,6 +9,7 @@ import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+from typing import Final
 
 from churchpipe.config.imported import imported_case, material_names
 from churchpipe.config.json_schema import write_case
@@ -35,6 +36,9 @@ from churchpipe.stones.soundness import check_soundness
 # Processor time of the associative limit load (docs/benchmarks_shell.md, docs/benchmarks_limit_analysis.md), and how many times
 # that of an element a capacity curve takes besides.
 SECONDS_PER_ELEMENT, SECONDS_PER_STONE, CURVE = 0.003, 0.001, 4
+# What `churchpipe.find_contacts` takes; what nobody gives is proposed from the stones.
+TOLERANCES: Final = ("contact_gap", "contact_angle", "overlap")
+NONE_GIVEN: Final[Mapping[str, float | None]] = {}
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
@@ -56,18 +60,18 @@ def check_drawing(
     path: Path,
     reading: Reading = AS_DRAWN,
     unit_weight: float | Mapping[str, float] | None = None,
-    contact_gap: float | None = None,
+    tolerances: Mapping[str, float | None] = NONE_GIVEN,
 ) -> tuple[Drawing, Contacts]:
     """Read a file of stones, find its joints, and look for stones that float or overlap.
 
-    unit_weight: N/m3, of all stones or by material. contact_gap: as in `churchpipe.find_contacts`, m.
+    unit_weight: N/m3, of all stones or by material. tolerances: `TOLERANCES` of `churchpipe.find_contacts`, m and rad.
 
     Raises
     ------
     InputError: the file has errors, all of them listed.
     """
     drawing = read_file(path, unit_weight=unit_weight, **asdict(reading))
-    contacts = find_contacts(drawing.stones, reading.open_joint if contact_gap is None else contact_gap)
+    contacts = find_contacts(drawing.stones, **_given(reading, tolerances))
     check_soundness(drawing.stones, contacts)
     return drawing, contacts
 
@@ -80,7 +84,7 @@ def import_drawing(
     unit_weight: float | None = None,
     friction: float | None = None,
     loads: Sequence[str] = (),
-    contact_gap: float | None = None,
+    tolerances: Mapping[str, float | None] = NONE_GIVEN,
 ) -> Imported:
     """Write FOLDER/case.toml, its schema and a copy of the file beside it; findings.json and findings.dxf when there are any.
 
@@ -88,7 +92,7 @@ def import_drawing(
     ----------
     reading: how the drawing is read; the case keeps it.
     unit_weight: N/m3, of all stones; friction: of all joints; loads: directions. All override what the drawing stores.
-    contact_gap: how far two faces of a joint may be apart, m; the case keeps it.
+    tolerances: `TOLERANCES` of `churchpipe.find_contacts`, m and rad; the case keeps them.
 
     Raises
     ------
@@ -102,8 +106,7 @@ def import_drawing(
     case = folder / "case.toml"
     if case.exists():
         raise UsageError(str(case), "exists already", remedy="Choose another folder, or delete it first.")
-    contact_gap = reading.open_joint if contact_gap is None else contact_gap
-    drawing, contacts = check_drawing(path, reading, unit_weight, contact_gap)
+    drawing, contacts = check_drawing(path, reading, unit_weight, tolerances)
     copies = _copies(path, folder)
     for file, copy in copies.items():
         if copy.exists() and not copy.samefile(file):
@@ -117,7 +120,7 @@ def import_drawing(
         unit_weight=unit_weight,
         friction=friction,
         loads=[LoadCase(direction) for direction in directions] or drawing.loads,
-        contact_gap=contact_gap,
+        tolerances=_given(reading, tolerances),
         shell=shell,
     )
     folder.mkdir(parents=True, exist_ok=True)
@@ -221,6 +224,19 @@ def parse_length(option: str, text: str | None) -> float | None:
         expected = "a length with its unit, such as 0.12m or 10mm"
         raise UsageError(f"{option} {text}", "not a length", expected=expected)
     return value
+
+
+def parse_tolerances(contact_gap: str | None, contact_angle: float | None, overlap: str | None) -> dict[str, float | None]:
+    """Return `TOLERANCES` from the words of the command line, an angle in degrees; None for those that nobody gave."""
+    angle = None if contact_angle is None else math.radians(contact_angle)
+    lengths = parse_length("--contact-gap", contact_gap), parse_length("--overlap", overlap)
+    return dict(zip(TOLERANCES, (lengths[0], angle, lengths[1]), strict=True))
+
+
+def _given(reading: Reading, tolerances: Mapping[str, float | None]) -> dict[str, float]:
+    """Return the tolerances that somebody gave; joints that are kept open give a contact gap."""
+    given = {"contact_gap": reading.open_joint} | {key: value for key, value in tolerances.items() if value is not None}
+    return {key: value for key, value in given.items() if value is not None}
 
 
 def record_findings(findings: Findings, folder: Path, units: str, stones: Assemblage | Sequence[Body], after: str) -> None:

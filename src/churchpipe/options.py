@@ -20,3 +20,12 @@ Changes = Annotated[
 ContactGap = Annotated[
     str | None, typer.Option(help="How far two faces of a joint may be apart, with its unit: 2mm.", show_default=False)
 ]
+ContactAngle = Annotated[
+    float | None,
+    typer.Option(
+        "--contact-angle-deg", help="How far two faces of a joint may be from parallel.", min=0, max=90, show_default=False
+    ),
+]
+Overlap = Annotated[
+    str | None, typer.Option(help="How deep two stones may lie in each other, with its unit: 2mm.", show_default=False)
+]

@@ -104,12 +104,13 @@ def _check_laid(path: Path, case: Any, building: Any) -> None:
 
 
 def _check_drawn(path: Path, case: Any) -> None:
-    from churchpipe.importing import check_drawing, joint_words
+    from churchpipe.importing import TOLERANCES, check_drawing, joint_words
 
     if not case.source.path.exists():
         raise InputError(f"{path}: source", "no such file of stones", found=case.source.path)
     weights = {material.name: material.unit_weight for material in case.materials}
-    read, contacts = check_drawing(case.source.path, case.source.reading, weights, case.rigid.contact_gap)
+    given = {key: getattr(case.rigid, key) for key in TOLERANCES}
+    read, contacts = check_drawing(case.source.path, case.source.reading, weights, given)
     if len(read.findings):
         err.print(str(read.findings), soft_wrap=True)
     free = int((~read.stones.fixed).sum())

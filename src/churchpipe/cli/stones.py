@@ -10,7 +10,7 @@ from churchpipe.cli.app import app, err, out
 from churchpipe.cli.cases import check_case
 from churchpipe.cli.reading import with_reading
 from churchpipe.errors import UsageError
-from churchpipe.options import CaseFile, Changes, ContactGap, Folder, StonesFile
+from churchpipe.options import CaseFile, Changes, ContactAngle, ContactGap, Folder, Overlap, StonesFile
 
 
 @app.command("import-dxf", help="Make a case of a drawing: the same as import.")
@@ -26,12 +26,14 @@ def import_file(
         list[str] | None, typer.Option(metavar="DIRECTION", help='Direction of a load: "+x", "-y" or "1,1,0". Repeatable.')
     ] = None,
     contact_gap: ContactGap = None,
+    contact_angle: ContactAngle = None,
+    overlap: Overlap = None,
 ) -> None:
     """Make a case of a file of stones: FOLDER/case.toml and a copy of the file. All findings are listed.
 
     DXF, OBJ, STL, PLY, GLB, 3MF, Rhino 3DM, COMPAS JSON, LMGC90 (BODIES.DAT), 3DEC, or a folder: docs/formats.md.
     """
-    from churchpipe.importing import import_drawing, parse_length
+    from churchpipe.importing import import_drawing, parse_tolerances
 
     if file.suffix.lower() == ".toml":
         command = f"churchpipe run {shlex.quote(str(file))}"
@@ -44,7 +46,7 @@ def import_file(
         unit_weight=None if unit_weight is None else unit_weight * 1e3,
         friction=friction,
         loads=load or (),
-        contact_gap=parse_length("--contact-gap", contact_gap),
+        tolerances=parse_tolerances(contact_gap, contact_angle, overlap),
     )
     _list(done.findings)
     out.print(f"{done.stones} stones on {done.fixed} fixed ones: {done.case}", markup=False, soft_wrap=True)
@@ -63,6 +65,8 @@ def check(
     file: StonesFile,
     reading: Any,
     contact_gap: ContactGap = None,
+    contact_angle: ContactAngle = None,
+    overlap: Overlap = None,
     changes: Changes = None,
     folder: Annotated[
         Path | None, typer.Option("--out", "-o", help="Folder for findings.json and findings.dxf.", show_default=False)
@@ -76,10 +80,10 @@ def check(
         check_case(file, changes or ())
         return
     from churchpipe.findings import FindingsError
-    from churchpipe.importing import check_drawing, joint_words, parse_length, record_findings
+    from churchpipe.importing import check_drawing, joint_words, parse_tolerances, record_findings
 
     try:
-        read, contacts = check_drawing(file, reading, contact_gap=parse_length("--contact-gap", contact_gap))
+        read, contacts = check_drawing(file, reading, tolerances=parse_tolerances(contact_gap, contact_angle, overlap))
     except FindingsError as error:
         if folder:
             again = "Mend what the errors say, then check it again."

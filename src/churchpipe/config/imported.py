@@ -9,13 +9,14 @@ import numpy as np
 import tomlkit
 from tomlkit.items import Item, Table
 
+from churchpipe.config.analyses import RigidSettings
 from churchpipe.config.shell_table import ShellTable
 from churchpipe.dxf.carried import words
 from churchpipe.dxf.reader import Drawing
 from churchpipe.dxf.reading import Reading
 from churchpipe.model.loads import LoadCase, direction_name, load_table
 from churchpipe.model.materials import Material
-from churchpipe.model.quantities import as_written, written
+from churchpipe.model.quantities import as_written, declared, written
 
 # Above this many the non-associative analysis is left to who asks for it.
 MANY_STONES = 3000
@@ -29,7 +30,7 @@ def imported_case(
     unit_weight: float | None,
     friction: float | None,
     loads: Sequence[LoadCase],
-    contact_gap: float | None,
+    tolerances: Mapping[str, float],
     shell: ShellTable,
 ) -> tuple[str, list[str]]:
     """Return the text of a case file and the keys that nobody gave, which stand in it as comments.
@@ -38,7 +39,7 @@ def imported_case(
     ----------
     path: of the file, whose copy lies beside the case. drawing, reading: what was read of it, and how.
     unit_weight: N/m3, of all stones; friction: of all joints; None: as the drawing stores them. loads: those of the case.
-    contact_gap: m; None: the default. shell: its table.
+    tolerances: of contacts, those that somebody gave, m and rad. shell: its table.
     """
     case = tomlkit.document()
     case.add(tomlkit.comment(f"Imported from {path.name}."))
@@ -67,7 +68,7 @@ def imported_case(
             case[key] = tomlkit.aot()
             for record in records:
                 case[key].append(_table(words(record)))
-    case["rigid"] = _rigid_table(drawing.stones.count, contact_gap)
+    case["rigid"] = _rigid_table(drawing.stones.count, tolerances)
     if shell.keys:
         case["shell"] = _table(shell.keys)
         if shell.comment:
@@ -106,14 +107,15 @@ def _load_table(load: LoadCase) -> Table:
     return _table(values | {"direction": [_number(value) for value in load.direction]})
 
 
-def _rigid_table(stones: int, contact_gap: float | None) -> Table:
+def _rigid_table(stones: int, tolerances: Mapping[str, float]) -> Table:
     """Return which flow rules a case asks for: both, unless the second would take most of an hour a load."""
     few = stones <= MANY_STONES
     table = _table({"flow": ["associative", "non-associative"] if few else ["associative"]})
     if not few:
         table["flow"].comment('"non-associative" takes some hundred times longer for so many stones')
-    if contact_gap is not None:
-        table["contact_gap_mm"] = _number(written("contact_gap_mm", contact_gap))
+    for item in declared(RigidSettings).values():
+        if item.name in tolerances:
+            table[item.key] = _number(written(item.key, tolerances[item.name]))
     return table
 
 

@@ -14,6 +14,12 @@ from churchpipe.model.polyhedra import face_normals
 
 # How many stones, or pairs of stones, a message names.
 NAMED = 8
+# The tolerances of a case as options of the command line.
+_OPTIONS = {
+    "contact_gap_mm": "--contact-gap {:g}mm",
+    "contact_angle_deg": "--contact-angle-deg {:g}",
+    "overlap_mm": "--overlap {:g}mm",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,10 +136,11 @@ def remedy_words(stones: Assemblage, contacts: Contacts, rows: IntArray) -> str:
     order = rows[np.argsort(-near.area[rows], kind="stable")]
     named = "; ".join(near_miss_words(_near_miss(stones, contacts, row)) for row in order[:NAMED].tolist())
     more = f"; and {len(rows) - NAMED} more" if len(rows) > NAMED else ""
-    wanted = _settings(tolerances_that_join(contacts, rows))
+    wanted = tolerances_that_join(contacts, rows)
+    typed = " ".join(_OPTIONS[key].format(value) for key, value in wanted.items())
     return (
-        f"Faces that nearly meet: {named}{more}. Close the gaps, or join them with {wanted} in [rigid] of the case "
-        "(--contact-gap of check and import-dxf)."
+        f"Faces that nearly meet: {named}{more}. Close the gaps, or join them with {typed} of check and import, "
+        f"{_settings(wanted)} in [rigid] of a case."
     )
 
 

@@ -134,7 +134,8 @@ def check_soundness(stones: Assemblage, contacts: Contacts, progress: Callable[[
     if decisive:
         near = contacts.near_misses
         problems.append(f"{len(near)} pairs of faces nearly meet, {100 * share:.0f} % of all area that meets or nearly meets")
-        remedies.append(f"To leave them open give contact_gap_mm = {1e3 * contacts.tolerances.contact_gap:.2g} in [rigid].")
+        gap = f"{1e3 * contacts.tolerances.contact_gap:.2g}"
+        remedies.append(f"To leave them open give --contact-gap {gap}mm, contact_gap_mm = {gap} in [rigid].")
     if len(rows := np.flatnonzero(loose | (below & np.isin(contacts.near_misses.stones, hung).any(axis=1)) | decisive)):
         remedies.insert(0, remedy_words(stones, contacts, rows))
     account = surface_account(stones, contacts)

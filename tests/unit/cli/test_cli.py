@@ -2,10 +2,12 @@
 
 import io
 import json
+import math
 import re
 import shutil
 import subprocess
 import sys
+from itertools import pairwise
 from pathlib import Path
 
 import ezdxf
@@ -568,6 +570,36 @@ def test_a_place_that_cannot_be_written_to_is_named(capsys: pytest.CaptureFixtur
     assert code == cli.USAGE
     assert "taken: a file, where the folder of the run would be" in err.replace("\n", " ")
     assert taken.read_text() == "a file, not a folder"
+
+
+def test_what_a_message_says_to_type_joins_rings_of_straight_chords(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    """Two rings of voussoirs without curves, 11 and 12 to a half circle: their faces lean against each other by 8 degrees."""
+    document = ezdxf.new("R2010", units=4)
+    for radius, angles in ((1000, np.linspace(0, 180, 12)), (1200, [0, *np.linspace(180 / 22, 180 - 180 / 22, 11), 180])):
+        for begin, end in pairwise(np.radians(angles)):
+            corners = [
+                (r * np.cos(a), r * np.sin(a))
+                for r, a in ((radius, begin), (radius + 200, begin), (radius + 200, end), (radius, end))
+            ]
+            document.modelspace().add_lwpolyline(corners, close=True)
+    drawing, given = tmp_path / "rings.dxf", ("--thickness", "0.3m", "--support", "base")
+    document.saveas(drawing)
+    code, _, err = call(capsys, "check", drawing, *given)
+    assert code == 1
+    found = re.search(r"join them with (--contact-gap \S+ --contact-angle-deg \S+) of check and import", err)
+    assert found, err
+    given += tuple(found[1].split())
+    assert call(capsys, "check", drawing, *given)[0] == 0
+    given += ("--overlap", "15mm", "--unit-weight-kN-m3", 18, "--friction", 0.6, "--load", "+x")
+    assert call(capsys, "import", drawing, "-o", tmp_path / "case", *given)[0] == 0
+    rigid = read_case(tmp_path / "case" / "case.toml").rigid
+    assert (rigid.contact_angle, rigid.overlap) == pytest.approx((math.radians(8.2), 0.015))
+    code, out, _ = call(capsys, "check", tmp_path / "case" / "case.toml")
+    assert (code, "Near misses" in out) == (0, False)
+    # 10 and 11 joints in the rings, 22 between them, 4 on the ground.
+    stones = read_drawing(drawing, thickness=0.3, support="base", unit_weight=18e3).stones
+    contacts = churchpipe.find_contacts(stones, contact_gap=rigid.contact_gap, contact_angle=rigid.contact_angle)
+    assert len(np.unique(np.sort(contacts.blocks, axis=1), axis=0)) == 10 + 11 + 22 + 4
 
 
 def test_joints_kept_open_are_reached_across_however_wide_each_was_drawn(

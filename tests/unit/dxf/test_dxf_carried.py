@@ -104,7 +104,7 @@ def test_an_imported_case_has_the_ties_and_loads_of_its_drawing(tmp_path: Path) 
         unit_weight=2e4,
         friction=0.6,
         loads=[cp.LoadCase((1, 0, 0))],
-        contact_gap=None,
+        tolerances={},
         shell=ShellTable({}, ""),
     )
     (tmp_path / "case.toml").write_text(text)
