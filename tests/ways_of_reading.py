@@ -10,22 +10,27 @@ from mesh_files import DXF_WRITERS, WRITERS, fuzz_wall, solids, write_dxf_drawin
 from solids import box
 
 JOINT = 1 / 64
-# Volume of a window of the whole walls, m3.
+# A window of the first of the whole walls, and its volume, m3.
+VOID = [(-2.5, 0.5), (-2.0, 0.5), (-2.0, 0.75), (-2.5, 0.75)]
 WINDOW = 0.5 * 0.25 * 0.25
 
 
 @dataclass(frozen=True)
 class Way:
-    """A file and how it is read: what writes stones, the stones, the options; windows: outlines that are no stones."""
+    """A file and how it is read: what writes stones, the stones, the options.
+
+    windows: outlines that are no stones; voids: boundaries within one.
+    """
 
     write: Callable[[Assemblage, Path], Path]
     stones: Callable[[], Assemblage] = fuzz_wall
     options: dict[str, Any] = field(default_factory=dict)
     windows: int = 0
+    voids: int = 0
 
     def size(self, stones: Assemblage) -> tuple[int, float]:
         """Count of stones written, the ground too, and volume of the free ones without windows."""
-        return stones.count, float(stones.volume[~stones.fixed].sum()) - self.windows * WINDOW
+        return stones.count, float(stones.volume[~stones.fixed].sum()) - (self.windows + self.voids) * WINDOW
 
 
 def open_wall() -> Assemblage:
@@ -60,14 +65,23 @@ def write_dxf_hatches(stones: Assemblage, folder: Path) -> Path:
     return folder / "wall.dxf"
 
 
+def write_dxf_voids(stones: Assemblage, folder: Path) -> Path:
+    """Whole walls as hatches, with an island in the first one."""
+    import ezdxf
+
+    document = ezdxf.readfile(write_dxf_hatches(stones, folder))
+    document.modelspace().query('HATCH[layer=="WALL"]').first.paths.add_polyline_path(VOID, is_closed=True, flags=16)
+    document.saveas(folder / "wall.dxf")
+    return folder / "wall.dxf"
+
+
 def write_dxf_walls(stones: Assemblage, folder: Path) -> Path:
     """Outlines of whole walls, with a window in the first one."""
     import ezdxf
 
     document = ezdxf.readfile(write_dxf_outlines(stones, folder))
     document.layers.add("OPENING")
-    window = [(-2.5, 0.5), (-2.0, 0.5), (-2.0, 0.75), (-2.5, 0.75)]
-    document.modelspace().add_lwpolyline(window, close=True, dxfattribs={"layer": "OPENING"})
+    document.modelspace().add_lwpolyline(VOID, close=True, dxfattribs={"layer": "OPENING"})
     document.saveas(folder / "wall.dxf")
     return folder / "wall.dxf"
 
@@ -84,6 +98,7 @@ WAYS: dict[str, Way] = {name: Way(write) for name, write in (WRITERS | DXF_WRITE
     "dxf-solids-repair": Way(write_dxf_solids, options=REPAIR),
     "obj-repair": Way(_as_obj, options=REPAIR),
     "dxf-hatches": Way(write_dxf_hatches, options={"thickness": 0.125}),
+    "dxf-voids": Way(write_dxf_voids, whole_walls, {"thickness": 0.25}, voids=1),
     "dxf-plan": Way(write_dxf_outlines, options={"plane": "xy"}),
     "dxf-joints": Way(write_dxf_outlines, open_wall, {"joint": JOINT}),
     "dxf-joints-keep": Way(write_dxf_outlines, open_wall, KEEP),
