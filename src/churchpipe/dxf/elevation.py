@@ -58,7 +58,7 @@ def stones_of_traces(
         told = len(findings)
         outlines = cut_out(outlines, openings, findings)
         left["outlines of openings"] += len(openings) - len(findings) + told
-        findings += [_inside(inner, outer) for inner, outer in inside_others(outlines)]
+        findings += inside_others(outlines)
     shallow = [outline for outline in outlines if not outline.trace.depth]
     if shallow and thickness is None:
         remedy = "Pass --thickness, such as --thickness 0.12m."
@@ -111,11 +111,6 @@ def _bears(trace: Trace) -> bool:
 def stood_up(points: FloatArray) -> FloatArray:
     """Turn points (n, 3) about x, so that what is drawn with y upwards has z upwards."""
     return np.stack([points[:, 0], -points[:, 2], points[:, 1]], axis=1)
-
-
-def _inside(inner: Outline, outer: Outline) -> Finding:
-    of = outer.trace.place
-    return inner.trace.place.finding("E29", f"the outline lies inside that of {of.entity} #{of.handle}")
 
 
 def _said(outlines: list[Outline], plane: ElevationPlane) -> list[Finding]:

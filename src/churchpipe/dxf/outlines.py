@@ -59,10 +59,12 @@ def outlines_of(plane: Plane, findings: list[Finding]) -> tuple[list[Outline], i
     hatches = [_outline(line, plane, t, findings) for t, line in zip(plane.traces, lines, strict=True) if t.filled]
     fillings = [outline for outline in hatches if outline is not None and not outline.trace.void]
     voids = [outline for outline in hatches if outline is not None and outline.trace.void]
-    # The border of a void may be drawn besides: it is a stone only where it is hatched itself.
     borders = covering(_regions(sound), _regions(voids), alike=True)
     hatched = covering(_regions(sound), _regions(fillings), alike=True)
-    sound = [outline for outline, *of in zip(sound, borders, hatched, strict=True) if of != [True, False]]
+    for outline in (o for o, border, own in zip(sound, borders, hatched, strict=True) if border and not own):
+        what = "the outline is the border of a void in a hatch, of a stone or of mortar"
+        remedy = "Put it on a layer OPENING if it is a void, hatch it if it is a stone, or switch the layer of the hatch off."
+        findings.append(outline.trace.place.finding("E29", what, remedy=remedy))
     whole = cut_out([*sound, *fillings], voids, findings)
     sound, fillings = whole[: len(sound)], whole[len(sound) :]
     # A hatch that fills an outline drawn besides is no stone of its own.
@@ -86,17 +88,26 @@ def cut_out(outlines: Sequence[Outline], voids: Sequence[Outline], findings: lis
     return out
 
 
-def inside_others(outlines: Sequence[Outline]) -> list[tuple[Outline, Outline]]:
-    """Return the outlines that lie in another at the same height, each with that other."""
+def inside_others(outlines: Sequence[Outline]) -> list[Finding]:
+    """Return a finding of each outline that others at its height lie in."""
     if len(outlines) < 2:
         return []
-    out: dict[int, tuple[Outline, Outline]] = {}
+    inside: dict[int, list[Outline]] = {}
     for number, other in nested(np.array(_regions(outlines), dtype=np.object_)).tolist():
         inner, outer = outlines[number], outlines[other]
         near = abs(inner.plane.height - outer.plane.height) <= 1e-3 * _size(outer.region)
         if near and np.allclose(inner.plane.axes, outer.plane.axes, atol=1e-6):
-            out[number] = inner, outer
-    return list(out.values())
+            inside.setdefault(other, []).append(inner)
+    out: list[Finding] = []
+    for number, inner in inside.items():
+        place = outlines[number].trace.place
+        if len(inner) == 1:
+            found = f"the outline lies inside that of {place.entity} #{place.handle}"
+            out.append(inner[0].trace.place.finding("E29", found))
+        else:
+            remedy = "Put it on a layer that is off if it is no stone, or those in it on a layer OPENING if they are voids."
+            out.append(place.finding("E29", f"{len(inner)} outlines lie inside this one", remedy=remedy))
+    return out
 
 
 def _regions(outlines: Sequence[Outline]) -> list[Region]:

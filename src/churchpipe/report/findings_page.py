@@ -93,7 +93,8 @@ def _drawn(stones: Assemblage, findings: Findings, building: Building | None) ->
     the warnings."""
     still: FloatArray = np.zeros((stones.count, 6))
     origin, radius = viewer.origin_of(stones), MARK * stones.size
-    placed = [finding for kind in findings.kinds for finding in kind[:MOST] if finding.position is not None]
+    # What is drawn last lies above.
+    placed = [finding for kind in findings.kinds[::-1] for finding in kind[:MOST] if finding.position is not None]
     places = np.array([finding.position for finding in placed], dtype=np.float64).reshape(-1, 3)
     places = stood_up(places) if findings.stood_up else places
     return viewer.viewer_data(stones, []) | {

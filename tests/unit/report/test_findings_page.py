@@ -42,6 +42,7 @@ def test_errors_are_numbered_marked_and_end_in_what_to_do(tmp_path: Path) -> Non
     data = viewer_data(page)
     assert data["free"] == 3
     (mark,) = [mark for mark in data["marks"] if mark["label"].startswith("E11")]
+    assert data["marks"][-1] == mark, "an error lies above the warnings of its place"
     # Drawn in x-y, stood up: the second brick begins 65 mm above the foot.
     assert np.allclose(mark["place"][2], 0.065, atol=1e-6)
 

@@ -231,6 +231,7 @@ function start(canvas, renderer) {
 
   // The nearest camera position that frames every displaced point and the arrow of the load.
   function look(direction = state.analysis.toward) {
+    Object.assign(state, { direction, turned: false });
     const toward = new THREE.Vector3(...direction).normalize();
     const right = new THREE.Vector3(0, 0, 1).cross(toward).normalize();
     const axes = [right, toward.clone().cross(right), toward];
@@ -351,6 +352,7 @@ function start(canvas, renderer) {
   offerParts(data, [solid, wires], (point) => data.panel_of[stoneOfPoint[point]], draw);
   offerPictures(canvas, draw);
   controls.addEventListener("change", draw);
+  controls.addEventListener("start", () => { state.turned = true; });
   canvas.addEventListener("keydown", steer);
   element("viewer-stone").addEventListener("change", (e) => { find(e.target.value.trim()); });
   let pressed = [0, 0];
@@ -358,7 +360,11 @@ function start(canvas, renderer) {
   canvas.addEventListener("pointerup", (e) => {
     if (Math.hypot(e.clientX - pressed[0], e.clientY - pressed[1]) < 4) pick(e);
   });
-  new ResizeObserver(resize).observe(canvas.parentElement);
+  // A page that has become narrower would cut what it showed.
+  new ResizeObserver(() => {
+    resize();
+    if (!state.turned) look(state.direction);
+  }).observe(canvas.parentElement);
   resize();
   choose(0);
   look();
