@@ -185,18 +185,13 @@ def common_areas(polygons: Polygons, region: Region) -> FloatArray:
     return areas(np.asarray(shapely.intersection(polygons, region), dtype=np.object_))
 
 
-def plain_intersections(first: Polygons, second: Polygons) -> Polygons:
-    """Return what the polygons of two lists (n,) have in common, pair by pair, as GEOS has it."""
-    return np.asarray(shapely.intersection(first, second), dtype=np.object_)
-
-
 def intersections(first: Polygons, second: Polygons) -> Polygons:
     """Return what the polygons of two lists (n,) have in common, pair by pair.
 
     With nearly collinear edges GEOS may return the places where the edges cross and lose the area between them. Where boxes
     overlap and the answer has no area, coordinates are rounded to `GRID` for another try.
     """
-    common = plain_intersections(first, second)
+    common = np.asarray(shapely.intersection(first, second), dtype=np.object_)
     low = np.maximum(shapely.bounds(first)[:, :2], shapely.bounds(second)[:, :2])
     high = np.minimum(shapely.bounds(first)[:, 2:], shapely.bounds(second)[:, 2:])
     doubtful = (shapely.area(common) == 0) & (high - low > DOUBTFUL).all(axis=1)

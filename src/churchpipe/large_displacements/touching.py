@@ -7,10 +7,10 @@ import numpy as np
 from churchpipe.geometry.planar import (
     Polygons,
     areas,
+    intersections,
     outer_rings,
     overlapping,
     perimeters,
-    plain_intersections,
     polygons_of,
     simple_hulls,
 )
@@ -63,7 +63,7 @@ def touching(
     n /= np.linalg.norm(n, axis=1, keepdims=True)
     axes = frames(n)[:, 1:]
     centre = 0.5 * (mean[first] + mean[second])
-    overlap = plain_intersections(_projected(stones, first, axes, centre), _projected(stones, second, axes, centre))
+    overlap = intersections(_projected(stones, first, axes, centre), _projected(stones, second, axes, centre))
     chosen = np.flatnonzero(2 * areas(overlap) > narrow * perimeters(overlap))
     corner, owner = outer_rings(simple_hulls(overlap[chosen], _STRAIGHT * narrow))
 
