@@ -12,12 +12,10 @@ from churchpipe.model.arrays import (
     FloatArray,
     IntArray,
     NameArray,
-    flags,
-    floats,
-    names,
     pointers,
     ragged_indices,
     store,
+    store_arrays,
 )
 
 
@@ -42,15 +40,8 @@ class TileSet:
         count = len(self.course)
         course = np.array(self.course, dtype=np.int64)
         course.setflags(write=False)
-        store(
-            self,
-            corner=floats("TileSet.corner", self.corner, (None, 2)),
-            corner_ptr=pointers("TileSet.corner_ptr", self.corner_ptr, count, len(self.corner)),
-            course=course,
-            region=names("TileSet.region", self.region, (count,)),
-            reach=floats("TileSet.reach", self.reach, (count, 2)),
-            voussoir=flags("TileSet.voussoir", self.voussoir, (count,)),
-        )
+        store_arrays(self, corner=(None, 2), region=(count,), reach=(count, 2), voussoir=(count,))
+        store(self, corner_ptr=pointers("TileSet.corner_ptr", self.corner_ptr, count, len(self.corner)), course=course)
 
     @property
     def count(self) -> int:

@@ -8,7 +8,7 @@ import scipy.sparse as sp
 
 from churchpipe.conic.wrenches import Balance, apply, as_matrix, transpose
 from churchpipe.errors import InputError
-from churchpipe.model.arrays import FloatArray, floats, store
+from churchpipe.model.arrays import FloatArray, floats, store, store_arrays
 
 Outcome = Literal["solved", "infeasible", "unbounded", "failed"]
 
@@ -42,16 +42,9 @@ class ConeProgram:
         if columns % 3:
             raise InputError("ConeProgram.balance", "wrong shape", found=(rows, columns), expected="three columns a point")
         points = columns // 3
-        store(
-            self,
-            constant=floats("ConeProgram.constant", self.constant, (rows,)),
-            growth=floats("ConeProgram.growth", self.growth, (rows,)),
-            limit=floats("ConeProgram.limit", self.limit, (points,)),
-            slope=floats("ConeProgram.slope", self.slope, (points,)),
-            linear=floats("ConeProgram.linear", self.linear, (points,)),
-            quadratic=floats("ConeProgram.quadratic", self.quadratic, (points,)),
-            bound=floats("ConeProgram.bound", np.broadcast_to(self.bound, (points,)), (points,), finite=False),
-        )
+        store_arrays(self, constant=(rows,), growth=(rows,), limit=(points,), slope=(points,), linear=(points,))
+        store_arrays(self, quadratic=(points,))
+        store(self, bound=floats("ConeProgram.bound", np.broadcast_to(self.bound, (points,)), (points,), finite=False))
         if (self.limit < 0).any() or (self.quadratic < 0).any() or not (self.bound >= 0).all():
             raise InputError("ConeProgram", "negative limit, quadratic cost or bound", expected=">= 0")
 

@@ -8,7 +8,7 @@ import numba
 import numpy as np
 import scipy.sparse as sp
 
-from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, floats, indices, pointers, store
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, indices, pointers, store, store_arrays
 
 # Rows of the balance of one rigid body: a force and a moment.
 BODY = 6
@@ -38,15 +38,12 @@ class Wrenches:
 
     def __post_init__(self) -> None:
         points, touches = len(self.frame), len(self.bodies)
+        store_arrays(self, arms=(touches, 3), signs=(touches,), frames=(None, 3, 3), shift=(points, 2))
         store(
             self,
             pointer=pointers("Wrenches.pointer", self.pointer, points, touches),
-            bodies=indices("Wrenches.bodies", self.bodies, (touches,), below=self.count),
-            arms=floats("Wrenches.arms", self.arms, (touches, 3)),
-            signs=floats("Wrenches.signs", self.signs, (touches,)),
-            frames=floats("Wrenches.frames", self.frames, (None, 3, 3)),
             frame=indices("Wrenches.frame", self.frame, (points,), below=len(self.frames)),
-            shift=floats("Wrenches.shift", self.shift, (points, 2)),
+            bodies=indices("Wrenches.bodies", self.bodies, (touches,), below=self.count),
         )
 
     @property

@@ -1,6 +1,5 @@
 """Barrel, groin and cloister vaults, on the ground or on walls of their own."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from typing import Annotated, Any, Literal
@@ -21,9 +20,6 @@ from churchpipe.vaults.barrel import add_arches, add_barrel
 from churchpipe.vaults.crossed import Corner, add_cloister, add_groin, add_wall_arches
 from churchpipe.vaults.directrix import Directrix
 from churchpipe.vaults.sweep import Courses
-
-# What adds the courses with these sections: to a collection, under the name of a macro-element.
-Lay = Callable[..., None]
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,7 +1,8 @@
 """Array types, and the checks that every frozen dataclass of arrays runs on itself."""
 
 from collections.abc import Sequence
-from typing import Any
+from functools import lru_cache
+from typing import Any, get_type_hints
 
 import numpy as np
 import numpy.typing as npt
@@ -107,6 +108,26 @@ def store(instance: object, **fields: object) -> None:
     """Set checked fields on a frozen dataclass from inside its `__post_init__`."""
     for key, value in fields.items():
         object.__setattr__(instance, key, value)
+
+
+def store_arrays(instance: object, *, finite: bool = True, **shapes: Sequence[int | None]) -> None:
+    """Check array fields of a frozen dataclass, each by its annotation and the shape that it must have, and store them read-only.
+
+    finite: whether every entry of those of floats must be. Errors name the class and the field.
+    """
+    kinds = _hints(instance.__class__)
+    for key, shape in shapes.items():
+        name, value = f"{instance.__class__.__name__}.{key}", getattr(instance, key)
+        if kinds[key] == FloatArray:
+            array: object = floats(name, value, shape, finite=finite)
+        else:
+            array = {IntArray: indices, BoolArray: flags, NameArray: names}[kinds[key]](name, value, shape)
+        object.__setattr__(instance, key, array)
+
+
+@lru_cache
+def _hints(kind: type) -> dict[str, Any]:
+    return get_type_hints(kind)
 
 
 def ragged_indices(starts: IntArray, counts: IntArray) -> IntArray:

@@ -23,6 +23,7 @@ from churchpipe.model.arrays import (
     pointers,
     rows_of,
     store,
+    store_arrays,
 )
 from churchpipe.model.card import card
 from churchpipe.model.polyhedra import FLATNESS, LEAST_WARP, face_normals, solid_properties
@@ -64,21 +65,15 @@ class Assemblage:
     def __post_init__(self) -> None:
         nv, nb = rows_of("Assemblage.points", self.points), rows_of("Assemblage.volume", self.volume)
         nf = rows_of("Assemblage.face_ptr", self.face_ptr) - 1
+        store_arrays(self, points=(None, 3), centroid=(nb, 3), volume=(nb,), unit_weight=(nb,), material=(nb,), panel=(nb,))
+        store_arrays(self, fixed=(nb,), block_id=(nb,))
         store(
             self,
-            points=floats("Assemblage.points", self.points, (None, 3)),
             face_nodes=indices("Assemblage.face_nodes", self.face_nodes, (None,), below=nv),
             face_ptr=pointers("Assemblage.face_ptr", self.face_ptr, nf, rows_of("Assemblage.face_nodes", self.face_nodes)),
             block_face_ptr=pointers("Assemblage.block_face_ptr", self.block_face_ptr, nb, nf),
             block_point_ptr=pointers("Assemblage.block_point_ptr", self.block_point_ptr, nb, nv),
-            centroid=floats("Assemblage.centroid", self.centroid, (nb, 3)),
-            volume=floats("Assemblage.volume", self.volume, (nb,)),
-            unit_weight=floats("Assemblage.unit_weight", self.unit_weight, (nb,)),
-            material=names("Assemblage.material", self.material, (nb,)),
-            panel=names("Assemblage.panel", self.panel, (nb,)),
             course=_courses(self.course, nb),
-            fixed=flags("Assemblage.fixed", self.fixed, (nb,)),
-            block_id=names("Assemblage.block_id", self.block_id, (nb,)),
             butts=flags("Assemblage.butts", self.butts if np.size(self.butts) else np.zeros(nb, dtype=np.bool_), (nb,)),
         )
         _check_solids(self)

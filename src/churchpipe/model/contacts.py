@@ -7,7 +7,16 @@ import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import check_kind, finite
-from churchpipe.model.arrays import FloatArray, IntArray, NameArray, floats, indices, names, pointers, rows_of, store
+from churchpipe.model.arrays import (
+    FloatArray,
+    IntArray,
+    NameArray,
+    floats,
+    pointers,
+    rows_of,
+    store,
+    store_arrays,
+)
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.card import card
 
@@ -66,15 +75,7 @@ class NearMisses:
 
     def __post_init__(self) -> None:
         n = rows_of("NearMisses.stones", self.stones)
-        store(
-            self,
-            stones=indices("NearMisses.stones", self.stones, (n, 2)),
-            gap=floats("NearMisses.gap", self.gap, (n,)),
-            angle=floats("NearMisses.angle", self.angle, (n,)),
-            area=floats("NearMisses.area", self.area, (n,)),
-            place=floats("NearMisses.place", self.place, (n, 3)),
-            normal=floats("NearMisses.normal", self.normal, (n, 3)),
-        )
+        store_arrays(self, stones=(n, 2), gap=(n,), angle=(n,), area=(n,), place=(n, 3), normal=(n, 3))
 
     def __len__(self) -> int:
         return len(self.stones)
@@ -108,14 +109,10 @@ class Contacts:
         ni, nc = rows_of("Contacts.blocks", self.blocks), rows_of("Contacts.point", self.point)
         check_kind("Contacts.near_misses", self.near_misses, NearMisses)
         check_kind("Contacts.tolerances", self.tolerances, ContactTolerances)
+        store_arrays(self, blocks=(ni, 2), frame=(ni, 3, 3), area=(ni,), point=(nc, 3), kind=(ni,))
         store(
             self,
-            blocks=indices("Contacts.blocks", self.blocks, (ni, 2)),
-            frame=floats("Contacts.frame", self.frame, (ni, 3, 3)),
-            area=floats("Contacts.area", self.area, (ni,)),
-            point=floats("Contacts.point", self.point, (nc, 3)),
             point_ptr=pointers("Contacts.point_ptr", self.point_ptr, ni, nc),
-            kind=names("Contacts.kind", self.kind, (ni,)),
             gap=floats("Contacts.gap", self.gap if rows_of("Contacts.gap", self.gap) else np.zeros((ni, 2)), (ni, 2)),
             angle=floats("Contacts.angle", self.angle if rows_of("Contacts.angle", self.angle) else np.zeros(ni), (ni,)),
         )

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from churchpipe.model.arrays import FloatArray, NameArray, floats, names, store
+from churchpipe.model.arrays import FloatArray, NameArray, floats, store, store_arrays
 from churchpipe.model.card import card
 
 # What new analyses of single walls add, Pa and N.
@@ -33,13 +33,7 @@ class Sensitivities:
         for key in ("with_cohesion", "with_weight"):
             value = getattr(self, key) if np.size(getattr(self, key)) else np.full(count, np.nan)
             store(self, **{key: floats(f"Sensitivities.{key}", value, (count,), finite=False)})
-        store(
-            self,
-            panel=names("Sensitivities.panel", self.panel, (count,)),
-            cohesion=floats("Sensitivities.cohesion", self.cohesion, (count,)),
-            weight=floats("Sensitivities.weight", self.weight, (count,)),
-            joint=floats("Sensitivities.joint", self.joint, (None,)),
-        )
+        store_arrays(self, panel=(count,), cohesion=(count,), weight=(count,), joint=(None,))
 
     def _repr_html_(self) -> str:
         order = np.argsort(-self.cohesion)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from churchpipe.model.arrays import FloatArray, IntArray, NameArray, floats, indices, names, rows_of, store
+from churchpipe.model.arrays import FloatArray, IntArray, NameArray, rows_of, store_arrays
 from churchpipe.model.ties import Tie
 
 
@@ -37,15 +37,7 @@ class PlacedLoads:
 
     def __post_init__(self) -> None:
         n = rows_of("PlacedLoads.stone", self.stone)
-        store(
-            self,
-            point=floats("PlacedLoads.point", self.point, (n, 3)),
-            stone=indices("PlacedLoads.stone", self.stone, (n,)),
-            wall=names("PlacedLoads.wall", self.wall, (n,)),
-            load=names("PlacedLoads.load", self.load, (n,)),
-            dead=floats("PlacedLoads.dead", self.dead, (n, 3)),
-            mass=floats("PlacedLoads.mass", self.mass, (n,)),
-        )
+        store_arrays(self, point=(n, 3), stone=(n,), wall=(n,), load=(n,), dead=(n, 3), mass=(n,))
 
     @property
     def weight(self) -> FloatArray:

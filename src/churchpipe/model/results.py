@@ -7,7 +7,7 @@ import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import one_of
-from churchpipe.model.arrays import FloatArray, floats, store
+from churchpipe.model.arrays import FloatArray, floats, store, store_arrays
 from churchpipe.model.card import card
 
 Status = Literal["optimal", "converged", "not-converged", "unstable", "unbounded", "failed"]
@@ -85,13 +85,8 @@ class LimitState:
 
     def __post_init__(self) -> None:
         one_of("LimitState.status", self.status, *get_args(Status))
-        store(
-            self,
-            forces=floats("LimitState.forces", self.forces, (None, 3), finite=False),
-            velocities=floats("LimitState.velocities", self.velocities, (None, 6), finite=False),
-            tie_forces=floats("LimitState.tie_forces", self.tie_forces, (None,), finite=False),
-            tie_sensitivity=floats("LimitState.tie_sensitivity", self.tie_sensitivity, (len(self.tie_forces),), finite=False),
-        )
+        store_arrays(self, finite=False, forces=(None, 3), velocities=(None, 6), tie_forces=(None,))
+        store_arrays(self, finite=False, tie_sensitivity=(len(self.tie_forces),))
 
     def _repr_html_(self) -> str:
         rows: dict[str, object] = {"load factor": self.load_factor, "status": self.status, "flow rule": self.flow}
@@ -135,16 +130,8 @@ class ShellLimitState:
 
     def __post_init__(self) -> None:
         one_of("ShellLimitState.status", self.status, *get_args(Status))
-        store(
-            self,
-            stress=floats("ShellLimitState.stress", self.stress, (None, 6), finite=False),
-            velocities=floats("ShellLimitState.velocities", self.velocities, (None, 3), finite=False),
-            edge_rotation=floats("ShellLimitState.edge_rotation", self.edge_rotation, (None,), finite=False),
-            plastic=floats("ShellLimitState.plastic", self.plastic, (None, 6), finite=False),
-            tie_forces=floats("ShellLimitState.tie_forces", self.tie_forces, (None,), finite=False),
-            tie_sensitivity=floats("ShellLimitState.tie_sensitivity", self.tie_sensitivity, self.tie_forces.shape, finite=False),
-            beam_velocities=floats("ShellLimitState.beam_velocities", self.beam_velocities, (None, 6), finite=False),
-        )
+        store_arrays(self, finite=False, stress=(None, 6), velocities=(None, 3), edge_rotation=(None,), plastic=(None, 6))
+        store_arrays(self, finite=False, tie_forces=(None,), tie_sensitivity=self.tie_forces.shape, beam_velocities=(None, 6))
 
     def _repr_html_(self) -> str:
         rows = {"load factor": self.load_factor, "status": self.status}
@@ -196,14 +183,11 @@ class CapacityCurve:
     def __post_init__(self) -> None:
         one_of("CapacityCurve.status", self.status, *get_args(Status))
         count = len(self.steps)
+        store_arrays(self, load_factor=(count,), control=(count,))
+        store_arrays(self, finite=False, displacement=(None, 3), edge_rotation=(None,), plastic=(None, 6))
+        store_arrays(self, finite=False, multipliers=(None, None))
         store(
             self,
-            load_factor=floats("CapacityCurve.load_factor", self.load_factor, (count,)),
-            control=floats("CapacityCurve.control", self.control, (count,)),
-            displacement=floats("CapacityCurve.displacement", self.displacement, (None, 3), finite=False),
-            edge_rotation=floats("CapacityCurve.edge_rotation", self.edge_rotation, (None,), finite=False),
-            plastic=floats("CapacityCurve.plastic", self.plastic, (None, 6), finite=False),
-            multipliers=floats("CapacityCurve.multipliers", self.multipliers, (None, None), finite=False),
             tie_forces=floats(
                 "CapacityCurve.tie_forces", self.tie_forces if np.size(self.tie_forces) else np.zeros((count, 0)), (count, None)
             ),

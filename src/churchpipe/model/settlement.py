@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 
 from churchpipe.model.arguments import one_of
-from churchpipe.model.arrays import FloatArray, floats, rows_of, store
+from churchpipe.model.arrays import FloatArray, floats, rows_of, store, store_arrays
 from churchpipe.model.stone_path import StonePath
 
 SettlementEnding = Literal["collapsed", "free", "unfinished", "unbounded", "not-converged", "unstable", "failed"]
@@ -46,13 +46,7 @@ class SettlementState:
     def __post_init__(self) -> None:
         one_of("SettlementState.status", self.status, "optimal", "not-converged", "unstable", "unbounded", "failed")
         points = rows_of("SettlementState.forces", self.forces)
-        store(
-            self,
-            velocities=floats("SettlementState.velocities", self.velocities, (None, 6)),
-            opening=floats("SettlementState.opening", self.opening, (points,)),
-            slip=floats("SettlementState.slip", self.slip, (points,)),
-            forces=floats("SettlementState.forces", self.forces, (points, 3)),
-        )
+        store_arrays(self, velocities=(None, 6), opening=(points,), slip=(points,), forces=(points, 3))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

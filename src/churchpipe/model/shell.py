@@ -6,7 +6,17 @@ import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import check_kind
-from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, NameArray, flags, floats, indices, names, rows_of, store
+from churchpipe.model.arrays import (
+    BoolArray,
+    FloatArray,
+    IntArray,
+    NameArray,
+    indices,
+    names,
+    rows_of,
+    store,
+    store_arrays,
+)
 from churchpipe.model.card import card
 from churchpipe.model.shell_beams import ShellBeams
 
@@ -44,22 +54,15 @@ class ShellModel:
     def __post_init__(self) -> None:
         nn, nt = rows_of("ShellModel.points", self.points), rows_of("ShellModel.triangles", self.triangles)
         nu = rows_of("ShellModel.unit_cells", self.unit_cells)
+        store_arrays(self, points=(nn, 3), axes=(nt, 3, 3), thickness=(nt,), surface_weight=(nt,), unit_cells=(nu, 2))
+        store_arrays(self, material=(nt,), panel=(nt,), yields=(nt,), supported=(nn,))
         store(
             self,
-            points=floats("ShellModel.points", self.points, (nn, 3)),
             triangles=indices("ShellModel.triangles", self.triangles, (nt, 3), below=nn),
-            axes=floats("ShellModel.axes", self.axes, (nt, 3, 3)),
-            thickness=floats("ShellModel.thickness", self.thickness, (nt,)),
-            surface_weight=floats("ShellModel.surface_weight", self.surface_weight, (nt,)),
             cell=indices("ShellModel.cell", self.cell, (nt,), below=nu),
-            unit_cells=floats("ShellModel.unit_cells", self.unit_cells, (nu, 2)),
-            material=names("ShellModel.material", self.material, (nt,)),
-            panel=names("ShellModel.panel", self.panel, (nt,)),
-            yields=flags("ShellModel.yields", self.yields, (nt,)),
-            supported=flags("ShellModel.supported", self.supported, (nn,)),
             bonds=names("ShellModel.bonds", self.bonds if np.size(self.bonds) else np.full(nu, "running"), (nu,)),
-            ledges=indices("ShellModel.ledges", self.ledges, (None, 2, 2), below=nn),
             held=indices("ShellModel.held", self.held, (None, 2), below=max(nn, nt)),
+            ledges=indices("ShellModel.ledges", self.ledges, (None, 2, 2), below=nn),
         )
         check_kind("ShellModel.beams", self.beams, ShellBeams)
         sizes = len(self.beams.of_node), len(self.beams.bearing)

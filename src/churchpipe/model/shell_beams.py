@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from churchpipe.errors import InputError
-from churchpipe.model.arrays import FloatArray, IntArray, NameArray, floats, indices, names, store
+from churchpipe.model.arrays import FloatArray, IntArray, NameArray, indices, store, store_arrays
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,14 +25,8 @@ class ShellBeams:
 
     def __post_init__(self) -> None:
         count = len(self.name)
-        store(
-            self,
-            name=names("ShellBeams.name", self.name, (count,)),
-            material=names("ShellBeams.material", self.material, (count,)),
-            centroid=floats("ShellBeams.centroid", self.centroid, (count, 3)),
-            weight=floats("ShellBeams.weight", self.weight, (count,)),
-            **{key: _beams(f"ShellBeams.{key}", getattr(self, key), count) for key in ("of_node", "bearing")},
-        )
+        store_arrays(self, name=(count,), material=(count,), centroid=(count, 3), weight=(count,))
+        store(self, **{key: _beams(f"ShellBeams.{key}", getattr(self, key), count) for key in ("of_node", "bearing")})
         if (self.weight < 0).any():
             raise InputError("ShellBeams.weight", "out of range", found=float(self.weight.min()), expected=">= 0 N")
         loose = np.setdiff1d(np.arange(count), self.of_node)

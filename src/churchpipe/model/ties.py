@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import check_kind, finite, text
-from churchpipe.model.arrays import FloatArray, IntArray, NameArray, floats, indices, names, rows_of, store
+from churchpipe.model.arrays import FloatArray, IntArray, NameArray, floats, indices, rows_of, store, store_arrays
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,13 +38,8 @@ class Anchor:
             raise InputError(
                 "Anchor.share", "not shares of a whole", found=share.tolist(), expected="numbers >= 0 with the sum 1"
             )
-        store(
-            self,
-            stone=indices("Anchor.stone", self.stone, (count,)),
-            point=floats("Anchor.point", self.point, (count, 3)),
-            share=share,
-            wall=names("Anchor.wall", self.wall, (count,)),
-        )
+        store_arrays(self, stone=(count,), point=(count, 3), wall=(count,))
+        store(self, share=share)
 
 
 @dataclass(frozen=True, slots=True)
