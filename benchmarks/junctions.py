@@ -1,6 +1,6 @@
 """The tables and the picture of docs/walls.md: what the bond of a facade with its side walls is worth, and its mortar; the shell.
 
-PYTHONPATH=tests/validation python benchmarks/junctions.py     # the picture goes to docs/pictures/facade_junctions.png
+PYTHONPATH=tests python benchmarks/junctions.py     # the picture goes to docs/pictures/facade_junctions.png
 """
 
 from pathlib import Path
@@ -8,10 +8,10 @@ from tempfile import TemporaryDirectory
 
 from matplotlib.figure import Figure
 from matplotlib.image import imread
-from test_junctions import EAVES, FRICTION, GROUTED, facade, facade_building
 
 import churchpipe as cp
 from churchpipe.report.figures import mechanism_picture
+from facades import EAVES, FRICTION, GROUTED, facade, facade_building
 
 PICTURE = Path("docs/pictures/facade_junctions.png")
 KINDS = {

@@ -10,7 +10,6 @@ import itertools
 import numpy as np
 import pytest
 from scipy.optimize import brentq, linprog
-from test_prototypes import LOADS, model
 
 from churchpipe.generators import arch
 from churchpipe.large_displacements.pushover import block_pushover
@@ -21,6 +20,8 @@ from churchpipe.model.loads import LoadCase
 from churchpipe.rigid_blocks.limit import limit_analysis
 from churchpipe.stones.blocks import derive_blocks
 from churchpipe.stones.contacts import find_contacts
+from models import TILTING_LOADS as LOADS
+from models import tilting_test as model
 from solids import box, on_ground
 
 PUSH = LoadCase((1, 0, 0))

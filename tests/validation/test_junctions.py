@@ -9,29 +9,10 @@ import numpy as np
 import pytest
 
 import churchpipe as cp
-from churchpipe import generators
+from facades import EAVES, FRICTION, GROUTED, RIDGE, THICKNESS, WIDTH, facade, facade_building
 
-THICKNESS, WIDTH, EAVES, RIDGE, FRICTION = 0.6, 5.0, 4.0, 5.0, 0.6
 # Figures of the table in docs/walls.md.
 TABLE = {"toothed": 0.486, "every 4th course": 0.363, "every 8th course": 0.220, "cracked above 2 m": 0.303, "butt": 0.172}
-
-
-def facade(**junction: Any) -> tuple[cp.Assemblage, cp.Contacts]:
-    """A gable facade with two side walls behind it."""
-    stones = cp.derive_blocks(facade_building(**junction))
-    return stones, cp.find_contacts(stones)
-
-
-def facade_building(**junction: Any) -> cp.Building:
-    """A gable facade with two side walls behind it."""
-    walls = [{"walls": ("facade", side), **junction} for side in ("nave_left", "nave_right")]
-    return generators.church(
-        course=0.5,
-        stone_length=1.0,
-        nave={"width": WIDTH - THICKNESS, "length": 3.0, "height": EAVES, "thickness": THICKNESS},
-        facade={"thickness": THICKNESS, "ridge": RIDGE},
-        junctions=walls if junction else (),
-    )
 
 
 def without_dilatancy(stones: cp.Assemblage, contacts: cp.Contacts) -> cp.LimitState:
@@ -78,7 +59,6 @@ def test_a_butt_facade_without_friction_at_its_sides_turns_over_by_itself() -> N
     assert state.interval == pytest.approx((0.133, 0.149), abs=5e-4)
 
 
-GROUTED = cp.Material("default", unit_weight=18e3, friction=FRICTION, cohesion=20e3)
 LOAD = cp.LoadCase((0, -1, 0), panels=("facade",))
 
 

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from test_bond_junction import along_x, along_y, owned
 
 import churchpipe as cp
 from churchpipe.bond.junction import wall_junctions
@@ -11,6 +10,7 @@ from churchpipe.errors import InputError
 from churchpipe.io.building_json import read_building, write_building
 from churchpipe.model.building import Building, Junction
 from churchpipe.shell_mesh.shell import derive_shell
+from crossing_walls import along_x, along_y, owned
 from sound import laid
 
 ZONE = (0.0, 0.5)
