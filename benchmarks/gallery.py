@@ -49,8 +49,8 @@ def main(names: list[str]) -> None:
         mechanism_picture(stones, state.velocities, FOLDER / f"{name}.png", load.direction, size=SIZE)
         check = safety(stones, state, load, case.check)
         parts = stone_parts(stones, state, load).get("parts", [])
-        moving = ", ".join(f"{part['name']} {part['motion']:.2f}" for part in parts[:4] if part["motion"] >= 0.01)
-        figures = f"{state.load_factor:.4f} | {moving} | {check['mass_fraction']:.3f} | {check['a0_m_s2']:.3f}"
+        moving = ", ".join(f"{part.name} {part.motion:.2f}" for part in parts[:4] if part.motion >= 0.01)
+        figures = f"{state.load_factor:.4f} | {moving} | {check.mass_fraction:.3f} | {check.a0:.3f}"
         print(f"| {name} | {(~stones.fixed).sum()} | {load.name} | {figures} |", flush=True)
 
 

@@ -1,13 +1,14 @@
 """From a load factor to the safety check of the Italian code: NTC 2018 with the Circolare of 21.1.2019 n. 7, C8.7.1.2."""
 
 import math
-from dataclasses import dataclass
-from typing import Annotated, Any, Literal
+from dataclasses import dataclass, replace
+from typing import Annotated, Literal
 
 import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.model.arrays import FloatArray
+from churchpipe.model.checks import SafetyCheck
 from churchpipe.model.quantities import GRAVITY, Count, Quantity, Usual
 from churchpipe.spectrum import Demand, SiteSpectrum, Spectrum, StoreySpectrum
 
@@ -129,62 +130,14 @@ class Site:
         return StoreySpectrum(found, self.floor.first_period, peak, self.floor.damping_percent)
 
 
-@dataclass(frozen=True, slots=True)
-class Activation:
-    """The acceleration that sets a mechanism in motion.
-
-    load_factor: alpha0; weight: N, of what moves; mass: M*, kg; fraction: e* of the stones, each lumped at its centroid;
-    confidence_factor: FC; acceleration: a0* with that e*, m/s2.
-    """
-
-    load_factor: float
-    weight: float
-    mass: float
-    fraction: float
-    confidence_factor: float
-    acceleration: float
-
-    @property
-    def lumped(self) -> float:
-        """alpha0 g / FC, m/s2: a0* if all that moves were one body (e* = 1). Never above `acceleration`, so the careful value."""
-        return self.load_factor * GRAVITY / self.confidence_factor
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the figures in the words of summary.json."""
-        return {
-            "alpha0": self.load_factor,
-            "moving_weight_kN": self.weight / 1e3,
-            "confidence_factor": self.confidence_factor,
-            "a0_lumped_m_s2": self.lumped,
-            "participating_mass_t": self.mass / 1e3,
-            "mass_fraction": self.fraction,
-            "a0_m_s2": self.acceleration,
-        }
-
-
-@dataclass(frozen=True, slots=True)
-class Verdict:
-    """The check of the ultimate limit state with a behaviour factor.
-
-    ground: a_g S / q, m/s2; floor: a_Z / q, m/s2, or None; capacity: a_g,SLV, m/s2, the ground acceleration that the mechanism
-    withstands; index: zeta_E, capacity over demand; satisfied: the acceleration is not below ground and floor.
-    """
-
-    ground: float
-    floor: float | None
-    capacity: float
-    index: float
-    satisfied: bool
-
-
 def activation(
     load_factor: float,
     weight: FloatArray,
     pushed: FloatArray,
     displacement: FloatArray,
     confidence_factor: float = CONFIDENCE_FACTOR,
-) -> Activation:
-    """Return the spectral acceleration that activates a mechanism.
+) -> SafetyCheck:
+    """Return the spectral acceleration that activates a mechanism, without a site to compare it with.
 
     Parameters
     ----------
@@ -213,44 +166,43 @@ def activation(
     whole = float(weight.sum())
     fraction = first**2 / (whole * second)
     alpha = load_factor * float(pushed @ displacement) / first
-    return Activation(
-        alpha, whole, fraction * whole / GRAVITY, fraction, confidence_factor, alpha * GRAVITY / (fraction * confidence_factor)
+    return SafetyCheck(
+        alpha0=alpha,
+        moving_weight=whole,
+        confidence_factor=confidence_factor,
+        mass_fraction=fraction,
+        participating_mass=fraction * whole / GRAVITY,
+        a0_lumped=alpha * GRAVITY / confidence_factor,
+        a0=alpha * GRAVITY / (fraction * confidence_factor),
     )
 
 
-def verify(acceleration: float, site: Site) -> Verdict:
-    """Return the check of an a0* (m/s2) against a_g S / q (C8.7.1.2.1.7), and against a_Z / q where the site has a floor.
+def verified(found: SafetyCheck, site: Site) -> SafetyCheck:
+    """Return the check of an a0* against a_g S / q (C8.7.1.2.1.7), and against a_Z / q where the site has a floor.
 
     a_g,SLV = q a0* / S and zeta_E = a_g,SLV / a_g. With a floor both are lessened by what it asks beyond the ground, the spectrum
     being proportional to a_g.
     """
     ground = site.ground_acceleration * site.soil / site.behaviour_factor
-    floor = site.floor.acceleration / site.behaviour_factor if site.floor else None
-    demand = max(ground, floor or 0.0)
-    index = acceleration / demand
-    return Verdict(ground, floor, index * site.ground_acceleration, index, acceleration >= demand)
-
-
-def verdict_record(site: Site, found: Activation) -> dict[str, Any]:
-    """Return a check with what it rests on in the words of summary.json: with e* = 1 first, with e* of the stones besides."""
-    verdict, of_stones = verify(found.lumped, site), verify(found.acceleration, site)
-    floor = {} if verdict.floor is None else {"floor_demand_m_s2": verdict.floor}
+    floor = site.floor.acceleration / site.behaviour_factor if site.floor else math.nan
+    demand = max(ground, floor) if site.floor else ground
+    index, of_stones = found.a0_lumped / demand, found.a0 / demand
     share = found.confidence_factor / CONFIDENCE_FACTOR
-    careful = {} if share == 1.0 else {"zeta_e_lc1": share * verdict.index}
-    return {
-        "a_g_m_s2": site.ground_acceleration,
-        "soil_factor": site.soil,
-        "q": site.behaviour_factor,
-        "demand_m_s2": verdict.ground,
-        **floor,
-        "a_g_slv_m_s2": verdict.capacity,
-        "zeta_e": verdict.index,
-        **careful,
-        "satisfied": verdict.satisfied,
-        "a_g_slv_stones_m_s2": of_stones.capacity,
-        "zeta_e_stones": of_stones.index,
-        "satisfied_stones": of_stones.satisfied,
-    }
+    return replace(
+        found,
+        a_g=site.ground_acceleration,
+        soil_factor=site.soil,
+        q=site.behaviour_factor,
+        demand=ground,
+        floor_demand=floor if site.floor else found.floor_demand,
+        a_g_slv=index * site.ground_acceleration,
+        zeta_e=index,
+        zeta_e_lc1=found.zeta_e_lc1 if share == 1.0 else share * index,
+        satisfied=found.a0_lumped >= demand,
+        a_g_slv_stones=of_stones * site.ground_acceleration,
+        zeta_e_stones=of_stones,
+        satisfied_stones=found.a0 >= demand,
+    )
 
 
 def along(direction: FloatArray, velocities: FloatArray) -> FloatArray:

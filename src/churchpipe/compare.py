@@ -2,74 +2,90 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
 
-from churchpipe.code_check import CONFIDENCE_FACTOR, Site, activation, along, verdict_record
+from churchpipe.code_check import CONFIDENCE_FACTOR, Site, activation, along, verified
 from churchpipe.errors import InputError
-from churchpipe.io.records import Analysis, words_of
+from churchpipe.io.movement_record import Movement, Shift, Turn
+from churchpipe.io.records import Analysis
+from churchpipe.io.sample_study import SampleStudy
+from churchpipe.io.summary import ContactModels, Mesh, Pair, ShellSize, Size, Summary, VariantResult
 from churchpipe.loading.wrenches import pushed_masses
+from churchpipe.match import Match
 from churchpipe.mechanism import mechanism_name, moving_stones, parts, stone_speed
 from churchpipe.model.arrays import BoolArray, FloatArray, NameArray
 from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.checks import SafetyCheck
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.motion import velocity_at
-from churchpipe.model.names import GOOD, OUTER, RIGID_BLOCKS, SHELL
+from churchpipe.model.names import GOOD, OUTER
 from churchpipe.model.placed_loads import PlacedLoads
 from churchpipe.model.results import LimitState, ShellLimitState
 from churchpipe.model.shell import ShellModel
 from churchpipe.model.swept import of_both
 from churchpipe.rigid_blocks.equilibrium import lateral_weight
-from churchpipe.stones.account import joints_lines, joints_record
+from churchpipe.stones.account import joint_account, joint_lines
 from churchpipe.thrust_lines import vaulted
 
 
-def figures(stones: Assemblage, contacts: Contacts) -> dict[str, Any]:
-    """Return the size of an assemblage in the words of summary.json; ground is no block and weighs nothing."""
-    return {
-        "blocks": int((~stones.fixed).sum()),
-        "interfaces": len(contacts.blocks),
-        "contact_points": len(contacts.point),
-        "weight_kN": round(float(stones.weight.sum()) / 1e3, 6),
-        **({"vaults": vaults} if (vaults := list(vaulted(stones, contacts))) else {}),
-        **joints_record(stones, contacts),
-    }
+def size(stones: Assemblage, contacts: Contacts) -> Size:
+    """Return the size of an assemblage."""
+    near_misses, joints = joint_account(stones, contacts)
+    return Size(
+        blocks=int((~stones.fixed).sum()),
+        interfaces=len(contacts.blocks),
+        contact_points=len(contacts.point),
+        weight=round(float(stones.weight.sum()), 3),
+        vaults=tuple(vaulted(stones, contacts)),
+        near_misses=near_misses,
+        joints=joints,
+    )
 
 
-def shell_figures(shell: ShellModel | None, gate: dict[str, Any], geometry: str, element_size: float) -> dict[str, Any]:
+def mesh_size(shell: ShellModel | None, gate: Match, geometry: str, element_size: float) -> Mesh:
     """Return the size of a mesh and its gate; shell: None where there is none. element_size: m."""
-    counts = {"elements": len(shell.triangles), "nodes": len(shell.points)} if shell else {"elements": 0, "nodes": 0}
-    return {"geometry": geometry, "element_size_mm": round(1e3 * element_size, 9), **counts, "match": gate}
+    elements, nodes = (len(shell.triangles), len(shell.points)) if shell else (0, 0)
+    return Mesh(geometry=geometry, element_size=element_size, elements=elements, nodes=nodes, match=gate)
 
 
 def summary(
     name: str,
-    sizes: Mapping[str, dict[str, Any]],
-    shells: Mapping[str, dict[str, Any]],
+    sizes: Mapping[str, Size],
+    meshes: Mapping[str, Mesh],
     analyses: Sequence[Analysis],
-    compared: Sequence[dict[str, Any]],
+    compared: Sequence[Pair] = (),
     questions: Sequence[str] = (),
-    variants: Sequence[dict[str, Any]] = (),
-    movements: Sequence[dict[str, Any]] = (),
-) -> dict[str, Any]:
-    """Return summary.json: the size of the (first) geometry and of its (first) mesh with the gate, all analyses, the pairs of
-    both models, supports that move, which of several load factors to use, and questions about the input; of a sweep of geometries
-    or meshes, all sizes by name; the variants, the building as it is first, where there are any."""
-    first = dict(next(iter(sizes.values())))
-    if shells:
-        mesh = next(iter(shells.values()))
-        first |= {"shell": {key: mesh[key] for key in ("elements", "nodes", "element_size_mm")}, "match": mesh["match"]}
-    several = {"geometries": dict(sizes)} if len(sizes) > 1 else {}
-    several |= {"shells": dict(shells)} if len(shells) > 1 else {}
-    both: dict[str, Any] = {"comparison": list(compared)} if compared else {}
-    both |= {"variants": list(variants)} if len(variants) > 1 else {}
-    both |= {"movements": list(movements)} if movements else {}
-    both |= {"contact_models": pairs} if (pairs := contact_models(analyses)) else {}
-    vaults = {name: size.get("vaults", ()) for name, size in sizes.items()}
-    words = {"guidance": guidance(analyses, vaults), "questions": list(questions)}
-    return {"case": name, **first, **several, "analyses": [words_of(record) for record in analyses], **both, **words}
+    variants: Sequence[VariantResult] = (),
+    movements: Sequence[Shift | Turn] = (),
+    uncertainty: SampleStudy | None = None,
+) -> Summary:
+    """Return the summary of a run; sizes and meshes by the names of the geometries and meshes, the first ones leading.
+
+    variants: the building as it is first; where it is alone, there are none.
+    """
+    first, mesh = next(iter(sizes.values())), next(iter(meshes.values()), None)
+    vaults = {name: one.vaults for name, one in sizes.items()}
+    shell = ShellSize(elements=mesh.elements, nodes=mesh.nodes, element_size=mesh.element_size) if mesh else None
+    return Summary(
+        case=name,
+        **{item.name: getattr(first, item.name) for item in fields(Size)},
+        shell=shell,
+        match=mesh.match if mesh else None,
+        geometries=dict(sizes) if len(sizes) > 1 else {},
+        shells=dict(meshes) if len(meshes) > 1 else {},
+        analyses=tuple(analyses),
+        comparison=tuple(compared),
+        variants=tuple(variants) if len(variants) > 1 else (),
+        movements=tuple(movements),
+        contact_models=tuple(contact_models(analyses)),
+        guidance=tuple(guidance(analyses, vaults)),
+        questions=tuple(questions),
+        uncertainty=uncertainty,
+    )
 
 
 # Why load factors of one structure differ, by the kind of analysis.
@@ -162,25 +178,21 @@ def _reasons(records: Sequence[Analysis]) -> str:
     return "; ".join(reason for key, reason in _REASONS.items() if key in keys)
 
 
-def contact_models(analyses: Sequence[Analysis]) -> list[dict[str, Any]]:
-    """Return the load factors of both contact models of a joint, where analyses ask for both.
-
-    Each: load, flow, load factor of "corners" and "torsion", "difference" of the latter over the former, and a sentence where
-    that is more than 3 %.
-    """
+def contact_models(analyses: Sequence[Analysis]) -> list[ContactModels]:
+    """Return the load factors of both contact models of a joint, where analyses ask for both; with a sentence where they are
+    more than 3 % apart."""
     found: dict[tuple[str, ...], dict[str, Analysis]] = {}
     for record in analyses:
         if record.contact_model and record.stands:
             asked = (*_question(record), str(record.flow), str(record.compressive_strength))
             found.setdefault(asked, {})[record.contact_model] = record
-    out: list[dict[str, Any]] = []
+    out: list[ContactModels] = []
     for both in found.values():
         if len(both) == 2 and (first := both["corners"]).load_factor:
             second = both["torsion"]
             apart = second.load_factor / first.load_factor - 1
-            pair = {"load": first.load, "flow": first.flow, "corners": first.load_factor, "torsion": second.load_factor}
-            pair |= {"difference": apart, "analyses": [first.name, second.name]}
-            out.append(pair | ({"sentence": _APART} if abs(apart) > _ALIKE else {}))
+            factors, names = (first.load_factor, second.load_factor), (first.name, second.name)
+            out.append(ContactModels(first.load, str(first.flow), *factors, apart, names, _APART if abs(apart) > _ALIKE else ""))
     return out
 
 
@@ -192,32 +204,27 @@ _APART = (
 )
 
 
-def account_of_joints(summary: Mapping[str, Any]) -> list[str]:
+def account_of_joints(found: Summary) -> list[str]:
     """Return in sentences what was decided about joints and what nearly meets, of each geometry of a summary."""
-    sizes: Mapping[str, Mapping[str, Any]] = summary.get("geometries") or {"": summary}
-    found = {name: joints_lines(size) for name, size in sizes.items() if "near_misses" in size}
-    return list(dict.fromkeys(f"{name}: {line}" if name else line for name, lines in found.items() for line in lines))
+    lines = {name: joint_lines(one.near_misses, one.joints) for name, one in found.sizes.items()}
+    return list(dict.fromkeys(f"{name}: {line}" if name else line for name, own in lines.items() for line in own))
 
 
-def bad_news(summary: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+def bad_news(found: Summary) -> list[Analysis | Movement | Match]:
     """Return the analyses without a result to rest on (unstable, not converged, failed), and the gates that failed."""
-    gates = [shell["match"] for shell in summary.get("shells", {}).values()] or [summary.get("match", {"passed": True})]
-    records = [*summary["analyses"], *summary.get("movements", ())]
-    return [record for record in records if record.get("status") not in GOOD] + [gate for gate in gates if not gate["passed"]]
+    records = [record for record in (*found.analyses, *found.movements) if record.status not in GOOD]
+    return [*records, *(gate for gate in found.gates.values() if not gate.passed)]
 
 
-def pairs(analyses: Sequence[Analysis]) -> list[dict[str, Any]]:
-    """Return the analyses of both models that answer the same question: stones, load and strength alike.
-
-    Each pair: load, name of either analysis by model, and "ratio", shell over rigid blocks.
-    """
+def pairs(analyses: Sequence[Analysis]) -> list[Pair]:
+    """Return the analyses of both models that answer the same question: stones, load and strength alike."""
     comparable = [record for record in analyses if record.method != "curve" and math.isfinite(record.load_factor)]
-    found: list[dict[str, Any]] = []
+    found: list[Pair] = []
     for shell in (record for record in comparable if record.of_shell):
         for blocks in (record for record in comparable if not record.of_shell):
             if _question(blocks) == _question(shell):
                 ratio = shell.load_factor / blocks.load_factor if blocks.load_factor else None
-                found.append({"load": shell.load, RIGID_BLOCKS: blocks.name, SHELL: shell.name, "ratio": ratio})
+                found.append(Pair(shell.load, blocks.name, shell.name, ratio))
     return found
 
 
@@ -254,8 +261,8 @@ def safety(
     loads: PlacedLoads | None = None,
     *,
     crushing: bool = False,
-) -> dict[str, Any]:
-    """Return the safety check of a mechanism, on all stones that move; {"message": why} where the code has none for it.
+) -> SafetyCheck:
+    """Return the safety check of a mechanism, on all stones that move; its message says why the code has none for it, if so.
 
     site: None gives the acceleration that activates the mechanism, and nothing to compare it with. crushing: whether the masonry
     crushes in the analysis, so that the confidence factor is that of the knowledge level. loads: what the stones carry, whose
@@ -275,9 +282,9 @@ def safety(
             displacement = np.concatenate([displacement, along(load.direction, velocity)])
         found = activation(state.load_factor, weight, pushed, displacement, confidence)
     except InputError as error:
-        return {"message": str(error)}
-    record = found.as_dict() | {"moving_stones": int(moving.sum())}
-    return record | (verdict_record(site, found) if site else {})
+        return SafetyCheck(message=str(error))
+    found = replace(found, moving_stones=int(moving.sum()))
+    return verified(found, site) if site else found
 
 
 def overlap(stones: Assemblage, velocities: FloatArray, shell: ShellModel, motion: FloatArray) -> float:

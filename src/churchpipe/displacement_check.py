@@ -3,16 +3,17 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
-from churchpipe.code_check import CONFIDENCE_FACTOR, Activation, Site, activation, along, verdict_record
+from churchpipe.code_check import CONFIDENCE_FACTOR, Site, activation, along, verified
 from churchpipe.errors import InputError
 from churchpipe.mechanism import moving_stones, stone_speed
 from churchpipe.model.arrays import FloatArray, floats
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.block_curve import BlockCapacityCurve
+from churchpipe.model.checks import DemandCurve, DisplacementCheck, LimitStateCheck, SafetyCheck
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.quantities import GRAVITY
 from churchpipe.rigid_blocks.equilibrium import lateral_weight
@@ -176,10 +177,10 @@ def _largest(bearable: Callable[[float], bool]) -> float:
     return low
 
 
-def displacement_record(
+def displacement_check(
     curve: BlockCapacityCurve, stones: Assemblage, load: LoadCase, site: Site | None, *, crushing: bool = False
-) -> dict[str, Any]:
-    """Return the displacement-based check of a capacity curve in the words of summary.json; {"message": why} where there is none.
+) -> DisplacementCheck:
+    """Return the displacement-based check of a capacity curve; its message says why there is none, if so.
 
     It leads with e* = 1 and has what holds with e* of the stones besides, as the check with q does. That check is made of the
     same mechanism, for comparison. crushing: whether the masonry crushes on the curve, so that the confidence factor is that of
@@ -188,49 +189,51 @@ def displacement_record(
     try:
         found, start = _mechanism(curve, stones, load, site.confidence(crushing) if site else CONFIDENCE_FACTOR)
     except InputError as error:
-        return {"message": str(error)}
+        return DisplacementCheck(message=str(error))
     careful = found.lumped
-    record: dict[str, Any] = {
-        "alpha0": start.load_factor,
-        "moving_weight_kN": start.weight / 1e3,
-        "confidence_factor": start.confidence_factor,
-        "mass_fraction": start.fraction,
-        "participating_mass_t": start.mass / 1e3,
-        "a0_m_s2": start.lumped,
-        "d0_m": careful.ultimate,
-        "d0_stones_m": found.ultimate,
-        "displacement_m": careful.displacement.tolist(),
-        "acceleration_m_s2": careful.acceleration.tolist(),
-        "idealised_d0_m": careful.idealised.ultimate,
-    }
+    check = DisplacementCheck(
+        alpha0=start.alpha0,
+        moving_weight=start.moving_weight,
+        confidence_factor=start.confidence_factor,
+        mass_fraction=start.mass_fraction,
+        participating_mass=start.participating_mass,
+        a0=start.a0_lumped,
+        d0=careful.ultimate,
+        d0_stones=found.ultimate,
+        displacement=tuple(careful.displacement.tolist()),
+        acceleration=tuple(careful.acceleration.tolist()),
+        idealised_d0=careful.idealised.ultimate,
+    )
     if site is None:
-        return record | {"missing": "what the earthquake asks: [check] with a_g_m_s2 and [check.spectrum]"}
-    if site.demand is None:
+        return replace(check, missing="what the earthquake asks: [check] with a_g_m_s2 and [check.spectrum]")
+    demand, ground, force = site.demand, site.ground_acceleration, verified(start, site)
+    if demand is None:
         key = "[check.spectrum]" if site.spectrum is None else "check.floor.first_period_s, the first period of the building"
-        return record | {"missing": f"the spectrum: {key}", "force_based": verdict_record(site, start)}
-    demand = site.demand
+        return replace(check, missing=f"the spectrum: {key}", force_based=force)
     limits: dict[LimitName, LimitStateCapacity] = {name: capacity(careful, demand, name) for name in LIMIT_STATES}
-    of_stones = {name: capacity(found, demand, name) for name in LIMIT_STATES}
-    force = verdict_record(site, start)
-    ground = site.ground_acceleration
-    return record | {
-        "a_g_m_s2": ground,
-        "limit_states": {name: _limit_words(name, limit, demand, ground) for name, limit in limits.items()},
-        "a_g_slv_m_s2": limits["SLV"].ground,
-        "a_g_slc_m_s2": limits["SLC"].ground,
-        "zeta_e": limits["SLV"].ground / ground,
-        "satisfied": limits["SLV"].ground >= ground,
-        "a_g_slv_stones_m_s2": of_stones["SLV"].ground,
-        "a_g_slc_stones_m_s2": of_stones["SLC"].ground,
-        "zeta_e_stones": of_stones["SLV"].ground / ground,
-        "a_g_slv_idealised_m_s2": capacity(careful.idealised, demand).ground,
-        "force_based": force,
-        "governs": _governs(limits["SLV"], force),
-        "demand": _demand_words(demand, ground, 2.5 * max(limit.displacement for limit in limits.values())),
-    }
+    of_stones = {name: capacity(found, demand, name).ground for name in LIMIT_STATES}
+    return replace(
+        check,
+        a_g=ground,
+        limit_states={name: _limit_state(name, limit, demand, ground) for name, limit in limits.items()},
+        a_g_slv=limits["SLV"].ground,
+        a_g_slc=limits["SLC"].ground,
+        zeta_e=limits["SLV"].ground / ground,
+        satisfied=limits["SLV"].ground >= ground,
+        a_g_slv_stones=of_stones["SLV"],
+        a_g_slc_stones=of_stones["SLC"],
+        zeta_e_stones=of_stones["SLV"] / ground,
+        satisfied_stones=of_stones["SLV"] >= ground,
+        a_g_slv_idealised=capacity(careful.idealised, demand).ground,
+        force_based=force,
+        governs=_governs(limits["SLV"], force),
+        demand=_demand_curves(demand, ground, 2.5 * max(limit.displacement for limit in limits.values())),
+    )
 
 
-def _mechanism(curve: BlockCapacityCurve, stones: Assemblage, load: LoadCase, confidence: float) -> tuple[Oscillator, Activation]:
+def _mechanism(
+    curve: BlockCapacityCurve, stones: Assemblage, load: LoadCase, confidence: float
+) -> tuple[Oscillator, SafetyCheck]:
     """Return the oscillator of a curve, and what sets its mechanism in motion."""
     if len(curve.displacement) < 2:
         raise InputError("check", "no mechanism", found=f"{len(curve.displacement)} steps of the curve", expected="two or more")
@@ -267,22 +270,22 @@ def _mean_displacement(curve: BlockCapacityCurve, pushed: FloatArray, load: Load
     return displacement, gone[-1] if curve.status == "collapsed" else math.nan
 
 
-def _limit_words(name: LimitName, found: LimitStateCapacity, demand: Demand, ground: float) -> dict[str, Any]:
-    rule = LIMIT_STATES[name]
-    return {
-        "displacement_m": found.displacement,
-        "acceleration_m_s2": found.acceleration,
-        "period_s": found.period,
-        "damping_percent": rule.damping,
-        "demand_m": spectral_displacement(demand, found.period, ground, rule.damping),
-        "a_g_m_s2": found.ground,
-        "governed": found.governed,
-    }
+def _limit_state(name: LimitName, found: LimitStateCapacity, demand: Demand, ground: float) -> LimitStateCheck:
+    damping = LIMIT_STATES[name].damping
+    return LimitStateCheck(
+        displacement=found.displacement,
+        acceleration=found.acceleration,
+        period=found.period,
+        damping_percent=damping,
+        demand=spectral_displacement(demand, found.period, ground, damping),
+        a_g=found.ground,
+        governed=found.governed,
+    )
 
 
-def _governs(found: LimitStateCapacity, force: dict[str, Any]) -> str:
+def _governs(found: LimitStateCapacity, force: SafetyCheck) -> str:
     """Return the sentence on which of the two checks governs, and why."""
-    q, other, reach = force["q"], force["a_g_slv_m_s2"], f"The mechanism may go {found.displacement * 1e3:.3g} mm"
+    q, other, reach = force.q, force.a_g_slv, f"The mechanism may go {found.displacement * 1e3:.3g} mm"
     if found.governed == "onset":
         why = f"{reach}, so little that it falls as soon as it starts, and q promises a reserve that it has not."
     elif found.ground < other:
@@ -293,13 +296,14 @@ def _governs(found: LimitStateCapacity, force: dict[str, Any]) -> str:
     return f"The displacement-based check governs, as the rule of the circular: {values}. {why}"
 
 
-def _demand_words(demand: Demand, ground: float, furthest: float) -> dict[str, Any]:
+def _demand_curves(demand: Demand, ground: float, furthest: float) -> dict[str, DemandCurve]:
     """Return the demand at a_g by damping, points of periods whose displacements reach `furthest`, m, for the diagram."""
     period = np.concatenate([np.linspace(0.0, 1.0, 41), np.linspace(1.05, 8.0, 140)])
-    out: dict[str, Any] = {}
+    out: dict[str, DemandCurve] = {}
     for name, rule in LIMIT_STATES.items():
         level = np.array([demand.acceleration(float(t), ground, rule.damping) for t in period])
         displacement = level * (period / (2 * math.pi)) ** 2
         last = int(np.argmax(displacement > furthest)) or len(period) - 1
-        out[name] = {"displacement_m": displacement[: last + 1].tolist(), "acceleration_m_s2": level[: last + 1].tolist()}
+        reached, levels = (tuple(values[: last + 1].tolist()) for values in (displacement, level))
+        out[name] = DemandCurve(displacement=reached, acceleration=levels)
     return out

@@ -106,14 +106,13 @@ def write_report(
         of_shell.append((replace(record, name=name_of, **parts), _MESH, result))
     meshes = {}
     if shell is not None:
-        gate = match_models(stones, contacts, shell, borne.loads).as_dict() | {"message": ""}
+        gate = match_models(stones, contacts, shell, borne.loads)
         size = float(np.sqrt(2 * np.median(shell.area)))
-        meshes = {_MESH: compare.shell_figures(shell, gate, "base", round(size, 3))}
+        meshes = {_MESH: compare.mesh_size(shell, gate, "base", round(size, 3))}
     analyses = [record for record, *_ in (*of_blocks, *of_shell)]
     write_html(
         html,
-        summary=compare.summary(name, {"base": compare.figures(stones, contacts)}, meshes, analyses, []),
-        analyses=analyses,
+        summary=compare.summary(name, {"base": compare.size(stones, contacts)}, meshes, analyses),
         stones=stones,
         contacts=contacts,
         results=of_blocks,

@@ -28,7 +28,7 @@ from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import UnitWeight
 from churchpipe.shell_mesh.shell import derive_shell
-from churchpipe.stones.account import joints_lines, joints_record
+from churchpipe.stones.account import joint_account, joint_lines
 from churchpipe.stones.contacts import find_contacts
 from churchpipe.stones.histogram import histogram_lines
 from churchpipe.stones.soundness import check_soundness
@@ -139,7 +139,7 @@ def import_drawing(
 
 def joint_words(stones: Assemblage, contacts: Contacts) -> tuple[str, ...]:
     """Return what was decided about the joints of stones, as sentences, and how far apart their faces are."""
-    lines = joints_lines(joints_record(stones, contacts))
+    lines = joint_lines(*joint_account(stones, contacts))
     return (*lines, *histogram_lines(contacts)) if lines else ()
 
 

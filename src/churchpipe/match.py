@@ -1,8 +1,7 @@
 """The gate: proof that stones and shell are one building."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
-from typing import Any
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -40,7 +39,7 @@ SLANT = np.array([0.8367, 0.5476, 0.0123])
 
 @dataclass(frozen=True, slots=True)
 class Figure:
-    """One quantity of both models: what it is, its values, how far they differ, how far they may."""
+    """One quantity of both models: what it is, its values, how far they differ, how far they may, and whether they do not."""
 
     name: str
     stones: float
@@ -48,36 +47,32 @@ class Figure:
     unit: str
     difference: float
     tolerance: float
+    passed: bool = field(init=False)
 
     def __post_init__(self) -> None:
         text("Figure.name", self.name)
         for key in ("stones", "shell", "difference", "tolerance"):
             if finite(f"Figure {self.name}: {key}", getattr(self, key)) < 0 and key in ("difference", "tolerance"):
                 raise InputError(f"Figure {self.name}: {key}", "out of range", found=getattr(self, key), expected=">= 0")
-
-    @property
-    def passed(self) -> bool:
-        """Whether the difference is within the tolerance."""
-        return self.difference <= self.tolerance
+        object.__setattr__(self, "passed", self.difference <= self.tolerance)
 
 
 @dataclass(frozen=True, slots=True)
 class Match:
-    """The figures of the gate. junction_overlap: what mid-surface area x thickness exceeds the stones by, because mid-planes
-    overlap where walls meet; the facets there weigh that much less."""
+    """The figures of the gate, and whether all of them pass; there are none without a shell, and `message` says why.
 
-    figures: tuple[Figure, ...]
-    junction_overlap: float
+    junction_overlap: what mid-surface area x thickness exceeds the stones by, because mid-planes overlap where walls meet; the
+    facets there weigh that much less. unfit: stones of a drawing that no panel fits.
+    """
 
-    @property
-    def passed(self) -> bool:
-        """Whether every figure is within its tolerance."""
-        return all(figure.passed for figure in self.figures)
+    passed: bool = field(init=False)
+    figures: tuple[Figure, ...] = ()
+    junction_overlap: float | None = None
+    message: str = ""
+    unfit: tuple[str, ...] = ()
 
-    def as_dict(self) -> dict[str, Any]:
-        """Return what match.json holds."""
-        figures = [asdict(figure) | {"passed": figure.passed} for figure in self.figures]
-        return {"passed": self.passed, "junction_overlap": self.junction_overlap, "figures": figures}
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "passed", bool(self.figures) and all(figure.passed for figure in self.figures))
 
 
 def match_models(

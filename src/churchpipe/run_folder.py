@@ -9,10 +9,14 @@ from typing import Any
 from churchpipe import compare
 from churchpipe.config.carries import carries_of, placed
 from churchpipe.config.settings import load_of, site_of
-from churchpipe.displacement_check import displacement_record
+from churchpipe.displacement_check import displacement_check
+from churchpipe.io.atomic import read_json
+from churchpipe.io.movement_record import Shift, Turn
 from churchpipe.io.npz import Absent, read_if_made, read_npz
 from churchpipe.io.records import Analysis, read_record
-from churchpipe.io.tables import read_json
+from churchpipe.io.sample_study import Sample
+from churchpipe.io.summary import Mesh
+from churchpipe.match import Match
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.block_curve import BlockCapacityCurve
 from churchpipe.model.contacts import Contacts
@@ -63,28 +67,28 @@ class RunFolder:
             return read_if_made(self.folder(entry) / "limit.npz", ShellLimitState)
         return read_if_made(self.folder(entry) / "pushover.npz", CapacityCurve)
 
-    def shell_figures(self, name: str, geometry: str) -> dict[str, Any]:
-        """Return the size of a mesh and its gate; of a drawing, also the stones that no panel fits."""
-        gate = read_json(self.path / "shell" / name / "match.json")
+    def meshes(self) -> dict[str, Mesh]:
+        """Return the size and the gate of each mesh; of a drawing, also the stones that no panel fits."""
+        return {mesh["name"]: self._mesh_size(mesh["name"], mesh["geometry"]) for mesh in self.index["shells"]}
+
+    def _mesh_size(self, name: str, geometry: str) -> Mesh:
+        gate = read_record(self.path / "shell" / name / "match.json", Match)
         if self.index["drawing"]:
             fit = read_json(self.path / "geometry" / geometry / "fit.json")
-            gate |= {"unfit": fit["unfit"], "message": fit["message"] or gate["message"]}
+            gate = replace(gate, unfit=tuple(fit["unfit"]), message=fit["message"] or gate.message)
         size = read_json(self.path / "shell" / name / "settings.json")["element_size"]
         mesh = self.shell(name)
-        return compare.shell_figures(None if isinstance(mesh, Absent) else mesh, gate, geometry, size)
+        return compare.mesh_size(None if isinstance(mesh, Absent) else mesh, gate, geometry, size)
 
-    def record(self, entry: dict[str, Any], shells: dict[str, dict[str, Any]]) -> Analysis:
+    def record(self, entry: dict[str, Any], meshes: dict[str, Mesh]) -> Analysis:
         """Return the record of an analysis, with its name, its variant, what was swept, its geometry where there are several, its
-        mesh and what is known of its mechanism. shells: figures of all meshes, by name."""
-        mesh = shells.get(entry.get("shell", ""))
+        mesh and what is known of its mechanism. meshes: all of them, by name."""
+        mesh = meshes.get(entry.get("shell", ""))
         return replace(
-            found := read_record(self.folder(entry) / f"{entry['kind']}.json"),
-            name=entry["name"],
-            variant=entry["variant"],
-            geometry=entry["geometry"] if len(self.index["geometries"]) > 1 else None,
-            element_size=mesh["element_size_mm"] / 1e3 if mesh else None,
-            elements=mesh["elements"] if mesh else None,
-            swept=entry["swept"],
+            found := read_record(self.folder(entry) / f"{entry['kind']}.json", Analysis),
+            **self._place(entry),
+            element_size=mesh.element_size if mesh else None,
+            elements=mesh.elements if mesh else None,
             **self._mechanism(entry, found.status),
         )
 
@@ -98,7 +102,7 @@ class RunFolder:
         crushing = all("compressive_strength" in values for values in settings["material"].values())
         if entry["kind"] == "curve":
             curve, stones = self.block_curve(entry), self.stones(entry["geometry"])[0]
-            return {"check": displacement_record(curve, stones, load, site, crushing=crushing)}
+            return {"check": displacement_check(curve, stones, load, site, crushing=crushing)}
         if entry["kind"] == "limit":
             mesh = read_npz(self._mesh(entry["shell"]), ShellModel)
             return compare.shell_parts(mesh, read_npz(self.folder(entry) / "limit.npz", ShellLimitState), load)
@@ -107,20 +111,18 @@ class RunFolder:
         check = compare.safety(stones, state, load, site, masses, crushing=crushing)
         return compare.stone_parts(stones, state, load) | {"check": check}
 
-    def movements(self, geometry: str | None = None) -> list[dict[str, Any]]:
+    def movements(self, geometry: str | None = None) -> list[Shift | Turn]:
         """Return the records of the supports that move, of all geometries or of one, as `record` does for the analyses."""
-        several = len(self.index["geometries"]) > 1
         return [
-            {
-                "name": entry["name"],
-                "variant": entry["variant"],
-                **read_json(self.path / "movement" / entry["name"] / "movement.json"),
-            }
-            | ({"geometry": entry["geometry"]} if several else {})
-            | ({"swept": entry["swept"]} if entry["swept"] else {})
+            replace(read_record(self.path / "movement" / entry["name"] / "movement.json", Shift, Turn), **self._place(entry))
             for entry in self.index["movements"]
             if geometry in (None, entry["geometry"])
         ]
+
+    def _place(self, entry: dict[str, Any]) -> dict[str, Any]:
+        """Return the place of a record in the plan: name, variant, what was swept, its geometry where there are several."""
+        geometry = entry["geometry"] if len(self.index["geometries"]) > 1 else None
+        return {"name": entry["name"], "variant": entry["variant"], "swept": entry["swept"], "geometry": geometry}
 
     def moved(self, name: str) -> tuple[Assemblage, Contacts, SettlementPath]:
         """Return the stones of a movement, their ground cut, their joints and the path."""
@@ -128,23 +130,23 @@ class RunFolder:
         stones = read_npz(folder / "assemblage.npz", Assemblage)
         return stones, read_npz(folder / "contacts.npz", Contacts), read_npz(folder / "movement.npz", SettlementPath)
 
-    def samples(self) -> dict[str, dict[str, Any]]:
-        """Return what the samples of a case have left, by name: the records of their "analyses", or a "message"."""
+    def samples(self) -> dict[str, Sample]:
+        """Return what the samples of a case have left, by name."""
         names = self.index["sample"]["names"] if self.index["sample"] else ()
-        return {name: read_json(self.path / "sample" / name / "records.json") for name in names}
+        return {name: read_record(self.path / "sample" / name / "records.json", Sample) for name in names}
 
-    def overlap(self, blocks: str, shell: str) -> dict[str, Any]:
-        """Return how far the mechanisms of two analyses, by name, are the same."""
+    def overlap(self, blocks: str, shell: str) -> float | None:
+        """Return how far the mechanisms of two analyses, by name, are the same; None where the shell has none."""
         entries = {entry["name"]: entry for entry in self.index["analyses"]}
         state = self.shell_state(entries[shell])
         if isinstance(state, Absent):
-            return {}
+            return None
         mesh = read_npz(self._mesh(entries[shell]["shell"]), ShellModel)
         # The stones by the names of the shell's panels.
         file = "fitted.npz" if self.index["drawing"] else "assemblage.npz"
         stones = read_npz(self.path / "geometry" / entries[shell]["geometry"] / file, Assemblage)
         motion = state.velocities if isinstance(state, ShellLimitState) else state.displacement
-        return {"overlap": compare.overlap(stones, self.block_state(entries[blocks]).velocities, mesh, motion)}
+        return compare.overlap(stones, self.block_state(entries[blocks]).velocities, mesh, motion)
 
 
 def read_run(plan: Path) -> RunFolder:

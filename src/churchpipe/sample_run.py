@@ -35,8 +35,8 @@ def run_sample(table: Mapping[str, Any], drawing: Path, shared: Sequence[Path], 
             _make_mesh(run.path / "shell" / mesh["name"], run.path / "geometry" / mesh["geometry"], index["drawing"], stages)
         for entry in index["analyses"]:
             _analyse(run, entry, stages)
-        shells = {mesh["name"]: run.shell_figures(mesh["name"], mesh["geometry"]) for mesh in index["shells"]}
-        return [run.record(entry, shells) for entry in index["analyses"]]
+        meshes = run.meshes()
+        return [run.record(entry, meshes) for entry in index["analyses"]]
 
 
 def _make_geometry(folder: Path, drawing: Path | None, stages: Stages) -> None:

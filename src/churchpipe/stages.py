@@ -15,24 +15,26 @@ from churchpipe.closure import code_of
 from churchpipe.config.carries import carries_of, placed
 from churchpipe.config.settings import beams_of, buttresses_of, joints_of, load_of, strengths_of, used_by, weights_of
 from churchpipe.errors import Extra, InputError
-from churchpipe.io.atomic import write_json
+from churchpipe.io.atomic import read_json, write_json
 from churchpipe.io.building_json import read_building, write_building
-from churchpipe.io.movement_record import movement_words, widest_cracks
+from churchpipe.io.movement_record import movement_record, widest_cracks
 from churchpipe.io.npz import Absent, read_if_made, read_npz, write_npz
 from churchpipe.io.recording import curve_record_of, record_of, shell_record_of
-from churchpipe.io.records import Analysis, analyses_of, words_of, write_record
+from churchpipe.io.records import Analysis, read_record, write_record
+from churchpipe.io.sample_study import Sample, sample_study, sampled_records
 from churchpipe.io.shell_vtu import write_shell_mechanism, write_shell_msh, write_shell_vtu
-from churchpipe.io.tables import read_json, write_table
+from churchpipe.io.summary import VariantResult, read_summary, write_summary
+from churchpipe.io.tables import write_table
 from churchpipe.io.vtu import write_vtu
 from churchpipe.loading.wrenches import loaded, shell_loaded
+from churchpipe.match import Match
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import Building
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength
-from churchpipe.model.names import CONTACT_MODEL, MODELS
-from churchpipe.model.quantities import as_written
+from churchpipe.model.names import CONTACT_MODEL
 from churchpipe.model.results import CapacityCurve, CapacityStep, ShellLimitState
 from churchpipe.model.shell import ShellModel
 from churchpipe.model.ties import Tie
@@ -148,11 +150,11 @@ def match(shell: Path, carried: Path, assemblage: Path, contacts: Path, record: 
     from churchpipe.match import match_models
 
     if isinstance(mesh := read_if_made(shell, ShellModel), Absent):
-        write_json(record, {"passed": False, "message": mesh.reason, "figures": []})
+        write_record(record, Match(message=mesh.reason))
         return
     stones = read_npz(assemblage, Assemblage)
     loads = [placed(carries_of(table), stones).loads for table in read_json(carried) if table]
-    write_json(record, match_models(stones, read_npz(contacts, Contacts), mesh, loads).as_dict() | {"message": ""})
+    write_record(record, match_models(stones, read_npz(contacts, Contacts), mesh, loads))
 
 
 def limit(
@@ -204,7 +206,7 @@ def _analyse_shell(
 
     load, materials = load_of(table), strengths_of(table)
     words: dict[str, Any] = {"method": method, "planes": table["planes"], "joints": joints_of(table)}
-    if not read_json(match)["passed"]:
+    if not read_record(match, Match).passed:
         reason = "the two models do not match"
         write_npz(state, Absent(reason))
         write_record(record, shell_record_of(reason, load, materials, **words, status="left-out"))
@@ -301,7 +303,7 @@ def movement(
         write_npz(file, part)
     kept.clear()
     cracks = widest_cracks(moved.stones, moved.contacts, moved.opening, moved.slip)
-    write_json(made[-1], movement_words(moved.path, table, moved.stones, used_by(stones, materials), cracks))
+    write_record(made[-1], movement_record(moved.path, table, moved.stones, used_by(stones, materials), cracks))
 
 
 def sample(settings: Path, file: Path, record: Path, *shared: Path) -> None:
@@ -311,33 +313,33 @@ def sample(settings: Path, file: Path, record: Path, *shared: Path) -> None:
     stages = (source, blocks, drawing, contacts, panels, shell, match, rigid, curve, limit, pushover)
     try:
         found = run_sample(read_json(settings), file, shared, {stage.__name__: stage for stage in stages})
-        write_json(record, {"analyses": list(map(words_of, found))})
+        write_record(record, Sample(tuple(found)))
     except InputError as error:
-        write_json(record, {"analyses": [], "message": str(error)})
+        write_record(record, Sample((), str(error)))
 
 
 def compare(plan: Path, summary: Path, table: Path, samples: Path | None = None) -> None:
     """All analyses of a plan -> summary.json and table.csv; those of all samples -> samples.csv."""
     from churchpipe import compare as results
     from churchpipe.config.plausible import size_questions, unanswered
-    from churchpipe.io.sample_study import sample_study, sampled_records
     from churchpipe.run_folder import read_run
 
     run = read_run(plan)
-    sizes = {name: results.figures(*run.stones(name)) for name in run.index["geometries"]}
-    shells = {mesh["name"]: run.shell_figures(mesh["name"], mesh["geometry"]) for mesh in run.index["shells"]}
-    found = [record for entry in run.index["analyses"] if (record := run.record(entry, shells)).status != "left-out"]
+    sizes = {name: results.size(*run.stones(name)) for name in run.index["geometries"]}
+    meshes = run.meshes()
+    found = [record for entry in run.index["analyses"] if (record := run.record(entry, meshes)).status != "left-out"]
     analyses = results.careful_first(found)
-    compared = [pair | run.overlap(*(pair[model] for model in MODELS)) for pair in results.pairs(found)]
-    write_table(table, list(map(words_of, analyses)))
+    compared = [replace(pair, overlap=run.overlap(pair.blocks, pair.shell)) for pair in results.pairs(found)]
+    write_table(table, analyses)
     sizes_asked = (text for name in run.index["geometries"] for text in size_questions(run.stones(name)[0]))
-    asked = dict.fromkeys([*unanswered(run.index["questions"]), *sizes_asked])
-    variants, movements = run.index["variants"], run.movements()
-    words = results.summary(run.index["case"], sizes, shells, analyses, compared, list(asked), variants, movements)
+    asked = list(dict.fromkeys([*unanswered(run.index["questions"]), *sizes_asked]))
+    study = None
     if samples:
-        words["uncertainty"] = as_written(sample_study(run.index["sample"], run.samples(), analyses), defaults=False)
-        write_table(samples, list(map(words_of, sampled_records(run.index["sample"], run.samples()))))
-    write_json(summary, words)
+        study = sample_study(run.index["sample"], run.samples(), analyses)
+        write_table(samples, sampled_records(run.index["sample"], run.samples()))
+    variants = [VariantResult(**variant) for variant in run.index["variants"]]
+    words = results.summary(run.index["case"], sizes, meshes, analyses, compared, asked, variants, run.movements(), study)
+    write_summary(summary, words)
 
 
 def report(plan: Path, summary: Path, assemblage: Path, contacts: Path, html: Path) -> None:
@@ -349,9 +351,9 @@ def report(plan: Path, summary: Path, assemblage: Path, contacts: Path, html: Pa
 
     from churchpipe.run_folder import read_run, versions
 
-    run, geometry, words = read_run(plan), assemblage.parent.name, read_json(summary)
+    run, geometry, words = read_run(plan), assemblage.parent.name, read_summary(summary)
     stones, joints = read_npz(assemblage, Assemblage), read_npz(contacts, Contacts)
-    records = {record.name: record for record in analyses_of(words)}
+    records = {record.name: record for record in words.analyses}
     mine = [entry for entry in run.index["analyses"] if entry["geometry"] == geometry]
     states = {entry["name"]: run.block_state(entry) for entry in mine if entry["kind"] == "rigid"}
     for name, state in states.items():
@@ -360,9 +362,9 @@ def report(plan: Path, summary: Path, assemblage: Path, contacts: Path, html: Pa
     curves = {entry["name"]: (entry, run.block_curve(entry)) for entry in mine if entry["kind"] == "curve"}
     for entry, path in curves.values():
         write_path(run.folder(entry) / "path.pvd", stones, path)
-    moved = [(record, *run.moved(record["name"])) for record in run.movements(geometry)]
+    moved = [(record, *run.moved(record.name)) for record in run.movements(geometry)]
     for record, own, _, way in moved:
-        write_path(run.path / "movement" / record["name"] / "path.pvd", own, way)
+        write_path(run.path / "movement" / record.name / "path.pvd", own, way)
     made = {mesh["name"]: run.shell(mesh["name"]) for mesh in run.index["shells"] if mesh["geometry"] == geometry}
     meshes = {name: mesh for name, mesh in made.items() if isinstance(mesh, ShellModel)}
     found: list[tuple[Analysis, str, ShellLimitState | CapacityCurve]] = []
@@ -376,7 +378,6 @@ def report(plan: Path, summary: Path, assemblage: Path, contacts: Path, html: Pa
     write_report(
         html,
         summary=words,
-        analyses=list(records.values()),
         stones=stones,
         contacts=joints,
         results=[(records[name], state) for name, state in states.items()],

@@ -16,10 +16,12 @@ from rich.text import Text
 from churchpipe.doctor import Finding
 from churchpipe.engine import Event, say, unfinished
 from churchpipe.errors import InputError
-from churchpipe.io.records import Analysis, analyses_of
-from churchpipe.io.sample_study import study_of
-from churchpipe.io.tables import read_summary
+from churchpipe.io.movement_record import Movement
+from churchpipe.io.records import Analysis
+from churchpipe.io.summary import Summary, read_summary
+from churchpipe.model.checks import DisplacementCheck, SafetyCheck
 from churchpipe.model.names import GOOD
+from churchpipe.model.quantities import in_unit
 from churchpipe.report.safety import NOT_SATISFIED, verdict, what_moves
 
 # Between two lines of progress of one stage, seconds: on a terminal, and where each line stays.
@@ -122,15 +124,15 @@ class Reporter:
         self._stream.flush()
 
 
-def results_table(summary: Mapping[str, Any]) -> Table:
+def results_table(summary: Summary) -> Table:
     """Return summary.json as a table."""
-    analyses = analyses_of(summary)
-    sizes = f"{summary['blocks']} stones, {summary['interfaces']} interfaces, {summary['weight_kN']:.4g} kN"
-    shells = list(summary.get("shells", {}).values()) or [summary.get("shell", {})]
-    meshes = ", ".join(f"{shell['elements']}" for shell in shells if shell.get("elements"))
+    analyses = summary.analyses
+    sizes = f"{summary.blocks} stones, {summary.interfaces} interfaces, {summary.weight / 1e3:.4g} kN"
+    shells = list(summary.shells.values()) or [summary.shell]
+    meshes = ", ".join(f"{shell.elements}" for shell in shells if shell and shell.elements)
     sizes += f"; shell of {meshes} elements" if meshes else ""
     table = Table(
-        title=f"{summary['case']}: {sizes}", title_justify="left", title_style="bold", box=SIMPLE_HEAD, padding=(0, 1, 0, 0)
+        title=f"{summary.case}: {sizes}", title_justify="left", title_style="bold", box=SIMPLE_HEAD, padding=(0, 1, 0, 0)
     )
     both = len({analysis.model for analysis in analyses}) > 1
     swept = [key for key in dict.fromkeys(k for a in analyses for k in a.swept) if not key.endswith(".friction")]
@@ -144,14 +146,15 @@ def results_table(summary: Mapping[str, Any]) -> Table:
         *swept,
     ):
         table.add_column(title)
-    checks = [analysis.check or {} for analysis in analyses]
-    safety = {"zeta_E": "zeta_e", "of stones": "zeta_e_stones"} if any("zeta_e" in check for check in checks) else {}
+    checked = any(analysis.check and analysis.check.satisfied is not None for analysis in analyses)
+    safety = {"zeta_E": "zeta_e", "of stones": "zeta_e_stones"} if checked else {}
     for title in ("load factor", "bounds apart", *safety, "s"):
         table.add_column(title, justify="right")
     table.add_column("status")
     if safety:
         table.add_column("check")
-    for analysis, check in list(zip(analyses, checks, strict=True))[:MOST_ROWS]:
+    for analysis in analyses[:MOST_ROWS]:
+        check = analysis.check if analysis.check and analysis.check.satisfied is not None else None
         table.add_row(
             *([analysis.variant or "as it is"] if variants else []),
             analysis.load,
@@ -161,7 +164,7 @@ def results_table(summary: Mapping[str, Any]) -> Table:
             *(_words(analysis.swept.get(key)) for key in swept),
             "no limit" if analysis.status == "unbounded" else _figure(analysis.load_factor),
             _bounds(analysis),
-            *(_figure(check[key], 2) if key in check else "" for key in safety.values()),
+            *(_figure(getattr(check, key), 2) if check else "" for key in safety.values()),
             f"{analysis.seconds:.1f}",
             Text(analysis.status, STATUS_STYLES.get(analysis.status, "red")),
             *([Text(word := verdict(check), "red" if word == NOT_SATISFIED else "")] if safety else []),
@@ -174,9 +177,9 @@ def _folded(count: int) -> str | None:
     return f"and {count - MOST_ROWS} more, all of them in table.csv and in the report" if count > MOST_ROWS else None
 
 
-def mechanism_table(summary: Mapping[str, Any]) -> Table | None:
+def mechanism_table(summary: Summary) -> Table | None:
     """Return what moves in each mechanism and what the safety check finds of it, None where nothing is known of either."""
-    listed = [one for one in analyses_of(summary) if one.parts or "a0_lumped_m_s2" in (one.check or {})]
+    listed = [one for one in summary.analyses if one.parts or _activated(one)]
     if not listed:
         return None
     table = Table(title="Mechanisms", title_justify="left", title_style="bold", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
@@ -187,11 +190,16 @@ def mechanism_table(summary: Mapping[str, Any]) -> Table | None:
         table.add_column(title, justify="right")
     table.caption = _folded(len(listed))
     for one in listed[:MOST_ROWS]:
-        check = one.check or {}
-        figures = [check.get(key) for key in ("moving_weight_kN", "a0_lumped_m_s2", "mass_fraction")]
+        check = _activated(one)
+        figures = [in_unit(check, name)[0] for name in ("moving_weight", "a0_lumped", "mass_fraction")] if check else [""] * 3
         words = [what_moves(one)] if named else []
-        table.add_row(one.name or one.load, *words, *("" if v is None else f"{v:.4g}" for v in figures))
+        table.add_row(one.name or one.load, *words, *(v if v == "" else f"{v:.4g}" for v in figures))
     return table
+
+
+def _activated(record: Analysis) -> SafetyCheck | None:
+    """Return the check with a behaviour factor of an analysis, if it was made."""
+    return record.check if isinstance(record.check, SafetyCheck) and math.isfinite(record.check.alpha0) else None
 
 
 def runs_table(folder: Path) -> Table | None:
@@ -212,7 +220,7 @@ def _run_words(run: Path) -> list[str]:
     if why := unfinished(run):
         return [when, "", "", why.splitlines()[0]]
     try:
-        analyses = analyses_of(read_summary(run / "summary.json"))
+        analyses = read_summary(run / "summary.json").analyses
     except (InputError, OSError):
         return [when, "", "", "no results"]
     factors = [one.load_factor for one in analyses if math.isfinite(one.load_factor)]
@@ -221,42 +229,42 @@ def _run_words(run: Path) -> list[str]:
     return [when, str(len(analyses)), ends, f"{bad} without a result" if bad else "well"]
 
 
-def gate_lines(summary: Mapping[str, Any]) -> list[str]:
+def gate_lines(summary: Summary) -> list[str]:
     """Return what the comparison of the two models has to say: a gate that failed, stones missing from the shell, overlap."""
-    named = {name: shell["match"] for name, shell in summary.get("shells", {}).items()} or {"": summary.get("match")}
     lines: list[str] = []
-    for name, gate in named.items():
-        if not gate:
-            continue
+    for name, gate in summary.gates.items():
         place = f" ({name})" if name else ""
-        differ = ", ".join(item["name"] for item in gate.get("figures", ()) if not item["passed"])
-        if not gate["passed"]:
-            reason = gate.get("message") or f"The two models do not match: {differ}."
-            lines.append(f"No shell{place}. {reason} The rigid blocks stand.")
-        elif unfit := gate.get("unfit"):
+        differ = ", ".join(item.name for item in gate.figures if not item.passed)
+        if not gate.passed:
+            lines.append(f"No shell{place}. {gate.message or f'The two models do not match: {differ}.'} The rigid blocks stand.")
+        elif unfit := gate.unfit:
             more = f" and {len(unfit) - 8} more" if len(unfit) > 8 else ""
             lines.append(f"Stones that fit no wall and are missing from the shell{place}: {', '.join(unfit[:8])}{more}.")
     return list(dict.fromkeys(lines))
 
 
-def remarks(summary: Mapping[str, Any]) -> list[str]:
+def remarks(summary: Summary) -> list[str]:
     """Return what stands under the table: joints and near misses, the gate, which load factor to use and why, doubtful input;
     before it what samples say."""
     from churchpipe.compare import account_of_joints
     from churchpipe.report.table import Row
     from churchpipe.report.uncertainty import uncertainty_lines
 
-    analyses = analyses_of(summary)
-    questions = [f"Question: {text}" for text in summary.get("questions", ())]
+    analyses = summary.analyses
     return [
-        *uncertainty_lines(study_of(summary), [Row(record) for record in analyses]),
+        *uncertainty_lines(summary.uncertainty, [Row(record) for record in analyses]),
         *account_of_joints(summary),
         *gate_lines(summary),
         *_few([_failure(one) for one in analyses if one.status not in GOOD and one.message]),
-        *(_movement(one) for one in summary.get("movements", ())),
-        *summary.get("guidance", ()),
-        *(f"Load {one.load}: {one.check['governs']}" for one in analyses if one.check and "governs" in one.check),
-        *_few(questions),
+        *(_movement(one) for one in summary.movements),
+        *summary.guidance,
+        *(
+            f"Load {one.load}: {check.governs}"
+            for one in analyses
+            if isinstance(check := one.check, DisplacementCheck)
+            if check.governs
+        ),
+        *_few([f"Question: {text}" for text in summary.questions]),
     ]
 
 
@@ -269,13 +277,12 @@ def _failure(record: Analysis) -> str:
     return f"{', '.join(word for word in words if word)}: {record.status}. {record.message}"
 
 
-def _movement(record: Mapping[str, Any]) -> str:
-    unit = "deg" if record["turns"] else "mm"
-    cracks = [f"{crack['opening_mm']:.3g} mm in {crack['wall']}" for crack in record["cracks"][:1]]
-    reached = record[f"ultimate_{unit}"]
+def _movement(record: Movement) -> str:
+    (ultimate, unit), (places, _) = in_unit(record, "ultimate"), in_unit(record, "displacement")
     # Of a path that nothing ended the last movement is known, of a support that did not move at all not even that.
-    far = next((value for value in (reached, *record[f"movement_{unit}"][-1:]) if value is not None), 0.0)
-    return f"Support {record['movement']}: {far:.4g} {unit}, {record['ending']}; widest crack {''.join(cracks) or 'none'}"
+    far = ultimate if math.isfinite(ultimate) else next(iter(places[-1:]), 0.0)
+    widest = "".join(f"{1e3 * crack.opening:.3g} mm in {crack.wall}" for crack in record.cracks[:1])
+    return f"Support {record.movement}: {far:.4g} {unit}, {record.ending}; widest crack {widest or 'none'}"
 
 
 def findings_table(findings: Sequence[Finding]) -> Table:

@@ -8,10 +8,11 @@ import pytest
 from churchpipe.compare import bad_news, careful_first, guidance, overlap, pairs
 from churchpipe.generators import box
 from churchpipe.io.records import Analysis
+from churchpipe.match import Match
 from churchpipe.model.materials import Material
 from churchpipe.shell_mesh.shell import derive_shell
 from churchpipe.stones.blocks import derive_blocks
-from records import analysis
+from records import MATCHED, WORDS, analysis, summary
 
 HOUSE = box(
     length=2.0, width=1.5, thickness=0.25, brick=(0.5, 0.25, 0.25), courses=4, materials=(Material("default", 18e3, 0.6),)
@@ -59,16 +60,17 @@ def test_pairs_ask_the_same_question() -> None:
         record("s6 other load", 0.3, load="+y"),
     ]
     found = pairs(records)
-    assert [(pair["rigid-block"], pair["homogenised-shell"]) for pair in found] == [("r6", "s6 fine"), ("r6 uniform", "s6 fine")]
-    assert found[0]["ratio"] == pytest.approx(0.21 / 0.2)
+    assert [(pair.blocks, pair.shell) for pair in found] == [("r6", "s6 fine"), ("r6 uniform", "s6 fine")]
+    assert found[0].ratio == pytest.approx(0.21 / 0.2)
 
 
 def test_news_of_gates_and_analyses() -> None:
-    good, bad = {"status": "optimal"}, {"status": "failed"}
-    assert bad_news({"analyses": [good, bad]}) == [bad]
-    assert bad_news({"analyses": [good], "match": {"passed": False}}) == [{"passed": False}]
-    meshes = {"coarse": {"match": {"passed": True}}, "fine": {"match": {"passed": False, "figures": []}}}
-    assert bad_news({"analyses": [good], "match": {"passed": True}, "shells": meshes}) == [{"passed": False, "figures": []}]
+    good, bad = WORDS, WORDS | {"status": "failed"}
+    assert bad_news(summary(analyses=[good, bad])) == [analysis(status="failed")]
+    assert bad_news(summary(analyses=[good], match={"message": "no walls"})) == [Match(message="no walls")]
+    size = {"geometry": "base", "element_size_mm": 60.0, "elements": 1, "nodes": 3}
+    meshes = {"coarse": size | {"match": MATCHED}, "fine": size | {"match": {}}}
+    assert bad_news(summary(analyses=[good], match=MATCHED, shells=meshes)) == [Match()]
 
 
 def analysed(factor: float | None, load: str = "-y", status: str = "optimal", **more: object) -> Analysis:

@@ -9,10 +9,12 @@ import pytest
 
 import churchpipe as cp
 from churchpipe.code_check import Floor, Site
-from churchpipe.displacement_check import Oscillator, capacity, displacement_record, oscillator
+from churchpipe.displacement_check import Oscillator, capacity, displacement_check, oscillator
 from churchpipe.errors import InputError
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.block_curve import BlockCapacityCurve
+from churchpipe.model.checks import SafetyCheck
+from churchpipe.model.quantities import as_written
 from churchpipe.report.displacements import displacement_checks
 from churchpipe.spectrum import GRAVITY, SiteSpectrum, Spectrum, StoreySpectrum, spectral_displacement
 from records import analysis
@@ -141,48 +143,50 @@ def curve() -> BlockCapacityCurve:
 
 
 def test_the_record_of_a_curve(curve: BlockCapacityCurve) -> None:
-    record = displacement_record(curve, LEANING, PUSH, SITED)
+    record = displacement_check(curve, LEANING, PUSH, SITED)
+    assert record.force_based is not None
     found = capacity(block(0.5, 2), SITE)
-    assert record["a_g_slv_m_s2"] == pytest.approx(found.ground, rel=1e-4)
-    assert record["zeta_e"] == pytest.approx(found.ground / 1.5, rel=1e-4)
-    assert record["satisfied"] == (found.ground >= 1.5)
-    assert record["limit_states"]["SLV"]["period_s"] == pytest.approx(found.period, rel=1e-4)
-    assert record["force_based"]["a_g_slv_m_s2"] == pytest.approx(2 * 0.25 * GRAVITY / (1.35 * 1.2), rel=1e-6)
-    assert "less than q takes for granted" in record["governs"]
-    assert record["demand"]["SLV"]["displacement_m"][-1] >= found.displacement
-    json.dumps(record)
+    assert record.a_g_slv == pytest.approx(found.ground, rel=1e-4)
+    assert record.zeta_e == pytest.approx(found.ground / 1.5, rel=1e-4)
+    assert record.satisfied == (found.ground >= 1.5)
+    assert record.limit_states["SLV"].period == pytest.approx(found.period, rel=1e-4)
+    assert record.force_based.a_g_slv == pytest.approx(2 * 0.25 * GRAVITY / (1.35 * 1.2), rel=1e-6)
+    assert "less than q takes for granted" in record.governs
+    assert record.demand["SLV"].displacement[-1] >= found.displacement
+    json.dumps(as_written(record))
 
 
 def test_the_control_point_of_a_curve_changes_nothing(curve: BlockCapacityCurve) -> None:
     top = cp.block_pushover(LEANING, cp.find_contacts(LEANING), PUSH, 0.7, step=0.025, control=(0.5, 0, 2))
     assert top.d0 > 1.5 * curve.d0
-    assert displacement_record(top, LEANING, PUSH, SITED) == displacement_record(curve, LEANING, PUSH, SITED)
+    assert displacement_check(top, LEANING, PUSH, SITED) == displacement_check(curve, LEANING, PUSH, SITED)
 
 
 def test_what_is_missing_is_named(curve: BlockCapacityCurve) -> None:
-    assert "[check]" in displacement_record(curve, LEANING, PUSH, None)["missing"]
-    assert "[check.spectrum]" in displacement_record(curve, LEANING, PUSH, Site(1.5, 1.2))["missing"]
+    assert "[check]" in displacement_check(curve, LEANING, PUSH, None).missing
+    assert "[check.spectrum]" in displacement_check(curve, LEANING, PUSH, Site(1.5, 1.2)).missing
     floor = Floor(6.0, 12.0, 2, 3.0)
-    record = displacement_record(curve, LEANING, PUSH, Site(1.5, 1.2, floor=floor, spectrum=GIVEN))
-    assert "first_period_s" in record["missing"]
-    assert record["force_based"]["floor_demand_m_s2"] == pytest.approx(floor.acceleration / 2)
+    record = displacement_check(curve, LEANING, PUSH, Site(1.5, 1.2, floor=floor, spectrum=GIVEN))
+    assert "first_period_s" in record.missing
+    assert record.force_based is not None
+    assert record.force_based.floor_demand == pytest.approx(floor.acceleration / 2)
     short = cp.block_pushover(LEANING, cp.find_contacts(LEANING), PUSH, 0.7, step=0.025, steps=3)
-    assert "does not come to its end" in displacement_record(short, LEANING, PUSH, None)["message"]
+    assert "does not come to its end" in displacement_check(short, LEANING, PUSH, None).message
     one = cp.block_pushover(LEANING, cp.find_contacts(LEANING), PUSH, 0.7, step=0.025, steps=1)
-    assert "no mechanism" in displacement_record(one, LEANING, PUSH, None)["message"]
+    assert "no mechanism" in displacement_check(one, LEANING, PUSH, None).message
 
 
 def test_the_report_shows_the_check(curve: BlockCapacityCurve) -> None:
     record = analysis(method="curve")
-    check = displacement_record(curve, LEANING, PUSH, SITED)
-    shown = displacement_checks([replace(record, check=check), replace(record, check={"message": "why"}), record], None)
+    check = displacement_check(curve, LEANING, PUSH, SITED)
+    shown = displacement_checks([replace(record, check=check), replace(record, check=SafetyCheck(message="why")), record], None)
     assert shown is not None
     (one,) = shown["checks"]
     assert one.diagram.startswith("<svg")
     assert [row[0] for row in one.rows] == ["SLV", "SLC"]
-    assert one.governs == check["governs"]
+    assert one.governs == check.governs
     assert shown["refused"] == [("load +x, friction 0.7", "why")]
-    unsited = displacement_checks([replace(record, check=displacement_record(curve, LEANING, PUSH, None))], None)
+    unsited = displacement_checks([replace(record, check=displacement_check(curve, LEANING, PUSH, None))], None)
     assert unsited is not None
     assert (unsited["checks"][0].rows, unsited["checks"][0].governs) == ([], "")
     assert displacement_checks([record], None) is None

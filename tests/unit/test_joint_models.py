@@ -1,5 +1,6 @@
 """Contact models and crushing from the case file to the summary and the report."""
 
+import math
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -12,11 +13,11 @@ from churchpipe import stages
 from churchpipe.code_check import Site
 from churchpipe.compare import contact_models, guidance, safety
 from churchpipe.configuring import configure
-from churchpipe.displacement_check import displacement_record
+from churchpipe.displacement_check import displacement_check
 from churchpipe.dxf.properties import decode_properties, encode_materials
+from churchpipe.io.atomic import read_json
 from churchpipe.io.recording import shell_record_of
 from churchpipe.io.records import Analysis
-from churchpipe.io.tables import read_json
 from churchpipe.large_displacements.pushover import block_pushover
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength, Material
@@ -75,17 +76,17 @@ def record(model: str, factor: float, **more: Any) -> Analysis:
 
 def test_models_that_differ_get_a_sentence() -> None:
     (pair,) = contact_models([record("corners", 0.444), record("torsion", 0.419)])
-    assert pair["difference"] == pytest.approx(0.419 / 0.444 - 1)
-    assert "twist" in pair["sentence"]
+    assert pair.difference == pytest.approx(0.419 / 0.444 - 1)
+    assert "twist" in pair.sentence
     alike = contact_models([record("corners", 0.444), record("torsion", 0.435)])
-    assert "sentence" not in alike[0]
+    assert alike[0].sentence == ""
     assert contact_models([record("corners", 0.444), record("torsion", 0.419, load="+y")]) == []
     assert contact_models([record("corners", 0.444), record("torsion", 0.419, flow="non-associative")]) == []
-    shown = contact_model_rows({"contact_models": [pair, *alike]})
+    shown = contact_model_rows([pair, *alike])
     assert shown is not None
     assert shown["rows"][0] == ["+x", "associative", "0.4440", "0.4190", "\u22125.6 %"]
-    assert shown["sentences"] == [pair["sentence"]]
-    assert contact_model_rows({}) is None
+    assert shown["sentences"] == [pair.sentence]
+    assert contact_model_rows([]) is None
     (advice,) = guidance([record("corners", 0.444), record("torsion", 0.419)])
     assert "use 0.4190 (rigid blocks, associative, torsion)" in advice
     assert "uniform pressure" in advice
@@ -106,13 +107,13 @@ def test_the_knowledge_level_counts_where_stones_crush() -> None:
     load, site = LoadCase((1, 0, 0)), Site(1.5, 1.2, knowledge_level="LC2")
     state = limit_analysis(stones, find_contacts(stones), load, 0.7, compressive_strength=1e6)
     found = safety(stones, state, load, site, crushing=True)
-    assert found["confidence_factor"] == 1.2
-    assert found["zeta_e"] == pytest.approx(2 * state.load_factor * 9.80665 / 1.2 / (1.2 * 1.5))
-    assert found["zeta_e_lc1"] == pytest.approx(found["zeta_e"] * 1.2 / 1.35)
+    assert found.confidence_factor == 1.2
+    assert found.zeta_e == pytest.approx(2 * state.load_factor * 9.80665 / 1.2 / (1.2 * 1.5))
+    assert found.zeta_e_lc1 == pytest.approx(found.zeta_e * 1.2 / 1.35)
     plain = safety(stones, state, load, site)
-    assert plain["confidence_factor"] == 1.35
-    assert "zeta_e_lc1" not in plain
-    table = check_table([Row(record("corners", 0.06, compressive_strength_MPa=1.0, check=found))])
+    assert plain.confidence_factor == 1.35
+    assert math.isnan(plain.zeta_e_lc1)
+    table = check_table([Row(replace(record("corners", 0.06, compressive_strength_MPa=1.0), check=found))])
     assert table is not None
     assert "\u03b6_E, FC 1.35" in [title for title, _ in table["headings"][1:-1]]
     assert table["kinds"] == ["crushing"]
@@ -122,10 +123,10 @@ def test_the_knowledge_level_counts_on_a_curve_that_crushes() -> None:
     stones = on_ground(box((0, 0.9), (0, 1), (0, 12)))
     load, site = LoadCase((1, 0, 0)), Site(1.5, knowledge_level="LC2", spectrum=SiteSpectrum(2.5, 0.5, soil="B"))
     curve = block_pushover(stones, find_contacts(stones), load, 0.7, step=0.1, compressive_strength=1e6)
-    found = displacement_record(curve, stones, load, site, crushing=True)
-    assert found["alpha0"] == pytest.approx(0.0588, abs=1e-6)
-    assert found["confidence_factor"] == 1.2
-    assert displacement_record(curve, stones, load, site)["confidence_factor"] == 1.35
+    found = displacement_check(curve, stones, load, site, crushing=True)
+    assert found.alpha0 == pytest.approx(0.0588, abs=1e-6)
+    assert found.confidence_factor == 1.2
+    assert displacement_check(curve, stones, load, site).confidence_factor == 1.35
 
 
 def test_analyses_without_crushing_say_so() -> None:

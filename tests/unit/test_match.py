@@ -13,6 +13,7 @@ from churchpipe.geometry.locate import facet_at, inside_stones
 from churchpipe.match import match_models
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import BondRegion, Opening, UnitCell
+from churchpipe.model.quantities import as_written
 from churchpipe.recognition.panels import fit_panels
 from churchpipe.shell_mesh.shell import derive_shell
 from churchpipe.stones.blocks import derive_blocks
@@ -65,7 +66,7 @@ def test_an_arch_and_a_box_match():
 
 def test_match_json_holds_every_figure():
     match = compare(prototype(**S5), prototype(**S5))
-    stored = json.loads(json.dumps(match.as_dict()))
+    stored = json.loads(json.dumps(as_written(match)))
     assert stored["passed"] is True
     assert stored["junction_overlap"] == pytest.approx(0, abs=1e-9)
     assert {"name", "stones", "shell", "unit", "difference", "tolerance", "passed"} == set(stored["figures"][0])

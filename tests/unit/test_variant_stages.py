@@ -9,6 +9,8 @@ import pytest
 from case_texts import WALL, case_file
 from churchpipe import stages
 from churchpipe.configuring import configure
+from churchpipe.io.summary import Summary
+from churchpipe.model.quantities import as_read
 from churchpipe.terminal import results_table
 
 VARIANTS = """
@@ -58,4 +60,4 @@ def test_variants_stand_beside_the_building_as_it_is(tmp_path: Path) -> None:
     assert checks[0] / checks[1] == pytest.approx(2 / 1.5)
     rows = list(csv.DictReader((run / "table.csv").open()))
     assert [row["variant"] for row in rows] == ["", "wet", "thicker", "checked with q = 1.5"]
-    assert [column.header for column in results_table(summary).columns][:2] == ["variant", "load"]
+    assert [column.header for column in results_table(as_read(Summary, summary)).columns][:2] == ["variant", "load"]

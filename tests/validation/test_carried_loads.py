@@ -266,9 +266,9 @@ def test_the_check_counts_the_masses() -> None:
     assert state.load_factor == pytest.approx((36 * 0.5 + 9 * 0.5) / (36 * 1 + 9 * 2), rel=1e-6)
     check = safety(stones, state, load, None, placed)
     share = (36 * 1 + 9 * 2) ** 2 / ((36 + 9) * (36 * 1 + 9 * 4))
-    assert check["alpha0"] == pytest.approx(state.load_factor, rel=1e-6)
-    assert check["moving_weight_kN"] == pytest.approx(45)
-    assert check["mass_fraction"] == pytest.approx(share, rel=1e-6)
+    assert check.alpha0 == pytest.approx(state.load_factor, rel=1e-6)
+    assert check.moving_weight == pytest.approx(45e3)
+    assert check.mass_fraction == pytest.approx(share, rel=1e-6)
 
 
 def test_a_ring_beam_holds_a_wall_together() -> None:

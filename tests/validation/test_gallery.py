@@ -31,8 +31,8 @@ def check_row(row: list[str]) -> None:
     assert state.load_factor == pytest.approx(float(factor), abs=5.1e-5)
     check = safety(stones, state, load, case.check)
     # Which stones creep and which stand hangs on the last digits of the velocities.
-    assert check["mass_fraction"] == pytest.approx(float(mass_fraction), abs=2e-3)
-    assert check["a0_m_s2"] == pytest.approx(float(acceleration), rel=5e-3)
+    assert check.mass_fraction == pytest.approx(float(mass_fraction), abs=2e-3)
+    assert check.a0 == pytest.approx(float(acceleration), rel=5e-3)
 
 
 def test_the_page_has_all_pictures() -> None:
@@ -63,10 +63,10 @@ def check_shares(name: str, column: int, monkeypatch: pytest.MonkeyPatch) -> Non
         monkeypatch.setattr("churchpipe.mechanism.STILL", 1.0 / int(share.replace(" ", "")))
         check = safety(stones, state, case.loads[0], case.check)
         fraction, acceleration = map(float, cells.split(" | ")[column].split(", "))
-        assert check["mass_fraction"] == pytest.approx(fraction, abs=5e-3)
-        assert check["a0_m_s2"] == pytest.approx(acceleration, rel=1e-2)
+        assert check.mass_fraction == pytest.approx(fraction, abs=5e-3)
+        assert check.a0 == pytest.approx(acceleration, rel=1e-2)
         # Stones that creep weigh something and do nothing: a0* with e* = 1 is that of the others.
-        assert check["a0_lumped_m_s2"] == pytest.approx(float(lumped.split(" | ")[column]), rel=2e-2)
+        assert check.a0_lumped == pytest.approx(float(lumped.split(" | ")[column]), rel=2e-2)
 
 
 @pytest.mark.parametrize(("name", "column"), [("wall", 0), ("box", 1)])

@@ -52,7 +52,7 @@ def run(
     from churchpipe.config.plan import plan
     from churchpipe.config.selection import Selection, selected
     from churchpipe.configuring import configure
-    from churchpipe.io.tables import read_json
+    from churchpipe.io.summary import read_summary
     from churchpipe.terminal import Display
 
     # A case with mistakes is refused before anything is written.
@@ -92,7 +92,7 @@ def run(
     if until:
         out.print(f"Made as far as the stage {until}: {folder}", soft_wrap=True)
         return
-    good = not bad_news(read_json(folder / "summary.json"))
+    good = not bad_news(read_summary(folder / "summary.json"))
     source = cases[0].source
     note_finished(folder, case, asked, None if isinstance(source, Generated) else source.path, good=good)
     _tell(folder, good=good)
@@ -123,13 +123,12 @@ def _print_pending(jobs: Any) -> None:
 @app.command()
 def show(folder: RunFolder) -> None:
     """Show the results of a run: load factors, what moves, the safety check. Of a folder of runs: which runs lie in it."""
-    from churchpipe.io.tables import read_summary
     from churchpipe.terminal import runs_table
 
     if runs := runs_table(folder):
         out.print(runs)
         return
-    _print_results(read_summary(_result_of(folder, "summary.json")))
+    _print_results(_result_of(folder, "summary.json"))
 
 
 @app.command()
@@ -163,17 +162,17 @@ def _result_of(folder: Path, name: str) -> Path:
 
 def _tell(folder: Path, *, good: bool) -> None:
     """Print the results of a run that has ended; leave with the code for bad news, if they are."""
-    from churchpipe.io.tables import read_json
-
-    _print_results(read_json(folder / "summary.json"))
+    _print_results(folder / "summary.json")
     out.print(f"Report: {folder / 'report.html'}", soft_wrap=True)
     if not good:
         raise typer.Exit(STRUCTURE)
 
 
-def _print_results(summary: dict[str, Any]) -> None:
+def _print_results(path: Path) -> None:
+    from churchpipe.io.summary import read_summary
     from churchpipe.terminal import mechanism_table, remarks, results_table
 
+    summary = read_summary(path)
     out.print(results_table(summary))
     if mechanisms := mechanism_table(summary):
         out.print(mechanisms)

@@ -1,4 +1,4 @@
-"""Write whole files or none."""
+"""Write whole files or none; read JSON."""
 
 import json
 import math
@@ -7,6 +7,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
+
+from churchpipe.errors import InputError
 
 # How temporary names begin: what a killed run left behind is known by it.
 PART = ".part-"
@@ -41,6 +43,21 @@ def write_text(path: str | Path, text: str) -> None:
 def write_json(path: str | Path, value: Any) -> None:
     """Write JSON in the order of the keys; numbers that are not finite become null."""
     write_text(path, _json(value, sort=False))
+
+
+def read_json(path: str | Path) -> Any:
+    """Read a JSON artifact.
+
+    Raises
+    ------
+    InputError: the file is missing or not JSON.
+    """
+    try:
+        return json.loads(Path(path).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(str(path), "cannot be read", found=error.strerror or error, expected="an artifact of a run") from error
+    except ValueError as error:
+        raise InputError(str(path), "not JSON", found=error, remedy="Delete the file and run the case again.") from error
 
 
 def write_if_changed(path: str | Path, text: str) -> None:

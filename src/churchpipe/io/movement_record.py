@@ -1,67 +1,136 @@
-"""What a support that moves does to a structure, in the words and units of summary.json."""
+"""The record of a support that moves, declared once: SI in the file of its stage, the units of its keys in summary.json."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Annotated, Any
 
 import numpy as np
 
+from churchpipe.io.records import Strength, common
 from churchpipe.model.arrays import FloatArray, NameArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.materials import JointStrength
+from churchpipe.model.quantities import Quantity
+from churchpipe.model.results import Status
 from churchpipe.model.settlement import SettlementPath
 
 
-def movement_words(
+@dataclass(frozen=True, slots=True)
+class Crack:
+    """The widest opening and the largest slip of the joints of a wall."""
+
+    wall: str
+    opening: Annotated[float, Quantity("_mm")]
+    slip: Annotated[float, Quantity("_mm")]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Movement:
+    """A support that moves: how it is asked, and what came out. Either a `Shift` or a `Turn`, which give the units.
+
+    name, variant, geometry, swept: its place in the plan of the run. movement: name of the support in the case. turns: whether it
+    turns about an axis. reaction: at each of `displacement`; least_reaction: of all that equilibrium allows as the motion begins.
+    ultimate: the displacement at which the structure collapses, NaN where it does not. cracks: of each wall at the end, the most
+    cracked wall first. ending to misfit: see `SettlementPath`.
+    """
+
+    name: str
+    variant: str | None
+    movement: str
+    direction: tuple[float, ...]
+    turns: bool
+    friction: Strength
+    status: Status
+    ending: str
+    message: str
+    least_reaction: float
+    displacement: tuple[float, ...]
+    reaction: tuple[float, ...]
+    ultimate: float
+    largest_displacement: Annotated[float, Quantity("_mm")]
+    fallen_stones: tuple[str, ...]
+    cracks: tuple[Crack, ...]
+    steps: int
+    equilibrium_residual: float
+    cone_violation: float
+    misfit: float
+    seconds: float
+    geometry: str | None = None
+    swept: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Shift(Movement):
+    """A support that moves along a line: m and N."""
+
+    least_reaction: Annotated[float, Quantity("_kN")]
+    displacement: Annotated[tuple[float, ...], Quantity(key="movement_mm")]
+    reaction: Annotated[tuple[float, ...], Quantity("_kN")]
+    ultimate: Annotated[float, Quantity("_mm")]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Turn(Movement):
+    """A support that turns about an axis: rad and Nm."""
+
+    least_reaction: Annotated[float, Quantity("_kNm")]
+    displacement: Annotated[tuple[float, ...], Quantity(key="movement_deg")]
+    reaction: Annotated[tuple[float, ...], Quantity("_kNm")]
+    ultimate: Annotated[float, Quantity("_deg")]
+
+
+def movement_record(
     path: SettlementPath,
     settings: Mapping[str, Any],
     stones: Assemblage,
     materials: Sequence[JointStrength],
-    cracks: Sequence[dict[str, Any]],
-) -> dict[str, Any]:
+    cracks: Sequence[Crack],
+) -> Shift | Turn:
     """Return the record of a movement; settings: those of its stage. cracks: see `widest_cracks`."""
     turns = settings["about"] is not None
-    length, unit, force = ("deg", float(np.degrees(1.0)), "kNm") if turns else ("mm", 1e3, "kN")
-    bad = path.status in ("unstable", "failed") or (path.status == "unbounded" and not len(path.movement))
-    friction = {material.friction for material in materials}
     lost = ["cohesion, which opening joints lose, is left out"] if any(material.cohesion for material in materials) else []
     lost += ["ties are left out"] if settings["without_ties"] else []
     crushing = any(material.compressive_strength is not None for material in materials)
     lost += ["nothing crushes as a support moves: the compressive strength is left out"] if crushing else []
-    return {
-        "movement": settings["name"],
-        "direction": list(settings["direction"]),
-        "turns": turns,
-        "friction": friction.pop() if len(friction) == 1 else {material.name: material.friction for material in materials},
-        "status": path.status if bad else "converged" if path.proved and path.status != "not-converged" else "not-converged",
-        "ending": path.status,
-        "message": "; ".join(said for said in (path.message, *lost) if said),
-        f"least_reaction_{force}": path.least / 1e3,
-        f"movement_{length}": (unit * path.movement).tolist(),
-        f"reaction_{force}": (path.reaction / 1e3).tolist(),
-        f"ultimate_{length}": unit * path.ultimate,
-        "largest_displacement_mm": 1e3 * float(path.largest.max(initial=0.0)),
-        "fallen_stones": [name for part in path.fallen for name in stones.block_id[part.stones].tolist()],
-        "cracks": list(cracks),
-        "steps": len(path.movement),
-        "equilibrium_residual": float(path.residual.max(initial=0.0)),
-        "cone_violation": float(path.violation.max(initial=0.0)),
-        "misfit": float(path.misfit.max(initial=0.0)),
-        "seconds": round(path.seconds, 3),
-    }
+    status: Status = "converged" if path.proved and path.status != "not-converged" else "not-converged"
+    if path.status in ("unstable", "failed") or (path.status == "unbounded" and not len(path.movement)):
+        status = path.status
+    return (Turn if turns else Shift)(
+        name="",
+        variant=None,
+        movement=settings["name"],
+        direction=tuple(settings["direction"]),
+        turns=turns,
+        friction=common({material.name: material.friction for material in materials}),
+        status=status,
+        ending=path.status,
+        message="; ".join(said for said in (path.message, *lost) if said),
+        least_reaction=path.least,
+        displacement=tuple(path.movement.tolist()),
+        reaction=tuple(path.reaction.tolist()),
+        ultimate=path.ultimate,
+        largest_displacement=float(path.largest.max(initial=0.0)),
+        fallen_stones=tuple(str(name) for part in path.fallen for name in stones.block_id[part.stones].tolist()),
+        cracks=tuple(cracks),
+        steps=len(path.movement),
+        equilibrium_residual=float(path.residual.max(initial=0.0)),
+        cone_violation=float(path.violation.max(initial=0.0)),
+        misfit=float(path.misfit.max(initial=0.0)),
+        seconds=round(path.seconds, 3),
+    )
 
 
-def widest_cracks(stones: Assemblage, contacts: Contacts, opening: FloatArray, slip: FloatArray) -> list[dict[str, Any]]:
-    """Return the widest opening and slip (ni,) m of each wall's joints, in mm, the most cracked wall first.
+def widest_cracks(stones: Assemblage, contacts: Contacts, opening: FloatArray, slip: FloatArray) -> list[Crack]:
+    """Return the widest opening and slip (ni,) m of each wall's joints, the most cracked wall first.
 
     A joint between two walls counts for both.
     """
     walls: list[NameArray] = [stones.panel[side] for side in contacts.blocks.T]
     ground = stones.fixed[contacts.blocks].all(axis=1)
-    out: list[dict[str, Any]] = []
+    out: list[Crack] = []
     for name in np.unique(stones.panel[~stones.fixed]).tolist():
         mine = ((walls[0] == name) | (walls[1] == name)) & ~ground
         if mine.any():
-            widest = {"opening_mm": 1e3 * float(opening[mine].max()), "slip_mm": 1e3 * float(slip[mine].max())}
-            out.append({"wall": str(name), **widest})
-    return sorted(out, key=lambda wall: -wall["opening_mm"])
+            out.append(Crack(str(name), float(opening[mine].max()), float(slip[mine].max())))
+    return sorted(out, key=lambda crack: -crack.opening)

@@ -19,9 +19,11 @@ from churchpipe.model.ties import RankedTie, Tie
 
 
 def _question(load: LoadCase, materials: Sequence[JointStrength], joints: Sequence[JointGroup]) -> dict[str, Any]:
-    """Return what an analysis of a structure of these materials, and of these joints of their own, is asked."""
+    """Return what an analysis of a structure of these materials, and of these joints of their own, is asked; no name as yet."""
     crushing = {one.name: one.compressive_strength for one in materials if one.compressive_strength is not None}
     return {
+        "name": "",
+        "variant": None,
         "load": load.name,
         "direction": tuple(load.direction.tolist()),
         "friction": common({material.name: material.friction for material in materials}),

@@ -3,26 +3,27 @@
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Any, Literal, TypeVar, get_args
 
 import numpy as np
 
 from churchpipe.errors import InputError
-from churchpipe.io.atomic import write_json
-from churchpipe.io.tables import read_json
+from churchpipe.io.atomic import read_json, write_json
 from churchpipe.io.tie_records import Gain, TieCandidate, TieForce
 from churchpipe.mechanism import Part
 from churchpipe.model.arguments import finite, one_of, text
 from churchpipe.model.block_curve import CURVE_STATUSES
+from churchpipe.model.checks import DisplacementCheck, SafetyCheck
 from churchpipe.model.joint_group import JointGroup
 from churchpipe.model.names import GOOD, METHODS, MODELS, OUTER, SHELL, ContactModel, Model, Planes
-from churchpipe.model.quantities import Quantity, as_read, as_written
+from churchpipe.model.quantities import Quantity, as_read
 from churchpipe.model.results import Status
 
 Flow = Literal["associative", "non-associative"]
 # One value, or one a material where they differ.
 Strength = float | dict[str, float]
 Displacements = Annotated[tuple[float, ...] | None, Quantity("_m")]
+Record = TypeVar("Record")
 _CHOICES: dict[str, tuple[str, ...]] = {
     "model": get_args(Model),
     "flow": get_args(Flow),
@@ -53,8 +54,8 @@ class Analysis:
     displacements have no load factors.
     """
 
-    name: str = ""
-    variant: str | None = None
+    name: str
+    variant: str | None
     model: Model
     flow: Flow | None = None
     method: Literal["limit", "pushover", "curve"] | None = None
@@ -102,7 +103,7 @@ class Analysis:
     swept: dict[str, Any] = field(default_factory=dict)
     parts: tuple[Part, ...] = ()
     mechanism: str = ""
-    check: dict[str, Any] | None = None
+    check: SafetyCheck | DisplacementCheck | None = None
 
     def __post_init__(self) -> None:
         text("record: load", self.load)
@@ -159,16 +160,13 @@ def common(values: Mapping[str, float]) -> Strength:
     return float(distinct.pop()) if len(distinct) == 1 else dict(values)
 
 
-_SCHEMA = "churchpipe analysis 1"
+def write_record(path: str | Path, record: Any) -> None:
+    """Write the record of a stage, a dataclass, in SI; numbers that are not finite become null."""
+    write_json(path, {"schema": _schema(type(record))} | asdict(record))
 
 
-def write_record(path: str | Path, record: Analysis) -> None:
-    """Write a record in SI; numbers that are not finite become null."""
-    write_json(path, {"schema": _SCHEMA} | asdict(record))
-
-
-def read_record(path: str | Path) -> Analysis:
-    """Read a record.
+def read_record(path: str | Path, *kinds: type[Record]) -> Record:
+    """Read a record of one of these kinds.
 
     Raises
     ------
@@ -177,27 +175,15 @@ def read_record(path: str | Path) -> Analysis:
     stored: Any = read_json(path)
     schema = stored.get("schema") if isinstance(stored, dict) else None
     remedy = "Delete the file and run the case again."
-    if schema != _SCHEMA:
-        raise InputError(str(path), "no record of an analysis", found=schema, expected=_SCHEMA, remedy=remedy)
+    expected = " or ".join(map(_schema, kinds))
+    kind = next((kind for kind in kinds if schema == _schema(kind)), None)
+    if kind is None:
+        raise InputError(str(path), "not the record of this stage", found=schema, expected=expected, remedy=remedy)
     try:
-        return as_read(Analysis, stored, units=False)
+        return as_read(kind, stored, units=False)
     except (TypeError, AttributeError) as error:
-        raise InputError(str(path), "a damaged record", found=error, expected=_SCHEMA, remedy=remedy) from error
+        raise InputError(str(path), "a damaged record", found=error, expected=expected, remedy=remedy) from error
 
 
-def words_of(record: Analysis) -> dict[str, Any]:
-    """Return the record as summary.json has it: in the units of its keys, without what it does not know."""
-    return {"name": record.name, "variant": record.variant} | as_written(record, defaults=False)
-
-
-def analyses_of(summary: Mapping[str, Any]) -> list[Analysis]:
-    """Return the analyses of the content of a summary.json.
-
-    Raises
-    ------
-    InputError: they are not as this version writes them.
-    """
-    try:
-        return [as_read(Analysis, words) for words in summary["analyses"]]
-    except (TypeError, AttributeError) as error:
-        raise InputError("summary.json", "analyses of another version", found=error, remedy="Run the case again.") from error
+def _schema(kind: type[Any]) -> str:
+    return f"churchpipe {kind.__name__.lower()} 1"

@@ -7,11 +7,20 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from churchpipe.io.records import Analysis, analyses_of
+from churchpipe.io.records import Analysis
 from churchpipe.model.arrays import FloatArray
+from churchpipe.model.checks import SafetyCheck
 from churchpipe.model.names import ContactModel, Model, Planes
-from churchpipe.model.quantities import Quantity, as_read
+from churchpipe.model.quantities import Quantity
 from churchpipe.uncertainty import Uncertainty, assess_uncertainty, band
+
+
+@dataclass(frozen=True, slots=True)
+class Sample:
+    """The analyses of a sample, by the names of those of the building as it is; message: why it could not be built, or ""."""
+
+    analyses: tuple[Analysis, ...]
+    message: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,24 +124,23 @@ class SampleStudy:
     analyses: tuple[SampledAnalysis, ...]
 
 
-def sample_study(sample: Mapping[str, Any], made: Mapping[str, Mapping[str, Any]], analyses: Sequence[Analysis]) -> SampleStudy:
+def sample_study(sample: Mapping[str, Any], made: Mapping[str, Sample], analyses: Sequence[Analysis]) -> SampleStudy:
     """Return what samples say of each analysis.
 
     Parameters
     ----------
     sample: of the plan, with "settings", "names" and "points".
-    made: by the name of a sample its "analyses", which have the names of those of the building as it is, or a "message" where it
-        could not be built.
+    made: the samples by their names.
     analyses: of the building as it is.
     """
     settings, names, points = sample["settings"], sample["names"], sample["points"]
-    records = {name: {record.name: record for record in analyses_of(made[name])} for name in names}
+    records = {name: {record.name: record for record in made[name].analyses} for name in names}
     place = np.array(list(points.values()), dtype=float).T
     return SampleStudy(
         **{key: settings[key] for key in ("number", "seed", "method")},
         parameters=tuple(settings["parameters"]),
         points={key: tuple(values) for key, values in points.items()},
-        refused=tuple(Refused(name, made[name]["message"]) for name in names if "message" in made[name]),
+        refused=tuple(Refused(name, made[name].message) for name in names if made[name].message),
         analyses=tuple(
             _sampled(one, [records[name].get(one.name) for name in names], place, list(points), settings["demands"])
             for one in analyses
@@ -140,18 +148,13 @@ def sample_study(sample: Mapping[str, Any], made: Mapping[str, Mapping[str, Any]
     )
 
 
-def study_of(summary: Mapping[str, Any]) -> SampleStudy | None:
-    """Return the study of the content of a summary.json, None of a case without samples."""
-    return as_read(SampleStudy, summary["uncertainty"]) if "uncertainty" in summary else None
-
-
-def sampled_records(sample: Mapping[str, Any], made: Mapping[str, Mapping[str, Any]]) -> list[Analysis]:
+def sampled_records(sample: Mapping[str, Any], made: Mapping[str, Sample]) -> list[Analysis]:
     """Return the records of all samples for a table: with the sample's name and its values before what is swept."""
     drawn = [dict(zip(sample["points"], values, strict=True)) for values in zip(*sample["points"].values(), strict=True)]
     return [
         replace(record, swept={"sample": name, **values, **record.swept})
         for name, values in zip(sample["names"], drawn, strict=True)
-        for record in analyses_of(made[name])
+        for record in made[name].analyses
     ]
 
 
@@ -164,11 +167,11 @@ def _sampled(
     factors = np.array([_capacity(record, record.load_factor if record else np.nan) for record in records])
     known = assess_uncertainty(points, factors)
     lost = [record.status if record else "refused" for record, f in zip(records, factors, strict=True) if np.isnan(f)]
-    checks = [(record.check if record else None) or {} for record in records]
-    site = next((check["a_g_m_s2"] for check in checks if "a_g_m_s2" in check), None)
+    checks = [record.check if record and record.check else SafetyCheck() for record in records]
+    site = next((check.a_g for check in checks if check.satisfied is not None), None)
     ground = None
     if site is not None:
-        capacity = [_capacity(*one) for one in zip(records, (check.get("a_g_slv_m_s2", np.nan) for check in checks), strict=True)]
+        capacity = [_capacity(record, check.a_g_slv) for record, check in zip(records, checks, strict=True)]
         of_ground = assess_uncertainty(points, np.array(capacity))
         ground = GroundSpread(**_figures(of_ground, [site]), capacity=tuple(capacity))
     return SampledAnalysis(

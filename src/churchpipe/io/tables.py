@@ -1,17 +1,15 @@
-"""summary.json and table.csv: what people and programs read when a run is done."""
+"""table.csv: the analyses of a run as rows."""
 
 import csv
-import json
 import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from churchpipe.errors import InputError
 from churchpipe.io.atomic import replacing
+from churchpipe.io.records import Analysis
+from churchpipe.model.quantities import as_written
 
-# What every summary has.
-SUMMARY = ("case", "blocks", "interfaces", "weight_kN", "analyses")
 COLUMNS = (
     "variant",
     "model",
@@ -44,50 +42,20 @@ COLUMNS = (
 _FORMULA = re.compile(r"(?![+-][xyz]\Z)[=+\-@\t\r]")
 
 
-def read_json(path: str | Path) -> Any:
-    """Read a JSON artifact.
-
-    Raises
-    ------
-    InputError: the file is missing or not JSON.
-    """
-    try:
-        return json.loads(Path(path).read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(str(path), "cannot be read", found=error.strerror or error, expected="an artifact of a run") from error
-    except ValueError as error:
-        raise InputError(str(path), "not JSON", found=error, remedy="Delete the file and run the case again.") from error
-
-
-def read_summary(path: str | Path) -> dict[str, Any]:
-    """Read summary.json.
-
-    Raises
-    ------
-    InputError: the file is missing, not JSON, or without the keys of a summary.
-    """
-    summary = read_json(path)
-    missing = [key for key in SUMMARY if not isinstance(summary, dict) or key not in summary]
-    if missing:
-        raise InputError(
-            str(path), "not a summary of a run", expected=", ".join(missing), remedy="Delete the file and run the case again."
-        )
-    return summary
-
-
-def write_table(path: str | Path, analyses: Sequence[dict[str, Any]]) -> None:
-    """Write analyses, as summary.json has them, as CSV, one row each: first what was swept, then `COLUMNS`; `zeta_e` and its
+def write_table(path: str | Path, analyses: Sequence[Analysis]) -> None:
+    """Write analyses, by the keys of summary.json, as CSV, one row each: first what was swept, then `COLUMNS`; `zeta_e` and its
     neighbours from the check.
 
     A text that a spreadsheet would take for a formula stands behind an apostrophe; names of axes ("-y") are none.
     """
-    swept = list(dict.fromkeys(key for analysis in analyses for key in analysis.get("swept", {})))
+    swept = list(dict.fromkeys(key for analysis in analyses for key in analysis.swept))
     with replacing(path) as part, part.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow([*swept, *COLUMNS])
         for analysis in analyses:
-            known = analysis.get("check", {}) | analysis
-            row = [analysis.get("swept", {}).get(key) for key in swept] + [known.get(key) for key in COLUMNS]
+            words = as_written(analysis, defaults=False)
+            known = words.get("check", {}) | words
+            row = [analysis.swept.get(key) for key in swept] + [known.get(key) for key in COLUMNS]
             writer.writerow([_cell(value) for value in row])
 
 

@@ -36,6 +36,8 @@ UNITS = {
     "_kN": Unit("kN", 1e3),
     "_kN_m": Unit("kN/m", 1e3),
     "_kN_m2": Unit("kN/m2", 1e3),
+    "_kNm": Unit("kNm", 1e3),
+    "_t": Unit("t", 1e3),
     "_kPa": Unit("kPa", 1e3),
     "_MPa": Unit("MPa", 1e6),
     "_GPa": Unit("GPa", 1e9),
@@ -94,8 +96,8 @@ Whole = Annotated[int, Quantity("", 0)]
 class Declared(NamedTuple):
     """A field as a case file has it.
 
-    key: its key; other: another one for it, or "". default: MISSING where there is none. table: the dataclass that it holds, one
-    or several, or None. meaning: in a sentence, or "". hint: its annotation.
+    key: its key; other: another one for it, or "". default: MISSING where there is none. tables: the dataclasses of which it
+    holds one or several. meaning: in a sentence, or "". hint: its annotation.
     """
 
     name: str
@@ -103,9 +105,14 @@ class Declared(NamedTuple):
     other: str
     default: Any
     quantity: Quantity | None
-    table: type | None
+    tables: tuple[type, ...]
     meaning: str
     hint: Any
+
+    @property
+    def table(self) -> type | None:
+        """The one dataclass that it holds, or the first of several; None."""
+        return self.tables[0] if self.tables else None
 
 
 @lru_cache
@@ -118,7 +125,7 @@ def declared(kind: type) -> dict[str, Declared]:
         key = (quantity.key or item.name + quantity.suffix) if quantity else item.name
         other = quantity.other if quantity else ""
         default = item.default if item.default_factory is MISSING else item.default_factory()
-        out[item.name] = Declared(item.name, key, other, default, quantity, _table(hint), _found(hint, str) or "", hint)
+        out[item.name] = Declared(item.name, key, other, default, quantity, _tables(hint), _found(hint, str) or "", hint)
     return out
 
 
@@ -162,12 +169,14 @@ def in_si(table: Mapping[str, Any]) -> dict[str, Any]:
 def as_written(record: Any, *, defaults: bool = True) -> dict[str, Any]:
     """Return the fields of a dataclass by their keys, in their units; dataclasses in it are tables.
 
-    None is left out of fields that have a default. defaults: whether values that are the default of their field are there.
+    None is left out of fields that have a default. defaults: whether values that are the default of their field are there; a NaN
+    that is the default is one of them.
     """
     out: dict[str, Any] = {}
     for item in declared(record.__class__).values():
         value = getattr(record, item.name)
-        if item.default is MISSING or (value is not None and (defaults or value != item.default)):
+        known = value is not None and (defaults or (value is not item.default and value != item.default))
+        if item.default is MISSING or known:
             out[item.key] = written(item.key, value, defaults=defaults)
     return out
 
@@ -178,18 +187,31 @@ Kind = TypeVar("Kind")
 def as_read(kind: type[Kind], table: Mapping[str, Any], *, units: bool = True) -> Kind:
     """Return the dataclass that a table was made of: by `as_written`, or, units False, by `dataclasses.asdict`.
 
-    None is NaN where a number must stand, as JSON has it; keys of no field are left out.
+    None is NaN where a number must stand, as JSON has it; keys of no field are left out, and fields that a dataclass sets itself.
     """
-    keys = {(item.key if units else name): item for name, item in declared(kind).items()}
+    own = {item.name for item in fields(cast("Any", kind)) if item.init}
+    keys = {(item.key if units else name): item for name, item in declared(kind).items() if name in own}
     return kind(**{item.name: _read(item, table[key], units) for key, item in keys.items() if key in table})
 
 
+def required(kind: type) -> list[str]:
+    """Return the keys of the fields that have no default."""
+    return [item.key for item in declared(kind).values() if item.default is MISSING]
+
+
+def in_unit(record: Any, name: str) -> tuple[Any, str]:
+    """Return the value of a field in the unit of its key, and the name of that unit."""
+    key = declared(record.__class__)[name].key
+    return written(key, getattr(record, name)), unit_of(key).name
+
+
 def _read(item: Declared, value: Any, units: bool) -> object:
-    if item.table is not None:
-        kind: type[Any] = item.table
+    if item.tables:
         if isinstance(value, list):
-            return tuple(as_read(kind, one, units=units) for one in cast("list[Any]", value))
-        return None if value is None else as_read(kind, value, units=units)
+            return tuple(_one_of(item.tables, one, units) for one in cast("list[Any]", value))
+        if isinstance(value, dict) and _of_names(item.hint):
+            return {name: _one_of(item.tables, one, units) for name, one in cast("dict[str, Any]", value).items()}
+        return None if value is None else _one_of(item.tables, cast("dict[str, Any]", value), units)
     key = item.key if units else ""
     if isinstance(value, dict):
         none = math.nan if get_args(item.hint)[1:] == (float,) else None
@@ -200,6 +222,18 @@ def _read(item: Declared, value: Any, units: bool) -> object:
         return tuple(math.nan if part is None else part for part in cast("tuple[Any, ...]", value))
     number = (get_args(item.hint)[0] if get_origin(item.hint) is Annotated else item.hint) is float
     return math.nan if value is None and number else cast("object", value)
+
+
+def _one_of(kinds: Sequence[type[Any]], table: Mapping[str, Any], units: bool) -> object:
+    """Return the first of several dataclasses that has all keys of a table, or else the first."""
+    keys = [{item.key if units else name for name, item in declared(kind).items()} for kind in kinds]
+    fitting = (kind for kind, known in zip(kinds, keys, strict=True) if known >= table.keys())
+    return as_read(next(fitting, kinds[0]), table, units=units)
+
+
+def _of_names(hint: Any) -> bool:
+    """Whether a field holds its dataclasses by name."""
+    return get_origin(hint) is dict or (get_origin(hint) is Annotated and _of_names(get_args(hint)[0]))
 
 
 def _suffix(key: str) -> str:
@@ -224,8 +258,8 @@ def _found(hint: Any, kind: type) -> Any:
     return next((found for part in inner if (found := _found(part, kind)) is not None), None)
 
 
-def _table(hint: Any) -> type | None:
-    """Return the dataclass that a field holds, one or several of them, or None."""
+def _tables(hint: Any) -> tuple[type, ...]:
+    """Return the dataclasses of which a field holds one or several."""
     if isinstance(hint, type) and is_dataclass(hint):
-        return hint
-    return next((found for part in get_args(hint) if (found := _table(part)) is not None), None)
+        return (hint,)
+    return tuple(found for part in get_args(hint) for found in _tables(part))

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from churchpipe.io.records import Strength
-from churchpipe.model.names import MODELS
+from churchpipe.io.summary import Pair, Summary
+from churchpipe.match import Figure
 from churchpipe.model.results import CapacityCurve
 from churchpipe.model.shell import ShellModel
 from churchpipe.model.swept import of_both
@@ -27,18 +28,17 @@ def partner(row: Row, rows: Sequence[Row]) -> int:
     return next((number for number, other in enumerate(rows) if question(other) == question(row)), -1)
 
 
-def compared(summary: Mapping[str, Any], rows: Sequence[Row]) -> list[list[str]]:
+def compared(pairs: Sequence[Pair], rows: Sequence[Row]) -> list[list[str]]:
     """Return the cells of the table of pairs: load, then analysis and load factor of either model, shell over blocks, overlap."""
     by_name = {row.record.name: row for row in rows}
     out: list[list[str]] = []
-    for pair in summary.get("comparison", ()):
-        blocks, shell = (by_name.get(str(pair.get(model))) for model in MODELS)
+    for pair in pairs:
+        blocks, shell = by_name.get(pair.blocks), by_name.get(pair.shell)
         if blocks and shell:
             cells = [text for row in (blocks, shell) for text in (_words(row), figure(row.value("load_factor"), 4))]
-            ratio, overlap = pair.get("ratio"), pair.get("overlap")
             ends = [
-                "" if ratio is None else minus(f"{100 * (ratio - 1):+.1f} %"),
-                "" if overlap is None else minus(f"{overlap:.2f}"),
+                "" if pair.ratio is None else minus(f"{100 * (pair.ratio - 1):+.1f} %"),
+                "" if pair.overlap is None else minus(f"{pair.overlap:.2f}"),
             ]
             out.append([blocks.load, *cells, *ends])
     return out
@@ -49,37 +49,31 @@ def _words(row: Row) -> str:
     return ", ".join([row.kind, *([row.mesh_size] if row.mesh_size else []), f"friction {friction_text(row)}", *more])
 
 
-def gate(summary: Mapping[str, Any], meshes: Sequence[str]) -> dict[str, Any] | None:
+def gate(summary: Summary, meshes: Sequence[str]) -> dict[str, Any] | None:
     """Return the gate of the first of a report's meshes as text, or None: passed, message, unfit stones, rows of figures."""
-    shells = summary.get("shells", {})
-    match = next((shells[name]["match"] for name in meshes if name in shells), summary.get("match"))
+    match = next((summary.shells[name].match for name in meshes if name in summary.shells), summary.match)
     if match is None:
         return None
     rows = [
         [
-            *(item["name"], *(_quantity(item[key], item["unit"]) for key in ("stones", "shell")), *_apart(item)),
-            "agrees" if item["passed"] else "differs",
+            *(item.name, *(_quantity(value, item.unit) for value in (item.stones, item.shell)), *_apart(item)),
+            "agrees" if item.passed else "differs",
         ]
-        for item in match.get("figures", ())
+        for item in match.figures
     ]
-    overlap = match.get("junction_overlap")
-    return {
-        "passed": match["passed"],
-        "message": match.get("message", ""),
-        "unfit": match.get("unfit", []),
-        "rows": rows,
-        "junction_overlap": "" if overlap is None else f"{100 * overlap:.1f} %",
-    }
+    overlap = match.junction_overlap
+    words = {key: getattr(match, key) for key in ("passed", "message", "unfit")}
+    return words | {"rows": rows, "junction_overlap": "" if overlap is None else f"{100 * overlap:.1f} %"}
 
 
 def _quantity(value: float, unit: str) -> str:
     return minus(f"{value:.6g}") + (f" {unit}" if unit else "")
 
 
-def _apart(item: Mapping[str, Any]) -> tuple[str, str]:
-    if item["unit"] == "degrees":
-        return f"{item['difference']:.2f}\u00b0", f"{item['tolerance']:g}\u00b0"
-    return small(item["difference"]), f"{100 * item['tolerance']:g} %"
+def _apart(item: Figure) -> tuple[str, str]:
+    if item.unit == "degrees":
+        return f"{item.difference:.2f}\u00b0", f"{item.tolerance:g}\u00b0"
+    return small(item.difference), f"{100 * item.tolerance:g} %"
 
 
 def capacity_plots(rows: Sequence[Row]) -> list[tuple[str, str]]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from churchpipe.io.atomic import write_text
 from churchpipe.io.records import Analysis
-from churchpipe.io.sample_study import study_of
+from churchpipe.io.summary import ShellSize, Size, Summary
 from churchpipe.mechanism import stone_of_point
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import KINDS, Contacts
@@ -42,7 +42,7 @@ from churchpipe.report.title_block import MATERIAL_HEADINGS, material_rows, titl
 from churchpipe.report.uncertainty import uncertainty_section
 from churchpipe.report.variants import link_to, variants_section
 from churchpipe.report.vault_sections import vault_sections
-from churchpipe.stones.account import joints_lines, joints_record
+from churchpipe.stones.account import joint_account, joint_lines
 
 CARDS = 8
 
@@ -50,8 +50,7 @@ CARDS = 8
 def write_report(
     path: str | Path,
     *,
-    summary: Mapping[str, Any],
-    analyses: Sequence[Analysis],
+    summary: Summary,
     stones: Assemblage,
     contacts: Contacts,
     results: Sequence[tuple[Analysis, LimitState]],
@@ -71,7 +70,7 @@ def write_report(
 
     Parameters
     ----------
-    summary: the content of summary.json, analyses: its records. results: each rigid-block analysis that is drawn, and its state.
+    summary: what the run found. results: each rigid-block analysis that is drawn, and its state.
     figures_dir: where the pictures of the mechanisms are kept as PNG too (None: nowhere).
     shells: the meshes of the shell, by name. shell_results: for each analysis of the shell its record, its mesh, its state.
     published: load factors of others, see `published_rows`. project: the title block. materials: of the case, in SI.
@@ -80,7 +79,7 @@ def write_report(
 
     A picture that cannot be drawn (no graphics library) is replaced by a sentence; the report is written all the same.
     """
-    meshes = shells or {}
+    meshes, analyses = shells or {}, summary.analyses
     followed = [(record, curve) for record, curve in followed if len(curve.displacement)]
     rows = rows_of(analyses, results, shell_results)
     of_blocks = [row for row in rows if row.state is not None]
@@ -91,18 +90,18 @@ def write_report(
     with _pictures(stones, contacts, meshes, of_blocks, of_shell, figures_dir, borne or {}, followed) as pictures:
         domain, domain_words = both.domain_plot(meshes, rows)
         text = template("report.html").render(
-            name=(project or {}).get("title") or summary.get("case", ""),
+            name=(project or {}).get("title") or summary.case,
             title_block=title_block(project or {}, case_text, versions),
             drawings=drawings_svg(stones),
             material_headings=MATERIAL_HEADINGS,
             materials=material_rows(stones, materials),
-            facts=_facts(_sizes(summary, of_blocks), stones),
+            facts=_facts(summary.geometries.get(geometry or "", summary), summary.shell, stones),
             kinds=_interface_kinds(contacts),
-            joints=joints_lines(joints_record(stones, contacts)),
+            joints=joint_lines(*joint_account(stones, contacts)),
             gaps=gaps_svg(contacts),
             cards=_cards(asis, bool(of_shell)) if len(asis) <= CARDS else [],
-            uncertainty=uncertainty_section(study_of(summary), rows),
-            variants=variants_section(summary, analyses, geometry or ""),
+            uncertainty=uncertainty_section(summary.uncertainty, rows),
+            variants=variants_section(summary.variants, analyses, geometry or ""),
             elsewhere=_elsewhere(summary, geometry or ""),
             columns=[(column.title, column.meaning) for column in columns],
             rows=[[column.text(row) for column in columns] for row in rows],
@@ -114,8 +113,8 @@ def write_report(
             check=check_table(rows),
             cut_off=CUT_OFF,
             match=both.gate(summary, list(meshes)),
-            compared=both.compared(summary, rows),
-            contact_models=contact_model_rows(summary),
+            compared=both.compared(summary.comparison, rows),
+            contact_models=contact_model_rows(summary.contact_models),
             capacity=both.capacity_plots(rows),
             movements=movements_shown(moved),
             vault_sections=vault_sections(stones, contacts, of_blocks),
@@ -125,8 +124,8 @@ def write_report(
             mesh_plot=both.mesh_plot(rows),
             domain=domain,
             domain_words=domain_words,
-            guidance=summary.get("guidance", []),
-            questions=summary.get("questions", []),
+            guidance=summary.guidance,
+            questions=summary.questions,
             load_rows=load_rows(borne or {}),
             beam_rows=beam_rows(stones),
             tie_rows=tie_rows(rows),
@@ -156,31 +155,22 @@ def write_report(
     write_text(path, text)
 
 
-def _elsewhere(summary: Mapping[str, Any], here: str) -> list[tuple[str, str]]:
+def _elsewhere(summary: Summary, here: str) -> list[tuple[str, str]]:
     """Return name and address of the reports of the other geometries of a run: of a sweep, or of variants."""
-    names = list(summary.get("geometries", {}))
+    names = list(summary.geometries)
     return [(name, link_to(here, name, names[0])) for name in names if name != here]
 
 
-def _sizes(summary: Mapping[str, Any], rows: Sequence[Row]) -> Mapping[str, Any]:
-    """Return the part of the summary that holds the sizes of the geometry that is drawn."""
-    geometry = rows[0].record.geometry or "" if rows else ""
-    return {**summary, **summary.get("geometries", {}).get(geometry, {})}
-
-
-def _facts(summary: Mapping[str, Any], stones: Assemblage) -> list[tuple[str, str]]:
+def _facts(found: Size, shell: ShellSize | None, stones: Assemblage) -> list[tuple[str, str]]:
     free = stones.points[~stones.fixed[stone_of_point(stones)]]
     size = " \u00d7 ".join(f"{length:.2f}" for length in np.ptp(free, axis=0))
-    facts = [(title, f"{summary[key]:,}") for key, title in _COUNTS.items() if isinstance(summary.get(key), int)]
-    if isinstance(summary.get("weight_kN"), int | float):
-        weight = summary["weight_kN"]
-        facts.append(("weight", f"{weight:,.0f} kN" if weight >= 1e3 else f"{weight:.4g} kN"))
-    facts.append(("length \u00d7 width \u00d7 height", f"{size} m"))
-    shell = summary.get("shell") or {}
-    return facts + [(f"shell {key}", f"{value:,}") for key, value in shell.items() if isinstance(value, int)]
-
-
-_COUNTS = {"blocks": "stones", "interfaces": "interfaces", "contact_points": "contact points"}
+    weight = found.weight / 1e3
+    counts = {"stones": found.blocks, "interfaces": found.interfaces, "contact points": found.contact_points}
+    counts |= {"shell elements": shell.elements, "shell nodes": shell.nodes} if shell else {}
+    facts = [(title, f"{count:,}") for title, count in counts.items()]
+    of_stones = [("weight", f"{weight:,.0f} kN" if weight >= 1e3 else f"{weight:.4g} kN")]
+    of_stones.append(("length \u00d7 width \u00d7 height", f"{size} m"))
+    return facts[:3] + of_stones + facts[3:]
 
 
 def _interface_kinds(contacts: Contacts) -> str:

@@ -1,10 +1,13 @@
 """The safety check and the macro-elements of the mechanisms, as the rows of two tables."""
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Sequence
 from typing import Any
 
 from churchpipe.io.records import Analysis
 from churchpipe.mechanism import STILL, TAKES_PART, Part
+from churchpipe.model.checks import Check, SafetyCheck
+from churchpipe.model.quantities import in_unit
 from churchpipe.report.table import Row, amount, figure, minus
 
 # Share of the mechanism's speed from which on a stone is said to move.
@@ -15,21 +18,21 @@ NOT_SATISFIED = "not satisfied"
 # Headings with what they mean; those from "a_g" on stand only where the case says what the earthquake asks.
 ACTIVATION = (
     ("\u03b1\u2080", "load factor, as a multiplier of all weights that move", "alpha0", 4),
-    ("Moving, kN", "weight of the stones that move", "moving_weight_kN", 0),
+    ("Moving, kN", "weight of the stones that move", "moving_weight", 0),
     ("Stones", f"stones that move: faster than {CUT_OFF} of the mechanism", "moving_stones", 0),
     ("FC", "confidence factor", "confidence_factor", 2),
-    ("a\u2080*, m/s\u00b2", "spectral acceleration that activates the mechanism, with e* = 1", "a0_lumped_m_s2", 3),
-    ("M*, t", "participating mass of the stones", "participating_mass_t", 1),
+    ("a\u2080*, m/s\u00b2", "spectral acceleration that activates the mechanism, with e* = 1", "a0_lumped", 3),
+    ("M*, t", "participating mass of the stones", "participating_mass", 1),
     ("e* of stones", "fraction of the moving mass that participates, each stone lumped at its centroid", "mass_fraction", 3),
-    ("a\u2080* of stones", "the same acceleration with e* of the stones, m/s\u00b2", "a0_m_s2", 3),
+    ("a\u2080* of stones", "the same acceleration with e* of the stones, m/s\u00b2", "a0", 3),
 )
 SITE = (
-    ("a_g, m/s\u00b2", "ground acceleration on rock", "a_g_m_s2", 3),
+    ("a_g, m/s\u00b2", "ground acceleration on rock", "a_g", 3),
     ("S", "soil factor", "soil_factor", 2),
     ("q", "behaviour factor", "q", 1),
-    ("a_g S / q", "demand at the ground, m/s\u00b2", "demand_m_s2", 3),
-    ("a_Z / q", "demand at the height of the mechanism, m/s\u00b2", "floor_demand_m_s2", 3),
-    ("a_g,SLV", "ground acceleration that the mechanism withstands, with e* = 1, m/s\u00b2", "a_g_slv_m_s2", 3),
+    ("a_g S / q", "demand at the ground, m/s\u00b2", "demand", 3),
+    ("a_Z / q", "demand at the height of the mechanism, m/s\u00b2", "floor_demand", 3),
+    ("a_g,SLV", "ground acceleration that the mechanism withstands, with e* = 1, m/s\u00b2", "a_g_slv", 3),
     ("\u03b6_E", "a_g,SLV over a_g, with e* = 1", "zeta_e", 2),
     ("\u03b6_E, FC 1.35", "\u03b6_E with the confidence factor of the lowest knowledge level, e* = 1", "zeta_e_lc1", 2),
     ("\u03b6_E of stones", "the same with e* of the stones", "zeta_e_stones", 2),
@@ -39,54 +42,54 @@ SITE = (
 def check_table(rows: Sequence[Row]) -> dict[str, Any] | None:
     """Return the table of safety checks, or None where no analysis has one: headings, rows of cells, chips (the
     column of the verdicts, where there is one), sited, refused."""
-    # Capacity curves have a check of their own: `report.displacements`.
-    of_limits = [row for row in rows if row.record.method != "curve"]
-    found = [(row, row.record.check) for row in of_limits if row.record.check]
-    good = [(row, check) for row, check in found if "a0_m_s2" in check]
+    found = [
+        (row, row.record.check) for row in rows if isinstance(row.record.check, SafetyCheck) and row.record.method != "curve"
+    ]
+    good = [(row, check) for row, check in found if not check.message]
     if not found:
         return None
-    columns = [*ACTIVATION, *(column for column in SITE if any(column[2] in check for _, check in good))]
-    sited = any("zeta_e" in check for _, check in good)
+    columns = [*ACTIVATION, *(column for column in SITE if any(_cell(check, *column[2:]) for _, check in good))]
+    sited = any(check.satisfied is not None for _, check in good)
     return {
         "headings": ["Analysis", *((title, meaning) for title, meaning, _, _ in columns), *(["Verdict"] if sited else [])],
         "rows": [
-            [row.label, *(_cell(check.get(key), digits) for *_, key, digits in columns), *([verdict(check)] if sited else [])]
+            [row.label, *(_cell(check, *column[2:]) for column in columns), *([verdict(check)] if sited else [])]
             for row, check in good
         ],
         "chips": [len(columns) + 1] if sited else [],
         "kinds": ["crushing" if row.record.crushes else "" for row, _ in good],
         "sited": sited,
-        "floor": any("floor_demand_m_s2" in check for _, check in good),
-        "refused": [(row.label, check["message"]) for row, check in found if "message" in check],
+        "floor": any(math.isfinite(check.floor_demand) for _, check in good),
+        "refused": [(row.label, check.message) for row, check in found if check.message],
     }
 
 
-def _cell(value: object, digits: int) -> str:
-    return "" if value is None else amount(value, digits)
+def _cell(check: SafetyCheck, name: str, digits: int) -> str:
+    value, _ = in_unit(check, name)
+    return "" if value is None or math.isnan(value) else amount(value, digits)
 
 
-def verdict(check: Mapping[str, Any]) -> str:
-    """Return whether a safety check is satisfied, in words; "" where the case says nothing of the site."""
-    if "satisfied" not in check:
+def verdict(check: Check | None) -> str:
+    """Return whether a safety check is satisfied, in words; "" where there is none or the case says nothing of the site."""
+    if check is None or check.satisfied is None:
         return ""
-    if check["satisfied"]:
+    if check.satisfied:
         return "satisfied"
-    return "only with e* of stones" if check.get("satisfied_stones") else NOT_SATISFIED
+    return "only with e* of stones" if check.satisfied_stones else NOT_SATISFIED
 
 
 def safety_index(row: Row) -> str:
     """Return zeta_E of a row's check with its verdict, with e* = 1 first; "" where the case says nothing of the site."""
     check = row.record.check
-    if not check or "zeta_e" not in check:
+    if check is None or check.satisfied is None:
         return ""
-    words = f"\u03b6_E = {figure(check['zeta_e'], 2)}, {verdict(check)}"
-    stones = check.get("zeta_e_stones")
-    return words if stones is None else f"{words}; with e* of the stones {figure(stones, 2)}"
+    of_stones = figure(check.zeta_e_stones, 2)
+    return f"\u03b6_E = {figure(check.zeta_e, 2)}, {verdict(check)}; with e* of the stones {of_stones}"
 
 
 def fails(row: Row) -> bool:
     """Return whether a row's check was made and is not satisfied."""
-    return (row.record.check or {}).get("satisfied") is False
+    return row.record.check is not None and row.record.check.satisfied is False
 
 
 def part_overview(rows: Sequence[Row]) -> dict[str, Any] | None:

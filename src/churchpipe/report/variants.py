@@ -8,6 +8,7 @@ from urllib.parse import quote
 import numpy as np
 
 from churchpipe.io.records import Analysis
+from churchpipe.io.summary import VariantResult
 from churchpipe.report import colours
 from churchpipe.report.plots import legend_beside, new_plot, svg_of
 from churchpipe.report.safety import safety_index, what_moves
@@ -16,27 +17,26 @@ from churchpipe.report.table import Row, figure, minus, setting, swept
 AS_IS = "as it is"
 
 
-def variants_section(summary: Mapping[str, Any], analyses: Sequence[Analysis], geometry: str) -> dict[str, Any] | None:
+def variants_section(variants: Sequence[VariantResult], analyses: Sequence[Analysis], geometry: str) -> dict[str, Any] | None:
     """Return what the section of the variants shows, or None of a case without variants.
 
     headings: of the load factors, by model and kind. costs: names of the cost figures. rows: one for each load and variant.
     chart: SVG. geometry: the one whose report it is for, "" where there is one alone; the others' reports are linked.
     """
-    variants = summary.get("variants", ())
     if len(variants) < 2:
         return None
     known = {record.name: Row(record) for record in analyses if record.method != "curve"}
     cells: dict[str, dict[str, dict[str, Row]]] = {}
     for variant in variants:
-        for row in (known[name] for name in variant["analyses"] if name in known):
-            cells.setdefault(_asked(row), {}).setdefault(variant["name"] or AS_IS, {}).setdefault(_kind(row), row)
+        for row in (known[name] for name in variant.analyses if name in known):
+            cells.setdefault(_asked(row), {}).setdefault(variant.name or AS_IS, {}).setdefault(_kind(row), row)
     kinds = list(dict.fromkeys(kind for of_load in cells.values() for found in of_load.values() for kind in found))
-    costs = list(dict.fromkeys(key for variant in variants for key in variant["cost"]))
-    first = variants[0]["geometry"]
+    costs = list(dict.fromkeys(key for variant in variants for key in variant.cost))
+    first = variants[0].geometry
     rows: list[dict[str, Any]] = []
     for load, of_load in cells.items():
         for variant in variants:
-            name = variant["name"] or AS_IS
+            name = variant.name or AS_IS
             if name not in of_load:
                 continue
             found, asis = of_load[name], of_load.get(AS_IS, {})
@@ -44,14 +44,14 @@ def variants_section(summary: Mapping[str, Any], analyses: Sequence[Analysis], g
                 {
                     "load": load,
                     "name": name,
-                    "link": link_to(geometry or first, variant["geometry"], first),
+                    "link": link_to(geometry or first, variant.geometry, first),
                     "factors": [_factor(found.get(kind), asis.get(kind), name) for kind in kinds],
                     "moves": next((words for row in found.values() if (words := what_moves(row.record))), ""),
                     "check": _check(found.values()),
-                    "costs": [_cost(variant["cost"].get(key)) for key in costs],
+                    "costs": [_cost(variant.cost.get(key)) for key in costs],
                 }
             )
-    return {"headings": kinds, "costs": costs, "rows": rows, "chart": _chart(cells, [v["name"] or AS_IS for v in variants])}
+    return {"headings": kinds, "costs": costs, "rows": rows, "chart": _chart(cells, [v.name or AS_IS for v in variants])}
 
 
 def _asked(row: Row) -> str:
@@ -78,7 +78,7 @@ def _factor(row: Row | None, asis: Row | None, name: str) -> tuple[str, str]:
 
 def _check(rows: Iterable[Row]) -> str:
     """Return the lowest safety index of several analyses, with e* = 1, and its verdict."""
-    checked = [(check["zeta_e"], row) for row in rows if "zeta_e" in (check := row.record.check or {})]
+    checked = [(check.zeta_e, row) for row in rows if (check := row.record.check) and check.satisfied is not None]
     lowest = min(checked, key=lambda one: one[0], default=(0.0, None))[1]
     return safety_index(lowest).partition(";")[0] if lowest else ""
 

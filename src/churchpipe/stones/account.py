@@ -2,8 +2,8 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Annotated
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import TOUCHING, Contacts
 from churchpipe.model.polyhedra import face_normals
+from churchpipe.model.quantities import Quantity
 
 # How many stones, or pairs of stones, a message names.
 NAMED = 8
@@ -20,6 +21,57 @@ _OPTIONS = {
     "contact_angle_deg": "--contact-angle-deg {:g}",
     "overlap_mm": "--overlap {:g}mm",
 }
+
+
+@dataclass(frozen=True, slots=True)
+class NearMiss:
+    """Two stones that nearly meet: their names, how far apart (negative: how deep in each other) and turned, and where."""
+
+    stones: tuple[str, ...]
+    gap: Annotated[float, Quantity("_mm")]
+    angle: Annotated[float, Quantity("_deg")]
+    place: Annotated[tuple[float, ...], Quantity("_m")]
+
+
+@dataclass(frozen=True, slots=True)
+class NearMissAccount:
+    """All near misses: least and greatest gap and angle, share of all area that meets or nearly meets, the largest ones, and the
+    keys of [rigid] whose values would make joints of them."""
+
+    count: int
+    gap: Annotated[tuple[float, ...], Quantity("_mm")] = ()
+    angle: Annotated[tuple[float, ...], Quantity("_deg")] = ()
+    area_share: float = 0.0
+    largest: tuple[NearMiss, ...] = ()
+    joined_by: dict[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Closed:
+    """Joints that were closed across a gap."""
+
+    count: int
+    largest_gap: Annotated[float, Quantity("_mm")]
+
+
+@dataclass(frozen=True, slots=True)
+class Interpenetrating:
+    """Joints of stones that lie in each other."""
+
+    count: int
+    deepest: Annotated[float, Quantity("_mm")]
+
+
+@dataclass(frozen=True, slots=True)
+class JointTolerances:
+    """The tolerances that decided which faces meet, which of them the person gave, and which joints needed them."""
+
+    contact_gap: Annotated[float, Quantity("_mm")]
+    contact_angle: Annotated[float, Quantity("_deg")]
+    overlap: Annotated[float, Quantity("_mm")]
+    given: tuple[str, ...]
+    closed: Closed
+    interpenetrating: Interpenetrating
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,63 +123,53 @@ def tolerances_that_join(contacts: Contacts, rows: IntArray) -> dict[str, float]
     return {key: _above(value) for key, value in wanted.items()}
 
 
-def joints_record(stones: Assemblage, contacts: Contacts) -> dict[str, Any]:
-    """Return the surfaces, near misses and tolerances under the keys of summary.json."""
+def joint_account(stones: Assemblage, contacts: Contacts) -> tuple[NearMissAccount, JointTolerances]:
+    """Return what nearly meets, and what decided that the rest meets."""
     near, now = contacts.near_misses, contacts.tolerances
     widest, deepest = contacts.gap.max(axis=1, initial=0.0), (-contacts.gap).max(axis=1, initial=0.0)
     largest = np.argsort(-near.area, kind="stable")[:NAMED]
-    near_record: dict[str, Any] = {"count": len(near)}
+    found = NearMissAccount(0)
     if len(near):
-        near_record |= {
-            "gap_mm": [_figure(1e3 * float(near.gap.min())), _figure(1e3 * float(near.gap.max()))],
-            "angle_deg": [_figure(math.degrees(float(edge))) for edge in (near.angle.min(), near.angle.max())],
-            "area_share": _figure(near_miss_share(contacts)),
-            "largest": [_near_miss(stones, contacts, row) for row in largest.tolist()],
-            "joined_by": tolerances_that_join(contacts, np.arange(len(near))),
-        }
-    joints = {
-        "contact_gap_mm": _figure(1e3 * now.contact_gap),
-        "contact_angle_deg": _figure(math.degrees(now.contact_angle)),
-        "overlap_mm": _figure(1e3 * now.overlap),
-        "given": list(now.given),
-        "closed": {"count": int((widest > TOUCHING).sum()), "largest_gap_mm": _figure(1e3 * float(widest.max(initial=0.0)))},
-        "interpenetrating": {
-            "count": int((deepest > TOUCHING).sum()),
-            "deepest_mm": _figure(1e3 * float(deepest.max(initial=0.0))),
-        },
-    }
-    return {"near_misses": near_record, "joints": joints}
-
-
-def joints_lines(record: Mapping[str, Any]) -> list[str]:
-    """Return a `joints_record` as sentences. There are none for stones that fit exactly."""
-    now, near = record["joints"], record["near_misses"]
-    closed, deep = now["closed"], now["interpenetrating"]
-    origin = "as asked for" if "contact_gap" in now["given"] else "proposed from the gaps of the stones"
-    lines: list[str] = []
-    if closed["count"]:
-        lines.append(
-            f"Joints closed across a gap: {closed['count']}, up to {closed['largest_gap_mm']:g} mm where widest; contact gap "
-            f"{now['contact_gap_mm']:g} mm, {origin}."
+        found = NearMissAccount(
+            len(near),
+            (float(near.gap.min()), float(near.gap.max())),
+            (float(near.angle.min()), float(near.angle.max())),
+            near_miss_share(contacts),
+            tuple(_near_miss(stones, contacts, row) for row in largest.tolist()),
+            tolerances_that_join(contacts, np.arange(len(near))),
         )
-    if deep["count"]:
-        lines.append(f"Joints of stones that lie in each other: {deep['count']}, up to {deep['deepest_mm']:g} mm where deepest.")
-    if near["count"]:
-        named = "; ".join(near_miss_words(item) for item in near["largest"][:3])
-        low, high = near["gap_mm"]
+    closed = Closed(int((widest > TOUCHING).sum()), float(widest.max(initial=0.0)))
+    deep = Interpenetrating(int((deepest > TOUCHING).sum()), float(deepest.max(initial=0.0)))
+    return found, JointTolerances(now.contact_gap, now.contact_angle, now.overlap, tuple(now.given), closed, deep)
+
+
+def joint_lines(near: NearMissAccount, now: JointTolerances) -> list[str]:
+    """Return a `joint_account` as sentences. There are none for stones that fit exactly."""
+    closed, deep = now.closed, now.interpenetrating
+    origin = "as asked for" if "contact_gap" in now.given else "proposed from the gaps of the stones"
+    lines: list[str] = []
+    if closed.count:
         lines.append(
-            f"Near misses: {near['count']} pairs of faces face each other and are no joint, {low:g} to {high:g} mm apart and up "
-            f"to {near['angle_deg'][1]:g} degrees from parallel, {100 * near['area_share']:.2g} % of all area that meets or "
-            f"nearly meets. The largest: {named}. {_settings(near['joined_by'])} in [rigid] makes joints of them."
+            f"Joints closed across a gap: {closed.count}, up to {1e3 * closed.largest_gap:.3g} mm where widest; contact gap "
+            f"{1e3 * now.contact_gap:.3g} mm, {origin}."
+        )
+    if deep.count:
+        lines.append(f"Joints of stones that lie in each other: {deep.count}, up to {1e3 * deep.deepest:.3g} mm where deepest.")
+    if near.count:
+        named = "; ".join(near_miss_words(item) for item in near.largest[:3])
+        low, high = (f"{1e3 * gap:.3g}" for gap in near.gap)
+        lines.append(
+            f"Near misses: {near.count} pairs of faces face each other and are no joint, {low} to {high} mm apart and up "
+            f"to {math.degrees(near.angle[1]):.3g} degrees from parallel, {100 * near.area_share:.2g} % of all area that meets "
+            f"or nearly meets. The largest: {named}. {_settings(near.joined_by)} in [rigid] makes joints of them."
         )
     return lines
 
 
-def near_miss_words(item: Mapping[str, Any]) -> str:
-    """Return one near miss of a record as text."""
-    first, second = item["stones"]
-    place = ", ".join(f"{x:g}" for x in item["place_m"])
-    return f"{first} and {second}, {item['gap_mm']:g} mm and {item['angle_deg']:g} degrees, at ({place}) m"
+def near_miss_words(item: NearMiss) -> str:
+    """Return one near miss as text."""
+    place = ", ".join(f"{x:.4g}" for x in item.place)
+    return f"{' and '.join(item.stones)}, {1e3 * item.gap:.3g} mm and {math.degrees(item.angle):.3g} degrees, at ({place}) m"
 
 
 def remedy_words(stones: Assemblage, contacts: Contacts, rows: IntArray) -> str:
@@ -144,25 +186,17 @@ def remedy_words(stones: Assemblage, contacts: Contacts, rows: IntArray) -> str:
     )
 
 
-def _near_miss(stones: Assemblage, contacts: Contacts, row: int) -> dict[str, Any]:
+def _near_miss(stones: Assemblage, contacts: Contacts, row: int) -> NearMiss:
     near = contacts.near_misses
-    return {
-        "stones": [str(stones.block_id[stone]) for stone in near.stones[row]],
-        "gap_mm": _figure(1e3 * float(near.gap[row])),
-        "angle_deg": _figure(math.degrees(float(near.angle[row]))),
-        "place_m": [_figure(float(x), 4) for x in near.place[row]],
-    }
+    names = tuple(str(stones.block_id[stone]) for stone in near.stones[row])
+    return NearMiss(names, float(near.gap[row]), float(near.angle[row]), tuple(near.place[row].tolist()))
 
 
 def _settings(wanted: Mapping[str, float]) -> str:
     return ", ".join(f"{key} = {value:g}" for key, value in wanted.items())
 
 
-def _figure(value: float, digits: int = 3) -> float:
-    return float(f"{value:.{digits}g}")
-
-
 def _above(value: float) -> float:
     """Return a value rounded up to two digits. An excess as small as rounding is not rounded up."""
     step = 10.0 ** (math.floor(math.log10(max(value, 1e-6))) - 1)
-    return _figure(math.ceil(value / step - 1e-6) * step, 6)
+    return float(f"{math.ceil(value / step - 1e-6) * step:.6g}")

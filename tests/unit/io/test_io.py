@@ -13,10 +13,10 @@ import pyvista
 
 from churchpipe.errors import InputError
 from churchpipe.generators import GENERATORS
-from churchpipe.io.atomic import canonical_json, replacing, write_if_changed
+from churchpipe.io.atomic import canonical_json, read_json, replacing, write_if_changed
 from churchpipe.io.building_json import SCHEMA, read_building, write_building
 from churchpipe.io.npz import Absent, read_if_made, read_npz, write_npz
-from churchpipe.io.tables import read_json, write_table
+from churchpipe.io.tables import write_table
 from churchpipe.io.vtu import write_vtu
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
@@ -25,6 +25,7 @@ from churchpipe.model.results import CapacityCurve, CapacityStep, Iteration, Lim
 from churchpipe.model.shell import ShellModel
 from churchpipe.stones.contacts import find_contacts
 from churchpipe.stones.joints import joint_strength
+from records import analysis
 from solids import box, moved, on_ground, prism
 
 ROOT2, ROOT3, PI = np.sqrt(2.0), np.sqrt(3.0), np.pi
@@ -281,7 +282,7 @@ def test_an_artifact_that_could_not_be_made_says_why(tmp_path: Path) -> None:
 
 
 def test_table_has_what_was_swept_first(tmp_path: Path) -> None:
-    rows = [{"flow": "associative", "load_factor": 0.25, "swept": {"source.courses": n}, "status": "optimal"} for n in (3, 4)]
+    rows = [analysis(flow="associative", load_factor=0.25, swept={"source.courses": n}) for n in (3, 4)]
     write_table(tmp_path / "table.csv", rows)
     with (tmp_path / "table.csv").open() as file:
         read = list(csv.DictReader(file))
@@ -292,7 +293,7 @@ def test_table_has_what_was_swept_first(tmp_path: Path) -> None:
 
 def test_a_spreadsheet_computes_nothing_of_a_table(tmp_path: Path) -> None:
     names = ["=cmd|calc!A1", "+1+2", "-2*3", "@SUM(A1)", "\t=1", "\r=1", "+x", "-y", "-yes", "east"]
-    write_table(tmp_path / "table.csv", [{"load": name, "load_factor": -0.5} for name in names])
+    write_table(tmp_path / "table.csv", [analysis(load=name, load_factor=-0.5) for name in names])
     with (tmp_path / "table.csv").open(newline="") as file:
         read = list(csv.DictReader(file))
     assert [row["load"] for row in read] == [*(f"'{name}" for name in names[:6]), "+x", "-y", "'-yes", "east"]

@@ -9,16 +9,18 @@ import numpy as np
 import pytest
 
 from churchpipe.errors import InputError
-from churchpipe.io.atomic import canonical_json
+from churchpipe.io.atomic import canonical_json, write_json
 from churchpipe.io.recording import shell_record_of
-from churchpipe.io.records import Analysis, analyses_of, read_record, words_of, write_record
+from churchpipe.io.records import Analysis, read_record, write_record
+from churchpipe.io.summary import read_summary
 from churchpipe.io.tie_records import Gain, TieCandidate, TieForce
 from churchpipe.mechanism import Part
 from churchpipe.model.joint_group import JointGroup
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
+from churchpipe.model.quantities import as_read, as_written
 from churchpipe.model.results import CapacityCurve, CapacityStep
-from records import analysis
+from records import EMPTY, analysis
 
 ASSOCIATIVE = replace(
     analysis(flow="associative", contact_model="corners", friction={"tuff": 0.6, "brick": 0.5}, cohesion_kPa=2.5, iterations=17),
@@ -56,8 +58,8 @@ RECORDS = [ASSOCIATIVE, SLIDING, PUSHOVER, analysis(model="homogenised-shell", m
 @pytest.mark.parametrize("record", RECORDS)
 def test_records_come_back(record: Analysis, tmp_path: Path) -> None:
     write_record(tmp_path / "a.json", record)
-    assert read_record(tmp_path / "a.json") == record
-    assert analyses_of({"analyses": [json.loads(canonical_json(words_of(record)))]}) == [record]
+    assert read_record(tmp_path / "a.json", Analysis) == record
+    assert as_read(Analysis, json.loads(canonical_json(as_written(record, defaults=False)))) == record
 
 
 def test_artifacts_are_in_si_and_summaries_in_the_units_of_their_keys(tmp_path: Path) -> None:
@@ -66,13 +68,13 @@ def test_artifacts_are_in_si_and_summaries_in_the_units_of_their_keys(tmp_path: 
     assert stored["cohesion"] == 2500.0
     assert stored["control"] == [0.0, 0.0015]
     assert stored["lower_bound"] is None
-    words = words_of(PUSHOVER)
+    words = as_written(PUSHOVER, defaults=False)
     assert (words["cohesion_kPa"], words["friction"]) == (2.5, {"tuff": 0.6, "brick": 0.5})
     assert words["control_mm"] == [0.0, 1.5]
     assert words["steps"] == 2
     assert words["variant"] is None
     assert "lower_bound" not in words
-    words = words_of(ASSOCIATIVE)
+    words = as_written(ASSOCIATIVE, defaults=False)
     assert [words["tie_forces"][0][key] for key in ("tension_kN", "strength_kN")] == [3.0, 4.0]
     assert words["tie_forces"][0]["sensitivity_1_kN"] == pytest.approx(1e-3)
     assert words["tie_candidates"][0]["rate_1_kN"] == pytest.approx(1e-3)
@@ -86,7 +88,7 @@ def test_artifacts_are_in_si_and_summaries_in_the_units_of_their_keys(tmp_path: 
 
 def test_a_number_that_is_none_comes_back_as_nan(tmp_path: Path) -> None:
     write_record(tmp_path / "a.json", replace(ASSOCIATIVE, load_factor=math.nan, status="unstable", history=(0.2, math.nan)))
-    back = read_record(tmp_path / "a.json")
+    back = read_record(tmp_path / "a.json", Analysis)
     assert math.isnan(back.load_factor)
     assert back.history is not None
     assert math.isnan(back.history[1])
@@ -96,15 +98,16 @@ def test_a_number_that_is_none_comes_back_as_nan(tmp_path: Path) -> None:
 def test_what_is_no_record_is_named(text: str, tmp_path: Path) -> None:
     (tmp_path / "a.json").write_text(text)
     with pytest.raises(InputError, match=r"a\.json.*run the case again"):
-        read_record(tmp_path / "a.json")
+        read_record(tmp_path / "a.json", Analysis)
 
 
 def test_what_is_damaged_is_named(tmp_path: Path) -> None:
     (tmp_path / "a.json").write_text('{"schema": "churchpipe analysis 1", "load": "+x"}')
     with pytest.raises(InputError, match=r"a\.json: a damaged record.*run the case again"):
-        read_record(tmp_path / "a.json")
-    with pytest.raises(InputError, match=r"analyses of another version.*Run the case again"):
-        analyses_of({"analyses": [{"load": "+x"}]})
+        read_record(tmp_path / "a.json", Analysis)
+    write_json(tmp_path / "summary.json", EMPTY | {"analyses": [{"load": "+x"}]})
+    with pytest.raises(InputError, match=r"a summary of another version.*run the case again"):
+        read_summary(tmp_path / "summary.json")
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,6 @@
 """Supports that move, in a case: settings, stage, record, report."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,14 +14,17 @@ from churchpipe.config.case import Case
 from churchpipe.config.plan import plan
 from churchpipe.configuring import configure
 from churchpipe.errors import InputError
+from churchpipe.io.atomic import read_json
 from churchpipe.io.kept_steps import KeptSteps
-from churchpipe.io.movement_record import movement_words
+from churchpipe.io.movement_record import Turn, movement_record
 from churchpipe.io.npz import read_npz, write_npz
-from churchpipe.io.tables import read_json
+from churchpipe.io.summary import read_summary, write_summary
+from churchpipe.model.quantities import as_written, in_unit
 from churchpipe.model.settlement import SettlementPath
 from churchpipe.model.stone_path import no_step
 from churchpipe.report.movements import movements_shown
 from churchpipe.run_folder import read_run
+from records import summary
 from solids import box, on_ground
 
 CASE = """
@@ -88,31 +92,36 @@ def staged(tmp_path: Path, lines: str) -> Path:
 def test_the_stage_its_record_and_the_report(tmp_path: Path) -> None:
     run = read_run(staged(tmp_path, CORNER) / "plan.json")
     (record,) = run.movements()
-    assert (record["movement"], record["status"], record["ending"]) == ("corner", "converged", "unfinished")
-    assert record["movement_mm"][-1] == pytest.approx(20, abs=1e-6)
-    assert record["cracks"][0]["wall"] == "wall"
-    assert record["cracks"][0]["opening_mm"] == pytest.approx(20, rel=1e-3)
-    assert record["least_reaction_kN"] <= record["reaction_kN"][0]
+    assert (record.movement, record.status, record.ending) == ("corner", "converged", "unfinished")
+    assert record.displacement[-1] == pytest.approx(0.02, abs=1e-9)
+    assert record.cracks[0].wall == "wall"
+    assert record.cracks[0].opening == pytest.approx(0.02, rel=1e-3)
+    assert record.least_reaction <= record.reaction[0]
     assert run.movements("other") == []
     (shown,) = movements_shown([(record, *run.moved("corner"))])
     assert shown.sentence.endswith("at 20 mm it was not followed further.")
     # Two steps of 10 mm, or three: whether a step is cut short at an event as drawn hangs on rounding.
     (halfway, _), (last, _) = shown.maps
-    assert halfway in [f"wall, movement {moved:.3g} mm" for moved in record["movement_mm"][1:-1]]
+    assert halfway in [f"wall, movement {1e3 * moved:.3g} mm" for moved in record.displacement[1:-1]]
     assert last == "wall, movement 20 mm"
     assert all(drawing.startswith("<svg") for _, drawing in shown.maps)
     assert shown.rows[0][0] == "wall"
-    summary = {"analyses": [], "movements": [record]}
-    assert compare.bad_news(summary) == []
-    assert compare.bad_news({"analyses": [], "movements": [record | {"status": "unstable"}]})
+    assert compare.bad_news(replace(summary(), movements=(record,))) == []
+    unstable = replace(record, status="unstable")
+    assert compare.bad_news(replace(summary(), movements=(unstable,))) == [unstable]
+    # The same again from summary.json, in the units of its keys.
+    write_summary(tmp_path / "summary.json", replace(summary(), movements=(record,)))
+    assert read_json(tmp_path / "summary.json")["movements"][0]["movement_mm"][-1] == pytest.approx(20, abs=1e-6)
+    assert read_summary(tmp_path / "summary.json").movements[0].reaction == pytest.approx(record.reaction)
 
 
 def test_a_support_that_turns(tmp_path: Path) -> None:
     lines = 'name = "tilt"\nsupport = "ground"\ndirection = [1, 0, 0]\nabout_mm = [0, 125, 0]\nfurthest_deg = 3\nstep_mm = 20\n'
     (record,) = read_run(staged(tmp_path, lines) / "plan.json").movements()
-    assert record["turns"]
-    assert record["movement_deg"][-1] == pytest.approx(3, abs=1e-6)
-    assert "least_reaction_kNm" in record
+    assert isinstance(record, Turn)
+    assert record.turns
+    assert {"movement_deg", "least_reaction_kNm"} <= as_written(record).keys()
+    assert in_unit(record, "displacement")[0][-1] == pytest.approx(3, abs=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -132,7 +141,8 @@ def test_what_cannot_be_moved_is_said() -> None:
     none = np.zeros(0)
     path = SettlementPath(movement=none, reaction=none, **no_step(2), least=np.nan, status="unstable", message="it falls")
     stones = on_ground(box((0, 1), (0, 1), (0, 1)))
-    (shown,) = movements_shown([({"movement": "a"}, stones, cp.find_contacts(stones), path)])
+    asked = {"name": "a", "about": None, "direction": (0, 0, -1), "without_ties": False}
+    (shown,) = movements_shown([(movement_record(path, asked, stones, [], []), stones, cp.find_contacts(stones), path)])
     assert shown.sentence == "It could not be moved: it falls."
 
 
@@ -172,8 +182,8 @@ def test_ties_that_are_left_out_are_told(tmp_path: Path) -> None:
     words = {"name": "corner", "about": None, "direction": (0, 0, -1), "without_ties": True}
     stones = on_ground(box((0, 1), (0, 1), (0, 1)))
     moved = cp.settlement_path(stones, cp.find_contacts(stones), [0], step=0.1, furthest=0.1)
-    record = movement_words(moved, words, stones, [], [])
-    assert record["message"].endswith("; ties are left out")
+    record = movement_record(moved, words, stones, [], [])
+    assert record.message.endswith("; ties are left out")
     soft = cp.Material("default", 18e3, 0.6, compressive_strength=2e6)
-    told = movement_words(moved, words | {"without_ties": False}, stones, [soft], [])["message"]
+    told = movement_record(moved, words | {"without_ties": False}, stones, [soft], []).message
     assert told.endswith("; nothing crushes as a support moves: the compressive strength is left out")

@@ -12,8 +12,8 @@ from churchpipe.dxf.reading import Reading
 from churchpipe.errors import InputError, UsageError
 from churchpipe.findings import FindingsError
 from churchpipe.importing import check_drawing, import_drawing
+from churchpipe.io.atomic import read_json
 from churchpipe.io.npz import read_npz
-from churchpipe.io.tables import read_json
 from churchpipe.model.assemblage import Assemblage
 from mesh_files import WRITERS, fuzz_wall, write_obj
 

@@ -3,6 +3,7 @@
 import csv
 import html
 import io
+from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -11,12 +12,11 @@ import pytest
 from rich.console import Console
 
 import churchpipe as cp
-from churchpipe.io.records import words_of
 from churchpipe.io.tables import write_table
 from churchpipe.io.vtu import write_vtu
 from churchpipe.report.joints_vtu import write_joints
 from churchpipe.terminal import results_table
-from records import analysis
+from records import analysis, summary
 
 NAMES = {
     "markup": "</script></title><img src=x onerror=alert(1)>&amp;",
@@ -47,13 +47,13 @@ def test_a_name_is_text_wherever_it_stands(name: str, tmp_path: Path) -> None:
     page = (tmp_path / "r.html").read_text(encoding="utf-8")
     assert "<img src=x" not in page
     assert html.escape(name[:40].split("\n")[0], quote=False).replace('"', "&#34;").replace("'", "&#39;") in page
-    record = words_of(analysis(load=name, flow="associative", load_factor=0.5))
+    record = analysis(load=name, flow="associative", load_factor=0.5)
     write_table(tmp_path / "t.csv", [record])
     with (tmp_path / "t.csv").open(newline="", encoding="utf-8") as file:
         (row,) = csv.DictReader(file)
     assert row["load"] == (f"'{name}" if name.startswith("=") else name)
     console = Console(file=io.StringIO(), width=200, markup=False)
-    console.print(results_table({"case": name, "blocks": 1, "interfaces": 1, "weight_kN": 1.0, "analyses": [record]}))
+    console.print(results_table(replace(summary(case=name), analyses=(record,))))
     write_vtu(tmp_path / "m.vtu", stones, state.velocities)
     write_joints(tmp_path / "j.vtu", stones, contacts, state)
     for file, kept in (("m.vtu", "name"), ("j.vtu", "second")):

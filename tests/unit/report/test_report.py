@@ -1,15 +1,10 @@
 """report.html: what it says, that it says it offline, and that the viewer gets the right arrays."""
 
 import base64
-import itertools
 import json
 import re
 import sys
-from collections.abc import Sequence
-from contextlib import nullcontext
 from dataclasses import replace
-from html.parser import HTMLParser
-from itertools import count
 from pathlib import Path
 
 import numpy as np
@@ -18,11 +13,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.image import imread
 
-from churchpipe.io.records import Analysis
 from churchpipe.mechanism import moving_stones, reference_speed, stone_of_point, stone_speed
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.polyhedra import face_normals
-from churchpipe.model.results import Iteration, LimitState
+from churchpipe.model.results import Iteration
 from churchpipe.report.drawings import drawings_svg
 from churchpipe.report.figures import mechanism_picture
 from churchpipe.report.html import write_report
@@ -35,120 +29,9 @@ from churchpipe.report.title_block import material_rows, title_block
 from churchpipe.report.viewer import joint_values
 from churchpipe.stones.contacts import find_contacts
 from imprecise import corner
-from records import analysis
+from records import EMPTY, analysis, summary
+from report_pages import INF, NAN, VERSIONS, Page, record_of, report, rocking, state_of, tower
 from solids import box, on_ground, prism
-
-VERSIONS = {"churchpipe": "0.1.0", "clarabel": "0.11.1"}
-DIRECTIONS = {"+x": [1.0, 0.0, 0.0], "-x": [-1.0, 0.0, 0.0], "+y": [0.0, 1.0, 0.0], "-y": [0.0, -1.0, 0.0]}
-NAN, INF = float("nan"), float("inf")
-
-
-def tower() -> Assemblage:
-    """Three cubes of 1 m, one on the other, far from the origin."""
-    cubes = [box((1e5, 1e5 + 1), (0, 1), (i, i + 1)) for i in range(3)]
-    return Assemblage.from_polyhedra(
-        [box((0, 2e5), (-1e5, 1e5), (-1, 0)), *cubes],
-        18e3,
-        fixed=[0],
-        panel=["ground", "shaft", "shaft", "<belfry>"],
-        course=[-1, 0, 1, 2],
-        block_id=["G", "A", "B", "</script><b>C"],
-    )
-
-
-def rocking(stones: Assemblage) -> np.ndarray:
-    """The two upper cubes of `tower` turn together about the lower edge of the second, towards +x, at 0.1 rad/s."""
-    u = np.zeros((4, 6))
-    spin = np.array([0.0, 0.1, 0.0])
-    u[2:, :3] = np.cross(spin, stones.centroid[2:] - [1e5 + 1, 0, 1])
-    u[2:, 3:] = spin
-    return u
-
-
-def state_of(stones: Assemblage, **changes: object) -> LimitState:
-    base = LimitState(0.25, "optimal", 0.2499999, 0.2500001, np.zeros((0, 3)), rocking(stones), 2e-10, 3e-11, 17, 1.25)
-    return replace(base, **changes)
-
-
-_NUMBERS = count(1)
-
-
-def record_of(state: LimitState, load: str = "+x", friction: float = 0.7, **more: object) -> Analysis:
-    keys = ("flow", "load_factor", "lower_bound", "upper_bound", "status", "iterations", "seconds", "equilibrium_residual")
-    words = {"name": f"a{next(_NUMBERS)}", "load": load, "friction": friction} | {key: getattr(state, key) for key in keys}
-    return analysis(**words | {"direction": DIRECTIONS.get(load, [0.0, 0.0, 0.0])} | more)
-
-
-def report(
-    folder: Path, results: list[tuple[Analysis, LimitState]], analyses: Sequence[Analysis] | None = None, **summary: object
-) -> str:
-    stones = tower()
-    contacts = find_contacts(stones)
-    content = {"case": "tower & co", "blocks": 3, "interfaces": 3, "contact_points": 12, "weight_kN": 54.0, **summary}
-    with pytest.MonkeyPatch.context() as patch:
-        # Each drawing process costs seconds; test_pictures_are_inlined_and_kept starts a real one.
-        patch.setattr(
-            "churchpipe.report.html.mechanism_pictures", lambda jobs: nullcontext(lambda: "" if jobs else "nothing to draw")
-        )
-        write_report(
-            folder / "report.html",
-            summary=content,
-            analyses=analyses or [record for record, _ in results],
-            stones=stones,
-            contacts=contacts,
-            results=results,
-            case_text='name = "<tower>"',
-            versions=VERSIONS,
-        )
-    return (folder / "report.html").read_text(encoding="utf-8")
-
-
-class Page(HTMLParser):
-    """The tables' cells, the visible text, the addresses and the scripts of a page."""
-
-    def __init__(self, text: str) -> None:
-        super().__init__()
-        self.rows: list[list[str]] = []
-        self.addresses: list[str] = []
-        self.scripts: dict[str, str] = {}
-        self.text = ""
-        self._open: list[str] = []
-        self._script = ""
-        self.feed(text)
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        given = dict(attrs)
-        self.addresses += [
-            value or "" for key, value in attrs if key in ("src", "href", "xlink:href", "action", "data", "poster", "srcset")
-        ]
-        if tag in ("tr", "td", "th", "script", "style"):
-            self._open.append(tag)
-        if tag == "tr":
-            self.rows.append([])
-        if tag in ("td", "th"):
-            self.rows[-1].append("")
-        if tag == "script":
-            self._script = given.get("type") or ""
-            self.scripts[self._script] = ""
-
-    def handle_endtag(self, tag: str) -> None:
-        if self._open and self._open[-1] == tag:
-            self._open.pop()
-
-    def handle_data(self, data: str) -> None:
-        inside = self._open[-1] if self._open else ""
-        if inside == "script":
-            self.scripts[self._script] += data
-        elif inside != "style":
-            self.text += data
-        if inside in ("td", "th"):
-            self.rows[-1][-1] += data.strip()
-
-    @property
-    def table(self) -> list[dict[str, str]]:
-        """The first table of the page, that of the load factors."""
-        heading, *rows = itertools.takewhile(lambda row: row[0] != "Material", self.rows)
-        return [dict(zip(heading, row, strict=True)) for row in rows]
 
 
 @pytest.fixture(scope="module")
@@ -258,7 +141,7 @@ def test_small_models_have_figures_too(value: float | None, text: str) -> None:
 
 def test_reports_of_other_geometries_are_reached(tmp_path: Path) -> None:
     state = state_of(tower())
-    sizes = {name: {"blocks": 3} for name in ("base", "length=2", "<b>")}
+    sizes = dict.fromkeys(("base", "length=2", "<b>"), EMPTY)
     first = report(tmp_path, [(record_of(state, geometry="base"), state)], geometries=sizes)
     assert 'href="geometry/length%3D2/report.html">length=2</a>' in first
     assert 'href="geometry/%3Cb%3E/report.html">&lt;b&gt;</a>' in first
@@ -366,8 +249,7 @@ def test_pictures_are_inlined_and_kept(tmp_path: Path) -> None:
     record = record_of(state, name="a1")
     write_report(
         tmp_path / "report.html",
-        summary={"case": "t"},
-        analyses=[record],
+        summary=replace(summary(), analyses=(record,)),
         stones=stones,
         contacts=find_contacts(stones),
         results=[(record, state)],
@@ -387,7 +269,7 @@ def test_report_without_graphics_is_still_written(tmp_path: Path, monkeypatch: p
     state = state_of(stones)
     results = [(record_of(state), state)]
     path = tmp_path / "report.html"
-    given = {"summary": {"case": "t"}, "analyses": [results[0][0]], "case_text": "", "versions": {}}
+    given = {"summary": replace(summary(), analyses=(results[0][0],)), "case_text": "", "versions": {}}
     write_report(path, stones=stones, contacts=find_contacts(stones), results=results, **given)
     page = Page(path.read_text(encoding="utf-8"))
     assert "Pictures could not be drawn" in page.text
@@ -402,7 +284,7 @@ def test_sections_follow_the_content(tmp_path: Path) -> None:
     assert "Sliding without dilatancy" not in plain.text
     assert "Gap g" not in plain.rows[0]
     assert "Model" not in plain.rows[0]
-    both = Page(report(tmp_path, [(own, state)], [own, shell], shell={"elements": 1440}))
+    both = Page(report(tmp_path, [(own, state)], [own, shell], shell={"elements": 1440, "nodes": 800, "element_size_mm": 60.0}))
     assert [(row["Model"], row["Load factor"]) for row in both.table] == [
         ("rigid blocks", "0.250000"),
         ("shell", "0.310000"),
@@ -615,7 +497,7 @@ def test_report_tells_of_near_misses_and_pictures_the_gaps(tmp_path: Path) -> No
     exact, open_heads = corner(), corner(head_gap=0.01)
     assert gaps_svg(find_contacts(exact)) == ""
     path = tmp_path / "report.html"
-    given = {"summary": {"case": "corner"}, "analyses": [], "results": [], "case_text": "", "versions": {}}
+    given = {"summary": summary(), "results": [], "case_text": "", "versions": {}}
     write_report(path, stones=open_heads, contacts=find_contacts(open_heads), **given)
     text = path.read_text(encoding="utf-8")
     assert "Near misses: 48 pairs of faces" in text

@@ -11,6 +11,7 @@ from matplotlib.image import imread
 
 from churchpipe.homogenised_shell.strength import paper_planes
 from churchpipe.io.records import Analysis
+from churchpipe.io.summary import Pair
 from churchpipe.model.results import CapacityCurve, CapacityStep, ShellLimitState
 from churchpipe.report.both import capacity_plots, compared, mesh_plot, partner
 from churchpipe.report.motion import joint_opening, opened_joints, plastic_size, reference_strain
@@ -139,8 +140,7 @@ def test_curves_have_the_load_factors_of_the_same_question_across() -> None:
     assert "0.4400" not in plot
     assert [partner(row, rows[:2]) for row in rows[2:]] == [0, 0]
     assert mesh_plot(rows) == ""
-    pair = {"rigid-block": "a", "homogenised-shell": "c", "ratio": 0.205 / 0.21, "overlap": 0.987}
-    assert compared({"comparison": [pair]}, rows) == [
+    assert compared([Pair("+x", "a", "c", 0.205 / 0.21, 0.987)], rows) == [
         ["+x", "associative, friction 0.6", "0.2100", "limit load, 60 mm, friction 0.6", "0.2050", "\u22122.4 %", "0.99"]
     ]
 

@@ -6,7 +6,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from test_report import Page, record_of, report, state_of, tower
 
 from churchpipe.model.results import Iteration, StartRun
 from churchpipe.report.html import _cards
@@ -17,6 +16,7 @@ from churchpipe.report.safety import part_overview, what_moves
 from churchpipe.report.sensitivity import sensitivity_plots
 from churchpipe.report.table import Row, heading, setting
 from records import analysis
+from report_pages import Page, record_of, report, state_of, tower
 
 NAN = float("nan")
 

@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from churchpipe.io.atomic import canonical_json
-from churchpipe.io.records import words_of
-from churchpipe.io.sample_study import SampleStudy, sample_study, study_of
-from churchpipe.model.quantities import as_written
+from churchpipe.io.sample_study import Sample, SampleStudy, sample_study
+from churchpipe.model.quantities import as_read, as_written
 from churchpipe.report.table import Row
 from churchpipe.report.uncertainty import uncertainty_lines, uncertainty_section
 from records import analysis
@@ -31,21 +30,21 @@ def study() -> tuple[SampleStudy, list[Row]]:
     names = [f"{number:05d}" for number in range(1, 41)]
     asis = [analysis(name=load, load=load, flow="associative", load_factor=0.6) for load in ("+x", "+y")]
     made = {
-        name: {
-            "analyses": [
-                words_of(replace(asis[0], load_factor=mu, mechanism="apse" if mu < 0.55 else "apse, nave")),
-                words_of(replace(asis[1], load_factor=np.nan, status="not-converged")),
-            ]
-        }
+        name: Sample(
+            (
+                replace(asis[0], load_factor=mu, mechanism="apse" if mu < 0.55 else "apse, nave"),
+                replace(asis[1], load_factor=np.nan, status="not-converged"),
+            )
+        )
         for name, mu in zip(names[:-1], friction.tolist(), strict=False)
-    } | {names[-1]: {"analyses": [], "message": "a door beyond its wall"}}
+    } | {names[-1]: Sample((), "a door beyond its wall")}
     sample = {
         "settings": {"number": 40, "seed": 0, "method": "sobol", "parameters": [PARAMETER], "demands": [0.55]},
         "names": names,
         "points": {"material.default.friction": friction.tolist()},
     }
-    words = canonical_json({"uncertainty": as_written(sample_study(sample, made, asis), defaults=False)})
-    return study_of(json.loads(words)), [Row(one) for one in asis]
+    words = canonical_json(as_written(sample_study(sample, made, asis), defaults=False))
+    return as_read(SampleStudy, json.loads(words)), [Row(one) for one in asis]
 
 
 def test_the_section_has_figures_mechanisms_and_what_is_missing(study: tuple[SampleStudy, list[Row]]) -> None:

@@ -2,11 +2,11 @@
 
 from pathlib import Path
 
-from test_report import Page, record_of, report, state_of, tower
-
 from churchpipe.io.records import Analysis
+from churchpipe.io.summary import VariantResult
 from churchpipe.report.variants import variants_section
 from records import analysis
+from report_pages import Page, record_of, report, state_of, tower
 
 SITE = {"zeta_e": 0.8, "zeta_e_stones": 1.1, "satisfied": False, "satisfied_stones": True}
 MOVES = [{"name": "facade", "motion": 0.93, "moving": 1.0, "weight_kN": 3.0, "displacement": 1.0}]
@@ -26,17 +26,15 @@ ANALYSES = [
     record("s ties", 0.24, "two ties", **SHELL),
     record("a thick", None, "thicker", geometry="thicker"),
 ]
-SUMMARY = {
-    "variants": [
-        {"name": None, "geometry": "base", "cost": {}, "analyses": ["a", "b", "s"]},
-        {"name": "two ties", "geometry": "base", "cost": {"tie, m": 24, "EUR": 9500.5}, "analyses": ["a ties", "b", "s ties"]},
-        {"name": "thicker", "geometry": "thicker", "cost": {"EUR": 40000}, "analyses": ["a thick"]},
-    ],
-}
+VARIANTS = [
+    VariantResult(None, "base", {}, ("a", "b", "s")),
+    VariantResult("two ties", "base", {"tie, m": 24, "EUR": 9500.5}, ("a ties", "b", "s ties")),
+    VariantResult("thicker", "thicker", {"EUR": 40000}, ("a thick",)),
+]
 
 
 def test_each_load_has_the_building_as_it_is_and_its_variants() -> None:
-    section = variants_section(SUMMARY, ANALYSES, "base")
+    section = variants_section(VARIANTS, ANALYSES, "base")
     assert section is not None
     assert section["headings"] == ["rigid blocks, associative", "shell, limit load"]
     assert section["costs"] == ["tie, m", "EUR"]
@@ -61,21 +59,21 @@ def test_each_load_has_the_building_as_it_is_and_its_variants() -> None:
 
 
 def test_pictures_of_other_geometries_are_linked() -> None:
-    section = variants_section(SUMMARY, ANALYSES, "base")
+    section = variants_section(VARIANTS, ANALYSES, "base")
     assert section is not None
     assert {row["name"]: row["link"] for row in section["rows"]} == {
         "as it is": "",
         "two ties": "",
         "thicker": "geometry/thicker/report.html",
     }
-    other = variants_section(SUMMARY, ANALYSES, "thicker")
+    other = variants_section(VARIANTS, ANALYSES, "thicker")
     assert other is not None
     assert other["rows"][0]["link"] == "../../report.html"
-    assert variants_section({}, ANALYSES, "base") is None
+    assert variants_section([], ANALYSES, "base") is None
 
 
 def test_variants_of_one_geometry_link_nowhere() -> None:
-    section = variants_section({"variants": SUMMARY["variants"][:2]}, ANALYSES, "")
+    section = variants_section(VARIANTS[:2], ANALYSES, "")
     assert section is not None
     assert [row["link"] for row in section["rows"]] == [""] * 4
 

@@ -14,7 +14,7 @@ from churchpipe.report.html import write_report
 from churchpipe.report.table import Row
 from churchpipe.report.vault_sections import vault_sections
 from churchpipe.thrust_lines import vaulted
-from records import analysis
+from records import analysis, summary
 
 WALLS: dict[str, Any] = {"wall_height": 1.0, "wall_thickness": 0.3, "wall_course": 0.25}
 BARREL: dict[str, Any] = {"span": 1.8, "thickness": 0.2, "courses": 13, "stone_length": 0.5, "length": 1.0} | WALLS
@@ -54,7 +54,7 @@ def test_a_dome_has_the_forces_of_its_rings_beside(tmp_path: Path) -> None:
     assert float(section.rings[0][3]) == pytest.approx(weight, abs=0.01)
     assert row.state is not None
     page = tmp_path / "report.html"
-    given = {"summary": {"case": "dome"}, "analyses": [row.record], "case_text": "", "versions": {}}
+    given = {"summary": replace(summary(case="dome"), analyses=(row.record,)), "case_text": "", "versions": {}}
     write_report(page, stones=stones, contacts=contacts, results=[(row.record, row.state)], **given)
     assert "Lines of thrust in vaults and domes" in page.read_text(encoding="utf-8")
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from churchpipe.model.contacts import Contacts
-from churchpipe.stones.account import joints_lines, joints_record, surface_account, tolerances_that_join
+from churchpipe.stones.account import NearMissAccount, joint_account, joint_lines, surface_account, tolerances_that_join
 from churchpipe.stones.contacts import find_contacts
 from churchpipe.stones.histogram import angle_histogram, gap_histogram
 from imprecise import corner, dome, noisy, rounded, tilted, turned_wall, voussoir_arch
@@ -38,14 +38,14 @@ def test_free_surface_is_that_of_the_outside() -> None:
 
 def test_exact_stones_have_nothing_to_tell() -> None:
     stones = corner()
-    record = joints_record(stones, find_contacts(stones))
-    assert record["near_misses"] == {"count": 0}
-    assert joints_lines(record) == []
+    account = joint_account(stones, find_contacts(stones))
+    assert account[0] == NearMissAccount(0)
+    assert joint_lines(*account) == []
 
 
 def test_what_was_decided_is_told() -> None:
     stones = corner(head_gap=1e-3)
-    lines = joints_lines(joints_record(stones, find_contacts(stones)))
+    lines = joint_lines(*joint_account(stones, find_contacts(stones)))
     assert len(lines) == 1
     assert lines[0].startswith("Joints closed across a gap: 48, up to 1 mm where widest; contact gap ")
     assert lines[0].endswith("proposed from the gaps of the stones.")
@@ -54,9 +54,10 @@ def test_what_was_decided_is_told() -> None:
 def test_near_misses_are_told_with_what_would_join_them() -> None:
     stones = corner(head_gap=0.01)
     contacts = find_contacts(stones)
-    record = joints_record(stones, contacts)["near_misses"]
-    assert (record["count"], record["gap_mm"], record["joined_by"]) == (48, [5, 10], {"contact_gap_mm": 10})
-    (line,) = joints_lines(joints_record(stones, contacts))
+    record, _ = joint_account(stones, contacts)
+    assert (record.count, record.joined_by) == (48, {"contact_gap_mm": 10})
+    assert record.gap == pytest.approx((5e-3, 10e-3))
+    (line,) = joint_lines(*joint_account(stones, contacts))
     assert line.startswith("Near misses: 48 pairs of faces face each other and are no joint, 5 to 10 mm apart")
     assert line.endswith("contact_gap_mm = 10 in [rigid] makes joints of them.")
     asked = tolerances_that_join(contacts, np.arange(48))
