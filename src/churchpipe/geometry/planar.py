@@ -176,7 +176,7 @@ def nested(polygons: Polygons) -> IntArray:
     inner, outer = shapely.STRtree(sound).query(sound, predicate="intersects")
     smaller = size[inner] < WITHIN * size[outer]
     inner, outer = inner[smaller], outer[smaller]
-    inside = areas(plain_intersections(sound[inner], sound[outer])) > WITHIN * size[inner]
+    inside = areas(intersections(sound[inner], sound[outer])) > WITHIN * size[inner]
     return np.stack([inner, outer], axis=1)[inside]
 
 
