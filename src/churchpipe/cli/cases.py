@@ -63,6 +63,7 @@ def check_case(path: Path, changes: Sequence[str]) -> None:
     """Lay the stones of all buildings of a case, or read its drawing, and say what a run would make."""
     from churchpipe.config.case import Generated, read_variants
     from churchpipe.config.plan import plan
+    from churchpipe.config.plausible import work_questions
 
     cases = read_variants(path, changes)
     seen: list[Any] = []
@@ -84,8 +85,8 @@ def check_case(path: Path, changes: Sequence[str]) -> None:
     )
     words = [f"{len(made)} {one if len(made) == 1 else several}" for made, one, several in counts if made]
     out.print(f"{path}: {', '.join(words)}.", soft_wrap=True)
-    for question in todo.index["questions"]:
-        err.print(question, soft_wrap=True)
+    for question in (*todo.index["questions"], *work_questions(cases)):
+        err.print(question, markup=False, soft_wrap=True)
 
 
 def _check_laid(path: Path, case: Any, building: Any) -> None:

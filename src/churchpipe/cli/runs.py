@@ -50,6 +50,7 @@ def run(
     from churchpipe.config.asrun import claim
     from churchpipe.config.case import Generated
     from churchpipe.config.plan import plan
+    from churchpipe.config.plausible import work_questions
     from churchpipe.config.selection import Selection, selected
     from churchpipe.configuring import configure
     from churchpipe.io.summary import read_summary
@@ -58,10 +59,13 @@ def run(
     # A case with mistakes is refused before anything is written.
     cases = read_sound(case, changes or ())
     selection = Selection(tuple(load or ()), model)
-    known = plan(selected(cases, selection)).stages
+    chosen = selected(cases, selection)
+    known = plan(chosen).stages
     if only and only not in known:
         raise UsageError(f"--only {only}", "no such stage in this case", expected=", ".join(known))
     until = only if only != known[-1] else ""
+    for question in work_questions(chosen):
+        err.print(question, markup=False, soft_wrap=True)
     folder = _folder_of(case, cases[0].name, out_dir)
 
     def prepare(place: Path = folder) -> None:

@@ -35,6 +35,7 @@ from churchpipe.model.materials import Material
 from churchpipe.model.quantities import in_si
 from churchpipe.model.ring_beam import RingBeam
 from churchpipe.resources import sample_case
+from churchpipe.shell_mesh.element_count import check_elements, element_count
 
 _Record = TypeVar("_Record")
 
@@ -94,13 +95,12 @@ class Case:
         generator = self.source.generator if isinstance(self.source, Generated) else ""
         return located(error, self.path, self.overrides, generator, swept=self.swept, variant=self.variant)
 
-    def building(self) -> Building:
-        """Generate the building.
+    def laid(self) -> Building:
+        """Generate the walls, vaults and beams, without a look at what they bear.
 
         Raises
         ------
-        InputError: a drawing has stones, not a building; parameters that contradict each other; a load on walls that it has not,
-        or where they bear nothing.
+        InputError: a drawing has stones, not a building; parameters that contradict each other; too many stones or elements.
         """
         if isinstance(self.source, Drawing):
             raise InputError(
@@ -127,6 +127,21 @@ class Case:
             check_count(building)
         except InputError as error:
             raise self.located(error.at(f"{self.path}: {error.where}")) from error
+        if self.shell is not None:
+            try:
+                check_elements(element_count(building, self.shell.element_size), self.shell.element_size)
+            except InputError as error:
+                raise self.located(error.at(f"{self.path}: shell.element_size_mm")) from error
+        return building
+
+    def building(self) -> Building:
+        """Generate the building, and look at what it bears.
+
+        Raises
+        ------
+        InputError: as of `laid`; a load on walls that the building has not, or where they bear nothing.
+        """
+        building = self.laid()
         known = building.macro_elements
         named = [(f"load.{number}.panels", load.panels or ()) for number, load in enumerate(self.loads)]
         named += [(f"joints.{number}", group.named) for number, group in enumerate(self.joints)]

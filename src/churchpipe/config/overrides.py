@@ -3,6 +3,7 @@
 import copy
 import itertools
 import math
+import re
 import tomllib
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -31,7 +32,7 @@ def parse_override(text: str) -> tuple[str, Any]:
         read = None
     except ValueError:
         # No TOML, or a number of thousands of digits.
-        read = value.strip()
+        read = float(value) if re.fullmatch(r"\s*[+-]?(\.\d{1,20}|\d{1,20}\.)\s*", value) else value.strip()
     if read is None or key.count(".") + depth(read) > DEEPEST:
         short = text if len(text) <= 60 else f"{text[:60]} ..."
         raise UsageError(f"--set {short}", "too many levels", expected=f"at most {DEEPEST}")
@@ -55,7 +56,7 @@ def set_key(table: Table, key: str, value: Any) -> None:
         if isinstance(place, list):
             place = place[_position(place, part, key)]
         elif isinstance(place, dict):
-            place = place.setdefault(part, {})
+            place = place.setdefault(part, [] if [*path, last][depth + 1].isdecimal() else {})
         if not isinstance(place, dict | list):
             raise InputError(key, f"{'.'.join(path[: depth + 1])} is not a table", found=place)
     if isinstance(place, list):

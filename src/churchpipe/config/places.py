@@ -61,16 +61,22 @@ def located(
     written, value = _followed(table, parts)
     # A key may hold dots, as those of [sweep] do.
     missing = parts[sum(key.count(".") + 1 for key in written) :]
-    changed = [parse_override(change)[0].split(".") for change in overrides]
-    if any(_begins(written, ".".join(change)) for change in changed):
+    own = _of_variant(asked, variant, number, written)
+    stands = own or written
+    changed = [parse_override(change)[0] for change in overrides]
+    # What is wrong with a whole table may come of a change within it.
+    within = [f"--set {key}" for key in changed if stands and key.startswith(f"{'.'.join(stands)}.")]
+    made = within and len(_followed(tomllib.loads(text), stands)[0]) < len(stands)
+    if made or any(_begins(stands, key) for key in changed):
         place = "--set"
     elif any(_begins(written, name) for name in swept):
         place = "[sweep]"
     elif at := next((at for name, at in distribution.items() if name in drawn and _begins(written, name)), None):
         place = f"line {line_of(text, at)}, [sample]"
     else:
-        own = _of_variant(asked, variant, number, written)
-        place = f"line {line_of(text, own or written)}" + (f', variant "{variant.name}"' if own and variant else "")
+        place = " with ".join([f"line {line_of(text, stands)}", *within])
+    if own and variant:
+        place += f', variant "{variant.name}"'
     where = f"{path}: {place}, {key if in_words else '.'.join([*written, *missing])}"
     if error.problem != WRONG or missing:
         return error.at(where)

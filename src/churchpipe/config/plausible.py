@@ -8,10 +8,13 @@ import numpy as np
 
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.quantities import UNITS, Unit, Usual, declared, unit_of, written
+from churchpipe.shell_mesh.element_count import element_count
 
 if TYPE_CHECKING:
     from churchpipe.config.case import Case
 
+# More is asked about before a run (docs/benchmarks_shell.md).
+_ELEMENTS, _STEPS, _SAMPLES = 100_000, 5_000, 2_000
 
 _METRES = UNITS["_m"]
 # Piers thinner than this many thicknesses of their groin vault are questioned.
@@ -35,6 +38,11 @@ def unanswered(asked: Sequence[str]) -> list[str]:
     return [text for text in asked if text != _DILATANT_VAULT]
 
 
+def work_questions(cases: Sequence["Case"]) -> list[str]:
+    """Return what to ask before a run that would take days or all memory, each once."""
+    return list(dict.fromkeys(text for case in cases for text in _of_work(case)))
+
+
 def size_questions(stones: Assemblage) -> list[str]:
     """Return what to ask about the extents of a structure and of its stones, supports left out."""
     first = stones.block_point_ptr[:-1]
@@ -53,6 +61,26 @@ def _of_case(case: "Case") -> Iterator[str]:
     for name, settings in (("rigid", case.rigid), ("shell", case.shell), ("check", case.check)):
         if settings is not None:
             yield from _of_record(settings, f"{name}.")
+
+
+def _of_work(case: "Case") -> Iterator[str]:
+    if case.shell is not None and hasattr(case.source, "generator"):
+        size = case.shell.element_size
+        count = element_count(case.laid(), size)
+        if count > _ELEMENTS:
+            yield (
+                f"shell.element_size_mm is {1e3 * size:g}, which makes about {count:,.0f} elements. Of a church, 65,855 took "
+                "2 GiB and two minutes of processor time for each load. Is it meant?"
+            )
+    moved = [(f"movements.{number}", movement) for number, movement in enumerate(case.movements)]
+    for place, settings in [("rigid.curve", case.rigid.curve), ("shell", case.shell), *moved]:
+        if settings is not None and (settings.steps or 0) > _STEPS:
+            yield f"{place}.steps is {settings.steps:,}, each of them an analysis; usual are some hundreds. Is it meant?"
+    if case.sample is not None and case.sample.number > _SAMPLES:
+        yield (
+            f"sample.number is {case.sample.number:,}, and each sample is all analyses of the case again; usual are 50 to "
+            "1,000. Is it meant?"
+        )
 
 
 def _of_vaults(case: "Case") -> Iterator[str]:

@@ -21,6 +21,7 @@ from churchpipe.model.shell import ShellModel
 from churchpipe.model.shell_beams import ShellBeams
 from churchpipe.shell_mesh.beams import beams_of, shell_beams, with_bearings, with_vaults_on
 from churchpipe.shell_mesh.butt_joints import with_butt_joints
+from churchpipe.shell_mesh.element_count import check_elements, vault_elements, wall_elements
 from churchpipe.shell_mesh.fronts import with_fronts
 from churchpipe.shell_mesh.ledges import side_by_side, with_ledges
 from churchpipe.shell_mesh.midplanes import MidSurface, mid_surfaces
@@ -31,8 +32,6 @@ from churchpipe.shell_mesh.vault_facets import vault_facets
 
 # Share of a mid-surface that its mesh may miss, for rounding only.
 AREA_TOLERANCE = 1e-6
-# Far more than can be solved. Such a mesh takes minutes and some gigabytes.
-MOST_ELEMENTS = 1_000_000
 
 
 def derive_shell(building: Building, element_size: float, sizes: Mapping[str, float] | None = None) -> ShellModel:
@@ -131,9 +130,7 @@ def _vault_shell(building: Building, element_size: float) -> ShellModel:
     if not size > NODE_TOLERANCE * 10:
         raise InputError("element size", "out of range", found=size, expected="> 0 m")
     curved = [vault for vault in building.vaults if vault.shell != "bodies"]
-    # The area of the mid-surfaces is about the volume over the thickness.
-    count = sum(4 * run.volume.sum() * run.section.height / run.section.area for v in curved for run in v.runs) / size**2
-    _check_elements(count, size)
+    check_elements(vault_elements(curved, size), size)
     facets = vault_facets(curved, size)
     label = clusters(facets.corner.reshape(-1, 3))
     points = facets.corner.reshape(-1, 3)[np.unique(label, return_index=True)[1]]
@@ -169,21 +166,8 @@ def _sizes(building: Building, element_size: float, sizes: Mapping[str, float]) 
             raise InputError(
                 f"element size of {name}", "out of range", found=size, expected=f"> 0 and at most the longest wall, {longest:g} m"
             )
-    # Two triangles fill a square of that size.
-    count = sum(2 * float(np.ptp(p.outline, axis=0).prod()) / size**2 for p, size in zip(building.panels, out, strict=True))
-    _check_elements(count, min(out))
+    check_elements(wall_elements(building.panels, out), min(out))
     return out
-
-
-def _check_elements(count: float, size: float) -> None:
-    if count > MOST_ELEMENTS:
-        raise InputError(
-            "element size",
-            "too small for this building",
-            found=f"about {count:,.0f} elements of {size:g} m",
-            expected=f"at most {MOST_ELEMENTS:,}",
-            remedy="Make it larger, or look whether a length is in another unit (mm for m).",
-        )
 
 
 def _meshes(surfaces: Sequence[MidSurface], cuts: Sequence[Subdivision]) -> list[Mesh]:

@@ -128,6 +128,56 @@ def test_what_was_set_has_no_line(tmp_path: Path) -> None:
     assert "\n  --set, material.default.friction: wrong value; found 'high'" in str(caught.value)
 
 
+# A wall with an opening, a site and a variant: what --set breaks in it, and how the message places it.
+SET = (
+    WALL.replace("[material", "openings = [{ start_mm = 400, width_mm = 400, sill_courses = 0, height_courses = 1 }]\n[material")
+    + "[rigid]\n[check]\nag_g = 0.1\nsoil_factor = 1.2\n[[variants]]\nname = 'b'\nchange = {rigid = {solver = 'auto'}}\n"
+)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ("name=a/b", "--set, name: wrong value"),
+        ("most_stones=no", "--set, most_stones: wrong value; found 'no'"),
+        ("project.author=3", "--set, project.author: wrong value; found 3"),
+        ("source.courses=0", "--set, source.courses: wrong value; found 0"),
+        ("source.brick_mm=[400,250]", "--set, source.brick_mm: wrong value"),
+        ("source.brick_mm.1=-3", "--set, source.brick_mm.1: wrong value"),
+        ("source.generator=walll", "--set, source.generator: unknown generator; found 'walll'"),
+        ("source.generator=chapel", "line 2 with --set source.generator, source.course_m: missing key"),
+        ("source.dxf=a.dxf", "line 2 with --set source.dxf, source: no single source"),
+        ("source.openings.0.start_mm=9e4", "line 7 with --set source.openings.0.start_mm, source.openings: an opening"),
+        ("material.default.friction=-1", "--set, material.default.friction: wrong value; found -1"),
+        ("material.new.friction=.5", "case.toml: missing keys; expected material.new.unit_weight_kN_m3."),
+        ("load.0.direction=[1,0]", "--set, load.0.direction: wrong value; found [1, 0]"),
+        ("load.0.direction=[0,0,0]", "line 11 with --set load.0.direction, load.0: no direction"),
+        ("load.3.direction=[1,0,0]", "--set load.3.direction: no such entry; found 3; expected 0, the only one"),
+        ("load=[{direction=[0,0,0]}]", "--set, load.0: no direction"),
+        ("ties.0.area_mm2=3", "--set ties.0.area_mm2: no such entry; found 0"),
+        ("rigid=3", "--set, rigid: wrong value; found 3"),
+        ("rigid.curve.steps=-3", "--set, rigid.curve.steps: wrong value; found -3"),
+        ("shell.planes=cell", "--set, shell.element_size_mm: missing key"),
+        ("shell.element_size_mm=1e-1", "--set, shell.element_size_mm: too small for this building; found about 144,000,000"),
+        ("check.ag_g=-1", "--set, check.ag_g: wrong value; found -1"),
+        ("check.site.ag_g=1", "--set, check.site: unknown key"),
+        ("check.spectrum.F0=2.5", "--set, check.spectrum: neither formula nor table"),
+        ('movements=[{name="c"}]', "--set, movements.0: one support is needed"),
+        ('line_loads=[{name="a",wall="q",dead_kN_m=3}]', "--set, line_loads.0: line load a: no such wall; found q"),
+        ("sweep.material.default.friction=[]", "--set, sweep.material.default.friction: nothing to sweep"),
+        ("sample.number=10", "--set, sample.parameters: missing key"),
+        ('variants=[{name="a",change={"source.foo"=3}}]', '--set, variant "a", source.foo: unknown key'),
+        ("variants.0.change.rigid.solver=x", '--set, variant "b", rigid.solver: wrong value'),
+    ],
+)
+def test_what_set_broke_is_not_blamed_on_the_file_alone(change: str, said: str, tmp_path: Path) -> None:
+    path = case_file(tmp_path, SET)
+    assert len([case.building() for case in read_variants(path)]) == 2
+    with pytest.raises(InputError) as caught:
+        _ = [case.building() for case in read_variants(path, [change])]
+    assert said in str(caught.value)
+
+
 @pytest.mark.parametrize(
     ("swept", "said"),
     [
@@ -143,5 +193,5 @@ def test_what_was_swept_is_named_with_its_value(swept: str, said: str, tmp_path:
 
 def test_what_no_single_parameter_is_to_blame_for_is_said_of_the_source(tmp_path: Path) -> None:
     case = read_case(case_file(tmp_path, WALL), ["source.height_m=0.6"])
-    with pytest.raises(InputError, match=r"case\.toml: line 2, source: its height is given twice"):
+    with pytest.raises(InputError, match=r"case\.toml: line 2 with --set source\.height_m, source: its height is given twice"):
         case.building()

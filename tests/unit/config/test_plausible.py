@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from churchpipe.config.case import read_case
-from churchpipe.config.plausible import questions, size_questions, unanswered
+from churchpipe.config.plausible import questions, size_questions, unanswered, work_questions
 from churchpipe.resources import sample_case, sample_names
 from churchpipe.stones.blocks import derive_blocks
 from solids import box, on_ground
@@ -89,6 +89,27 @@ def test_slender_piers_of_a_groin_vault_are_questioned(tmp_path: Path) -> None:
         assert all(text.startswith("A groin vault 0.3 m thick pushes piers 0.3 m thick over") for text in found)
 
 
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (["shell.element_size_mm=10"], "shell.element_size_mm is 10, which makes about 120,000 elements"),
+        (["rigid.curve.steps=1000000"], "rigid.curve.steps is 1,000,000, each of them an analysis"),
+        (["shell.element_size_mm=250", "shell.steps=6000"], "shell.steps is 6,000"),
+        (
+            ["sample.number=9000", 'sample.parameters=[{key="check.ag_g",distribution="uniform",low=0.1,high=0.2}]'],
+            "sample.number is 9,000",
+        ),
+    ],
+)
+def test_what_would_take_days_is_questioned_before_a_run(change: list[str], words: str, tmp_path: Path) -> None:
+    path = tmp_path / "w.toml"
+    path.write_text(CASE.format(**SOUND))
+    assert work_questions([read_case(path, ["shell.element_size_mm=250", "rigid.curve.steps=400"])]) == []
+    [question] = work_questions([read_case(path, change)] * 2)
+    assert question.startswith(words)
+    assert question.endswith("Is it meant?")
+
+
 def test_sizes_are_questioned() -> None:
     wall = on_ground(box((0, 3), (0, 1), (0, 250)), box((0, 3), (0, 1), (250, 500)), unit_weight=2e4)
     height, stone = size_questions(wall)
@@ -102,5 +123,5 @@ def test_no_ready_case_is_questioned(name: str, tmp_path: Path) -> None:
     path = tmp_path / f"{name}.toml"
     path.write_text(sample_case(name))
     case = read_case(path)
-    assert questions([case]) == []
+    assert questions([case]) == work_questions([case]) == []
     assert size_questions(derive_blocks(case.building())) == []
