@@ -9,7 +9,7 @@ import pytest
 import churchpipe as cp
 from churchpipe.config.case import Generated
 from churchpipe.errors import InputError
-from churchpipe.generators import chapel, vault
+from churchpipe.generators import chapel, dome, vault
 from churchpipe.generators.profile import wall
 from churchpipe.homogenised_shell.element import shell_elements
 from churchpipe.model.building import Building
@@ -109,6 +109,13 @@ def test_a_foot_beside_its_wall_is_named() -> None:
     points[apart, 1] += 5.0
     with pytest.raises(InputError, match=r"shell of vault: its foot stands on no wall; found at \[.* m from the middle"):
         with_ledges(replace(shell, points=points, ledges=np.empty((0, 2, 2), dtype=np.int64)), high)
+
+
+def test_a_half_dome_against_a_fixed_wall_has_no_shell() -> None:
+    # Clamped along its front, against pulling off and sliding too, it came out "unbounded"; its stones have .74 along the wall.
+    fixed = dome(span=1.8, thickness=0.2, rings=8, sides=16, plan="half", front="wall", materials=MATERIAL)
+    with pytest.raises(InputError, match=r"shell of dome: ends against a fixed body; found at \[.*0\.0, .* m; expected fixed"):
+        cp.derive_shell(fixed, 0.25)
 
 
 def test_the_end_of_a_barrel_presses_on_the_wall_before_it() -> None:

@@ -8,21 +8,29 @@ from dataclasses import replace
 
 import numpy as np
 
+from churchpipe.errors import InputError
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.shell import ShellModel
 
 # A point is on a face of a wall within this distance, m, and within a facet within this share of it.
 _ON_FACE, _WITHIN = 1e-4, 1e-6
+# An edge whose direction has less than this share along the beds runs across them.
+_ACROSS = 0.7
 
 
 def with_fronts(shell: ShellModel, vaulted: BoolArray) -> ShellModel:
     """Return a shell with a strip behind each edge of a vault that lies on the face of a wall; vaulted (nt,): facets of vaults.
 
     The strips of a macro-element are one of their own, "... front".
+
+    Raises
+    ------
+    InputError: an end against a fixed body, which would be clamped there.
     """
     edge = np.stack([shell.triangles, np.roll(shell.triangles, -1, axis=1)], axis=2).reshape(-1, 2)
     facet = np.repeat(np.arange(len(shell.triangles)), 3)
     _, number, shared = np.unique(np.sort(edge, axis=1), axis=0, return_inverse=True, return_counts=True)
+    _check_ends(shell, edge, facet, (shared[number.ravel()] == 1) & vaulted[facet])
     foot = np.isin(edge, shell.ledges[:, 0]).all(axis=1) | shell.supported[edge].all(axis=1)
     foot |= shell.on_beam[edge].all(axis=1)
     border = np.flatnonzero((shared[number.ravel()] == 1) & vaulted[facet] & ~foot)
@@ -62,6 +70,22 @@ def with_fronts(shell: ShellModel, vaulted: BoolArray) -> ShellModel:
     facet = np.append(np.arange(len(shell.triangles)), np.full(len(triangles), -1))
     beams = shell.beams.on_mesh(len(grown["points"]), facet)
     return replace(shell, **grown, beams=beams, held=np.column_stack([len(shell.points) + np.arange(len(near)), wall]))
+
+
+def _check_ends(shell: ShellModel, edge: IntArray, facet: IntArray, border: BoolArray) -> None:
+    """Raise InputError where an edge of the border is clamped and runs across the beds: it is no springing."""
+    along = shell.points[edge[:, 1]] - shell.points[edge[:, 0]]
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    across = np.abs(np.einsum("ec,ec->e", along, shell.axes[facet, 0])) < _ACROSS
+    ends = np.flatnonzero(border & across & shell.supported[edge].all(axis=1))
+    if len(ends):
+        raise InputError(
+            f"shell of {shell.panel[facet[ends[0]]]}",
+            "ends against a fixed body",
+            found=f"at {shell.points[edge[ends[0]]].mean(axis=0).round(4).tolist()} m",
+            expected="fixed bodies below it alone: the facets of a shell would not slide on this one",
+            remedy="Rigid blocks take it as it is.",
+        )
 
 
 def _behind(shell: ShellModel, points: FloatArray, walls: IntArray) -> IntArray:
