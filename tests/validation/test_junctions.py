@@ -116,3 +116,26 @@ def test_the_shell_has_butt_joints_and_cracks() -> None:
         assert state.status == "optimal"
         found[name] = state.load_factor
     assert found["butt"] < found["cracked"] < found["toothed"]
+
+
+def butt_curve(steps: int) -> tuple[cp.CapacityCurve, float]:
+    """The curve of a facade that butts against its side walls, and its limit load."""
+    shell = cp.derive_shell(facade_building(every=0), 0.6)
+    dry = cp.Material("default", 18e3, FRICTION, elastic=cp.Elastic(3.18e9, 0.23, 0.303e9, 0.3, 1e-3))
+    push = cp.LoadCase((0, -1, 0))
+    limit = cp.shell_limit_analysis(shell, push, [dry]).load_factor if steps > 1 else np.nan
+    return cp.pushover(shell, push, [dry], steps=steps), limit
+
+
+def test_a_shell_with_butt_joints_stands_under_its_dead_load() -> None:
+    # Hardly anything presses on the joints then: with few centrality correctors the step came to a halt.
+    curve, _ = butt_curve(1)
+    assert curve.status == "not-converged"
+    assert curve.load_factor[1] == pytest.approx(0.01446, rel=1e-3)
+
+
+@pytest.mark.slow("docs/walls.md: the capacity curve of a shell with butt joints ends at its limit load")
+def test_the_capacity_curve_of_a_shell_with_butt_joints_ends_at_its_limit_load() -> None:
+    curve, limit = butt_curve(40)
+    assert curve.status == "converged"
+    assert curve.load_factor[-1] == pytest.approx(limit, rel=1e-3)
