@@ -370,6 +370,20 @@ def test_outlines_that_are_none_are_errors_with_their_place(points: list, what: 
     assert f"m: the outline {what}" in text
 
 
+def test_points_are_passed_over_and_texts_and_dimensions_counted(tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        space.add_lwpolyline(BRICK, close=True)
+        space.add_point((0, 0))
+        space.add_point((250, 0))
+        space.add_text("Elevation A").set_placement((0, -200))
+        space.add_linear_dim(base=(0, -150), p1=(0, 0), p2=(250, 0)).render()
+
+    drawing = read(drawn(tmp_path / "a.dxf", draw))
+    assert codes(drawing) == ["W18"]
+    assert "left out: 1 DIMENSION (no solid), 1 TEXT (no solid)" in str(drawing.findings), "a point is never a stone"
+    assert drawing.stones.fixed.tolist() == [True, False]
+
+
 def test_what_is_missing_is_asked_for(tmp_path: Path) -> None:
     path = drawn(tmp_path / "a.dxf", lambda space: space.add_lwpolyline(BRICK, close=True))
     assert "E24 a.dxf: LWPOLYLINE" in (text := str(findings_of(path, thickness=None)))
