@@ -1,12 +1,13 @@
 """Wavefront OBJ: a body for each object or group, polygons as they are."""
 
 from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
 from churchpipe.findings import Finding
-from churchpipe.meshes.source import Body, Face, Source, damaged, left_out, number, read_lines
+from churchpipe.meshes.source import Body, Face, Source, damaged, face_colours, left_out, number, read_lines
 
 _SILENT = {"vt", "vn", "s", "mtllib", "usemap", "bevel", "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj"}
 _LEFT_OUT = {"l": "lines", "p": "points", "curv": "curves", "curv2": "curves", "surf": "surfaces", "vp": "surface parameters"}
@@ -16,6 +17,7 @@ def read_obj(path: Path) -> Source:
     """Read an OBJ; bodies are its objects (o) or its groups (g), whichever are more; usemtl names materials."""
     source = Source([], "obj")
     points: list[tuple[float, float, float]] = []
+    colours: list[Sequence[float]] = []
     faces: list[Face] = []
     labels: list[tuple[str, str, str]] = []
     others: Counter[str] = Counter()
@@ -32,13 +34,14 @@ def read_obj(path: Path) -> Source:
         parts = rest.split()
         if word == "v":
             try:
-                x, y, z = [number(part) for part in parts][:3]
+                x, y, z, *more = [number(part) for part in parts]
                 if len(parts) not in (3, 4, 6, 7):
                     raise ValueError(line)
             except ValueError:
                 source.findings.append(damaged(row, line, "v with three numbers"))
-                x, y, z = 0.0, 0.0, 0.0
+                x, y, z, *more = 0.0, 0.0, 0.0
             points.append((x, y, z))
+            colours.append(more[-3:] if len(more) >= 3 else (-1.0, -1.0, -1.0))
         elif word == "f":
             face = _face(parts, len(points))
             if face is None:
@@ -70,10 +73,12 @@ def read_obj(path: Path) -> Source:
         bodies.setdefault(label[0] if by_object else label[1], ([], label[2]))[0].append(face)
     corners = np.array(points, dtype=np.float64).reshape(-1, 3)
     entity = "object" if by_object else "group"
+    shades = np.array(colours, dtype=np.float64).reshape(-1, 3)
     for key, (around, stuff) in bodies.items():
+        own = face_colours(shades, around) if (shades >= 0).any() else None
         used, inverse = np.unique(np.concatenate(around), return_inverse=True)
         renamed = np.split(inverse, np.cumsum([len(face) for face in around])[:-1])
-        source.bodies.append(Body(corners[used], [tuple(face.tolist()) for face in renamed], entity, key, stuff))
+        source.bodies.append(Body(corners[used], [tuple(face.tolist()) for face in renamed], entity, key, stuff, colours=own))
     return source
 
 

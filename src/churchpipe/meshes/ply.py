@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from churchpipe.findings import FindingsError
-from churchpipe.meshes.source import Body, Face, Source, number, read_bytes, refused
+from churchpipe.meshes.source import Body, Face, Source, face_colours, number, read_bytes, refused
 
 _TYPES = {
     **dict.fromkeys(("char", "int8"), "i1"),
@@ -20,6 +20,7 @@ _TYPES = {
     **dict.fromkeys(("double", "float64"), "f8"),
 }
 _ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
+_COLOURS = ("red", "green", "blue")
 _INDICES = ("vertex_indices", "vertex_index")
 
 
@@ -62,7 +63,16 @@ def read_ply(path: Path) -> Source:
     wrong = [face for face in faces if len(face) < 3 or min(face) < 0 or max(face) >= len(points)]
     if wrong:
         raise _damaged(path, f"{len(wrong)} faces have fewer than 3 corners, or one beyond the {len(points)} vertices")
-    return Source([Body(points, faces, "mesh")] if faces else [], "ply")
+    if not faces:
+        return Source([], "ply")
+    colours = None
+    if all(name in columns for name in _COLOURS):
+        places = [columns.index(name) for name in _COLOURS]
+        colours = face_colours(np.array([[row[k] for k in places] for row in rows["vertex"]], dtype=np.float64), faces)
+    elif all(name in names for name in _COLOURS):
+        places = [names.index(name) for name in _COLOURS]
+        colours = np.array([[row[k] for k in places] for row in rows["face"]], dtype=np.int64)
+    return Source([Body(points, faces, "mesh", colours=colours)], "ply")
 
 
 def _header(path: Path, data: bytes) -> tuple[str, list[_Element], int]:

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -31,14 +31,17 @@ _GROUND = re.compile(r"(ground|support|foundation)s?(?![a-z])", re.IGNORECASE)
 CLOSED = "planar faces that close"
 # A ground of one face gets this part of its size as depth.
 PLATE = 0.1
+# Materials of stones that have a colour and no material; of more colours than these each stone has its own, which say nothing.
+COLOUR, MOST_COLOURS = "colour-", 12
 
 
 @dataclass(frozen=True, slots=True)
 class Parted:
-    """A body of a file and its parts: points (n, 3) in units of the file, faces."""
+    """A body of a file and its parts: points (n, 3) in units of the file, faces; and the material of each."""
 
     body: Body
     parts: list[tuple[FloatArray, list[Face]]]
+    materials: list[str]
 
     @property
     def sizes(self) -> list[float]:
@@ -56,14 +59,30 @@ def parted(source: Source) -> list[Parted]:
             source.findings.append(body.place.finding("E10", f"the body cannot be read: {flaw}", expected=CLOSED))
             continue
         parts: list[tuple[FloatArray, list[Face]]] = []
+        materials: list[str] = []
         for part in [[k] for k in range(len(body.faces))] if source.flat else parts_of(body.points, body.faces):
             used, inverse = np.unique(np.concatenate([body.faces[number] for number in part]), return_inverse=True)
             sizes = np.cumsum([len(body.faces[number]) for number in part])[:-1]
             parts.append((body.points[used], [tuple(face.tolist()) for face in np.split(inverse.ravel(), sizes)]))
-        out.append(Parted(body, parts))
+            materials.append(_material(body, part))
+        out.append(Parted(body, parts, materials))
         unused += len(body.points) - len({node for face in body.faces for node in face})
     source.findings += left_out({"vertices of no face": unused})
+    colours = {name for item in out for name in item.materials if name.startswith(COLOUR)}
+    if len(colours) > MOST_COLOURS:
+        source.findings += left_out({"colours, too many for materials": len(colours)})
+    if len(colours) > MOST_COLOURS or len({name for item in out for name in item.materials}) == 1:
+        out = [replace(item, materials=[item.body.material] * len(item.parts)) for item in out]
     return out
+
+
+def _material(body: Body, faces: Sequence[int]) -> str:
+    """Return the material of a part of a body: its name, or that of the one colour of its faces."""
+    if body.material != "default" or body.colours is None:
+        return body.material
+    found = np.unique(body.colours[list(faces)], axis=0)
+    red, green, blue = found[0].tolist()
+    return f"{COLOUR}{red:02x}{green:02x}{blue:02x}" if len(found) == 1 and red >= 0 else body.material
 
 
 def to_stones(
@@ -76,12 +95,13 @@ def to_stones(
     """
     stones: list[Stone] = []
     flats, ground = 0, []
-    for body, parts in ((item.body, item.parts) for item in bodies):
+    for item in bodies:
+        body = item.body
         by_name = bool(_GROUND.match(body.name) or _GROUND.match(body.material))
         fixed = body.fixed or by_name
         ground += [body.name or body.material] if by_name and not body.fixed else []
-        shells: list[Mended] = []
-        for points, faces in parts:
+        shells: list[tuple[Mended, str]] = []
+        for (points, faces), material in zip(item.parts, item.materials, strict=True):
             points = points @ AXES[up].T * factor
             shell = mend(*(_extruded(points, faces, thickness) if thickness else (points, faces)), repair=repair)
             if shell.fault and flat(body.points, body.faces) and flat(points, faces):
@@ -90,15 +110,15 @@ def to_stones(
                     continue
                 shell = mend(*_plate(points), repair=False)
             findings += _told(shell, body)
-            shells += [] if shell.fault else [shell]
+            shells += [] if shell.fault else [(shell, material)]
         if body.whole and len(shells) > 1:
-            shells = [_united(shells, body, findings)]
-        for number, shell in enumerate(shells, 1):
+            shells = [(_united([shell for shell, _ in shells], body, findings), shells[0][1])]
+        for number, (shell, material) in enumerate(shells, 1):
             name = body.name or f"stone-{len(stones) + 1}"
             name = f"{name}.{number}" if body.name and len(shells) > 1 else name
-            stones.append(Stone(shell.points, tuple(shell.faces), fixed, _place(body, shell.points, name), name, body.material))
+            stones.append(Stone(shell.points, tuple(shell.faces), fixed, _place(body, shell.points, name), name, material))
         if len(shells) > 1 and body.name:
-            place = _place(body, shells[0].points)
+            place = _place(body, shells[0][0].points)
             findings.append(place.finding("W42", f"{len(shells)} solids under one name; each is a stone"))
     if ground:
         listed = ", ".join(dict.fromkeys(ground[:8])) + (" and more" if len(ground) > 8 else "")

@@ -1,6 +1,7 @@
 """What a file of bodies says, before anything is judged or mended; and the opening of files."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import numpy as np
 from churchpipe.dxf.reading import Up
 from churchpipe.dxf.schema import LARGEST_COORDINATE
 from churchpipe.findings import Finding, Findings, FindingsError, Place
-from churchpipe.model.arrays import FloatArray
+from churchpipe.model.arrays import FloatArray, IntArray
 
 Face = tuple[int, ...]
 
@@ -20,7 +21,8 @@ class Body:
 
     entity: what it is in the file ("group", "object"); fixed: the file says that it is ground. whole: one stone, even where its
     faces are several closed parts, which are then united; else each closed part is a stone. loose: the format gives each face
-    vertices of its own, so that welding them is no news.
+    vertices of its own, so that welding them is no news. colours (nf, 3): red, green and blue of each face, 0 to 255, -1 where
+    its corners differ; None without any.
     """
 
     points: FloatArray
@@ -31,6 +33,7 @@ class Body:
     fixed: bool = False
     whole: bool = False
     loose: bool = False
+    colours: IntArray | None = None
 
     @property
     def place(self) -> Place:
@@ -53,6 +56,16 @@ class Source:
     up: Up = "z"
     findings: list[Finding] = field(default_factory=list)
     flat: bool = False
+
+
+def face_colours(colours: FloatArray, faces: Sequence[Face]) -> IntArray:
+    """Return `Body.colours` from the colours (n, 3) of the vertices, 0 to 1 or 0 to 255."""
+    scaled = np.rint(colours * (255.0 if colours.max(initial=0.0) <= 1.0 else 1.0))
+    corners = np.concatenate([scaled[list(face)] for face in faces])
+    start = np.cumsum([0, *(len(face) for face in faces)])[:-1]
+    low, high = np.minimum.reduceat(corners, start), np.maximum.reduceat(corners, start)
+    sound = (low == high).all(axis=1) & (low >= 0).all(axis=1) & (high <= 255).all(axis=1)
+    return np.where(sound[:, None], low, -1.0).astype(np.int64)
 
 
 def refused(path: Path, reader: str, code: str, found: str, *, expected: str = "", remedy: str = "") -> FindingsError:

@@ -51,6 +51,11 @@ def read_3mf(path: Path) -> Source:
         raise _damaged(path, f"it says that its unit is {said!r}, of which 3MF knows nothing")
     source = Source([], "3mf", unit=UNITS[said])
     objects = {item.get("id", ""): item for root in roots for item in root.iter(f"{CORE}object")}
+    bases = {
+        group.get("id", ""): [base.get("name", "") for base in group.iter(f"{CORE}base")]
+        for root in roots
+        for group in root.iter(f"{CORE}basematerials")
+    }
     others: Counter[str] = Counter()
     try:
         for item in (item for root in roots for item in root.iter(f"{CORE}item")):
@@ -59,7 +64,7 @@ def read_3mf(path: Path) -> Source:
             else:
                 turn, shift = _matrix(item.get("transform"))
                 factor = MICRON if said == "micron" else 1.0
-                _place(source, objects, item, (factor * turn, factor * shift), "", 0)
+                _place(source, objects, bases, item, (factor * turn, factor * shift), "", 0)
     except (ValueError, KeyError) as error:
         raise _damaged(path, f"an object, a vertex, a triangle or a transform cannot be understood ({error})") from error
     source.findings += left_out(others)
@@ -67,7 +72,13 @@ def read_3mf(path: Path) -> Source:
 
 
 def _place(
-    source: Source, objects: dict[str, ElementTree.Element], item: ElementTree.Element, matrix: Matrix, name: str, depth: int
+    source: Source,
+    objects: dict[str, ElementTree.Element],
+    bases: dict[str, list[str]],
+    item: ElementTree.Element,
+    matrix: Matrix,
+    name: str,
+    depth: int,
 ) -> None:
     if depth > DEEPEST:
         raise ValueError("components nested too deep")
@@ -75,7 +86,7 @@ def _place(
     name = thing.get("name") or name
     for component in thing.iter(f"{CORE}component"):
         inner = _matrix(component.get("transform"))
-        _place(source, objects, component, (inner[0] @ matrix[0], inner[1] @ matrix[0] + matrix[1]), name, depth + 1)
+        _place(source, objects, bases, component, (inner[0] @ matrix[0], inner[1] @ matrix[0] + matrix[1]), name, depth + 1)
     mesh = thing.find(f"{CORE}mesh")
     if mesh is None:
         return
@@ -84,8 +95,11 @@ def _place(
     faces: list[Face] = [(int(t.attrib["v1"]), int(t.attrib["v2"]), int(t.attrib["v3"])) for t in mesh.iter(f"{CORE}triangle")]
     if any(min(face) < 0 or max(face) >= len(points) for face in faces):
         raise ValueError(f"a triangle with a vertex beyond the {len(points)} there are")
+    group = bases.get(thing.get("pid", ""), [])
+    index = thing.get("pindex", "")
+    material = (group[int(index)] if index.isdecimal() and int(index) < len(group) else "") or "default"
     # A support structure of the printer is no support of the building.
-    source.bodies.append(Body(points, faces, "object", name or f"object-{item.get('objectid')}"))
+    source.bodies.append(Body(points, faces, "object", name or f"object-{item.get('objectid')}", material))
 
 
 def _matrix(text: str | None) -> Matrix:

@@ -1,5 +1,6 @@
 """Every format: the stones that were written come back, and their load factor."""
 
+import zipfile
 from itertools import pairwise
 from pathlib import Path
 
@@ -96,6 +97,59 @@ def test_a_3mf_is_read_in_the_unit_that_it_says(unit: str, tmp_path: Path) -> No
 def test_a_3mf_in_a_unit_of_its_own_is_refused(tmp_path: Path) -> None:
     with pytest.raises(FindingsError, match="its unit is 'cubit'"):
         cp.read_stones(write_3mf(wall(), tmp_path / "wall.3mf", unit="cubit"))
+
+
+def coloured_ply(path: Path, stones: Assemblage, colours: list[tuple[int, int, int]], *, of_faces: bool) -> Path:
+    vertices, faces, offset = [], [], 0
+    for (_, points, around, _), shade in zip(solids(stones), colours, strict=True):
+        words = "" if of_faces else "".join(f" {value}" for value in shade)
+        vertices += [" ".join(map(repr, point)) + words for point in points.tolist()]
+        words = "".join(f" {value}" for value in shade) if of_faces else ""
+        faces += [f"{len(face)} {' '.join(str(node + offset) for node in face)}{words}" for face in around]
+        offset += len(points)
+    shades = [f"property uchar {name}" for name in ("red", "green", "blue")]
+    head = ["ply", "format ascii 1.0", f"element vertex {len(vertices)}", *(f"property double {axis}" for axis in "xyz")]
+    head += [*([] if of_faces else shades), f"element face {len(faces)}", "property list uchar int vertex_indices"]
+    path.write_text("\n".join([*head, *(shades if of_faces else []), "end_header", *vertices, *faces]) + "\n")
+    return path
+
+
+@pytest.mark.parametrize("of_faces", [True, False])
+def test_colours_tell_materials_apart_where_they_are_few(of_faces: bool, tmp_path: Path) -> None:
+    stones = wall(ground=False)
+    few = [(200, 160, 80) if number % 2 else (90, 90, 90) for number in range(stones.count)]
+    read, findings = cp.read_stones(coloured_ply(tmp_path / "few.ply", stones, few, of_faces=of_faces), support="base")
+    assert read.material[~read.fixed].tolist() == ["colour-c8a050" if shade[0] == 200 else "colour-5a5a5a" for shade in few]
+    many = [(20 * number, 0, 0) for number in range(stones.count + 1)]
+    one = [(200, 160, 80)] * stones.count
+    # Thirteen colours are one a stone, and one colour tells nothing.
+    read, findings = cp.read_stones(coloured_ply(tmp_path / "many.ply", wall(), many, of_faces=of_faces), support="base")
+    assert set(read.material) == {"default"}
+    assert "left out: 13 colours, too many for materials" in str(findings)
+    read, findings = cp.read_stones(coloured_ply(tmp_path / "one.ply", stones, one, of_faces=of_faces), support="base")
+    assert (set(read.material), "colours" in str(findings)) == ({"default"}, False)
+
+
+def test_an_obj_with_coloured_vertices_and_a_3mf_with_base_materials_have_materials(tmp_path: Path) -> None:
+    text = write_obj(wall(), tmp_path / "plain.obj").read_text().replace("usemtl stone\n", "")
+    lines, shades = [], {"o ground-0": "0.2 0.2 0.2", "o B1": "1 0.5 0"}
+    shade = ""
+    for line in text.splitlines():
+        shade = shades.get(line, "0.6 0.6 0.6") if line.startswith("o ") else shade
+        lines.append(f"{line} {shade}" if line.startswith("v ") else line)
+    (tmp_path / "wall.obj").write_text("\n".join(lines) + "\n")
+    read, _ = cp.read_stones(tmp_path / "wall.obj")
+    assert read.material[:3].tolist() == ["colour-333333", "colour-ff8000", "colour-999999"]
+    path = write_3mf(wall(), tmp_path / "wall.3mf")
+    with zipfile.ZipFile(path) as archive:
+        model = archive.read("3D/3dmodel.model").decode()
+    named = "".join(f'<base name="{name}" displaycolor="#C8A050"/>' for name in ("tuff", "brick"))
+    bases = f'<basematerials id="90">{named}</basematerials>'
+    model = model.replace("<resources>", f"<resources>{bases}").replace('name="B1"', 'name="B1" pid="90" pindex="1"')
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("3D/3dmodel.model", model)
+    read, _ = cp.read_stones(path)
+    assert read.material[:3].tolist() == ["default", "brick", "default"]
 
 
 def test_units_scale_and_the_axis_that_points_up(tmp_path: Path) -> None:
