@@ -60,7 +60,7 @@ class Source:
 
 def face_colours(colours: FloatArray, faces: Sequence[Face]) -> IntArray:
     """Return `Body.colours` from the colours (n, 3) of the vertices, 0 to 1 or 0 to 255."""
-    scaled = np.rint(colours * (255.0 if colours.max(initial=0.0) <= 1.0 else 1.0))
+    scaled = np.rint(np.clip(colours, -1.0, 256.0) * (255.0 if colours.max(initial=0.0) <= 1.0 else 1.0))
     corners = np.concatenate([scaled[list(face)] for face in faces])
     start = np.cumsum([0, *(len(face) for face in faces)])[:-1]
     low, high = np.minimum.reduceat(corners, start), np.maximum.reduceat(corners, start)
