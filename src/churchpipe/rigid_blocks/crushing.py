@@ -18,6 +18,8 @@ PARTS = 8
 _GRADING = 1.5
 # The hull of a joint that is not convex encloses more than the joint by more than this share.
 _SAME_AREA = 1e-3
+# Parts of joints that are not convex are divided once more into so many squared, to see how much of each lies in the joint.
+_FINER = 4
 # Says of parts, by their joints (m,) and corners (m, 4, 2), which lie wholly in the joint.
 Covered = Callable[[IntArray, FloatArray], BoolArray]
 # Shares of a part at which two Gauss points lie; they integrate what a bilinear map makes of areas and centroids exactly.
@@ -49,8 +51,8 @@ def joint_parts(
     """Return the parts of the chosen joints (ni,), all if None: `count` (even) along each side of one with four corners.
 
     Each corner, the middles of its two edges and the mean of all corners span a quadrilateral, which is divided into
-    (count / 2)^2 parts. Where a joint is not convex its points are those of its convex hull. Then `covered` says which parts
-    bear, those wholly in it; without it the areas of all parts are reduced to that of the joint.
+    (count / 2)^2 parts. Where a joint is not convex its points are those of its convex hull. Then `covered` says what of each
+    part bears, that which lies in the joint; without it the areas of all parts are reduced to that of the joint.
 
     Raises
     ------
@@ -59,7 +61,15 @@ def joint_parts(
     if not isinstance(count, int) or count < 2 or count % 2:
         raise InputError("limit_analysis: crushing_parts", "out of range", found=count, expected="2, 4, 6 ...")
     polygons = joint_polygons(contacts)
-    weights, area, quads = _quadrilaterals(polygons, count // 2)
+    weights, area, _ = _quadrilaterals(polygons, count // 2, np.arange(len(polygons.corner)))
+    share = contacts.area / np.abs(polygons.area)
+    inside = area * share[polygons.interface, None]
+    if covered is not None:
+        bent = (share < 1.0 - _SAME_AREA) & (True if chosen is None else chosen)
+        mine = np.flatnonzero(bent[polygons.interface])
+        inside[mine], theirs = _covered_parts(polygons, count // 2, mine, covered)
+        weights[mine] = np.where(inside[mine, :, None] > 0, theirs, weights[mine])
+    inside = inside.ravel()
     own, corners = area.shape[1], len(polygons.corner)
     part, corner = np.arange(own * corners), np.repeat(np.arange(corners), own)
     # The nodes of a quadrilateral: its corner, the middle of the edge after it, the mean of all corners, that of the edge before.
@@ -74,12 +84,6 @@ def joint_parts(
     every = sp.csr_matrix((1.0 / polygons.count[polygons.interface], (polygons.interface, np.arange(corners))))
     far = sp.csr_matrix((mean, (part, polygons.interface[corner])), shape=(len(part), len(polygons.start))) @ every
     shares = sp.csr_matrix(near + far)
-    share = contacts.area / np.abs(polygons.area)
-    inside = area.ravel() * share[polygons.interface[corner]]
-    if covered is not None:
-        bent = (share < 1.0 - _SAME_AREA) & (True if chosen is None else chosen)
-        mine = np.flatnonzero(bent[polygons.interface[corner]])
-        inside[mine] = area.ravel()[mine] * covered(polygons.interface[corner[mine]], quads[mine])
     if chosen is None or chosen.all():
         divided = np.ones(len(inside), dtype=np.bool_)
         return JointParts(
@@ -96,16 +100,30 @@ def joint_parts(
     )
 
 
-def _quadrilaterals(polygons: JointPolygons, lines: int) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the weights (nc, parts, 4) of the nodes of each corner's quadrilateral in the centroids of its parts; the areas of
-    these, (nc, parts), and their corners, (nc parts, 4, 2).
+def _covered_parts(polygons: JointPolygons, lines: int, corners: IntArray, covered: Covered) -> tuple[FloatArray, FloatArray]:
+    """Return how much (k, parts) of the parts of these corners (k,) lies in their joints, and the weights (k, parts, 4) of the
+    nodes of each quadrilateral in its centroid.
+
+    Each part is divided once more, and of that counts what lies wholly in the joint.
+    """
+    weights, area, quads = _quadrilaterals(polygons, lines * _FINER, corners)
+    bears = area * covered(np.repeat(polygons.interface[corners], area.shape[1]), quads).reshape(area.shape)
+    shape = (len(corners), lines, _FINER, lines, _FINER)
+    moment = (bears[:, :, None] * weights).reshape(*shape, 4).sum(axis=(2, 4)).reshape(len(corners), lines**2, 4)
+    bears = bears.reshape(shape).sum(axis=(2, 4)).reshape(len(corners), lines**2)
+    return bears, moment / np.maximum(bears, np.finfo(float).tiny)[:, :, None]
+
+
+def _quadrilaterals(polygons: JointPolygons, lines: int, corners: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the weights (k, parts, 4) of the nodes of the quadrilaterals of these corners (k,) in the centroids of their parts;
+    the areas of these, (k, parts), and their corners, (k parts, 4, 2).
 
     The bilinear map of the unit square with sides s and t on the quadrilateral has the shape functions (1 - s) (1 - t),
     s (1 - t), s t and (1 - s) t; its Jacobian is linear in s and t.
     """
     corner = polygons.corner
     middles = [0.5 * (corner + corner[polygons.after]), np.zeros_like(corner), 0.5 * (corner + corner[polygons.before])]
-    node = np.stack([corner, *middles], axis=1)
+    node = np.stack([corner, *middles], axis=1)[corners]
     line = (np.arange(lines + 1) / lines) ** _GRADING
     place = line[:-1, None] + np.diff(line)[:, None] * _GAUSS
     # s, t and the weight of the Gauss points of each part: (parts, 4).
