@@ -325,8 +325,7 @@ def compare(plan: Path, summary: Path, table: Path, samples: Path | None = None)
     from churchpipe.run_folder import read_run
 
     run = read_run(plan)
-    sizes = {name: results.size(*run.stones(name)) for name in run.index["geometries"]}
-    meshes = run.meshes()
+    sizes, meshes = {name: results.size(*run.stones(name)) for name in run.index["geometries"]}, run.meshes()
     found = [record for entry in run.index["analyses"] if (record := run.record(entry, meshes)).status != "left-out"]
     analyses = results.careful_first(found)
     compared = [replace(pair, overlap=run.overlap(pair.blocks, pair.shell)) for pair in results.pairs(found)]

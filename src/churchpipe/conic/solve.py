@@ -14,8 +14,9 @@ from churchpipe.model.arguments import text
 # Forces whose imbalance exceeds this share of the largest load are no solution.
 _OUT_OF_BALANCE = 1e-5
 Proves: TypeAlias = Callable[[ConeSolution], bool]
-Told: TypeAlias = Callable[[float], None]
-_Solver: TypeAlias = Callable[[ConeProgram, float | None, Told | None], ConeSolution]
+# Is called with the share of a solve that is done.
+ShareDone: TypeAlias = Callable[[float], None]
+_Solver: TypeAlias = Callable[[ConeProgram, float | None, ShareDone | None], ConeSolution]
 
 
 class Solve(Protocol):
@@ -28,7 +29,7 @@ class Solve(Protocol):
         *,
         duality_gap: float | None = None,
         proves: Proves | None = None,
-        progress: Told | None = None,
+        progress: ShareDone | None = None,
     ) -> ConeSolution:
         """Solve a program; the forces of what is called solved balance to rounding (`restore_balance`).
 
@@ -82,7 +83,7 @@ def _in_turn(*solvers: _Solver) -> Solve:
         *,
         duality_gap: float | None = None,
         proves: Proves | None = None,
-        progress: Told | None = None,
+        progress: ShareDone | None = None,
     ) -> ConeSolution:
         *others, last = solvers
         failures: list[str] = []
@@ -107,7 +108,7 @@ def _own(balance: Balance) -> _Solver:
 
     own = InteriorPointSolver(balance)
 
-    def solve(program: ConeProgram, duality_gap: float | None, tell: Told | None) -> ConeSolution:
+    def solve(program: ConeProgram, duality_gap: float | None, tell: ShareDone | None) -> ConeSolution:
         settings = Settings() if duality_gap is None else replace(CENTRAL, duality_gap=duality_gap)
         return own.solve(program, settings, as_share(tell, settings.duality_gap, settings.residual))
 
@@ -117,7 +118,7 @@ def _own(balance: Balance) -> _Solver:
 def _whole(solve: Callable[[ConeProgram], ConeSolution]) -> _Solver:
     """Return a solver that never stops early."""
 
-    def whole(program: ConeProgram, _: float | None, __: Told | None) -> ConeSolution:
+    def whole(program: ConeProgram, _: float | None, __: ShareDone | None) -> ConeSolution:
         return solve(program)
 
     return whole

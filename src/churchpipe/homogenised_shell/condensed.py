@@ -119,13 +119,13 @@ class CondensedShell:
             # Where joints bear next to nothing, as butt joints under dead load, a step needs all correctors.
             tried = (replace(STEP, correctors=SOLVER.correctors), STEP) if by_cell else (STEP,)
         iterations, start = 0, None
-        told = as_share(progress, tried[0].duality_gap, tried[0].residual)
+        report = as_share(progress, tried[0].duality_gap, tried[0].residual)
         for chosen, more in product(tried, self._regularisations(compliance)):
             # At the start all points together do `rate` times the work of a unit load, whatever their number.
             settings = replace(chosen, rate=chosen.rate / (chosen.force * len(self.elements.facet)))
             stated = self._statement(dead, live, compliance, before, reward, cap, more)
             begin = start or interior_start(stated.problem, settings)
-            ending = solve_coupled(stated.problem, self._normal, stated.cholesky, begin, settings, told)
+            ending = solve_coupled(stated.problem, self._normal, stated.cholesky, begin, settings, report)
             iterations += ending.info.iteration
             if ending.status not in ("running", "failed"):
                 break

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from churchpipe.conic.program import ConeProgram, ConeSolution
-from churchpipe.conic.solve import Proves, Solve, Told
+from churchpipe.conic.solve import Proves, ShareDone, Solve
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.results import Iteration
 from churchpipe.rigid_blocks.certificate import Strength
@@ -217,7 +217,7 @@ class SolveCount:
         *,
         duality_gap: float | None = None,
         proves: Proves | None = None,
-        progress: Told | None = None,
+        progress: ShareDone | None = None,
     ) -> ConeSolution:
         """Solve a program, and count it."""
         answer = self._solve(program, duality_gap=duality_gap, proves=proves, progress=progress)

@@ -119,7 +119,7 @@ def sliding_analysis(
             return _nothing(associative)
         # The associative forces are within friction as well: an estimate from above, with the gap that it leaves.
         search.keep("associative", [_associative_run(balance, strength, associative, solve)], "default")
-    # Of states that were not certified the nearest is told. Eq. (3) has no measure of nearness.
+    # Of states that were not certified the nearest is the result. Eq. (3) has no measure of nearness.
     settled = [end for end in search.ends if end[0].settled]
     if settled:
         chosen = settled[leading([end[0] for end in settled])]

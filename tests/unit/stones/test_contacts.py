@@ -18,6 +18,7 @@ from churchpipe.stones.blocks import derive_blocks
 from churchpipe.stones.contacts import find_contacts
 from churchpipe.stones.coplanar import coplanar_interfaces
 from churchpipe.stones.interfaces import contacts_of
+from churchpipe.stones.soundness import check_soundness
 from imprecise import corner, dome, joined_pairs, noisy, rounded, tilted, triangulated, turned_wall, voussoir_arch
 from solids import box, moved, on_ground, prism
 
@@ -235,3 +236,22 @@ def test_a_contact_gap_wider_than_the_stones_finds_no_near_misses_through_them()
     contacts = find_contacts(stones, contact_gap=100.0)
     assert len(contacts.blocks) == 2
     assert len(contacts.near_misses) == 0
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(
+    ("place", "changed"),
+    [
+        # A corner that rounding put on the diagonal of a bed cut into triangles: one of them has no area.
+        ((0.5, 0.5, 1.0), {4: [[0, 2, 6], [0, 6, 8], [8, 6, 4], [0, 8, 4]]}),
+        # A corner in the middle of an edge: the first three corners of the bed lie in one line.
+        ((0.0, 0.5, 1.0), {4: [[0, 8, 2, 6, 4]], 0: [[0, 1, 3, 2, 8]]}),
+    ],
+)
+def test_corners_in_one_line_change_no_joint(place: tuple[float, float, float], changed: dict[int, list[list[int]]]) -> None:
+    points, faces = box((0, 1), (0, 1), (1, 2))
+    made = [face for number, one in enumerate(faces) for face in changed.get(number, [one])]
+    stones = on_ground(box((0, 1), (0, 1), (0, 1)), (np.vstack([points, place]), made))
+    contacts = find_contacts(stones)
+    assert [float(contacts.area[contacts.blocks[:, 0] == first].sum()) for first in (0, 1)] == pytest.approx([1.0, 1.0])
+    check_soundness(stones, contacts)
