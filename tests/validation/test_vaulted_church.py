@@ -10,7 +10,7 @@ from churchpipe.stones.joints import joint_strength
 from manual_pages import ROOT
 
 # Load factors, by the name of the load.
-STONES = {"+x": 0.0797, "-x": 0.0797, "-y": 0.3063, "tower +x": 0.4126}
+STONES = {"+x": 0.0797, "-x": 0.0797, "+y": 0.4076, "-y": 0.3063, "tower +x": 0.4126}
 SHELL = {"+x": 0.0899, "-x": 0.0820, "-y": 0.2679, "tower +x": 0.3385}
 
 
