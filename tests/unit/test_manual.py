@@ -21,6 +21,25 @@ from churchpipe.config.case import read_variants
 from churchpipe.errors import InputError
 from manual_pages import PAGES, ROOT, commands, commands_in_sentences
 
+# A file that makes or holds figures, a ready case, or a command.
+_MADE = re.compile(
+    r"(?:tests|benchmarks|pipeline|scripts)/[\w/]+\.\w+|test_\w+\.py|\w+\.toml|^ {4}(?:churchpipe|python) ", re.MULTILINE
+)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_every_table_of_figures_says_what_makes_it(page: Path) -> None:
+    """In its section or at the head of the page."""
+    text = page.read_text(encoding="utf-8")
+    head, *sections = re.split(r"^(?=#{1,3} )", text.partition("\n")[2], flags=re.MULTILINE)
+    for section in sections:
+        title = section.partition("\n")[0].strip("# ")
+        tables = re.findall(r"^\|[-| :]+\|\n((?:\|.*\n)+)", section, flags=re.MULTILINE)
+        if any(len(re.findall(r"\.\d\d", table)) > 2 for table in tables):
+            assert _MADE.search(section) or _MADE.search(head), f"{title}: what makes its table, or holds it?"
+    for name in re.findall(r"\b(?:tests|benchmarks|pipeline|scripts)/[\w/]+\.(?:py|toml|sh|ya?ml)\b", text):
+        assert (ROOT / name).is_file(), name
+
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_commands_exist(page: Path) -> None:
