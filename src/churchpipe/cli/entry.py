@@ -26,7 +26,7 @@ def main() -> NoReturn:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         raise SystemExit(0) from None
     except OSError as error:
-        place = f"{error.filename}: " if error.filename else ""
+        place = f"{error.filename}: " if error.filename else "A file cannot be written: "
         problem = error.strerror or str(error)
         err.print(f"{place}{problem}. Choose another place to write to.", style="red", soft_wrap=True)
         raise SystemExit(USAGE) from None

@@ -1,8 +1,10 @@
 """The command line: what it answers, and with which exit code. The pipeline itself is tested in tests/pipeline."""
 
+import errno
 import io
 import json
 import math
+import os
 import re
 import shutil
 import subprocess
@@ -18,6 +20,7 @@ from rich.console import Console
 import churchpipe
 from case_texts import WALL, case_file
 from churchpipe import cli, engine
+from churchpipe.cli import entry
 from churchpipe.config.case import Drawing, read_case
 from churchpipe.dxf.reader import read_drawing
 from churchpipe.dxf.reading import Reading
@@ -749,3 +752,16 @@ def test_a_library_that_printing_needs_is_named(
     assert code == 1
     assert "the report as a PDF: a package is not installed" in err
     assert not (tmp_path / "report.pdf").exists()
+
+
+def test_a_full_disk_is_told_without_a_traceback(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    # A write that fails, unlike an open, does not name its file.
+    def full() -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(entry, "app", full)
+    monkeypatch.setattr(entry.signal, "signal", lambda *_: None)
+    with pytest.raises(SystemExit) as caught:
+        entry.main()
+    assert caught.value.code == 2
+    assert "A file cannot be written: No space left on device. Choose another place to write to." in capsys.readouterr().err
