@@ -142,7 +142,7 @@ def _joined_at_seam(
     """Return the tiles of a closed wall. In courses without a joint at the seam the first and the last tile are joined."""
     start, stop = field.span
     low, _, high, _ = bounds(polygons).T
-    kept = np.ones(len(polygons), dtype=np.bool_)
+    polygons, kept = polygons.copy(), np.ones(len(polygons), dtype=np.bool_)
     for last in np.flatnonzero(high > stop - TOLERANCE):
         if (np.abs(joints(int(course[last])) - start) < TOLERANCE).any():
             continue

@@ -111,7 +111,7 @@ def _meet(facets: Facets, found: Overlaps, limits: Limits) -> BoolArray:
 
 
 def _wide_enough(facets: Facets, side: IntArray, width: FloatArray, noise: float) -> BoolArray:
-    narrower = (2.0 * facets.area / perimeters(facets))[side].min(axis=1)
+    narrower = (2.0 * facets.area[side] / perimeters(facets)[side]).min(axis=1)
     return width >= np.minimum(noise, NARROW_SHARE * narrower)
 
 

@@ -140,6 +140,15 @@ def test_a_face_without_area_is_left_out() -> None:
     assert len(find_contacts(on_ground((points, faces), box((1, 2), (0, 1), (0, 1)))).blocks) == 3
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_face_whose_corners_are_one_point_is_left_out() -> None:
+    # A corner chipped by a thousand-millionth of a metre, written with six decimals.
+    points, _ = box((0, 1), (0, 1), (0, 1))
+    points = np.round(np.vstack([points[:7], points[7] - 1e-9 * np.eye(3)]), 6)
+    faces = [[0, 1, 3, 2], [4, 6, 9, 8, 5], [0, 4, 5, 1], [2, 3, 7, 9, 6], [0, 2, 6, 4], [1, 5, 8, 7, 3], [7, 8, 9]]
+    assert len(find_contacts(on_ground((points, faces), box((0, 1), (0, 1), (1, 2)))).blocks) == 2
+
+
 @pytest.mark.parametrize("name", ["s22", "church", "apse_window", "round_tower"])
 def test_exact_stones_give_the_joints_in_one_plane_to_the_last_bit(name: str) -> None:
     stones = derive_blocks(read_case(CASES / f"{name}.toml").building())

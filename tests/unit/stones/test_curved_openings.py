@@ -188,6 +188,12 @@ def test_a_centre_on_a_round_tower_may_be_negative_or_beyond_one_turn(turns):
     assert -0.2 < ring[:, 1].mean() < -0.15
 
 
+@pytest.mark.parametrize("centre", [-0.2, -0.05])
+def test_a_stone_beside_a_door_may_cross_the_seam(centre):
+    windows = DOOR | {"name": "windows", "centre": (2.67, 5.34, 8.01), "width": 0.5, "sill": 1.0, "voussoirs": 7, "depth": 0.25}
+    laid(tower(**TOWER, openings=[DOOR | {"centre": centre, "springing": 2.0}, windows]))
+
+
 MISTAKES = [
     (
         {"width": 1.5, "depth": 0.45},
