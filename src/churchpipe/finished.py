@@ -24,7 +24,8 @@ _Stamps = dict[str, list[int]]
 def run_name(case: Path) -> str:
     """Return the name of the run of a case file, "" where the text does not tell it."""
     try:
-        name = tomllib.loads(case.read_text(encoding="utf-8-sig")).get("name", case.stem)
+        # A pipe is not waited for.
+        name = tomllib.loads(case.read_text(encoding="utf-8-sig") if case.is_file() else "").get("name", case.stem)
     except (OSError, ValueError):
         return ""
     return name if isinstance(name, str) else ""

@@ -8,8 +8,28 @@ import typer
 Folder = Annotated[
     Path | None, typer.Option("--out", "-o", help="Folder to write to; default: the name of the file.", show_default=False)
 ]
+
+
+def _named(path: Path) -> Path:
+    """Return a path that has a name: "." has none."""
+    return path if path.name else path.resolve()
+
+
 StonesFile = Annotated[
-    Path, typer.Argument(metavar="FILE", help="A drawing, a mesh, or a folder of them.", exists=True, show_default=False)
+    Path,
+    typer.Argument(
+        metavar="FILE", help="A drawing, a mesh, or a folder of them.", exists=True, show_default=False, callback=_named
+    ),
+]
+ModelFile = Annotated[
+    Path,
+    typer.Argument(
+        metavar="FILE",
+        help="A case, a drawing, a mesh, or a folder of drawings or meshes.",
+        exists=True,
+        show_default=False,
+        callback=_named,
+    ),
 ]
 CaseFile = Annotated[Path, typer.Argument(help="A case file (TOML).", exists=True, dir_okay=False, show_default=False)]
 RunFolder = Annotated[Path, typer.Argument(help="Folder of a run.", exists=True, file_okay=False, show_default=False)]

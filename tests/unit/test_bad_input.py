@@ -13,6 +13,7 @@ from churchpipe.dxf.reader import read_dxf
 from churchpipe.dxf.writer import write_dxf
 from churchpipe.errors import InputError, UsageError
 from churchpipe.findings import FindingsError
+from churchpipe.finished import run_name
 from churchpipe.importing import import_drawing
 from churchpipe.io.atomic import write_text
 from churchpipe.model.loads import LoadCase
@@ -61,8 +62,11 @@ def test_files_of_another_kind(data: str | bytes, said: str, tmp_path: Path) -> 
 def test_a_folder_and_a_pipe_are_no_cases(tmp_path: Path) -> None:
     pipe = tmp_path / "pipe.toml"
     os.mkfifo(pipe)
-    for path in (tmp_path, pipe):
-        with pytest.raises(InputError, match=r"not a file; found a folder, a pipe or a device"):
+    folder = tmp_path / "folder.toml"
+    folder.mkdir()
+    assert run_name(pipe) == "pipe"  # and does not wait for what comes through it
+    for path in (folder, pipe):
+        with pytest.raises(InputError, match=r"toml: not a file; found a folder, a pipe or a device; expected a case file\.$"):
             read_case(path)
     with pytest.raises(InputError, match=r"cannot be read; found File name too long"):
         read_case(tmp_path / f"{'x' * 300}.toml")

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from functools import wraps
 from inspect import signature
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -59,6 +60,23 @@ def _reading(
     except InputError as error:
         option = "--" + error.where.replace("_", "-")
         raise UsageError(option, error.problem, found=error.found, expected=error.expected) from None
+
+
+def refuse_misplaced(context: typer.Context, file: Path, *of_stones: str) -> None:
+    """Refuse what was typed and would do nothing: of a case the options of a file of stones, and the other way round.
+
+    of_stones: parameters of the command that are for files of stones alone, beside those of `_reading`.
+    """
+    of_case, named = file.suffix.lower() == ".toml", {*of_stones, *signature(_reading).parameters}
+    for option in context.command.params:
+        source = context.get_parameter_source(option.name or "")
+        if source is None or source.name != "COMMANDLINE":
+            continue
+        if of_case and option.name in named:
+            remedy = "What a case and its drawing say stands in the case: docs/reference_case.md."
+            raise UsageError(option.opts[0], "not for a case", expected="a drawing or a mesh", remedy=remedy)
+        if not of_case and option.name == "changes":
+            raise UsageError("--set", "for a case alone", found=file, expected="a case file (TOML)")
 
 
 def with_reading(command: Callable[..., None]) -> Callable[..., None]:

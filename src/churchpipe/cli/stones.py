@@ -8,9 +8,9 @@ import typer
 
 from churchpipe.cli.app import app, err, out
 from churchpipe.cli.cases import check_case
-from churchpipe.cli.reading import with_reading
+from churchpipe.cli.reading import refuse_misplaced, with_reading
 from churchpipe.errors import UsageError
-from churchpipe.options import CaseFile, Changes, ContactAngle, ContactGap, Folder, Overlap, StonesFile
+from churchpipe.options import CaseFile, Changes, ContactAngle, ContactGap, Folder, ModelFile, Overlap, StonesFile
 
 
 @app.command("import-dxf", help="Make a case of a drawing: the same as import.")
@@ -62,7 +62,8 @@ def import_file(
 @app.command()
 @with_reading
 def check(
-    file: StonesFile,
+    context: typer.Context,
+    file: ModelFile,
     reading: Any,
     contact_gap: ContactGap = None,
     contact_angle: ContactAngle = None,
@@ -76,6 +77,7 @@ def check(
 
     Exit code 1 for errors.
     """
+    refuse_misplaced(context, file, "contact_gap", "contact_angle", "overlap", "folder")
     if file.suffix.lower() == ".toml":
         check_case(file, changes or ())
         return
@@ -105,7 +107,8 @@ def check(
 @app.command()
 @with_reading
 def view(
-    file: StonesFile,
+    context: typer.Context,
+    file: ModelFile,
     reading: Any,
     page: Annotated[
         Path | None, typer.Option("--out", "-o", help="Page to write; default: NAME.view.html here.", show_default=False)
@@ -118,6 +121,7 @@ def view(
 
     from churchpipe.viewing import write_view
 
+    refuse_misplaced(context, file)
     page = page or Path(f"{file.stem}.view.html")
     write_view(file, page, reading, changes or ())
     out.print(str(page), soft_wrap=True)

@@ -297,12 +297,15 @@ def read_table(path: Path) -> dict[str, Any]:
         ) from error
     except RecursionError as error:
         raise _too_deep(path) from error
+    except InputError:
+        raise
     except ValueError as error:
         # TOMLDecodeError is one; a number of thousands of digits is refused by Python itself.
         remedy = "Text needs quotes; tables stand in [brackets]."
         if path.suffix.lower() != ".toml":
             remedy = "Of a drawing or a mesh, churchpipe import makes a case."
-        raise InputError(str(path), "not TOML", found=error, remedy=remedy) from error
+        found = str(error).replace("Cannot overwrite a value", "a key given twice")
+        raise InputError(str(path), "not TOML", found=found, remedy=remedy) from error
     if changes.depth(table) > changes.DEEPEST:
         raise _too_deep(path)
     return table

@@ -7,6 +7,7 @@ from typing import Annotated, Any, TypeVar, get_args
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from churchpipe.errors import InputError
+from churchpipe.model.quantities import bare
 
 Table = dict[str, Any]
 Number = Annotated[float, Field(allow_inf_nan=False)]
@@ -67,8 +68,10 @@ def gathered(file: str, problems: Sequence[InputError]) -> InputError:
 
 def nearest(key: str, known: Iterable[str]) -> str:
     """Return the remedy for an unknown word."""
-    close = difflib.get_close_matches(key, list(known), n=1, cutoff=0.5)
-    return f'Did you mean "{close[0]}"?' if close else ""
+    # Their units make no two words alike.
+    words = {bare(word): word for word in known}
+    close = difflib.get_close_matches(bare(key), list(words), n=1, cutoff=0.52)
+    return f'Did you mean "{words[close[0]]}"?' if close else ""
 
 
 def _translated(item: Any, kind: type[Section], place: str, file: str, spelled: Callable[[str], str]) -> InputError:

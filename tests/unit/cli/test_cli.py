@@ -123,6 +123,27 @@ def test_usage_is_2(arguments: tuple[str, ...], capsys: pytest.CaptureFixture[st
     assert err
 
 
+def test_an_option_that_would_do_nothing_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    case, mesh = tmp_path / "w.toml", CORPUS / "sound.obj"
+    assert call(capsys, "generate", "wall", "-o", case)[0] == 0
+    for command, option, value in (("check", "--units", "mm"), ("check", "--out", tmp_path / "f"), ("view", "--thickness", "1m")):
+        code, _, err = call(capsys, command, case, option, value)
+        assert code == 2
+        assert f"{option}: not for a case" in err
+    for command in ("check", "view"):
+        code, _, err = call(capsys, command, mesh, "--set", "material.default.friction=0.5")
+        assert code == 2
+        assert "--set: for a case alone" in err
+    assert not (tmp_path / "f").exists()
+
+
+def test_a_folder_without_stones_is_named(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert f"{tmp_path.name}: 1 error in the file" in call(capsys, "check", ".")[2]
+
+
 def test_a_case_with_mistakes_is_1(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     assert call(capsys, "generate", "wall", "-o", tmp_path / "w.toml")[0] == 0
     code, out, err = call(capsys, "run", tmp_path / "w.toml", "--out", tmp_path / "run", "--set", "source.lenght_m=3")

@@ -139,6 +139,7 @@ MISTAKES = [
     ("source.lenght_m=3", r'source\.lenght_m: unknown key.*Did you mean "length_m"\?'),
     ('source={generator="wall", thickness_m=0.2}', r"source\.length_m: missing key; expected a number"),
     ("rigid.frow=1", r'rigid\.frow: unknown key.*flow, solver, method, start.*Did you mean "flow"\?'),
+    ('ties=[{name="t", diameter_mm=25}]', r"ties\.0\.diameter_mm: unknown key; expected [^?]*ultimate_strain\.(?! Did)"),
     ("materail.default.friction=1", r'materail: unknown key.*Did you mean "material"\?'),
     ("material.default.frictoin=1", r'material\.default\.frictoin: unknown key.*Did you mean "friction"\?'),
     ("material.default.elastic.block_E_Gpa=1", r'elastic\.block_E_Gpa: unknown key.*Did you mean "block_E_GPa"\?'),
@@ -209,6 +210,7 @@ def test_what_an_import_left_out_is_listed(tmp_path: Path) -> None:
     ("text", "said"),
     [
         ("a = = 1", "not TOML.*line 1"),
+        ("a = 1\na = 2\n\n", r"not TOML; found a key given twice \(at line 2"),
         pytest.param(f"a = {'9' * 5000}", "not TOML", id="digits"),
         ("", "source: missing key"),
         ("name = 3", "name: wrong value; found 3"),
