@@ -24,7 +24,7 @@ from churchpipe.io.atomic import write_text
 from churchpipe.match import match_models
 from churchpipe.meshes.reader import files_of, read_file
 from churchpipe.model.assemblage import Assemblage
-from churchpipe.model.contacts import Contacts
+from churchpipe.model.contacts import TOLERANCES, Contacts
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import UnitWeight
 from churchpipe.shell_mesh.shell import derive_shell
@@ -36,8 +36,6 @@ from churchpipe.stones.soundness import check_soundness
 # Processor time of the associative limit load (docs/benchmarks_shell.md, docs/benchmarks_limit_analysis.md), and how many times
 # that of an element a capacity curve takes besides.
 SECONDS_PER_ELEMENT, SECONDS_PER_STONE, CURVE = 0.003, 0.001, 4
-# What `churchpipe.find_contacts` takes; what nobody gives is proposed from the stones.
-TOLERANCES: Final = ("contact_gap", "contact_angle", "overlap")
 NONE_GIVEN: Final[Mapping[str, float | None]] = {}
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
@@ -71,7 +69,7 @@ def check_drawing(
     InputError: the file has errors, all of them listed.
     """
     drawing = read_file(path, unit_weight=unit_weight, **asdict(reading))
-    contacts = find_contacts(drawing.stones, **_given(reading, tolerances))
+    contacts = find_contacts(drawing.stones, **reading.tolerances(tolerances))
     check_soundness(drawing.stones, contacts)
     return drawing, contacts
 
@@ -120,7 +118,7 @@ def import_drawing(
         unit_weight=unit_weight,
         friction=friction,
         loads=[LoadCase(direction) for direction in directions] or drawing.loads,
-        tolerances=_given(reading, tolerances),
+        tolerances=reading.tolerances(tolerances),
         shell=shell,
     )
     folder.mkdir(parents=True, exist_ok=True)
@@ -231,12 +229,6 @@ def parse_tolerances(contact_gap: str | None, contact_angle: float | None, overl
     angle = None if contact_angle is None else math.radians(contact_angle)
     lengths = parse_length("--contact-gap", contact_gap), parse_length("--overlap", overlap)
     return dict(zip(TOLERANCES, (lengths[0], angle, lengths[1]), strict=True))
-
-
-def _given(reading: Reading, tolerances: Mapping[str, float | None]) -> dict[str, float]:
-    """Return the tolerances that somebody gave; joints that are kept open give a contact gap."""
-    given = {"contact_gap": reading.open_joint} | {key: value for key, value in tolerances.items() if value is not None}
-    return {key: value for key, value in given.items() if value is not None}
 
 
 def record_findings(findings: Findings, folder: Path, units: str, stones: Assemblage | Sequence[Body], after: str) -> None:

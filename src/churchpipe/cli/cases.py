@@ -3,6 +3,7 @@
 import re
 import shlex
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -96,7 +97,7 @@ def _check_laid(path: Path, case: Any, building: Any) -> None:
 
     try:
         stones = derive_blocks(building)
-        contacts = find_contacts(stones, case.rigid.contact_gap)
+        contacts = find_contacts(stones, **case.tolerances)
         check_soundness(stones, contacts)
     except InputError as error:
         raise case.located(error) from error
@@ -105,15 +106,18 @@ def _check_laid(path: Path, case: Any, building: Any) -> None:
 
 
 def _check_drawn(path: Path, case: Any) -> None:
-    from churchpipe.importing import TOLERANCES, check_drawing, joint_words
+    from churchpipe.importing import check_drawing, joint_words
+    from churchpipe.recognition.panels import wall_names
 
     if not case.source.path.exists():
         raise InputError(f"{path}: source", "no such file of stones", found=case.source.path)
     weights = {material.name: material.unit_weight for material in case.materials}
-    given = {key: getattr(case.rigid, key) for key in TOLERANCES}
-    read, contacts = check_drawing(case.source.path, case.source.reading, weights, given)
+    read, contacts = check_drawing(case.source.path, case.source.reading, weights, case.tolerances)
     if len(read.findings):
         err.print(str(read.findings), soft_wrap=True)
+    stones = replace(read.stones, panel=wall_names(read.stones))
+    case.check_named(sorted({*stones.panel[~stones.fixed].tolist()} - {""}))
+    case.check_borne(stones)
     free = int((~read.stones.fixed).sum())
     out.print(f"{case.source.path}: {free} stones.", soft_wrap=True)
     for line in joint_words(read.stones, contacts):

@@ -27,8 +27,10 @@ from churchpipe.config.variants import Variant, applied, variants_of
 from churchpipe.dxf.reading import AS_DRAWN, Reading
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import path_of
+from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import MOST_STONES, Building
 from churchpipe.model.buttress import Buttress
+from churchpipe.model.contacts import TOLERANCES
 from churchpipe.model.joint_group import JointGroup
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
@@ -90,6 +92,12 @@ class Case:
     overrides: tuple[str, ...] = ()
     table: dict[str, Any] = field(default_factory=dict[str, Any])
 
+    @property
+    def tolerances(self) -> dict[str, float]:
+        """The tolerances of joints that the case gives, as `churchpipe.find_contacts` takes them."""
+        reading = self.source.reading if isinstance(self.source, Drawing) else AS_DRAWN
+        return reading.tolerances({key: getattr(self.rigid, key) for key in TOLERANCES})
+
     def located(self, error: InputError) -> InputError:
         """Return an error about the building with the line of the file that it is about."""
         generator = self.source.generator if isinstance(self.source, Generated) else ""
@@ -142,7 +150,19 @@ class Case:
         InputError: as of `laid`; a load on walls that the building has not, or where they bear nothing.
         """
         building = self.laid()
-        known = building.macro_elements
+        self.check_named(building.macro_elements)
+        if self.carries or self.ring_beams or self.joints:
+            from churchpipe.stones.blocks import derive_blocks
+
+            try:
+                stones = derive_blocks(replace(building, ring_beams=()))
+            except InputError as error:
+                raise self.located(error.at(f"{self.path}: {error.where}")) from error
+            self.check_borne(stones)
+        return building
+
+    def check_named(self, known: Sequence[str]) -> None:
+        """Raise InputError for a load or a group of joints on walls that are not among the known ones."""
         named = [(f"load.{number}.panels", load.panels or ()) for number, load in enumerate(self.loads)]
         named += [(f"joints.{number}", group.named) for number, group in enumerate(self.joints)]
         for place, names in named:
@@ -150,30 +170,25 @@ class Case:
                 where, expected = f"{self.path}: {place}", ", ".join(known)
                 error = InputError(where, "no such panel", found=name, expected=expected, remedy=nearest(name, known))
                 raise self.located(error)
-        if self.carries or self.ring_beams or self.joints:
-            try:
-                self._bear(building)
-            except InputError as error:
-                raise self.located(error.at(f"{self.path}: {error.where}")) from error
-        return building
 
-    def _bear(self, building: Building) -> None:
-        """Raise InputError, with the table at fault, for beams, loads and ties that the walls cannot bear, and joints that they
-        cannot have."""
-        from churchpipe.stones.blocks import derive_blocks
+    def check_borne(self, stones: Assemblage) -> None:
+        """Raise InputError, with the table at fault, for beams, loads and ties that the stones cannot bear, and joints that they
+        cannot have. stones: without the beams."""
         from churchpipe.stones.joints import check_group
         from churchpipe.stones.ring_beams import add_beams
 
-        stones = derive_blocks(replace(building, ring_beams=()))
         weights = {material.name: material.unit_weight for material in self.materials}
-        for number in range(len(self.ring_beams)):
-            beams = self.ring_beams[: number + 1]
-            tried(f"ring_beams.{number}", lambda beams=beams: add_beams(stones, beams, weights))
-        stones = add_beams(stones, self.ring_beams, weights)
-        for number, group in enumerate(self.joints):
-            tried(f"joints.{number}", partial(check_group, stones, group))
-        if self.carries:
-            placed(self.carries, stones)
+        try:
+            for number in range(len(self.ring_beams)):
+                beams = self.ring_beams[: number + 1]
+                tried(f"ring_beams.{number}", lambda beams=beams: add_beams(stones, beams, weights))
+            whole = add_beams(stones, self.ring_beams, weights)
+            for number, group in enumerate(self.joints):
+                tried(f"joints.{number}", partial(check_group, whole, group))
+            if self.carries:
+                placed(self.carries, whole)
+        except InputError as error:
+            raise self.located(error.at(f"{self.path}: {error.where}")) from error
 
 
 def _of_the_farthest_number(error: InputError, where: str, source: Generated) -> InputError:

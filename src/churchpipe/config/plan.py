@@ -90,11 +90,7 @@ def plan(cases: Sequence[Case]) -> Plan:
 
     for case in cases:
         shape = {key: value for key, value in case.swept.items() if swept.changes_stones(key)}
-        tolerances = {key: getattr(case.rigid, key) for key in ("contact_gap", "contact_angle", "overlap")}
-        if tolerances["contact_gap"] is None and isinstance(case.source, Drawing):
-            tolerances["contact_gap"] = case.source.reading.open_joint
-        tolerances = {key: value for key, value in tolerances.items() if value is not None}
-        settings = _geometry_settings(case)
+        settings, tolerances = _geometry_settings(case), case.tolerances
         geometry = _same(case, {key: (table, contacts[key]) for key, table in geometries.items()}, (settings, tolerances))
         geometry = geometry or _keep(geometries, _words(shape, case) or ["base"], settings)
         contacts[geometry] = tolerances

@@ -1,5 +1,6 @@
 """How a drawing is read: what a person may say of it."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
@@ -68,10 +69,11 @@ class Reading:
         """The bond to lay in whole walls; None where the file has stones."""
         return LaidBond(self.bond, self.course, self.stone) if self.bond and self.course else None
 
-    @property
-    def open_joint(self) -> float | None:
-        """Contact gap, m, that reaches across joints that stay open, the widest of them too; None where there are none."""
-        return WIDEST_MEAN * self.joint if self.joint is not None and self.joint_mode == "keep" else None
+    def tolerances(self, given: Mapping[str, float | None]) -> dict[str, float]:
+        """Return the tolerances of joints, m and rad, that somebody gave; joints that are kept open give a contact gap, which
+        reaches across the widest of them too."""
+        kept = {"contact_gap": WIDEST_MEAN * self.joint} if self.joint is not None and self.joint_mode == "keep" else {}
+        return kept | {key: value for key, value in given.items() if value is not None}
 
 
 AS_DRAWN = Reading()

@@ -29,6 +29,9 @@ KINDS: tuple[ContactKind, ...] = get_args(ContactKind)
 TOUCHING = 1e-6
 
 
+TOLERANCES = ("contact_gap", "contact_angle", "overlap")
+
+
 @dataclass(frozen=True, slots=True)
 class ContactTolerances:
     """What faces may be apart and still make a joint.
@@ -43,7 +46,7 @@ class ContactTolerances:
     given: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        for name in ("contact_gap", "contact_angle", "overlap"):
+        for name in TOLERANCES:
             if not (number := finite(f"ContactTolerances.{name}", getattr(self, name))) > 0:
                 raise InputError(f"ContactTolerances.{name}", "out of range", found=number, expected="> 0")
         store(self, given=tuple(self.given))

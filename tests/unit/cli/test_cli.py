@@ -554,6 +554,20 @@ def test_a_case_of_a_drawing_is_checked_with_its_drawing(capsys: pytest.CaptureF
     assert code == 0
     assert "stones." in out
     assert "analys" in out
+    whole = case.read_text()
+    for table, said in (
+        (
+            '[[load]]\ndirection = [0, 1, 0]\nname = "leaf"\npanels = ["roof"]\n',
+            "load.1.panels: no such panel; found roof; expected",
+        ),
+        ('[[joints]]\nname = "j"\nwalls = ["roof"]\ncohesion_kPa = 10\n', "joints.0: no such panel; found roof"),
+        ("[[point_loads]]\ndead_kN = 10\nat_m = [90, 0, 3]\n", "point_loads.0"),
+    ):
+        case.write_text(f"{whole}\n{table}")
+        code, _, err = call(capsys, "check", case)
+        assert code == 1
+        assert re.search(rf"case.toml: line \d+, {said}", err)
+    case.write_text(whole)
     (tmp_path / "made" / "sound.dxf").write_bytes((CORPUS / "open-body.dxf").read_bytes())
     code, _, err = call(capsys, "check", case)
     assert code == 1
