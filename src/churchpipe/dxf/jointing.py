@@ -7,7 +7,6 @@ import numpy as np
 
 from churchpipe.dxf.reading import JointMode, Mortar
 from churchpipe.dxf.stones import Stone
-from churchpipe.dxf.units import plausible
 from churchpipe.findings import Finding
 from churchpipe.model.arrays import FloatArray
 from churchpipe.stones.contact_tolerances import HAIRLINE
@@ -30,8 +29,10 @@ def jointed(
     """
     size = float(np.median([np.ptp(stone.points, axis=0).min() for stone in stones]))
     widest = (WIDEST_KEPT if mode == "keep" else WIDEST_GROWN) * size
-    # In a wrong unit everything is too wide or too thin: then it is the unit that is named.
-    if joint > widest and plausible(size * unit):
+    if joint > widest:
+        # In a wrong unit everything is too wide or too thin: then it is the unit that is named.
+        if any(finding.code in ("E04", "E05") for finding in findings):
+            return stones, np.ones(len(stones))
         what = "a joint of {} between stones whose smallest dimension is {}: {} at most can be closed"
         remedy = "Give the width of one joint, with its unit" + ("; wide ones take --joint-mode grow." if mode == "keep" else ".")
         findings.append(Finding("E26", what, remedy=remedy, lengths=(joint, size, widest)))

@@ -115,12 +115,12 @@ def read_drawing(
         what = "no stones but ground in model space" if stones else "no stones in model space"
         remedy = "Draw the stones as inserts on CP-BLOCKS, as closed meshes, or as closed outlines."
         findings.append(Finding("E17", what, "at least one solid", remedy))
+    unit = find_unit(document, stones, gathered.flawed, reading.units, reading.drawn, findings)
     share = np.ones(0)
     if stones and reading.joint is not None:
         stones, share = jointed(stones, reading.joint * metre, reading.joint_mode, reading.mortar, 1.0 / metre, findings)
     elif stones and gathered.traces and not reading.laid:
         findings += unnamed_joints(stones, 1.0 / metre)
-    unit = find_unit(document, stones, gathered.flawed, reading.units, reading.drawn, findings)
     if reading.laid and unit and not any(f.severity == "error" for f in findings):
         stones = laid_stones(stones, reading.laid, schema.metres(unit), findings)
     stones = supported(stones, reading.support, findings) if stones else stones

@@ -68,6 +68,8 @@ def check_drawing(wall: BrickWall, path: Path, *, unclosed: int) -> Drawing:
         read_drawing(path, **READING)
     assert [finding.code for finding in caught.value.findings.errors] == ["E05"]
     assert "--units m (" in str(caught.value)
+    # Joints of 10 mm between bricks of 6 mm are not looked for: every brick would lie across one from every other.
+    assert "W26" not in caught.value.findings.codes
     drawing = read_drawing(path, units="m", **READING)
     count = Counter(finding.code for finding in drawing.findings)
     assert count == {"W04": 1, "W11": 6, "W12": 1, "W24": 1, "W25": unclosed, "W26": 1}
@@ -119,6 +121,13 @@ def test_a_wall_with_two_arches(tmp_path: Path) -> None:
     check_shell(drawing, 2)
     check_analyses(drawing, 0.479392)
     check_sliding(drawing, 0.479392)
+
+
+def test_a_joint_wider_than_the_stones_in_the_unit_that_was_asked_for_is_refused(tmp_path: Path) -> None:
+    write_wall(brick_wall(4, 4, []), tmp_path / "wall.dxf", unclosed=1, doubled=0)
+    with pytest.raises(FindingsError) as caught:
+        read_drawing(tmp_path / "wall.dxf", units="in", **READING)
+    assert [finding.code for finding in caught.value.findings.errors] == ["E26"]
 
 
 def test_bricks_with_sharp_tips_rest_on_the_voussoirs_drawn_below_them(tmp_path: Path) -> None:

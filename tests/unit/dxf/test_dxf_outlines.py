@@ -444,7 +444,7 @@ def test_inches_that_are_metres_are_told_by_the_size_of_the_outlines(tmp_path: P
     assert "E05" in text
     assert "--units m (127 mm)" in text
     drawing = read(path, units="m", joint=0.010, support="base")
-    assert codes(drawing) == ["W26", "W04", "W12"]
+    assert codes(drawing) == ["W04", "W26", "W12"]
 
 
 def test_inches_that_are_millimetres_are_told_by_the_size_of_the_outlines(tmp_path: Path) -> None:
