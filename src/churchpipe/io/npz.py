@@ -6,6 +6,7 @@ import zlib
 from collections.abc import Callable
 from dataclasses import asdict, astuple, dataclass, fields
 from pathlib import Path
+from tokenize import TokenError
 from typing import Any, TypeVar
 from zipfile import BadZipFile
 
@@ -63,7 +64,7 @@ _PARTS: dict[str, type] = {"near_misses": NearMisses, "tolerances": ContactToler
 # What zipfile, zlib, NumPy's header, JSON and our own checks raise at a damaged file.
 DAMAGE = (
     *(BadZipFile, zlib.error, struct.error, EOFError, ValueError, KeyError, IndexError, TypeError, AttributeError, SyntaxError),
-    *(NotImplementedError, RuntimeError, OverflowError, MemoryError),
+    *(NotImplementedError, RuntimeError, OverflowError, MemoryError, TokenError),
 )
 
 Artifact = TypeVar(

@@ -6,6 +6,7 @@ import json
 import pickle
 from pathlib import Path
 from typing import Any
+from zipfile import ZipFile
 
 import numpy as np
 import pytest
@@ -135,6 +136,15 @@ def test_a_damaged_file_is_named_and_nothing_is_advised_that_runs_its_code(tmp_p
             said.append(str(error))
     assert len(said) > 200
     assert all(text.startswith(str(path)) and "pickle" not in text for text in said)
+
+
+def test_an_array_with_an_open_bracket_in_its_header_is_damaged(tmp_path: Path) -> None:
+    write_npz(tmp_path / "whole.npz", irrational())
+    with ZipFile(tmp_path / "whole.npz") as whole, ZipFile(tmp_path / "open.npz", "w") as broken:
+        for name in whole.namelist():
+            broken.writestr(name, whole.read(name).replace(b"), }", b"((,}"))
+    with pytest.raises(InputError, match=r"open\.npz: damaged"):
+        read_npz(tmp_path / "open.npz", Assemblage)
 
 
 @pytest.mark.parametrize(
