@@ -64,7 +64,9 @@ def main() -> None:
         for start in arguments.start:
             n = dead_load_start(balance) if start == "dead-load" else np.maximum(forces[:, 0], 0.0)
             begin = process_time()
-            run = certified_iteration(balance, strength, n, within(solve, arguments.seconds), SchemeSettings(gap=arguments.gap))
+            run = certified_iteration(
+                balance, strength, n, within(solve, arguments.seconds), SchemeSettings(bipotential_gap=arguments.gap)
+            )
             seconds = process_time() - begin
             if run is None:
                 print(f"| {load} | {upper:.4f} | {start} | no feasible step |", flush=True)

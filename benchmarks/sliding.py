@@ -82,7 +82,7 @@ def main() -> None:
             disturbed = replace(balance, dead=balance.dead * (1.0 + noise))
             begin = process_time()
             if arguments.search:
-                settings = SchemeSettings(gap=arguments.gap)
+                settings = SchemeSettings(bipotential_gap=arguments.gap)
                 run = certified_iteration(disturbed, strength, dead_load_start(disturbed), solve, settings)
             else:
                 run = from_centre(disturbed, strength, arguments.gap, solve)

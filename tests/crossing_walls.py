@@ -30,6 +30,6 @@ def junctions(*panels):
 
 
 def owned(junction, zone):
-    """Return the levels of the bands of the zone that the wall has lost."""
-    rows = junction.lost[np.isclose(junction.lost[:, 0], zone[0]) & np.isclose(junction.lost[:, 2], zone[1])]
+    """Return the levels of the bands of the zone that the wall has ceded."""
+    rows = junction.ceded[np.isclose(junction.ceded[:, 0], zone[0]) & np.isclose(junction.ceded[:, 2], zone[1])]
     return sorted(np.round(rows[:, 1], 9).tolist())

@@ -46,7 +46,7 @@ def test_canonical_start(test: str, first_course: str, reference: float, program
     # The last digit of the start decides on a third of the programs: the middle of three.
     noise = [np.zeros_like(n), *np.random.default_rng(1).normal(scale=1e-7, size=(2, len(n)))]
     runs = [certified_iteration(balance, strength, n * (1.0 + part), solve) for part in noise]
-    found = [run for run in runs if run is not None and run.settled]
+    found = [run for run in runs if run is not None and run.converged]
     assert len(found) == 3
     assert all(run.load_factor < associative.tau for run in found)
     assert np.median([run.solves for run in found]) <= programs
@@ -92,7 +92,7 @@ def test_one_run_from_the_centre_certifies_at_the_price_of_a_few_solves(name: st
     associative = solver_for(balance.wrenches)(associative_program(balance, strength), duality_gap=EXACT)
     run = central_run(balance, strength)
     assert run is not None
-    assert run.settled
+    assert run.converged
     price, low, high = CENTRE[name]
     assert run.iterations <= price * associative.iterations
     assert low <= run.load_factor <= high < associative.tau
@@ -123,7 +123,7 @@ def test_equal_models_have_one_load_factor(number: int, kind: str) -> None:
         balance = equilibrium(each, contacts, load)
         run = central_run(balance, point_strength(contacts, 0.65, 0.0, balance.force))
         assert run is not None
-        assert run.settled
+        assert run.converged
         found.append(run.load_factor)
     assert found[1] == pytest.approx(found[0], rel=1e-3)
 
@@ -146,7 +146,7 @@ def test_a_small_wall_with_openings_is_certified(friction: float) -> None:
     state = limit_analysis(stones, contacts, LOAD, friction, flow="non-associative")
     assert state.status == "converged"
     assert 0 <= state.gap <= 1e-5 * state.load_factor
-    assert all(run.settled for run in state.starts)
+    assert all(run.converged for run in state.starts)
     if friction == 0.4:
         assert state.load_factor == pytest.approx(friction, rel=1e-5)
     else:
@@ -158,7 +158,7 @@ def test_the_more_careful_of_two_starts_leads() -> None:
     stones = wall(4)
     state = limit_analysis(stones, find_contacts(stones), LOAD, friction=0.65, flow="non-associative")
     found = {run.start: run.load_factor for run in state.starts}
-    assert all(run.settled for run in state.starts)
+    assert all(run.converged for run in state.starts)
     assert found["dead-load"] < found["centre"]
     assert state.load_factor == found["dead-load"] == pytest.approx(0.26397, rel=5e-3)
 
@@ -201,7 +201,7 @@ def test_box_of_a_thousand_stones() -> None:
     associative = solve(associative_program(balance, strength))
     run = certified_iteration(balance, strength, dead_load_start(balance), solve)
     assert run is not None
-    assert run.settled
+    assert run.converged
     assert bipotential_gap(balance, strength, run.x, run.y) <= 1e-5 * run.load_factor
     assert run.load_factor < associative.tau
     assert run.iterations <= 25 * associative.iterations
@@ -235,7 +235,7 @@ def test_each_start_says_what_became_of_it() -> None:
     lowest = min(state.starts, key=lambda run: run.load_factor)
     assert (state.load_factor, state.gap, state.history) == (lowest.load_factor, lowest.gap, lowest.history)
     for run in state.starts:
-        assert run.settled
+        assert run.converged
         assert run.gap <= 1e-5 * run.load_factor
         if run is lowest:
             assert run.interval[0] <= run.load_factor <= run.interval[1] < 0.642859 + 1e-5

@@ -18,7 +18,7 @@ class Field:
     """The part of a wall that one bond fills, in chart coordinates (s along the wall, t upwards, m).
 
     name: for messages. solid: the region to fill. span: s of the two ends of the wall. through: the courses, even (0) or odd
-    (1), on which the wall runs through its junctions. zones (nz, 2): s of the faces of its junctions, disjoint and sorted. lost
+    (1), on which the wall runs through its junctions. zones (nz, 2): s of the faces of its junctions, disjoint and sorted. ceded
     (nl, 4): rectangles s0, t0, s1, t1 of the junctions whose stones belong to other walls. closed: whether the wall ends where
     it starts, as the wall of a round tower does. voids: arched openings of a curved wall. radius: of its mid-surface, m.
     """
@@ -28,7 +28,7 @@ class Field:
     span: tuple[float, float]
     through: Literal[0, 1] = 0
     zones: FloatArray = dataclass_field(default_factory=lambda: np.empty((0, 2)))
-    lost: FloatArray = dataclass_field(default_factory=lambda: np.empty((0, 4)))
+    ceded: FloatArray = dataclass_field(default_factory=lambda: np.empty((0, 4)))
     closed: bool = False
     voids: tuple[Void, ...] = ()
     radius: float = np.inf
@@ -37,7 +37,7 @@ class Field:
         store(
             self,
             zones=floats("Field.zones", self.zones, (None, 2)),
-            lost=floats("Field.lost", self.lost, (None, 4)),
+            ceded=floats("Field.ceded", self.ceded, (None, 4)),
         )
 
 

@@ -69,7 +69,7 @@ def joints_by_bay(
     # A wall that ends at the junction at this height, as a tower does above the roof, has no joint on its other side.
     before = np.where(_masonry(field, field.zones[:, 0] - END, height), before, field.zones[:, 0])
     behind = np.where(_masonry(field, field.zones[:, 1] + END, height), behind, field.zones[:, 1])
-    for zone in np.flatnonzero(~_lost(field, height)):
+    for zone in np.flatnonzero(~_ceded(field, height)):
         joints.append(across(field.zones[zone], float(before[zone]), float(behind[zone])))
     return np.concatenate(joints) if joints else np.empty(0)
 
@@ -91,8 +91,8 @@ def _masonry(field: Field, s: FloatArray, height: float) -> BoolArray:
     return distances(field.solid, np.stack([s, np.full(len(s), height)], axis=1)) == 0
 
 
-def _lost(field: Field, height: float) -> BoolArray:
+def _ceded(field: Field, height: float) -> BoolArray:
     """Return for each zone whether another wall owns it at this height."""
     middle = field.zones.mean(axis=1)[:, None]
-    s0, t0, s1, t1 = field.lost.T
+    s0, t0, s1, t1 = field.ceded.T
     return ((s0 < middle) & (middle < s1) & (t0 < height) & (height < t1)).any(axis=1)

@@ -16,12 +16,12 @@ from churchpipe.model.building import Junction, Panel
 
 @dataclass(frozen=True, slots=True)
 class WallJunctions:
-    """The junctions of one wall: zones (nz, 2), s from face to face, disjoint and sorted; lost (nl, 4), rectangles s0, t0,
+    """The junctions of one wall: zones (nz, 2), s from face to face, disjoint and sorted; ceded (nl, 4), rectangles s0, t0,
     s1, t1 of the zones that belong to other walls; dry (nd, 4), those of them that the wall butts against without mortar. All in
     m, chart coordinates."""
 
     zones: FloatArray
-    lost: FloatArray
+    ceded: FloatArray
     dry: FloatArray
 
 
@@ -101,7 +101,7 @@ def crossings(panels: Sequence[Panel], solids: Sequence[Region], junctions: Sequ
 def wall_junctions(panels: Sequence[Panel], solids: Sequence[Region], junctions: Sequence[Junction] = ()) -> list[WallJunctions]:
     """Return the junctions of each wall: their extent, and which parts belong to other walls. Arguments as for `crossings`."""
     zones: list[list[FloatArray]] = [[] for _ in panels]
-    lost: list[list[FloatArray]] = [[] for _ in panels]
+    ceded: list[list[FloatArray]] = [[] for _ in panels]
     dry: list[list[FloatArray]] = [[] for _ in panels]
     for crossing in crossings(panels, solids, junctions):
         for place, (wall, span) in enumerate(zip(crossing.walls, crossing.spans, strict=True)):
@@ -110,12 +110,12 @@ def wall_junctions(panels: Sequence[Panel], solids: Sequence[Region], junctions:
             low, high = crossing.levels[:-1][loses] - base, crossing.levels[1:][loses] - base
             rectangles = np.stack([np.full(len(low), span[0]), low, np.full(len(low), span[1]), high], axis=1)
             zones[wall].append(span)
-            lost[wall].append(rectangles)
+            ceded[wall].append(rectangles)
             dry[wall].append(rectangles[crossing.dry[loses]])
     none = np.empty((0, 4))
     return [
-        WallJunctions(_merged(z), np.concatenate([none, *all_lost]), np.concatenate([none, *all_dry]))
-        for z, all_lost, all_dry in zip(zones, lost, dry, strict=True)
+        WallJunctions(_merged(z), np.concatenate([none, *all_ceded]), np.concatenate([none, *all_dry]))
+        for z, all_ceded, all_dry in zip(zones, ceded, dry, strict=True)
     ]
 
 

@@ -34,7 +34,7 @@ def lay_wall(panel: Panel, solid: Region, junctions: WallJunctions) -> TileSet:
     ----------
     panel: the wall. solid: its outline less openings. junctions: its zones, and the rectangles of them that other walls own.
     """
-    own = less(solid, boxes(junctions.lost))
+    own = less(solid, boxes(junctions.ceded))
     span = (float(panel.outline[:, 0].min()), float(panel.outline[:, 0].max()))
     voids = voids_of(panel)
     sets: list[TileSet] = []
@@ -49,7 +49,7 @@ def lay_wall(panel: Panel, solid: Region, junctions: WallJunctions) -> TileSet:
             span=span,
             through=panel.runs_through or 0,
             zones=junctions.zones,
-            lost=junctions.lost,
+            ceded=junctions.ceded,
             closed=closes(panel.chart, *span),
             voids=voids,
             radius=panel.chart.radius if isinstance(panel.chart, CylinderChart) else np.inf,

@@ -15,8 +15,8 @@ from churchpipe.model.arguments import text
 _OUT_OF_BALANCE = 1e-5
 Proves: TypeAlias = Callable[[ConeSolution], bool]
 # Is called with the share of a solve that is done.
-ShareDone: TypeAlias = Callable[[float], None]
-_Solver: TypeAlias = Callable[[ConeProgram, float | None, ShareDone | None], ConeSolution]
+SolveProgress: TypeAlias = Callable[[float], None]
+_Solver: TypeAlias = Callable[[ConeProgram, float | None, SolveProgress | None], ConeSolution]
 
 
 class Solve(Protocol):
@@ -29,7 +29,7 @@ class Solve(Protocol):
         *,
         duality_gap: float | None = None,
         proves: Proves | None = None,
-        progress: ShareDone | None = None,
+        progress: SolveProgress | None = None,
     ) -> ConeSolution:
         """Solve a program; the forces of what is called solved balance to rounding (`restore_balance`).
 
@@ -63,9 +63,9 @@ def solver_for(balance: Balance, name: str = "auto") -> Solve:
         from churchpipe.conic.clarabel import solve_clarabel
 
         reference = _whole(solve_clarabel)
-        return _in_turn(reference) if name == "clarabel" else _in_turn(_own(balance), reference)
+        return _in_turn(reference) if name == "clarabel" else _in_turn(_interior_point(balance), reference)
     if name == "interior-point":
-        return _in_turn(_own(balance))
+        return _in_turn(_interior_point(balance))
     raise InputError("solver", "unknown solver", found=name, expected=", ".join(SOLVERS))
 
 
@@ -83,7 +83,7 @@ def _in_turn(*solvers: _Solver) -> Solve:
         *,
         duality_gap: float | None = None,
         proves: Proves | None = None,
-        progress: ShareDone | None = None,
+        progress: SolveProgress | None = None,
     ) -> ConeSolution:
         *others, last = solvers
         failures: list[str] = []
@@ -100,17 +100,17 @@ def _in_turn(*solvers: _Solver) -> Solve:
     return solve
 
 
-def _own(balance: Balance) -> _Solver:
+def _interior_point(balance: Balance) -> _Solver:
     """Return our own solver, which stops as early as it may."""
     from churchpipe.conic.interior_point import InteriorPointSolver
     from churchpipe.conic.interior_point.info import as_share
     from churchpipe.conic.interior_point.settings import CENTRAL, Settings
 
-    own = InteriorPointSolver(balance)
+    solver = InteriorPointSolver(balance)
 
-    def solve(program: ConeProgram, duality_gap: float | None, tell: ShareDone | None) -> ConeSolution:
+    def solve(program: ConeProgram, duality_gap: float | None, report: SolveProgress | None) -> ConeSolution:
         settings = Settings() if duality_gap is None else replace(CENTRAL, duality_gap=duality_gap)
-        return own.solve(program, settings, as_share(tell, settings.duality_gap, settings.residual))
+        return solver.solve(program, settings, as_share(report, settings.duality_gap, settings.residual))
 
     return solve
 
@@ -118,7 +118,7 @@ def _own(balance: Balance) -> _Solver:
 def _whole(solve: Callable[[ConeProgram], ConeSolution]) -> _Solver:
     """Return a solver that never stops early."""
 
-    def whole(program: ConeProgram, _: float | None, __: ShareDone | None) -> ConeSolution:
+    def whole(program: ConeProgram, _: float | None, __: SolveProgress | None) -> ConeSolution:
         return solve(program)
 
     return whole

@@ -23,7 +23,7 @@ def flow_of_planes(matrix: FloatArray, rate: FloatArray, start: FloatArray) -> t
     left = rate - np.einsum("riq,rq->iq", matrix, z)
     square = (matrix**2).sum(axis=1)
     square[square == 0] = 1.0
-    settled = SOLVER.flow_settled * np.abs(rate).max(initial=0.0)
+    tolerance = SOLVER.flow_tolerance * np.abs(rate).max(initial=0.0)
     moving = np.arange(rate.shape[1])
     for _ in range(SOLVER.flow_rounds):
         normals, squares = matrix[:, :, moving], square[:, moving]
@@ -35,7 +35,7 @@ def flow_of_planes(matrix: FloatArray, rate: FloatArray, start: FloatArray) -> t
                 some[row] = moved
         change = np.abs(rest - left[:, moving]).max(axis=0, initial=0.0)
         z[:, moving], left[:, moving] = some, rest
-        moving = moving[change > settled]
+        moving = moving[change > tolerance]
         if not len(moving):
             break
     return z, left

@@ -46,7 +46,7 @@ class SolverSettings:
 
     Flow rule with planes, solved at each point by Hildreth's sweeps over the planes:
         flow_sweeps: between two looks at which points still change. flow_rounds: at most so many looks; planes that nearly
-        coincide need many. flow_settled: change of a rate, as a share of the largest, at which a point is left alone: rounding.
+        coincide need many. flow_tolerance: change of a rate, as a share of the largest, at which a point is left alone: rounding.
     """
 
     fold: float = 0.5
@@ -75,7 +75,7 @@ class SolverSettings:
     tie_tension: float = 1e-4
     flow_sweeps: int = 50
     flow_rounds: int = 40
-    flow_settled: float = 1e-13
+    flow_tolerance: float = 1e-13
 
     def __post_init__(self) -> None:
         for field in fields(self):
@@ -92,7 +92,7 @@ class SolverSettings:
             "plateau",
             "shrink",
             "shortest",
-            "flow_settled",
+            "flow_tolerance",
         ):
             _check(name, getattr(self, name), getattr(self, name) < 1, "< 1")
 
@@ -105,7 +105,7 @@ def _check(name: str, value: float, good: bool, expected: str) -> None:
 SOLVER = SolverSettings()
 # The solver of a limit analysis aims at a smaller gap than its bounds must meet. Points that start with little work settle before
 # the forces balance: steps become short, and the last digits of the balance are lost. A few of many would hold every step.
-LIMIT = replace(CENTRAL, duality_gap=3e-7, acceptable=SOLVER.duality_gap, residual=1e-9, rate=1e4, correctors=4, spare=1e-3)
-STARTED_LOW = replace(LIMIT, rate=1.0, correctors=CENTRAL.correctors, spare=CENTRAL.spare)
+LIMIT = replace(CENTRAL, duality_gap=3e-7, acceptable=SOLVER.duality_gap, residual=1e-9, rate=1e4, correctors=4, ignored=1e-3)
+STARTED_LOW = replace(LIMIT, rate=1.0, correctors=CENTRAL.correctors, ignored=CENTRAL.ignored)
 # The steps of a curve aim at a smaller gap still, because the errors of about twenty steps add up.
 STEP = replace(CENTRAL, duality_gap=1e-10, acceptable=SOLVER.duality_gap, residual=1e-10)

@@ -45,9 +45,11 @@ SCHEMAS: dict[type, str] = {
 }
 
 
-def _start_run(start: str, load_factor: float, settled: bool, gap: float, interval: list[float], history: list[Any]) -> StartRun:
+def _start_run(
+    start: str, load_factor: float, converged: bool, gap: float, interval: list[float], history: list[Any]
+) -> StartRun:
     low, high = interval
-    return StartRun(start, load_factor, settled, gap, (low, high), tuple(Iteration(*step) for step in history))
+    return StartRun(start, load_factor, converged, gap, (low, high), tuple(Iteration(*step) for step in history))
 
 
 # Tuples of small records, by the name of their field, and how each is made of what lies in the file.

@@ -53,9 +53,9 @@ def follow(model: MovingModel, state: PathState, steps: int, record: Steps, ring
         while (wider := grown(model, step, rings)) is not None:
             model, state = wider
             step = solve_state(model, state)
-        while step.lost.any():
+        while step.falling.any():
             if not may_go_on(model, step):
-                return Ending("collapsed", f"{int(step.lost.sum())} stones that cannot be spared fall")
+                return Ending("collapsed", f"{int(step.falling.sum())} stones that cannot be spared fall")
             record.fall(step)
             state = without(model, step)
             step = solve_state(model, state)

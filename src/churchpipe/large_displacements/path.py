@@ -40,7 +40,7 @@ _AT_REST, _ROUNDS, _WHOLE_WAY = 1e-3, 8, 2
 # A motion goes on as it did when no stone's speed has changed by more than this share of the fastest.
 _STEADY = 0.3
 # Stones that weigh no more than this share of what moved at the start may fall out without ending the curve.
-_SPARED = 0.05
+_EXPENDABLE = 0.05
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +66,7 @@ class PathStep:
     """A program solved at a state: its answer, velocities (nb, 6), speeds (nb,) and rates (nc, 3) n, t1, t2 of the points.
 
     state: that at which it was solved, sliding and length of step as they became. way: to the next state, m per unit of work.
-    friction_power: work of friction over the weight per unit of work. lost (nb,): stones that fall.
+    friction_power: work of friction over the weight per unit of work. falling (nb,): stones that fall.
     """
 
     state: PathState
@@ -76,7 +76,7 @@ class PathStep:
     rate: FloatArray
     way: float
     friction_power: float
-    lost: BoolArray
+    falling: BoolArray
 
 
 def first_state(model: MovingModel) -> PathState:
@@ -92,14 +92,14 @@ def state_at(model: MovingModel, every: Sequence[Poses], fallen: Sequence[Fallen
 
     What the joints slid by and how fast the stones were is not known any more: the next program finds it again.
     """
-    lost = np.zeros(model.stones.count, dtype=bool)
+    gone = np.zeros(model.stones.count, dtype=bool)
     for part in fallen:
-        lost[part.stones] = True
+        gone[part.stones] = True
     first = first_state(model)
     rest = first.rest
     for poses in every:
         rest = model.ties.yielded(rest, poses)
-    return _renewed(model, replace(first, poses=every[-1], fallen=lost, rest=rest))
+    return _renewed(model, replace(first, poses=every[-1], fallen=gone, rest=rest))
 
 
 def as_in(model: MovingModel, state: PathState, normal: FloatArray, velocities: FloatArray) -> PathState:
@@ -193,7 +193,7 @@ def _solved(model: MovingModel, state: PathState, programs: int, pairs: int) -> 
         rate=rate,
         way=way,
         friction_power=-_work(model, answer, rate),
-        lost=falling_stones(answer, speed, state.fastest, model.stones.weight, _spared(model, state)),
+        falling=falling_stones(answer, speed, state.fastest, model.stones.weight, _expendable(model, state)),
     )
 
 
@@ -266,20 +266,20 @@ def next_state(model: MovingModel, step: PathStep, furthest: float = np.inf) -> 
 
 def without(model: MovingModel, step: PathStep) -> PathState:
     """Return the state of a step without the stones that fall."""
-    return _renewed(model, replace(step.state, fallen=step.state.fallen | step.lost))
+    return _renewed(model, replace(step.state, fallen=step.state.fallen | step.falling))
 
 
 def may_go_on(model: MovingModel, step: PathStep) -> bool:
     """True when the stones that fall may be spared: they are light, and something is left to push."""
-    left = ~(step.state.fallen | step.lost)
+    left = ~(step.state.fallen | step.falling)
     if isinstance(model.driven, TravellingLoads) and not (model.driven.force[left].any() or model.driven.moment[left].any()):
         return False
-    return float(model.stones.weight[step.lost].sum()) <= _spared(model, step.state)
+    return float(model.stones.weight[step.falling].sum()) <= _expendable(model, step.state)
 
 
-def _spared(model: MovingModel, state: PathState) -> float:
+def _expendable(model: MovingModel, state: PathState) -> float:
     """Return the weight, N, that may still fall out without ending the curve."""
-    return _SPARED * model.moving - float(model.stones.weight[state.fallen].sum())
+    return _EXPENDABLE * model.moving - float(model.stones.weight[state.fallen].sum())
 
 
 def _renewed(model: MovingModel, state: PathState) -> PathState:

@@ -82,7 +82,7 @@ class Record:
     def fall(self, step: PathStep) -> None:
         """Note the stones that fall in a step."""
         at = self.displacement[-1] if self.displacement else 0.0
-        self.fallen.append(FallenStones(at, np.flatnonzero(step.lost)))
+        self.fallen.append(FallenStones(at, np.flatnonzero(step.falling)))
 
     def arrays(self) -> StepArrays:
         """Return the arrays that all paths have: where the stones are at each step, and what proves it."""

@@ -141,7 +141,7 @@ def without_dilatancy(program: StepProgram, answer: StepAnswer, solve: Solve, mi
     first = answer.outcome != "solved"
     known = 1.0 if first else abs(answer.load_factor)
     share = misfit * max(known, LEAST) / max(known, 1e-3)
-    settings = SchemeSettings(gap=share, stage_b=pairs)
+    settings = SchemeSettings(bipotential_gap=share, stage_b=pairs)
     run = closed_gap(program, program.strength, np.maximum(answer.forces[:, 0], 0.0), solve, settings)
     if run is None:
         return answer

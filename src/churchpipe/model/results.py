@@ -30,13 +30,13 @@ class Iteration:
 class StartRun:
     """What the non-associative iteration made of one start: all that `LimitState` says of the one it reports, for each of them.
 
-    settled: the iteration came to its end; whether it is a collapse state is what the gap says. interval: of the start that
+    converged: the iteration came to its end; whether it is a collapse state is what the gap says. interval: of the start that
     leads, NaN for others, since it costs as much as a search.
     """
 
     start: str
     load_factor: float
-    settled: bool
+    converged: bool
     gap: float
     interval: tuple[float, float]
     history: tuple[Iteration, ...]

@@ -39,26 +39,26 @@ def runs_from_centre(balance: Equilibrium, strength: Strength) -> bool:
 
 
 def from_centre(
-    balance: Equilibrium, strength: Strength, gap: float, solve: Solve, progress: Progress | None = None
+    balance: Equilibrium, strength: Strength, bipotential_gap: float, solve: Solve, progress: Progress | None = None
 ) -> SlidingRun | None:
     """Return the run from the centre, closed by stage B where it stops near a state, or a second one where it does not."""
     settings = CentralSettings()
     best: SlidingRun | None = None
     solves = spent = 0
     for roundness in (settings.roundness, settings.other_roundness):
-        run = central_run(balance, strength, gap, replace(settings, roundness=roundness), progress)
+        run = central_run(balance, strength, bipotential_gap, replace(settings, roundness=roundness), progress)
         if run is None:
             continue
         spent += run.iterations
-        if gap < run.relative_gap <= settings.near:
-            polish = SchemeSettings(gap=gap, stage_b=settings.polish)
+        if bipotential_gap < run.relative_gap <= settings.near:
+            polish = SchemeSettings(bipotential_gap=bipotential_gap, stage_b=settings.polish)
             closed = closed_gap(balance, strength, np.maximum(run.x[:, 0], 0.0), solve, polish, progress)
             if closed is not None:
                 solves, spent = solves + closed.solves, spent + closed.iterations
                 history = (*run.history, *closed.history)
                 run = replace(closed if closed.relative_gap < run.relative_gap else run, history=history)
         best = run if best is None or run.relative_gap < best.relative_gap else best
-        if best.relative_gap <= gap:
+        if best.relative_gap <= bipotential_gap:
             break
     return None if best is None else replace(best, solves=solves, iterations=spent)
 
@@ -66,7 +66,7 @@ def from_centre(
 def central_run(
     balance: Equilibrium,
     strength: Strength,
-    gap: float = BIPOTENTIAL_GAP,
+    bipotential_gap: float = BIPOTENTIAL_GAP,
     settings: CentralSettings | None = None,
     progress: Progress | None = None,
 ) -> SlidingRun | None:
@@ -92,7 +92,7 @@ def central_run(
                 history.append(Iteration(state.load_factor, 0.0, state.relative_gap))
                 halved, mark = (step, state.gap) if state.gap < 0.5 * mark else (halved, mark)
                 best = state if best is None or state.gap < best.gap else best
-                if state.relative_gap <= gap:
+                if state.relative_gap <= bipotential_gap:
                     break
             near = best is not None and best.relative_gap <= settings.near
             if step - halved > settings.patience[near]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from churchpipe.conic.program import ConeProgram, ConeSolution
-from churchpipe.conic.solve import Proves, ShareDone, Solve
+from churchpipe.conic.solve import Proves, Solve, SolveProgress
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.results import Iteration
 from churchpipe.rigid_blocks.certificate import Strength
@@ -35,15 +35,15 @@ Progress = Callable[[str, float], None]
 class SlidingRun:
     """One run of an iteration from one start: its last forces x (nc, 3), load factor, velocities y (6 nf,), history.
 
-    carried: the load factor that the forces balance; it is `load_factor` unless that is a mean. settled: whether the run was
+    balanced: the load factor that the forces balance; it is `load_factor` unless that is a mean. converged: whether the run was
     certified or came to rest. solves: convex programs solved; iterations: factorisations, one an iteration of a program.
     """
 
     x: FloatArray
     load_factor: float
-    carried: float
+    balanced: float
     y: FloatArray
-    settled: bool
+    converged: bool
     history: tuple[Iteration, ...]
     gap: float = np.nan
     solves: int = 0
@@ -98,9 +98,9 @@ def paper_iteration(
             break
     if latest is None:
         return None
-    settled = calm >= 2
-    value = latest.tau if settled else float(np.mean([step.load_factor for step in history[-10:]]))
-    return SlidingRun(latest.x, value, latest.tau, latest.y, settled, tuple(history), solves=len(history), iterations=spent)
+    converged = calm >= 2
+    value = latest.tau if converged else float(np.mean([step.load_factor for step in history[-10:]]))
+    return SlidingRun(latest.x, value, latest.tau, latest.y, converged, tuple(history), solves=len(history), iterations=spent)
 
 
 def certified_iteration(
@@ -127,7 +127,7 @@ def certified_iteration(
         n, iteration = step
         change = abs(iteration.load_factor / history[-1].load_factor - 1) if history else np.inf
         history.append(iteration)
-        if iteration.violation < settings.violation or change <= settings.settled:
+        if iteration.violation < settings.violation or change <= settings.change:
             break
     run = closed_gap(balance, strength, n, count, settings, progress)
     if run is None:
@@ -182,24 +182,24 @@ def closed_gap(
             best = state
         if state.gap < 0.5 * mark:
             halved, mark = pair, state.gap
-        if state.relative_gap <= settings.gap:
+        if state.relative_gap <= settings.bipotential_gap:
             break
         reached, left, least = (_weighted_gap(balance, strength, each, excess) for each in (state, last, base))
         if base is None or reached < least:
             base = state
-        first, lost, slow = last is None, reached > settings.lost * least, reached > settings.slow * left
-        stuck = plain and (lost or slow)
+        first, worse, slow = last is None, reached > settings.worse * least, reached > settings.slow * left
+        stuck = plain and (worse or slow)
         if stuck:
             shares = gap_shares(balance, strength, base.x, base.y)
-            blamed = shares > settings.blamed * shares.sum()
-            excess[blamed] = np.minimum(settings.stress * (1.0 + excess[blamed]), _MOST_STRESS) - 1.0
+            most = shares > settings.stuck * shares.sum()
+            excess[most] = np.minimum(settings.stuck_weight * (1.0 + excess[most]), _MOST_STRESS) - 1.0
         if reached > left:
             momentum *= 0.5
         elif not plain:
             momentum = min(2.0 * momentum, settings.momentum)
-        last = base if stuck or lost else state
+        last = base if stuck or worse else state
         before, n = n, np.maximum(last.x[:, 0], 0.0)
-        ahead = n if first or slow or lost else np.maximum(n + momentum * (n - before), 0.0)
+        ahead = n if first or slow or worse else np.maximum(n + momentum * (n - before), 0.0)
     return None if best is None else _run(best, best.relative_gap <= BIPOTENTIAL_GAP, history, count)
 
 
@@ -217,7 +217,7 @@ class SolveCount:
         *,
         duality_gap: float | None = None,
         proves: Proves | None = None,
-        progress: ShareDone | None = None,
+        progress: SolveProgress | None = None,
     ) -> ConeSolution:
         """Solve a program, and count it."""
         answer = self._solve(program, duality_gap=duality_gap, proves=proves, progress=progress)
@@ -226,9 +226,17 @@ class SolveCount:
         return answer
 
 
-def _run(state: CoulombState, settled: bool, history: list[Iteration], count: SolveCount) -> SlidingRun:
+def _run(state: CoulombState, converged: bool, history: list[Iteration], count: SolveCount) -> SlidingRun:
     return SlidingRun(
-        state.x, state.load_factor, state.load_factor, state.y, settled, tuple(history), state.gap, count.solves, count.iterations
+        state.x,
+        state.load_factor,
+        state.load_factor,
+        state.y,
+        converged,
+        tuple(history),
+        state.gap,
+        count.solves,
+        count.iterations,
     )
 
 

@@ -81,22 +81,22 @@ class CentralSettings:
 class SchemeSettings:
     """Constants of the certified scheme.
 
-    Stage A looks for normal forces that hardly overdraw friction. stage_a: its steps, at most. violation, settled: it ends when
+    Stage A looks for normal forces that hardly overdraw friction. stage_a: its steps, at most. violation, change: it ends when
         no more than this share of the friction is overdrawn, or when the load factor changes by no more than this share.
         weight_a: its proximal weight, which keeps a step near the forces before it. cohesion: fictitious, over the largest
         normal force; more_cohesion: over the largest load, tried in turn where the start carries too little of the dead load.
     Stage B alternates between velocities and forces. stage_b: its steps, at most; patience: steps without half the gap after
         which it gives up. weight_b: its proximal weight, at most
         `nearness` times the gap, so that keeping near costs less than what is left to gain. momentum: share of its last step
-        that a step goes on by, at most. slow: a weighted gap above this share of the last one is slow. lost: above so many
-        times the least gap the search returns to where that was found. blamed, stress: points that add more than this share to
-        a gap that is stuck count so many times more from then on.
+        that a step goes on by, at most. slow: a weighted gap above this share of the last one is slow. worse: above so many
+        times the least gap the search returns to where that was found. stuck, stuck_weight: where the gap no longer falls,
+        points that add more than the first share of it count so many times more from then on.
     Convex programs are solved to `share` of the gap that is left, at least to `roughest` and at most to `duality_gap`: the gap
         is computed from the arrays, whatever made them.
-    gap: g / alpha at which the search ends.
+    bipotential_gap: g / alpha at which the search ends.
 
-    stage_b, momentum, weight_a, weight_b, blamed, stress and nearness were chosen on S5, S22, the walls of Ferris and Tin-Loi
-    and the church. `tests/validation/test_untuned_models.py` holds the scheme on models that had no part in the choice.
+    stage_b, momentum, weight_a, weight_b, stuck, stuck_weight and nearness were chosen on S5, S22, the walls of Ferris and
+    Tin-Loi and the church. `tests/validation/test_untuned_models.py` holds the scheme on models that had no part in the choice.
 
     Raises
     ------
@@ -107,8 +107,8 @@ class SchemeSettings:
     stage_b: int = 60
     patience: int = 60
     violation: float = 1e-4
-    settled: float = 5e-3
-    gap: float = BIPOTENTIAL_GAP
+    change: float = 5e-3
+    bipotential_gap: float = BIPOTENTIAL_GAP
     weight_a: float = 0.3
     weight_b: float = 0.003
     nearness: float = 5.0
@@ -116,16 +116,17 @@ class SchemeSettings:
     more_cohesion: tuple[float, ...] = (1e-3, 1e-1)
     momentum: float = 0.6
     slow: float = 0.9
-    lost: float = 1.5
-    blamed: float = 0.03
-    stress: float = 10.0
+    worse: float = 1.5
+    stuck: float = 0.03
+    stuck_weight: float = 10.0
     duality_gap: float = 1e-6
     share: float = 0.03
     roughest: float = 1e-3
 
     def __post_init__(self) -> None:
         _check_positive(self)
-        _check_below_one(self, "violation", "settled", "gap", "momentum", "slow", "blamed", "duality_gap", "share", "roughest")
+        shares = ("violation", "change", "momentum", "slow", "stuck", "share", "roughest")
+        _check_below_one(self, "bipotential_gap", "duality_gap", *shares)
 
 
 def _check_positive(settings: PaperSettings | CentralSettings | SchemeSettings) -> None:

@@ -112,7 +112,7 @@ def sliding_analysis(
         search.begin(start)
     if options.starts == _STARTS["default"]:
         for start in (*_OTHERS, *_LAST):
-            if start not in starts and not any(end[0].settled for end in search.ends):
+            if start not in starts and not any(end[0].converged for end in search.ends):
                 search.begin(start)
     if not search.ends:
         if associative.status != "optimal":
@@ -120,7 +120,7 @@ def sliding_analysis(
         # The associative forces are within friction as well: an estimate from above, with the gap that it leaves.
         search.keep("associative", [_associative_run(balance, strength, associative, solve)], "default")
     # Of states that were not certified the nearest is the result. Eq. (3) has no measure of nearness.
-    settled = [end for end in search.ends if end[0].settled]
+    settled = [end for end in search.ends if end[0].converged]
     if settled:
         chosen = settled[leading([end[0] for end in settled])]
     else:
@@ -180,8 +180,8 @@ class _Search:
             normal = self._associative.forces[:, 0] / balance.force
             n = np.concatenate([_first_forces(start, normal, balance), np.zeros(len(strength.friction) - balance.contacts)])
             if options.method == "default":
-                settings = SchemeSettings(gap=options.bipotential_gap)
-                if options.starts == _STARTS["default"] and any(end[0].settled for end in self.ends):
+                settings = SchemeSettings(bipotential_gap=options.bipotential_gap)
+                if options.starts == _STARTS["default"] and any(end[0].converged for end in self.ends):
                     settings = replace(settings, patience=_PATIENCE)
                 runs = [certified_iteration(balance, strength, n, solve, settings, self._progress)]
             else:
@@ -193,11 +193,11 @@ class _Search:
         """Keep these runs of a start, and the certificate of the best."""
         if not runs:
             return
-        run = min(runs, key=lambda run: (not run.settled, run.load_factor))
+        run = min(runs, key=lambda run: (not run.converged, run.load_factor))
         state = _certificate(self._balance, self._strength, run, method, self._solve)
         self.found += runs
         gap = np.nan if state is None else state.gap
-        record = StartRun(start, run.load_factor, run.settled, gap, (np.nan, np.nan), run.history)
+        record = StartRun(start, run.load_factor, run.converged, gap, (np.nan, np.nan), run.history)
         self.ends.append((record, run, state))
 
 
@@ -239,7 +239,7 @@ def _state(
     reported, chosen, certified = end
     slack = 1e-3 * max(abs(associative.load_factor), 1e-3)
     proven = (
-        chosen.settled
+        chosen.converged
         and certified is not None
         and certified.relative_gap <= BIPOTENTIAL_GAP
         and abs(certified.load_factor - chosen.load_factor) <= slack
@@ -247,7 +247,7 @@ def _state(
         and chosen.load_factor <= associative.load_factor + slack
     )
     # What is called converged is the certified state itself, not the iterate beside it that still overdraws friction.
-    x, y, load_factor, last = chosen.x, chosen.y, chosen.load_factor, chosen.carried
+    x, y, load_factor, last = chosen.x, chosen.y, chosen.load_factor, chosen.balanced
     if proven and certified is not None:
         x, y, load_factor = certified.x, certified.y, certified.load_factor
         last = load_factor
@@ -272,7 +272,7 @@ def _state(
         gap=reported.gap,
         interval=reported.interval,
         friction_violation=overdrawn,
-        fixed_points=tuple(run.load_factor for run in found if run.settled),
+        fixed_points=tuple(run.load_factor for run in found if run.converged),
         starts=tuple(starts),
         message=_cost(found, associative.iterations) if proven else _why(chosen, certified, overdrawn),
     )
@@ -291,7 +291,7 @@ def _cost(found: list[SlidingRun], associative: int) -> str:
 def _why(chosen: SlidingRun, certified: CoulombState | None, violation: float) -> str:
     if not chosen.iterations:
         return f"no start gave a feasible step; the associative forces, with gap g {chosen.gap:.1e}, are an estimate from above"
-    settled = "the iteration settled" if chosen.settled else "the iteration did not settle"
+    settled = "the iteration settled" if chosen.converged else "the iteration did not settle"
     if certified is None:
         return f"{settled}; no forces within friction were found near its last iterate"
     if certified.relative_gap > BIPOTENTIAL_GAP:

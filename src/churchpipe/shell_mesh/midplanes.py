@@ -22,8 +22,8 @@ class MidSurface:
 
     solid: what the wall's stones fill, junctions included. region: what the shell covers, walls clipped at the mid-planes
     of those that they end at. regions: outlines (n, 2) of the bond regions, moved along with it. lines (nl,): s of the mid-planes
-    of crossing walls, sorted. zones (nz, 2): s of the faces of each crossing wall. lost (nl, 4): rectangles s0, t0, s1, t1 of the
-    junctions that belong to other walls. levels (k,): t at which crossing walls begin or end.
+    of crossing walls, sorted. zones (nz, 2): s of the faces of each crossing wall. ceded (nl, 4): rectangles s0, t0, s1, t1 of
+    the junctions that belong to other walls. levels (k,): t at which crossing walls begin or end.
     """
 
     panel: Panel
@@ -32,7 +32,7 @@ class MidSurface:
     regions: tuple[FloatArray, ...]
     lines: FloatArray
     zones: FloatArray
-    lost: FloatArray
+    ceded: FloatArray
     levels: FloatArray
 
 
@@ -55,21 +55,21 @@ def line_plan(surface: MidSurface, s: FloatArray) -> FloatArray:
 
 def _mid_surface(panel: Panel, number: int, solid: Region, found: Sequence[Crossing]) -> MidSurface:
     base = base_level(panel.chart)
-    spans, lost, levels = [np.empty((0, 2))], [np.empty((0, 4))], [np.empty(0)]
+    spans, ceded, levels = [np.empty((0, 2))], [np.empty((0, 4))], [np.empty(0)]
     for crossing in found:
         for place, wall in enumerate(crossing.walls):
             if wall == number:
                 span, z, loses = crossing.spans[place], crossing.levels - base, crossing.owner == 1 - place
                 rectangles = [(span[0], low, span[1], high) for low, high in zip(z[:-1][loses], z[1:][loses], strict=True)]
                 spans.append(span[None])
-                lost.append(np.array(rectangles).reshape(-1, 4))
+                ceded.append(np.array(rectangles).reshape(-1, 4))
                 alone = crossing.owner < 0
                 levels.append(z[np.concatenate(([True], alone[1:] != alone[:-1], [True]))])
     zones = np.concatenate(spans)
     lines = zones.mean(axis=1)
     region, regions = _clipped(panel, zones, lines)
     return MidSurface(
-        panel, solid, region, regions, np.unique(lines), zones, np.concatenate(lost), np.unique(np.concatenate(levels))
+        panel, solid, region, regions, np.unique(lines), zones, np.concatenate(ceded), np.unique(np.concatenate(levels))
     )
 
 

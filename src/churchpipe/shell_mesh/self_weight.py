@@ -35,7 +35,7 @@ def weight_factors(surface: MidSurface, corners: FloatArray) -> FloatArray:
 
 def _junction_shares(surface: MidSurface) -> list[tuple[FloatArray, float]]:
     """Return rectangles s0, t0, s1, t1, and for each the area of the wall's stones over that of its mid-surface."""
-    owned = less(surface.solid, boxes(surface.lost))
+    owned = less(surface.solid, boxes(surface.ceded))
     shares: list[tuple[FloatArray, float]] = []
     for span in _merged(surface.zones):
         levels = corner_levels(surface, span)

@@ -22,12 +22,12 @@ from churchpipe.model.shell_beams import ShellBeams
 from churchpipe.shell_mesh.beams import beams_of, shell_beams, with_bearings, with_vaults_on
 from churchpipe.shell_mesh.butt_joints import with_butt_joints
 from churchpipe.shell_mesh.element_count import check_elements, vault_elements, wall_elements
-from churchpipe.shell_mesh.fronts import with_fronts
 from churchpipe.shell_mesh.ledges import side_by_side, with_ledges
 from churchpipe.shell_mesh.midplanes import MidSurface, mid_surfaces
 from churchpipe.shell_mesh.self_weight import weight_factors
 from churchpipe.shell_mesh.subdivision import Subdivision, subdivide
 from churchpipe.shell_mesh.triangulation import Mesh, signed_areas, triangulated
+from churchpipe.shell_mesh.vault_ends import with_end_joints
 from churchpipe.shell_mesh.vault_facets import vault_facets
 
 # Share of a mid-surface that its mesh may miss, for rounding only.
@@ -71,7 +71,7 @@ def derive_shell(building: Building, element_size: float, sizes: Mapping[str, fl
         vaulted = np.arange(len(shell.triangles)) >= len(shell.triangles) - len(vaults.triangles)
         if bodies:
             shell = with_vaults_on(shell, *bodies, vaulted)
-        shell = with_fronts(*with_ledges(shell, vaulted))
+        shell = with_end_joints(*with_ledges(shell, vaulted))
     else:
         (shell,) = parts
     _check_resting(shell)

@@ -19,7 +19,7 @@ from churchpipe.stones.prisms import Solids, solids_of, stations_of, thicken
 # Number of the first face of a prism. The faces of a stone are numbered from 0.
 OF_PRISM = 1_000_000
 # A voussoir is cut from a solid that is larger by this on all sides, m. Faces that both have in common would be cut into pieces.
-SPARE = 1e-3
+MARGIN = 1e-3
 
 
 def pierced_solids(panel: Panel, chart: CylinderChart, tiles: TileSet, voids: Sequence[Void]) -> Solids:
@@ -96,9 +96,9 @@ def _with_blanks(
     blanks: list[FloatArray] = []
     for void, outline in view.values():
         start, stop = void.reach(chart.radius, (float(outline[:, 0].min()), float(outline[:, 0].max())))
-        first = stations[max(np.searchsorted(stations, start - SPARE) - 1, 0)]
-        last = stations[min(np.searchsorted(stations, stop + SPARE), len(stations) - 1)]
-        blanks.append(np.array([first, outline[:, 1].min() - SPARE, last, outline[:, 1].max() + SPARE]))
+        first = stations[max(np.searchsorted(stations, start - MARGIN) - 1, 0)]
+        last = stations[min(np.searchsorted(stations, stop + MARGIN), len(stations) - 1)]
+        blanks.append(np.array([first, outline[:, 1].min() - MARGIN, last, outline[:, 1].max() + MARGIN]))
     polygons = tiles.polygons
     polygons[tiles.voussoir] = boxes(np.array(blanks).reshape(-1, 4))
     return replace(tiles_of(polygons, tiles.course, ""), voussoir=tiles.voussoir)

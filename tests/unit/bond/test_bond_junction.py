@@ -35,7 +35,7 @@ def test_toothed_walls_take_turns(second, zone_x, zone_y):
 def test_butt_walls_lose_every_course(first, second, loser):
     found = junctions(along_x(parity=first), along_y(left=2.0, parity=second))
     assert owned(found[loser], found[loser].zones[0]) == [0.0, 0.25, 0.5, 0.75]
-    assert not len(found[1 - loser].lost)
+    assert not len(found[1 - loser].ceded)
 
 
 def test_where_only_one_wall_stands_it_owns_the_junction():
@@ -46,8 +46,8 @@ def test_where_only_one_wall_stands_it_owns_the_junction():
 
 def test_a_wall_that_ends_within_a_course_leaves_the_rest_to_the_other():
     x, y = junctions(along_x(height=0.6), along_y(left=2.0, height=1.0))
-    np.testing.assert_allclose(y.lost[:, [1, 3]], [[0.0, 0.25], [0.5, 0.6]], atol=1e-12)
-    np.testing.assert_allclose(x.lost[:, [1, 3]], [[0.25, 0.5]], atol=1e-12)
+    np.testing.assert_allclose(y.ceded[:, [1, 3]], [[0.0, 0.25], [0.5, 0.6]], atol=1e-12)
+    np.testing.assert_allclose(x.ceded[:, [1, 3]], [[0.25, 0.5]], atol=1e-12)
 
 
 def test_an_opening_in_the_junction_leaves_it_to_the_wall_that_is_whole():
@@ -71,8 +71,8 @@ def test_three_walls_in_one_junction_cover_it_once():
 
 def test_butt_walls_may_have_courses_of_their_own():
     x, y = junctions(along_x(parity=None), along_y(left=2.0, cell=UnitCell(0.2, 0.7)))
-    assert not len(x.lost)
-    assert shapely.area(shapely.union_all(shapely.box(*y.lost.T))) == pytest.approx(0.5)
+    assert not len(x.ceded)
+    assert shapely.area(shapely.union_all(shapely.box(*y.ceded.T))) == pytest.approx(0.5)
 
 
 def test_toothed_walls_with_unequal_courses_are_an_error():
@@ -94,7 +94,7 @@ def test_an_outline_that_stops_within_the_other_wall_is_an_error():
 def test_walls_that_touch_have_no_junction():
     x, y = junctions(along_x(), along_y(left=2.0, start=0.5))
     assert not len(x.zones)
-    assert not len(y.lost)
+    assert not len(y.ceded)
 
 
 def test_slopes_of_both_walls_in_one_junction_are_an_error():

@@ -36,7 +36,11 @@ def test_published_values_are_read(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ('"+y"', '"+z"', 'published.0.load: no such load in this case; found +z; expected one of +y, along. Did you mean "+y"?'),
+        (
+            '"+y"',
+            '"alnog"',
+            'published.0.load: no such load in this case; found alnog; expected one of +y, along. Did you mean "along"?',
+        ),
         (
             '"rigid"',
             '"rigid-block"',

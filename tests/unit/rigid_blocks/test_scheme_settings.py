@@ -13,7 +13,7 @@ from churchpipe.rigid_blocks.settings import PaperSettings, SchemeSettings
     [
         (SchemeSettings, {"momentum": 1.0}, "momentum"),
         (SchemeSettings, {"stage_b": 0}, "stage_b"),
-        (SchemeSettings, {"gap": float("nan")}, "gap"),
+        (SchemeSettings, {"bipotential_gap": float("nan")}, "bipotential_gap"),
         (SchemeSettings, {"more_cohesion": (1e-3, -1.0)}, "more_cohesion"),
         (PaperSettings, {"beta": 1.5}, "beta"),
         (PaperSettings, {"cohesion": 1e-6}, "cohesion"),

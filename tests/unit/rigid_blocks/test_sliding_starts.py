@@ -37,7 +37,7 @@ def test_a_start_that_carries_nothing_finds_its_way(share: float) -> None:
     n = np.full(len(contacts.point), share / len(contacts.point))
     run = certified_iteration(balance, strength, n, solver_for(balance.wrenches))
     assert run is not None
-    assert run.settled
+    assert run.converged
     assert run.gap <= 1e-5 * run.load_factor
 
 
@@ -80,7 +80,7 @@ def test_the_run_from_the_centre_needs_no_forces_to_begin_with() -> None:
 def test_a_search_without_patience_gives_up_where_the_gap_falls_no_more() -> None:
     balance, strength, _ = wall()
     # A gap below rounding is never reached.
-    settings = SchemeSettings(gap=1e-14, patience=2)
+    settings = SchemeSettings(bipotential_gap=1e-14, patience=2)
     run = closed_gap(balance, strength, dead_load_start(balance), solver_for(balance.wrenches), settings)
     assert run is not None
     gaps = [step.gap for step in run.history]

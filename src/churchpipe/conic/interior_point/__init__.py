@@ -7,9 +7,16 @@ It solves, with x_k the few variables of local problem k (the force at a contact
 
 B is the `coupling` (the balance of all bodies), y its multipliers (velocities); s are slacks and z their multipliers, the
 constraints of one local problem; theta and kappa are the pair that makes the problem homogeneous, so that certificates of
-infeasibility are solutions as well. In the order of reading:
+infeasibility are solutions as well.
 
-- `cones`, `nonnegative`, `second_order`: products, steps to the boundary, and the scaling W of Nesterov and Todd, W z = W^-1 s.
+Vectors of a cone have a product u o v and a unit e, u o e = u, the Jordan product (Alizadeh and Goldfarb 2003): entry by entry
+for nonnegative numbers, (u . v, u_0 v_1 + v_0 u_1) for the second-order cone u_0 >= |u_1|. A vector lies in its cone when its
+eigenvalues, u_0 - |u_1| and u_0 + |u_1| there, are not negative. At a solution s o z = 0. Every iteration comes nearer to it by
+keeping s o z near mu e, where mu, the mean of the complementarity products, falls to zero. The scaling W of Nesterov and Todd
+makes slacks and multipliers one vector, lam = W z = W^-1 s. "Flat" arrays hold all cones one after another, and "component first"
+means that first the first component of all local problems is listed, then the second. In the order of reading:
+
+- `cones`, `nonnegative`, `second_order`: products, steps to the boundary, and the scaling W.
 - `local`: what a local problem must know; `coulomb`: contact points with friction; the shell has its own.
 - `coupling`, `wrenches`: products with B and its transpose.
 - `problem`: the problem above; `residuals`: how far an iterate is from solving it; `iterate`: iterates and steps.

@@ -29,12 +29,12 @@ class Info:
 Progress: TypeAlias = Callable[[Info], None]
 
 
-def as_share(tell: Callable[[float], None] | None, duality_gap: float, residual: float) -> Progress | None:
+def as_share(report: Callable[[float], None] | None, duality_gap: float, residual: float) -> Progress | None:
     """Return what tells the share of the way to these tolerances after each iteration.
 
     Errors fall by factors, so the way is measured on their logarithms. The share never falls, and 1 is solved.
     """
-    if tell is None:
+    if report is None:
         return None
     longest = share = 0.0
 
@@ -43,6 +43,6 @@ def as_share(tell: Callable[[float], None] | None, duality_gap: float, residual:
         left = math.log(max(info.error / duality_gap, info.residual / residual, 1.0))
         longest = max(longest, left)
         share = max(share, 1.0 - left / longest if left else 1.0)
-        tell(share)
+        report(share)
 
     return progress

@@ -39,35 +39,35 @@ class Iterate:
             self.kappa + length * step.kappa,
         )
 
-    def longest_step(self, problem: CoupledProblem, step: "Iterate", spare: int = 0) -> float:
+    def longest_step(self, problem: CoupledProblem, step: "Iterate", ignored: int = 0) -> float:
         """Return the largest length (at most 1e3) along step that keeps s, z, theta and kappa in their cones.
 
-        spare: so many of the slacks, and of the multipliers, may leave theirs.
+        ignored: so many of the slacks, and of the multipliers, are left out of account: those that would leave first.
         """
-        return float(self.longest_steps(problem, step, step, np.zeros(1), spare)[0])
+        return float(self.longest_steps(problem, step, step, np.zeros(1), ignored)[0])
 
     def longest_steps(
-        self, problem: CoupledProblem, step: "Iterate", more: "Iterate", weights: FloatArray, spare: int = 0
+        self, problem: CoupledProblem, step: "Iterate", more: "Iterate", weights: FloatArray, ignored: int = 0
     ) -> FloatArray:
         """Return the same along step + weight more, for every weight."""
         cone = problem.cone
-        slacks = _steepest(cone.rates(self.s, step.s, more.s, weights), spare)
-        multipliers = _steepest(cone.rates(self.z, step.z, more.z, weights), spare)
+        slacks = _steepest(cone.rates(self.s, step.s, more.s, weights), ignored)
+        multipliers = _steepest(cone.rates(self.z, step.z, more.z, weights), ignored)
         theta = -(step.theta + weights * more.theta) / self.theta
         kappa = -(step.kappa + weights * more.kappa) / self.kappa
         return 1.0 / np.maximum.reduce([slacks, multipliers, theta, kappa, np.full(len(weights), 1e-3)])
 
-    def stepped(self, problem: CoupledProblem, step: "Iterate", fraction: float, spare: int) -> tuple["Iterate", float]:
+    def stepped(self, problem: CoupledProblem, step: "Iterate", fraction: float, ignored: int) -> tuple["Iterate", float]:
         """Return the iterate a `fraction` of the way to where step leaves the cones, at most the whole step, and the length.
 
-        Each of the `spare` multipliers that would leave first stops short of its own boundary: only its local rows, which tell
-        what moves at one point, are left with a residual. Forces that stop short would lose the balance of whole bodies.
+        Each of the `ignored` multipliers, which would leave first, stops short of its own boundary. That leaves a residual in its
+        local rows alone, the motion of one point. Forces that stop short would upset the balance of whole bodies.
         """
         cone, once = problem.cone, np.zeros(1)
         slacks = cone.rates(self.s, step.s, step.s, once)
         multipliers = cone.rates(self.z, step.z, step.z, once)
         steepest = max(float(slacks.max(initial=0.0)), -step.theta / self.theta, -step.kappa / self.kappa)
-        length = min(1.0, fraction / max(steepest, float(_steepest(multipliers, spare)[0]), 1e-300))
+        length = min(1.0, fraction / max(steepest, float(_steepest(multipliers, ignored)[0]), 1e-300))
         early = multipliers[0] * length > fraction
         if not early.any():
             return self.moved(step, length), length
@@ -86,12 +86,12 @@ class Iterate:
         )
 
 
-def _steepest(rates: FloatArray, spare: int) -> FloatArray:
-    """Return for each row of rates the largest but `spare`."""
+def _steepest(rates: FloatArray, ignored: int) -> FloatArray:
+    """Return for each row of rates the largest, not counting the `ignored` largest ones."""
     if not rates.shape[1]:
         return np.zeros(len(rates))
-    place = rates.shape[1] - 1 - spare
-    return rates.max(axis=1) if not spare else np.partition(rates, place, axis=1)[:, place]
+    place = rates.shape[1] - 1 - ignored
+    return rates.max(axis=1) if not ignored else np.partition(rates, place, axis=1)[:, place]
 
 
 def inner(a: FloatArray, b: FloatArray) -> float:

@@ -29,9 +29,9 @@ _MOST_CENTRING = 0.03
 _TARGET = 0.3
 # A corrector is added with the weight that reaches farthest (Colombo and Gondzio 2008).
 _WEIGHTS = np.array([1.0, 0.7, 0.4])
-# A few cones of many block a step long before the others. They do not count when directions are judged, until they have held a
-# step below this length.
-_HELD = 0.1
+# A few cones of many would end a step long before the others. They are ignored when directions are judged, unless the last step
+# was shorter than this.
+_BLOCKED = 0.1
 # A solution is balanced in so many sweeps, to this residual, and may leave its cones by this share of the largest slack.
 _SWEEPS = 8
 _BALANCED = 1e-9
@@ -112,8 +112,8 @@ def _advance(
     """Return the next iterate, the step length and the number of centrality correctors that helped."""
     system = NewtonSystem(problem, kkt, at, found, settings)
     affine = system.predictor.move
-    spare = int(settings.spare * problem.cone.degree) if last > _HELD else 0
-    reach = min(1.0, at.longest_step(problem, affine, spare))
+    ignored = int(settings.ignored * problem.cone.degree) if last > _BLOCKED else 0
+    reach = min(1.0, at.longest_step(problem, affine, ignored))
     mean = at.mean_product(problem)
     centring = min((1.0 - reach) ** 3, _MOST_CENTRING)
     target = centring * mean
@@ -121,12 +121,12 @@ def _advance(
     product -= target * problem.cone.identity()
     pair = affine.theta * affine.kappa + at.theta * at.kappa - target
     step = system.direction(1.0 - centring, product, pair)
-    length = at.longest_step(problem, step.move, spare)
+    length = at.longest_step(problem, step.move, ignored)
     helped = 0
     while helped < settings.correctors and settings.fraction * length < 1.0:
         fix, fix_pair = centrality_target(problem, system, at, step.move, min(1.0, length + _REACH), max(target, _TARGET * mean))
         corrector = system.corrector(-fix, -fix_pair)
-        lengths = at.longest_steps(problem, step.move, corrector.move, _WEIGHTS, spare)
+        lengths = at.longest_steps(problem, step.move, corrector.move, _WEIGHTS, ignored)
         best = int(lengths.argmax())
         longer, weight = float(lengths[best]), float(_WEIGHTS[best])
         if longer < length + _WIN * _REACH:
@@ -134,7 +134,7 @@ def _advance(
         step, length = step.corrected(corrector, weight), longer
         helped += 1
     move = system.refined(step)
-    at, length = at.stepped(problem, move, settings.fraction, spare)
+    at, length = at.stepped(problem, move, settings.fraction, ignored)
     return at, length, helped
 
 

@@ -12,8 +12,8 @@ class Settings:
     duality_gap: relative error of the objective aimed at (gap, complementarity and the work of residuals); acceptable: error at
     which a solve that got stuck still counts as solved; residual: of the balance, relative to the loads on each body;
     certificate: residual of a certificate of infeasibility or of a ray, relative to what it proves; iterations: at most;
-    correctors: centrality correctors tried at an iteration (Gondzio 1996); spare: share of the cones that may block a step
-    without counting when directions are judged; fraction: share of the way to the boundary;
+    correctors: centrality correctors tried at an iteration (Gondzio 1996); ignored: share of the cones, those that
+    would end a step first, that are left out of account when directions are judged; fraction: share of the way to the boundary;
     regularisation: of the normal matrix, relative to its diagonal; refinements: of each linear solve, at most;
     force, rate: size of the starting forces (in the load of a body that each touches) and of the multipliers (in those
     that earn the reward).
@@ -25,7 +25,7 @@ class Settings:
     certificate: float = 1e-7
     iterations: int = 150
     correctors: int = 4
-    spare: float = 1e-3
+    ignored: float = 1e-3
     fraction: float = 0.99
     regularisation: float = 1e-14
     refinements: int = 3
@@ -36,9 +36,9 @@ class Settings:
         positive = ("duality_gap", "acceptable", "residual", "certificate", "fraction", "force", "rate", "iterations")
         for name in positive:
             _check(name, getattr(self, name), getattr(self, name) > 0, "> 0")
-        for name in ("correctors", "spare", "refinements", "regularisation"):
+        for name in ("correctors", "ignored", "refinements", "regularisation"):
             _check(name, getattr(self, name), getattr(self, name) >= 0, ">= 0")
-        for name in ("fraction", "spare"):
+        for name in ("fraction", "ignored"):
             _check(name, getattr(self, name), getattr(self, name) < 1, "< 1")
         _check("regularisation", self.regularisation, self.regularisation < 1e-4, "< 1e-4")
 
@@ -49,4 +49,4 @@ def _check(name: str, value: float, good: bool, expected: str) -> None:
 
 
 # For programs whose forces and velocities are wanted, not only their value: iterates that keep to the central path.
-CENTRAL = Settings(acceptable=2e-7, correctors=12, spare=0.0, rate=1.0)
+CENTRAL = Settings(acceptable=2e-7, correctors=12, ignored=0.0, rate=1.0)

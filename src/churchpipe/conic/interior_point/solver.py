@@ -60,7 +60,7 @@ class InteriorPointSolver:
         settings = settings or Settings()
         if np.isfinite(program.bound).any():
             # A multiplier that stops short leaves a point that opens too slowly, for which its bound has to be paid.
-            settings = replace(settings, spare=0.0)
+            settings = replace(settings, ignored=0.0)
         if not _same(program.balance, self._balance):
             raise InputError("InteriorPointSolver.solve", "another balance", expected="the balance that the solver was made for")
         force = program.force
@@ -99,7 +99,7 @@ class InteriorPointSolver:
         if ending.message:
             # From the other size of forces; and the few multipliers that stop short save iterations, but now and then leave
             # residuals that no later step removes.
-            start, patient = interior_start(problem, settings, heavy=not heavy), replace(settings, spare=0.0)
+            start, patient = interior_start(problem, settings, heavy=not heavy), replace(settings, ignored=0.0)
             second = solve_coupled(problem, self._normal, self._cholesky, start, patient, progress)
             ending = second if ending.status == "failed" or not second.message else ending
         answer = self._solution(ending, local, force, reward)

@@ -18,7 +18,7 @@ _ON_FACE, _WITHIN = 1e-4, 1e-6
 _ACROSS = 0.7
 
 
-def with_fronts(shell: ShellModel, vaulted: BoolArray) -> ShellModel:
+def with_end_joints(shell: ShellModel, vaulted: BoolArray) -> ShellModel:
     """Return a shell with a strip behind each edge of a vault that lies on the face of a wall; vaulted (nt,): facets of vaults.
 
     The strips of a macro-element are one of their own, "... front".
