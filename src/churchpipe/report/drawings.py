@@ -1,4 +1,4 @@
-"""Drawings of the structure as it stands: a plan, which is a section above the floor, and elevations, with their dimensions."""
+"""Drawings of the structure with its dimensions: a plan, which is a section above the floor, elevations and upright sections."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -17,9 +17,15 @@ from churchpipe.report.plots import svg_of
 
 # A plan cuts the walls as high as people do on paper, or through the middle of what is lower.
 CUT_HEIGHT = 1.2
+# A building thinner than this share of its length has no section along it: that would show its elevation again.
+_THIN = 0.25
+# A section passes so far beside the middle, m, where a joint may lie.
+_BESIDE = 2e-3
 # Above so many faces a drawing is a picture: as lines it would weigh megabytes.
 MOST_LINES = 1200
 _WIDTH = 5.2
+# Of pictures: browsers that show a finer one at half its size leave lines out, as they do lines laid on its pixels.
+_DPI = 110
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,36 +48,61 @@ ELEVATIONS = (
 
 
 def drawings_svg(stones: Assemblage) -> list[tuple[str, str]]:
-    """Return title and SVG of the plan and of the four elevations of the free stones and of what they stand on."""
+    """Return title and SVG of the plan, the elevations and the sections of the free stones and of what they stand on."""
     drawn = ~ground_plate(stones)
     low, high = _extent(stones)
-    height = float(high[2] - low[2])
-    level = min(CUT_HEIGHT, 0.5 * height)
+    level = min(CUT_HEIGHT, 0.5 * float(high[2] - low[2]))
     plan = _drawing(stones, drawn, PLAN, low[2] + level)
-    return [(f"{PLAN.title}, cut {level:.2f} m above the foot", plan)] + [
-        (view.title, _drawing(stones, drawn, view)) for view in ELEVATIONS
+    return [
+        (f"{PLAN.title}, cut {level:.2f} m above the foot", plan),
+        *((view.title, _drawing(stones, drawn, view)) for view in ELEVATIONS),
+        *((view.title, _drawing(stones, drawn, view, cut)) for view, cut in sections(low, high)),
     ]
 
 
+def sections(low: FloatArray, high: FloatArray) -> list[tuple[View, float]]:
+    """Return the upright sections through the middle of a building: the view, and where it cuts along `toward`, m.
+
+    low, high: least and largest coordinates (3,) of its free stones, m.
+    """
+    size, middle = high - low, 0.5 * (low + high) + _BESIDE
+    found = [
+        (View(f"Section at y = {middle[1]:.2f} m, towards +y", *_axes(ELEVATIONS[0])), -float(middle[1])),
+        (View(f"Section at x = {middle[0]:.2f} m, towards \u2212x", *_axes(ELEVATIONS[1])), float(middle[0])),
+    ]
+    return [section for section, across in zip(found, (1, 0), strict=True) if size[across] > _THIN * size[1 - across]]
+
+
+def _axes(view: View) -> tuple[tuple[float, float, float], ...]:
+    return view.across, view.up, view.toward
+
+
 def _drawing(stones: Assemblage, drawn: BoolArray, view: View, cut: float | None = None) -> str:
+    """Return the SVG of a view; of what lies beyond a plane alone, where one cuts the stones at this distance towards the eye."""
     from matplotlib.collections import PolyCollection
     from matplotlib.figure import Figure
 
-    axes_2d = np.array([view.across, view.up], dtype=float)
+    turned = np.array(_axes(view), dtype=float)
+    axes_2d = turned[:2]
+    # Coordinates of the drawing: across, up, towards the eye.
+    points = stones.points @ turned.T
     shown = drawn.copy()
     if cut is not None:
-        shown &= _lowest(stones) < cut - 1e-9
-    faces = _faces(stones, shown, np.array(view.toward, dtype=float), cut)
+        shown &= np.minimum.reduceat(points[:, 2], stones.block_point_ptr[:-1]) < cut - 1e-9
+    faces = _faces(stones, shown, points, cut)
     low, high = _corners(stones, axes_2d)
     size = np.maximum(high - low, 1e-9)
-    figure = Figure(figsize=(_WIDTH, min(max(_WIDTH * (size[1] / size[0]) + 0.9, 1.4), 6.5)), layout="constrained", dpi=170)
+    figure = Figure(figsize=(_WIDTH, min(max(_WIDTH * (size[1] / size[0]) + 0.9, 1.4), 6.5)), layout="constrained", dpi=_DPI)
     axes: Any = figure.subplots()
-    pale = PolyCollection([stones.points[face] @ axes_2d.T for face in faces], facecolors="#f6f3ec", edgecolors=colours.EDGE)
+    pale = PolyCollection([points[face, :2] for face in faces], facecolors="#f6f3ec", edgecolors=colours.EDGE)
     pale.set_linewidth(0.35)
+    pale.set_snap(False)
     pale.set_rasterized(len(faces) > MOST_LINES)
     axes.add_collection(pale)
     if cut is not None:
-        solid = PolyCollection(_section(stones, shown, cut), facecolors="#b9a58c", edgecolors=colours.INK, linewidths=0.6)
+        solid = PolyCollection(
+            cut_polygons(stones, shown, points, cut), facecolors="#b9a58c", edgecolors=colours.INK, linewidths=0.6
+        )
         axes.add_collection(solid)
     _dimensions(axes, low, high)
     axes.set_aspect("equal")
@@ -79,25 +110,29 @@ def _drawing(stones: Assemblage, drawn: BoolArray, view: View, cut: float | None
     return svg_of(figure)
 
 
-def _faces(stones: Assemblage, shown: BoolArray, toward: FloatArray, cut: float | None) -> list[Any]:
-    """Return the corners of the faces that look towards the eye, the farthest first; of a cut drawing those below the cut."""
-    _, normal, mean = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
-    seen = np.repeat(shown, np.diff(stones.block_face_ptr)) & (normal @ toward > 1e-3)
+def _faces(stones: Assemblage, shown: BoolArray, points: FloatArray, cut: float | None) -> list[Any]:
+    """Return the corners of the faces that look towards the eye, the farthest first; of a cut drawing those beyond the cut.
+
+    points: the corners (nv, 3) in the coordinates of the drawing.
+    """
+    _, normal, mean = face_normals(points, stones.face_nodes, stones.face_ptr)
+    seen = np.repeat(shown, np.diff(stones.block_face_ptr)) & (normal[:, 2] > 1e-3)
     if cut is not None:
         seen &= mean[:, 2] < cut
     order = np.flatnonzero(seen)
-    order = order[np.argsort(mean[order] @ toward, kind="stable")]
+    order = order[np.argsort(mean[order, 2], kind="stable")]
     return [stones.face_nodes[stones.face_ptr[f] : stones.face_ptr[f + 1]] for f in order]
 
 
-def _section(stones: Assemblage, shown: BoolArray, level: float) -> list[FloatArray]:
-    """Return the polygons (n, 2) m that a horizontal plane cuts out of the stones."""
+def cut_polygons(stones: Assemblage, shown: BoolArray, points: FloatArray, level: float) -> list[FloatArray]:
+    """Return the polygons (n, 2) m that a plane across the view cuts out of the stones; points as in `_faces`."""
     found: list[FloatArray] = []
-    for stone in np.flatnonzero(shown & (_highest(stones) > level)):
+    highest = np.maximum.reduceat(points[:, 2], stones.block_point_ptr[:-1])
+    for stone in np.flatnonzero(shown & (highest > level)):
         first, last = stones.block_point_ptr[stone : stone + 2]
         begin, end = stones.block_face_ptr[stone : stone + 2]
         faces = [stones.face_nodes[stones.face_ptr[f] : stones.face_ptr[f + 1]] - first for f in range(begin, end)]
-        cut: manifold3d.CrossSection = manifold(stones.points[first:last], faces).slice(level)
+        cut: manifold3d.CrossSection = manifold(points[first:last], faces).slice(level)
         found += [np.asarray(ring) for ring in cut.to_polygons()]
     return found
 
@@ -130,11 +165,3 @@ def _extent(stones: Assemblage) -> tuple[FloatArray, FloatArray]:
 def _corners(stones: Assemblage, axes_2d: FloatArray) -> tuple[FloatArray, FloatArray]:
     free = stones.points[~stones.fixed[stone_of_point(stones)]] @ axes_2d.T
     return free.min(axis=0), free.max(axis=0)
-
-
-def _lowest(stones: Assemblage) -> FloatArray:
-    return np.minimum.reduceat(stones.points[:, 2], stones.block_point_ptr[:-1])
-
-
-def _highest(stones: Assemblage) -> FloatArray:
-    return np.maximum.reduceat(stones.points[:, 2], stones.block_point_ptr[:-1])

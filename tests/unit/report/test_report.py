@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.image import imread
@@ -17,7 +18,7 @@ from churchpipe.mechanism import moving_stones, reference_speed, stone_of_point,
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.polyhedra import face_normals
 from churchpipe.model.results import Iteration
-from churchpipe.report.drawings import drawings_svg
+from churchpipe.report.drawings import ELEVATIONS, PLAN, View, cut_polygons, drawings_svg, sections
 from churchpipe.report.figures import mechanism_picture
 from churchpipe.report.html import write_report
 from churchpipe.report.motion import camera_position, displaced_points, ground_plate, natural_amplitude, push_direction, viewpoint
@@ -171,10 +172,27 @@ def test_a_plan_cuts_what_stands_higher() -> None:
     titles = dict(drawings_svg(tower()))
     plan, front, *others = titles.values()
     assert next(iter(titles)) == "Plan, cut 1.20 m above the foot"
-    assert len(others) == 3
+    assert len(others) == 5  # three more elevations, two sections
     # 1 m wide and deep, 3 m high.
     assert plan.count("1.00 m") == 2
     assert ("1.00 m" in front, "3.00 m" in front) == (True, True)
+
+
+def test_sections_cut_through_the_middle_both_ways() -> None:
+    titles = list(dict(drawings_svg(tower())))
+    assert titles[-2:] == ["Section at y = 0.50 m, towards +y", "Section at x = 100000.50 m, towards \u2212x"]
+    # A wall along x shows its elevation when it is cut along x.
+    wall = np.array([0.0, 0.0, 0.0]), np.array([3.2, 0.25, 2.4])
+    assert [view.title for view, _ in sections(*wall)] == ["Section at x = 1.60 m, towards \u2212x"]
+
+
+@pytest.mark.parametrize(("view", "level", "area"), [(ELEVATIONS[0], -0.4, 0.6), (ELEVATIONS[1], 0.1, 1.0), (PLAN, 0.5, 0.3)])
+def test_a_section_has_the_area_of_what_it_cuts(view: View, level: float, area: float) -> None:
+    """A stone of .3 x 1 x 1 m behind, or beside, one of .3 x .5 x 1 m that no plane but y = .4 m reaches."""
+    stones = on_ground(box((0, 0.3), (0, 1), (0, 1)), box((0.4, 0.7), (0.3, 0.8), (2, 3)), unit_weight=18e3, reach=3)
+    points = stones.points @ np.array([view.across, view.up, view.toward], dtype=float).T
+    rings = cut_polygons(stones, ~stones.fixed, points, level)
+    assert sum(shapely.Polygon(ring).area for ring in rings) == pytest.approx(area)
 
 
 def test_unusual_ends_are_explained(page: Page) -> None:
