@@ -7,7 +7,7 @@ import re
 import shlex
 import shutil
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Final
 
@@ -26,7 +26,6 @@ from churchpipe.meshes.reader import files_of, read_file
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import TOLERANCES, Contacts
 from churchpipe.model.loads import LoadCase
-from churchpipe.model.materials import UnitWeight
 from churchpipe.shell_mesh.shell import derive_shell
 from churchpipe.stones.account import joint_account, joint_lines
 from churchpipe.stones.contacts import find_contacts
@@ -110,7 +109,8 @@ def import_drawing(
         if copy.exists() and not copy.samefile(file):
             raise UsageError(str(copy), "exists already", remedy="Choose another folder, or delete it first.")
     elastic = {material.name: material.elastic is not None for material in drawing.materials}
-    shell = shell_table(drawing.stones, {name: elastic.get(name, False) for name in material_names(drawing)})
+    elastic = {name: elastic.get(name, False) for name in material_names(drawing)}
+    shell = shell_table(drawing.stones, elastic, reading.kept_joint)
     text, missing = imported_case(
         path,
         drawing,
@@ -130,7 +130,7 @@ def import_drawing(
     after = f"churchpipe run {shlex.quote(str(case))}"
     record_findings(drawing.findings, folder, drawing.units, drawing.stones, f"{after} runs the case.")
     fixed = int(drawing.stones.fixed.sum())
-    note = f"{shell.note} {gate_words(drawing.stones, contacts, shell)}".strip()
+    note = f"{shell.note} {gate_words(contacts, shell)}".strip()
     count = drawing.stones.count - fixed
     return Imported(case, count, fixed, drawing.findings, tuple(missing), note, joint_words(drawing.stones, contacts))
 
@@ -141,16 +141,16 @@ def joint_words(stones: Assemblage, contacts: Contacts) -> tuple[str, ...]:
     return (*lines, *histogram_lines(contacts)) if lines else ()
 
 
-def gate_words(stones: Assemblage, contacts: Contacts, shell: ShellTable) -> str:
-    """Return whether the shell fitted to the stones passes the match gate, as a sentence; "" where there is no shell."""
+def gate_words(contacts: Contacts, shell: ShellTable) -> str:
+    """Return whether a shell passes the match gate, as a sentence; "" where there is none. contacts: of the stones as read."""
     if shell.fitted is None:
         return ""
-    materials = tuple(UnitWeight(str(name), float(weight)) for name, weight in _weights(stones).items())
+    stones = shell.fitted.stones
     try:
-        mesh = derive_shell(shell.fitted.building(materials), shell.keys["element_size_mm"] / 1e3)
+        mesh = derive_shell(shell.fitted.building(), shell.keys["element_size_mm"] / 1e3)
     except InputError as error:
         return f"Whether the shell matches the stones was not looked at: {error}"
-    match = match_models(replace(stones, panel=shell.fitted.panel), contacts, mesh)
+    match = match_models(stones, contacts, mesh)
     if match.passed:
         passed = f"The gate passed: shell and stones are one building, in {len(match.figures)} figures."
         return f"{passed} {cost_words(len(mesh.triangles), int((~stones.fixed).sum()), shell)}"
@@ -165,11 +165,6 @@ def cost_words(elements: int, stones: int, shell: ShellTable) -> str:
     others = SECONDS_PER_STONE * stones
     words = f"Its {elements} elements take some {max(1.0, own):.0f} s a load, the stones some {max(1.0, others):.0f} s"
     return f"{words}; --set shell=false leaves the shell out." if own >= 10 * others else f"{words}."
-
-
-def _weights(stones: Assemblage) -> dict[str, float]:
-    free = ~stones.fixed
-    return dict(zip(stones.material[free].tolist(), stones.unit_weight[free].tolist(), strict=True))
 
 
 def _copies(path: Path, folder: Path) -> dict[Path, Path]:

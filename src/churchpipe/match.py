@@ -281,7 +281,8 @@ def _openings(stones: Assemblage, shell: ShellModel, facet: IntArray, outside: F
 def _supported_area(stones: Assemblage, contacts: Contacts, shell: ShellModel, carried: FloatArray) -> Figure:
     """Compare base joints with supported edges times thickness, less the overlaps at junctions."""
     fixed = stones.fixed[contacts.blocks]
-    on_stones = float(contacts.area[fixed[:, 0] != fixed[:, 1]].sum())
+    base = fixed[:, 0] != fixed[:, 1]
+    on_stones = float(contacts.area[base].sum()) + _mortar_on_base(contacts, base)
     ends, facet = boundary_edges(shell)
     on_base = shell.supported[ends].all(axis=1)
     length = np.linalg.norm(shell.points[ends[:, 1]] - shell.points[ends[:, 0]], axis=1)
@@ -289,6 +290,16 @@ def _supported_area(stones: Assemblage, contacts: Contacts, shell: ShellModel, c
     thickness = shell.thickness[facet]
     bearing = np.where(np.abs(carried[facet] / thickness - 1) < CURVED, thickness, carried[facet])
     return _relative("supported length x thickness", on_stones, float((length * bearing)[on_base].sum()), "m2", SUPPORTED)
+
+
+def _mortar_on_base(contacts: Contacts, base: BoolArray) -> float:
+    """Return the area, m2, on which mortar stands that was kept open between stones of the lowest course; base (ni,): joints."""
+    low = np.unique(contacts.blocks[base])
+    normal, points = contacts.frame[:, 0], contacts.point
+    heads = np.flatnonzero(~base & np.isin(contacts.blocks, low).all(axis=1) & (np.abs(normal[:, 2]) < 0.5))
+    level = np.cross(normal, [0.0, 0.0, 1.0])
+    depth = [np.ptp(points[slice(*contacts.point_ptr[row : row + 2])] @ level[row]) for row in heads]
+    return float(contacts.gap[heads].mean(axis=1) @ np.array(depth)) if len(heads) else 0.0
 
 
 def boundary_edges(shell: ShellModel) -> tuple[IntArray, IntArray]:

@@ -14,6 +14,7 @@ import numpy as np
 from churchpipe.closure import code_of
 from churchpipe.config.carries import carries_of, placed
 from churchpipe.config.settings import beams_of, buttresses_of, joints_of, load_of, strengths_of, used_by, weights_of
+from churchpipe.dxf.reading import Reading
 from churchpipe.errors import Extra, InputError
 from churchpipe.io.atomic import read_json, write_json
 from churchpipe.io.building_json import read_building, write_building
@@ -82,7 +83,7 @@ def drawing(settings: Path, file: Path, assemblage: Path, vtu: Path) -> None:
             expected=", ".join(weights),
             remedy=f"Add [material.{missing[0]}] with unit_weight_kN_m3 and friction to the case.",
         )
-    named = replace(drawn.stones, panel=wall_names(drawn.stones))
+    named = replace(drawn.stones, panel=wall_names(drawn.stones, Reading(**table["source"]["reading"]).kept_joint))
     stones = add_beams(named, beams_of(table), weights)
     known = sorted(set(stones.panel[~stones.fixed].tolist()) - {""})
     unknown = [name for name in table["panels"] if name not in known]
@@ -104,27 +105,25 @@ def contacts(tolerances: Path, assemblage: Path, contacts: Path, progress: Progr
 
 
 def panels(settings: Path, assemblage: Path, building: Path, fitted: Path, fit: Path) -> None:
-    """Stones of a drawing -> the panels fitted to them, and the stones by these panels' names.
+    """Stones of a drawing -> the panels fitted to them, and the stones, with their mortar, by these panels' names.
 
     fit.json: the stones that fit none, and why there are no panels at all ("message"), if so.
     """
     from churchpipe.recognition.panels import fit_panels
 
     table, stones = read_json(settings), read_npz(assemblage, Assemblage)
-    materials = tuple(weights_of(table))
     try:
         if stones.butts.any() or table.get("ring_beams"):
             what = "butt joints" if stones.butts.any() else "ring beams"
             raise InputError("drawing", f"the shell of a drawing has no {what}", remedy="Rigid blocks take them as they are.")
-        found = fit_panels(stones)
-        made = found.building(materials, table["name"])
+        found = fit_panels(stones, joint=Reading(**table["source"]["reading"]).kept_joint)
     except InputError as error:
-        write_building(building, Building(table["name"], (), materials))
+        write_building(building, Building(table["name"], (), tuple(weights_of(table))))
         write_npz(fitted, stones)
         write_json(fit, {"unfit": stones.block_id[~stones.fixed].tolist(), "message": str(error)})
         return
-    write_building(building, made)
-    write_npz(fitted, replace(stones, panel=found.panel))
+    write_building(building, found.building(name=table["name"]))
+    write_npz(fitted, found.stones)
     write_json(fit, {"unfit": found.unfit.tolist(), "message": ""})
 
 

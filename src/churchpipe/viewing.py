@@ -13,7 +13,6 @@ from churchpipe.findings import Findings, FindingsError
 from churchpipe.meshes.reader import read_file
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import Building
-from churchpipe.model.materials import UnitWeight
 from churchpipe.recognition.panels import fit_panels
 
 
@@ -42,20 +41,20 @@ def write_view(file: Path, page: Path, reading: Reading, changes: Sequence[str] 
                 write_findings_page(page, Findings(file.name), derive_blocks(building), after, building, asked)
                 return
             weights = {material.name: material.unit_weight for material in cases[0].materials}
-            read = read_file(source.path, unit_weight=weights, **asdict(source.reading))
+            reading = source.reading
+            read = read_file(source.path, unit_weight=weights, **asdict(reading))
         else:
             after = f"churchpipe import {name}, with the same options, makes a case of it."
             read = read_file(file, **asdict(reading))
     except FindingsError as error:
         write_findings_page(page, error.findings, sound_stones(error.bodies), "Mend what the errors say.")
         raise
-    write_findings_page(page, read.findings, read.stones, after, _fitted(read.stones), asked)
+    write_findings_page(page, read.findings, read.stones, after, _fitted(read.stones, reading.kept_joint), asked)
 
 
-def _fitted(stones: Assemblage) -> Building | None:
-    """Return the walls that are recognised in drawn stones, None where there are none."""
-    used = zip(stones.material.tolist(), stones.unit_weight.tolist(), strict=True)
+def _fitted(stones: Assemblage, joint: float | None) -> Building | None:
+    """Return the walls that are recognised in drawn stones, None where there are none; joint: m, of mortar that stays open."""
     try:
-        return fit_panels(stones).building(tuple(UnitWeight(name, weight) for name, weight in dict(used).items()))
+        return fit_panels(stones, joint=joint).building()
     except InputError:
         return None

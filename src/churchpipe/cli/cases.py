@@ -115,7 +115,7 @@ def _check_drawn(path: Path, case: Any) -> None:
     read, contacts = check_drawing(case.source.path, case.source.reading, weights, case.tolerances)
     if len(read.findings):
         err.print(str(read.findings), soft_wrap=True)
-    stones = replace(read.stones, panel=wall_names(read.stones))
+    stones = replace(read.stones, panel=wall_names(read.stones, case.source.reading.kept_joint))
     case.check_named(sorted({*stones.panel[~stones.fixed].tolist()} - {""}))
     case.check_borne(stones)
     free = int((~read.stones.fixed).sum())

@@ -27,13 +27,14 @@ class ShellTable:
     fitted: FittedPanels | None = None
 
 
-def shell_table(stones: Assemblage, elastic: Mapping[str, bool]) -> ShellTable:
+def shell_table(stones: Assemblage, elastic: Mapping[str, bool], joint: float | None = None) -> ShellTable:
     """Return the [shell] table for the stones of a drawing.
 
     elastic: whether each material has elastic constants, by its name. Without them the table asks for the limit load alone.
+    joint: nominal width, m, of mortar joints that the stones leave open.
     """
     try:
-        fitted = fit_panels(stones)
+        fitted = fit_panels(stones, joint=joint)
     except InputError as error:
         return ShellTable({}, f"No shell: {error.problem}; the rigid blocks stand alone. {error.remedy}")
     size = vault_size(fitted.vaults) if fitted.vaults else element_size(fitted.panels)

@@ -69,10 +69,15 @@ class Reading:
         """The bond to lay in whole walls; None where the file has stones."""
         return LaidBond(self.bond, self.course, self.stone) if self.bond and self.course else None
 
+    @property
+    def kept_joint(self) -> float | None:
+        """Nominal width, m, of joints that stay open; None where there are none."""
+        return self.joint if self.joint_mode == "keep" else None
+
     def tolerances(self, given: Mapping[str, float | None]) -> dict[str, float]:
         """Return the tolerances of joints, m and rad, that somebody gave; joints that are kept open give a contact gap, which
         reaches across the widest of them too."""
-        kept = {"contact_gap": WIDEST_MEAN * self.joint} if self.joint is not None and self.joint_mode == "keep" else {}
+        kept = {} if self.kept_joint is None else {"contact_gap": WIDEST_MEAN * self.kept_joint}
         return kept | {key: value for key, value in given.items() if value is not None}
 
 

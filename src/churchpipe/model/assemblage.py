@@ -94,6 +94,25 @@ class Assemblage:
         return np.where(self.fixed, 0.0, self.volume * self.unit_weight)
 
     @property
+    def mean_unit_weights(self) -> dict[str, float]:
+        """Unit weight of the free stones of each material, N/m3, the mean by volume where they differ."""
+        found: dict[str, float] = {}
+        for name in dict.fromkeys(self.material[~self.fixed].tolist()):
+            own = ~self.fixed & (self.material == name)
+            same = float(np.ptp(self.unit_weight[own])) == 0.0
+            found[name] = float(self.unit_weight[own][0] if same else self.weight[own].sum() / self.volume[own].sum())
+        return found
+
+    def solid(self, stone: int) -> tuple[FloatArray, list[list[int]]]:
+        """Return the points (n, 3) m and the faces of one stone."""
+        start, stop = self.block_point_ptr[stone : stone + 2]
+        faces = [
+            (self.face_nodes[self.face_ptr[f] : self.face_ptr[f + 1]] - start).tolist()
+            for f in range(*self.block_face_ptr[stone : stone + 2])
+        ]
+        return self.points[start:stop], faces
+
+    @property
     def size(self) -> float:
         """Diagonal of the bounding box of the free stones, m."""
         free = self.points[np.repeat(~self.fixed, np.diff(self.block_point_ptr))]
@@ -311,7 +330,7 @@ def _check_closed(stones: Assemblage) -> None:
     odd = np.append(edge[:-1][np.diff(edge) == 0], np.setdiff1d(edge, twin)) // count
     suspect = np.searchsorted(stones.block_point_ptr, odd, side="right") - 1
     for stone in np.unique(suspect).tolist():
-        points, faces = _solid(stones, stone)
+        points, faces = stones.solid(stone)
         if fault := surface_fault(faces):
             raise _refusal(str(stones.block_id[stone]), fault, points)
 
@@ -319,19 +338,10 @@ def _check_closed(stones: Assemblage) -> None:
 def _check_once(stones: Assemblage) -> None:
     # Of a solid with vertices at one place it may be the faces that are there twice, each time closed.
     for stone in coincident(stones.points, np.repeat(np.arange(stones.count), np.diff(stones.block_point_ptr))).tolist():
-        points, faces = weld(*_solid(stones, stone))
+        points, faces = weld(*stones.solid(stone))
         fault = surface_fault(faces)
         if fault and fault.problem == DOUBLED:
             raise _refusal(str(stones.block_id[stone]), fault, points)
-
-
-def _solid(stones: Assemblage, stone: int) -> tuple[FloatArray, list[list[int]]]:
-    start, stop = stones.block_point_ptr[stone : stone + 2]
-    faces = [
-        (stones.face_nodes[stones.face_ptr[f] : stones.face_ptr[f + 1]] - start).tolist()
-        for f in range(*stones.block_face_ptr[stone : stone + 2])
-    ]
-    return stones.points[start:stop], faces
 
 
 def _refusal(name: str, fault: SurfaceFault, points: FloatArray) -> InputError:

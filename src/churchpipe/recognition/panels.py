@@ -1,7 +1,7 @@
 """From the stones of a drawing to the panels that the shell is made of."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -42,6 +42,7 @@ from churchpipe.recognition.stone_walls import StoneWall, stone_walls, stretches
 from churchpipe.recognition.supports import support_of
 from churchpipe.recognition.vaults import VAULT, fit_vaults
 from churchpipe.recognition.wall_parts import junction_spans, wall_parts
+from churchpipe.stones.mortar import with_mortar
 
 # A single stone over an opening is a lintel if it is longer than this many stones of the wall.
 LINTEL = 1.25
@@ -55,28 +56,34 @@ class FittedPanels:
     """Panels or vaults fitted to stones, their supports, which are the fixed stones, and the ids of the free stones that fit no
     panel; these are missing from the shell.
 
-    panel (nb,): the panel of each stone, or the part of a panel, with which the match gate compares the shell. If none of the
-    stones of a name could be fitted they keep that name, so that the gate reports what is missing. Other stones without a panel
-    have "".
+    stones: those that they were fitted to, with which the match gate compares the shell: half of the mortar of its joints is part
+    of each stone, and its panel is the one fitted, or the part of it. If none of the stones of a name could be fitted they keep
+    that name, so that the gate reports what is missing. Other stones without a panel have "".
     """
 
     panels: tuple[Panel, ...]
     supports: tuple[Support, ...]
     unfit: NameArray
-    panel: NameArray
+    stones: Assemblage
     vaults: tuple[Vault, ...] = ()
 
-    def building(self, materials: tuple[UnitWeight, ...], name: str = "drawing") -> Building:
-        """Return the building of these panels and vaults; materials: those of the stones.
+    @property
+    def panel(self) -> NameArray:
+        """The panel of each stone (nb,)."""
+        return self.stones.panel
+
+    def building(self, materials: tuple[UnitWeight, ...] = (), name: str = "drawing") -> Building:
+        """Return the building of these panels and vaults; materials: as the stones weigh in the mean, unless given.
 
         Raises
         ------
         InputError: a panel of another material.
         """
+        materials = materials or tuple(UnitWeight(*item) for item in self.stones.mean_unit_weights.items())
         return Building(name, self.panels, materials, ground=None, supports=self.supports, vaults=self.vaults)
 
 
-def fit_panels(stones: Assemblage, *, gap: float = 1e-3) -> FittedPanels:
+def fit_panels(stones: Assemblage, *, gap: float = 1e-3, joint: float | None = None) -> FittedPanels:
     """Return the panels whose mid-surfaces are those of the given stones. All walls are upright, plane or on a circle in plan.
 
     Stones that are a barrel or a dome, alone or on walls or a drum laid with it, are vaults instead (see `fit_vaults`).
@@ -91,7 +98,8 @@ def fit_panels(stones: Assemblage, *, gap: float = 1e-3) -> FittedPanels:
 
     Parameters
     ----------
-    stones: as drawn. gap: widest joint that is closed, m.
+    stones: as drawn. gap: widest joint that is closed, m. joint: nominal width, m, of mortar joints that the stones leave open;
+    the walls have their mortar.
 
     Raises
     ------
@@ -99,11 +107,12 @@ def fit_panels(stones: Assemblage, *, gap: float = 1e-3) -> FittedPanels:
     """
     check_kind("fit_panels: stones", stones, Assemblage)
     positive("fit_panels: gap", gap, allow_zero=True)
+    stones = stones if joint is None else with_mortar(stones, joint)
     supports = tuple(support_of(stones, int(block)) for block in np.flatnonzero(stones.fixed))
     vaults = fit_vaults(stones)
     if vaults:
         named = np.where(stones.fixed | (stones.panel != ""), stones.panel, VAULT)
-        return FittedPanels((), supports, np.empty(0, dtype=np.str_), named, vaults)
+        return FittedPanels((), supports, np.empty(0, dtype=np.str_), replace(stones, panel=named), vaults)
     walls, unfit = stone_walls(stones, gap)
     if not walls:
         raise InputError(
@@ -117,15 +126,18 @@ def fit_panels(stones: Assemblage, *, gap: float = 1e-3) -> FittedPanels:
     panel = np.where(stones.fixed | np.isin(stones.panel, known), "", stones.panel).astype(np.object_)
     for wall in walls:
         panel[wall.stones] = wall.tag
-    return FittedPanels(panels, supports, stones.block_id[unfit], panel.astype(str))
+    return FittedPanels(panels, supports, stones.block_id[unfit], replace(stones, panel=panel.astype(str)))
 
 
-def wall_names(stones: Assemblage) -> NameArray:
-    """Return the panel of each stone (nb,): its own, or that of the wall fitted to it where the stones name none at all."""
+def wall_names(stones: Assemblage, joint: float | None) -> NameArray:
+    """Return the panel of each stone (nb,): its own, or that of the wall fitted to it where the stones name none at all.
+
+    joint: as `fit_panels` takes it.
+    """
     if (stones.panel != "").any():
         return stones.panel
     try:
-        return fit_panels(stones).panel
+        return fit_panels(stones, joint=joint).panel
     except InputError:
         return stones.panel
 

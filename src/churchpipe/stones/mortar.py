@@ -11,9 +11,10 @@ from churchpipe.geometry.mending import signed_volume
 from churchpipe.geometry.planar import area, common, outlined, overlapping, vertices, widened
 from churchpipe.geometry.warped import split_warped
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
+from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.polyhedra import face_normals
 
-Solid = tuple[FloatArray, Sequence[tuple[int, ...]]]
+Solid = tuple[FloatArray, Sequence[Sequence[int]]]
 
 # Two faces are opposite when their normals are, within this angle. Joints are this much wider than their
 # nominal width at most, in the mean and at the wide end of a wedge.
@@ -109,6 +110,21 @@ def close_joints(solids: Sequence[Solid], joint: float) -> Closed:
         after[index] = volume
         out.append((grown, tuple(split)))
     return Closed(out, joints, before, after, stuck)
+
+
+def with_mortar(stones: Assemblage, joint: float) -> Assemblage:
+    """Return stones that meet in the middle of joints `joint` m wide that they leave open; each weighs as before."""
+    closed = close_joints([stones.solid(stone) for stone in range(stones.count)], joint)
+    return Assemblage.from_polyhedra(
+        closed.solids,
+        stones.unit_weight * (closed.volume_before / closed.volume),
+        fixed=stones.fixed,
+        material=stones.material.tolist(),
+        panel=stones.panel.tolist(),
+        course=stones.course.tolist(),
+        block_id=stones.block_id.tolist(),
+        butts=stones.butts.tolist(),
+    )
 
 
 def _opposite(joints: Joints) -> dict[int, list[int]]:

@@ -13,7 +13,9 @@ from brick_wall import BrickWall, Opening, brick_wall, joints_of, large_wall, wr
 from shapely import Polygon
 
 from churchpipe.dxf.reader import Drawing, read_drawing
+from churchpipe.dxf.reading import Reading
 from churchpipe.findings import FindingsError
+from churchpipe.importing import import_drawing
 from churchpipe.match import match_models
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
@@ -121,6 +123,14 @@ def test_a_wall_with_two_arches(tmp_path: Path) -> None:
     check_shell(drawing, 2)
     check_analyses(drawing, 0.479392)
     check_sliding(drawing, 0.479392)
+
+
+@pytest.mark.parametrize(("mode", "mortar"), [("grow", "ignored"), ("keep", "counted"), ("keep", "ignored")])
+def test_the_shell_of_a_wall_with_mortar_passes_the_gate(mode: str, mortar: str, tmp_path: Path) -> None:
+    write_wall(brick_wall(12, 16, [Opening(2, 3, 0, 6), Opening(7, 3, 3, 4)]), tmp_path / "wall.dxf", unclosed=1, doubled=0)
+    how = {"units": "m", "joint_mode": mode, "mortar": mortar} | {key: READING[key] for key in ("thickness", "joint", "support")}
+    made = import_drawing(tmp_path / "wall.dxf", tmp_path / "wall", Reading(**how), unit_weight=18e3)
+    assert "The gate passed" in made.shell
 
 
 def test_a_joint_wider_than_the_stones_in_the_unit_that_was_asked_for_is_refused(tmp_path: Path) -> None:
