@@ -58,28 +58,21 @@ class Finding:
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """Code that a child process must get through; `package` is what pip installs for it."""
+    """Code that a child process must get through; system: the Debian packages that it needs."""
 
     name: str
     purpose: str
     code: str
-    package: str
     system: str = ""
 
 
 def _imports(module: str, purpose: str, package: str) -> Trial:
-    code = f"import importlib.metadata as m, {module}; print(m.version({package!r}))"
-    return Trial(module, purpose, code, package)
+    return Trial(module, purpose, f"import importlib.metadata as m, {module}; print(m.version({package!r}))")
 
 
 TRIALS = (
     _imports("clarabel", "load factors", "clarabel"),
-    Trial(
-        "numba",
-        "compiled kernels of the solver",
-        "import numba; numba.njit(lambda x: x + 1)(1); print(numba.__version__)",
-        "numba",
-    ),
+    Trial("numba", "compiled kernels of the solver", "import numba; numba.njit(lambda x: x + 1)(1); print(numba.__version__)"),
     _imports("cvxpy", "reference solutions and other solvers", "cvxpy-base"),
     _imports("cvxopt.cholmod", "sparse factorisation", "cvxopt"),
     *([] if sys.platform == "win32" else [_imports("pymetis", "an order of the stones with little fill", "pymetis")]),
@@ -95,17 +88,15 @@ TRIALS = (
         "gmsh",
         "the shell's mesh",
         "import gmsh; print(gmsh.__version__)",
-        "gmsh",
         system="libglu1-mesa libxrender1 libxcursor1 libxfixes3 libxft2 libxinerama1 libfontconfig1 libgomp1",
     ),
     Trial(
         "weasyprint",
         "the report as a PDF",
         "import weasyprint; weasyprint.HTML(string='trial').write_pdf(); print(weasyprint.__version__)",
-        "weasyprint",
         system="libpango-1.0-0 libpangoft2-1.0-0 libharfbuzz-subset0",
     ),
-    Trial("off-screen picture", "pictures in the report", _DRAW, "pyvista", system="libegl1 libgl1-mesa-dri"),
+    Trial("off-screen picture", "pictures in the report", _DRAW, system="libegl1 libgl1-mesa-dri"),
 )
 
 
@@ -137,12 +128,12 @@ def _complaint(stderr: str, code: int) -> str:
 
 
 def _remedy(trial: Trial, detail: str) -> str:
-    """Return the install line: the system's package of a missing library, else the trial's own, else pip."""
+    """Return the install line: a missing library's system package, for a missing module all extras, else what the trial needs."""
     missing = [package for library, package in SYSTEM_PACKAGES.items() if library in detail]
     if missing:
         return f"apt-get install -y {' '.join(missing)}"
     if "No module named" in detail or not trial.system:
-        return f"{_installer()} {trial.package}"
+        return f"{_installer()} 'churchpipe[all]'"
     return f"apt-get install -y {trial.system}"
 
 

@@ -17,14 +17,14 @@ def test_this_environment_is_sound() -> None:
 
 
 def one(code: str, system: str = "") -> doctor.Finding:
-    return examine((Trial("thing", "tests", code, "thing-package", system),))[0]
+    return examine((Trial("thing", "tests", code, system),))[0]
 
 
-def test_missing_module_asks_for_its_package() -> None:
+def test_missing_module_asks_for_all_that_pip_installs() -> None:
     found = one("import thing_that_is_not_there")
     assert not found.passed
     assert found.detail == "ModuleNotFoundError: No module named 'thing_that_is_not_there'"
-    assert found.remedy.endswith("thing-package")
+    assert found.remedy.endswith("install 'churchpipe[all]'")
     assert sys.executable in found.remedy
 
 
