@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import churchpipe as cp
-from churchpipe.config.case import cases_of, read_table
+from churchpipe.config.case import cases_of
+from churchpipe.config.case_file import read_table
 
 CASE = "pipeline/cases/s5_uncertain.toml"
 

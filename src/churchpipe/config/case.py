@@ -15,6 +15,7 @@ from churchpipe.code_check import Site
 from churchpipe.config import overrides as changes
 from churchpipe.config.analyses import MovementSettings, RigidSettings, ShellSettings
 from churchpipe.config.carries import KINDS, Carries, placed, tried
+from churchpipe.config.case_file import read_table
 from churchpipe.config.distributions import SampleSettings, quantile
 from churchpipe.config.places import located
 from churchpipe.config.project import Project
@@ -286,49 +287,6 @@ def _check_source(first: Case, case: Case, where: str) -> None:
     if drawings[0] != drawings[1]:
         found, expected = (str(drawing or "a generator") for drawing in drawings[::-1])
         raise InputError(where, "another source than the building as it is", found=found, expected=expected)
-
-
-def read_table(path: Path) -> dict[str, Any]:
-    """Return a case file's table as it is written.
-
-    Raises
-    ------
-    InputError: not a text file, not TOML.
-    """
-    try:
-        if path.exists() and not path.is_file():
-            # A pipe can be read once only.
-            raise InputError(str(path), "not a file", found="a folder, a pipe or a device", expected="a case file")
-        table = tomllib.loads(path.read_text(encoding="utf-8-sig"))
-    except OSError as error:
-        raise InputError(str(path), "cannot be read", found=error.strerror or error, expected="a case file") from error
-    except UnicodeDecodeError as error:
-        raise InputError(
-            str(path),
-            "not a text in UTF-8",
-            found=f"{error.reason}, byte {error.start + 1}",
-            expected="a case file in TOML",
-            remedy="A text in another encoding (UTF-16, Latin-1) is to be saved as UTF-8.",
-        ) from error
-    except RecursionError as error:
-        raise _too_deep(path) from error
-    except InputError:
-        raise
-    except ValueError as error:
-        # TOMLDecodeError is one; a number of thousands of digits is refused by Python itself.
-        remedy = "Text needs quotes; tables stand in [brackets]."
-        if path.suffix.lower() != ".toml":
-            remedy = "Of a drawing or a mesh, churchpipe import makes a case."
-        found = str(error).replace("Cannot overwrite a value", "a key given twice")
-        raise InputError(str(path), "not TOML", found=found, remedy=remedy) from error
-    if changes.depth(table) > changes.DEEPEST:
-        raise _too_deep(path)
-    return table
-
-
-def _too_deep(path: Path) -> InputError:
-    expected = f"a case file, at most {changes.DEEPEST} levels"
-    return InputError(str(path), "not a case file", found="lists or tables too deep", expected=expected)
 
 
 def _case(path: Path, table: dict[str, Any], swept: dict[str, Any], overrides: tuple[str, ...]) -> Case:

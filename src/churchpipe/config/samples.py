@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from churchpipe.config import overrides as changes
-from churchpipe.config.case import Case, Drawing, cases_of, read_table, read_variants
+from churchpipe.config.case import Case, Drawing, cases_of, read_variants
+from churchpipe.config.case_file import read_table
 from churchpipe.config.distributions import sample_points
 from churchpipe.config.plan import Plan, plan
 from churchpipe.config.selection import ALL, Selection, selected

@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 
 from churchpipe.config.asrun import as_run
-from churchpipe.config.case import read_case, read_table, read_variants
+from churchpipe.config.case import read_case, read_variants
+from churchpipe.config.case_file import read_table
 from churchpipe.config.overrides import apply_overrides
 from churchpipe.resources import sample_case, sample_names
 
