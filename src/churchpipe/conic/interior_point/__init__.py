@@ -23,12 +23,11 @@ means that first the first component of all local problems is listed, then the s
 - `normal`: the sparse matrix B S B^T, where S_k = (Q_k + G_k^T W_k^-2 G_k)^-1 is the compliance of local problem k.
 - `kkt`: the linear system of one iteration, named after Karush, Kuhn and Tucker, reduced to that matrix and factorised.
 - `newton`: the directions of one iteration, all by one factor; `loop`: predictor, corrector and the end.
-- `solver`: cone programs of `conic.program` on this loop; `storage`: a program in a file.
+- `solver`: cone programs of `conic.program` on this loop.
 """
 
 from churchpipe.conic.interior_point.info import Info
 from churchpipe.conic.interior_point.settings import Settings
 from churchpipe.conic.interior_point.solver import InteriorPointSolver, solve_interior_point
-from churchpipe.conic.interior_point.storage import load_program, save_program
 
-__all__ = ["Info", "InteriorPointSolver", "Settings", "load_program", "save_program", "solve_interior_point"]
+__all__ = ["Info", "InteriorPointSolver", "Settings", "solve_interior_point"]

@@ -1,7 +1,5 @@
 """The interior-point core against Clarabel, from the arrays that it returns."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings
@@ -12,8 +10,6 @@ from churchpipe.conic.interior_point import (
     Info,
     InteriorPointSolver,
     Settings,
-    load_program,
-    save_program,
     solve_interior_point,
 )
 from churchpipe.conic.program import ConeProgram, ConeSolution
@@ -175,13 +171,6 @@ def test_one_solver_serves_programs_with_one_balance() -> None:
         assert solver.solve(program).tau == pytest.approx(solve_clarabel(program).tau, rel=1e-6)
     with pytest.raises(InputError, match="another balance"):
         solver.solve(stated(wall(6, 5)))
-
-
-def test_program_survives_its_file(tmp_path: Path) -> None:
-    program = stated(three_stones(), limit=0.01, quadratic=0.1, cap=0.2)
-    save_program(tmp_path / "program.npz", program)
-    again = load_program(tmp_path / "program.npz")
-    assert solve_interior_point(again).tau == solve_interior_point(program).tau
 
 
 def test_progress_ends_at_the_tolerance() -> None:
