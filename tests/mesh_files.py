@@ -3,7 +3,7 @@
 import json
 import struct
 import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -86,13 +86,18 @@ def write_ply(stones: Assemblage, path: Path, *, binary: bool = False) -> Path:
     return path
 
 
-def write_glb(stones: Assemblage, path: Path) -> Path:
+def write_glb(stones: Assemblage, path: Path, colours: Sequence[tuple[int, int, int]] = (), by: str = "vertices") -> Path:
     import trimesh
 
     scene = trimesh.Scene()
-    for name, points, faces, _ in solids(stones):
+    for number, (name, points, faces, _) in enumerate(solids(stones)):
         # y is up in the format.
         mesh = trimesh.Trimesh(points[:, [0, 2, 1]] * [1, 1, -1], triangles(points, faces), process=False)
+        if colours and by == "vertices":
+            mesh.visual.vertex_colors = colours[number]
+        elif colours:
+            stuff = trimesh.visual.material.PBRMaterial(baseColorFactor=[*colours[number], 255])
+            mesh.visual = trimesh.visual.TextureVisuals(material=stuff)
         scene.add_geometry(mesh, node_name=name, geom_name=name)
     path.write_bytes(scene.export(file_type="glb"))
     return path
@@ -120,12 +125,12 @@ def write_3mf(stones: Assemblage, path: Path, *, unit: str = "millimeter") -> Pa
     return path
 
 
-def write_3dm(stones: Assemblage, path: Path) -> Path:
+def write_3dm(stones: Assemblage, path: Path, colours: Sequence[tuple[int, int, int]] = ()) -> Path:
     import rhino3dm
 
     model = rhino3dm.File3dm()
     model.Settings.ModelUnitSystem = rhino3dm.UnitSystem.Meters
-    for name, points, faces, _ in solids(stones):
+    for number, (name, points, faces, _) in enumerate(solids(stones)):
         mesh = rhino3dm.Mesh()
         mesh.Vertices.UseDoublePrecisionVertices = True
         for x, y, z in points.tolist():
@@ -135,6 +140,8 @@ def write_3dm(stones: Assemblage, path: Path) -> Path:
                 mesh.Faces.AddFace(*part)
         attributes = rhino3dm.ObjectAttributes()
         attributes.Name = name
+        if colours:
+            attributes.ColorSource, attributes.ObjectColor = rhino3dm.ObjectColorSource.ColorFromObject, (*colours[number], 255)
         model.Objects.AddMesh(mesh, attributes)
     assert model.Write(str(path), 8)
     return path

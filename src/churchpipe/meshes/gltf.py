@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from churchpipe.findings import FindingsError
-from churchpipe.meshes.source import Body, Source, left_out, read_bytes, refused
+from churchpipe.meshes.source import Body, Source, face_colours, left_out, read_bytes, refused
+from churchpipe.model.arrays import FloatArray
 
 # What trimesh and NumPy raise when a file is nonsense.
 BAD_SCENE = (ValueError, TypeError, AttributeError, LookupError, ArithmeticError, AssertionError, NotImplementedError, OSError)
@@ -40,11 +41,22 @@ def read_gltf(path: Path) -> Source:
         triangles = np.asarray(mesh.faces, dtype=np.int64)
         if len(triangles) and (triangles.min() < 0 or triangles.max() >= len(corners)):
             raise _damaged(path, f"a triangle of {node} has a vertex beyond the {len(corners)} there are")
-        stuff = getattr(getattr(mesh.visual, "material", None), "name", None)
+        material = getattr(mesh.visual, "material", None)
+        stuff = getattr(material, "name", None)
         faces = [(a, b, c) for a, b, c in triangles.tolist()]
-        source.bodies.append(Body(corners, faces, "node", str(node), str(stuff) if stuff else "default"))
+        shades = _shades(mesh.visual, material, len(corners))
+        own = face_colours(shades, faces) if shades is not None and faces else None
+        source.bodies.append(Body(corners, faces, "node", str(node), str(stuff) if stuff else "default", colours=own))
     source.findings += left_out(others)
     return source
+
+
+def _shades(visual: Any, material: Any, count: int) -> FloatArray | None:
+    """Return the colours (n, 3) of the vertices, 0 to 255: their own, or that of the material; None without any."""
+    if getattr(visual, "kind", None) == "vertex":
+        return np.asarray(visual.vertex_colors, dtype=np.float64)[:, :3]
+    base = getattr(material, "baseColorFactor", None)
+    return None if base is None else np.tile(np.asarray(base, dtype=np.float64)[:3], (count, 1))
 
 
 def _announced(path: Path, data: bytes) -> int:

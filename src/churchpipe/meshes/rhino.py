@@ -9,11 +9,12 @@ import numpy as np
 
 from churchpipe.findings import Finding
 from churchpipe.meshes.source import Body, Face, Source, left_out, read_bytes, refused
-from churchpipe.model.arrays import FloatArray
+from churchpipe.model.arrays import FloatArray, IntArray
 
 UNITS = {"Millimeters": "mm", "Centimeters": "cm", "Decimeters": "dm", "Meters": "m", "Kilometers": "km"}
 UNITS |= {"Inches": "in", "Feet": "ft", "Yards": "yd"}
 DEEPEST = 50
+FIRST_LAYER = "Default"
 # The chunks of a file: a type of 4 bytes, then a length of 4, since version 50 of 8 bytes.
 HEADER, WIDE_SINCE, SHORT = 32, 50, 0x80000000
 OBJECT_TABLE, OBJECT_RECORD, END_OF_TABLE, END_OF_FILE = 0x10000013, 0x20008070, 0xFFFFFFFF, 0x00007FFF
@@ -21,7 +22,10 @@ MESH_REMEDY = "Shade the view before you save, or turn it into a mesh with the c
 
 
 def read_3dm(path: Path) -> Source:
-    """Read a 3DM: each mesh, solid and extrusion is a body by its name, its material the name of its layer."""
+    """Read a 3DM: each mesh, solid and extrusion is a body by its name, its material the name of its layer.
+
+    Of objects on no layer but the one that Rhino begins with, the colour tells more, where it is their own.
+    """
     import rhino3dm
 
     announced = _announced(read_bytes(path, "3dm"))
@@ -127,7 +131,8 @@ class _Walk:
                 a, b, c, d = mesh.Faces[index]
                 faces.append((a + offset, b + offset, c + offset) if c == d else (a + offset, b + offset, c + offset, d + offset))
         placed = np.concatenate(points) @ matrix[:3, :3].T + matrix[:3, 3]
-        self._source.bodies.append(Body(placed, faces, kind, label, layer))
+        material = "default" if layer == FIRST_LAYER else layer
+        self._source.bodies.append(Body(placed, faces, kind, label, material, colours=_colours(item.Attributes, len(faces))))
 
 
 def _meshes(geometry: Any, kind: str) -> list[Any] | None:
@@ -143,6 +148,15 @@ def _meshes(geometry: Any, kind: str) -> list[Any] | None:
         mesh = geometry.GetMesh(rhino3dm.MeshType.Any)
         return [mesh] if mesh is not None and len(mesh.Faces) else []
     return None
+
+
+def _colours(attributes: Any, count: int) -> IntArray | None:
+    """Return the colour of an object for each of its faces (n, 3), None where it has none of its own."""
+    import rhino3dm
+
+    if attributes.ColorSource != rhino3dm.ObjectColorSource.ColorFromObject:
+        return None
+    return np.tile(np.array(attributes.ObjectColor[:3], dtype=np.int64), (count, 1))
 
 
 def _in_definition(item: Any) -> bool:

@@ -135,7 +135,7 @@ def check_soundness(stones: Assemblage, contacts: Contacts, progress: Callable[[
         near = contacts.near_misses
         problems.append(f"{len(near)} pairs of faces nearly meet, {100 * share:.0f} % of all area that meets or nearly meets")
         gap = f"{1e3 * contacts.tolerances.contact_gap:.2g}"
-        remedies.append(f"To leave them open give --contact-gap {gap}mm, contact_gap_mm = {gap} in [rigid].")
+        remedies.append(f"To leave faces that nearly meet open give --contact-gap {gap}mm, contact_gap_mm = {gap} in [rigid].")
     if len(rows := np.flatnonzero(loose | (below & np.isin(contacts.near_misses.stones, hung).any(axis=1)) | decisive)):
         remedies.insert(0, remedy_words(stones, contacts, rows))
     account = surface_account(stones, contacts)

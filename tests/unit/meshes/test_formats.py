@@ -10,7 +10,7 @@ import pytest
 import churchpipe as cp
 from churchpipe.findings import FindingsError
 from churchpipe.model.assemblage import Assemblage
-from mesh_files import METRES, WRITERS, solids, write_3dec, write_3mf, write_obj, write_ply, write_stl
+from mesh_files import METRES, WRITERS, solids, write_3dec, write_3dm, write_3mf, write_glb, write_obj, write_ply, write_stl
 from solids import box, prism
 
 GROUND = box((-1, 2), (-1, 1), (-0.5, 0))
@@ -128,6 +128,16 @@ def test_colours_tell_materials_apart_where_they_are_few(of_faces: bool, tmp_pat
     assert "left out: 13 colours, too many for materials" in str(findings)
     read, findings = cp.read_stones(coloured_ply(tmp_path / "one.ply", stones, one, of_faces=of_faces), support="base")
     assert (set(read.material), "colours" in str(findings)) == ({"default"}, False)
+
+
+@pytest.mark.parametrize("how", ["vertices", "material", "3dm"])
+def test_glb_and_3dm_keep_colours(how: str, tmp_path: Path) -> None:
+    stones = wall(ground=False)
+    few = [(200, 160, 80) if number % 2 else (90, 90, 90) for number in range(stones.count)]
+    path = write_3dm(stones, tmp_path / "a.3dm", few) if how == "3dm" else write_glb(stones, tmp_path / "a.glb", few, by=how)
+    read, _ = cp.read_stones(path, support="base")
+    shade = dict(zip(read.block_id, read.material, strict=True))
+    assert [shade[name] for name in stones.block_id] == ["colour-c8a050" if red == 200 else "colour-5a5a5a" for red, _, _ in few]
 
 
 def test_an_obj_with_coloured_vertices_and_a_3mf_with_base_materials_have_materials(tmp_path: Path) -> None:
