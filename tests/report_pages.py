@@ -117,6 +117,7 @@ class Page(HTMLParser):
             self._open.pop()
 
     def handle_data(self, data: str) -> None:
+        data = data.replace("\u00a0", " ")  # as it is read
         inside = self._open[-1] if self._open else ""
         if inside == "script":
             self.scripts[self._script] += data

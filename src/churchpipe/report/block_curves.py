@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from churchpipe.io.records import Analysis
-from churchpipe.report.plots import legend_beside, new_plot, svg_of
+from churchpipe.report.plots import WIDTH, legend_below, new_plot, svg_of
 from churchpipe.report.table import by_material
 
 _ENDINGS = {
@@ -37,7 +37,7 @@ def block_curve_plots(analyses: Sequence[Analysis], geometry: str | None) -> lis
 
 
 def _svg(records: Sequence[Analysis], shells: Sequence[Analysis]) -> str:
-    figure, (axes,) = new_plot(1, (7.2, 3.4))
+    figure, (axes,) = new_plot(1, (WIDTH, 3.0))
     for record in records:
         places = 1e3 * np.array(record.displacement)
         axes.plot(places, record.load_factors, "-o", ms=2.5, lw=1.4, label=curve_label(record))
@@ -50,7 +50,7 @@ def _svg(records: Sequence[Analysis], shells: Sequence[Analysis]) -> str:
     # Displacements of the shell are small in its theory: its plateau goes on for ever.
     axes.set_xlim(0, 1.05 * furthest if furthest > 0 else None)
     axes.set_ylim(bottom=0)
-    legend_beside(axes)
+    legend_below(axes)
     return svg_of(figure)
 
 

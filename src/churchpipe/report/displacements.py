@@ -10,7 +10,7 @@ from churchpipe.io.records import Analysis
 from churchpipe.model.checks import DisplacementCheck
 from churchpipe.report import colours
 from churchpipe.report.block_curves import curve_label
-from churchpipe.report.plots import legend_beside, new_plot, svg_of
+from churchpipe.report.plots import WIDTH, legend_below, new_plot, svg_of
 from churchpipe.report.safety import verdict
 from churchpipe.report.table import figure
 
@@ -92,7 +92,7 @@ def _facts(check: DisplacementCheck) -> list[tuple[str, str]]:
 
 def adrs_svg(check: DisplacementCheck) -> str:
     """Return an SVG of acceleration against displacement: capacity, its idealisation, limit states, demand of the case."""
-    plot, (axes,) = new_plot(1, (7.2, 3.6))
+    plot, (axes,) = new_plot(1, (WIDTH, 3.2))
     reach = 1e3 * np.array(check.displacement)
     axes.plot(reach, check.acceleration, "-", lw=2, color=colours.INK, label="capacity")
     end = 1e3 * check.idealised_d0
@@ -109,5 +109,5 @@ def adrs_svg(check: DisplacementCheck) -> str:
     axes.set_ylabel("acceleration a, m/s\u00b2", fontsize=8)
     axes.set_xlim(0, 1.05 * max(*reach, end))
     axes.set_ylim(bottom=0)
-    legend_beside(axes)
+    legend_below(axes)
     return svg_of(plot)

@@ -23,9 +23,10 @@ _THIN = 0.25
 _BESIDE = 2e-3
 # Above so many faces a drawing is a picture: as lines it would weigh megabytes.
 MOST_LINES = 1200
-_WIDTH = 5.2
+# Inches: about as wide as it is shown, so that its dimensions can be read.
+_WIDTH = 3.4
 # Of pictures: browsers that show a finer one at half its size leave lines out, as they do lines laid on its pixels.
-_DPI = 110
+_DPI = 170
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,16 +93,16 @@ def _drawing(stones: Assemblage, drawn: BoolArray, view: View, cut: float | None
     faces = _faces(stones, shown, points, cut)
     low, high = _corners(stones, axes_2d)
     size = np.maximum(high - low, 1e-9)
-    figure = Figure(figsize=(_WIDTH, min(max(_WIDTH * (size[1] / size[0]) + 0.9, 1.4), 6.5)), layout="constrained", dpi=_DPI)
+    figure = Figure(figsize=(_WIDTH, min(max(_WIDTH * (size[1] / size[0]) + 0.6, 1.4), 4.4)), layout="constrained", dpi=_DPI)
     axes: Any = figure.subplots()
     pale = PolyCollection([points[face, :2] for face in faces], facecolors="#f6f3ec", edgecolors=colours.EDGE)
-    pale.set_linewidth(0.35)
+    pale.set_linewidth(0.3)
     pale.set_snap(False)
     pale.set_rasterized(len(faces) > MOST_LINES)
     axes.add_collection(pale)
     if cut is not None:
         solid = PolyCollection(
-            cut_polygons(stones, shown, points, cut), facecolors="#b9a58c", edgecolors=colours.INK, linewidths=0.6
+            cut_polygons(stones, shown, points, cut), facecolors="#b9a58c", edgecolors=colours.INK, linewidths=0.5
         )
         axes.add_collection(solid)
     _dimensions(axes, low, high)

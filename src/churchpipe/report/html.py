@@ -94,7 +94,7 @@ def write_report(
             title_block=title_block(project or {}, case_text, versions),
             drawings=drawings_svg(stones),
             material_headings=MATERIAL_HEADINGS,
-            materials=material_rows(stones, materials),
+            materials=material_rows(stones, materials, [row.record.swept for row in rows]),
             facts=_facts(summary.geometries.get(geometry or "", summary), summary.shell, stones),
             kinds=_interface_kinds(contacts),
             joints=joint_lines(*joint_account(stones, contacts)),
@@ -156,9 +156,10 @@ def write_report(
 
 
 def _elsewhere(summary: Summary, here: str) -> list[tuple[str, str]]:
-    """Return name and address of the reports of the other geometries of a run: of a sweep, or of variants."""
+    """Return name and address of the reports of the other geometries of a run: of a sweep, or of variants, by their names."""
     names = list(summary.geometries)
-    return [(name, link_to(here, name, names[0])) for name in names if name != here]
+    called = {variant.geometry: variant.name for variant in reversed(summary.variants) if variant.name}
+    return [(called.get(name, name), link_to(here, name, names[0])) for name in names if name != here]
 
 
 def _facts(found: Size, shell: ShellSize | None, stones: Assemblage) -> list[tuple[str, str]]:

@@ -13,7 +13,7 @@ from churchpipe.model.quantities import in_unit
 from churchpipe.model.settlement import SettlementPath
 from churchpipe.report import colours
 from churchpipe.report.cracks import crack_map_svg
-from churchpipe.report.plots import new_plot, svg_of
+from churchpipe.report.plots import WIDTH, new_plot, svg_of
 from churchpipe.report.table import figure
 
 Moved = tuple[Movement, Assemblage, Contacts, SettlementPath]
@@ -64,7 +64,7 @@ def _sentence(record: Movement, path: SettlementPath) -> str:
 
 def _reaction_svg(record: Movement) -> str:
     (movement, length), (reaction, force) = in_unit(record, "displacement"), in_unit(record, "reaction")
-    plot, (axes,) = new_plot(1, (7.2, 2.8))
+    plot, (axes,) = new_plot(1, (WIDTH, 2.6))
     axes.plot(movement, reaction, "-o", ms=2.5, lw=1.4, color=colours.PUSH)
     axes.set_xlabel(f"movement, {length}", fontsize=8)
     axes.set_ylabel(f"reaction, {force}", fontsize=8)

@@ -4,11 +4,22 @@ from functools import cache
 from pathlib import Path
 
 import jinja2
+from markupsafe import Markup, escape
+
+# Letters of a name that fits beside its heading on a phone.
+_LONG = 16
 
 
 def template(name: str) -> jinja2.Template:
     """Return a template of the folder beside this module."""
     return _environment().get_template(name)
+
+
+def breakable(text: object) -> Markup:
+    """Return a text escaped, in which long names are broken after underscores if anywhere, and no number from its per cent."""
+    text = str(text).replace(" %", "\u00a0%")
+    words = (escape(word).replace("_", Markup("_<wbr>")) if len(word) > _LONG else escape(word) for word in text.split(" "))
+    return Markup(" ").join(words)
 
 
 @cache
@@ -20,6 +31,7 @@ def _environment() -> jinja2.Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    environment.filters["breakable"] = breakable
     macros = vars(environment.get_template("table.html").module)
     environment.globals.update({name: macros[name] for name in ("table", "diagram")})
     return environment

@@ -15,6 +15,11 @@ from churchpipe.stones.histogram import angle_histogram, gap_histogram
 # One a start of the non-associative iteration.
 _RUN_COLOURS = ("#a8581a", colours.PUSH, "#4f7d4a")
 _CERTIFIED = 1e-5
+# Width of a plot, inches: its words can be read on a phone, too. Of its legend: height of a line, inches, and the longest label
+# of which two stand beside each other, letters.
+WIDTH = 5.0
+_LINE = 0.19
+_SHORT = 30
 
 
 def convergence_svg(state: LimitState, associative: float | None = None) -> str:
@@ -25,7 +30,7 @@ def convergence_svg(state: LimitState, associative: float | None = None) -> str:
     runs = state.starts or (
         StartRun("", state.load_factor, state.status == "converged", state.gap, state.interval, state.history),
     )
-    figure, (upper, lower) = new_plot(2, (7.2, 4.6))
+    figure, (upper, lower) = new_plot(2, (WIDTH, 4.2))
     if associative is not None and np.isfinite(associative):
         upper.axhline(associative, color=colours.INK, lw=1, ls="--", label=f"associative, {associative:.4f}")
     end = max(len(run.history) for run in runs)
@@ -54,20 +59,20 @@ def convergence_svg(state: LimitState, associative: float | None = None) -> str:
     lower.set_xlabel("iteration")
     for axes in (upper, lower):
         axes.margins(y=0.18)
-        legend_beside(axes)
+    legend_below(upper, lower)
     return svg_of(figure)
 
 
 def sensitivity_svg(curves: Sequence[tuple[str, FloatArray, FloatArray]], words: str) -> str:
     """Return an SVG of load factor against a quantity; each curve: label, its values (n,), load factors (n,)."""
-    figure, (axes,) = new_plot(1, (7.2, 3.2))
+    figure, (axes,) = new_plot(1, (WIDTH, 2.8))
     for (label, value, factor), marker in zip(curves, "os^vD<>ph*" * (len(curves) // 10 + 1), strict=False):
         order = np.argsort(value)
         axes.plot(value[order], factor[order], "-", marker=marker, ms=4.5, lw=1.4, label=label)
     axes.set_xlabel(words)
     axes.set_ylabel("load factor")
     axes.set_ylim(bottom=0)
-    legend_beside(axes)
+    legend_below(axes)
     return svg_of(figure)
 
 
@@ -113,10 +118,20 @@ def new_plot(rows: int, size: tuple[float, float], columns: int = 1) -> tuple[An
     return figure, axes[:, 0]
 
 
-def legend_beside(axes: Any) -> None:
-    """Put the legend of axes, if they have one, to their right."""
-    if axes.get_legend_handles_labels()[0]:
-        axes.legend(fontsize=8, frameon=False, loc="upper left", bbox_to_anchor=(1.01, 1.0))
+def legend_below(*several: Any) -> None:
+    """Put one legend of all axes, if they have any, below their figure, which becomes so much higher.
+
+    Beside them it would take a third of the width, and on a phone the words of the plot would be too small to read.
+    """
+    found = [(handle, label) for axes in several for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)]
+    if not found:
+        return
+    handles, labels = zip(*found, strict=True)
+    columns = 2 if max(map(len, labels)) <= _SHORT else 1
+    figure = several[0].figure
+    width, height = figure.get_size_inches()
+    figure.set_size_inches(width, height + 0.1 + _LINE * -(-len(labels) // columns))
+    figure.legend(handles, labels, loc="outside lower left", ncols=columns, fontsize=8, frameon=False)
 
 
 def svg_of(figure: Any) -> str:

@@ -10,7 +10,7 @@ from churchpipe.homogenised_shell.rigid_cell import rigid_cell
 from churchpipe.homogenised_shell.strength import paper_planes
 from churchpipe.model.arrays import FloatArray
 from churchpipe.report import colours
-from churchpipe.report.plots import legend_beside, new_plot, svg_of
+from churchpipe.report.plots import WIDTH, legend_below, new_plot, svg_of
 
 Line = tuple[str, float]
 _STYLES = ("--", ":", "-.", (0, (6, 1, 1, 1)), (0, (1, 3)))
@@ -45,7 +45,7 @@ def capacity_svg(curves: Sequence[tuple[str, FloatArray, FloatArray]], lines: Se
         a.set_xlim(left=0)
     bend.set_ylabel("load factor", fontsize=8)
     bend.set_xlim(0, max(bend_of(place, factor) for _, place, factor in curves))
-    legend_beside(whole)
+    legend_below(whole)
     return svg_of(figure)
 
 
@@ -57,7 +57,7 @@ def bend_of(place: FloatArray, factor: FloatArray, share: float = 0.97) -> float
 
 def mesh_svg(series: Sequence[tuple[str, FloatArray, FloatArray]], lines: Sequence[Line]) -> str:
     """Return an SVG of load factor against element size; each series: label, sizes (n,) mm, load factors (n,)."""
-    figure, (axes,) = new_plot(1, (7.2, 3.4))
+    figure, (axes,) = new_plot(1, (WIDTH, 3.0))
     for (label, size, factor), marker in zip(series, "os^vD<>ph*" * (len(series) // 10 + 1), strict=False):
         order = np.argsort(size)
         (drawn,) = axes.plot(size[order], factor[order], "-", marker=marker, ms=4.5, lw=1.4, label=label)
@@ -71,7 +71,7 @@ def mesh_svg(series: Sequence[tuple[str, FloatArray, FloatArray]], lines: Sequen
     axes.set_ylabel("load factor")
     axes.set_xlim(left=0)
     axes.margins(y=0.2)
-    legend_beside(axes)
+    legend_below(axes)
     return svg_of(figure)
 
 

@@ -24,10 +24,13 @@ def title_block(project: Mapping[str, str], case_text: str, versions: Mapping[st
     return entries
 
 
-def material_rows(stones: Assemblage, materials: Sequence[Mapping[str, Any]]) -> list[tuple[str, ...]]:
+def material_rows(
+    stones: Assemblage, materials: Sequence[Mapping[str, Any]], swept: Sequence[Mapping[str, Any]] = ()
+) -> list[tuple[str, ...]]:
     """Return a row for each material of the free stones: name, stones, volume, unit weight, weight, friction, cohesion.
 
-    materials: the case's, in SI; what it does not say of a material is "".
+    materials: the case's, in SI; what it does not say of a material is "". swept: of each analysis the keys that a sweep changed;
+    all values of a friction or a cohesion among them are said.
     """
     said = {str(material["name"]): material for material in materials}
     rows: list[tuple[str, ...]] = []
@@ -42,11 +45,17 @@ def material_rows(stones: Assemblage, materials: Sequence[Mapping[str, Any]]) ->
                 f"{volume:.4g}",
                 f"{weight / volume / 1e3:.4g}",
                 f"{weight / 1e3:,.4g}" if weight < 1e7 else f"{weight / 1e3:,.0f}",
-                f"{material['friction']:g}" if material.get("friction") is not None else "",
-                f"{material['cohesion'] / 1e3:g}" if material.get("cohesion") is not None else "",
+                _values(swept, f"material.{name}.friction", material.get("friction"), 1.0),
+                _values(swept, f"material.{name}.cohesion_kPa", material.get("cohesion"), 1e3),
             )
         )
     return rows
+
+
+def _values(swept: Sequence[Mapping[str, Any]], key: str, value: float | None, unit: float) -> str:
+    """Return the values that a sweep gives to a key, or that of the case in the key's unit."""
+    several = dict.fromkeys(one[key] for one in swept if key in one)
+    return ", ".join(f"{one:g}" for one in several) or ("" if value is None else f"{value / unit:g}")
 
 
 MATERIAL_HEADINGS = ("Material", "Stones", "Volume, m3", "Unit weight, kN/m3", "Weight, kN", "Friction", "Cohesion, kPa")

@@ -10,7 +10,7 @@ import numpy as np
 from churchpipe.io.records import Analysis
 from churchpipe.io.summary import VariantResult
 from churchpipe.report import colours
-from churchpipe.report.plots import legend_beside, new_plot, svg_of
+from churchpipe.report.plots import WIDTH, legend_below, new_plot, svg_of
 from churchpipe.report.safety import safety_index, what_moves
 from churchpipe.report.table import Row, figure, minus, setting, swept
 
@@ -98,7 +98,7 @@ def link_to(here: str, there: str, first: str) -> str:
 def _chart(cells: Mapping[str, Mapping[str, Mapping[str, Row]]], names: Sequence[str]) -> str:
     """Return an SVG: for each load a bar a variant, as high as the lowest of its load factors; dots for all of them."""
     axes: Any
-    figure_, (axes,) = new_plot(1, (7.6, 3.2))
+    figure_, (axes,) = new_plot(1, (WIDTH, 2.8))
     width = 0.8 / len(names)
     for number, name in enumerate(names):
         bars: list[tuple[float, float]] = []
@@ -116,5 +116,5 @@ def _chart(cells: Mapping[str, Mapping[str, Mapping[str, Row]]], names: Sequence
     axes.set_axisbelow(True)
     axes.set_xticks(range(len(cells)), list(cells))
     axes.set_ylabel("load factor")
-    legend_beside(axes)
+    legend_below(axes)
     return svg_of(figure_)

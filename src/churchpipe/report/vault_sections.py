@@ -76,7 +76,9 @@ def _words(line: ThrustLine) -> str:
     share = np.abs(line.eccentricity) / np.maximum(line.half, np.finfo(float).tiny)
     hinges = int((share > HINGE).sum())
     edge = (
-        f"{hinges} joints are hinges, at whose edge it passes" if hinges else f"it comes within {1 - share.max():.0%} of an edge"
+        f"{hinges} joints are hinges, at whose edge it passes"
+        if hinges
+        else f"it comes within {100 * (1 - share.max()):.0f} % of an edge"
     )
     return f"Thrust in {len(line.force)} joints of the section, {figure(line.force.max() / 1e3, 2)} kN at most; {edge}."
 

@@ -23,7 +23,8 @@ from churchpipe.report.figures import mechanism_picture
 from churchpipe.report.html import write_report
 from churchpipe.report.motion import camera_position, displaced_points, ground_plate, natural_amplitude, push_direction, viewpoint
 from churchpipe.report.notes import status_note
-from churchpipe.report.plots import convergence_svg, gaps_svg
+from churchpipe.report.page import breakable
+from churchpipe.report.plots import WIDTH, convergence_svg, gaps_svg, legend_below, new_plot
 from churchpipe.report.surface import edges, triangles
 from churchpipe.report.table import Row, amount, figure, small
 from churchpipe.report.title_block import material_rows, title_block
@@ -166,6 +167,8 @@ def test_materials_have_the_stones_that_are_made_of_them() -> None:
     said = [{"name": "default", "friction": 0.6, "cohesion": 2e3}]
     assert material_rows(tower(), said) == [("default", "3", "3", "18", "54", "0.6", "2")]
     assert material_rows(tower(), [])[0][5:] == ("", "")
+    swept = [{"material.default.friction": 0.4}, {"material.default.friction": 0.5}, {"material.default.friction": 0.4}]
+    assert material_rows(tower(), said, swept)[0][5:] == ("0.4, 0.5", "2")
 
 
 def test_a_plan_cuts_what_stands_higher() -> None:
@@ -176,6 +179,26 @@ def test_a_plan_cuts_what_stands_higher() -> None:
     # 1 m wide and deep, 3 m high.
     assert plan.count("1.00 m") == 2
     assert ("1.00 m" in front, "3.00 m" in front) == (True, True)
+
+
+def test_long_names_break_at_their_underscores_and_are_escaped() -> None:
+    assert breakable("vault_nave_skewback_right 12 %") == "vault_<wbr>nave_<wbr>skewback_<wbr>right 12\u00a0%"
+    assert breakable("nave_left, <b>_a_name_of_letters</b>").startswith("nave_left, &lt;b&gt;_<wbr>a_")
+
+
+def test_a_legend_stands_below_its_plot_which_grows_by_it() -> None:
+    def size(count: int) -> tuple[float, float]:
+        figure, (axes,) = new_plot(1, (WIDTH, 2.8))
+        for number in range(count):
+            axes.plot([0, 1], [0, number], label=f"load factor of load {number}")
+        legend_below(axes)
+        return tuple(figure.get_size_inches())
+
+    assert size(0) == pytest.approx((WIDTH, 2.8))
+    assert size(1)[0] == size(9)[0] == pytest.approx(WIDTH)
+    # Two short labels stand beside each other.
+    assert size(1) == pytest.approx(size(2))
+    assert size(9)[1] - size(1)[1] == pytest.approx(4 * 0.19)
 
 
 def test_sections_cut_through_the_middle_both_ways() -> None:
