@@ -80,22 +80,30 @@ def candidate_rows(rows: Sequence[Row]) -> list[list[str]]:
     ]
 
 
-_GAIN_TITLES = ("Analysis", "Wall", "10 kPa of cohesion", "analysed", "10 kN of weight", "analysed")
+# Weight that is added where a wall is analysed again, N (`verify_gains`).
+_ADDED = 1e4
 
 
-def gain_table(rows: Sequence[Row]) -> tuple[list[str], list[list[str]]]:
+def gain_table(rows: Sequence[Row], weight: float) -> tuple[list[str], list[list[str]]]:
     """Return titles, and for each analysis a row for each of the walls that more cohesion or weight would help or harm most, and
-    for each that was analysed again: the load factor by the rate, and that of the analysis, if there is one."""
+    for each that was analysed again: the load factor by the rate, and that of the analysis, if there is one.
+
+    weight: of the building, N. Of a small one a smaller weight is added than of a large one: a tangent knows no more.
+    """
     out: list[list[str]] = []
+    analysed = any(math.isfinite(gain.with_weight) for row in rows for gain in row.record.gains)
+    step = _ADDED if analysed else min(_ADDED, 10.0 ** (math.floor(math.log10(weight)) - 2))
+    added = f"{step / 1e3:g} kN" if step >= 1e3 else f"{step:g} N"
+    titles = ("Analysis", "Wall", "10 kPa of cohesion", "analysed", f"{added} of weight", "analysed")
     for row in rows:
         gains = sorted(row.record.gains, key=lambda gain: -gain.cohesion)
         again = [math.isfinite(gain.with_cohesion) or math.isfinite(gain.with_weight) for gain in gains]
         for one in [gain for number, gain in enumerate(gains) if number < _GAINS or again[number]]:
             cells = [f"{1e4 * one.cohesion:+z.4f}", _again(row, one.with_cohesion)]
-            cells += [f"{1e4 * one.weight:+z.5f}", _again(row, one.with_weight)]
+            cells += [f"{step * one.weight:+z.5f}", _again(row, one.with_weight)]
             out.append([row.label, one.panel, *cells])
-    kept = [column for column, title in enumerate(_GAIN_TITLES) if title != "analysed" or any(row[column] for row in out)]
-    return [_GAIN_TITLES[column] for column in kept], [[row[column] for column in kept] for row in out]
+    kept = [column for column, title in enumerate(titles) if title != "analysed" or any(row[column] for row in out)]
+    return [titles[column] for column in kept], [[row[column] for column in kept] for row in out]
 
 
 def _again(row: Row, factor: float) -> str:

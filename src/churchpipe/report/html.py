@@ -130,7 +130,7 @@ def write_report(
             beam_rows=beam_rows(stones),
             tie_rows=tie_rows(rows),
             candidate_rows=candidate_rows(rows),
-            gains=gain_table([row for row in rows if not row.variant]),
+            gains=gain_table([row for row in rows if not row.variant], float(stones.weight[~stones.fixed].sum())),
             notes=[(row.label, note) for row in rows if (note := status_note(stones, row))],
             published=published_rows(published, asis),
             sensitivity=sensitivity_plots(rows),

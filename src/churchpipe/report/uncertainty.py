@@ -9,7 +9,7 @@ import numpy as np
 from churchpipe.io.sample_study import Asked, Mechanism, SampledAnalysis, SampleStudy
 from churchpipe.model.quantities import GRAVITY
 from churchpipe.report import colours
-from churchpipe.report.plots import legend_below, new_plot, svg_of
+from churchpipe.report.plots import new_plot, svg_of
 from churchpipe.report.table import Row, figure, heading, minus, setting
 
 # Scatter plots of the parameters that matter most.
@@ -173,7 +173,7 @@ def _spread_svg(one: SampledAnalysis) -> str:
         right.plot(asked.demand, asked.probability, "o", ms=4, color=colours.INK)
     right.set_xlabel("load factor asked")
     right.set_ylabel("probability of collapse")
-    legend_below(right)
+    right.legend(fontsize=7, frameon=False, loc="upper left")
     return svg_of(figure_)
 
 

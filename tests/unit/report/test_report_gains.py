@@ -14,10 +14,17 @@ def row(with_cohesion: float) -> Any:
 
 
 def test_columns_of_new_analyses_stand_only_where_there_are_some() -> None:
-    titles, rows = gain_table([row(np.nan)])
+    titles, rows = gain_table([row(np.nan)], 5e6)
     assert titles == ["Analysis", "Wall", "10 kPa of cohesion", "10 kN of weight"]
     assert rows == [["load +x", "nave", "+0.0400", "+0.00002"]]
-    titles, rows = gain_table([row(0.23)])
+    titles, rows = gain_table([row(0.23)], 5e6)
     assert titles == ["Analysis", "Wall", "10 kPa of cohesion", "analysed", "10 kN of weight"]
     assert rows == [["load +x", "nave", "+0.0400", "+0.03000", "+0.00002"]]
-    assert gain_table([])[1] == []
+    assert gain_table([], 5e6)[1] == []
+
+
+def test_a_small_model_is_not_loaded_with_more_than_it_weighs() -> None:
+    titles, rows = gain_table([row(np.nan)], 988.0)
+    assert titles[-1] == "1 N of weight"
+    assert rows[0][-1] == "+0.00000"
+    assert gain_table([row(np.nan)], 1.2e5)[0][-1] == "1 kN of weight"
