@@ -110,6 +110,7 @@ def plan(cases: Sequence[Case]) -> Plan:
         for movement in case.movements:
             settings = {"geometry": geometry, **_strengths(case), "solver": case.rigid.solver, **asdict(movement)}
             settings |= case.carries.settings(*_LOADS)
+            settings |= _contact_model_of_paths(case)
             settings["without_ties"] = bool(case.carries.settings("ties"))
             name = _same(case, movements, settings) or _keep(movements, [movement.name, *_words(of_stones, case)], settings)
             moved.setdefault(name, {"name": name, "geometry": geometry, "variant": _name(case), "swept": of_stones})
@@ -199,10 +200,14 @@ def _rigid_settings(case: Case, geometry: str, load: LoadCase, flow: str, contac
 def _curve_settings(case: Case, geometry: str, load: LoadCase) -> dict[str, Any]:
     assert case.rigid.curve is not None
     settings = {"geometry": geometry, "load": load_table(load), **_strengths(case), "solver": case.rigid.solver}
-    settings |= case.carries.settings(*_BORNE)
-    if case.rigid.contact_model[0] != CONTACT_MODEL:
-        settings["contact_model"] = case.rigid.contact_model[0]
+    settings |= case.carries.settings(*_BORNE) | _contact_model_of_paths(case)
     return settings | {key: value for key, value in asdict(case.rigid.curve).items() if value is not None}
+
+
+def _contact_model_of_paths(case: Case) -> dict[str, str]:
+    """Return the contact model in which stones are followed as they move: the first of the case."""
+    first = case.rigid.contact_model[0]
+    return {} if first == CONTACT_MODEL else {"contact_model": first}
 
 
 def _shell_settings(case: Case, mesh: str, load: LoadCase, method: str) -> dict[str, Any]:

@@ -15,10 +15,11 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.joint_group import JointGroup
 from churchpipe.model.materials import JointStrength
+from churchpipe.model.names import CONTACT_MODEL
 from churchpipe.model.settlement import SettlementPath
 from churchpipe.stones.contacts import find_contacts
 from churchpipe.stones.footing import Rectangle, footing
-from churchpipe.stones.joints import joint_strength
+from churchpipe.stones.joints import crushing_strength, joint_strength
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +65,8 @@ def moved_support(
             friction=friction,
             dead=dead_on(foot.stones),
             furthest=settings["furthest"] if settings["about"] is None else settings["furthest_angle"],
+            compressive_strength=crushing_strength(foot.stones, joints, materials),
+            contact_model=settings.get("contact_model", CONTACT_MODEL),
             **{key: settings[key] for key in ("direction", "about", "step", "steps", "halo", "solver")},
             progress=progress,
             resume=resume,

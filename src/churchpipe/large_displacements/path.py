@@ -113,7 +113,9 @@ def as_in(model: MovingModel, state: PathState, normal: FloatArray, velocities: 
     return replace(state, joints=replace(state.joints, sliding=slip, pressing=np.maximum(normal, 0.0) / model.force))
 
 
-def solve_state(model: MovingModel, state: PathState, programs: int = PROGRAMS, pairs: int = PAIRS) -> PathStep:
+def solve_state(
+    model: MovingModel, state: PathState, programs: int = PROGRAMS, pairs: int = PAIRS, rounds: int = _ROUNDS
+) -> PathStep:
     """Return the step that a state takes.
 
     A point may close at the rate of its gap over the length of the step, and slides at the price of the normal force times what
@@ -121,10 +123,11 @@ def solve_state(model: MovingModel, state: PathState, programs: int = PROGRAMS, 
     solved again until they agree, so many times at the most. That need not happen: where many joints slide the programs go round
     in circles. Forces and motion that fit each other are then sought from the last one, in so many pairs of programs.
 
-    Where friction acts about the centres of pressure, the step is solved again until these are those of its own forces.
+    Where friction acts about the centres of pressure, the step is solved again until these are those of its own forces, in so
+    many rounds at the most.
     """
     step = _solved(model, state, programs, pairs)
-    for count in range(_ROUNDS if model.contact_model == "torsion" else 0):
+    for count in range(rounds if model.contact_model == "torsion" else 0):
         lever, change = _levers(model, step)
         joints = step.state.joints
         if step.answer.outcome != "solved" or change < _AT_REST:
@@ -306,8 +309,8 @@ def _program(model: MovingModel, state: PathState) -> tuple[Assemblage, StepProg
     dead = model.dead.rows(rotation, free, model.force, model.length)
     friction = model.friction.of(contacts.blocks, stones.count)[contacts.interface_of_point]
     bound, softness = np.full(len(gap), np.inf), np.zeros(len(gap))
+    at = contacts.point + state.joints.lever if model.contact_model == "torsion" else None
     if isinstance(model.driven, TravellingLoads):
-        at = contacts.point + state.joints.lever if model.contact_model == "torsion" else None
         balance: Balance = contact_wrenches(stones, contacts, free, model.length, at)
         live = model.driven.rows(rotation, free, model.force, model.length)
         if model.ties.name:
@@ -320,7 +323,7 @@ def _program(model: MovingModel, state: PathState) -> tuple[Assemblage, StepProg
     else:
         twist = model.driven.twist(state.poses)
         twist[:, 3:] *= model.length
-        wrenches = contact_wrenches(stones, contacts, np.append(free, model.driven.stones), model.length)
+        wrenches = contact_wrenches(stones, contacts, np.append(free, model.driven.stones), model.length, at)
         # Of the balance of the support only that along its movement is left.
         along = sp.block_diag([sp.identity(6 * len(free)), twist.reshape(1, -1)], format="csr")
         balance = sp.csc_matrix(along @ wrenches.tocsc())
@@ -345,7 +348,7 @@ def _velocities(model: MovingModel, state: PathState, free: IntArray, y: FloatAr
     out[free] = y[: 6 * len(free)].reshape(-1, 6)
     out[:, 3:] /= model.length
     if not isinstance(model.driven, TravellingLoads):
-        out[model.driven.stones] = y[-1] * model.driven.twist(state.poses)
+        out[model.driven.stones] = y[6 * len(free)] * model.driven.twist(state.poses)
     return out
 
 

@@ -8,16 +8,16 @@ import numpy.typing as npt
 
 from churchpipe.conic.solve import solver_for
 from churchpipe.large_displacements.moving_model import MovingModel, bearing, moving_model
-from churchpipe.large_displacements.path import FIRST, PAIRS, PathState, PathStep, first_state, solve_state
+from churchpipe.large_displacements.path import FIRST, PathState, PathStep, first_state, solve_state
 from churchpipe.large_displacements.supports import support_movement
 from churchpipe.model.arguments import check_kind, one_of
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
+from churchpipe.model.names import ContactModel
 from churchpipe.model.settlement import SettlementState, SettlementStatus
-from churchpipe.rigid_blocks.equilibrium import equilibrium
-from churchpipe.rigid_blocks.limit import dead_load_analysis, point_strength
+from churchpipe.rigid_blocks.limit import dead_load_analysis, limit_program
 
 # Errors within which a reaction is proved.
 _BOUNDS, _BALANCE, _FLOW = 1e-5, 1e-8, 1e-3
@@ -35,6 +35,8 @@ def settlement_analysis(
     about: npt.ArrayLike | None = None,
     dead: npt.ArrayLike | None = None,
     flow: Literal["associative", "non-associative"] = "associative",
+    contact_model: ContactModel = "corners",
+    compressive_strength: npt.ArrayLike | None = None,
     solver: str = "auto",
 ) -> SettlementState:
     """Return the least reaction of a support that moves, and the motion of the structure that follows it.
@@ -61,6 +63,11 @@ def settlement_analysis(
     flow
         "associative", the least reaction of all, its bounds proved; or "non-associative", stones that slide without dilating,
         as they move in `settlement_path`.
+    contact_model
+        As in `limit_analysis`.
+    compressive_strength
+        Pa, a number or one an interface (ni,), infinite for joints that do not crush; None: none does. Each joint is pressed
+        in a part of the rectangle within it, as in `block_pushover`.
     solver
         As in `limit_analysis`.
 
@@ -71,10 +78,13 @@ def settlement_analysis(
     """
     begin = perf_counter()
     one_of("settlement_analysis: flow", flow, "associative", "non-associative")
-    model, state, status, message = settlement_model(stones, contacts, support, direction, friction, about, dead, None, solver)
+    moved = (support, direction, about)
+    model, state, status, message = settlement_model(
+        stones, contacts, moved, friction, dead, None, solver, contact_model, compressive_strength
+    )
     if status != "stable":
         return _nothing(stones, contacts, status, message, perf_counter() - begin)
-    step = solve_state(model, state, *((FIRST, PAIRS) if flow == "non-associative" else (1, 0)))
+    step = solve_state(model, state, FIRST) if flow == "non-associative" else least_step(model, state)
     outcome = step.answer.outcome
     if outcome != "solved":
         return _nothing(
@@ -83,26 +93,47 @@ def settlement_analysis(
     return _state(model, contacts, step, flow, perf_counter() - begin)
 
 
+def least_step(model: MovingModel, state: PathState) -> PathStep:
+    """Return the answer of associative friction, the least reaction of all equilibria: one program."""
+    return solve_state(model, state, programs=1, pairs=0, rounds=0)
+
+
 def settlement_model(
     stones: Assemblage,
     contacts: Contacts,
-    support: npt.ArrayLike,
-    direction: npt.ArrayLike,
+    moved: tuple[npt.ArrayLike, npt.ArrayLike, npt.ArrayLike | None],
     friction: npt.ArrayLike,
-    about: npt.ArrayLike | None,
     dead: npt.ArrayLike | None,
     step: float | None,
     solver: str,
+    contact_model: ContactModel,
+    compressive_strength: npt.ArrayLike | None,
 ) -> tuple[MovingModel, PathState, Literal["stable", "unstable", "failed"], str]:
-    """Return the model of a structure whose support moves, its state as drawn, and whether it stands there."""
+    """Return the model of a structure whose support moves, its state as drawn, and whether it stands there.
+
+    moved: the support, the direction of its movement and a point of its axis, as in `settlement_analysis`.
+    """
     for name, value, kind in (("stones", stones, Assemblage), ("contacts", contacts, Contacts)):
         check_kind(f"settlement_analysis: {name}", value, kind)
     load = LoadCase((1, 0, 0), dead=dead)
-    balance = equilibrium(stones, contacts, load)
-    strength = point_strength(contacts, friction, 0.0, balance.force)
-    movement = support_movement(stones, contacts, support, direction, about)
-    standing, answer = dead_load_analysis(balance, strength, solver_for(balance.wrenches, solver))
-    model = moving_model(stones, contacts, load, movement, friction, balance, ~stones.fixed, step, solver)
+    balance, strength, _ = limit_program(
+        stones, contacts, load, friction, contact_model=contact_model, compressive_strength=compressive_strength
+    )
+    movement = support_movement(stones, contacts, *moved)
+    standing, answer = dead_load_analysis(balance, strength, solver_for(balance.balance, solver))
+    model = moving_model(
+        stones,
+        contacts,
+        load,
+        movement,
+        friction,
+        balance,
+        ~stones.fixed,
+        step,
+        solver,
+        strength=compressive_strength,
+        contact_model=contact_model,
+    )
     first = first_state(model)
     message = "the dead load alone brings it down" if standing == "unstable" else answer.message
     return model, first, standing, message
@@ -112,7 +143,7 @@ def _state(model: MovingModel, contacts: Contacts, step: PathStep, flow: str, se
     answer = step.answer
     bears = np.repeat(bearing(model.stones.fixed, contacts.blocks), contacts.points_per_interface)
     rate, forces = np.zeros((2, len(bears), 3))
-    rate[bears], forces[bears] = step.rate, answer.forces * model.force
+    rate[bears], forces[bears] = step.rate, answer.forces[: len(step.rate)] * model.force
     fits = answer.gap < _FLOW * max(abs(answer.load_factor), 1e-3) if flow == "non-associative" else answer.bound_gap < _BOUNDS
     proved = fits and answer.residual < _BALANCE and answer.violation < _BALANCE
     return SettlementState(

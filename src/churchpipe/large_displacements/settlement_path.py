@@ -21,6 +21,7 @@ from churchpipe.model.arguments import positive, whole
 from churchpipe.model.arrays import BoolArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
+from churchpipe.model.names import ContactModel
 from churchpipe.model.settlement import SettlementEnding, SettlementPath, SettlementState
 from churchpipe.model.stone_path import no_step
 
@@ -37,6 +38,8 @@ def settlement_path(
     *,
     about: npt.ArrayLike | None = None,
     dead: npt.ArrayLike | None = None,
+    contact_model: ContactModel = "corners",
+    compressive_strength: npt.ArrayLike | None = None,
     step: float | None = None,
     steps: int = 400,
     furthest: float | None = None,
@@ -53,7 +56,7 @@ def settlement_path(
 
     Parameters
     ----------
-    stones, contacts, support, direction, friction, about, dead, solver
+    stones, contacts, support, direction, friction, about, dead, contact_model, compressive_strength, solver
         As in `settlement_analysis`.
     step
         Largest displacement of a step, m; None: a tenth of the thinnest side of the stones.
@@ -86,10 +89,23 @@ def settlement_path(
     for name, value in (("step", step), ("furthest", furthest)):
         if value is not None:
             positive(f"settlement_path: {name}", value)
-    least = settlement_analysis(stones, contacts, support, direction, friction, about=about, dead=dead, solver=solver)
+    least = settlement_analysis(
+        stones,
+        contacts,
+        support,
+        direction,
+        friction,
+        about=about,
+        dead=dead,
+        contact_model=contact_model,
+        compressive_strength=compressive_strength,
+        solver=solver,
+    )
     if least.status not in ("optimal", "not-converged"):
         return _nothing(stones, least, perf_counter() - begin)
-    model, _, _, _ = settlement_model(stones, contacts, support, direction, friction, about, dead, step, solver)
+    model, *_ = settlement_model(
+        stones, contacts, (support, direction, about), friction, dead, step, solver, contact_model, compressive_strength
+    )
     if halo:
         speed = stone_speed(stones, least.velocities)
         moving = (speed > STILL * reference_speed(speed)) | _upon(contacts, np.asarray(support), stones.count)

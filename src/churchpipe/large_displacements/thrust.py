@@ -6,10 +6,10 @@ import numpy as np
 import numpy.typing as npt
 
 from churchpipe.errors import InputError
-from churchpipe.large_displacements.path import solve_state
-from churchpipe.large_displacements.settlement import settlement_model
+from churchpipe.large_displacements.settlement import least_step, settlement_model
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
+from churchpipe.model.names import ContactModel
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,6 +31,8 @@ def thrust_range(
     friction: npt.ArrayLike = 0.6,
     *,
     dead: npt.ArrayLike | None = None,
+    contact_model: ContactModel = "corners",
+    compressive_strength: npt.ArrayLike | None = None,
     solver: str = "auto",
 ) -> ThrustRange:
     """Return the least and the greatest thrust of a structure on a support, along a direction.
@@ -52,8 +54,8 @@ def thrust_range(
         Coefficient, a number or one an interface.
     dead
         (nb, 6) N and Nm, wrenches about the centroids that act beside the weight.
-    solver
-        As in `limit_analysis`.
+    contact_model, compressive_strength, solver
+        As in `settlement_analysis`.
 
     Raises
     ------
@@ -66,13 +68,13 @@ def thrust_range(
     gaps: list[float] = []
     for sign in (1.0, -1.0):
         model, state, status, message = settlement_model(
-            stones, contacts, support, sign * along, friction, None, dead, None, solver
+            stones, contacts, (support, sign * along, None), friction, dead, None, solver, contact_model, compressive_strength
         )
         if status != "stable":
             raise InputError(
                 "thrust_range", "the structure does not stand", found=message, expected="one that carries its weight"
             )
-        answer = solve_state(model, state, 1, 0).answer
+        answer = least_step(model, state).answer
         if answer.outcome == "unbounded":
             # Friction wedges the stones: the support may push as hard as it likes.
             found.append(-np.inf)

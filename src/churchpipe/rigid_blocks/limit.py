@@ -121,21 +121,10 @@ def limit_analysis(
     starts: list[Start] = [start] if isinstance(start, str) else []
     if not starts and start is not None:
         starts = listed("limit_analysis: start", start, str)
-    one_of("limit_analysis: contact_model", contact_model, *get_args(ContactModel))
     begin = perf_counter()
-    endless = np.inf if compressive_strength is None else compressive_strength
-    endurance = _of_interfaces("compressive_strength", endless, contacts, endless=True)
-    pressed, parts = np.zeros_like(endurance, dtype=np.bool_), None
-    if compressive_strength is not None:
-        pressed = parallelograms(joint_polygons(contacts), contacts.area) & np.isfinite(endurance)
-        divided = np.isfinite(endurance) & ~pressed
-        parts = joint_parts(contacts, crushing_parts, divided, partial(covered, stones, contacts))
-    balance = equilibrium(stones, contacts, load, contact_model, parts)
-    strength = point_strength(contacts, friction, cohesion, balance.force, compressive_strength, parts)
-    balance, strength = with_ties(balance, strength, stones, listed("limit_analysis: ties", ties, Tie))
-    if parts is not None:
-        capacity = endurance[pressed] * contacts.area[pressed] / balance.force
-        balance, strength = with_pressed(balance, strength, parts.contacts.point_ptr[:-1][pressed], capacity)
+    balance, strength, parts = limit_program(
+        stones, contacts, load, friction, cohesion, ties, contact_model, compressive_strength, crushing_parts
+    )
     check_connected(stones, contacts, balance)
     if contact_model == "torsion" and method == "default" and not starts:
         # Else the centres of pressure are those of forces with as little self-stress as may be.
@@ -149,6 +138,38 @@ def limit_analysis(
         )
     forces = state.forces if parts is None else np.asarray(parts.shares.T @ state.forces)
     return replace(state, forces=forces, seconds=perf_counter() - begin)
+
+
+def limit_program(
+    stones: Assemblage,
+    contacts: Contacts,
+    load: LoadCase,
+    friction: npt.ArrayLike,
+    cohesion: npt.ArrayLike = 0.0,
+    ties: Sequence[Tie] = (),
+    contact_model: ContactModel = "corners",
+    compressive_strength: npt.ArrayLike | None = None,
+    crushing_parts: int = PARTS,
+) -> tuple[Equilibrium, Strength, JointParts | None]:
+    """Return the equilibrium of an assemblage, the strength of its points, and the parts of its joints where any may crush.
+
+    Arguments and errors as in `limit_analysis`.
+    """
+    one_of("limit_analysis: contact_model", contact_model, *get_args(ContactModel))
+    endless = np.inf if compressive_strength is None else compressive_strength
+    endurance = _of_interfaces("compressive_strength", endless, contacts, endless=True)
+    pressed, parts = np.zeros_like(endurance, dtype=np.bool_), None
+    if compressive_strength is not None:
+        pressed = parallelograms(joint_polygons(contacts), contacts.area) & np.isfinite(endurance)
+        divided = np.isfinite(endurance) & ~pressed
+        parts = joint_parts(contacts, crushing_parts, divided, partial(covered, stones, contacts))
+    balance = equilibrium(stones, contacts, load, contact_model, parts)
+    strength = point_strength(contacts, friction, cohesion, balance.force, compressive_strength, parts)
+    balance, strength = with_ties(balance, strength, stones, listed("limit_analysis: ties", ties, Tie))
+    if parts is not None:
+        capacity = endurance[pressed] * contacts.area[pressed] / balance.force
+        balance, strength = with_pressed(balance, strength, parts.contacts.point_ptr[:-1][pressed], capacity)
+    return balance, strength, parts
 
 
 def analysed(
