@@ -118,20 +118,23 @@ def test_the_shell_has_butt_joints_and_cracks() -> None:
     assert found["butt"] < found["cracked"] < found["toothed"]
 
 
-def butt_curve(steps: int) -> tuple[cp.CapacityCurve, float]:
+def butt_curve(steps: int, element_size: float = 0.6) -> tuple[cp.CapacityCurve, float]:
     """The curve of a facade that butts against its side walls, and its limit load."""
-    shell = cp.derive_shell(facade_building(every=0), 0.6)
+    shell = cp.derive_shell(facade_building(every=0), element_size)
     dry = cp.Material("default", 18e3, FRICTION, elastic=cp.Elastic(3.18e9, 0.23, 0.303e9, 0.3, 1e-3))
     push = cp.LoadCase((0, -1, 0))
     limit = cp.shell_limit_analysis(shell, push, [dry]).load_factor if steps > 1 else np.nan
     return cp.pushover(shell, push, [dry], steps=steps), limit
 
 
-def test_a_shell_with_butt_joints_stands_under_its_dead_load() -> None:
-    # Hardly anything presses on the joints then: with few centrality correctors the step came to a halt.
-    curve, _ = butt_curve(1)
+# Our own figures: what the first step of a curve carries hardly depends on the mesh.
+@pytest.mark.parametrize(("element_size", "expected"), [(0.45, 0.01441), (0.6, 0.01446), (0.7, 0.01446)])
+def test_a_shell_with_butt_joints_stands_under_its_dead_load(element_size: float, expected: float) -> None:
+    # Hardly anything presses on the joints then. Steps that started with little work came to a halt, on five of seven meshes with
+    # all centrality correctors too.
+    curve, _ = butt_curve(1, element_size)
     assert curve.status == "not-converged"
-    assert curve.load_factor[1] == pytest.approx(0.01446, rel=1e-3)
+    assert curve.load_factor[1] == pytest.approx(expected, rel=1e-3)
 
 
 @pytest.mark.slow("docs/walls.md: the capacity curve of a shell with butt joints ends at its limit load")

@@ -116,8 +116,9 @@ class CondensedShell:
             # Some models whose points start with much work get no further, and get there with little.
             tried = (LIMIT, STARTED_LOW)
         else:
-            # Where joints bear next to nothing, as butt joints under dead load, a step needs all correctors.
-            tried = (replace(STEP, correctors=SOLVER.correctors), STEP) if by_cell else (STEP,)
+            # Where joints bear next to nothing, as butt joints under dead load, only a start with much work gets through.
+            first = replace(STEP, correctors=SOLVER.correctors) if by_cell else STEP
+            tried = (first, replace(first, rate=LIMIT.rate))
         iterations, start = 0, None
         report = as_share(progress, tried[0].duality_gap, tried[0].residual)
         for chosen, more in product(tried, self._regularisations(compliance)):
