@@ -34,6 +34,27 @@ def test_feet_that_are_not_quite_level_each_get_a_block() -> None:
     np.testing.assert_allclose(contacts.area, 0.16, rtol=1e-9)
 
 
+@pytest.mark.parametrize(("length", "height", "noise"), [(0.26, 0.065, 1e-3), (0.3, 0.25, 3e-4)])
+def test_all_feet_of_a_course_drawn_by_hand_are_supported(length: float, height: float, noise: float) -> None:
+    # Corners are a little off, as in a survey.
+    chance = np.random.default_rng(5)
+    solids = []
+    for course in range(2):
+        for number in range(6):
+            points, faces = box((length * number, 0, height * course), (length, 0.12, height))
+            # Outlines move alike on the front and on the back, so that faces stay planar.
+            corner = np.unique(points[:, [0, 2]], axis=0, return_inverse=True)[1].ravel()
+            solids.append((points + chance.uniform(-noise, noise, (4, 3))[corner] * [1, 0, 1], faces))
+    stones = supported(solids)
+    contacts = find_contacts(stones)
+    fixed = stones.fixed[contacts.blocks]
+    base = fixed[:, 0] != fixed[:, 1]
+    assert np.unique(contacts.blocks[base][~fixed[base]]).tolist() == [0, 1, 2, 3, 4, 5]
+    # A support holds no neighbour from the side, whose foot may be lower.
+    assert (np.abs(contacts.frame[base, 0, 2]) > 0.9).all()
+    assert contacts.area[base].sum() == pytest.approx(6 * length * 0.12, rel=0.01)
+
+
 def test_stones_that_stand_on_an_edge_get_none() -> None:
     turn = np.array([(np.sqrt(0.5), 0, -np.sqrt(0.5)), (0, 1, 0), (np.sqrt(0.5), 0, np.sqrt(0.5))])
     points, faces = box((0, 0, 0), (1, 1, 1))
