@@ -180,12 +180,12 @@ def pushover(
     table = read_json(settings)
     options = {key: table[key] for key in ("planes", "membrane", "control_point", "steps") if key in table}
 
-    def tell(step: CapacityStep) -> None:
+    def report(step: CapacityStep) -> None:
         if progress:
             progress(f"load factor {step.load_factor:.4f}, {step.displacement * 1e3:.3g} mm", 0.0)
 
     def work(mesh: ShellModel, load: LoadCase, materials: list[JointStrength], ties: Sequence[Tie]) -> CapacityCurve:
-        return pushover(mesh, load, materials, **options, ties=ties, progress=tell)
+        return pushover(mesh, load, materials, **options, ties=ties, progress=report)
 
     _analyse_shell("pushover", table, shell, match, assemblage, state, record, work, progress)
 

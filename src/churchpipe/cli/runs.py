@@ -43,7 +43,7 @@ def run(
             _print_pending([])
             return
         err.print("Nothing has changed since the last run.")
-        _tell(named, good=good)
+        _print_run(named, good=good)
         return
     from churchpipe.compare import bad_news
     from churchpipe.compilation import compiled
@@ -99,7 +99,7 @@ def run(
     good = not bad_news(read_summary(folder / "summary.json"))
     source = cases[0].source
     note_finished(folder, case, asked, None if isinstance(source, Generated) else source.path, good=good)
-    _tell(folder, good=good)
+    _print_run(folder, good=good)
 
 
 def _folder_of(case: Path, name: str, out_dir: Path | None) -> Path:
@@ -164,7 +164,7 @@ def _result_of(folder: Path, name: str) -> Path:
     return folder / name
 
 
-def _tell(folder: Path, *, good: bool) -> None:
+def _print_run(folder: Path, *, good: bool) -> None:
     """Print the results of a run that has ended; leave with the code for bad news, if they are."""
     _print_results(folder / "summary.json")
     out.print(f"Report: {folder / 'report.html'}", soft_wrap=True)

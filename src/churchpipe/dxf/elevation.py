@@ -55,9 +55,9 @@ def stones_of_traces(
     openings = [outline for outline in outlines if _kind(outline.trace) == _Kind.OPENING]
     outlines = [outline for outline in outlines if _kind(outline.trace) != _Kind.OPENING]
     if not cut:
-        told = len(findings)
+        before = len(findings)
         outlines = cut_out(outlines, openings, findings)
-        left["outlines of openings"] += len(openings) - len(findings) + told
+        left["outlines of openings"] += len(openings) - len(findings) + before
         findings += inside_others(outlines)
     shallow = [outline for outline in outlines if not outline.trace.depth]
     if shallow and thickness is None:

@@ -73,17 +73,17 @@ def outlines_of(plane: Plane, findings: list[Finding]) -> tuple[list[Outline], i
 
 
 def cut_out(outlines: Sequence[Outline], voids: Sequence[Outline], findings: list[Finding]) -> list[Outline]:
-    """Return outlines without the voids that lie wholly in them, which findings tell."""
+    """Return outlines without the voids that lie wholly in them. Each void cut out is a finding."""
     out = list(outlines)
     if not voids:
         return out
-    told: set[int] = set()
+    cut: set[int] = set()
     for inner, outer in nested(np.array(_regions([*outlines, *voids]), dtype=np.object_)).tolist():
         if inner >= len(out) > outer and np.allclose(out[outer].plane.axes, voids[inner - len(out)].plane.axes, atol=1e-6):
             void = voids[inner - len(out)]
             out[outer] = replace(out[outer], region=less(out[outer].region, [void.region]))
-            told.add(inner - len(out))
-    for void in (voids[number] for number in sorted(told)):
+            cut.add(inner - len(out))
+    for void in (voids[number] for number in sorted(cut)):
         findings.append(void.trace.place.finding("W29", "a void, {} wide, was cut out of a stone", lengths=(_size(void.region),)))
     return out
 

@@ -89,12 +89,12 @@ def movement_record(
 ) -> Shift | Turn:
     """Return the record of a movement; settings: those of its stage. cracks: see `widest_cracks`."""
     turns = settings["about"] is not None
-    told = ["cohesion, which opening joints lose, is left out"] if any(material.cohesion for material in materials) else []
-    told += ["ties are left out"] if settings["without_ties"] else []
+    remarks = ["cohesion, which opening joints lose, is left out"] if any(material.cohesion for material in materials) else []
+    remarks += ["ties are left out"] if settings["without_ties"] else []
     if any(material.compressive_strength is not None for material in materials):
-        told.append("joints crush")
+        remarks.append("joints crush")
     if "contact_model" in settings:
-        told.append("friction acts about the centres of pressure")
+        remarks.append("friction acts about the centres of pressure")
     status: Status = "converged" if path.proved and path.status != "not-converged" else "not-converged"
     if path.status in ("unstable", "failed") or (path.status == "unbounded" and not len(path.movement)):
         status = path.status
@@ -107,7 +107,7 @@ def movement_record(
         friction=common({material.name: material.friction for material in materials}),
         status=status,
         ending=path.status,
-        message="; ".join(said for said in (path.message, *told) if said),
+        message="; ".join(text for text in (path.message, *remarks) if text),
         least_reaction=path.least,
         displacement=tuple(path.movement.tolist()),
         reaction=tuple(path.reaction.tolist()),

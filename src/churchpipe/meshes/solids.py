@@ -109,7 +109,7 @@ def to_stones(
                 if not fixed:
                     continue
                 shell = mend(*_plate(points), repair=False)
-            findings += _told(shell, body)
+            findings += _findings_of(shell, body)
             shells += [] if shell.fault else [(shell, material)]
         if body.whole and len(shells) > 1:
             shells = [(_united([shell for shell, _ in shells], body, findings), shells[0][1])]
@@ -168,7 +168,7 @@ def _insane(points: FloatArray, faces: Sequence[Face]) -> str:
     return "" if min(map(len, faces)) >= 3 else "a face has fewer than three corners"
 
 
-def _told(mended: Mended, body: Body) -> list[Finding]:
+def _findings_of(mended: Mended, body: Body) -> list[Finding]:
     """Return what was done to a body, or why it is no solid."""
     place = _place(body, mended.points)
     if mended.fault:

@@ -185,10 +185,10 @@ def analysed(
     """Return the limit state with this flow, the dead load first; stands: whether that is known to be carried."""
     begin = perf_counter()
     if not stands:
-        standing, dead_answer = dead_load_analysis(balance, strength, _telling(solve, "dead load", progress))
+        standing, dead_answer = dead_load_analysis(balance, strength, _reporting(solve, "dead load", progress))
         if standing != "stable":
             return _fallen(balance, standing, dead_answer, flow, perf_counter() - begin)
-    state = associative_state(balance, strength, _telling(solve, "associative", progress), begin)
+    state = associative_state(balance, strength, _reporting(solve, "associative", progress), begin)
     if flow == "associative":
         return state
     if state.status == "unbounded":
@@ -201,7 +201,7 @@ def analysed(
     return sliding_analysis(balance, strength, state, options, solve, progress)
 
 
-def _telling(solve: Solve, what: str, progress: Progress | None) -> Solve:
+def _reporting(solve: Solve, what: str, progress: Progress | None) -> Solve:
     """Return a solver that says what is solved, and which share of it is done."""
     return partial(solve, progress=partial(progress, what)) if progress else solve
 
