@@ -51,10 +51,10 @@ def _corners(stones: Assemblage, face: int) -> FloatArray:
     return stones.points[stones.face_nodes[stones.face_ptr[face] : stones.face_ptr[face + 1]]]
 
 
-def sections(stones: Assemblage, blocks: IntArray, chart: PlaneChart, gap: float) -> Polygons:
+def sections(stones: Assemblage, blocks: IntArray, chart: PlaneChart, contact_gap: float) -> Polygons:
     """Return the (convex hulls of the) sections of some stones with the plane of a chart, in its coordinates.
 
-    Of stones that end at the plane, within `gap` m: the faces that lie on it.
+    Of stones that end at the plane, within `contact_gap` m: the faces that lie on it.
     """
     normal = np.cross(chart.s_axis, chart.t_axis)
     first = stones.block_face_ptr[:-1][blocks]
@@ -69,7 +69,7 @@ def sections(stones: Assemblage, blocks: IntArray, chart: PlaneChart, gap: float
     height, top = (start - chart.origin) @ normal, (stop - chart.origin) @ normal
     cut = height * top < 0
     share = (height[cut] / (height[cut] - top[cut]))[:, None]
-    on = np.abs(height) < gap
+    on = np.abs(height) < contact_gap
     points = flat(chart, np.concatenate([start[cut] + share * (stop[cut] - start[cut]), start[on]]))
     _, owner = np.unique(np.concatenate([block[cut], block[on]]), return_inverse=True)
     order = np.argsort(owner, kind="stable")

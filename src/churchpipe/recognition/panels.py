@@ -83,7 +83,7 @@ class FittedPanels:
         return Building(name, self.panels, materials, ground=None, supports=self.supports, vaults=self.vaults)
 
 
-def fit_panels(stones: Assemblage, *, gap: float = 1e-3, joint: float | None = None) -> FittedPanels:
+def fit_panels(stones: Assemblage, *, contact_gap: float = 1e-3, joint: float | None = None) -> FittedPanels:
     """Return the panels whose mid-surfaces are those of the given stones. All walls are upright, plane or on a circle in plan.
 
     Stones that are a barrel or a dome, alone or on walls or a drum laid with it, are vaults instead (see `fit_vaults`).
@@ -98,22 +98,22 @@ def fit_panels(stones: Assemblage, *, gap: float = 1e-3, joint: float | None = N
 
     Parameters
     ----------
-    stones: as drawn. gap: widest joint that is closed, m. joint: nominal width, m, of mortar joints that the stones leave open;
-    the walls have their mortar.
+    stones: as drawn. contact_gap: how far apart stones of one wall may be, m. joint: nominal width, m, of mortar joints that the
+    stones leave open; the walls have their mortar.
 
     Raises
     ------
     InputError: no wall can be fitted.
     """
     check_kind("fit_panels: stones", stones, Assemblage)
-    positive("fit_panels: gap", gap, allow_zero=True)
+    positive("fit_panels: contact_gap", contact_gap, allow_zero=True)
     stones = stones if joint is None else with_mortar(stones, joint)
     supports = tuple(support_of(stones, int(block)) for block in np.flatnonzero(stones.fixed))
     vaults = fit_vaults(stones)
     if vaults:
         named = np.where(stones.fixed | (stones.panel != ""), stones.panel, VAULT)
         return FittedPanels((), supports, np.empty(0, dtype=np.str_), replace(stones, panel=named), vaults)
-    walls, unfit = stone_walls(stones, gap)
+    walls, unfit = stone_walls(stones, contact_gap)
     if not walls:
         raise InputError(
             "stones",
@@ -121,7 +121,7 @@ def fit_panels(stones: Assemblage, *, gap: float = 1e-3, joint: float | None = N
             expected="stones with two upright parallel faces",
             remedy="Tag the stones of each wall with PANEL, or run the rigid blocks alone.",
         )
-    panels = tuple(_panel(stones, wall, walls, gap) for wall in walls)
+    panels = tuple(_panel(stones, wall, walls, contact_gap) for wall in walls)
     known = [name for wall in walls for name in np.unique(wall.tag)]
     panel = np.where(stones.fixed | np.isin(stones.panel, known), "", stones.panel).astype(np.object_)
     for wall in walls:
@@ -142,12 +142,12 @@ def wall_names(stones: Assemblage, joint: float | None) -> NameArray:
         return stones.panel
 
 
-def _panel(stones: Assemblage, wall: StoneWall, walls: Sequence[StoneWall], gap: float) -> Panel:
+def _panel(stones: Assemblage, wall: StoneWall, walls: Sequence[StoneWall], contact_gap: float) -> Panel:
     own = wall.elevations
-    filled = np.concatenate([own, _beside(stones, wall, walls, gap)])
-    region = _closed(filled, own, gap)
+    filled = np.concatenate([own, _beside(stones, wall, walls, contact_gap)])
+    region = _closed(filled, own, contact_gap)
     whole, openings = _openings(region)
-    arches, voussoirs = voussoir_rings(own, gap)
+    arches, voussoirs = voussoir_rings(own, contact_gap)
     laid = np.setdiff1d(np.arange(len(own)), voussoirs)
     cell = _cell(own[laid], stones.volume[wall.stones[laid]]) if len(laid) else arches[0].cell
     openings = [hole for hole in openings if area(hole) > LEAST_OPENING * cell.a * cell.b]
@@ -163,13 +163,13 @@ def _panel(stones: Assemblage, wall: StoneWall, walls: Sequence[StoneWall], gap:
         wall.thickness,
         regions,
         material=str(materials[np.argmax(count)]),
-        openings=tuple(_opening(f"opening-{k}", hole, marks, arches, gap) for k, hole in enumerate(openings, start=1)),
+        openings=tuple(_opening(f"opening-{k}", hole, marks, arches, contact_gap) for k, hole in enumerate(openings, start=1)),
         runs_through=_parity(wall, walls, cell),
         parts=wall_parts(wall, walls, outline, 0.5 * cell.b),
     )
 
 
-def _beside(stones: Assemblage, wall: StoneWall, walls: Sequence[StoneWall], gap: float) -> Polygons:
+def _beside(stones: Assemblage, wall: StoneWall, walls: Sequence[StoneWall], contact_gap: float) -> Polygons:
     """Return the sections of all other stones with the plane stretches of a wall, within the extent of the wall.
 
     In a junction the wall is as high as its own stones in it or beside it. What is higher there belongs to the crossing wall.
@@ -178,14 +178,14 @@ def _beside(stones: Assemblage, wall: StoneWall, walls: Sequence[StoneWall], gap
     _, bottom, _, top = total_extent(wall.elevations)
     alone: list[FloatArray] = []
     for start, stop in junction_spans(wall, walls):
-        near = touching(wall.elevations, _box(start - gap, bottom, stop + gap, top))
+        near = touching(wall.elevations, _box(start - contact_gap, bottom, stop + contact_gap, top))
         if near.any():
             _, low, _, high = total_extent(wall.elevations[near])
             alone += [np.array([start, bottom - 1.0, stop, low]), np.array([start, high, stop, top + 1.0])]
     found = [np.empty(0, dtype=np.object_)]
     for stretch in stretches(wall):
         window = less(_box(stretch.low, bottom, stretch.high, top), boxes(np.array(alone).reshape(-1, 4)))
-        found.append(clip(sections(stones, others, stretch.chart, gap), window)[0])
+        found.append(clip(sections(stones, others, stretch.chart, contact_gap), window)[0])
     return np.concatenate(found)
 
 
@@ -193,9 +193,9 @@ def _box(s0: float, t0: float, s1: float, t1: float) -> Polygon:
     return boxes(np.array([[s0, t0, s1, t1]]))[0]
 
 
-def _closed(polygons: Polygons, own: Polygons, gap: float) -> Polygon:
+def _closed(polygons: Polygons, own: Polygons, contact_gap: float) -> Polygon:
     """Return the union closed across joints: the connected part that contains most of the wall's own stones."""
-    return max(joined_over_gaps(polygons, gap, GRID), key=lambda part: float(common_areas(own, part).sum()))
+    return max(joined_over_gaps(polygons, contact_gap, GRID), key=lambda part: float(common_areas(own, part).sum()))
 
 
 def _openings(region: Polygon) -> tuple[Region, list[Polygon]]:
@@ -208,9 +208,9 @@ def _openings(region: Polygon) -> tuple[Region, list[Polygon]]:
     return (filled[0] if len(filled) == 1 else whole), [*doors, *map(polygon, inner)]
 
 
-def _opening(name: str, hole: Polygon, marks: FloatArray, rings: Sequence[BondRegion], gap: float) -> Opening:
+def _opening(name: str, hole: Polygon, marks: FloatArray, rings: Sequence[BondRegion], contact_gap: float) -> Opening:
     outline = _outline(hole, marks)
-    around = tuple(ring.name for ring in rings if within(hole, polygon(ring.outline), gap))
+    around = tuple(ring.name for ring in rings if within(hole, polygon(ring.outline), contact_gap))
     edge = np.abs(np.roll(outline, -1, axis=0) - outline)
     return Opening(name, outline, "arched" if around or edge.min(axis=1).max() > GRID else "rectangular", around)
 

@@ -18,7 +18,7 @@ GRID = 1e-9
 LEAST_PIECES = 3
 
 
-def voussoir_rings(polygons: Polygons, gap: float) -> tuple[list[BondRegion], IntArray]:
+def voussoir_rings(polygons: Polygons, contact_gap: float) -> tuple[list[BondRegion], IntArray]:
     """Return the rings among the stones (n,) of a wall, and the stones that are voussoirs.
 
     A voussoir has four corners, those between the chords of a bent side not counted, and at most one edge that is level or
@@ -27,12 +27,12 @@ def voussoir_rings(polygons: Polygons, gap: float) -> tuple[list[BondRegion], In
 
     Parameters
     ----------
-    polygons: the stones in chart coordinates. gap: widest joint, m.
+    polygons: the stones in chart coordinates. contact_gap: how far apart two voussoirs may be, m.
     """
     quads, shape = _quadrilaterals(polygons)
     side = np.roll(shape, -1, axis=1) - shape
     aligned = (np.abs(side).min(axis=2) < ALIGNED * np.abs(side).max(axis=2)).sum(axis=1)
-    first, second, joint = _joints(shape, gap)
+    first, second, joint = _joints(shape, contact_gap)
     turning = aligned <= 1
     beside = np.bincount(np.concatenate([first[turning[second]], second[turning[first]]]), minlength=len(quads))
     member = turning | ((aligned == 2) & (beside >= 2))
@@ -50,7 +50,7 @@ def voussoir_rings(polygons: Polygons, gap: float) -> tuple[list[BondRegion], In
             rings += found
             used[pieces] = True
     for pair in np.stack([first, second], axis=1)[(aligned[first] <= 2) & (aligned[second] <= 2)]:
-        if used[pair].any() or (centre := _centre_of_two(shape[pair], gap)) is None:
+        if used[pair].any() or (centre := _centre_of_two(shape[pair], contact_gap)) is None:
             continue
         (x, y), (u, v) = shape[pair].mean(axis=1) - centre
         order = pair if x * v - y * u > 0 else pair[::-1]
@@ -73,16 +73,16 @@ def _quadrilaterals(polygons: Polygons) -> tuple[IntArray, FloatArray]:
     return np.array(found, dtype=np.int64), np.concatenate(shape).reshape(-1, 4, 2)
 
 
-def _joints(shape: FloatArray, gap: float) -> tuple[IntArray, IntArray, FloatArray]:
+def _joints(shape: FloatArray, contact_gap: float) -> tuple[IntArray, IntArray, FloatArray]:
     """Return pairs of quadrilaterals with a whole edge in common, and that edge (n, 2, 2)."""
     after = np.roll(shape, -1, axis=1)
     middle = (0.5 * (shape + after)).reshape(-1, 2)
     if not len(middle):
         return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64), np.empty((0, 2, 2))
-    pairs = cKDTree(middle).query_pairs(gap, output_type="ndarray")
+    pairs = cKDTree(middle).query_pairs(contact_gap, output_type="ndarray")
     one, other = pairs[:, 0], pairs[:, 1]
     length = np.linalg.norm(after - shape, axis=2).ravel()
-    keep = (one // 4 != other // 4) & (np.abs(length[one] - length[other]) < gap)
+    keep = (one // 4 != other // 4) & (np.abs(length[one] - length[other]) < contact_gap)
     edge = np.stack([shape, after], axis=2).reshape(-1, 2, 2)
     return one[keep] // 4, other[keep] // 4, edge[one[keep]]
 
@@ -114,13 +114,13 @@ def _meeting(joint: FloatArray, pieces: FloatArray) -> FloatArray | None:
     return centre if np.abs(normal @ centre - reach).max() <= CENTRED * radius.mean() else None
 
 
-def _centre_of_two(pair: FloatArray, gap: float) -> FloatArray | None:
+def _centre_of_two(pair: FloatArray, contact_gap: float) -> FloatArray | None:
     """Return the centre (2,) about which two stones (2, 4, 2) with a common joint are a ring; None where they are none."""
     edge = np.stack([pair, np.roll(pair, -1, axis=1)], axis=2)
     middle = edge.mean(axis=2)
     apart = np.linalg.norm(middle[0][:, None] - middle[1], axis=2)
     one, other = np.unravel_index(np.argmin(apart), apart.shape)
-    if apart[one, other] > gap:
+    if apart[one, other] > contact_gap:
         return None
     springings = np.stack([edge[0, (one + 2) % 4], edge[1, (other + 2) % 4]])
     centre = _meeting(np.concatenate([edge[0, one][None], springings]), pair)

@@ -41,8 +41,8 @@ class Stretch:
     high: float
 
 
-def stone_walls(stones: Assemblage, gap: float) -> tuple[list[StoneWall], IntArray]:
-    """Return the walls of an assemblage, and the free stones that fit none. gap: widest joint, m.
+def stone_walls(stones: Assemblage, contact_gap: float) -> tuple[list[StoneWall], IntArray]:
+    """Return the walls of an assemblage, and the free stones that fit none. contact_gap: how far apart stones of one may be, m.
 
     Raises
     ------
@@ -54,8 +54,8 @@ def stone_walls(stones: Assemblage, gap: float) -> tuple[list[StoneWall], IntArr
     for wall in curved:
         free[wall.stones] = False
     planes = wall_planes(stones, free)
-    _check_leaves(stones, [plane for plane in planes if not stones.panel[plane.stones[0]]], base, gap)
-    walls = [_plane_wall(stones, group, base) for group in _joined(stones, planes, base, gap)]
+    _check_leaves(stones, [plane for plane in planes if not stones.panel[plane.stones[0]]], base, contact_gap)
+    walls = [_plane_wall(stones, group, base) for group in _joined(stones, planes, base, contact_gap)]
     for number, wall in enumerate(curved, start=1):
         name = wall.name or f"curved-wall-{number}"
         shown = elevations(stones, wall.stones, wall.chart, wall.thickness)
@@ -81,11 +81,11 @@ def stretches(wall: StoneWall) -> list[Stretch]:
     return found
 
 
-def _check_leaves(stones: Assemblage, planes: Sequence[WallPlane], base: float, gap: float) -> None:
+def _check_leaves(stones: Assemblage, planes: Sequence[WallPlane], base: float, contact_gap: float) -> None:
     """Raise InputError for two walls of stones without a name that lie against one another: leaves of one wall."""
     for one, other in permutations(planes, 2):
         apart = abs(one.offset - other.offset) - 0.5 * (one.thickness + other.thickness)
-        if np.abs(one.normal - other.normal).max() > PLANE_TOLERANCE or abs(apart) > gap:
+        if np.abs(one.normal - other.normal).max() > PLANE_TOLERANCE or abs(apart) > contact_gap:
             continue
         chart = _chart(stones, one, base)
         first, second = (united(elevations(stones, wall.stones, chart, wall.thickness)) for wall in (one, other))
@@ -93,7 +93,7 @@ def _check_leaves(stones: Assemblage, planes: Sequence[WallPlane], base: float, 
             raise behind_one_another("stones without a panel name", len(one.stones), len(other.stones))
 
 
-def _joined(stones: Assemblage, planes: Sequence[WallPlane], base: float, gap: float) -> list[list[WallPlane]]:
+def _joined(stones: Assemblage, planes: Sequence[WallPlane], base: float, contact_gap: float) -> list[list[WallPlane]]:
     """Return plane walls that lie in one plane, are as thick and touch as one, that first which most others touch."""
     links = np.zeros((len(planes), len(planes)), dtype=np.bool_)
     place = np.array([[*p.normal[:2], p.offset, p.thickness] for p in planes]).reshape(-1, 4)
@@ -101,7 +101,7 @@ def _joined(stones: Assemblage, planes: Sequence[WallPlane], base: float, gap: f
         if np.abs(place[i] - place[j]).max() < PLANE_TOLERANCE:
             chart = _chart(stones, planes[i], base)
             first, second = (united(elevations(stones, planes[k].stones, chart, planes[i].thickness)) for k in (i, j))
-            links[i, j] = links[j, i] = within(first, second, gap)
+            links[i, j] = links[j, i] = within(first, second, contact_gap)
     label = components(len(planes), np.argwhere(links))
     volume = [float(stones.volume[p.stones].sum()) for p in planes]
     rank = np.lexsort((-np.array(volume), -links.sum(axis=1)))
