@@ -17,6 +17,8 @@ from churchpipe.model.arrays import FloatArray
 KINDS: Final = ("LWPOLYLINE", "POLYLINE", "HATCH", "LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE")
 # A curve is drawn with chords that leave it by at most the first part of the size of what it belongs to; finely, by the second.
 CHORD, FINE = 0.01, 1e-4
+# A line lies in a plane if it leaves it by no more than this part of its size.
+FLAT = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +74,8 @@ def traces_of(entity: Any, matrix: Matrix, place: Place, layer: str, bearing: bo
         points = points[:-1] if closed else points
         x, y, z = points[0].tolist()
         where = Place(place.entity, place.handle, place.block, (x, y, z))
-        out.append(Trace(points, closed, up, where, layer, depth, curve, filled, bearing=bearing, fine=fine))
+        own_plane = up if _apart(points, up) <= FLAT else _plane_of(points, up)
+        out.append(Trace(points, closed, own_plane, where, layer, depth, curve, filled, bearing=bearing, fine=fine))
     return _with_voids(out, across, entity.dxf.get("hatch_style", 0)) if filled and len(out) > 1 else out
 
 
@@ -114,7 +117,21 @@ def by_plane(traces: Sequence[Trace]) -> list[Plane]:
 
 def is_flat(trace: Trace) -> bool:
     """Does a trace lie in one plane, within a thousandth of its size?"""
-    return bool(np.ptp(trace.points @ trace.normal) <= 1e-3 * np.ptp(trace.points, axis=0).max())
+    return _apart(trace.points, trace.normal) <= FLAT
+
+
+def _apart(points: FloatArray, normal: FloatArray) -> float:
+    """Return by how much points (n, 3) leave a plane, as a share of their extent."""
+    return float(np.ptp(points @ normal) / np.ptp(points, axis=0).max())
+
+
+def _plane_of(points: FloatArray, drawn: FloatArray) -> FloatArray:
+    """Return the normal of the plane that a line in space (n, 3) lies in, toward who looks along y; `drawn` of a straight one."""
+    _, spread, axes = np.linalg.svd(points - points.mean(axis=0))
+    if len(points) < 3 or spread[1] <= FLAT * spread[0]:
+        return drawn
+    normal = np.round(axes[2], 12)
+    return normal / np.linalg.norm(normal) * (-1.0 if normal @ [0.01, 1.0, 0.0001] > 0 else 1.0)
 
 
 def _flattened(line: Any) -> tuple[FloatArray, FloatArray | None]:

@@ -438,6 +438,24 @@ def test_stones_kept_as_drawn_may_carry_the_weight_of_their_mortar(tmp_path: Pat
     np.testing.assert_allclose(kept.weight, read(path, joint=0.010).stones.weight, rtol=1e-9)
 
 
+@pytest.mark.parametrize("turn", [0.0, 30.0, 90.0, 200.0])
+def test_polylines_in_an_upright_plane_are_stones_where_they_are_drawn(turn: float, tmp_path: Path) -> None:
+    x, y = np.cos(np.radians(turn)), np.sin(np.radians(turn))
+
+    def wall(space: Any) -> None:
+        for z in range(3):
+            for k in range(3):
+                corners = [(0.5 * (k + a), 0.25 * (z + b)) for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))]
+                space.add_polyline3d([(s * x, s * y, t) for s, t in (corners if k else corners[::-1])], close=True)
+
+    stones = read(drawn(tmp_path / "a.dxf", wall, unit=6, ground=False), support="base").stones
+    free = stones.points[: stones.block_point_ptr[9]]
+    assert stones.volume[:9] == pytest.approx(0.5 * 0.25 * 0.12)
+    assert (np.ptp(free @ [x, y, 0]), free[:, 2].max()) == pytest.approx((1.5, 0.75))
+    assert np.ptp(free @ [-y, x, 0]) == pytest.approx(0.12)
+    assert len(find_contacts(stones).blocks) == 2 * 3 + 3 * 2 + 3
+
+
 def test_inches_that_are_metres_are_told_by_the_size_of_the_outlines(tmp_path: Path) -> None:
     path = drawn(tmp_path / "a.dxf", lambda space: course(space, 10.0, 1e-3), unit=1, ground=False)
     text = str(findings_of(path, joint=0.010, support="base"))
