@@ -1,5 +1,6 @@
 """A case file as the table that stands in it."""
 
+import re
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -36,10 +37,11 @@ def read_table(path: Path) -> dict[str, Any]:
         raise
     except ValueError as error:
         # TOMLDecodeError is one; a number of thousands of digits is refused by Python itself.
-        remedy = "Text needs quotes; tables stand in [brackets]."
+        remedy = "Text needs quotes, a number a decimal point; a table has [brackets], each of several of one name [[two]]."
         if path.suffix.lower() != ".toml":
             remedy = "Of a drawing or a mesh, churchpipe import makes a case."
         found = str(error).replace("Cannot overwrite a value", "a key given twice")
+        found = re.sub(r"Cannot declare \((.*?),?\) twice", r"a table given twice, \1", found)
         raise InputError(str(path), "not TOML", found=found, remedy=remedy) from error
     if depth(table) > DEEPEST:
         raise _too_deep(path)

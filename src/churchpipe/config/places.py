@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import Any
 
 from churchpipe.config.overrides import apply_overrides, parse_override, set_key
-from churchpipe.config.section import WRONG, GatheredError, gathered, shortened
+from churchpipe.config.section import MISSING, WRONG, GatheredError, gathered, shortened
 from churchpipe.config.variants import Variant, applied
 from churchpipe.errors import InputError
 from churchpipe.model.quantities import bare
@@ -58,7 +58,8 @@ def located(
     except (OSError, ValueError):
         return error
     parts = _table_of(key, table) if in_words else re.sub(r"\[(\d+)\]", r".\1", key).split(".")
-    written, value = _followed(table, parts)
+    # A key that is missing is not the one beside it that lacks a unit.
+    written, value = _followed(table, parts[:-1] if error.problem == MISSING else parts)
     # A key may hold dots, as those of [sweep] do.
     missing = parts[sum(key.count(".") + 1 for key in written) :]
     own = _of_variant(asked, variant, number, written)

@@ -33,6 +33,7 @@ _WANTED = {
     "string_pattern_mismatch": "letters, digits, blanks and . + - _, beginning with a letter or a digit",
 }
 WRONG = "wrong value"
+MISSING = "missing key"
 Kind = TypeVar("Kind", bound=Section)
 
 
@@ -83,9 +84,7 @@ def _translated(item: Any, kind: type[Section], place: str, file: str, spelled: 
             return InputError(where, "unknown key", expected=f"one of {', '.join(known)}", remedy=nearest(str(last), known))
         case "missing":
             where = where.removesuffix(str(last)) + spelled(str(last))
-            return InputError(
-                where, "missing key", expected=_described(_section_at(kind, path).model_fields[str(last)].annotation)
-            )
+            return InputError(where, MISSING, expected=_described(_section_at(kind, path).model_fields[str(last)].annotation))
         case _:
             return InputError(where, WRONG, found=shortened(item["input"]), expected=_wanted(item))
 
