@@ -174,6 +174,26 @@ def test_units_scale_and_the_axis_that_points_up(tmp_path: Path) -> None:
     np.testing.assert_allclose(doubled.volume, 8 * stones.volume, rtol=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("up", "columns", "signs"),
+    [
+        ("x", [2, 1, 0], [1, 1, -1]),
+        ("-x", [2, 1, 0], [-1, 1, 1]),
+        ("y", [0, 2, 1], [1, 1, -1]),
+        ("-y", [0, 2, 1], [1, -1, 1]),
+        ("-z", [0, 1, 2], [1, -1, -1]),
+    ],
+)
+def test_any_axis_may_point_up(up: str, columns: list[int], signs: list[int], tmp_path: Path) -> None:
+    # Each is the wall turned as a body: columns of the wall and their signs are the axes of the file.
+    stones = wall()
+    lying = [(points[:, columns] * signs, faces) for _, points, faces, _ in solids(stones)]
+    path = write_obj(Assemblage.from_polyhedra(lying, 1.0, fixed=[0]), tmp_path / "lying.obj")
+    read, _ = cp.read_stones(path, up=up, unit_weight=18e3)
+    np.testing.assert_allclose(read.centroid, stones.centroid, atol=1e-9)
+    assert load_factor(read) == pytest.approx(load_factor(stones), rel=1e-6)
+
+
 def test_a_file_in_another_format_is_named_with_those_that_are_read(tmp_path: Path) -> None:
     path = tmp_path / "wall.skp"
     path.write_bytes(b"\xff\xfe\xff")
