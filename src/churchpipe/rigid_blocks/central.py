@@ -16,7 +16,7 @@ from churchpipe.rigid_blocks.certificate import FLOW_TOLERANCE, RESIDUAL_TOLERAN
 from churchpipe.rigid_blocks.contact_newton import ContactState, ContactSystem, Linearisation
 from churchpipe.rigid_blocks.coulomb import CoulombState, bipotential_gap
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
-from churchpipe.rigid_blocks.iterations import Progress, SlidingRun, closed_gap
+from churchpipe.rigid_blocks.iterations import Progress, SlidingRun, closed_gap, sliding_run
 from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP, CentralSettings, SchemeSettings
 
 # Steps in which the points begin to open and the load does unit work, at most, and the error of that work after which the
@@ -107,18 +107,7 @@ def central_run(
                 break
     except NotDefiniteError:
         pass
-    if best is None:
-        return None
-    return SlidingRun(
-        best.x,
-        best.load_factor,
-        best.load_factor,
-        best.y,
-        best.relative_gap <= BIPOTENTIAL_GAP,
-        tuple(history),
-        best.gap,
-        iterations=system.factorisations,
-    )
+    return None if best is None else sliding_run(best, history, 0, system.factorisations)
 
 
 def _first_rates(system: ContactSystem) -> ContactState:

@@ -32,27 +32,18 @@ Progress = Callable[[str, float], None]
 
 
 @dataclass(frozen=True, slots=True)
-class SlidingRun:
-    """One run of an iteration from one start: its last forces x (nc, 3), load factor, velocities y (6 nf,), history.
+class SlidingRun(CoulombState):
+    """One run of an iteration from one start: the state it ended at, and its history.
 
-    balanced: the load factor that the forces balance; it is `load_factor` unless that is a mean. converged: whether the run was
-    certified or came to rest. solves: convex programs solved; iterations: factorisations, one an iteration of a program.
+    converged: whether the run was certified or came to rest. solves: convex programs solved; iterations: factorisations, one an
+    iteration of a program. balanced: the load factor that the forces balance, where `load_factor` is a mean of the last ones.
     """
 
-    x: FloatArray
-    load_factor: float
-    balanced: float
-    y: FloatArray
     converged: bool
     history: tuple[Iteration, ...]
-    gap: float = np.nan
     solves: int = 0
     iterations: int = 0
-
-    @property
-    def relative_gap(self) -> float:
-        """g / alpha; a load factor of zero is measured against a thousandth of the weight."""
-        return self.gap / max(abs(self.load_factor), 1e-3)
+    balanced: float | None = None
 
 
 def paper_iteration(
@@ -100,7 +91,7 @@ def paper_iteration(
         return None
     converged = calm >= 2
     value = latest.tau if converged else float(np.mean([step.load_factor for step in history[-10:]]))
-    return SlidingRun(latest.x, value, latest.tau, latest.y, converged, tuple(history), solves=len(history), iterations=spent)
+    return SlidingRun(latest.x, value, latest.y, np.nan, converged, tuple(history), len(history), spent, latest.tau)
 
 
 def certified_iteration(
@@ -200,7 +191,13 @@ def closed_gap(
         last = base if stuck or worse else state
         before, n = n, np.maximum(last.x[:, 0], 0.0)
         ahead = n if first or slow or worse else np.maximum(n + momentum * (n - before), 0.0)
-    return None if best is None else _run(best, best.relative_gap <= BIPOTENTIAL_GAP, history, count)
+    return None if best is None else sliding_run(best, history, count.solves, count.iterations)
+
+
+def sliding_run(state: CoulombState, history: list[Iteration], solves: int, iterations: int) -> SlidingRun:
+    """Return the run that ended at a state."""
+    converged = state.relative_gap <= BIPOTENTIAL_GAP
+    return SlidingRun(state.x, state.load_factor, state.y, state.gap, converged, tuple(history), solves, iterations)
 
 
 class SolveCount:
@@ -224,20 +221,6 @@ class SolveCount:
         self.solves += 1
         self.iterations += answer.iterations
         return answer
-
-
-def _run(state: CoulombState, converged: bool, history: list[Iteration], count: SolveCount) -> SlidingRun:
-    return SlidingRun(
-        state.x,
-        state.load_factor,
-        state.load_factor,
-        state.y,
-        converged,
-        tuple(history),
-        state.gap,
-        count.solves,
-        count.iterations,
-    )
 
 
 def _stage_b(

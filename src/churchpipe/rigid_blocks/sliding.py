@@ -124,7 +124,7 @@ def sliding_analysis(
     if settled:
         chosen = settled[leading([end[0] for end in settled])]
     else:
-        chosen = min(search.ends, key=lambda end: _distance(end[0], options))
+        chosen = min(search.ends, key=lambda end: end[1].load_factor if options.method == "paper" else end[1].relative_gap)
     record, run, state = chosen
     if state is not None:
         record = replace(record, interval=mechanism_interval(balance, strength, state, solve))
@@ -141,12 +141,6 @@ def leading(runs: Sequence[StartRun]) -> int:
     lowest = min(range(len(runs)), key=lambda k: runs[k].load_factor)
     allowed = (1.0 + SEARCH_SPREAD) * runs[lowest].load_factor
     return next((k for k, run in enumerate(runs) if run.start == "centre" and run.load_factor <= allowed), lowest)
-
-
-def _distance(run: StartRun, options: SlidingOptions) -> float:
-    if options.method == "paper":
-        return run.load_factor
-    return run.gap / max(abs(run.load_factor), 1e-3) if np.isfinite(run.gap) else np.inf
 
 
 _End = tuple[StartRun, SlidingRun, CoulombState | None]
@@ -207,7 +201,7 @@ def _associative_run(balance: Equilibrium, strength: Strength, associative: Limi
     state = coulomb_state(balance, strength, x, load_factor, solve)
     y = balance.multipliers(associative.velocities) if state is None else state.y
     gap = bipotential_gap(balance, strength, x, y)
-    return SlidingRun(x, load_factor, load_factor, y, False, (Iteration(load_factor, 0.0, gap / load_factor),), gap)
+    return SlidingRun(x, load_factor, y, gap, False, (Iteration(load_factor, 0.0, gap / load_factor),))
 
 
 def _first_forces(start: Start, normal: FloatArray, balance: Equilibrium) -> FloatArray:
@@ -222,7 +216,7 @@ def _first_forces(start: Start, normal: FloatArray, balance: Equilibrium) -> Flo
 def _certificate(balance: Equilibrium, strength: Strength, run: SlidingRun, method: Method, solve: Solve) -> CoulombState | None:
     """Return the Coulomb state of a run, or the one nearest to it: eq. (3) overdraws friction."""
     if method == "default":
-        return CoulombState(run.x, run.load_factor, run.y, run.gap)
+        return run
     n = np.maximum(run.x[:, 0], 0.0)
     y = sliding_velocities(balance, strength, n, solve)
     return None if y is None else coulomb_step(balance, strength, n, y, solve, nearness=SchemeSettings().weight_b)
@@ -247,11 +241,10 @@ def _state(
         and chosen.load_factor <= associative.load_factor + slack
     )
     # What is called converged is the certified state itself, not the iterate beside it that still overdraws friction.
-    x, y, load_factor, last = chosen.x, chosen.y, chosen.load_factor, chosen.balanced
-    if proven and certified is not None:
-        x, y, load_factor = certified.x, certified.y, certified.load_factor
-        last = load_factor
-    residual = balance.residual(x, last)
+    state = certified if proven and certified is not None else chosen
+    x, y, load_factor = state.x, state.y, state.load_factor
+    balanced = chosen.balanced if state is chosen else None
+    residual = balance.residual(x, load_factor if balanced is None else balanced)
     overdrawn = friction_violation(strength, x)
     forces = point_forces(balance, x, y)
     return LimitState(
