@@ -143,7 +143,9 @@ def warped(body: Body, place: Place) -> Finding:
 
 def transformed(points: FloatArray, matrix: Matrix) -> FloatArray:
     """Return points (n, 3) moved by a matrix: rows of its 3 x 3 part are the images of the axes."""
-    return points @ matrix[0] + matrix[1]
+    # Where a number becomes too large, whoever takes the points says so.
+    with np.errstate(over="ignore", invalid="ignore"):
+        return points @ matrix[0] + matrix[1]
 
 
 def _solids(entity: Any, block: str, matrix: Matrix, findings: list[Finding]) -> list[Solid]:

@@ -9,6 +9,7 @@ from ezdxf import path as paths
 from ezdxf.lldxf import const
 
 from churchpipe.dxf.definitions import Matrix, transformed
+from churchpipe.dxf.schema import LARGEST_COORDINATE
 from churchpipe.findings import Place
 from churchpipe.geometry.nets import farthest
 from churchpipe.geometry.planar import nested, polygon
@@ -74,7 +75,8 @@ def traces_of(entity: Any, matrix: Matrix, place: Place, layer: str, bearing: bo
         points = points[:-1] if closed else points
         x, y, z = points[0].tolist()
         where = Place(place.entity, place.handle, place.block, (x, y, z))
-        own_plane = up if _apart(points, up) <= FLAT else _plane_of(points, up)
+        sane = bool((np.abs(points) <= LARGEST_COORDINATE).all())
+        own_plane = _plane_of(points, up) if sane and _apart(points, up) > FLAT else up
         out.append(Trace(points, closed, own_plane, where, layer, depth, curve, filled, bearing=bearing, fine=fine))
     return _with_voids(out, across, entity.dxf.get("hatch_style", 0)) if filled and len(out) > 1 else out
 

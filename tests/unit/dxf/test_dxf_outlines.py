@@ -236,6 +236,16 @@ def test_a_depth_beyond_all_numbers_is_named(tmp_path: Path) -> None:
     assert "E10" in findings_of(path).codes
 
 
+@pytest.mark.parametrize("scale", [1.0, 1e10])
+def test_corners_beyond_all_numbers_are_named(scale: float, tmp_path: Path) -> None:
+    def wall(space: Any) -> None:
+        block = space.doc.blocks.new("B")
+        block.add_polyline3d([(0, 0, 0), (1, 0, 0), (1, 0, 1e308), (0, 0, 1)], close=True)
+        space.add_blockref("B", (0, 0), dxfattribs={"xscale": scale, "yscale": scale, "zscale": scale})
+
+    assert "E10" in findings_of(drawn(tmp_path / "wall.dxf", wall)).codes
+
+
 @pytest.mark.parametrize("number", range(12))
 def test_an_outline_among_others_is_kept_without_its_last_side(number: int, tmp_path: Path) -> None:
     # Its sides lie on those of its neighbours, and the one left out may be on the free face of the wall.
