@@ -70,6 +70,15 @@ def test_nothing_is_cut(page: Page) -> None:
     assert cell.get_attribute("data-heading") == "Load factor"
 
 
+def test_dimensions_of_drawings_can_be_read(page: Page) -> None:
+    heights = page.evaluate(
+        """[...document.querySelectorAll(".drawings svg text")].map((text) => text.getBoundingClientRect())
+        .map((box) => Math.min(box.width, box.height))"""
+    )
+    assert heights
+    assert min(heights) > 8
+
+
 def test_a_stone_shows_its_joints(page: Page) -> None:
     page.select_option("#viewer-viewpoint", "from the front")
     canvas = page.locator("#viewer-canvas")
