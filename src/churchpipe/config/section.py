@@ -92,6 +92,9 @@ def _translated(item: Any, kind: type[Section], place: str, file: str, spelled: 
 def _wanted(item: Any) -> str:
     """Return what pydantic wants in the words of a case file."""
     kind, message = str(item["type"]), str(item["msg"])
+    if kind == "list_type" and item["loc"][-1] == "direction":
+        # The command line takes "-y".
+        return f"{_WANTED[kind]}, such as [0, -1, 0]"
     if kind in _WANTED:
         return _WANTED[kind]
     message = message.removeprefix("Value error, ").removeprefix("Input should be ")

@@ -163,6 +163,10 @@ MISTAKES = [
     ("source.dxf=a.dxf", r"source: no single source; found generator and dxf"),
     ("source={}", r"source: no single source"),
     ("source=wall", r"source: wrong value"),
+    (
+        "load.0.direction=-y",
+        r"load\.0\.direction: wrong value; found '-y'; expected a list in \[brackets\], such as \[0, -1, 0\]",
+    ),
     ("load.0.direction=[0,0,0]", r"load\.0: no direction"),
     ("load=[{direction=[1,0,0]},{direction=[2,0,0]}]", r"load: two loads of one name"),
     ('rigid.flow=["asociative"]', r"rigid\.flow\.0: wrong value; found 'asociative'; expected 'associative' or"),
