@@ -29,7 +29,7 @@ def partner(row: Row, rows: Sequence[Row]) -> int:
 
 
 def compared(pairs: Sequence[Pair], rows: Sequence[Row]) -> list[list[str]]:
-    """Return the cells of the table of pairs: load, then analysis and load factor of either model, shell over blocks, overlap."""
+    """Return the table of pairs: load and variant, analysis and load factor of either model, their ratio, overlap."""
     by_name = {row.record.name: row for row in rows}
     out: list[list[str]] = []
     for pair in pairs:
@@ -40,7 +40,7 @@ def compared(pairs: Sequence[Pair], rows: Sequence[Row]) -> list[list[str]]:
                 "" if pair.ratio is None else minus(f"{100 * (pair.ratio - 1):+.1f} %"),
                 "" if pair.overlap is None else minus(f"{pair.overlap:.2f}"),
             ]
-            out.append([blocks.load, *cells, *ends])
+            out.append([", ".join(filter(None, (blocks.load, blocks.variant))), *cells, *ends])
     return out
 
 

@@ -143,6 +143,8 @@ def test_curves_have_the_load_factors_of_the_same_question_across() -> None:
     assert compared([Pair("+x", "a", "c", 0.205 / 0.21, 0.987)], rows) == [
         ["+x", "associative, friction 0.6", "0.2100", "limit load, 60 mm, friction 0.6", "0.2050", "\u22122.4 %", "0.99"]
     ]
+    tied = [Row(record("e", 0.3, variant="two ties")), Row(record("f", 0.3, variant="two ties", **of_shell))]
+    assert compared([Pair("+x", "e", "f", 1.0)], tied)[0][0] == "+x, two ties"
 
 
 def test_the_bend_of_a_curve_is_looked_at_closely() -> None:
