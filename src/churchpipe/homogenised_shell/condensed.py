@@ -29,7 +29,7 @@ from churchpipe.homogenised_shell.energy import elastic_energy
 from churchpipe.homogenised_shell.loads import load_vectors
 from churchpipe.homogenised_shell.planes import plane_points
 from churchpipe.homogenised_shell.points import CellStrength, PlaneStrength, local_strength
-from churchpipe.homogenised_shell.settings import LIMIT, SOLVER, STARTED_LOW, STEP
+from churchpipe.homogenised_shell.settings import FIRST_STEP, LIMIT, SOLVER, STARTED_LOW, STEP
 from churchpipe.homogenised_shell.strength import PlaneSet
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.loads import LoadCase
@@ -62,9 +62,14 @@ class StressState:
     message: str
 
     @property
+    def balanced(self) -> bool:
+        """True when solved, in balance and within the strength by its own arrays; the status "almost solved" is not enough."""
+        return self.status == "solved" and max(self.residual, self.violation) <= SOLVER.duality_gap
+
+    @property
     def holds(self) -> bool:
-        """True when solved and proved by its own arrays; the status "almost solved" is not enough."""
-        return self.status == "solved" and max(self.residual, self.violation, self.gap) <= SOLVER.duality_gap
+        """True when balanced, and proved to be the best."""
+        return self.balanced and self.gap <= SOLVER.duality_gap
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,9 +121,8 @@ class CondensedShell:
             # Some models whose points start with much work get no further, and get there with little.
             tried = (LIMIT, STARTED_LOW)
         else:
-            # Where joints bear next to nothing, as butt joints under dead load, only a start with much work gets through.
-            first = replace(STEP, correctors=SOLVER.correctors) if by_cell else STEP
-            tried = (first, replace(first, rate=LIMIT.rate))
+            chosen = FIRST_STEP if before is None else STEP
+            tried = (replace(chosen, correctors=SOLVER.correctors) if by_cell else chosen,)
         iterations, start = 0, None
         report = as_share(progress, tried[0].duality_gap, tried[0].residual)
         for chosen, more in product(tried, self._regularisations(compliance)):

@@ -137,7 +137,7 @@ class _Path:
             fall = state.motion
             self._motion = fall / float(dead @ fall[~self._condensed.elements.clamped])
             return "unstable", FALLS
-        if not state.holds:
+        if not (state.balanced and state.gap <= SOLVER.standing):
             return "failed", f"dead load not decided: {_reason(state)}"
         self._accept(state, 0.0, 0.0, begin, progress)
         self._dead_motion, self._motion = self._motion, np.zeros_like(self._motion)

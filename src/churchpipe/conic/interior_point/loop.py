@@ -38,11 +38,13 @@ _BALANCED = 1e-9
 _OUTSIDE = 1e-13
 # Where that fails, several mechanisms compete for one load: the loop goes on to this share of the residual tolerance.
 _COMPETING = 1e-3
-# Three steps in succession that are shorter end the loop, and so do `_PATIENCE` iterations without a better iterate.
+# Three steps in succession that are shorter end the loop, and so do `_PATIENCE` iterations in which neither the error nor the
+# residual has fallen below this share of the least one before: where joints bear next to nothing one may wait for the other.
 _STALLED_STEP = 1e-3
 # So many of the first steps may be that short: a sliver of a mesh starts far from all other facets.
 _FIRST_STEPS = 8
 _PATIENCE = 12
+_FALLEN = 0.9
 _VANISHED = 1e-8
 _ROUGH = 1e-4
 
@@ -70,6 +72,7 @@ def solve_coupled(
     at = start
     best: tuple[Iterate, Info] | None = None
     step_length, correctors, stalled = 0.0, 0, 0
+    least, progressed = np.full(2, np.inf), 0
     message = "iteration limit"
     for iteration in range(settings.iterations + 1):
         found = residuals(problem, at)
@@ -78,6 +81,9 @@ def solve_coupled(
             progress(info)
         if best is None or _distance(info, settings) < _distance(best[1], settings):
             best = at, info
+        errors = np.array([info.error, info.residual])
+        if (errors < _FALLEN * least).any():
+            least, progressed = np.minimum(least, errors), iteration
         status = _status(problem, at, found, info, settings)
         if status == "solved" and iteration:
             exact = _balanced(problem, kkt, at)
@@ -86,7 +92,7 @@ def solve_coupled(
         elif status != "running":
             return Ending(status, at, info, "")
         stalled = stalled + 1 if iteration > _FIRST_STEPS and step_length < _STALLED_STEP else 0
-        if stalled >= 3 or iteration - best[1].iteration > _PATIENCE:
+        if stalled >= 3 or iteration - progressed > _PATIENCE:
             message = "no further progress"
             break
         try:
