@@ -29,7 +29,6 @@ from churchpipe.io.tables import write_table
 from churchpipe.io.vtu import write_vtu
 from churchpipe.loading.wrenches import loaded, shell_loaded
 from churchpipe.match import Match
-from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import Building
 from churchpipe.model.contacts import Contacts
@@ -292,8 +291,8 @@ def movement(
     stones, found = read_npz(assemblage, Assemblage), read_npz(contacts, Contacts)
     carries = carries_of(table)
 
-    def dead_on(cut: Assemblage) -> FloatArray | None:
-        return loaded(LoadCase((1, 0, 0)), cut, placed(carries, cut).loads).dead if carries else None
+    def dead_on(cut: Assemblage) -> LoadCase | None:
+        return loaded(LoadCase((1, 0, 0)), cut, placed(carries, cut).loads) if carries else None
 
     kept = KeptSteps(SettlementPath, made[-1].parent, (settings, tolerances, assemblage, contacts), code_of("movement"))
     more = {"progress": progress, "groups": joints_of(table), "resume": kept.found(), "keep": kept.keep}

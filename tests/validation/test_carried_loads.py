@@ -412,3 +412,69 @@ def test_fill_on_a_barrel_comes_to_the_same_in_both_models() -> None:
     figures = [f for f in cp.match_models(stones, cp.find_contacts(stones), shell, placed).figures if "loads" in f.name]
     assert len(figures) == 2
     assert all(figure.passed for figure in figures)
+
+
+FLOOR = 3e3
+
+
+@pytest.mark.parametrize(
+    ("held", "tension", "together"),
+    [
+        ({"friction": 0.05}, 0.05 * FLOOR * 2.5, False),
+        ({"fixing": 500.0}, 500.0, False),
+        ({"friction": 0.05, "fixing": 500.0}, 0.05 * FLOOR * 2.5 + 500.0, False),
+        ({"friction": 0.4}, np.nan, True),
+    ],
+)
+def test_a_flexible_floor_holds_its_walls_by_its_bearings(held: dict[str, float], tension: float, together: bool) -> None:
+    # Pushed to -x the thinner wall falls outwards, held with `tension` N a metre; strong joists pull the other wall along.
+    stones, line = two_walls(), FLOOR * 2.5
+    floor = cp.Diaphragm(["west", "east"], spacing=0.9, dead=FLOOR, bearing=0.1, name="floor", **held)
+    joists = cp.place_ties(stones, [floor])
+    assert [tie.name for tie in joists] == ["floor 1", "floor 2", "floor 3", "floor 4"]
+    load = cp.loaded(cp.LoadCase((-1, 0, 0)), stones, [floor])
+    state = cp.limit_analysis(stones, cp.find_contacts(stones), load, 2.0, ties=joists)
+    falling = {"p": line, "e": -0.1, "mass": line, "w": GAMMA * 0.5 * 3, "b": 0.5}
+    other = {"p": line, "e": 0.1, "mass": line, "w": GAMMA * 0.8 * 3, "b": 0.8}
+    if together:
+        masses = [one["w"] * 1.5 + line * 3 for one in (falling, other)]
+        expected = sum(mass * by_hand(**one) for mass, one in zip(masses, (falling, other), strict=True)) / sum(masses)
+    else:
+        expected = by_hand(thrust=-tension, **falling)
+        assert [tie.strength for tie in joists] == pytest.approx([tension] * 4)
+    assert state.load_factor == pytest.approx(expected, rel=1e-6)
+    assert state.upper_bound == pytest.approx(state.lower_bound, rel=1e-6)
+
+
+def test_a_flexible_floor_does_not_push_its_walls_apart() -> None:
+    stones = two_walls()
+    floor = cp.Diaphragm(["west", "east"], spacing=0.9, dead=FLOOR, bearing=0.1, friction=0.4)
+    push = cp.loaded(cp.LoadCase((1, 0, 0)), stones, [floor])
+    held = cp.limit_analysis(stones, cp.find_contacts(stones), push, 2.0, ties=cp.place_ties(stones, [floor]))
+    alone = pushed(stones, cp.LoadCase((1, 0, 0)), [cp.AreaLoad(["west", "east"], dead=FLOOR, bearing=0.1)])
+    assert held.load_factor == pytest.approx(alone.load_factor, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"walls": ["west"]}, "not two walls"),
+        ({"walls": ["west", "east", "south", "north"]}, "not two walls"),
+        ({"friction": 0.0}, "nothing holds its joists"),
+        ({"spacing": 0.0}, "spacing"),
+        ({"dead": 0.0}, "no load"),
+        ({"friction": -0.1}, "friction"),
+        ({"joist": (0.1, 0.0)}, "joist"),
+        ({"bearing_length": -1.0}, "bearing_length"),
+    ],
+)
+def test_floors_that_are_none(given: dict[str, Any], words: str) -> None:
+    with pytest.raises(InputError, match=words) as raised:
+        cp.Diaphragm(**({"walls": ["west", "east"], "spacing": 1.0, "dead": 1e3, "friction": 0.3} | given))
+    assert "diaphragm" in str(raised.value)
+
+
+def test_a_floor_on_a_wall_that_is_not_there() -> None:
+    floor = cp.Diaphragm(["west", "south"], spacing=1.0, dead=1e3, friction=0.3)
+    with pytest.raises(InputError, match="diaphragm west south: no such wall; found south"):
+        cp.place_ties(two_walls(), [floor])

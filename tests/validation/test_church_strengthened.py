@@ -11,7 +11,7 @@ import pytest
 
 import churchpipe as cp
 from churchpipe.config.carries import placed
-from churchpipe.config.case import Case, read_variants
+from churchpipe.config.case import Case, read_case, read_variants
 
 CASE = Path(__file__).parents[2] / "pipeline" / "cases" / "church_strengthened.toml"
 TIES, CHAINS, BEAMS, BOTH = (
@@ -74,3 +74,34 @@ def test_shell(variant: str, across: float, along: float) -> None:
         assert state.status == "optimal"
         assert state.load_factor == pytest.approx(expected, abs=2e-5)
         assert not np.isnan(state.tie_forces).any()
+
+
+@pytest.mark.slow("docs/strengthening.md: a chapel with a flexible roof, both models")
+@pytest.mark.parametrize(
+    ("table", "stones_hold", "shell_holds"),
+    [
+        ("area_loads", (0.33998, 0.27796), (0.28870, 0.23316)),
+        ("diaphragms", (0.36123, 0.27831), (0.30412, 0.23317)),
+        ("anchored", (0.37569, 0.27842), (0.31790, 0.23319)),
+    ],
+)
+def test_a_flexible_roof(tmp_path: Path, table: str, stones_hold: tuple[float, ...], shell_holds: tuple[float, ...]) -> None:
+    held = {"area_loads": "", "diaphragms": "spacing_m = 0.8\nfriction = 0.4\n"}
+    held["anchored"] = held["diaphragms"] + "fixing_kN = 5.0\n"
+    key = "area_loads" if table == "area_loads" else "diaphragms"
+    text = f'[[{key}]]\nwalls = ["nave_left", "nave_right"]\ndead_kN_m2 = 1.5\n{held[table]}'
+    path = tmp_path / "chapel.toml"
+    path.write_text((CASE.parent / "chapel.toml").read_text() + text)
+    case = read_case(path)
+    stones = cp.derive_blocks(case.building())
+    contacts, shell = cp.find_contacts(stones), cp.derive_shell(case.building(), 0.4)
+    borne = placed(case.carries, stones)
+    friction, cohesion = cp.joint_strength(stones, contacts, case.materials)
+    for direction, one, other in zip(((1, 0, 0), (0, -1, 0)), stones_hold, shell_holds, strict=True):
+        load = cp.LoadCase(direction)
+        state = cp.limit_analysis(stones, contacts, cp.loaded(load, stones, borne.loads), friction, cohesion, ties=borne.ties)
+        assert state.load_factor == pytest.approx(one, abs=2e-5)
+        pushed = cp.shell_loaded(load, shell, stones, borne.loads)
+        assert cp.shell_limit_analysis(shell, pushed, case.materials, ties=borne.ties).load_factor == pytest.approx(
+            other, abs=2e-5
+        )

@@ -88,3 +88,36 @@ def test_a_tie_on_the_other_side_hangs_slack() -> None:
     curve = cp.block_pushover(STONES, cp.find_contacts(STONES), cp.LoadCase((-1, 0, 0)), 0.9, [tie], step=0.05)
     assert curve.load_factor[0] == pytest.approx(B / H, abs=1e-6)
     assert curve.d0 == pytest.approx(B / 2, abs=1e-5)
+
+
+def test_joists_slide_until_they_fall_off_their_bearings() -> None:
+    # Each of two joists bears 2 kN/m2 x 1.5 m x 1 m on the inner edge of the wall, and holds .4 of that by friction.
+    pier, wall = box((-4.5, -3), (0, 2), (0, H)), box((0, B), (0, 2), (0, H))
+    ground = box((-9, 9), (-5, 5), (-1, 0))
+    stones = cp.Assemblage.from_polyhedra([ground, pier, wall], 18e3, fixed=[0], panel=["", "pier", "wall"])
+    weight, borne, bearing = 2 * WEIGHT, 6e3, 0.15
+    live = np.zeros((3, 6))
+    live[2, 0] = weight
+    floor = cp.Diaphragm(
+        ["pier", "wall"], spacing=1.0, dead=2e3, mass=0.0, bearing=0.5, friction=0.4, bearing_length=bearing, name="floor"
+    )
+    joists = cp.place_ties(stones, [floor])
+    assert [tie.name for tie in joists] == ["floor 1", "floor 2"]
+    load = cp.loaded(cp.LoadCase(live=live), stones, [floor])
+    curve = cp.block_pushover(stones, cp.find_contacts(stones), load, 0.9, joists, step=0.02)
+    turn = curve.rotation[:, 2, 1]
+    toe = np.array([B, 0.0])
+
+    def arm(x: float, z: float) -> np.ndarray:
+        return np.column_stack([(x - B) * np.cos(turn) + z * np.sin(turn), z * np.cos(turn) - (x - B) * np.sin(turn)])
+
+    centre, edge = arm(B / 2, H / 2), arm(0.0, H)
+    span = toe + edge - [-3.25, H]
+    length = np.linalg.norm(span, axis=1)
+    stiffness = 10e9 * 0.1 * 0.2 / 3.25
+    pull = 2 * np.where(length - 3.25 < bearing, np.minimum(stiffness * (length - 3.25), 0.4 * borne / 2), 0.0)
+    back = (edge[:, 1] * span[:, 0] - edge[:, 0] * span[:, 1]) / length
+    factor = (-weight * centre[:, 0] - borne * edge[:, 0] + pull * back) / (weight * centre[:, 1])
+    assert curve.load_factor == pytest.approx(factor, abs=1e-6)
+    assert 2 < (pull > 0).sum() < len(pull) - 2
+    assert "tie floor 1 broke at a displacement of " in curve.message

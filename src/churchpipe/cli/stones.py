@@ -132,7 +132,7 @@ def view(
 # Tables of a case that a drawing has no place for.
 _UNDRAWN = (
     *("project", "check", "published", "sample"),
-    *("point_loads", "area_loads", "pressures", "fills", "tie_candidates", "joints", "movements", "variants"),
+    *("point_loads", "area_loads", "diaphragms", "pressures", "fills", "tie_candidates", "joints", "movements", "variants"),
 )
 
 

@@ -11,9 +11,11 @@ from churchpipe.loading.placing import place_loads
 from churchpipe.loading.ties import place_ties
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.carried import AreaLoad, LineLoad, PointLoad, Pressure
+from churchpipe.model.diaphragm import Diaphragm
 from churchpipe.model.fill import Fill
 from churchpipe.model.placed_loads import Borne
 from churchpipe.model.tie_bars import AnchorPlace, TieBar
+from churchpipe.model.ties import Tie
 
 _Placed = TypeVar("_Placed")
 # The tables of a case, by their keys.
@@ -21,15 +23,20 @@ KINDS: Mapping[str, type[Any]] = {
     "line_loads": LineLoad,
     "point_loads": PointLoad,
     "area_loads": AreaLoad,
+    "diaphragms": Diaphragm,
     "pressures": Pressure,
     "fills": Fill,
     "ties": TieBar,
     "tie_candidates": TieBar,
 }
+# What presses and is pushed, and what holds together.
+LOADS = ("line_loads", "point_loads", "area_loads", "diaphragms", "pressures", "fills")
+TIES = ("ties", "diaphragms")
 MEANINGS = {
     "line_loads": "Roofs, floors and thrusts along walls.",
     "point_loads": "Loads at points of walls.",
     "area_loads": "Floors and roofs that span between walls.",
+    "diaphragms": "Flexible floors and roofs, whose joists also hold two walls together.",
     "pressures": "Soil or water against walls.",
     "fills": "Fill on the backs of vaults.",
     "ties": "Steel bars between walls.",
@@ -44,6 +51,7 @@ class Carries:
     line_loads: tuple[LineLoad, ...] = ()
     point_loads: tuple[PointLoad, ...] = ()
     area_loads: tuple[AreaLoad, ...] = ()
+    diaphragms: tuple[Diaphragm, ...] = ()
     pressures: tuple[Pressure, ...] = ()
     fills: tuple[Fill, ...] = ()
     ties: tuple[TieBar, ...] = ()
@@ -70,14 +78,15 @@ def placed(carries: Carries, stones: Assemblage) -> Borne:
     ------
     InputError: as `place_loads` and `place_ties`; it begins with the table at fault, such as "line_loads.0".
     """
-    loads = [part for key in ("line_loads", "point_loads", "area_loads", "pressures", "fills") for part in _each(carries, key)]
+    loads = [part for key in LOADS for part in _each(carries, key)]
     for key, load in loads:
         tried(key, lambda load=load: place_loads(stones, [load]))
-    ties = [[tried(name, lambda bar=bar: place_ties(stones, [bar]))[0] for name, bar in _each(carries, key)] for key in _BARS]
-    return Borne(place_loads(stones, [load for _, load in loads]), tuple(ties[0]), tuple(ties[1]))
 
+    def bars(*keys: str) -> tuple[Tie, ...]:
+        given = [part for key in keys for part in _each(carries, key)]
+        return tuple(tie for key, bar in given for tie in tried(key, lambda bar=bar: place_ties(stones, [bar])))
 
-_BARS = "ties", "tie_candidates"
+    return Borne(place_loads(stones, [load for _, load in loads]), bars(*TIES), bars("tie_candidates"))
 
 
 def _each(carries: Carries, key: str) -> Iterator[tuple[str, Any]]:

@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 from itertools import product
 from typing import Any
 
-from churchpipe.config.carries import plain
+from churchpipe.config.carries import LOADS, TIES, plain
 from churchpipe.config.case import Case, Drawing
 from churchpipe.config.plausible import questions
 from churchpipe.model import swept
@@ -14,8 +14,7 @@ from churchpipe.model.loads import LoadCase, load_table
 from churchpipe.model.names import CONTACT_MODEL
 
 # What acts in every analysis; candidates for ties are ranked by the rigid blocks alone.
-_LOADS = ("line_loads", "point_loads", "area_loads", "pressures", "fills")
-_BORNE = (*_LOADS, "ties")
+_BORNE = tuple(dict.fromkeys((*LOADS, *TIES)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,16 +108,16 @@ def plan(cases: Sequence[Case]) -> Plan:
                 add("curve", [load.name, "curve"], case, of_stones, settings, geometry=geometry, **check)
         for movement in case.movements:
             settings = {"geometry": geometry, **_strengths(case), "solver": case.rigid.solver, **asdict(movement)}
-            settings |= case.carries.settings(*_LOADS)
+            settings |= case.carries.settings(*LOADS)
             settings |= _contact_model_of_paths(case)
-            settings["without_ties"] = bool(case.carries.settings("ties"))
+            settings["without_ties"] = bool(case.carries.settings(*TIES))
             name = _same(case, movements, settings) or _keep(movements, [movement.name, *_words(of_stones, case)], settings)
             moved.setdefault(name, {"name": name, "geometry": geometry, "variant": _name(case), "swept": of_stones})
         if case.shell is None:
             continue
         meshed = {key: value for key, value in case.swept.items() if swept.changes_mesh(key)}
         settings = {"geometry": geometry, "element_size": case.shell.element_size}
-        loads = case.carries.settings(*_LOADS)
+        loads = case.carries.settings(*LOADS)
         mesh = _same(case, shells, settings) or _keep(shells, _words(meshed, case) or ["base"], settings)
         places[mesh] = geometry
         if loads not in carried.setdefault(mesh, []):

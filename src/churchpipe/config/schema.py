@@ -27,7 +27,7 @@ from churchpipe.model.ring_beam import RingBeam
 NAME_PATTERN = r"^\w[\w .+-]*$"
 _Name = Annotated[str, Field(pattern=NAME_PATTERN, max_length=100)]
 _MATERIAL = table_of(Material, "Material", without=("name",), may_lack=("unit_weight", "friction"))
-_LOAD = table_of(LoadCase, "Load", without=("dead", "live"))
+_LOAD = table_of(LoadCase, "Load", without=("dead", "live", "dead_virial", "live_virial"))
 _RIGID, _SHELL = table_of(RigidSettings, "Rigid"), table_of(ShellSettings, "Shell")
 _CHECK = table_of(Site, "Check")
 _PUBLISHED, _VARIANT = table_of(Published, "Published"), table_of(Variant, "Variant")

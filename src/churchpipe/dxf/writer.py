@@ -58,7 +58,7 @@ def write_dxf(
     InputError
         A name that a drawing cannot hold, a unit weight that contradicts its material, a file that cannot be written.
     """
-    check_kind("write_dxf: assemblage", assemblage, Assemblage, "derive_blocks(building) makes one.")
+    check_kind("write_dxf: assemblage", assemblage, Assemblage, remedy="derive_blocks(building) makes one.")
     path = path_of("write_dxf: path", path)
     materials, loads = listed("write_dxf: materials", materials, Material), listed("write_dxf: loads", loads, LoadCase)
     if units not in ("m", "mm"):

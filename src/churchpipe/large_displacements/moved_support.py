@@ -14,6 +14,7 @@ from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.joint_group import JointGroup
+from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength
 from churchpipe.model.names import CONTACT_MODEL
 from churchpipe.model.settlement import SettlementPath
@@ -39,14 +40,14 @@ def moved_support(
     settings: Mapping[str, Any],
     materials: Sequence[JointStrength],
     tolerances: Mapping[str, Any],
-    dead_on: Callable[[Assemblage], FloatArray | None],
+    dead_on: Callable[[Assemblage], LoadCase | None],
     progress: Progress | None = None,
     groups: Sequence[JointGroup] = (),
     resume: SettlementPath | None = None,
     keep: Callable[[SettlementPath], None] | None = None,
 ) -> MovedSupport:
-    """Return what a movement of a case does; settings: the fields of its `MovementSettings`, and the solver; dead_on: the
-    wrenches (nb, 6) of what the building carries, on the stones with their ground cut; groups: joints with a strength of their
+    """Return what a movement of a case does; settings: the fields of its `MovementSettings`, and the solver; dead_on: a
+    load case with what the building carries, on the stones with their ground cut; groups: joints with a strength of their
     own; resume, keep: as in `settlement_path`.
 
     Raises

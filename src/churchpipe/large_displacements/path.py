@@ -275,7 +275,7 @@ def without(model: MovingModel, step: PathStep) -> PathState:
 def may_go_on(model: MovingModel, step: PathStep) -> bool:
     """True when the stones that fall may be spared: they are light, and something is left to push."""
     left = ~(step.state.fallen | step.falling)
-    if isinstance(model.driven, TravellingLoads) and not (model.driven.force[left].any() or model.driven.moment[left].any()):
+    if isinstance(model.driven, TravellingLoads) and not model.driven.on(left):
         return False
     return float(model.stones.weight[step.falling].sum()) <= _expendable(model, step.state)
 

@@ -33,7 +33,7 @@ def settlement_analysis(
     friction: npt.ArrayLike = 0.6,
     *,
     about: npt.ArrayLike | None = None,
-    dead: npt.ArrayLike | None = None,
+    dead: LoadCase | npt.ArrayLike | None = None,
     flow: Literal["associative", "non-associative"] = "associative",
     contact_model: ContactModel = "corners",
     compressive_strength: npt.ArrayLike | None = None,
@@ -57,7 +57,8 @@ def settlement_analysis(
     about
         A point (3,) m of the axis about which the support turns; None: it is shifted.
     dead
-        Wrenches (nb, 6) N and Nm about the centroids that act beside the weight.
+        What acts beside the weight: the dead part of a load case, as `loaded` returns it, or wrenches (nb, 6) N and Nm about
+        the centroids.
     friction
         Coefficient, a number or one an interface.
     flow
@@ -103,7 +104,7 @@ def settlement_model(
     contacts: Contacts,
     moved: tuple[npt.ArrayLike, npt.ArrayLike, npt.ArrayLike | None],
     friction: npt.ArrayLike,
-    dead: npt.ArrayLike | None,
+    dead: LoadCase | npt.ArrayLike | None,
     step: float | None,
     solver: str,
     contact_model: ContactModel,
@@ -115,7 +116,7 @@ def settlement_model(
     """
     for name, value, kind in (("stones", stones, Assemblage), ("contacts", contacts, Contacts)):
         check_kind(f"settlement_analysis: {name}", value, kind)
-    load = LoadCase((1, 0, 0), dead=dead)
+    load = dead if isinstance(dead, LoadCase) else LoadCase((1, 0, 0), dead=dead)
     balance, strength, _ = limit_program(
         stones, contacts, load, friction, contact_model=contact_model, compressive_strength=compressive_strength
     )

@@ -21,6 +21,7 @@ from churchpipe.model.arguments import positive, whole
 from churchpipe.model.arrays import BoolArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
+from churchpipe.model.loads import LoadCase
 from churchpipe.model.names import ContactModel
 from churchpipe.model.settlement import SettlementEnding, SettlementPath, SettlementState
 from churchpipe.model.stone_path import no_step
@@ -37,7 +38,7 @@ def settlement_path(
     friction: npt.ArrayLike = 0.6,
     *,
     about: npt.ArrayLike | None = None,
-    dead: npt.ArrayLike | None = None,
+    dead: LoadCase | npt.ArrayLike | None = None,
     contact_model: ContactModel = "corners",
     compressive_strength: npt.ArrayLike | None = None,
     step: float | None = None,

@@ -9,6 +9,7 @@ from churchpipe.errors import InputError
 from churchpipe.large_displacements.settlement import least_step, settlement_model
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
+from churchpipe.model.loads import LoadCase
 from churchpipe.model.names import ContactModel
 
 
@@ -30,7 +31,7 @@ def thrust_range(
     direction: npt.ArrayLike,
     friction: npt.ArrayLike = 0.6,
     *,
-    dead: npt.ArrayLike | None = None,
+    dead: LoadCase | npt.ArrayLike | None = None,
     contact_model: ContactModel = "corners",
     compressive_strength: npt.ArrayLike | None = None,
     solver: str = "auto",
@@ -53,7 +54,7 @@ def thrust_range(
     friction
         Coefficient, a number or one an interface.
     dead
-        (nb, 6) N and Nm, wrenches about the centroids that act beside the weight.
+        As in `settlement_analysis`.
     contact_model, compressive_strength, solver
         As in `settlement_analysis`.
 

@@ -11,7 +11,7 @@ from churchpipe.model.arguments import check_kind, positive
 from churchpipe.model.arrays import BoolArray, FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts, check_contacts_of
-from churchpipe.model.loads import LoadCase
+from churchpipe.model.loads import LoadCase, nearest_virial
 from churchpipe.model.polyhedra import face_normals
 from churchpipe.model.shell import ShellModel
 
@@ -68,20 +68,27 @@ def with_fill(
     count, centre = (body.count, body.centroid) if isinstance(body, Assemblage) else (len(body.triangles), body.centroid)
     dead, live = (np.zeros((count, 6)) if extra is None else np.array(extra) for extra in (load.dead, load.live))
     pushed = load.panels is None or set(names) & set(load.panels)
+    virials = [
+        nearest_virial(wrench) if own is None else np.array(own)
+        for wrench, own in ((dead, load.dead_virial), (live, load.live_virial))
+    ]
+    sides = (dead, virials[0], np.array([0.0, 0.0, -1.0])), (live, virials[1], load.direction if pushed else np.zeros(3))
     filled = 0.0
     for owner, corner in _backs(body, np.isin(body.panel, names), contacts):
         volume, moment = _column(below(corner, level), level)
         filled += volume
         arm = moment - volume * centre[owner]
-        for wrench, toward in ((dead, np.array([0.0, 0.0, -1.0])), (live, load.direction if pushed else np.zeros(3))):
+        for wrench, virial, toward in sides:
             wrench[owner, :3] += unit_weight * volume * toward
             wrench[owner, 3:] += unit_weight * np.cross(arm, toward)
+            virial[owner] += unit_weight * np.outer(arm, toward)
     if not filled > 0:
         raise InputError(
             "with_fill: level", "no back lies below it", found=f"{level:g} m", expected="a level above the springing"
         )
     direction = load.direction if load.direction.any() else None
-    return LoadCase(direction, load.name, load.panels, load.profile, dead, live if live.any() else None)
+    found = {"live": live, "live_virial": virials[1]} if live.any() else {}
+    return LoadCase(direction, load.name, load.panels, load.profile, dead=dead, dead_virial=virials[0], **found)
 
 
 def _backs(body: Assemblage | ShellModel, chosen: BoolArray, contacts: Contacts | None) -> Iterator[tuple[int, FloatArray]]:

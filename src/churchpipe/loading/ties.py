@@ -7,10 +7,12 @@ import numpy as np
 from churchpipe.errors import InputError
 from churchpipe.geometry.locate import inside_stones, stones_at
 from churchpipe.geometry.walls import WallLine, points_of, wall_line
+from churchpipe.loading.joists import joists_of
 from churchpipe.loading.plates import plate_on
 from churchpipe.model.arguments import check_kind, listed
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.diaphragm import Diaphragm
 from churchpipe.model.tie_bars import AnchorPlace, TieBar
 from churchpipe.model.ties import Anchor, Tie
 
@@ -21,8 +23,8 @@ _CLOSE = 1e-5
 _EVERY, _SPARED = 0.05, 0.02
 
 
-def place_ties(stones: Assemblage, bars: Iterable[TieBar]) -> list[Tie]:
-    """Return bars as ties between the stones that their anchors pull on.
+def place_ties(stones: Assemblage, bars: Iterable[TieBar | Diaphragm]) -> list[Tie]:
+    """Return bars, and the joists of floors, as ties between the stones that their anchors pull on.
 
     A bar with a place on a wall goes through that wall to its far face, unless it runs along it. A plate presses on the stones
     that it covers, by area; without one the stones that contain or touch the end share it evenly.
@@ -32,7 +34,7 @@ def place_ties(stones: Assemblage, bars: Iterable[TieBar]) -> list[Tie]:
     stones
         With the names of their walls as `panel`.
     bars
-        The bars.
+        The bars; a `Diaphragm` stands for its joists.
 
     Returns
     -------
@@ -45,7 +47,8 @@ def place_ties(stones: Assemblage, bars: Iterable[TieBar]) -> list[Tie]:
         A wall that is not there or is not straight, an anchor beside the masonry or in an opening, a plate that overhangs.
     """
     check_kind("place_ties: stones", stones, Assemblage)
-    return [_placed(stones, bar) for bar in listed("place_ties: bars", bars, TieBar)]
+    given = listed("place_ties: bars", bars, TieBar, Diaphragm)
+    return [tie for bar in given for tie in (joists_of(stones, bar) if isinstance(bar, Diaphragm) else [_placed(stones, bar)])]
 
 
 def anchors_of(stones: Assemblage, tie: Tie) -> tuple[Anchor, Anchor]:

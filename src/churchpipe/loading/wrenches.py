@@ -12,7 +12,7 @@ from churchpipe.model.arrays import FloatArray, IntArray, NameArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.carried import Carried
 from churchpipe.model.fill import Fill
-from churchpipe.model.loads import LoadCase, pushed_share
+from churchpipe.model.loads import LoadCase, nearest_virial, pushed_share
 from churchpipe.model.placed_loads import PlacedLoads
 from churchpipe.model.shell import ShellModel
 
@@ -139,20 +139,30 @@ def resultants(stones: Assemblage, shell: ShellModel, placed: PlacedLoads) -> di
 
 
 def _with(load: LoadCase, bodies: _Bodies, placed: PlacedLoads, owner: IntArray) -> LoadCase:
-    dead = wrenches_of(bodies.centroid, placed.point, placed.dead, owner)
-    live = np.zeros_like(dead)
+    masses = np.zeros_like(placed.dead)
+    more = np.zeros_like(bodies.centroid)
     if load.direction.any():
         push = _masses_pushed(load, bodies, placed)
-        live = wrenches_of(bodies.centroid, placed.point, push.masses[:, None] * load.direction, owner)
-        live[:, :3] += push.more_of_bodies[:, None] * load.direction
-    given = [np.zeros_like(dead) if part is None else part for part in (load.dead, load.live)]
+        masses, more = push.masses[:, None] * load.direction, push.more_of_bodies[:, None] * load.direction
+    dead, live = (wrenches_of(bodies.centroid, placed.point, force, owner) for force in (placed.dead, masses))
+    live[:, :3] += more
+    virials = [_virial_of(bodies.centroid, placed.point, force, owner) for force in (placed.dead, masses)]
+    for total, virial, wrench, own in (
+        (dead, virials[0], load.dead, load.dead_virial),
+        (live, virials[1], load.live, load.live_virial),
+    ):
+        if wrench is not None:
+            total += wrench
+            virial += nearest_virial(wrench) if own is None else own
     return LoadCase(
         load.direction if load.direction.any() else None,
         load.name,
         load.panels,
         load.profile,
-        dead=given[0] + dead,
-        live=given[1] + live,
+        dead=dead,
+        live=live,
+        dead_virial=virials[0],
+        live_virial=virials[1],
     )
 
 
@@ -180,6 +190,13 @@ def _masses_pushed(load: LoadCase, bodies: _Bodies, placed: PlacedLoads) -> _Pus
     together = np.zeros(len(bodies.weight))
     together[weighs] = own * share[: len(own)]
     return _Pushed(placed.mass * share[len(own) :], together - alone)
+
+
+def _virial_of(centroid: FloatArray, point: FloatArray, force: FloatArray, owner: IntArray) -> FloatArray:
+    """Return the sums (nb, i, j) of r_i F_j, Nm, of forces as in `wrenches_of`."""
+    out = np.zeros((len(centroid), 3, 3))
+    np.add.at(out, owner, (point - centroid[owner])[:, :, None] * force[:, None, :])
+    return out
 
 
 def wrenches_of(centroid: FloatArray, point: FloatArray, force: FloatArray, owner: IntArray) -> FloatArray:

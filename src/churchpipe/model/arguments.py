@@ -12,25 +12,26 @@ from churchpipe.errors import InputError
 _LEAST = 1e-6
 
 
-def check_kind(where: str, value: object, kind: type, remedy: str = "") -> None:
-    """Raise InputError unless a value is of a type of ours."""
-    if not isinstance(value, kind):
-        article = "an" if kind.__name__[0] in "AEIOU" else "a"
-        raise InputError(where, "wrong kind", found=describe(value), expected=f"{article} {kind.__name__}", remedy=remedy)
+def check_kind(where: str, value: object, *kinds: type, remedy: str = "") -> None:
+    """Raise InputError unless a value is of a type of ours, or of one of several."""
+    if not isinstance(value, kinds):
+        expected = " or ".join(f"{'an' if kind.__name__[0] in 'AEIOU' else 'a'} {kind.__name__}" for kind in kinds)
+        raise InputError(where, "wrong kind", found=describe(value), expected=expected, remedy=remedy)
 
 
-def listed(where: str, value: Any, kind: type) -> list[Any]:
-    """Return a sequence of values of one type as a list.
+def listed(where: str, value: Any, *kinds: type) -> list[Any]:
+    """Return a sequence of values of one type, or of several, as a list.
 
     Raises
     ------
     InputError: no sequence, or one of other things.
     """
-    if isinstance(value, (kind, str, bytes)) or not isinstance(value, Iterable):
-        raise InputError(where, "wrong kind", found=describe(cast("object", value)), expected=f"a list of {kind.__name__}")
+    if isinstance(value, (*kinds, str, bytes)) or not isinstance(value, Iterable):
+        expected = f"a list of {' or '.join(kind.__name__ for kind in kinds)}"
+        raise InputError(where, "wrong kind", found=describe(cast("object", value)), expected=expected)
     items = list(cast("Iterable[Any]", value))
     for number, item in enumerate(items):
-        check_kind(f"{where}[{number}]", item, kind)
+        check_kind(f"{where}[{number}]", item, *kinds)
     return items
 
 

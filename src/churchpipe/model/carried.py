@@ -1,7 +1,8 @@
 """What a building carries besides its own stones: roofs, floors, point loads, soil and water. SI; by the names of walls."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -214,10 +215,11 @@ class AreaLoad:
     dead: Annotated[float, Quantity("_kN_m2", 0.0), "Downwards, on the clear area between the walls."] = 0.0
     bearing: Annotated[float, Quantity("_m", 0.0), "Where it bears: from the middle of each wall towards the floor."] = 0.0
     mass: Annotated[float | None, Quantity("_kN_m2", 0.0, key="seismic_mass_kN_m2"), _MASS] = None
+    kind: ClassVar[str] = "area load"
 
     def __init__(
         self,
-        walls: "tuple[str, ...] | list[str]",
+        walls: Sequence[str],
         *,
         dead: float = 0.0,
         begin: float | None = None,
@@ -227,8 +229,8 @@ class AreaLoad:
         mass: float | None = None,
         name: str = "",
     ) -> None:
-        named = tuple(listed("area load: walls", walls, str))
-        where = _named(self, "area load", name, " ".join(named))
+        named = tuple(listed(f"{self.kind}: walls", walls, str))
+        where = _named(self, self.kind, name, " ".join(named))
         if len(named) not in (2, 4) or len(set(named)) < len(named):
             raise InputError(f"{where}: walls", "not two walls or four", found=", ".join(named), expected="each named once")
         if finite(f"{where}: bearing", bearing) < 0:
@@ -243,7 +245,7 @@ class AreaLoad:
     @property
     def called(self) -> str:
         """What messages call it."""
-        return _called("area load", self.name, " ".join(self.walls))
+        return _called(self.kind, self.name, " ".join(self.walls))
 
     @property
     def pushed(self) -> float:

@@ -20,7 +20,9 @@ class LoadCase:
     direction ("+x", "-y", "(0.5, 0.866, 0)") or to "live"; `panels`: names of the panels that are pushed, None = all; profile
     "uniform", or "linear": f_i = W_i z_i (sum W) / (sum W z), z above the lowest free point, so that the load factor stays base
     shear over weight of the loaded part. `dead` and `live` are extra wrenches (nb, 6) N and Nm about the centroids: dead ones
-    act always, live ones grow with the load factor.
+    act always, live ones grow with the load factor. `dead_virial` and `live_virial` (nb, i, j) Nm are the sums of r_i F_j of
+    their forces F at points r from the centroids (i, j: axes), for paths on which stones turn, and their forces with them;
+    left out, each force acts at the point of its line nearest to the centroid.
     """
 
     direction: Annotated[FloatArray, "Where the load pushes: a vector of any length; z is up."]
@@ -29,6 +31,8 @@ class LoadCase:
     profile: Annotated[Literal["uniform", "linear"], "Over the height: as the weights, or growing from the ground."] = "uniform"
     dead: FloatArray | None = None
     live: FloatArray | None = None
+    dead_virial: FloatArray | None = None
+    live_virial: FloatArray | None = None
 
     def __init__(
         self,
@@ -38,6 +42,8 @@ class LoadCase:
         profile: Literal["uniform", "linear"] = "uniform",
         dead: npt.ArrayLike | None = None,
         live: npt.ArrayLike | None = None,
+        dead_virial: npt.ArrayLike | None = None,
+        live_virial: npt.ArrayLike | None = None,
     ) -> None:
         if isinstance(direction, str):
             raise InputError(
@@ -62,7 +68,25 @@ class LoadCase:
             profile=profile,
             dead=None if dead is None else floats("LoadCase.dead", dead, (None, 6)),
             live=grows,
+            dead_virial=_virial("dead_virial", dead_virial, dead),
+            live_virial=_virial("live_virial", live_virial, live),
         )
+
+
+def nearest_virial(wrench: FloatArray) -> FloatArray:
+    """Return r_i F_j (nb, i, j), Nm, of wrenches (nb, 6) about the centroids: r the points of their lines nearest to these."""
+    force, moment = wrench[:, :3], wrench[:, 3:]
+    square = (force**2).sum(axis=1, keepdims=True)
+    arm = np.cross(force, moment) / np.where(square > 0, square, 1.0)
+    return arm[:, :, None] * force[:, None, :]
+
+
+def _virial(name: str, value: npt.ArrayLike | None, wrench: npt.ArrayLike | None) -> FloatArray | None:
+    if value is None:
+        return None
+    if wrench is None:
+        raise InputError(f"LoadCase.{name}", "no wrenches", expected=f"{name.removesuffix('_virial')} with it")
+    return floats(f"LoadCase.{name}", value, (len(np.asarray(wrench)), 3, 3))
 
 
 def load_keys() -> tuple[str, ...]:

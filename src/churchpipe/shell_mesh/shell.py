@@ -56,7 +56,7 @@ def derive_shell(building: Building, element_size: float, sizes: Mapping[str, fl
     InputError
         A wall that cannot be meshed, a size out of range or of an unknown panel, a wall that rests on nothing.
     """
-    check_kind("derive_shell: building", building, Building, "read_case(...).building() makes one.")
+    check_kind("derive_shell: building", building, Building, remedy="read_case(...).building() makes one.")
     if not building.panels and not building.vaults:
         raise InputError(f"building {building.name}", "no walls", found=0, expected="at least one panel or vault")
     check_count(building)
@@ -155,7 +155,7 @@ def _vault_shell(building: Building, element_size: float) -> ShellModel:
 
 def _sizes(building: Building, element_size: float, sizes: Mapping[str, float]) -> list[float]:
     names = [panel.name for panel in building.panels]
-    check_kind("derive_shell: sizes", sizes, Mapping, "Pass the element size of each panel, m, by its name.")
+    check_kind("derive_shell: sizes", sizes, Mapping, remedy="Pass the element size of each panel, m, by its name.")
     for name in sizes:
         if name not in names:
             raise InputError(f"element size of {name}", "no such panel", expected=", ".join(names))

@@ -46,7 +46,7 @@ def derive_blocks(building: Building) -> Assemblage:
     InputError
         A wall that cannot be laid, or stones whose volume is not that of the walls.
     """
-    check_kind("derive_blocks: building", building, Building, "read_case(...).building() makes one.")
+    check_kind("derive_blocks: building", building, Building, remedy="read_case(...).building() makes one.")
     if not building.panels and not building.vaults:
         raise InputError(f"building {building.name}", "no walls", found=0, expected="at least one panel or vault")
     check_count(building)

@@ -16,6 +16,7 @@ from churchpipe.shell_mesh.shell import derive_shell
 from churchpipe.stages import source
 from churchpipe.stones.blocks import derive_blocks
 
+READY = Path(__file__).parents[3] / "pipeline" / "cases"
 CASE = """
 name = "loaded"
 [source]
@@ -221,3 +222,51 @@ def test_walls_are_of_the_first_material_of_the_case_in_a_run_too(tmp_path: Path
     configure(tmp_path / "loaded.toml", tmp_path / "run")
     source(tmp_path / "run/geometry/base/settings.json", tmp_path / "building.json")
     assert {panel.material for panel in read_building(tmp_path / "building.json").panels} == {"default"}
+
+
+FLOORS = """
+[[diaphragms]]
+name = "loft"
+walls = ["nave_left", "nave_right"]
+height_m = 4.5
+dead_kN_m2 = 1.0
+spacing_m = 1.0
+friction = 0.4
+fixing_kN = 2.0
+bearing_length_mm = 120
+"""
+
+
+def chapel(folder: Path, more: str) -> Path:
+    path = folder / "chapel.toml"
+    path.write_text((READY / "chapel.toml").read_text() + more)
+    return path
+
+
+def test_a_diaphragm_presses_and_holds(tmp_path: Path) -> None:
+    case = read_case(chapel(tmp_path, FLOORS))
+    assert carries_of(case.carries.settings()).settings() == case.carries.settings()
+    (loft,) = case.carries.diaphragms
+    found = placed(case.carries, derive_blocks(case.building()))
+    weight = found.loads.weight.sum()
+    # 4.6 m clear between the walls, a joist a metre.
+    assert len(found.ties) == round(weight / loft.dead / 4.6)
+    assert {tie.governs for tie in found.ties} == {"friction and fixing at its bearings"}
+    # All joists together hold .4 of what one wall bears, and 2 kN each.
+    assert sum(tie.strength for tie in found.ties) == pytest.approx(0.4 * weight / 2 + 2e3 * len(found.ties))
+    assert {tie.ultimate for tie in found.ties} == {0.12}
+
+
+@pytest.mark.parametrize(
+    ("given", "wrong", "said"),
+    [
+        ('"nave_right"]', '"nave_rigth"]', r"diaphragms\.0: diaphragm loft: no such wall; found nave_rigth"),
+        ('["nave_left", "nave_right"]', '["nave_left", "facade"]', r"diaphragms\.0: diaphragm loft: walls: not around a floor"),
+        ("spacing_m = 1.0", "spacing_m = 0", r"diaphragms\.0\.spacing_m: wrong value"),
+        ("friction = 0.4\nfixing_kN = 2.0\n", "", r"diaphragms\.0: nothing holds its joists"),
+    ],
+)
+def test_what_is_wrong_with_a_diaphragm_is_said_with_its_line(tmp_path: Path, given: str, wrong: str, said: str) -> None:
+    assert given in FLOORS
+    with pytest.raises(InputError, match=rf"chapel\.toml: line \d+, {said}"):
+        read_case(chapel(tmp_path, FLOORS.replace(given, wrong))).building()

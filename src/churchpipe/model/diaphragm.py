@@ -1,0 +1,93 @@
+"""Flexible floors and roofs: joists that hold two walls together by what holds their ends."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
+
+from churchpipe.errors import InputError
+from churchpipe.model.arguments import positive
+from churchpipe.model.arrays import floats, store
+from churchpipe.model.carried import AreaLoad
+from churchpipe.model.quantities import Length, Quantity
+
+TIMBER_MODULUS = 10e9
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Diaphragm(AreaLoad):
+    """A floor or roof of joists that span between two parallel walls.
+
+    Its weight lies on both of them, as that of any `AreaLoad`. Besides, each joist pulls them together with what holds its ends:
+    friction times the dead load that it bears there, and a fixing. A joist never pushes walls apart, and no force goes across
+    the joists: in its plane the floor bends without resistance.
+
+    Parameters
+    ----------
+    walls, dead, begin, end, height, bearing, mass, name
+        As of an `AreaLoad` between two walls.
+    spacing
+        m from joist to joist. The length of the floor is divided evenly, into strips about so wide.
+    friction
+        Of a joist on its bearings.
+    fixing
+        What an anchor at each end of a joist holds beside friction, N.
+    joist
+        Width and height of a joist, m; capacity curves take its stiffness from them.
+    modulus
+        Of the joists, Pa.
+    bearing_length
+        m; a joist pulled so far falls off its bearing. None: never.
+
+    Raises
+    ------
+    InputError
+        As `AreaLoad`; not two walls, nothing that holds the joists, sizes that are not above zero.
+    """
+
+    spacing: Annotated[float, Quantity("_m", 0.0, above=True), "From joist to joist; the floor is divided evenly, about so."]
+    friction: Annotated[float, Quantity("", 0.0), "Of a joist on its bearings."] = 0.0
+    fixing: Annotated[float, Quantity("_kN", 0.0), "What an anchor at each end of a joist holds beside friction."] = 0.0
+    joist: Annotated[tuple[Length, Length], "Width and height of a joist: its stiffness, for capacity curves."] = (0.1, 0.2)
+    modulus: Annotated[float, Quantity("_GPa", 0.0, above=True), "Of the joists."] = TIMBER_MODULUS
+    bearing_length: Annotated[
+        float | None, Quantity("_mm", 0.0, above=True), "A joist pulled so far falls off; left out: never."
+    ] = None
+    kind: ClassVar[str] = "diaphragm"
+
+    def __init__(
+        self,
+        walls: Sequence[str],
+        *,
+        spacing: float,
+        dead: float,
+        friction: float = 0.0,
+        fixing: float = 0.0,
+        begin: float | None = None,
+        end: float | None = None,
+        height: float | None = None,
+        bearing: float = 0.0,
+        mass: float | None = None,
+        joist: tuple[float, float] = (0.1, 0.2),
+        modulus: float = TIMBER_MODULUS,
+        bearing_length: float | None = None,
+        name: str = "",
+    ) -> None:
+        extent = {"begin": begin, "end": end, "height": height, "mass": mass}
+        AreaLoad.__init__(self, walls, dead=dead, bearing=bearing, name=name, **extent)
+        where = self.called
+        if len(self.walls) != 2:
+            raise InputError(f"{where}: walls", "not two walls", found=", ".join(self.walls), expected="two parallel ones")
+        for key, value in (("spacing", spacing), ("dead", dead), ("modulus", modulus)):
+            positive(f"{where}: {key}", value)
+        for key, value in (("friction", friction), ("fixing", fixing)):
+            positive(f"{where}: {key}", value, allow_zero=True)
+        if not friction and not fixing:
+            remedy = "Without either it is an area load."
+            raise InputError(where, "nothing holds its joists", expected="friction or a fixing", remedy=remedy)
+        width, depth = floats(f"{where}: joist", joist, (2,)).tolist()
+        if not min(width, depth) > 0:
+            raise InputError(f"{where}: joist", "out of range", found=list(joist), expected="width and height > 0 m")
+        if bearing_length is not None:
+            positive(f"{where}: bearing_length", bearing_length)
+        store(self, spacing=float(spacing), friction=float(friction), fixing=float(fixing), joist=(width, depth))
+        store(self, modulus=float(modulus), bearing_length=bearing_length)
