@@ -21,7 +21,7 @@ from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
 from churchpipe.rigid_blocks.interval import mechanism_interval
 from churchpipe.rigid_blocks.iterations import certified_iteration
 from churchpipe.rigid_blocks.limit import associative_program, limit_analysis, point_strength
-from churchpipe.rigid_blocks.sliding import leading
+from churchpipe.rigid_blocks.sliding import leading, led_by
 from churchpipe.stones.blocks import derive_blocks
 from churchpipe.stones.contacts import find_contacts
 from models import FERRIS_TIN_LOI_LOAD as LOAD
@@ -260,6 +260,26 @@ def test_rounding_does_not_choose_the_load_factor_that_leads(found: dict[str, fl
     """S22 from the dead load ends at .18797 on one machine and at .18871 on another, from the centre at .1884532 on both."""
     runs = [StartRun(start, value, True, 0.0, (0.0, 1.0), ()) for start, value in found.items()]
     assert runs[leading(runs)].start == leads
+
+
+@pytest.mark.parametrize(
+    ("intervals", "leads", "looked_at"),
+    [
+        ({"dead-load": (0.24, 0.26), "associative": (0.26, 0.27)}, "dead-load", ["dead-load"]),
+        ({"dead-load": (-2e-6, 0.3), "associative": (0.26, 0.27)}, "associative", ["dead-load", "associative"]),
+        ({"dead-load": (1e-4, 0.3), "associative": (0.0, 0.3)}, "dead-load", ["dead-load", "associative"]),
+        ({"dead-load": (np.nan, np.nan), "associative": (0.26, 0.27)}, "dead-load", ["dead-load"]),
+    ],
+)
+def test_a_state_that_fits_any_load_does_not_lead(
+    intervals: dict[str, tuple[float, float]], leads: str, looked_at: list[str]
+) -> None:
+    """The church with beams and ties along -y: two stones at the foot of the portal are squeezed out, at .2495 or anything."""
+    values = {"dead-load": 0.2495, "associative": 0.2654}
+    runs = [StartRun(start, values[start], True, 0.0, (np.nan, np.nan), ()) for start in intervals]
+    first, found = led_by(runs, lambda number: intervals[runs[number].start])
+    assert runs[first].start == leads
+    assert [runs[number].start for number in found] == looked_at
 
 
 def test_the_printed_iteration_keeps_one_run_a_start() -> None:

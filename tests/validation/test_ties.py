@@ -146,6 +146,16 @@ def test_piers_without_dilatancy(method: str) -> None:
     assert (state.tie_forces <= [tie.strength * (1 + 1e-9) for tie in ties]).all()
 
 
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_the_run_from_the_centre_knows_ties(seed: int) -> None:
+    # Piers that overturn have one load factor: the run with held tensions and the search from the dead load end at it.
+    stones, ties = piers(seed)
+    state = tied(stones, *ties, friction=0.4, flow="non-associative")
+    assert [run.start for run in state.starts] == ["centre", "dead-load"]
+    assert all(run.converged for run in state.starts)
+    assert state.starts[0].load_factor == pytest.approx(state.starts[1].load_factor, rel=1e-6)
+
+
 def leaning() -> cp.Assemblage:
     """A block whose centroid lies beyond its base, beside an upright one."""
     return on_ground(prism([(0, 0), (1, 0), (3, 3), (2, 3)], 1.0), box((-4, -2), (0, 1), (0, 3)))

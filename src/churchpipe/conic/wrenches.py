@@ -111,6 +111,20 @@ class Wrenches:
             np.concatenate([self.shift, other.shift]),
         )
 
+    def first(self, points: int) -> "Wrenches":
+        """Return the map of its first points alone."""
+        touches = int(self.pointer[points])
+        return Wrenches(
+            self.count,
+            self.pointer[: points + 1],
+            self.bodies[:touches],
+            self.arms[:touches],
+            self.signs[:touches],
+            self.frames,
+            self.frame[:points],
+            self.shift[:points],
+        )
+
 
 # What a cone program balances: the wrenches of rigid bodies, or any matrix with three columns a point.
 Balance: TypeAlias = Wrenches | sp.csc_matrix[np.float64]

@@ -6,7 +6,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from churchpipe.conic.solve import Solve
+from churchpipe.conic.solve import Solve, solver_for
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import finite, listed
 from churchpipe.model.arrays import FloatArray
@@ -26,13 +26,15 @@ from churchpipe.rigid_blocks.coulomb import (
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
 from churchpipe.rigid_blocks.interval import mechanism_interval
 from churchpipe.rigid_blocks.iterations import SlidingRun, certified_iteration, paper_iteration
-from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP, SEARCH_SPREAD, SchemeSettings
-from churchpipe.rigid_blocks.ties import all_forces, point_forces
+from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP, SEARCH_SPREAD, CentralSettings, SchemeSettings
+from churchpipe.rigid_blocks.ties import all_forces, point_forces, with_tensions
 
 Method = Literal["default", "paper"]
 Start = Literal["centre", "dead-load", "uniform", "associative", "scattered"]
 Progress = Callable[[str, float], None]
 _STARTS: dict[Method, tuple[Start, ...]] = {"default": ("centre", "dead-load"), "paper": ("associative",)}
+# An interval that begins below this share of the load factor begins at zero.
+_ANY_LOAD = 1e-2
 # Nobody waits long for a second opinion: once a state is certified, a search gives up after so many steps without half the gap.
 _PATIENCE = 8
 # Where the run from the centre cannot begin, or stops short of a state, the search is tried from these.
@@ -102,7 +104,7 @@ def sliding_analysis(
     """
     search = _Search(balance, strength, associative, options, solve, progress)
     starts: list[Start] = list(options.starts)
-    if "centre" in starts and not runs_from_centre(balance, strength):
+    if "centre" in starts and not runs_from_centre(*_held(balance, strength, associative)):
         starts = list(dict.fromkeys([*_OTHERS, *(start for start in starts if start != "centre")]))
     if associative.status != "optimal":
         # Forces that balance the lateral load alone are no start.
@@ -121,15 +123,40 @@ def sliding_analysis(
         search.keep("associative", [_associative_run(balance, strength, associative, solve)], "default")
     # Of states that were not certified the nearest is the result. Eq. (3) has no measure of nearness.
     settled = [end for end in search.ends if end[0].converged]
-    if settled:
-        chosen = settled[leading([end[0] for end in settled])]
-    else:
-        chosen = min(search.ends, key=lambda end: end[1].load_factor if options.method == "paper" else end[1].relative_gap)
-    record, run, state = chosen
-    if state is not None:
-        record = replace(record, interval=mechanism_interval(balance, strength, state, solve))
-    runs = [record if end is chosen else end[0] for end in search.ends]
-    return _state(balance, strength, associative, (record, run, state), runs, search.found)
+    if not settled:
+        settled = [min(search.ends, key=lambda end: end[1].load_factor if options.method == "paper" else end[1].relative_gap)]
+
+    def interval_of(number: int) -> tuple[float, float]:
+        state = settled[number][2]
+        return (np.nan, np.nan) if state is None else mechanism_interval(balance, strength, state, solve)
+
+    first, intervals = led_by([end[0] for end in settled], interval_of)
+    for number, interval in intervals.items():
+        record, run, state = settled[number]
+        settled[number] = replace(record, interval=interval), run, state
+    known = {end[0].start: end[0] for end in settled}
+    runs = [known.get(end[0].start, end[0]) for end in search.ends]
+    passed_over = [settled[number][0] for number in intervals if number != first]
+    return _state(balance, strength, associative, settled[first], runs, search.found, passed_over)
+
+
+def led_by(
+    runs: Sequence[StartRun], interval_of: Callable[[int], tuple[float, float]]
+) -> tuple[int, dict[int, tuple[float, float]]]:
+    """Return which of several settled runs is reported, and the intervals looked at for that, by their numbers.
+
+    A few stones that only friction holds between others may be squeezed out under any load factor from zero on, with the
+    self-stress for it. Such a state says nothing of the lateral load: the next one leads, if there is one without zero in its
+    interval.
+    """
+    left, intervals = list(range(len(runs))), dict[int, tuple[float, float]]()
+    while left:
+        first = left[leading([runs[number] for number in left])]
+        intervals[first] = interval_of(first)
+        if not intervals[first][0] <= _ANY_LOAD * runs[first].load_factor:
+            return first, intervals
+        left.remove(first)
+    return leading(runs), intervals
 
 
 def leading(runs: Sequence[StartRun]) -> int:
@@ -169,7 +196,7 @@ class _Search:
         if start == "associative" and self._associative.status != "optimal":
             return
         if start == "centre":
-            runs = [from_centre(balance, strength, options.bipotential_gap, solve, self._progress)]
+            runs = [self._from_centre()]
         else:
             normal = self._associative.forces[:, 0] / balance.force
             n = np.concatenate([_first_forces(start, normal, balance), np.zeros(len(strength.friction) - balance.contacts)])
@@ -183,6 +210,24 @@ class _Search:
                 runs = [paper_iteration(balance, strength, n, each, solve, progress=self._progress) for each in before]
         self.keep(start, [run for run in runs if run is not None], options.method)
 
+    def _from_centre(self) -> SlidingRun | None:
+        """Return the run from the centre; with ties, which it does not know, a search from the end of the run in which they pull
+        as they do in the associative state."""
+        balance, strength = _held(self._balance, self._strength, self._associative)
+        gap = self._options.bipotential_gap
+        if balance is self._balance:
+            return from_centre(balance, strength, gap, self._solve, self._progress)
+        run = from_centre(balance, strength, gap, solver_for(balance.balance), self._progress)
+        if run is None or run.relative_gap > CentralSettings().near:
+            return None
+        n = np.concatenate([np.maximum(run.x[:, 0], 0.0), self._associative.tie_forces / balance.force])
+        settings = SchemeSettings(bipotential_gap=gap)
+        tied = certified_iteration(self._balance, self._strength, n, self._solve, settings, self._progress)
+        if tied is None:
+            return None
+        spent = {"solves": tied.solves + run.solves, "iterations": tied.iterations + run.iterations}
+        return replace(tied, history=(*run.history, *tied.history), **spent)
+
     def keep(self, start: Start, runs: list[SlidingRun], method: Method) -> None:
         """Keep these runs of a start, and the certificate of the best."""
         if not runs:
@@ -193,6 +238,13 @@ class _Search:
         gap = np.nan if state is None else state.gap
         record = StartRun(start, run.load_factor, run.converged, gap, (np.nan, np.nan), run.history)
         self.ends.append((record, run, state))
+
+
+def _held(balance: Equilibrium, strength: Strength, associative: LimitState) -> tuple[Equilibrium, Strength]:
+    """Return balance and strength with ties that pull as in the associative state, or as they are where there are none."""
+    if not balance.ties or balance.pressed is not None or associative.status != "optimal":
+        return balance, strength
+    return with_tensions(balance, strength, associative.tie_forces / balance.force)
 
 
 def _associative_run(balance: Equilibrium, strength: Strength, associative: LimitState, solve: Solve) -> SlidingRun:
@@ -229,6 +281,7 @@ def _state(
     end: _End,
     starts: list[StartRun],
     found: list[SlidingRun],
+    passed_over: list[StartRun],
 ) -> LimitState:
     reported, chosen, certified = end
     slack = 1e-3 * max(abs(associative.load_factor), 1e-3)
@@ -267,18 +320,24 @@ def _state(
         friction_violation=overdrawn,
         fixed_points=tuple(run.load_factor for run in found if run.converged),
         starts=tuple(starts),
-        message=_cost(found, associative.iterations) if proven else _why(chosen, certified, overdrawn),
+        message=_cost(found, associative.iterations, passed_over) if proven else _why(chosen, certified, overdrawn),
     )
 
 
-def _cost(found: list[SlidingRun], associative: int) -> str:
+def _cost(found: list[SlidingRun], associative: int, passed_over: list[StartRun]) -> str:
     """Say what each start cost, in convex programs and in solves of the associative problem with as many factorisations."""
-    return "; ".join(
+    others = (
+        f"the state at {run.load_factor:.4f} from the start {run.start} does not lead: it fits any load factor"
+        f" from {max(run.interval[0], 0.0):.4f} to {run.interval[1]:.4f}"
+        for run in passed_over
+    )
+    costs = (
         (f"{run.solves} convex programs, " if run.solves else "")
         + f"{run.iterations} factorisations"
         + (f" = {run.iterations / associative:.1f} associative solves" if associative else "")
         for run in found
     )
+    return "; ".join((*others, *costs))
 
 
 def _why(chosen: SlidingRun, certified: CoulombState | None, violation: float) -> str:

@@ -49,6 +49,15 @@ def with_ties(balance: Equilibrium, strength: Strength, stones: Assemblage, ties
     return tied, Strength(*(np.concatenate(pair) for pair in values))
 
 
+def with_tensions(balance: Equilibrium, strength: Strength, tension: FloatArray) -> tuple[Equilibrium, Strength]:
+    """Return balance and strength with the ties as dead loads, of given tensions (nt,) in the unit of force."""
+    x = np.zeros((balance.points, 3))
+    x[balance.contacts :, 0] = tension
+    dead = balance.dead + balance.wrenches.apply(x)
+    held = replace(balance, wrenches=balance.wrenches.first(balance.contacts), dead=dead, ties=0)
+    return held, Strength(*(part[: balance.contacts] for part in (strength.friction, strength.cohesion, strength.bound)))
+
+
 def _pulls(stones: Assemblage, tie: Tie, row_of: IntArray) -> tuple[IntArray, FloatArray, FloatArray]:
     """Return the free stones (k,), ascending, that a tie pulls on, as rows of the balance, the arms (k, 3) m of the pull on
     each, and its share (k,) along the tie from end to start."""
