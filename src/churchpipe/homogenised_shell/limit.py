@@ -86,31 +86,34 @@ def shell_limit_analysis(
     elements = shell_elements(shell, membrane, stations)
     bars = listed("shell_limit_analysis: ties", ties, Tie)
 
-    def analysed(case: LoadCase) -> ShellLimitState:
-        return _solved(CondensedShell(elements, case, materials, planes), solver, progress)
+    def analysed(case: LoadCase, looks: bool = True) -> ShellLimitState:
+        return _solved(CondensedShell(elements, case, materials, planes), solver, looks, progress)
 
     state = tied_analysis(shell, load, bars, analysed) if bars else analysed(load)
     return replace(state, seconds=perf_counter() - begin, message=with_warning(state.message, planes))
 
 
-def _solved(condensed: CondensedShell, solver: Solver, progress: Progress | None) -> ShellLimitState:
+def _solved(condensed: CondensedShell, solver: Solver, looks: bool, progress: Progress | None) -> ShellLimitState:
+    """Return the limit state; looks: first whether the dead load stands."""
     shell = condensed.elements.shell
     methods = ["interior-point", "clarabel"] if solver == "auto" and len(shell.triangles) <= SOLVER.clarabel_facets else [solver]
     *others, last = methods
     for method in others:
-        state = _analysed(condensed, method, progress)
+        state = _analysed(condensed, method, looks, progress)
         if state.status != "failed":
             return state
-    return _analysed(condensed, "interior-point" if last == "auto" else last, progress)
+    return _analysed(condensed, "interior-point" if last == "auto" else last, looks, progress)
 
 
-def _analysed(condensed: CondensedShell, method: str, progress: Progress | None) -> ShellLimitState:
+def _analysed(condensed: CondensedShell, method: str, looks: bool, progress: Progress | None) -> ShellLimitState:
     dead, live = condensed.loads.dead, condensed.loads.live
-    if method == "clarabel":
-        found = condensed.solve_directly(None, dead, cap=1.0)
-    else:
-        found = condensed.solve(None, dead, cap=1.0, progress=progress and partial(progress, "dead load"))
-    state = _verdict(condensed.elements, proved_bounds(condensed, found, np.zeros_like(dead), dead))
+    state = None
+    if looks:
+        if method == "clarabel":
+            found = condensed.solve_directly(None, dead, cap=1.0)
+        else:
+            found = condensed.solve(None, dead, cap=1.0, progress=progress and partial(progress, "dead load"))
+        state = _verdict(condensed.elements, proved_bounds(condensed, found, np.zeros_like(dead), dead))
     if state is None:
         if method == "clarabel":
             found = condensed.solve_directly(dead, live)
