@@ -9,10 +9,12 @@ a part of the page is taken in a browser (Chromium).
 import shutil
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 from PIL import Image
+from playwright.sync_api import Page, ViewportSize, sync_playwright
 
 FOLDER = Path("docs/pictures")
 # Picture -> ready case, and what of its run: a file of the folder figures/; "top", the head of the page; "#id", a section of it.
@@ -21,8 +23,9 @@ PICTURES = {
     "s22_overlay": ("s22", "-y_limit_overlay.png"),
     "variants_report": ("chapel_variants", "top"),
     "uncertainty": ("s5_uncertain", "#uncertainty"),
+    "church_convergence": ("church_sliding", "#convergence"),
 }
-WINDOW = {"width": 1200, "height": 1180}
+WINDOW: ViewportSize = {"width": 1200, "height": 1180}
 
 
 def main(names: Sequence[str]) -> None:
@@ -42,16 +45,33 @@ def main(names: Sequence[str]) -> None:
 
 def photographed(page: Path, what: str, picture: Path) -> None:
     """Take a picture of the head of a page, or of a section of it."""
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as play:
-        program = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))))
-        browser = play.chromium.launch(executable_path=program, args=["--no-sandbox", "--enable-unsafe-swiftshader"])
-        sheet = browser.new_page(viewport=WINDOW)
+    with new_sheet() as sheet:
         sheet.goto(page.resolve().as_uri())
         sheet.wait_for_function("document.body.dataset.ready === 'true'")
         (sheet if what == "top" else sheet.locator(what)).screenshot(path=picture)
+    with_few_colours(picture)
+
+
+def drawing_photographed(drawing: str, picture: Path) -> None:
+    """Take a picture of a drawing (SVG)."""
+    with new_sheet() as sheet:
+        sheet.set_content(drawing)
+        sheet.locator("svg").screenshot(path=picture)
+    with_few_colours(picture)
+
+
+@contextmanager
+def new_sheet() -> Iterator[Page]:
+    """Yield an empty page of a browser."""
+    with sync_playwright() as play:
+        program = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))))
+        browser = play.chromium.launch(executable_path=program, args=["--no-sandbox", "--enable-unsafe-swiftshader"])
+        yield browser.new_page(viewport=WINDOW)
         browser.close()
+
+
+def with_few_colours(picture: Path) -> None:
+    """Write a picture again with a palette: a third of its size."""
     Image.open(picture).convert("P", palette=Image.Palette.ADAPTIVE).save(picture, optimize=True)
 
 

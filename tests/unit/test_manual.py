@@ -14,6 +14,7 @@ import yaml
 from mkdocs.commands.build import build
 from mkdocs.config import load_config
 from mkdocs.exceptions import Abort
+from typer.core import TyperGroup
 
 import churchpipe
 from churchpipe.cli import app
@@ -21,6 +22,7 @@ from churchpipe.config.case import read_variants
 from churchpipe.errors import InputError
 from manual_pages import PAGES, ROOT, commands, commands_in_sentences
 
+PICTURES = ROOT / "docs" / "pictures"
 # A file that makes or holds figures, a ready case, or a command.
 _MADE = re.compile(
     r"(?:tests|benchmarks|pipeline|scripts)/[\w/]+\.\w+|test_\w+\.py|\w+\.toml|^ {4}(?:churchpipe|python) ", re.MULTILINE
@@ -41,9 +43,33 @@ def test_every_table_of_figures_says_what_makes_it(page: Path) -> None:
         assert (ROOT / name).is_file(), name
 
 
+def what_draws(picture: Path) -> str:
+    """Return the script that writes a picture and that the manual names, or the page whose Python draws it; "" without one."""
+    named = re.compile(rf'["/]{re.escape(picture.stem)}(?:\.png)?"')
+    folder = re.compile(rf'["/]{picture.parent.name}["/]|import FOLDER')
+    manual = "".join(page.read_text(encoding="utf-8") for page in PAGES)
+    for script in sorted((ROOT / "benchmarks").glob("*.py")):
+        text = script.read_text(encoding="utf-8")
+        if named.search(text) and folder.search(text) and f"benchmarks/{script.name}" in manual:
+            return script.name
+    return next((page.name for page in PAGES if named.search(python_blocks(page))), "")
+
+
+@pytest.mark.parametrize("picture", sorted(PICTURES.rglob("*.png")), ids=lambda picture: picture.stem)
+def test_every_picture_is_made_by_a_script_that_the_manual_names(picture: Path) -> None:
+    assert what_draws(picture)
+
+
+def test_a_picture_that_nothing_draws_is_found() -> None:
+    assert not what_draws(PICTURES / "drawn_by_hand.png")
+    assert not what_draws(PICTURES / "vaults" / "chapel.png")
+    assert what_draws(PICTURES / "gallery" / "chapel.png") == "gallery.py"
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_commands_exist(page: Path) -> None:
     group = typer.main.get_command(app)
+    assert isinstance(group, TyperGroup)
     for line in [*commands(page), *commands_in_sentences(page)]:
         _, name, *arguments = shlex.split(line, comments=True)
         if name in ("--version", "--help"):
@@ -156,7 +182,7 @@ def test_python_that_is_only_shown_names_what_exists(page: Path) -> None:
     for block in indented(page.read_text(encoding="utf-8")):
         if re.search(r"^(import|from) |\bcp\.", block, flags=re.MULTILINE) and not block.startswith(("python ", "churchpipe ")):
             ast.parse(block)
-            assert set(re.findall(r"\bcp\.(\w+)", block)) <= set(churchpipe.__all__)
+            assert set(re.findall(r"\bcp\.(\w+)", block)) <= set(vars(churchpipe)["__all__"])
             exec("\n".join(re.findall(r"^(?:import|from) .*$", block, flags=re.MULTILINE)), {})
 
 

@@ -44,11 +44,13 @@ def mechanism_picture(
     *,
     amplitude: float | None = None,
     size: tuple[int, int] = PICTURE_SIZE,
+    toward: FloatArray | None = None,
 ) -> None:
     """Write a PNG of the structure displaced by velocities (nb, 6), stones coloured by speed; None: as it stands, by panel.
 
     amplitude: factor on the velocities; by default the mechanism moves by 8 % of the structure's size.
     push: direction (3,) of the lateral load, drawn as an arrow. borne: ties and loads, drawn as lines and arrows.
+    toward: unit vector (3,) towards the eye; by default a good side, see `viewpoint`.
     """
     import pyvista as pv
     from matplotlib.colors import LinearSegmentedColormap, to_rgb
@@ -86,7 +88,7 @@ def mechanism_picture(
         framed = points[~plate[owner]]
         if arrow is not None:
             framed = np.concatenate([framed, push_arrow_start(stones, arrow)[None, :]])
-        frame_camera(plotter, framed, viewpoint(stones, motion))
+        frame_camera(plotter, framed, viewpoint(stones, motion) if toward is None else toward)
         plotter.enable_anti_aliasing("ssaa")
         pixels = plotter.screenshot(return_img=True)
     finally:
