@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import dataclass
-from functools import partial
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -31,6 +30,10 @@ class DomeParameters:
     rings: Annotated[Count, "Rings of stones, the closing stone among them."]
     sides: Annotated[Count, "Flat sides of the plan; of a half dome those of the half circle."] = 32
     stone_sides: Annotated[Count, "Sides of the plan that one stone covers."] = 2
+    shortest_stone: Annotated[
+        Length | None,
+        "Length below which stones of rings towards the crown are not laid: such rings have half as many, twice as long.",
+    ] = None
     rise: Annotated[Length | None, "Rise of the soffit; by default a half sphere."] = None
     laid: Annotated[
         Literal["staggered", "lunes"], "Rings staggered by half a stone, or lunes with upright joints from springing to crown."
@@ -131,42 +134,39 @@ def dome(*, name: str = "dome", materials: tuple[UnitWeight, ...] = (DEFAULT_MAT
     """Return a dome; keywords as in `DomeParameters`, SI."""
     p = as_dataclass(DomeParameters, "dome", parameters)
     materials = materials_of("dome", materials)
-    half = p.plan == "half"
     joints = p.directrix.joints
-    lay = partial(
-        add_rings,
-        centre=(0.0, 0.0),
-        sectors=p.sides,
-        width=p.stone_sides,
-        stagger=p.laid == "staggered",
-        turn=math.pi if half else 2 * math.pi,
-    )
-    courses = Courses()
-    first, outer = 0, float(joints[0, 1, 0])
+    laid: list[tuple[str, list[Section]]] = []
+    outer = float(joints[0, 1, 0])
     if p.drum_height is not None and p.drum_thickness is not None and p.drum_course is not None:
-        outer = p.span / 2 + p.drum_thickness
-        first = round(p.drum_height / p.drum_course)
-        lay(courses, wall(p.span / 2, outer, 0.0, first, p.drum_course), part="drum")
-    foot = skewback(joints[0], max(outer, float(joints[0, 1, 0])))
+        outer = max(outer, p.span / 2 + p.drum_thickness)
+        rings = round(p.drum_height / p.drum_course)
+        laid.append(("drum", wall(p.span / 2, p.span / 2 + p.drum_thickness, 0.0, rings, p.drum_course)))
+    foot = skewback(joints[0], outer)
     if foot:
-        lay(courses, [foot], part="skewback", first=first)
-        first += 1
+        laid.append(("skewback", [foot]))
     sections = p.directrix.sections
     if p.oculus is None:
         crown = joints[-1] * np.array([0.0, 1.0])
         sections = [*sections, between(joints[-1], crown)]
     else:
         sections = [*sections[:-1], _closing_ring(joints, p.lantern_thickness)]
-    lay(courses, sections, part="dome", first=first)
+    laid.append(("dome", sections))
     if p.lantern_height is not None and p.lantern_thickness is not None and p.lantern_course is not None:
         inner, low = float(joints[-1, 0, 0]), float(joints[-1, 1, 1])
-        count = round(p.lantern_height / p.lantern_course)
-        lay(
-            courses,
-            wall(inner, inner + p.lantern_thickness, low, count, p.lantern_course),
-            part="lantern",
-            first=first + len(sections),
-        )
+        rings = round(p.lantern_height / p.lantern_course)
+        laid.append(("lantern", wall(inner, inner + p.lantern_thickness, low, rings, p.lantern_course)))
+    courses = Courses()
+    add_rings(
+        courses,
+        [section for _, own in laid for section in own],
+        centre=(0.0, 0.0),
+        sectors=p.sides,
+        width=p.stone_sides,
+        part=[part for part, own in laid for _ in own],
+        stagger=p.laid == "staggered",
+        turn=math.pi if p.plan == "half" else 2 * math.pi,
+        shortest=p.shortest_stone or 0.0,
+    )
     supports = (_front(p),) if p.front == "wall" else ()
     return Building(name, (), materials, supports=supports, vaults=(courses.vault("dome", materials[0].name),))
 

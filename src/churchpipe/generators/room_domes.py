@@ -31,7 +31,7 @@ def half_dome(where: str, vault: RoomVault, apse: Apse, face: float, material: s
         )
     _check_shape(where, vault, apse.height, "the top of the apse")
     courses = Courses()
-    _add_hemisphere(courses, vault, apse.inner_radius, apse.height, (apse.centre, face), turn=math.pi)
+    _add_hemisphere(where, courses, vault, apse.inner_radius, apse.height, (apse.centre, face), turn=math.pi)
     return courses.vault(f"vault_{vault.over}", material)
 
 
@@ -61,7 +61,7 @@ def crossing_dome(where: str, vault: RoomVault, room: Room, material: str) -> li
     name = f"vault_{vault.over}"
     below, courses = Courses(), Courses()
     add_squinches(below, half, reach, (room.top, top), centre=centre, part=(f"{name}_slab", f"{name}_springer"))
-    _add_hemisphere(courses, vault, inner, top, centre)
+    _add_hemisphere(where, courses, vault, inner, top, centre)
     return [courses.vault(name, material), below.vault(f"{name}_foot", material, shell="bodies")]
 
 
@@ -80,7 +80,13 @@ def _check_shape(where: str, vault: RoomVault, level: float, top: str) -> None:
 
 
 def _add_hemisphere(
-    courses: Courses, vault: RoomVault, inner: float, level: float, centre: tuple[float, float], turn: float = 2 * math.pi
+    where: str,
+    courses: Courses,
+    vault: RoomVault,
+    inner: float,
+    level: float,
+    centre: tuple[float, float],
+    turn: float = 2 * math.pi,
 ) -> None:
     """Add a dome of this inner radius, m, from z = level upwards, or a part of it within `turn` rad."""
     angles = np.pi / 2 / vault.courses * np.arange(vault.courses, dtype=np.float64)
@@ -95,4 +101,6 @@ def _add_hemisphere(
         part=f"vault_{vault.over}",
         stagger=vault.heads == "staggered",
         turn=turn,
+        shortest=vault.shortest_stone or 0.0,
+        where=where,
     )

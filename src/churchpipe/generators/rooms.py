@@ -39,6 +39,9 @@ class RoomVault:
     corner: Annotated[Corner, "Which corner stones of crossed vaults run round the mitre: all, every other or none."] = "round"
     backing: Annotated[Length | None, "Height over the springing of masonry on the haunches."] = None
     sides: Annotated[Count, "Flat sides of the plan of a dome or half dome."] = 16
+    shortest_stone: Annotated[
+        Length | None, "Length below which stones of a dome's rings are not laid: such rings have half as many, twice as long."
+    ] = None
     slab: Annotated[Length | None, "Height of the slabs across the corners below a dome; by default its thickness."] = None
     arches: Annotated[Count | None, "Number of arches below a barrel."] = None
     arch_width: Annotated[Length | None, "Width of these arches."] = None
@@ -47,9 +50,11 @@ class RoomVault:
     def __post_init__(self) -> None:
         coerce_fields(self, "vault: ")
         together("vault", self, "arches", "arch_width", "arch_depth")
-        for key, kind in (("arches", "barrel"), ("slab", "dome")):
-            if getattr(self, key) is not None and self.kind != kind:
-                raise InputError(f"vault.{key}", f"only a {kind} has one", found=f"kind = {self.kind}", expected="no such key")
+        for key, kinds in (("arches", ("barrel",)), ("slab", ("dome",)), ("shortest_stone", ("dome", "half_dome"))):
+            if getattr(self, key) is not None and self.kind not in kinds:
+                raise InputError(
+                    f"vault.{key}", f"only a {kinds[0]} has one", found=f"kind = {self.kind}", expected="no such key"
+                )
 
 
 @dataclass(frozen=True, slots=True)

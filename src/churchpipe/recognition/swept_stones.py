@@ -15,8 +15,8 @@ from churchpipe.model.polyhedra import face_normals
 SAME = 1e-6
 # Corners closer than this, m, are one: coordinates of six decimals and more.
 ONE = 2e-6
-# Pieces of one stone, at most: a corner stone of a vault over a polygon has two.
-_MOST_PIECES = 3
+# Pieces of one stone, at most: a corner stone of a vault over a polygon has two, a wide one near the crown of a dome eight.
+_MOST_PIECES = 8
 
 
 @dataclass(frozen=True, slots=True)

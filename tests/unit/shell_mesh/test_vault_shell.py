@@ -48,6 +48,7 @@ def both(build: Callable[..., Building], thickness: float, size: float, **sizes:
         (dome, 0.10, {"rings": 12, "sides": 32} | DRUM | {"drum_thickness": 0.2}),
         (dome, 0.10, {"rings": 9, "sides": 32} | LANTERN),
         (dome, 0.15, {"rings": 12, "sides": 16, "plan": "half"}),
+        (dome, 0.10, {"rings": 12, "sides": 32, "shortest_stone": 0.2} | DRUM),
     ],
 )  # fmt: skip
 def test_stones_and_shell_are_one_building(build: Callable[..., Building], thickness: float, sizes: dict[str, Any]) -> None:

@@ -76,6 +76,12 @@ def dome(rng: Rng) -> dict[str, Any]:
     return found
 
 
+def wider_above(rng: Rng) -> dict[str, Any]:
+    found = dome(rng) | {"sides": int(rng.choice([32, 48, 64])), "laid": "staggered", "plan": str(rng.choice(["full", "half"]))}
+    turn = math.pi if found["plan"] == "half" else 2 * math.pi
+    return found | {"shortest_stone": rng.uniform(0.5, 0.9) * found["span"] * turn / found["sides"]}
+
+
 def crowned(rng: Rng) -> dict[str, Any]:
     found = dome(rng)
     found |= {
@@ -107,6 +113,7 @@ def vaulted_chapel(rng: Rng) -> dict[str, Any]:
     if over["kind"] == "barrel":
         over |= {"arches": 3, "arch_width": 0.3, "arch_depth": wall - thickness}
     half = {"over": "apse", "kind": "half_dome", "thickness": 0.15, "courses": 6, "sides": int(rng.choice([8, 12, 16]))}
+    half["shortest_stone"] = 0.3 * math.pi * room / half["sides"]
     whole = room + 2 * wall
     found = {"course": 0.5, "stone_length": 0.8, "width": whole, "length": whole, "height": 3.0, "thickness": wall}
     return found | {"apse": {"inner_radius": 0.25 * room, "thickness": 0.2, "height": 2.0}, "vaults": (over, half)}
@@ -119,6 +126,7 @@ KINDS: dict[str, tuple[Callable[..., Building], Callable[[Rng], dict[str, Any]]]
     "groin": (generators.vault, groin),
     "cloister": (generators.vault, cloister),
     "dome": (generators.dome, dome),
+    "dome of wider stones above": (generators.dome, wider_above),
     "dome with drum and lantern": (generators.dome, crowned),
     "half dome": (generators.dome, apse),
     "groin in wall arches": (generators.vault, arched_groin),
@@ -197,6 +205,27 @@ def test_volume_of_a_barrel_and_of_a_dome() -> None:
     assert stones.volume[~stones.fixed].sum() == pytest.approx(expected, rel=1e-9)
 
 
+def test_rings_towards_the_crown_have_half_as_many_stones() -> None:
+    size: dict[str, Any] = {"span": 7.6, "thickness": 0.4, "rings": 24, "sides": 64}
+    plain, stones = laid(generators.dome(**size)), laid(generators.dome(**size, shortest_stone=0.45))
+    # The same rings in fewer stones; the sides of the plan, and so the surfaces, stay.
+    assert stones.volume.sum() == pytest.approx(plain.volume.sum(), rel=1e-12)
+    rings = np.bincount(stones.course[~stones.fixed]).tolist()
+    assert rings == [32] * 14 + [16] * 6 + [8] * 3 + [1]
+    # Heads as angles in sides of the plan: none lies over a head of the ring below.
+    contacts = find_contacts(stones)
+    beside = contacts.blocks[np.ptp(stones.course[contacts.blocks], axis=1) == 0]
+    middle = stones.centroid[beside].mean(axis=1)
+    turn = np.round(np.arctan2(middle[:, 1], middle[:, 0]) * 32 / np.pi, 6) % 64
+    heads = [set(turn[stones.course[beside[:, 0]] == ring].tolist()) for ring in range(23)]
+    assert [len(own) for own in heads] == rings[:-1]
+    assert not any(lower & upper for lower, upper in pairwise(heads))
+    # So a stone of 16 in a ring lies on three of 32, on the middle one wholly.
+    first = np.flatnonzero(stones.course == 14)[0]
+    touching = contacts.blocks[(contacts.blocks == first).any(axis=1)]
+    assert len(np.setdiff1d(touching[(stones.course[touching] == 13).any(axis=1)], [first])) == 3
+
+
 def test_a_pointed_key_is_one_stone_and_its_halves_meet_at_the_crown() -> None:
     profile = Profile("vault", 2.0, 0.2, 9, "pointed", 1.5)
     key = to_middle(profile.half)[-1]
@@ -251,6 +280,8 @@ def test_macro_elements_have_names() -> None:
         ("dome", {"stone_sides": 1}, r"dome\.stone_sides: stones cannot be shifted by half"),
         ("dome", {"oculus": 5.0}, r"dome\.oculus: no dome is left; found 5 m; expected < 4 m"),
         ("dome", {"lantern_height": 1.0}, r"dome\.lantern_thickness: missing"),
+        ("dome", {"shortest_stone": 1.9}, r"dome\.shortest_stone: longer than the stones at the springing; found 1\.9 m"),
+        ("dome", {"shortest_stone": 0.5, "laid": "lunes"}, r"dome\.shortest_stone: lunes keep their joints to the crown"),
         ("dome", {"front": "wall"}, r"dome\.front: only a half dome has a front"),
     ],
 )  # fmt: skip
