@@ -26,6 +26,7 @@ PAVILION: dict[str, Any] = GROIN | {"kind": "pavilion"}
 DOME: dict[str, Any] = {"rings": 16, "sides": 64}
 HALF: dict[str, Any] = {"rings": 16, "sides": 32, "plan": "half"}
 ARCHES: dict[str, Any] = {"arches": 3, "arch_width": 0.5, "arch_depth": 0.2}
+RIBS: dict[str, Any] = {"rib_width": 0.12, "rib_depth": 0.1}
 Own = tuple[float, float, float]
 Case = tuple[Callable[..., Building], float, dict[str, Any], Own]
 
@@ -79,6 +80,9 @@ def test_a_barrel_with_courses_along_it_loses_nothing() -> None:
         (vault, 0.15, GROIN | {"corner": "mitre"}, (0.2408, 0.2402, 0.2427)),
         (vault, 0.15, GROIN | {"corner": "mitre", "heads": "aligned"}, (0.2098, 0.2098, 0.2108)),
         (vault, 0.12, GROIN | {"arches": 4, "arch_width": 0.3, "arch_depth": 0.15}, (0.2523, 0.1955, 0.3770)),
+        # By this code alone; without ribs .2370 and .1016.
+        (vault, 0.15, GROIN | RIBS, (0.2785, 0.2775, 0.2794)),
+        (vault, 0.12, GROIN | RIBS, (0.2475, 0.2467, 0.2481)),
         (vault, 0.10, PAVILION, (0.5311, 0.5284, 0.5342)),
         (vault, 0.10, PAVILION | {"corner": "mitre", "heads": "aligned"}, (0.3562, 0.3525, 0.3602)),
         (dome, 0.15, HALF, (0.4399, 0.4137, 0.4914)),

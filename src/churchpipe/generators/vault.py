@@ -1,5 +1,6 @@
 """Barrel, groin and cloister vaults, on the ground or on walls of their own."""
 
+import math
 from dataclasses import dataclass
 from functools import partial
 from typing import Annotated, Any, Literal
@@ -17,7 +18,7 @@ from churchpipe.model.materials import UnitWeight
 from churchpipe.model.quantities import Count, Length
 from churchpipe.model.vault import Section, Side, Vault
 from churchpipe.vaults.barrel import add_arches, add_barrel
-from churchpipe.vaults.crossed import Corner, add_cloister, add_groin, add_wall_arches
+from churchpipe.vaults.crossed import Corner, add_cloister, add_groin, add_ribs, add_wall_arches
 from churchpipe.vaults.directrix import Directrix
 from churchpipe.vaults.sweep import Courses
 
@@ -53,6 +54,8 @@ class VaultParameters:
     arches: Annotated[Count | None, "Number of arches below a barrel, or on the four sides of a groin vault."] = None
     arch_width: Annotated[Length | None, "Width of these arches."] = None
     arch_depth: Annotated[Length | None, "Depth of these arches."] = None
+    rib_width: Annotated[Length | None, "Width of ribs below the groins of a groin vault."] = None
+    rib_depth: Annotated[Length | None, "Depth of these ribs, measured across the vault's thickness."] = None
     foot: Annotated[Literal["ground", "abutments"], "What carries it: the ground, or fixed stones that may settle or spread."] = (
         "ground"
     )
@@ -66,6 +69,7 @@ class VaultParameters:
             ("wall_top", barrel, "barrel"),
             ("second_span", self.kind == "groin", "groin vault"),
             ("arches", barrel or self.kind == "groin", "barrel or a groin vault"),
+            ("rib_width", self.kind == "groin", "groin vault"),
             ("foot", barrel or self.kind == "groin", "barrel or a groin vault"),
         ):
             if getattr(self, key) not in (None, "ground") and not allowed:
@@ -76,28 +80,31 @@ class VaultParameters:
             raise InputError("vault.laid", "only a barrel is laid in rings", found=self.kind, expected='laid = "courses"')
         together("vault", self, "wall_height", "wall_thickness", "wall_course")
         together("vault", self, "arches", "arch_width", "arch_depth")
+        together("vault", self, "rib_width", "rib_depth")
         if self.wall_height is not None and self.wall_course is not None:
             whole_courses("vault.wall_height", self.wall_height, self.wall_course)
         self._check_walls()
+        self._check_ribs()
 
     def _check_walls(self) -> None:
-        least = self.thickness + (self.arch_depth or 0.0)
+        least = self.thickness + self.below
         if self.wall_thickness is not None and self.wall_thickness < least - 1e-9:
             raise InputError(
                 "vault.wall_thickness",
                 "the vault does not fit on its walls",
                 found=f"{self.wall_thickness:g} m",
-                expected=f">= {least:g} m: the vault and its arches",
+                expected=f">= {least:g} m: the vault and its arches or ribs",
             )
-        if self.arch_depth is not None and self.arch_depth >= self.span / 2:
-            raise InputError("vault.arch_depth", "no opening is left", found=self.arch_depth, expected=f"< {self.span / 2:g} m")
-        if self.arches and self.shape == "segmental":
-            raise InputError(
-                "vault.arches",
-                "arches under a segmental vault would spring below it",
-                found=self.shape,
-                expected='shape = "round" or "pointed"',
-            )
+        for key, given, names in (("arch_depth", self.arch_depth, "arches"), ("rib_depth", self.rib_depth, "ribs")):
+            if given is not None and given >= self.span / 2:
+                raise InputError(f"vault.{key}", "no opening is left", found=given, expected=f"< {self.span / 2:g} m")
+            if given is not None and self.shape == "segmental":
+                raise InputError(
+                    f"vault.{key}",
+                    f"{names} under a segmental vault would spring below it",
+                    found=self.shape,
+                    expected='shape = "round" or "pointed"',
+                )
         if self.kind == "groin" and self.arches not in (None, 4):
             raise InputError("vault.arches", "a groin vault has four sides", found=self.arches, expected="4")
         if self.arches and self.kind == "groin" and self.wall_height is not None:
@@ -115,6 +122,31 @@ class VaultParameters:
             )
         whole_courses("vault.wall_top", self.wall_top - self.wall_height, self.wall_course)
 
+    def _check_ribs(self) -> None:
+        if self.rib_width is None:
+            return
+        # At the springing a rib is as wide along the pier as this, on either side of the groin.
+        slope = self.ratio
+        widest = 2 * (self.outer - self.span / 2) * slope / math.hypot(1, slope)
+        if self.rib_width > widest + 1e-9:
+            raise InputError(
+                "vault.rib_width",
+                "ribs spring beside the corners",
+                found=f"{self.rib_width:g} m",
+                expected=f"<= {widest:.4g} m",
+                remedy="Narrower ribs, a thicker vault, or piers (wall_thickness).",
+            )
+
+    @property
+    def ratio(self) -> float:
+        """Span of a groin vault along y over that along x."""
+        return (self.second_span or self.span) / self.span
+
+    @property
+    def below(self) -> float:
+        """Depth of the arches or ribs below the vault, m."""
+        return max(self.arch_depth or 0.0, self.rib_depth or 0.0)
+
     @property
     def profile(self) -> Profile:
         """The curve of the vault."""
@@ -122,13 +154,13 @@ class VaultParameters:
 
     @property
     def face(self) -> float:
-        """Distance of the walls' inner faces from the middle, m: they carry the arches, too."""
-        return self.span / 2 - (self.arch_depth or 0.0)
+        """Distance of the walls' inner faces from the middle, m: they carry arches and ribs, too."""
+        return self.span / 2 - self.below
 
     @property
     def beside(self) -> float:
         """Width that the walls have left outside the springing, m."""
-        return (self.wall_thickness or 0.0) - self.thickness - (self.arch_depth or 0.0)
+        return (self.wall_thickness or 0.0) - self.thickness - self.below
 
     @property
     def outer(self) -> float:
@@ -150,7 +182,7 @@ def vault(*, name: str = "vault", materials: tuple[UnitWeight, ...] = (DEFAULT_M
 
 def _abutments(p: VaultParameters) -> list[Support]:
     """Return fixed stones below springings or walls: of a barrel right and left, of a groin vault under each corner."""
-    ratio = (p.second_span or p.span) / p.span
+    ratio = p.ratio
     x = (p.face, p.outer)
     y = (0.0, p.length) if p.length is not None else (p.face * ratio, p.outer * ratio)
     depth = p.outer - p.face
@@ -226,7 +258,7 @@ def _below(p: VaultParameters) -> list[tuple[str, list[Section]]]:
 
 def _groin(p: VaultParameters, material: str) -> list[Vault]:
     """Return two barrels that cross; walls become piers in the four corners."""
-    ratio = (p.second_span or p.span) / p.span
+    ratio = p.ratio
     border = p.outer
     stagger = p.heads == "staggered"
     lay = partial(
@@ -249,6 +281,10 @@ def _groin(p: VaultParameters, material: str) -> list[Vault]:
         arch = to_middle(Directrix(joints))
         ends = arch, [section.stretched(ratio) for section in arch]
         add_wall_arches(under, ends, centre=(0.0, 0.0), borders=(border * ratio, border), width=p.arch_width, part="arch")
+    if p.rib_width is not None and p.rib_depth is not None:
+        ribs = to_middle(under_soffit(p.profile.half.joints, p.rib_depth))
+        both = ribs, [section.stretched(ratio) for section in ribs]
+        add_ribs(under, both, centre=(0.0, 0.0), ratio=ratio, width=p.rib_width, part="rib")
     return _collected(material, courses, filled, under)
 
 

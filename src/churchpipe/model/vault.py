@@ -130,8 +130,8 @@ class Vault:
 
     beds: what the continuous joints follow, the "path", or the "section" where rings of voussoirs stand side by side. A ring's
     width is the `length` of its runs. shell: what it is in the second model: "facets" of a mid-surface; "bodies", each of its
-    stones a rigid body with a name of its own as part; or "none", as masonry on the haunches and arches below a vault, which the
-    shell refuses.
+    stones a rigid body with a name of its own as part; or "none", as masonry on the haunches, arches and ribs below a vault,
+    which the shell refuses.
     """
 
     name: str

@@ -72,7 +72,7 @@ def vault_facets(vaults: Sequence[Vault], element_size: float) -> VaultFacets:
                 f"vault {vault.name}",
                 "has no mid-surface of its own",
                 found=", ".join(vault.parts),
-                expected="vaults without backing, and without arches below them",
+                expected="vaults without backing, and without arches or ribs below them",
                 remedy="Rigid blocks take it as it is.",
             )
     across = _divisions_along(vaults, element_size)

@@ -117,6 +117,30 @@ def add_wall_arches(
             )
 
 
+def add_ribs(
+    courses: Courses,
+    ribs: tuple[Sequence[Section], Sequence[Section]],
+    *,
+    centre: tuple[float, float],
+    ratio: float,
+    width: float,
+    part: str,
+) -> None:
+    """Add ribs of a width, m, below the groins of a groin vault, each stone round the groin as its corner stones are.
+
+    Parameters
+    ----------
+    ribs: sections below the soffits of both webs, the last one half a key, as deep as the rib. ratio: as in `add_groin`.
+    """
+    last = len(ribs[0]) - 1
+    for octant in _octants(centre):
+        slope = 1 / ratio if octant.swap else ratio
+        stations = [(0.0, slope), (0.5 * width * math.hypot(1, slope), slope)]
+        for course, section in enumerate(ribs[octant.swap]):
+            stone = "boss" if course == last else octant.signs
+            courses.add(section, octant.side, stations, [stone], course=course, part=part, length=width)
+
+
 @dataclass(frozen=True, slots=True)
 class _Octant:
     """Half of one arm of a groin vault: of the barrel along y or, swapped, of that along x."""

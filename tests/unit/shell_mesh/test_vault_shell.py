@@ -109,6 +109,10 @@ def test_a_dome_stands_where_the_thrust_turns_at_a_level_fold(sizes: dict[str, A
     [
         (BARREL | {"laid": "rings"}, "the shell of arches side by side is not derived"),
         (BARREL | WALLS | {"backing": 0.5}, "vault backing: has no mid-surface of its own; found backing_right, backing_left"),
+        (
+            CROSSED | {"kind": "groin", "rib_width": 0.1, "rib_depth": 0.1},
+            "vault arches: has no mid-surface of its own; found rib",
+        ),
     ],
 )
 def test_what_the_shell_does_not_take_is_named(sizes: dict[str, Any], message: str) -> None:

@@ -13,7 +13,7 @@ from churchpipe import generators
 from churchpipe.dxf.reader import read_dxf
 from churchpipe.dxf.writer import write_dxf
 from churchpipe.errors import InputError
-from churchpipe.generators.profile import Profile, to_middle
+from churchpipe.generators.profile import Profile, to_middle, under_soffit
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import Building
 from churchpipe.stones.blocks import derive_blocks
@@ -105,6 +105,15 @@ def arched_groin(rng: Rng) -> dict[str, Any]:
     return found | {"shape": "round", "arches": 4, "arch_width": rng.uniform(0.2, 0.5), "arch_depth": deep}
 
 
+def ribbed_groin(rng: Rng) -> dict[str, Any]:
+    found: dict[str, Any] = groin(rng) | {"shape": "round"}
+    if rng.random() < 0.5:
+        for key in ("wall_height", "wall_course", "wall_thickness", "backing"):
+            del found[key]
+    deep = 0.08 * min(found["span"], found["second_span"])
+    return found | {"rib_depth": deep, "rib_width": rng.uniform(0.3, 0.8) * found["thickness"]}
+
+
 def vaulted_chapel(rng: Rng) -> dict[str, Any]:
     room = 0.25 * float(rng.integers(12, 24))
     thickness, wall = 0.04 * room + rng.uniform(0.05, 0.15), 0.2 * room
@@ -130,6 +139,7 @@ KINDS: dict[str, tuple[Callable[..., Building], Callable[[Rng], dict[str, Any]]]
     "dome with drum and lantern": (generators.dome, crowned),
     "half dome": (generators.dome, apse),
     "groin in wall arches": (generators.vault, arched_groin),
+    "groin on ribs": (generators.vault, ribbed_groin),
     "chapel": (generators.chapel, vaulted_chapel),
 }
 
@@ -188,6 +198,21 @@ def test_volumes_are_those_of_the_shapes(corner: str) -> None:
         expected = shell_volume(joints, plan)
         # The groin's back is open above the crown's joint at the borders, and so is its soffit.
         assert stones.volume[~stones.fixed].sum() == pytest.approx(expected, rel=1e-9), kind
+
+
+def test_ribs_lie_below_the_groins() -> None:
+    # Each of their eight halves is its section times a constant length, since its sides are parallel to the groin.
+    size: dict[str, Any] = {"span": 4.0, "thickness": 0.3, "courses": 13, "stone_length": 0.5, "kind": "groin"}
+    joints = Profile("vault", 4.0, 0.3, 13).half.joints
+    section = sum(own.area for own in to_middle(under_soffit(joints, 0.2)))
+    for ratio in (1.0, 0.75):
+        stones = laid(generators.vault(**size, second_span=4.0 * ratio, rib_width=0.3, rib_depth=0.2))
+        ribs = stones.panel == "rib"
+        along, across = math.hypot(1, ratio), math.hypot(1, 1 / ratio) * ratio
+        assert stones.volume[ribs].sum() == pytest.approx(4 * 0.15 * (along + across) * section, rel=1e-9)
+        # Six stones in each of four half ribs, and the boss in which they meet.
+        assert ribs.sum() == 4 * 6 + 1
+        assert np.ptp(stones.centroid[ribs][:, :2], axis=0) == pytest.approx(np.array([1.0, ratio]) * 3.8, abs=0.1)
 
 
 def test_volume_of_a_barrel_and_of_a_dome() -> None:
@@ -276,6 +301,12 @@ def test_macro_elements_have_names() -> None:
             r"vault\.wall_thickness: the vault does not fit on its walls; found 0\.1 m; expected >= 0\.2 m",
         ),
         ("vault", {"backing": 0.01}, r"vault\.backing: lower than the first course of the vault; found 0\.01 m"),
+        ("vault", {"rib_width": 0.1, "rib_depth": 0.1}, r"vault\.rib_width: only a groin vault has one"),
+        (
+            "vault",
+            {"rib_width": 0.5, "rib_depth": 0.1, "kind": "groin", "length": None},
+            r"vault\.rib_width: ribs spring beside the corners; found 0\.5 m; expected <= 0\.2828 m",
+        ),
         ("dome", {"sides": 15}, r"dome\.sides: stones do not go round; found 15 sides, 2 a stone"),
         ("dome", {"stone_sides": 1}, r"dome\.stone_sides: stones cannot be shifted by half"),
         ("dome", {"oculus": 5.0}, r"dome\.oculus: no dome is left; found 5 m; expected < 4 m"),
