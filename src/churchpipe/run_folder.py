@@ -57,9 +57,9 @@ class RunFolder:
         """Return a capacity curve of the stones."""
         return read_npz(self.folder(entry) / "curve.npz", BlockCapacityCurve)
 
-    def borne(self, name: str, stones: Assemblage) -> Borne:
-        """Return what the stones carry, and their ties, in a rigid-block analysis."""
-        return placed(carries_of(read_json(self.path / "rigid" / name / "settings.json")), stones)
+    def borne(self, entry: dict[str, Any], stones: Assemblage) -> Borne:
+        """Return what the stones carry, and their ties, in an analysis of them."""
+        return placed(carries_of(read_json(self.folder(entry) / "settings.json")), stones)
 
     def shell_state(self, entry: dict[str, Any]) -> ShellLimitState | CapacityCurve | Absent:
         """Return the state of an analysis of the shell; of a capacity curve, its last step's."""
@@ -107,7 +107,7 @@ class RunFolder:
             mesh = read_npz(self._mesh(entry["shell"]), ShellModel)
             return compare.shell_parts(mesh, read_npz(self.folder(entry) / "limit.npz", ShellLimitState), load)
         stones, state = self.stones(entry["geometry"])[0], self.block_state(entry)
-        masses = self.borne(entry["name"], stones).loads
+        masses = self.borne(entry, stones).loads
         check = compare.safety(stones, state, load, site, masses, crushing=crushing)
         return compare.stone_parts(stones, state, load) | {"check": check}
 

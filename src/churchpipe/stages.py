@@ -385,7 +385,7 @@ def report(plan: Path, summary: Path, assemblage: Path, contacts: Path, html: Pa
         materials=run.index["materials"],
         moved=moved,
         followed=[(records[name], path) for name, (_, path) in curves.items()],
-        borne={name: run.borne(name, stones) for name in states},
+        borne={entry["name"]: run.borne(entry, stones) for entry in mine if entry["kind"] in ("rigid", "curve")},
         case_text=(run.path / "as-run.toml").read_text(encoding="utf-8"),
         versions=versions(),
         figures_dir=html.parent / "figures",

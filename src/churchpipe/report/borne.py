@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from churchpipe.loading.ties import anchors_of
-from churchpipe.model.arrays import FloatArray
+from churchpipe.model.arrays import BoolArray, FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.motion import velocity_at
 from churchpipe.model.placed_loads import Borne
@@ -36,10 +36,15 @@ def load_rows(borne: Mapping[str, Borne]) -> list[list[str]]:
     return list(found.values())
 
 
+def ring_beams(stones: Assemblage) -> BoolArray:
+    """Return True (nb,) for ring beams and slabs."""
+    return np.char.startswith(stones.panel, RING_BEAM) & ~stones.coursed
+
+
 def beam_rows(stones: Assemblage) -> list[list[str]]:
     """Return a row for each ring beam: name, material, height m and weight kN."""
     rows: list[list[str]] = []
-    for stone in np.flatnonzero(np.char.startswith(stones.panel, RING_BEAM) & ~stones.coursed).tolist():
+    for stone in np.flatnonzero(ring_beams(stones)).tolist():
         height = np.ptp(stones.points[slice(*stones.block_point_ptr[stone : stone + 2]), 2])
         name, material = str(stones.panel[stone]), str(stones.material[stone])
         rows.append([name, material, f"{height:.2f}", f"{stones.weight[stone] / 1e3:.1f}"])

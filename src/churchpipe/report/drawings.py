@@ -8,10 +8,12 @@ import numpy as np
 
 from churchpipe.geometry.manifolds import manifold
 from churchpipe.mechanism import stone_of_point
-from churchpipe.model.arrays import BoolArray, FloatArray
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.polyhedra import face_normals
 from churchpipe.report import colours
+from churchpipe.report.borne import ring_beams
+from churchpipe.report.drawn_loads import DrawnLoads, draw_loads
 from churchpipe.report.motion import ground_plate
 from churchpipe.report.plots import svg_of
 
@@ -48,16 +50,16 @@ ELEVATIONS = (
 )
 
 
-def drawings_svg(stones: Assemblage) -> list[tuple[str, str]]:
-    """Return title and SVG of the plan, the elevations and the sections of the free stones and of what they stand on."""
+def drawings_svg(stones: Assemblage, loads: DrawnLoads) -> list[tuple[str, str]]:
+    """Return title and SVG of the plan, the elevations and the sections of the free stones, what they stand on and carry."""
     drawn = ~ground_plate(stones)
     low, high = _extent(stones)
     level = min(CUT_HEIGHT, 0.5 * float(high[2] - low[2]))
-    plan = _drawing(stones, drawn, PLAN, low[2] + level)
+    plan = _drawing(stones, drawn, loads, PLAN, low[2] + level)
     return [
         (f"{PLAN.title}, cut {level:.2f} m above the foot", plan),
-        *((view.title, _drawing(stones, drawn, view)) for view in ELEVATIONS),
-        *((view.title, _drawing(stones, drawn, view, cut)) for view, cut in sections(low, high)),
+        *((view.title, _drawing(stones, drawn, loads, view)) for view in ELEVATIONS),
+        *((view.title, _drawing(stones, drawn, loads, view, cut)) for view, cut in sections(low, high)),
     ]
 
 
@@ -78,7 +80,7 @@ def _axes(view: View) -> tuple[tuple[float, float, float], ...]:
     return view.across, view.up, view.toward
 
 
-def _drawing(stones: Assemblage, drawn: BoolArray, view: View, cut: float | None = None) -> str:
+def _drawing(stones: Assemblage, drawn: BoolArray, loads: DrawnLoads, view: View, cut: float | None = None) -> str:
     """Return the SVG of a view; of what lies beyond a plane alone, where one cuts the stones at this distance towards the eye."""
     from matplotlib.collections import PolyCollection
     from matplotlib.figure import Figure
@@ -90,12 +92,15 @@ def _drawing(stones: Assemblage, drawn: BoolArray, view: View, cut: float | None
     shown = drawn.copy()
     if cut is not None:
         shown &= np.minimum.reduceat(points[:, 2], stones.block_point_ptr[:-1]) < cut - 1e-9
-    faces = _faces(stones, shown, points, cut)
+    seen = _faces(stones, shown, points, cut)
+    faces = [stones.face_nodes[stones.face_ptr[face] : stones.face_ptr[face + 1]] for face in seen]
+    beam = np.repeat(ring_beams(stones), np.diff(stones.block_face_ptr))[seen]
     low, high = _corners(stones, axes_2d)
     size = np.maximum(high - low, 1e-9)
     figure = Figure(figsize=(_WIDTH, min(max(_WIDTH * (size[1] / size[0]) + 0.6, 1.4), 4.4)), layout="constrained", dpi=_DPI)
     axes: Any = figure.subplots()
-    pale = PolyCollection([points[face, :2] for face in faces], facecolors="#f6f3ec", edgecolors=colours.EDGE)
+    fill = np.where(beam, colours.BEAM, "#f6f3ec").tolist()
+    pale = PolyCollection([points[face, :2] for face in faces], facecolors=fill, edgecolors=colours.EDGE)
     pale.set_linewidth(0.3)
     pale.set_snap(False)
     pale.set_rasterized(len(faces) > MOST_LINES)
@@ -105,14 +110,16 @@ def _drawing(stones: Assemblage, drawn: BoolArray, view: View, cut: float | None
             cut_polygons(stones, shown, points, cut), facecolors="#b9a58c", edgecolors=colours.INK, linewidths=0.5
         )
         axes.add_collection(solid)
-    _dimensions(axes, low, high)
+    # A plan shows what bears on the walls above it, too.
+    reached = draw_loads(axes, loads, turned, None if view is PLAN else cut)
+    _dimensions(axes, low, high, reached)
     axes.set_aspect("equal")
     axes.axis("off")
     return svg_of(figure)
 
 
-def _faces(stones: Assemblage, shown: BoolArray, points: FloatArray, cut: float | None) -> list[Any]:
-    """Return the corners of the faces that look towards the eye, the farthest first; of a cut drawing those beyond the cut.
+def _faces(stones: Assemblage, shown: BoolArray, points: FloatArray, cut: float | None) -> IntArray:
+    """Return the faces that look towards the eye, the farthest first; of a cut drawing those beyond the cut.
 
     points: the corners (nv, 3) in the coordinates of the drawing.
     """
@@ -121,8 +128,7 @@ def _faces(stones: Assemblage, shown: BoolArray, points: FloatArray, cut: float 
     if cut is not None:
         seen &= mean[:, 2] < cut
     order = np.flatnonzero(seen)
-    order = order[np.argsort(mean[order, 2], kind="stable")]
-    return [stones.face_nodes[stones.face_ptr[f] : stones.face_ptr[f + 1]] for f in order]
+    return order[np.argsort(mean[order, 2], kind="stable")]
 
 
 def cut_polygons(stones: Assemblage, shown: BoolArray, points: FloatArray, level: float) -> list[FloatArray]:
@@ -138,8 +144,8 @@ def cut_polygons(stones: Assemblage, shown: BoolArray, points: FloatArray, level
     return found
 
 
-def _dimensions(axes: Any, low: FloatArray, high: FloatArray) -> None:
-    """Draw the width below and the height (of a plan: the depth) to the left, in metres."""
+def _dimensions(axes: Any, low: FloatArray, high: FloatArray, reached: FloatArray) -> None:
+    """Draw the width below and the height (of a plan: the depth) to the left, in metres; reached: other points (n, 2) drawn."""
     gap = 0.06 * float((high - low).max())
     lines = (
         ((low[0], low[1] - gap), (high[0], low[1] - gap), high[0] - low[0], 0),
@@ -154,8 +160,9 @@ def _dimensions(axes: Any, low: FloatArray, high: FloatArray) -> None:
             *middle, f"{length:.2f} m", rotation=angle, fontsize=8, ha="center", va="center",
             bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.5},
         )  # fmt: skip
-    axes.set_xlim(low[0] - 2 * gap, high[0] + gap)
-    axes.set_ylim(low[1] - 2 * gap, high[1] + gap)
+    least, most = np.min([low - 2 * gap, *reached], axis=0), np.max([high + gap, *reached], axis=0)
+    axes.set_xlim(least[0], most[0])
+    axes.set_ylim(least[1], most[1])
 
 
 def _extent(stones: Assemblage) -> tuple[FloatArray, FloatArray]:

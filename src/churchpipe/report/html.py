@@ -21,10 +21,11 @@ from churchpipe.model.results import LimitState
 from churchpipe.model.shell import ShellModel
 from churchpipe.report import both, viewer
 from churchpipe.report.block_curves import block_curve_plots
-from churchpipe.report.borne import beam_rows, candidate_rows, gain_table, load_rows, tie_rows
+from churchpipe.report.borne import beam_rows, candidate_rows, gain_table, load_rows, ring_beams, tie_rows
 from churchpipe.report.contact_models import contact_model_rows
 from churchpipe.report.displacements import displacement_checks
 from churchpipe.report.drawings import drawings_svg
+from churchpipe.report.drawn_loads import drawn_loads, key_to_loads
 from churchpipe.report.figures import Job, mechanism_picture, mechanism_pictures
 from churchpipe.report.motion import joint_opening, opened_joints, push_direction, viewpoint
 from churchpipe.report.movements import Moved, movements_shown
@@ -87,12 +88,14 @@ def write_report(
     columns = columns_for(rows)
     asis = [row for row in rows if not row.variant]
     geometry = next((row.record.geometry for row in (*of_blocks, *of_shell, *rows)), None)
+    loads = drawn_loads(stones, (borne or {}).values())
     with _pictures(stones, contacts, meshes, of_blocks, of_shell, figures_dir, borne or {}, followed) as pictures:
         domain, domain_words = both.domain_plot(meshes, rows)
         text = template("report.html").render(
             name=(project or {}).get("title") or summary.case,
             title_block=title_block(project or {}, case_text, versions),
-            drawings=drawings_svg(stones),
+            drawings=drawings_svg(stones, loads),
+            key_to_loads=key_to_loads(loads, beams=bool(ring_beams(stones).any())),
             material_headings=MATERIAL_HEADINGS,
             materials=material_rows(stones, materials, [row.record.swept for row in rows]),
             facts=_facts(summary.geometries.get(geometry or "", summary), summary.shell, stones),

@@ -19,6 +19,7 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.polyhedra import face_normals
 from churchpipe.model.results import Iteration
 from churchpipe.report.drawings import ELEVATIONS, PLAN, View, cut_polygons, drawings_svg, sections
+from churchpipe.report.drawn_loads import drawn_loads
 from churchpipe.report.figures import mechanism_picture
 from churchpipe.report.html import write_report
 from churchpipe.report.motion import camera_position, displaced_points, ground_plate, natural_amplitude, push_direction, viewpoint
@@ -172,7 +173,7 @@ def test_materials_have_the_stones_that_are_made_of_them() -> None:
 
 
 def test_a_plan_cuts_what_stands_higher() -> None:
-    titles = dict(drawings_svg(tower()))
+    titles = dict(drawings_svg(tower(), drawn_loads(tower(), [])))
     plan, front, *others = titles.values()
     assert next(iter(titles)) == "Plan, cut 1.20 m above the foot"
     assert len(others) == 5  # three more elevations, two sections
@@ -202,7 +203,7 @@ def test_a_legend_stands_below_its_plot_which_grows_by_it() -> None:
 
 
 def test_sections_cut_through_the_middle_both_ways() -> None:
-    titles = list(dict(drawings_svg(tower())))
+    titles = list(dict(drawings_svg(tower(), drawn_loads(tower(), []))))
     assert titles[-2:] == ["Section at y = 0.50 m, towards +y", "Section at x = 100000.50 m, towards \u2212x"]
     # A wall along x shows its elevation when it is cut along x.
     wall = np.array([0.0, 0.0, 0.0]), np.array([3.2, 0.25, 2.4])
