@@ -11,7 +11,7 @@ from churchpipe.geometry.manifolds import manifold
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage, Polyhedron
 from churchpipe.stones.blocks import derive_blocks
-from solids import BOX_FACES, box, moved
+from solids import BOX_FACES, Solid, box, moved
 
 LENGTH, THICKNESS, HEIGHT = 0.5, 0.25, 0.275
 # Seeds are fresh: no constant of the product was chosen with them.
@@ -43,9 +43,26 @@ def corner(*, head_gap: float = 0.0, courses: int = 8) -> Assemblage:
         for axis, marks in ((course % 2, [0.0, 0.5, 1.0, 1.5, 1.75]), (1 - course % 2, [0.25, 0.75, 1.25, 1.75])):
             for start, stop in pairwise(marks):
                 along = (start + half * (start > 0), stop - half * (stop < 1.75))
-                plan = (along, (0.0, THICKNESS))
-                stones.append(box(*(plan if axis == 0 else plan[::-1]), level))
+                across = (0.0, THICKNESS)
+                stones.append(box(along, across, level) if axis == 0 else box(across, along, level))
     return Assemblage.from_polyhedra(stones, 18e3, fixed=[0])
+
+
+def two_leaves(joint: float, *, courses: int = 8, length: int = 5) -> list[Solid]:
+    """Two leaves of bricks 250 x 102 x 65 mm in running bond, `length` a course, each brick behind one of the other leaf.
+
+    joint: width of the mortar left out all round, m.
+    """
+    brick = np.array([0.25, 0.102, 0.065])
+    places = [(x + 0.5 * (z % 2), y, z) for y in range(2) for z in range(courses) for x in range(length)]
+    corner = box((0, brick[0]), (0, brick[1]), (0, brick[2]))[0]
+    return [(corner + np.array(place) * (brick + joint), BOX_FACES) for place in places]
+
+
+def shaken(solids: Sequence[Solid], noise: float, seed: int) -> list[Solid]:
+    """The corners of each solid moved on their own by up to `noise`, m, in each direction."""
+    rng = np.random.default_rng(seed)
+    return [(points + rng.uniform(-noise, noise, points.shape), faces) for points, faces in solids]
 
 
 def dome(*, sectors: int = 16, courses: int = 18, thickness: float = 0.06) -> Assemblage:

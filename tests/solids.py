@@ -7,15 +7,17 @@ import numpy as np
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage, Polyhedron
 
+Solid = tuple[FloatArray, list[list[int]]]
+
 BOX_FACES = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
 
 
-def box(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float]) -> Polyhedron:
+def box(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float]) -> Solid:
     """A box between the given coordinates, m."""
     return np.array([[a, b, c] for a in x for b in y for c in z], dtype=float), BOX_FACES
 
 
-def prism(outline: Sequence[tuple[float, float]], width: float) -> Polyhedron:
+def prism(outline: Sequence[tuple[float, float]], width: float) -> Solid:
     """A prism: a polygon in the x-z plane, any orientation, from y = 0 to y = width, m."""
     n = len(outline)
     points = np.array([[x, y, z] for y in (0.0, width) for x, z in outline])

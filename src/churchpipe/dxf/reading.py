@@ -9,7 +9,7 @@ from churchpipe.errors import InputError
 from churchpipe.model.arguments import check_kind, one_of, positive
 from churchpipe.model.quantities import Length, Ratio
 from churchpipe.recognition.laying import LaidBond, LaidPattern
-from churchpipe.stones.mortar import WIDEST_MEAN
+from churchpipe.stones.mortar import STRIP, WIDEST_MEAN
 
 ElevationPlane = Literal["xz", "xy"]
 JointMode = Literal["grow", "keep"]
@@ -75,10 +75,12 @@ class Reading:
         return self.joint if self.joint_mode == "keep" else None
 
     def tolerances(self, given: Mapping[str, float | None]) -> dict[str, float]:
-        """Return the tolerances of joints, m and rad, that somebody gave; joints that are kept open give a contact gap, which
-        reaches across the widest of them too."""
-        kept = {} if self.kept_joint is None else {"contact_gap": WIDEST_MEAN * self.kept_joint}
-        return kept | {key: value for key, value in given.items() if value is not None}
+        """Return the tolerances of joints, m and rad, that somebody gave. Joints that are kept open give a contact gap, which
+        reaches across the widest of them too; those that are closed give a least width of contacts."""
+        own: dict[str, float] = {}
+        if self.joint is not None:
+            own = {"contact_gap": WIDEST_MEAN * self.joint} if self.joint_mode == "keep" else {"least_width": STRIP * self.joint}
+        return own | {key: value for key, value in given.items() if value is not None}
 
 
 AS_DRAWN = Reading()

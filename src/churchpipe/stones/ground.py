@@ -11,13 +11,15 @@ Solid = tuple[FloatArray, tuple[tuple[int, ...], ...]]
 # A face stands on the ground if its corners are this near to the lowest level, as a share of the smallest dimension of the median
 # stone: 3 mm of bricks, 12 mm of stones in courses of 250 mm.
 LEVEL = 0.05
+# A face is too small to need a support, as a share of the largest on which its stone stands.
+CHIP = 0.01
 # Depth and margin of the support, as shares of the stones' size. They have no influence on the results.
 DEPTH, MARGIN = 0.5, 0.5
 # A support of one face becomes narrower below, to this share: neighbours whose feet are lower do not lean against its sides.
 NARROWED = 0.2
 
 
-def level_supports(solids: Sequence[Solid]) -> tuple[list[Solid], list[int]]:
+def level_supports(solids: Sequence[tuple[FloatArray, Sequence[Sequence[int]]]]) -> tuple[list[Solid], list[int]]:
     """Return solids to fix under the lowest faces, and the indices of the solids that stand on them.
 
     solids: points (n, 3), z up, in any one unit, and outward faces. Where the lowest faces are in one level plane the support is
@@ -34,7 +36,8 @@ def level_supports(solids: Sequence[Solid]) -> tuple[list[Solid], list[int]]:
         if near.sum() < 3:
             continue
         found = [points[list(face)] for face in around if near[list(face)].all()]
-        found = [corners for corners in found if _looks_down(corners)]
+        footprint = [_footprint(corners) for corners in found]
+        found = [corners for corners, own in zip(found, footprint, strict=True) if own > CHIP * max(footprint) > 0]
         if found:
             resting.append(index)
             faces += found
@@ -48,9 +51,10 @@ def level_supports(solids: Sequence[Solid]) -> tuple[list[Solid], list[int]]:
     return [_foot(face[::-1], DEPTH * size) for face in faces], resting
 
 
-def _looks_down(corners: FloatArray) -> bool:
+def _footprint(corners: FloatArray) -> float:
+    """Return the area of a face (n, 3) in plan, negative where it looks up."""
     x, y = corners[:, 0], corners[:, 1]
-    return float((x * np.roll(y, -1) - y * np.roll(x, -1)).sum()) < 0
+    return -0.5 * float((x * np.roll(y, -1) - y * np.roll(x, -1)).sum())
 
 
 def _foot(top: FloatArray, depth: float) -> Solid:

@@ -29,6 +29,9 @@ OUT_OF_LINE = 0.05
 # The main joint of a face is the one with the largest area over the square of its width. Another joint is dropped if its
 # mid-surface is farther from that of the main joint than this.
 ASTRAY = 0.25
+# Where four stones meet along an edge, grown stones that lie across from each other touch by as much as their faces were drawn
+# uneven. Strips narrower than this share of the joint's width are no contacts.
+STRIP = 0.2
 # The tip of a sharp corner moves farther than its sides, by up to this many joints. One that moves by more than a joint, because
 # its angle is less than 60 degrees, is cut off where it reaches beyond the stones that it faces.
 FARTHEST = 40.0

@@ -30,6 +30,11 @@ from churchpipe.stones.soundness import check_soundness
 READING: dict[str, Any] = {"thickness": 0.12, "joint": 0.010, "repair": True, "support": "base", "unit_weight": 18e3}
 
 
+def contacts_of(stones: Assemblage, joint: float = READING["joint"]) -> Contacts:
+    """Return the joints as a case of the drawing has them."""
+    return find_contacts(stones, **Reading(joint=joint).tolerances({}))
+
+
 def ordered(pair: Iterable[int]) -> tuple[int, int]:
     first, second = sorted(pair)
     return first, second
@@ -51,7 +56,7 @@ def check_joints(wall: BrickWall, path: Path, joint: float) -> None:
     write_wall(wall, path, unclosed=1, doubled=0)
     stones = read_drawing(path, units="m", **READING | {"joint": joint}).stones
     assert int((~stones.fixed).sum()) == len(wall.outlines)
-    contacts = find_contacts(stones)
+    contacts = contacts_of(stones, joint)
     check_soundness(stones, contacts)
     found = joints_found(stones, contacts)
     order = {name: number for number, name in enumerate(stones.block_id[~stones.fixed])}
@@ -78,7 +83,7 @@ def check_drawing(wall: BrickWall, path: Path, *, unclosed: int) -> Drawing:
     assert len(str(drawing.findings).splitlines()) == 7
     stones = drawing.stones
     assert int((~stones.fixed).sum()) == len(wall.outlines)
-    contacts = find_contacts(stones)
+    contacts = contacts_of(stones)
     check_soundness(stones, contacts)
     found = joints_found(stones, contacts)
     assert Counter({pair: len(lengths) for pair, lengths in found.items()}) == Counter(map(ordered, joints_of(wall)))
@@ -94,13 +99,13 @@ def check_shell(drawing: Drawing, openings: int) -> None:
     assert sum(region.pattern == "voussoir" for region in panel.regions) == openings
     shell = derive_shell(fitted.building((UnitWeight("default", 18e3),)), element_size=0.13)
     stones = replace(drawing.stones, panel=fitted.panel)
-    match = match_models(stones, find_contacts(stones), shell)
+    match = match_models(stones, contacts_of(stones), shell)
     assert match.passed, match
 
 
 def check_analyses(drawing: Drawing, factor: float) -> None:
     """Assert that associative friction gives a certified load factor in the plane of the wall."""
-    contacts = find_contacts(drawing.stones)
+    contacts = contacts_of(drawing.stones)
     load = LoadCase((1, 0, 0))
     state = limit_analysis(drawing.stones, contacts, load, friction=0.6)
     assert state.status == "optimal"
@@ -110,7 +115,7 @@ def check_analyses(drawing: Drawing, factor: float) -> None:
 
 def check_sliding(drawing: Drawing, factor: float) -> None:
     """Assert that sliding without dilatancy is certified in the plane of the wall, not above the associative load factor."""
-    load, contacts = LoadCase((1, 0, 0)), find_contacts(drawing.stones)
+    load, contacts = LoadCase((1, 0, 0)), contacts_of(drawing.stones)
     sliding = limit_analysis(drawing.stones, contacts, load, friction=0.6, flow="non-associative")
     assert sliding.status == "converged"
     assert 0.5 * factor < sliding.load_factor <= factor * (1 + 1e-6)
@@ -128,7 +133,8 @@ def test_a_wall_with_two_arches(tmp_path: Path) -> None:
 @pytest.mark.parametrize(("mode", "mortar"), [("grow", "ignored"), ("keep", "counted"), ("keep", "ignored")])
 def test_the_shell_of_a_wall_with_mortar_passes_the_gate(mode: str, mortar: str, tmp_path: Path) -> None:
     write_wall(brick_wall(12, 16, [Opening(2, 3, 0, 6), Opening(7, 3, 3, 4)]), tmp_path / "wall.dxf", unclosed=1, doubled=0)
-    how = {"units": "m", "joint_mode": mode, "mortar": mortar} | {key: READING[key] for key in ("thickness", "joint", "support")}
+    drawn = {key: READING[key] for key in ("thickness", "joint", "support")}
+    how: dict[str, Any] = {"units": "m", "joint_mode": mode, "mortar": mortar} | drawn
     made = import_drawing(tmp_path / "wall.dxf", tmp_path / "wall", Reading(**how), unit_weight=18e3)
     assert "The gate passed" in made.shell
 

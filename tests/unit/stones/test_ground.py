@@ -9,6 +9,7 @@ from churchpipe.rigid_blocks.limit import limit_analysis
 from churchpipe.stones.contacts import find_contacts
 from churchpipe.stones.ground import level_supports
 from dxf_models import box
+from solids import prism as upright
 
 
 def supported(solids: list) -> Assemblage:
@@ -68,3 +69,10 @@ def test_stones_that_stand_on_an_edge_get_none() -> None:
     turn = np.array([(np.sqrt(0.5), 0, -np.sqrt(0.5)), (0, 1, 0), (np.sqrt(0.5), 0, np.sqrt(0.5))])
     points, faces = box((0, 0, 0), (1, 1, 1))
     assert level_supports([(points @ turn, faces)]) == ([], [])
+
+
+def test_a_chip_at_the_foot_of_a_stone_gets_no_support() -> None:
+    # Stones grown into their mortar are cut off at the lowest level, which may leave a face of some millimetres there.
+    plates, resting = level_supports([upright([(0, 0), (0.004, 0), (1, 0.002), (1, 1), (0, 1)], 0.5)])
+    assert resting == [0]
+    assert [points[:, 0].max() for points, _ in plates] == [1.0]

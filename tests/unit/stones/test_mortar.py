@@ -9,6 +9,7 @@ import shapely.affinity
 
 import churchpipe
 from churchpipe.dxf.jointing import jointed
+from churchpipe.dxf.reading import Reading
 from churchpipe.dxf.stones import Stone
 from churchpipe.findings import Place
 from churchpipe.model.assemblage import Assemblage
@@ -17,6 +18,7 @@ from churchpipe.stones.ground import level_supports
 from churchpipe.stones.mortar import close_joints, open_joints
 from churchpipe.stones.soundness import check_soundness
 from dxf_models import box, prism
+from imprecise import joined_pairs, shaken, two_leaves
 from solids import prism as upright
 
 JOINT = 0.010
@@ -98,6 +100,20 @@ def test_stones_of_different_size_and_noise_still_meet_in_one_bed() -> None:
     closed = close_joints(solids, JOINT)
     assert len(closed.joints.width) == 48
     assert closed.volume.sum() == pytest.approx((5 * 0.26 - JOINT) * 0.12 * (4 * 0.075 - JOINT), rel=5e-3)
+
+
+@pytest.mark.parametrize("noise", [1e-6, 1e-4, 1e-3])
+def test_stones_across_from_each_other_do_not_touch_where_four_meet(noise: float) -> None:
+    # Two leaves, each brick behind one of the other leaf: such strips bore beds, and the load factor across rose by a half.
+    tolerances = Reading(joint=JOINT).tolerances({})
+    assert tolerances == {"least_width": pytest.approx(0.002)}
+    leaves = two_leaves(JOINT, courses=4, length=4)
+    pairs = joined_pairs(find_contacts(assembled(close_joints(leaves, JOINT).solids)).blocks.tolist())
+    # Of each leaf 3 heads a course and 7 beds between two; 16 bricks stand back to back.
+    assert len(pairs) == 2 * (4 * 3 + 3 * 7) + 16
+    for seed in range(3000, 3004):
+        grown = assembled(close_joints(shaken(leaves, noise, seed), JOINT).solids)
+        assert joined_pairs(find_contacts(grown, **tolerances).blocks.tolist()) == pairs
 
 
 def test_open_joints_are_measured_where_nobody_named_them() -> None:
