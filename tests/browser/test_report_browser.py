@@ -4,6 +4,7 @@ import io
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -16,15 +17,60 @@ CASE = Path(__file__).parents[2] / "pipeline" / "cases" / "wall.toml"
 pytestmark = pytest.mark.slow("README: the report works in a browser, offline")
 
 
-@pytest.fixture(scope="module")
-def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("run")
+def report_of(case: Path, folder: Path) -> Path:
+    """The report of a run of a case."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("sys.argv", ["churchpipe", "run", str(CASE), "--out", str(folder)])
+        patch.setattr("sys.argv", ["churchpipe", "run", str(case), "--out", str(folder)])
         with pytest.raises(SystemExit) as left:
             cli.main()
     assert left.value.code == 0
     return folder / "report.html"
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return report_of(CASE, tmp_path_factory.mktemp("run"))
+
+
+# A corner that sinks below a wall that carries a roof, and five samples of its friction; its names are hostile.
+SETTLING = """
+name = "settling"
+[project]
+title = "<script>document.title = 'taken'</script> Größe & Maß, Kirchengemeinde_Sankt_Ägidien_und_Sankt_Nikolaus"
+[source]
+generator = "wall"
+length_m = 1.6
+brick_mm = [400, 250, 200]
+courses = 5
+[material.default]
+unit_weight_kN_m3 = 18
+friction = 0.6
+[[line_loads]]
+name = "<img src=x onerror=alert(1)> roof_of_the_nave_and_of_the_long_northern_aisle_with_its_lanterns"
+wall = "wall"
+dead_kN_m = 3
+[[load]]
+direction = [0, 1, 0]
+[[movements]]
+name = "corner_below_the_tower_<b>north_west</b>_where_the_ground_was_found_to_be_soft"
+within_mm = [[-100, -500], [500, 500]]
+furthest_mm = 20
+step_mm = 10
+[sample]
+number = 5
+[[sample.parameters]]
+key = "material.default.friction"
+distribution = "uniform"
+low = 0.5
+high = 0.7
+"""
+
+
+@pytest.fixture(scope="module")
+def settling(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("settling")
+    (folder / "case.toml").write_text(SETTLING, encoding="utf-8")
+    return report_of(folder / "case.toml", folder / "run")
 
 
 @pytest.fixture(scope="module")
@@ -39,11 +85,11 @@ def page(request: pytest.FixtureRequest, report: Path, chromium: str) -> Iterato
     yield from opened(report, request.param, chromium)
 
 
-def opened(file: Path, width: int, chromium: str) -> Iterator[Page]:
+def opened(file: Path, width: int, chromium: str, colours: Literal["light", "dark"] = "light") -> Iterator[Page]:
     """A page in the browser, which complains of nothing and asks nothing of the network."""
     with sync_playwright() as play:
         browser = play.chromium.launch(executable_path=chromium, args=["--no-sandbox", "--enable-unsafe-swiftshader"])
-        page = browser.new_page(viewport={"width": width, "height": 900})
+        page = browser.new_page(viewport={"width": width, "height": 900}, color_scheme=colours)
         complaints: list[str] = []
         requests: list[str] = []
         page.on("console", lambda message: complaints.append(message.text) if message.type == "error" else None)
@@ -68,6 +114,29 @@ def test_nothing_is_cut(page: Page) -> None:
     assert ("stacked" in (wide.get_attribute("class") or "")) == page.evaluate("window.innerWidth < 700")
     cell = wide.locator("td.factor").first
     assert cell.get_attribute("data-heading") == "Load factor"
+
+
+@pytest.mark.parametrize("colours", ["light", "dark"])
+@pytest.mark.parametrize("width", [1400, 390])
+def test_a_support_that_settles_and_hostile_names(
+    settling: Path, chromium: str, width: int, colours: Literal["light", "dark"]
+) -> None:
+    for page in opened(settling, width, chromium, colours):
+        assert page.title() != "taken"
+        assert page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
+        # No word is cut by the box that it stands in.
+        cut = """[...document.querySelectorAll('h1, h2, h3, p, li, dd, td, th, figcaption, .card, option')]
+            .filter((box) => box.scrollWidth > box.clientWidth + 1 && getComputedStyle(box).display !== 'inline')
+            .map((box) => box.tagName + ' ' + box.textContent.slice(0, 60))"""
+        assert page.evaluate(cut) == []
+        words = page.evaluate(
+            """[...document.querySelectorAll("#movements svg text")].map((text) => text.getBoundingClientRect())
+            .map((box) => Math.min(box.width, box.height))"""
+        )
+        assert words
+        assert min(words) > 3.5
+        left = page.evaluate("[...document.querySelector('.panels').children].map((one) => one.getBoundingClientRect().left)")
+        assert (len(set(left)) == 1) == (width < 700)
 
 
 def test_dimensions_of_drawings_can_be_read(page: Page) -> None:
@@ -121,7 +190,7 @@ def test_a_section_and_hidden_parts_change_the_picture(page: Page) -> None:
         return Image.open(io.BytesIO(page.locator("#viewer-canvas").screenshot())).convert("L")
 
     def changed(one: Image.Image, other: Image.Image) -> float:
-        return float((np.abs(np.subtract(one, other, dtype=np.int16)) > 8).mean())
+        return float((np.abs(np.asarray(one, dtype=np.int16) - np.asarray(other, dtype=np.int16)) > 8).mean())
 
     whole = picture()
     page.select_option("#viewer-section", "z")

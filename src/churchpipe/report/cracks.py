@@ -8,7 +8,7 @@ from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.report import colours
-from churchpipe.report.plots import new_plot, svg_of
+from churchpipe.report.plots import WIDTH, new_plot, svg_of
 
 # Joints open by less than this share of the widest are drawn shut; so many of the widest have their figure.
 _SHUT, _FIGURES = 0.01, 6
@@ -30,7 +30,7 @@ def crack_map_svg(stones: Assemblage, contacts: Contacts, opening: FloatArray, w
     lines = [_line(points[contacts.point_ptr[i] : contacts.point_ptr[i + 1]]) for i in cracked]
     low, high = (edge(np.concatenate(outlines), axis=0) for edge in (np.min, np.max))
     length, height = high - low
-    plot, (axes,) = new_plot(1, (7.6, float(np.clip(6.6 * height / max(length, 1e-9), 1.6, 7.0)) + 0.7))
+    plot, (axes,) = new_plot(1, (WIDTH, float(np.clip(4.0 * height / max(length, 1e-9), 1.2, 5.0)) + 0.6))
     _draw(plot, axes, outlines, lines, 1e3 * opening[cracked])
     axes.set_aspect("equal")
     axes.grid(visible=False)
@@ -53,9 +53,11 @@ def _draw(plot: Any, axes: Any, outlines: list[FloatArray], lines: list[FloatArr
     joints.set_clim(0.0, float(width.max()))
     axes.add_collection(joints)
     for i in _apart(order[::-1], lines):
-        axes.annotate(f"{width[i]:.3g}", lines[i].mean(axis=0), xytext=(3, 3), textcoords="offset points", fontsize=7)
+        axes.annotate(f"{width[i]:.3g}", lines[i].mean(axis=0), xytext=(3, 3), textcoords="offset points", fontsize=8)
     axes.autoscale_view()
-    plot.colorbar(joints, ax=axes, label="opening, mm", shrink=0.7).ax.tick_params(labelsize=7)
+    bar = plot.colorbar(joints, ax=axes, shrink=0.7)
+    bar.set_label("opening, mm", fontsize=8)
+    bar.ax.tick_params(labelsize=8)
 
 
 def _apart(order: IntArray, lines: list[FloatArray]) -> list[int]:

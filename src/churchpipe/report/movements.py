@@ -69,7 +69,9 @@ def _reaction_svg(record: Movement) -> str:
     axes.set_xlabel(f"movement, {length}", fontsize=8)
     axes.set_ylabel(f"reaction, {force}", fontsize=8)
     axes.set_xlim(left=0)
-    axes.set_ylim(bottom=min(0.0, *reaction))
+    # Room for the marks at the edges, also of a reaction that hardly changes.
+    room = 0.06 * max(map(abs, reaction))
+    axes.set_ylim(min(0.0, min(reaction) - room), max(0.0, max(reaction) + room) or 1.0)
     return svg_of(plot)
 
 

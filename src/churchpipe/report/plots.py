@@ -82,7 +82,7 @@ def gaps_svg(contacts: Contacts) -> str:
     gaps, angles = gap_histogram(contacts), angle_histogram(contacts)
     if not len(contacts.near_misses) and not gaps.joints[1:].any() and not angles.joints[1:].any():
         return ""
-    figure, ((left, right),) = new_plot(1, (7.6, 2.8), columns=2)
+    left, right = new_panels(2, (3.8, 2.8))
     panels = (
         (left, gaps, 1e3, given.contact_gap, "gap, mm", "contact gap"),
         (right, angles, np.degrees(1.0), given.contact_angle, "angle, degrees", "contact angle"),
@@ -95,27 +95,35 @@ def gaps_svg(contacts: Contacts) -> str:
         axes.set_xscale("log")
         axes.set_yscale("symlog", linthresh=1)
         axes.set_xlabel(words)
+        axes.set_ylabel("pairs of faces")
         axes.legend(fontsize=7, frameon=False)
-    left.set_ylabel("pairs of faces")
-    return svg_of(figure)
+    return svg_of_panels(left, right)
 
 
-def new_plot(rows: int, size: tuple[float, float], columns: int = 1) -> tuple[Any, Any]:
-    """Return a figure of the given size, inches, and its axes: (rows,) over one another that share x, or (rows, columns)."""
+def new_plot(rows: int, size: tuple[float, float]) -> tuple[Any, Any]:
+    """Return a figure of the given size, inches, and its axes (rows,), over one another with the same x."""
     from matplotlib.figure import Figure
     from matplotlib.ticker import MaxNLocator
 
     figure = Figure(figsize=size, layout="constrained")
-    axes = figure.subplots(rows, columns, sharex=columns == 1, squeeze=False)
-    for a in axes.ravel():
+    axes = figure.subplots(rows, sharex=True, squeeze=False)[:, 0]
+    for a in axes:
         a.grid(color="#e6e2db", lw=0.7)
         a.spines[["top", "right"]].set_visible(False)
         a.tick_params(labelsize=8)
-    if columns > 1:
-        return figure, axes
     if rows > 1:
-        axes[-1, 0].xaxis.set_major_locator(MaxNLocator(integer=True))
-    return figure, axes[:, 0]
+        axes[-1].xaxis.set_major_locator(MaxNLocator(integer=True))
+    return figure, axes
+
+
+def new_panels(count: int, size: tuple[float, float]) -> list[Any]:
+    """Return axes that stand beside each other, and on a phone below each other: each in a figure of this size, inches."""
+    return [new_plot(1, size)[1][0] for _ in range(count)]
+
+
+def svg_of_panels(*axes: Any) -> str:
+    """Return the figures of `new_panels` as svg elements in a box."""
+    return '<div class="panels">' + "".join(svg_of(each.figure) for each in axes) + "</div>"
 
 
 def legend_below(*several: Any) -> None:

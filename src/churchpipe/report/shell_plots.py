@@ -10,7 +10,7 @@ from churchpipe.homogenised_shell.rigid_cell import rigid_cell
 from churchpipe.homogenised_shell.strength import paper_planes
 from churchpipe.model.arrays import FloatArray
 from churchpipe.report import colours
-from churchpipe.report.plots import WIDTH, legend_below, new_plot, svg_of
+from churchpipe.report.plots import WIDTH, legend_below, new_panels, new_plot, svg_of, svg_of_panels
 
 Line = tuple[str, float]
 _STYLES = ("--", ":", "-.", (0, (6, 1, 1, 1)), (0, (1, 3)))
@@ -34,19 +34,18 @@ def capacity_svg(curves: Sequence[tuple[str, FloatArray, FloatArray]], lines: Se
 
     lines: load factors of other analyses, drawn across. On the left the part where the curves bend, on the right all of them.
     """
-    figure, axes = new_plot(1, (9.4, 3.4), columns=2)
-    bend, whole = axes[0]
+    bend, whole = new_panels(2, (4.7, 3.2))
     for a in (bend, whole):
         for (label, place, factor), marker in zip(curves, "os^vD<>ph*" * (len(curves) // 10 + 1), strict=False):
             a.plot(place, factor, "-", marker=marker, ms=3.6, lw=1.5, label=label)
         _across(a, lines)
         a.set_xlabel("displacement of the control point along the load, mm", fontsize=8)
+        a.set_ylabel("load factor", fontsize=8)
         a.set_ylim(bottom=0)
         a.set_xlim(left=0)
-    bend.set_ylabel("load factor", fontsize=8)
     bend.set_xlim(0, max(bend_of(place, factor) for _, place, factor in curves))
     legend_below(whole)
-    return svg_of(figure)
+    return svg_of_panels(bend, whole)
 
 
 def bend_of(place: FloatArray, factor: FloatArray, share: float = 0.97) -> float:
@@ -122,8 +121,8 @@ def domain_section(
 
 def domain_svg(a: float, b: float, h: float, friction: float, bond: str = "running") -> str:
     """Return an SVG of sections of a bond's strength: the exact domain, and of running bond the eight planes; sizes in m."""
-    figure, axes = new_plot(2, (9.0, 5.6), columns=3)
-    for place, (title, first, second, kept) in zip(axes.ravel(), _SECTIONS, strict=True):
+    axes = new_panels(len(_SECTIONS), (3.1, 2.8))
+    for place, (title, first, second, kept) in zip(axes, _SECTIONS, strict=True):
         cell, planes = domain_section(a, b, h, friction, first, second, kept, bond=bond)
         drawn = [(cell, colours.ALARM, "-", "unit cell" if bond == "running" else f"cell of {bond} bond")]
         if bond == "running":
@@ -136,8 +135,8 @@ def domain_svg(a: float, b: float, h: float, friction: float, bond: str = "runni
         place.set_ylabel(_NAMES[second], fontsize=8)
         place.set_xlim(*_frame(cell[:, 0]))
         place.set_ylim(*_frame(cell[:, 1]))
-    axes[0, 0].legend(fontsize=7, frameon=False, loc="best")
-    return svg_of(figure)
+    axes[0].legend(fontsize=7, frameon=False, loc="best")
+    return svg_of_panels(*axes)
 
 
 def _frame(values: FloatArray, most: float = 3.0) -> tuple[float, float]:

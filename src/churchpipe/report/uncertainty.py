@@ -9,11 +9,13 @@ import numpy as np
 from churchpipe.io.sample_study import Asked, Mechanism, SampledAnalysis, SampleStudy
 from churchpipe.model.quantities import GRAVITY
 from churchpipe.report import colours
-from churchpipe.report.plots import new_plot, svg_of
+from churchpipe.report.plots import new_panels, svg_of_panels
 from churchpipe.report.table import Row, figure, heading, minus, setting
 
 # Scatter plots of the parameters that matter most.
 _SHOWN = 3
+# Load factors closer than this share of them are one; the histogram then reaches so far around it.
+_SAME, _AROUND = 1e-6, 0.1
 # Parameters whose rank correlation is below this share are no more than the noise of some hundred samples.
 _NOISE = 0.1
 _HEADINGS = ("as it is", "mean", "CoV", "5 %", "median", "95 %")
@@ -148,11 +150,17 @@ def _spread_svg(one: SampledAnalysis) -> str:
     """Return an SVG: load factors by mechanism, and the fragility curve with its band."""
     from scipy.stats import norm
 
-    figure_, ((left, right),) = new_plot(1, (9.4, 3.2), columns=2)
+    left, right = new_panels(2, (4.7, 3.2))
     kinds, values = _by_mechanism(one), np.array(one.load_factors)
     groups = [values[chosen] for _, _, chosen in kinds]
     words = [name or "" for name, _, _ in kinds]
-    left.hist(groups, bins=min(30, 8 + one.count // 10), stacked=True, color=[colour for _, colour, _ in kinds], label=words)
+    spread = np.concatenate(groups)
+    low, high = (float(spread.min()), float(spread.max())) if len(spread) else (0.0, 1.0)
+    if high - low < _SAME * high:
+        # Load factors that differ by rounding alone are one column, not a distribution.
+        low, high = (1 - _AROUND) * low, (1 + _AROUND) * high
+    shape = {"bins": min(30, 8 + one.count // 10), "range": (low, high), "stacked": True}
+    left.hist(groups, color=[colour for _, colour, _ in kinds], label=words, **shape)
     if not math.isnan(one.as_it_is):
         left.axvline(one.as_it_is, color=colours.INK, lw=1, ls="--", label="as it is")
     left.set_axisbelow(True)
@@ -174,7 +182,7 @@ def _spread_svg(one: SampledAnalysis) -> str:
     right.set_xlabel("load factor asked")
     right.set_ylabel("probability of collapse")
     right.legend(fontsize=7, frameon=False, loc="upper left")
-    return svg_of(figure_)
+    return svg_of_panels(left, right)
 
 
 def _influence_svg(one: SampledAnalysis, points: dict[str, tuple[float, ...]]) -> str:
@@ -183,8 +191,7 @@ def _influence_svg(one: SampledAnalysis, points: dict[str, tuple[float, ...]]) -
     if not ranked:
         return ""
     shown = ranked[:_SHOWN]
-    figure_, axes = new_plot(1, (9.4, 2.9), columns=1 + len(shown))
-    bars, *scatters = axes[0]
+    bars, *scatters = new_panels(1 + len(shown), (3.6, 2.9))
     names = [heading(key).partition(",")[0] for key, _ in ranked]
     bars.barh(
         range(len(ranked)), [value for _, value in ranked], color=[colours.PUSH if v >= 0 else colours.ALARM for _, v in ranked]
@@ -200,5 +207,5 @@ def _influence_svg(one: SampledAnalysis, points: dict[str, tuple[float, ...]]) -
         for _, colour, chosen in _by_mechanism(one):
             axis.plot(np.array(points[key])[chosen], values[chosen], "o", ms=2.6, color=colour)
         axis.set_xlabel(heading(key))
-    scatters[0].set_ylabel("load factor")
-    return svg_of(figure_)
+        axis.set_ylabel("load factor")
+    return svg_of_panels(bars, *scatters)

@@ -1,6 +1,7 @@
 """The section of the report and the lines of the terminal about samples."""
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -61,10 +62,23 @@ def test_the_section_has_figures_mechanisms_and_what_is_missing(study: tuple[Sam
     assert all_left_out == "39 without a result (not-converged); 1 without a result (refused)"
     (shown,) = section["shown"]
     assert [row[:2] for row in shown["mechanisms"]] == [("apse, nave", "74.4 %"), ("apse", "25.6 %")]
-    assert shown["spread"].startswith("<svg")
+    assert shown["spread"].count("<svg") == 2
     assert "rank correlation" in shown["influence"]
     # 10 of 39 frictions are below 0.55.
     assert "probability of 25.6 %" in section["demands"][0][1]
+
+
+def test_load_factors_that_differ_by_rounding_alone_are_one_column(study: tuple[SampleStudy, list[Row]]) -> None:
+    found, rows = study
+    same = [
+        replace(one, load_factors=tuple((0.25 + 1e-12 * np.arange(len(one.load_factors))).tolist())) for one in found.analyses[:1]
+    ]
+    section = uncertainty_section(replace(found, analyses=tuple(same)), rows)
+    assert section
+    histogram = section["shown"][0]["spread"].partition("</svg>")[0]
+    ticks = [float(text.replace("\u2212", "-")) for text in re.findall(r">([\u2212\d.e]+)</text>", histogram) if "." in text]
+    assert min(ticks) > 0.22
+    assert "e\u2212" not in histogram
 
 
 def test_the_terminal_says_it_in_sentences(study: tuple[SampleStudy, list[Row]]) -> None:
