@@ -59,15 +59,17 @@ def fit_vaults(stones: Assemblage) -> tuple[Vault, ...]:
     if len(ways) < len(free):
         return ()
     found: list[_Segment] = []
-    for stone, way in _chosen(ways, joints, touching).items():
+    chosen = _chosen(ways, joints, touching)
+    widest = max((len(way) for way in chosen.values() if way[0].lower is None), default=1)
+    for stone, way in chosen.items():
         beds = [pair for piece in way if (pair := _beds(piece, joints, touching[stone])) is not None]
         if len(beds) < len(way):
             return ()
         lengths = [_length(piece, pair) for piece, pair in zip(way, beds, strict=True)]
         part, material = str(stones.panel[stone]) or VAULT, str(stones.material[stone])
         for piece, pair, own in zip(way, beds, lengths, strict=True):
-            # A stone that closes a dome has no head joints: as long as one of its sides, it is on the safe side.
-            found.append(_Segment(stone, piece, pair, sum(lengths) if piece.lower is None else own, part, material))
+            # A stone that closes a dome has no head joints: it stands for stones of as many sides as the others have.
+            found.append(_Segment(stone, piece, pair, sum(lengths) if piece.lower is None else widest * own, part, material))
     return () if _is_an_arch(found) else tuple(_vaults(found))
 
 

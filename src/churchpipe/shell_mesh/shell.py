@@ -134,7 +134,8 @@ def _vault_shell(building: Building, element_size: float) -> ShellModel:
     facets = vault_facets(curved, size)
     label = clusters(facets.corner.reshape(-1, 3))
     points = facets.corner.reshape(-1, 3)[np.unique(label, return_index=True)[1]]
-    unit_cells, cell = np.unique(np.round(facets.cell, 12), axis=0, return_inverse=True)
+    _, rank = np.unique(facets.bond, return_inverse=True)
+    _, first, cell = np.unique(np.column_stack([np.round(facets.cell, 12), rank]), axis=0, return_index=True, return_inverse=True)
     weights = {name: material.unit_weight for name, material in by_name(building.materials).items()}
     sides = facets.corner[:, 1:] - facets.corner[:, :1]
     area = 0.5 * np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
@@ -145,7 +146,8 @@ def _vault_shell(building: Building, element_size: float) -> ShellModel:
         thickness=facets.thickness,
         surface_weight=np.array([weights[name] for name in facets.material.tolist()]) * facets.volume / area,
         cell=cell.ravel(),
-        unit_cells=unit_cells,
+        unit_cells=np.round(facets.cell[first], 12),
+        bonds=facets.bond[first],
         material=facets.material,
         panel=facets.panel,
         yields=facets.yields,

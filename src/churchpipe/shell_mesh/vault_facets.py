@@ -7,9 +7,11 @@ from itertools import pairwise
 
 import numpy as np
 
+from churchpipe.bond.period import BondName
 from churchpipe.errors import InputError
 from churchpipe.model.arrays import BoolArray, FloatArray, NameArray
 from churchpipe.model.vault import Run, Side, Vault
+from churchpipe.shell_mesh.vault_bonds import vault_bonds
 from churchpipe.vaults.stones import places
 
 # Points closer than this are one, m.
@@ -17,19 +19,21 @@ _ONE = 1e-6
 # Rows at a springing, as shares of the course. A hinge of the shell lies in the middle of a row, that of a vault in the joint.
 FOOT = np.array([1 / 16, 1 / 4])
 _SideKey = tuple[float, ...]
+_Bonds = dict[str, BondName]
 
 
 @dataclass(frozen=True, slots=True)
 class VaultFacets:
     """Triangles of the mid-surfaces of vaults: corner (nt, 3, 3) m, `corner_tkc`, corner k of triangle t; axes (nt, 3, 3) as in
-    `ShellModel`; thickness (nt,) m; volume (nt,) m3 of stones that each carries; cell (nt, 2) m; material, panel (nt,) names;
-    yields (nt,)."""
+    `ShellModel`; thickness (nt,) m; volume (nt,) m3 of stones that each carries; cell (nt, 2) m; bond, material, panel (nt,)
+    names; yields (nt,)."""
 
     corner: FloatArray
     axes: FloatArray
     thickness: FloatArray
     volume: FloatArray
     cell: FloatArray
+    bond: NameArray
     material: NameArray
     panel: NameArray
     yields: BoolArray
@@ -44,6 +48,7 @@ class _Patch:
     axes: FloatArray
     thickness: float
     cell: tuple[float, float]
+    bond: BondName
     material: str
     part: str
     yields: bool
@@ -56,17 +61,9 @@ def vault_facets(vaults: Sequence[Vault], element_size: float) -> VaultFacets:
 
     Raises
     ------
-    InputError: rings of voussoirs, masonry that has no mid-surface.
+    InputError: masonry that has no mid-surface.
     """
     for vault in vaults:
-        if vault.beds == "section":
-            raise InputError(
-                f"vault {vault.name}",
-                "the shell of arches side by side is not derived",
-                found='laid = "rings"',
-                expected='laid = "courses"',
-                remedy="Rigid blocks take it as it is.",
-            )
         if vault.shell == "none":
             raise InputError(
                 f"vault {vault.name}",
@@ -75,8 +72,9 @@ def vault_facets(vaults: Sequence[Vault], element_size: float) -> VaultFacets:
                 expected="vaults without backing, and without arches or ribs below them",
                 remedy="Rigid blocks take it as it is.",
             )
-    across = _divisions_along(vaults, element_size)
-    patches = [patch for vault in vaults for patch in _facets(vault, element_size, across)]
+    bonds = [vault_bonds(vault) for vault in vaults]
+    across = _divisions_along(vaults, bonds, element_size)
+    patches = [patch for vault, own in zip(vaults, bonds, strict=True) for patch in _facets(vault, own, element_size, across)]
     counts = [len(patch.corner) for patch in patches]
 
     def each(value: Callable[[_Patch], object]) -> np.ndarray:
@@ -88,6 +86,7 @@ def vault_facets(vaults: Sequence[Vault], element_size: float) -> VaultFacets:
         each(lambda patch: patch.thickness),
         np.concatenate([patch.volume for patch in patches]),
         each(lambda patch: patch.cell),
+        each(lambda patch: patch.bond),
         each(lambda patch: patch.material),
         each(lambda patch: patch.part),
         each(lambda patch: patch.yields),
@@ -98,19 +97,21 @@ def _key(side: Side) -> _SideKey:
     return tuple(np.round(np.concatenate([side.origin, side.normal, side.along]), 9).tolist())
 
 
-def _divisions_along(vaults: Sequence[Vault], element_size: float) -> dict[_SideKey, int]:
-    """Return for each side the number of strips between its first and its last station."""
+def _divisions_along(vaults: Sequence[Vault], bonds: Sequence[_Bonds], element_size: float) -> dict[_SideKey, int]:
+    """Return for each side the number of strips between its first and its last station, an even one where a stack stands."""
     found: dict[_SideKey, int] = {}
-    for vault in vaults:
+    for vault, own in zip(vaults, bonds, strict=True):
         for run in vault.runs:
             ends = run.stations[[0, -1]]
             middle = np.array([run.section.lower[0], run.section.upper[0]])
             length = float((ends[1, 0] - ends[0, 0] + (ends[1, 1] - ends[0, 1]) * middle).max())
-            found[_key(run.side)] = max(found.get(_key(run.side), 1), math.ceil(length / element_size - 1e-9))
+            halves = 2 if own[run.part] == "stack" else 1
+            count = halves * math.ceil(length / (halves * element_size) - 1e-9)
+            found[_key(run.side)] = max(found.get(_key(run.side), 1), count)
     return found
 
 
-def _facets(vault: Vault, element_size: float, across: dict[_SideKey, int]) -> Iterator[_Patch]:
+def _facets(vault: Vault, bonds: _Bonds, element_size: float, across: dict[_SideKey, int]) -> Iterator[_Patch]:
     # Webs that meet in a mitre have unequal sections where their spans are unequal, and the same number of rows.
     rows: dict[tuple[str, int], int] = {}
     for run in vault.runs:
@@ -127,18 +128,19 @@ def _facets(vault: Vault, element_size: float, across: dict[_SideKey, int]) -> I
         along = np.append(run.side.along, 0.0)
         rise = (run.section.upper - run.section.lower) / height
         up = np.append(rise[0] * run.side.normal, rise[1])
-        cell = (height, run.length)
+        # A ring is laid in halves of its voussoirs.
+        cell = (height if vault.beds == "path" else 2 * height, run.length)
         axes = np.stack([along, up, np.cross(along, up)])
+        thickness, bond = run.section.area / height, bonds[run.part]
         for strip, carried in enumerate(volume.tolist()):
-            quads = [
-                _triangles(np.stack([place[strip, k], place[strip + 1, k], place[strip + 1, k + 1], place[strip, k + 1]]))
+            quads = (
+                np.stack([place[strip, k], place[strip + 1, k], place[strip + 1, k + 1], place[strip, k + 1]])
                 for k in range(len(line) - 1)
-            ]
-            corner = np.concatenate(quads)
-            area = _areas(corner)
-            yield _Patch(
-                corner, carried * area / area.sum(), axes, run.section.area / height, cell, vault.material, run.part, True
             )
+            divided = _crossed if bond != "stack" else _rising if 2 * strip < len(volume) else _falling
+            corner = np.concatenate([divided(quad) for quad in quads])
+            area = _areas(corner)
+            yield _Patch(corner, carried * area / area.sum(), axes, thickness, cell, bond, vault.material, run.part, True)
 
 
 def _place(run: Run, joint: FloatArray) -> _SideKey:
@@ -166,13 +168,31 @@ def _stations(run: Run, across: dict[_SideKey, int]) -> FloatArray:
     return first + np.linspace(0, 1, across[_key(run.side)] + 1)[:, None] * (last - first)
 
 
-def _triangles(quad: FloatArray) -> FloatArray:
+def _crossed(quad: FloatArray) -> FloatArray:
     """Return four triangles about the centre of a plane quadrilateral (4, 3) m, or the one that it is where corners coincide."""
-    apart = np.linalg.norm(quad - np.roll(quad, -1, axis=0), axis=1) > _ONE
-    corner = quad[apart]
+    corner = quad[_apart(quad)]
     if len(corner) == 3:
         return corner[None]
     return np.array([[a, b, corner.mean(axis=0)] for a, b in pairwise([*corner, corner[0]])])
+
+
+def _rising(quad: FloatArray) -> FloatArray:
+    """Return two triangles of a plane quadrilateral (4, 3) m, or the one that it is where corners coincide.
+
+    A stack bends about its beds alone, and could not hold a node in the middle. The diagonals of both halves of a side lean
+    towards each other.
+    """
+    corner = quad[_apart(quad)]
+    return corner[[[0, 1, 2], [0, 2, 3]][: len(corner) - 2]]
+
+
+def _falling(quad: FloatArray) -> FloatArray:
+    """Return the same with the other diagonal."""
+    return _rising(np.roll(quad, -1, axis=0))
+
+
+def _apart(quad: FloatArray) -> BoolArray:
+    return np.asarray(np.linalg.norm(quad - np.roll(quad, -1, axis=0), axis=1) > _ONE)
 
 
 def _areas(corner: FloatArray) -> FloatArray:

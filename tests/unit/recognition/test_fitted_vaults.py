@@ -77,16 +77,15 @@ def test_keys_and_oculi_have_a_shell_that_matches(build: Callable[..., Building]
     check_match(stones, fitted, cp.derive_shell(fitted.building(MATERIAL), 0.3))
 
 
-# Of the stone that closes a dome the drawing does not tell how long the stones are that it stands for.
-@pytest.mark.parametrize(("build", "tolerance"), [("barrel", 1e-6), ("dome", 5e-4)])
-def test_load_factors_are_those_of_the_generator(build: str, tolerance: float) -> None:
+@pytest.mark.parametrize("build", ["barrel", "dome"])
+def test_load_factors_are_those_of_the_generator(build: str) -> None:
     # Turned by 0.3 rad, both the stones and the push.
     building = vault(**BARREL, materials=MATERIAL) if build == "barrel" else dome(**DOME | {"laid": "lunes"}, materials=MATERIAL)
     stones = turned(cp.derive_blocks(building))
     drawn = cp.derive_shell(fit_panels(stones).building(MATERIAL), 0.3)
     push = cp.LoadCase((float(np.cos(0.3)), float(np.sin(0.3)), 0.0))
     expected = cp.shell_limit_analysis(cp.derive_shell(building, 0.3), cp.LoadCase((1, 0, 0)), MATERIAL).load_factor
-    assert cp.shell_limit_analysis(drawn, push, MATERIAL).load_factor == pytest.approx(expected, rel=tolerance)
+    assert cp.shell_limit_analysis(drawn, push, MATERIAL).load_factor == pytest.approx(expected, rel=1e-6)
 
 
 @pytest.mark.parametrize("kind", ["dxf", "obj", "obj-triangles"])
