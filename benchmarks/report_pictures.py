@@ -54,19 +54,19 @@ def photographed(page: Path, what: str, picture: Path) -> None:
 
 def drawing_photographed(drawing: str, picture: Path) -> None:
     """Take a picture of a drawing (SVG)."""
-    with new_sheet() as sheet:
+    with new_sheet(scale=2) as sheet:
         sheet.set_content(drawing)
         sheet.locator("svg").screenshot(path=picture)
     with_few_colours(picture)
 
 
 @contextmanager
-def new_sheet() -> Iterator[Page]:
-    """Yield an empty page of a browser."""
+def new_sheet(scale: float = 1) -> Iterator[Page]:
+    """Yield an empty page of a browser; scale: pixels of a picture for one of the page."""
     with sync_playwright() as play:
         program = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))))
         browser = play.chromium.launch(executable_path=program, args=["--no-sandbox", "--enable-unsafe-swiftshader"])
-        yield browser.new_page(viewport=WINDOW)
+        yield browser.new_page(viewport=WINDOW, device_scale_factor=scale)
         browser.close()
 
 

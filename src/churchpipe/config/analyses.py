@@ -73,7 +73,9 @@ class RigidSettings:
         float | None, Quantity("_deg", 0.0, above=True, high=90, below=True), "Largest angle between two faces of a joint."
     ] = None
     verified_gains: Annotated[
-        Whole, "Of how many walls what mortar and weight would add is analysed again, those that it would help most."
+        Whole,
+        "How many walls are analysed again, each alone, with 10 kPa more cohesion, and how many with 10 kN more weight, however "
+        "small the building is: those that it would help most.",
     ] = 0
     overlap: Annotated[Length | None, "Largest depth to which two stones may overlap."] = None
     curve: Annotated[CurveSettings | None, "The capacity curve of the stones, where it is asked for."] = None

@@ -9,6 +9,7 @@ import numpy as np
 from churchpipe.loading.ties import anchors_of
 from churchpipe.model.arrays import BoolArray, FloatArray
 from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.gains import WEIGHT_MORE
 from churchpipe.model.motion import velocity_at
 from churchpipe.model.placed_loads import Borne
 from churchpipe.model.ring_beam import RING_BEAM
@@ -85,10 +86,6 @@ def candidate_rows(rows: Sequence[Row]) -> list[list[str]]:
     ]
 
 
-# Weight that is added where a wall is analysed again, N (`verify_gains`).
-_ADDED = 1e4
-
-
 def gain_table(rows: Sequence[Row], weight: float) -> tuple[list[str], list[list[str]]]:
     """Return titles, and for each analysis a row for each of the walls that more cohesion or weight would help or harm most, and
     for each that was analysed again: the load factor by the rate, and that of the analysis, if there is one.
@@ -97,7 +94,7 @@ def gain_table(rows: Sequence[Row], weight: float) -> tuple[list[str], list[list
     """
     out: list[list[str]] = []
     analysed = any(math.isfinite(gain.with_weight) for row in rows for gain in row.record.gains)
-    step = _ADDED if analysed else min(_ADDED, 10.0 ** (math.floor(math.log10(weight)) - 2))
+    step = WEIGHT_MORE if analysed else min(WEIGHT_MORE, 10.0 ** (math.floor(math.log10(weight)) - 2))
     added = f"{step / 1e3:g} kN" if step >= 1e3 else f"{step:g} N"
     titles = ("Analysis", "Wall", "10 kPa of cohesion", "analysed", f"{added} of weight", "analysed")
     for row in rows:

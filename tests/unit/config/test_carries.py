@@ -1,5 +1,6 @@
 """What the building of a case carries: keys, units, the settings of stages, and errors with their lines."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -241,6 +242,32 @@ def chapel(folder: Path, more: str) -> Path:
     path = folder / "chapel.toml"
     path.write_text((READY / "chapel.toml").read_text() + more)
     return path
+
+
+def test_what_the_ready_chapel_says_in_comments_holds(tmp_path: Path) -> None:
+    head, said, tail = (READY / "chapel.toml").read_text(encoding="utf-8").partition("# What else it carries")
+    lines = [line.removeprefix("# ") for line in tail.splitlines()[1:]]
+    (tmp_path / "chapel.toml").write_text(head + "\n".join(lines), encoding="utf-8")
+    case = read_case(tmp_path / "chapel.toml")
+    stones = derive_blocks(case.building())
+    found = placed(case.carries, stones)
+    assert said
+    assert set(found.loads.wall.tolist()) == {"nave_left"}
+    assert [tie.name for tie in found.ties] == ["front"]
+    assert {"facade buttress 1", "facade buttress 2"} <= set(stones.panel.tolist())
+    assert case.check is not None
+
+
+def test_a_porch_is_two_buttresses_that_bear_a_roof(tmp_path: Path) -> None:
+    page = (READY.parents[1] / "docs" / "walls.md").read_text(encoding="utf-8")
+    (porch,) = re.findall(r"```toml\n(\[\[buttresses\]\]\nname = \"porch\".*?)```", page, flags=re.DOTALL)
+    # The facade of the ready chapel is 6 m wide, that of the page 9 m.
+    case = read_case(chapel(tmp_path, porch.replace("[2.5, 6.5]", "[1.5, 4.5]")))
+    stones = derive_blocks(case.building())
+    found = placed(case.carries, stones)
+    weight = {wall: found.loads.weight[found.loads.wall == wall].sum() for wall in np.unique(found.loads.wall)}
+    # 1 kN/m2 on 2.5 m clear between them and 2 m out from the facade, half on each.
+    assert weight == pytest.approx({"porch buttress 1": 2.5e3, "porch buttress 2": 2.5e3})
 
 
 def test_a_diaphragm_presses_and_holds(tmp_path: Path) -> None:
