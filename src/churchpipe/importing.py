@@ -7,10 +7,12 @@ import re
 import shlex
 import shutil
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Final
 
+from churchpipe.config.case import Case
+from churchpipe.config.case import Drawing as DrawingSource
 from churchpipe.config.imported import imported_case, material_names
 from churchpipe.config.json_schema import write_case
 from churchpipe.config.shell_table import ShellTable, shell_table
@@ -26,6 +28,7 @@ from churchpipe.meshes.reader import files_of, read_file
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import TOLERANCES, Contacts
 from churchpipe.model.loads import LoadCase
+from churchpipe.recognition.panels import wall_names
 from churchpipe.shell_mesh.shell import derive_shell
 from churchpipe.stones.account import joint_account, joint_lines
 from churchpipe.stones.contacts import find_contacts
@@ -71,6 +74,19 @@ def check_drawing(
     contacts = find_contacts(drawing.stones, **reading.tolerances(tolerances))
     check_soundness(drawing.stones, contacts)
     return drawing, contacts
+
+
+def check_carried(case: Case, stones: Assemblage) -> None:
+    """Look for the walls of a drawing that a case names: those pushed alone, and those that bear loads, ties and beams.
+
+    Raises
+    ------
+    InputError: with the line of the case.
+    """
+    reading = case.source.reading if isinstance(case.source, DrawingSource) else AS_DRAWN
+    named = replace(stones, panel=wall_names(stones, reading.kept_joint))
+    case.check_named(sorted({*named.panel[~named.fixed].tolist()} - {""}))
+    case.check_borne(named)
 
 
 def import_drawing(

@@ -411,6 +411,17 @@ def test_a_drawing_may_have_braces_in_its_name(pristine: Copy, tmp_path: Path) -
     assert summary["analyses"][0]["load_factor"] == pytest.approx(0.6, rel=1e-6)
 
 
+def test_a_wall_that_a_drawing_has_not_is_named_with_its_line(pristine: Copy, tmp_path: Path) -> None:
+    shutil.copy(pristine.out / "geometry" / "base" / "stones.dxf", tmp_path / "stones.dxf")
+    text = f'name = "drawn"\n[source]\ndxf = "stones.dxf"\n{CASE[CASE.index("[material") :]}'
+    case = tmp_path / "drawn.toml"
+    case.write_text(f'{text}\n[[line_loads]]\nname = "roof"\nwall = "nave"\ndead_kN_m = 3.0\n')
+    code, out, err = pristine.call("churchpipe", "run", case, "--out", tmp_path / "run")
+    assert code == 1, out + err
+    line = case.read_text().splitlines().index("[[line_loads]]") + 1
+    assert f"{case}: line {line}, line_loads.0: line load roof: no such wall; found nave" in err
+
+
 def wait_for(condition: Callable[[], bool]) -> None:
     stop = time.monotonic() + 300
     while not condition():

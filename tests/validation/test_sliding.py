@@ -43,7 +43,7 @@ def test_canonical_start(test: str, first_course: str, reference: float, program
     solve = solver_for(balance.wrenches)
     associative = solve(associative_program(balance, strength), duality_gap=EXACT)
     n = dead_load_start(balance)
-    # The last digit of the start decides on a third of the programs: the middle of three.
+    # The last digit of the start decides on a third of the programs, and on a hundredth of the load factor: the middle of three.
     noise = [np.zeros_like(n), *np.random.default_rng(1).normal(scale=1e-7, size=(2, len(n)))]
     runs = [certified_iteration(balance, strength, n * (1.0 + part), solve) for part in noise]
     found = [run for run in runs if run is not None and run.converged]
@@ -51,7 +51,7 @@ def test_canonical_start(test: str, first_course: str, reference: float, program
     assert all(run.load_factor < associative.tau for run in found)
     assert np.median([run.solves for run in found]) <= programs
     assert np.median([run.iterations for run in found]) <= equivalent * associative.iterations
-    run = found[0]
+    run = sorted(found, key=lambda run: run.load_factor)[1]
     # The certificate again, from the arrays alone.
     gap = bipotential_gap(balance, strength, run.x, run.y)
     low, high = mechanism_interval(balance, strength, CoulombState(run.x, run.load_factor, run.y, gap), solve)

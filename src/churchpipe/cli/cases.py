@@ -3,7 +3,6 @@
 import re
 import shlex
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -106,8 +105,7 @@ def _check_laid(path: Path, case: Any, building: Any) -> None:
 
 
 def _check_drawn(path: Path, case: Any) -> None:
-    from churchpipe.importing import check_drawing, joint_words
-    from churchpipe.recognition.panels import wall_names
+    from churchpipe.importing import check_carried, check_drawing, joint_words
 
     if not case.source.path.exists():
         raise InputError(f"{path}: source", "no such file of stones", found=case.source.path)
@@ -115,9 +113,7 @@ def _check_drawn(path: Path, case: Any) -> None:
     read, contacts = check_drawing(case.source.path, case.source.reading, weights, case.tolerances)
     if len(read.findings):
         err.print(str(read.findings), soft_wrap=True)
-    stones = replace(read.stones, panel=wall_names(read.stones, case.source.reading.kept_joint))
-    case.check_named(sorted({*stones.panel[~stones.fixed].tolist()} - {""}))
-    case.check_borne(stones)
+    check_carried(case, read.stones)
     free = int((~read.stones.fixed).sum())
     out.print(f"{case.source.path}: {free} stones.", soft_wrap=True)
     for line in joint_words(read.stones, contacts):

@@ -1,6 +1,7 @@
 """Commands of runs: run, show, report."""
 
 import os
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -86,6 +87,7 @@ def run(
         err.print("Stopped. What was finished stays; run it again to go on.")
         raise typer.Exit(INTERRUPTED) from None
     if display.errors:
+        _check_walls(chosen)
         # The jobs of several analyses meet the same fault.
         for text in dict.fromkeys(display.errors):
             err.print(text, style="red", soft_wrap=True)
@@ -100,6 +102,20 @@ def run(
     source = cases[0].source
     note_finished(folder, case, asked, None if isinstance(source, Generated) else source.path, good=good)
     _print_run(folder, good=good)
+
+
+def _check_walls(cases: Iterable[Any]) -> None:
+    """Look again for what a stage missed on the walls of a drawing, which the stage knows no line of the case for."""
+    from dataclasses import asdict
+
+    from churchpipe.config.case import Drawing
+    from churchpipe.importing import check_carried
+    from churchpipe.meshes.reader import read_file
+
+    for case in cases:
+        if isinstance(case.source, Drawing):
+            weights = {material.name: material.unit_weight for material in case.materials}
+            check_carried(case, read_file(case.source.path, unit_weight=weights, **asdict(case.source.reading)).stones)
 
 
 def _folder_of(case: Path, name: str, out_dir: Path | None) -> Path:

@@ -40,8 +40,8 @@ _PATIENCE = 8
 # Where the run from the centre cannot begin, or stops short of a state, the search is tried from these.
 _OTHERS: tuple[Start, ...] = ("dead-load", "associative")
 _LAST: tuple[Start, ...] = ("uniform", "scattered")
-# Factors of the scattered forces, and the seed that draws them.
-_SCATTER, _SEED = (0.3, 3.0), 1
+# Factors of the scattered forces, and how often they are drawn at most, until a state is certified.
+_SCATTER, _DRAWS = (0.3, 3.0), 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,8 +53,8 @@ class SlidingOptions:
     starts: "centre", one interior-point run that begins at the centre of all cones; the others are the normal forces from which
     a sequence of programs searches: "dead-load" (the least-squares forces of the dead load), "uniform" (their mean at every
     point), "associative" (those of the associative solution), "scattered" (those of the dead load times factors between .3 and
-    3). None given, the centre and the dead load, with method "paper" the associative forces; where neither ends in a state the
-    search is tried from the others. Of several that end in one, `leading` says which is reported.
+    3, drawn up to three times). None given, the centre and the dead load, with method "paper" the associative forces; where
+    neither ends in a state the search is tried from the others. Of several that end in one, `leading` says which is reported.
     bipotential_gap: g / alpha at which the analysis stops looking. More than 1e-5 saves time on large models, but only
     1e-5 is called "converged".
     """
@@ -198,17 +198,32 @@ class _Search:
         if start == "centre":
             runs = [self._from_centre()]
         else:
-            normal = self._associative.forces[:, 0] / balance.force
-            n = np.concatenate([_first_forces(start, normal, balance), np.zeros(len(strength.friction) - balance.contacts)])
+            n = self._first_forces(start)
             if options.method == "default":
                 settings = SchemeSettings(bipotential_gap=options.bipotential_gap)
                 if options.starts == _STARTS["default"] and any(end[0].converged for end in self.ends):
                     settings = replace(settings, patience=_PATIENCE)
                 runs = [certified_iteration(balance, strength, n, solve, settings, self._progress)]
+                for draw in range(2, _DRAWS + 1 if start == "scattered" else 2):
+                    if runs[-1] is not None and runs[-1].converged:
+                        break
+                    n = self._first_forces(start, draw)
+                    runs.append(certified_iteration(balance, strength, n, solve, settings, self._progress))
             else:
                 before = np.zeros_like(n), n
                 runs = [paper_iteration(balance, strength, n, each, solve, progress=self._progress) for each in before]
         self.keep(start, [run for run in runs if run is not None], options.method)
+
+    def _first_forces(self, start: Start, draw: int = 1) -> FloatArray:
+        """Return the normal forces (nc,) over the weight from which a search begins; draw: which of the scattered ones."""
+        balance = self._balance
+        normal = self._associative.forces[:, 0] / balance.force
+        forces = np.maximum(normal, 0.0) if start == "associative" else dead_load_start(balance)
+        if start == "scattered":
+            forces = forces * np.random.default_rng(draw).uniform(*_SCATTER, len(forces))
+        if start == "uniform":
+            forces = np.full_like(normal, float(forces.mean()))
+        return np.concatenate([forces, np.zeros(len(self._strength.friction) - balance.contacts)])
 
     def _from_centre(self) -> SlidingRun | None:
         """Return the run from the centre; with ties, which it does not know, a search from the end of the run in which they pull
@@ -254,15 +269,6 @@ def _associative_run(balance: Equilibrium, strength: Strength, associative: Limi
     y = balance.multipliers(associative.velocities) if state is None else state.y
     gap = bipotential_gap(balance, strength, x, y)
     return SlidingRun(x, load_factor, y, gap, False, (Iteration(load_factor, 0.0, gap / load_factor),))
-
-
-def _first_forces(start: Start, normal: FloatArray, balance: Equilibrium) -> FloatArray:
-    if start == "associative":
-        return np.maximum(normal, 0.0)
-    dead = dead_load_start(balance)
-    if start == "scattered":
-        return dead * np.random.default_rng(_SEED).uniform(*_SCATTER, len(dead))
-    return dead if start == "dead-load" else np.full_like(normal, float(dead.mean()))
 
 
 def _certificate(balance: Equilibrium, strength: Strength, run: SlidingRun, method: Method, solve: Solve) -> CoulombState | None:
