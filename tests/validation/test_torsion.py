@@ -1,6 +1,7 @@
 """Torsion of joints under uniform pressure: rectangles in closed form, other polygons by integration, buildings that twist."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import pytest
 import churchpipe as cp
 from churchpipe.errors import InputError
 from churchpipe.geometry.polygons import polygon_areas, symmetric_parts
+from churchpipe.model.names import ContactModel
 from churchpipe.rigid_blocks.torsion import friction_points, mean_distance
 from models import TILTING_LOADS, tilting_test
 from solids import box, on_ground
@@ -15,7 +17,7 @@ from solids import box, on_ground
 MU = 0.7
 
 
-def twisted(stones: cp.Assemblage, contact_model: str, **options: str) -> cp.LimitState:
+def twisted(stones: cp.Assemblage, contact_model: ContactModel, **options: Any) -> cp.LimitState:
     """A torque of as many newton metres as the stones weigh newtons, about the vertical axis of the last one."""
     live = np.zeros((stones.count, 6))
     live[-1, 5] = stones.weight.sum()
@@ -101,7 +103,7 @@ def eccentric(e: tuple[float, float], b: float, h: float) -> tuple[cp.Assemblage
 def test_eccentric_torque_without_dilatancy(e: tuple[float, float], crushing: float | None) -> None:
     b, h = 1.2, 0.7
     stones, load = eccentric(e, b, h)
-    options = {"contact_model": "torsion", "flow": "non-associative", "compressive_strength": crushing}
+    options: dict[str, Any] = {"contact_model": "torsion", "flow": "non-associative", "compressive_strength": crushing}
     state = cp.limit_analysis(stones, cp.find_contacts(stones), load, MU, **options)
     # Uniform pressure on the rectangle about its centre, integrated at the middles of small squares.
     wide, deep, cells = b - 2 * abs(e[0]), h - 2 * abs(e[1]), 600
@@ -143,7 +145,7 @@ def test_tilting_tests(test: str, expected: float) -> None:
 
 
 @pytest.mark.slow("docs/contact_models.md: S5 without dilatancy")
-@pytest.mark.parametrize(("test", "expected"), [("S5", 0.37963), ("S22", 0.18830)])
+@pytest.mark.parametrize(("test", "expected"), [("S5", 0.37895), ("S22", 0.18830)])
 def test_tilting_tests_about_the_pressure(test: str, expected: float) -> None:
     stones, contacts = tilting_test(test)
     state = cp.limit_analysis(stones, contacts, TILTING_LOADS[test], MU, contact_model="torsion", flow="non-associative")
@@ -159,8 +161,9 @@ def test_tilting_tests_about_the_pressure(test: str, expected: float) -> None:
 def test_bad_arguments() -> None:
     stones = on_ground(box((0, 1), (0, 1), (0, 1)))
     contacts, load = cp.find_contacts(stones), cp.LoadCase((1, 0, 0))
+    unknown: Any = "twist"
     with pytest.raises(InputError, match="limit_analysis: contact_model: unknown value; found twist"):
-        cp.limit_analysis(stones, contacts, load, MU, contact_model="twist")
+        cp.limit_analysis(stones, contacts, load, MU, contact_model=unknown)
     crossed = replace(contacts, point=contacts.point[[0, 2, 1, 3]])
     line = replace(contacts, point=contacts.point[:2], point_ptr=np.array([0, 2]))
     for wrong, found in ((crossed, "they enclose 0 m2; expected 1 m2"), (line, "2 points; expected 3 or more")):
