@@ -14,7 +14,7 @@ from churchpipe.model.motion import velocity_at
 from churchpipe.model.placed_loads import Borne
 from churchpipe.model.ring_beam import RING_BEAM
 from churchpipe.report import colours
-from churchpipe.report.table import Row, figure
+from churchpipe.report.table import Row, amount, figure
 
 # Length of the longest arrow over the size of the building, and most arrows drawn of a load.
 _ARROW, _ARROWS = 0.08, 25
@@ -33,7 +33,7 @@ def load_rows(borne: Mapping[str, Borne]) -> list[list[str]]:
             level = float(np.linalg.norm(loads.dead[mine].sum(axis=0)[:2]))
             sums = (float(loads.weight[mine].sum()), level, float(loads.mass[mine].sum()))
             walls = ", ".join(np.unique(loads.wall[mine]).tolist())
-            found.setdefault(name, [name, walls, *(f"{value / 1e3:.1f}" for value in sums)])
+            found.setdefault(name, [name, walls, *(amount(value / 1e3, 1) for value in sums)])
     return list(found.values())
 
 
@@ -48,7 +48,7 @@ def beam_rows(stones: Assemblage) -> list[list[str]]:
     for stone in np.flatnonzero(ring_beams(stones)).tolist():
         height = np.ptp(stones.points[slice(*stones.block_point_ptr[stone : stone + 2]), 2])
         name, material = str(stones.panel[stone]), str(stones.material[stone])
-        rows.append([name, material, f"{height:.2f}", f"{stones.weight[stone] / 1e3:.1f}"])
+        rows.append([name, material, amount(float(height), 2), amount(float(stones.weight[stone]) / 1e3, 1)])
     return rows
 
 
@@ -58,8 +58,8 @@ def tie_rows(rows: Sequence[Row]) -> list[list[str]]:
         [
             row.label,
             tie.name,
-            f"{tie.tension / 1e3:.1f}",
-            f"{tie.strength / 1e3:.1f}",
+            amount(tie.tension / 1e3, 1),
+            amount(tie.strength / 1e3, 1),
             "" if math.isnan(tie.share) else f"{tie.share:.2f}",
             "at its strength" if tie.yielded else "below it",
             tie.governs,
@@ -76,7 +76,7 @@ def candidate_rows(rows: Sequence[Row]) -> list[list[str]]:
         [
             row.label,
             one.name,
-            f"{one.strength / 1e3:.1f}",
+            amount(one.strength / 1e3, 1),
             f"{1e3 * one.rate:.2e}",
             figure(one.most, 4),
             "not analysed" if math.isnan(one.load_factor) else figure(one.load_factor, 4),

@@ -16,6 +16,7 @@ from churchpipe.report.borne import ring_beams
 from churchpipe.report.drawn_loads import DrawnLoads, draw_loads
 from churchpipe.report.motion import ground_plate
 from churchpipe.report.plots import svg_of
+from churchpipe.report.table import amount
 
 # A plan cuts the walls as high as people do on paper, or through the middle of what is lower.
 CUT_HEIGHT = 1.2
@@ -57,7 +58,7 @@ def drawings_svg(stones: Assemblage, loads: DrawnLoads) -> list[tuple[str, str]]
     level = min(CUT_HEIGHT, 0.5 * float(high[2] - low[2]))
     plan = _drawing(stones, drawn, loads, PLAN, low[2] + level)
     return [
-        (f"{PLAN.title}, cut {level:.2f} m above the foot", plan),
+        (f"{PLAN.title}, cut {amount(level, 2)} m above the foot", plan),
         *((view.title, _drawing(stones, drawn, loads, view)) for view in ELEVATIONS),
         *((view.title, _drawing(stones, drawn, loads, view, cut)) for view, cut in sections(low, high)),
     ]
@@ -157,7 +158,7 @@ def _dimensions(axes: Any, low: FloatArray, high: FloatArray, reached: FloatArra
         )
         middle = ((start[0] + end[0]) / 2, (start[1] + end[1]) / 2)
         axes.text(
-            *middle, f"{length:.2f} m", rotation=angle, fontsize=8, ha="center", va="center",
+            *middle, f"{amount(float(length), 2)} m", rotation=angle, fontsize=8, ha="center", va="center",
             bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.5},
         )  # fmt: skip
     least, most = np.min([low - 2 * gap, *reached], axis=0), np.max([high + gap, *reached], axis=0)

@@ -38,7 +38,7 @@ from churchpipe.report.safety import CUT_OFF, check_table, fails, part_overview,
 from churchpipe.report.sensitivity import sensitivity_plots
 from churchpipe.report.shell_picture import shell_picture
 from churchpipe.report.shell_view import ShellState, joint_outlines, motion_of, shell_data
-from churchpipe.report.table import Row, columns_for, figure, friction_text, rows_of, swept
+from churchpipe.report.table import Row, amount, columns_for, figure, friction_text, rows_of, swept
 from churchpipe.report.title_block import MATERIAL_HEADINGS, material_rows, title_block
 from churchpipe.report.uncertainty import uncertainty_section
 from churchpipe.report.variants import link_to, variants_section
@@ -167,7 +167,7 @@ def _elsewhere(summary: Summary, here: str) -> list[tuple[str, str]]:
 
 def _facts(found: Size, shell: ShellSize | None, stones: Assemblage) -> list[tuple[str, str]]:
     free = stones.points[~stones.fixed[stone_of_point(stones)]]
-    size = " \u00d7 ".join(f"{length:.2f}" for length in np.ptp(free, axis=0))
+    size = " \u00d7 ".join(amount(float(length), 2) for length in np.ptp(free, axis=0))
     weight = found.weight / 1e3
     counts = {"stones": found.blocks, "interfaces": found.interfaces, "contact points": found.contact_points}
     counts |= {"shell elements": shell.elements, "shell nodes": shell.nodes} if shell else {}

@@ -1,6 +1,7 @@
 """Loads and ties on the dimensioned drawings."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from churchpipe.generators import wall
 from churchpipe.loading.placing import place_loads
 from churchpipe.model.placed_loads import Borne
 from churchpipe.report import colours
+from churchpipe.report.borne import load_rows
 from churchpipe.report.drawings import ELEVATIONS, PLAN, View, drawings_svg
 from churchpipe.report.drawn_loads import DrawnLoads, draw_loads, drawn_loads, key_to_loads
 from solids import box
@@ -99,6 +101,22 @@ def test_ties_of_a_variant_are_dashed_and_the_key_says_so() -> None:
     bare = dict(drawings_svg(stones, drawn_loads(stones, [])))
     assert not any(colours.TIE in drawing or colours.LOAD in drawing for drawing in bare.values())
     assert key_to_loads(drawn_loads(stones, []), beams=False) == []
+
+
+def test_a_model_of_one_brick_has_figures(tmp_path: Path) -> None:
+    stones = cp.derive_blocks(wall(length=0.08, brick=(0.08, 0.04, 0.015), courses=1, materials=MATERIALS))
+    loads = [cp.LineLoad("wall", dead=0.4)]
+    ((_, _, presses, level, mass),) = load_rows({"a": Borne(place_loads(stones, loads))})
+    assert (presses, level, mass) == ("3.2e\u221205", "0.0", "3.2e\u221205")
+    drawings = dict(drawings_svg(stones, drawn_loads(stones, [])))
+    assert "0.015 m" in drawings["Elevation from \u2212y"]
+    assert "Plan, cut 0.0075 m above the foot" in drawings
+    contacts, load = cp.find_contacts(stones), cp.LoadCase((0, 1, 0))
+    state = cp.limit_analysis(stones, contacts, load, 0.6)
+    cp.write_report(tmp_path / "r.html", stones, contacts, [(load, state)], materials=MATERIALS, loads=loads)
+    text = (tmp_path / "r.html").read_text(encoding="utf-8")
+    assert "0.08 \u00d7 0.04 \u00d7 0.015 m" in text
+    assert "0.000864 kN" in text
 
 
 def test_ring_beams_are_shaded() -> None:

@@ -189,7 +189,7 @@ function start(canvas, renderer) {
     state.analysis = analyses[number];
     const moving = state.analysis.moving;
     if (!moving) setPlaying(false);
-    element("viewer-count").textContent = moving ? `${moving} of ${data.free} stones move,` : "";
+    element("viewer-count").textContent = moving ? `${moving} of ${data.free} ${data.free === 1 ? "stone moves" : "stones move"},` : "";
     if (shell) {
       const partner = Math.max(shell.partnerOf(number), 0);
       element("viewer-shell").value = partner;
