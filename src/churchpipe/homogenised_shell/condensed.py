@@ -30,10 +30,10 @@ from churchpipe.homogenised_shell.loads import load_vectors
 from churchpipe.homogenised_shell.planes import plane_points
 from churchpipe.homogenised_shell.points import CellStrength, PlaneStrength, local_strength
 from churchpipe.homogenised_shell.settings import FIRST_STEP, LIMIT, SOLVER, STARTED_LOW, STEP
-from churchpipe.homogenised_shell.strength import PlaneSet
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength
+from churchpipe.model.names import Planes as PlaneSet
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,10 +12,11 @@ from churchpipe.homogenised_shell.cell_limit import cohesion_shift
 from churchpipe.homogenised_shell.element import ShellElements
 from churchpipe.homogenised_shell.rigid_cell import rigid_cell
 from churchpipe.homogenised_shell.settings import SOLVER
-from churchpipe.homogenised_shell.strength import Planes, PlaneSet, paper_planes
+from churchpipe.homogenised_shell.strength import Planes, paper_planes
 from churchpipe.model.arguments import one_of
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.materials import JointStrength, by_name
+from churchpipe.model.names import Planes as PlaneSet
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,9 +11,10 @@ from churchpipe.homogenised_shell.cell_forces import CellForces, cell_forces
 from churchpipe.homogenised_shell.element import ShellElements
 from churchpipe.homogenised_shell.flow import flow_of_cones, flow_of_planes
 from churchpipe.homogenised_shell.point_strength import PointCells, point_strength
-from churchpipe.homogenised_shell.strength import Planes, PlaneSet
+from churchpipe.homogenised_shell.strength import Planes
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.materials import JointStrength
+from churchpipe.model.names import Planes as PlaneSet
 
 # S of `conic.pressed` in the units of corner forces.
 UNIT = 1.0

@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from scipy.spatial import ConvexHull
 
+from churchpipe.dxf.reading import Up
 from churchpipe.dxf.schema import LARGEST_COORDINATE
 from churchpipe.dxf.stones import Stone
 from churchpipe.findings import Finding, Place
@@ -15,7 +16,7 @@ from churchpipe.geometry.dissolve import dissolve
 from churchpipe.geometry.manifolds import manifold, polyhedron
 from churchpipe.geometry.mending import REPAIRS, SPLIT, WELDED, Mended, flat, mend
 from churchpipe.meshes.parts import parts_of
-from churchpipe.meshes.source import Body, Face, Source, Up, left_out
+from churchpipe.meshes.source import Body, Face, Source, left_out
 from churchpipe.model.arrays import FloatArray
 
 # Rows: the axes of the model in coordinates of the file.
