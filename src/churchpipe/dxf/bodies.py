@@ -20,7 +20,8 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from churchpipe.dxf.schema import CORNER_TOLERANCE, LARGEST_COORDINATE
-from churchpipe.geometry.mending import REPAIRS, mend
+from churchpipe.geometry.mending import REPAIRS, mend, signed_volumes
+from churchpipe.geometry.parts import parts_of
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.surfaces import edges, without_repeats
 
@@ -72,15 +73,40 @@ def is_solid(entity: DXFEntity) -> bool:
 
 
 def entity_bodies(entity: Any) -> list[Body]:
-    """Return the bodies of a solid entity (an ACIS solid may hold several lumps)."""
+    """Return the bodies of a solid entity: a mesh may hold several closed ones, an ACIS solid several lumps."""
     if isinstance(entity, Mesh):
         points = np.array(entity.vertices.values, dtype=float).reshape(-1, 3)
-        return [make_body(points, cast(list[Sequence[int]], entity.faces))]
+        return _parted(points, [tuple(map(int, face)) for face in cast(list[Sequence[int]], entity.faces)])
     if isinstance(entity, Polyface):
-        meshes: Sequence[MeshBuilder] = [MeshBuilder.from_polyface(entity)]
-    else:
-        meshes = [mesh for body in load_dxf(entity) for mesh in mesh_from_body(body, merge_lumps=False)]
+        mesh = MeshBuilder.from_polyface(entity)
+        return _parted(_points(mesh.vertices), [tuple(face) for face in mesh.faces])
+    meshes = [mesh for body in load_dxf(entity) for mesh in mesh_from_body(body, merge_lumps=False)]
     return [make_body(_points(m.vertices), [tuple(f) for f in m.faces]) for m in meshes]
+
+
+def _parted(points: FloatArray, faces: list[tuple[int, ...]]) -> list[Body]:
+    """Return each closed part of a mesh as a body; the whole where a part is open, or bounds a hollow in another one."""
+    whole = make_body(points, faces)
+    if not len(whole.points) or not is_sane(points) or max(map(max, faces)) >= len(points):
+        return [whole]
+    parts = [[faces[number] for number in part] for part in parts_of(points, faces)]
+    if len(parts) < 2 or _hollow(points, parts):
+        return [whole]
+    bodies: list[Body] = []
+    for part in parts:
+        used, inverse = np.unique(np.concatenate(part), return_inverse=True)
+        around = np.split(inverse.ravel(), np.cumsum([len(face) for face in part])[:-1])
+        bodies.append(make_body(points[used], [tuple(face.tolist()) for face in around]))
+    return [whole] if any(body.flaw for body in bodies) else bodies
+
+
+def _hollow(points: FloatArray, parts: Sequence[Sequence[tuple[int, ...]]]) -> bool:
+    """Return whether a part lies in the box of another one and faces the other way."""
+    corners = [points[sorted({node for face in part for node in face})] for part in parts]
+    low, high = (np.array([edge(own, axis=0) for own in corners]) for edge in (np.min, np.max))
+    inside = ((low[:, None] > low) & (high[:, None] < high)).all(axis=2)
+    volume = signed_volumes([(points, part) for part in parts])
+    return bool((inside & (volume[:, None] * volume < 0)).any())
 
 
 def make_body(points: FloatArray, faces: Iterable[Sequence[int]]) -> Body:

@@ -158,6 +158,10 @@ def _solids(entity: Any, block: str, matrix: Matrix, findings: list[Finding]) ->
     else:
         if not bodies:
             findings.append(place.finding("E21", "no planar faces in it", remedy="Convert it to a MESH with planar faces."))
+        if len(bodies) > 1:
+            found = f"{len(bodies)} solids in one entity; each is a stone"
+            where = _place(entity, block, matrix, bodies[0].points[0])
+            findings.append(where.finding("W42", found, remedy="Draw each as an entity of its own if the case is to name them."))
     return [Solid(b, _place(entity, block, matrix, b.points[0]) if len(b.points) else place, entity.dxf.layer) for b in bodies]
 
 

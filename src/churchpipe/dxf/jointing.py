@@ -42,7 +42,8 @@ def jointed(
     # A stone without a volume, of which another finding tells, has no mortar either.
     share = np.divide(closed.volume_before, closed.volume, out=np.ones(len(stones)), where=closed.volume != 0)
     if not count:
-        findings.append(Finding("W26", "no joint as wide as asked for ({}) was found", lengths=(joint,)))
+        remedy = "Give the width of the joints as drawn, or leave --joint out if the stones touch."
+        findings.append(Finding("W26", "no joint as wide as asked for ({}) was found", remedy=remedy, lengths=(joint,)))
         return stones, np.ones(len(stones))
     free = np.array([not stone.fixed for stone in stones])
     before, after = (unit**3 * float(volume[free].sum()) for volume in (closed.volume_before, closed.volume))

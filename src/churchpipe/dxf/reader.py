@@ -183,7 +183,8 @@ def supported(
         found = (
             f"no support is drawn: one was put under the lowest faces, at z = {{}}; {len(resting)} stones stand on it ({named})"
         )
-        low = float(plates[0][0][:, 2].max())
+        # Turning a plan upright leaves a trace of rounding in a level of zero.
+        low = round(float(plates[0][0][:, 2].max()), 9)
         findings.append(place.finding("W12", found, lengths=(low,)))
         return [*stones, *(Stone(*plate, True, place, f"ground-{n + 1}", "default") for n, plate in enumerate(plates))]
     remedy = f"{remedy}, or pass --support base to put a support under the lowest faces."

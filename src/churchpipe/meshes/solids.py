@@ -15,7 +15,7 @@ from churchpipe.findings import Finding, Place
 from churchpipe.geometry.dissolve import dissolve
 from churchpipe.geometry.manifolds import manifold, polyhedron
 from churchpipe.geometry.mending import REPAIRS, SPLIT, WELDED, Mended, flat, mend
-from churchpipe.meshes.parts import parts_of
+from churchpipe.geometry.parts import parts_of
 from churchpipe.meshes.source import Body, Face, Source, left_out
 from churchpipe.model.arrays import FloatArray
 

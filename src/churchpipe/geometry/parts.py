@@ -6,8 +6,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from churchpipe.geometry.clusters import clusters
-from churchpipe.geometry.mending import NEARLY
-from churchpipe.meshes.source import Face
+from churchpipe.geometry.mending import NEARLY, Face
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.surfaces import edges
 

@@ -1,0 +1,63 @@
+"""Which bodies a mesh of a drawing holds."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+from ezdxf.filemanagement import new
+from ezdxf.math import Vec3
+from ezdxf.render.mesh import MeshBuilder, MeshVertexMerger
+
+from churchpipe.dxf.reader import Drawing, read_drawing
+from churchpipe.findings import FindingsError
+from churchpipe.model.arrays import FloatArray
+from churchpipe.stones.contacts import find_contacts
+from dxf_models import box
+
+
+def mesh_of(solids: Sequence[tuple[FloatArray, Sequence[Sequence[int]]]], *, welded: bool = False) -> MeshBuilder:
+    mesh = MeshVertexMerger() if welded else MeshBuilder()
+    for points, faces in solids:
+        mesh.add_mesh(vertices=Vec3.list(points.tolist()), faces=list(faces))
+    return mesh
+
+
+def read(mesh: MeshBuilder, path: Path, *, polyface: bool = False) -> Drawing:
+    document = new("R2010", units=6)
+    (mesh.render_polyface if polyface else mesh.render_mesh)(document.modelspace())
+    document.saveas(path)
+    return read_drawing(path, support="base", unit_weight=18e3)
+
+
+def bricks(apart: float = 0.0) -> list:
+    return [box((x * (0.5 + apart), 0, z * (0.3 + apart)), (0.5, 0.4, 0.3)) for z in range(2) for x in range(3)]
+
+
+@pytest.mark.parametrize(
+    ("apart", "welded", "polyface"), [(0, False, False), (0, True, False), (1e-3, False, False), (1e-3, False, True)]
+)
+def test_each_closed_part_of_a_mesh_is_a_stone(apart: float, welded: bool, polyface: bool, tmp_path: Path) -> None:
+    # They were one stone without joints inside, and nothing said so.
+    drawing = read(mesh_of(bricks(apart), welded=welded), tmp_path / "wall.dxf", polyface=polyface)
+    free = ~drawing.stones.fixed
+    assert free.sum() == 6
+    assert drawing.stones.volume[free].sum() == pytest.approx(6 * 0.06, rel=1e-9)
+    assert {"W42", "W22", "W12"} == set(drawing.findings.codes)
+    joints = find_contacts(drawing.stones).blocks
+    assert free[joints].all(axis=1).sum() == 7
+
+
+def test_a_hollow_stone_is_one(tmp_path: Path) -> None:
+    outer, (points, faces) = box((0, 0, 0), (1, 1, 1)), box((0.25, 0.25, 0.25), (0.5, 0.5, 0.5))
+    hollow = (points, [face[::-1] for face in faces])
+    drawing = read(mesh_of([outer, hollow]), tmp_path / "hollow.dxf")
+    free = ~drawing.stones.fixed
+    assert drawing.stones.volume[free].tolist() == [pytest.approx(1 - 0.125)]
+    assert "W42" not in drawing.findings.codes
+
+
+def test_an_open_part_leaves_the_mesh_whole_and_is_told(tmp_path: Path) -> None:
+    points, faces = box((1, 0, 0), (1, 1, 1))
+    mesh = mesh_of([box((0, 0, 0), (1, 1, 1)), (points, faces[:-1])])
+    with pytest.raises(FindingsError, match="E10"):
+        read(mesh, tmp_path / "open.dxf")
