@@ -12,7 +12,7 @@ from churchpipe.generators.layout import WallLayout
 from churchpipe.generators.profile import Profile, backing, skewback, to_middle
 from churchpipe.generators.room_domes import crossing_dome, half_dome
 from churchpipe.generators.rooms import Room, RoomVault, check_ends, check_fits, end_face, rooms_of
-from churchpipe.generators.transverse import add_transverse
+from churchpipe.generators.transverse import add_groin_ribs, add_transverse
 from churchpipe.model.vault import Section, Side, Vault
 from churchpipe.vaults.barrel import add_barrel
 from churchpipe.vaults.crossed import add_cloister, add_groin
@@ -62,8 +62,8 @@ def _over_room(
     check_fits(where, vault, room)
     span, length = room.x[1] - room.x[0], room.y[1] - room.y[0]
     outer = span / 2 + room.thickness
-    # Arches stand on the walls before the vault.
-    clear = span + 2 * (vault.arch_depth or 0.0)
+    # Arches and ribs stand on the walls before the vault.
+    clear = span + 2 * vault.below
     profile = Profile(where, clear, vault.thickness, vault.courses, vault.shape, vault.rise, room.top)
     half = profile.whole if vault.kind == "barrel" else profile.half
     name = f"vault_{vault.over}"
@@ -101,6 +101,9 @@ def _over_room(
             lay(
                 filled if part.endswith("backing") else courses, webs, borders=(reach * ratio, reach), part=part, key=part == name
             )
+        if vault.rib_width is not None and vault.rib_depth is not None:
+            ribs = {"width": vault.rib_width, "depth": vault.rib_depth, "part": f"{name}_rib"}
+            add_groin_ribs(under, profile, where=where, centre=middle, ratio=ratio, reach=reach, **ribs)
     else:
         lay = partial(add_cloister, centre=middle, sides=4, stone_length=stone_length, corner=vault.corner, stagger=stagger)
         for part, sections in [*laid, (name, to_middle(half))]:

@@ -47,14 +47,24 @@ class RoomVault:
     arch_width: Annotated[Length | None, "Width of these arches."] = None
     arch_depth: Annotated[Length | None, "Depth of these arches; the barrel springs so far behind the faces of the walls."] = None
 
+    rib_width: Annotated[Length | None, "Width of ribs below the groins of a groin vault."] = None
+    rib_depth: Annotated[Length | None, "Depth of these ribs; the vault springs so far behind the faces of the walls."] = None
+
     def __post_init__(self) -> None:
         coerce_fields(self, "vault: ")
         together("vault", self, "arches", "arch_width", "arch_depth")
-        for key, kinds in (("arches", ("barrel",)), ("slab", ("dome",)), ("shortest_stone", ("dome", "half_dome"))):
+        together("vault", self, "rib_width", "rib_depth")
+        of_kinds = {"arches": ("barrel",), "rib_width": ("groin",), "slab": ("dome",), "shortest_stone": ("dome", "half_dome")}
+        for key, kinds in of_kinds.items():
             if getattr(self, key) is not None and self.kind not in kinds:
                 raise InputError(
                     f"vault.{key}", f"only a {kinds[0]} has one", found=f"kind = {self.kind}", expected="no such key"
                 )
+
+    @property
+    def below(self) -> float:
+        """Depth of the arches or ribs below the vault, m."""
+        return self.arch_depth or self.rib_depth or 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,12 +119,12 @@ def check_fits(where: str, vault: RoomVault, room: Room) -> None:
             found=f"z = {springing:g} m",
             expected=f"z = {room.top:g} m, the top of the walls",
         )
-    deep = vault.thickness + (vault.arch_depth or 0.0)
+    deep = vault.thickness + vault.below
     if deep > room.thickness + CLOSE:
         raise InputError(
             f"{where}.thickness",
             "thicker than the walls that carry it",
-            found=f"{vault.thickness:g} m" if vault.arch_depth is None else f"{deep:g} m with the arches below it",
+            found=f"{deep:g} m with the arches or ribs below it" if vault.below else f"{vault.thickness:g} m",
             expected=f"<= {room.thickness:g} m",
         )
     carry = [(wall, room.y) for wall in room.sides]

@@ -1,11 +1,14 @@
-"""Transverse arches below a barrel."""
+"""Transverse arches below a barrel, ribs below a groin vault."""
+
+import math
 
 import numpy as np
 
 from churchpipe.errors import InputError
-from churchpipe.generators.profile import Profile, under_soffit
+from churchpipe.generators.profile import Profile, to_middle, under_soffit
 from churchpipe.model.vault import Side
 from churchpipe.vaults.barrel import add_barrel
+from churchpipe.vaults.crossed import add_ribs
 from churchpipe.vaults.sweep import Courses
 
 
@@ -45,3 +48,40 @@ def add_transverse(
     for number, start in enumerate(starts.tolist(), start=1):
         # One stone goes through the width of an arch.
         add_barrel(courses, below.sections, side, (start, start + width), 2 * width, part=f"{part}_{number}", numbers=numbers)
+
+
+def add_groin_ribs(
+    courses: Courses,
+    profile: Profile,
+    *,
+    where: str,
+    centre: tuple[float, float],
+    ratio: float,
+    reach: float,
+    width: float,
+    depth: float,
+    part: str,
+) -> None:
+    """Add ribs below the groins of a vault with this profile across its first web.
+
+    Parameters
+    ----------
+    ratio: span of the second web over that of the first. reach: distance from the middle to which the springing goes, m. width,
+    depth: of the ribs, m. where: the parameters, for messages.
+
+    Raises
+    ------
+    InputError: ribs that spring beside the corners.
+    """
+    widest = 2 * (reach - profile.span / 2) * ratio / math.hypot(1, ratio)
+    if width > widest + 1e-9:
+        raise InputError(
+            f"{where}.rib_width",
+            "ribs spring beside the corners",
+            found=f"{width:g} m",
+            expected=f"<= {widest:.4g} m",
+            remedy="Narrower ribs, or a thicker vault.",
+        )
+    ribs = to_middle(under_soffit(profile.half.joints, depth))
+    webs = ribs, [section.stretched(ratio) for section in ribs]
+    add_ribs(courses, webs, centre=centre, ratio=ratio, width=width, part=part)

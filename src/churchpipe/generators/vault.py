@@ -1,6 +1,5 @@
 """Barrel, groin and cloister vaults, on the ground or on walls of their own."""
 
-import math
 from dataclasses import dataclass
 from functools import partial
 from typing import Annotated, Any, Literal
@@ -12,13 +11,13 @@ from churchpipe.generators.checks import together, whole_courses
 from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
 from churchpipe.generators.profile import Profile, Shape, backing, fixed_box, skewback, to_middle, under_soffit, wall
-from churchpipe.generators.transverse import add_transverse
+from churchpipe.generators.transverse import add_groin_ribs, add_transverse
 from churchpipe.model.building import Building, Support
 from churchpipe.model.materials import UnitWeight
 from churchpipe.model.quantities import Count, Length
 from churchpipe.model.vault import Section, Side, Vault
 from churchpipe.vaults.barrel import add_arches, add_barrel
-from churchpipe.vaults.crossed import Corner, add_cloister, add_groin, add_ribs, add_wall_arches
+from churchpipe.vaults.crossed import Corner, add_cloister, add_groin, add_wall_arches
 from churchpipe.vaults.directrix import Directrix
 from churchpipe.vaults.sweep import Courses
 
@@ -84,7 +83,6 @@ class VaultParameters:
         if self.wall_height is not None and self.wall_course is not None:
             whole_courses("vault.wall_height", self.wall_height, self.wall_course)
         self._check_walls()
-        self._check_ribs()
 
     def _check_walls(self) -> None:
         least = self.thickness + self.below
@@ -121,21 +119,6 @@ class VaultParameters:
                 expected=f"> {self.wall_height:g} m, and walls thicker than vault and arches, {least:g} m",
             )
         whole_courses("vault.wall_top", self.wall_top - self.wall_height, self.wall_course)
-
-    def _check_ribs(self) -> None:
-        if self.rib_width is None:
-            return
-        # At the springing a rib is as wide along the pier as this, on either side of the groin.
-        slope = self.ratio
-        widest = 2 * (self.outer - self.span / 2) * slope / math.hypot(1, slope)
-        if self.rib_width > widest + 1e-9:
-            raise InputError(
-                "vault.rib_width",
-                "ribs spring beside the corners",
-                found=f"{self.rib_width:g} m",
-                expected=f"<= {widest:.4g} m",
-                remedy="Narrower ribs, a thicker vault, or piers (wall_thickness).",
-            )
 
     @property
     def ratio(self) -> float:
@@ -282,9 +265,8 @@ def _groin(p: VaultParameters, material: str) -> list[Vault]:
         ends = arch, [section.stretched(ratio) for section in arch]
         add_wall_arches(under, ends, centre=(0.0, 0.0), borders=(border * ratio, border), width=p.arch_width, part="arch")
     if p.rib_width is not None and p.rib_depth is not None:
-        ribs = to_middle(under_soffit(p.profile.half.joints, p.rib_depth))
-        both = ribs, [section.stretched(ratio) for section in ribs]
-        add_ribs(under, both, centre=(0.0, 0.0), ratio=ratio, width=p.rib_width, part="rib")
+        lay = partial(add_groin_ribs, where="vault", centre=(0.0, 0.0), ratio=ratio, reach=border, part="rib")
+        lay(under, p.profile, width=p.rib_width, depth=p.rib_depth)
     return _collected(material, courses, filled, under)
 
 

@@ -121,6 +121,8 @@ def vaulted_chapel(rng: Rng) -> dict[str, Any]:
     over |= {"thickness": thickness, "courses": int(2 * rng.integers(4, 8) + 1)}
     if over["kind"] == "barrel":
         over |= {"arches": 3, "arch_width": 0.3, "arch_depth": wall - thickness}
+    if over["kind"] == "groin":
+        over |= {"rib_width": rng.uniform(0.5, 1.2) * thickness, "rib_depth": 0.04 * room}
     half = {"over": "apse", "kind": "half_dome", "thickness": 0.15, "courses": 6, "sides": int(rng.choice([8, 12, 16]))}
     half["shortest_stone"] = 0.3 * math.pi * room / half["sides"]
     whole = room + 2 * wall
