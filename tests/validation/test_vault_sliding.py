@@ -102,12 +102,12 @@ def test_domes_whose_value_is_not_unique(case: Case, most: float) -> None:
 
 @pytest.mark.slow("docs/vaults.md: a half dome pushed outwards, whose search without dilatancy settles nowhere")
 def test_a_half_dome_pushed_outwards_is_not_settled() -> None:
-    # Own: .0888, left at a gap of 1e-4. Here none of five starts comes to that gap, and they end on both sides of it.
+    # Own: .0888, left at a gap of 1e-4. Here no start comes to that gap, and they end on both sides of it.
     stones = derive_blocks(dome(span=1.85, thickness=0.15, materials=MATERIAL, **HALF))
     contacts = find_contacts(stones)
     load = LoadCase((0, -1, 0))
     state = limit_analysis(stones, contacts, load, friction=0.7, flow="non-associative", bipotential_gap=1e-4)
     ends = [start.load_factor for start in state.starts]
     assert state.status == "not-converged"
-    assert len(ends) == 5
+    assert len(ends) >= 5
     assert min(ends) < 0.0888 < max(ends) < 0.2389
