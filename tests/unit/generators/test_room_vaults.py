@@ -76,7 +76,7 @@ def test_a_crossing_with_level_walls_takes_a_groin_vault() -> None:
     assert crossing[:, 1].mean() == pytest.approx(7.0, abs=1e-6)
 
 
-SQUARE = CROSS | {"transept": {"width": 9.0, "depth": 4.0, "thickness": 0.6, "height": 4.0}}
+SQUARE: dict[str, Any] = CROSS | {"transept": {"width": 9.0, "depth": 4.0, "thickness": 0.6, "height": 4.0}}
 DOME = {"over": "crossing", "kind": "dome", "thickness": 0.3, "courses": 8}
 
 
@@ -143,13 +143,13 @@ def test_a_barrel_pushes_its_walls_apart() -> None:
     ],
 )  # fmt: skip
 def test_what_does_not_fit_is_named_with_its_numbers(build: str, vault: dict[str, Any], message: str) -> None:
-    base = CHAPEL | {"ridge": 7.25} if build == "gabled" else CROSS if build == "cross" else CHAPEL
+    base: dict[str, Any] = CHAPEL | {"ridge": 7.25} if build == "gabled" else CROSS if build == "cross" else CHAPEL
     if build == "window":
         rose = {"name": "rose", "wall": "facade", "centre": 0.0, "width": 1.0, "springing": 5.5, "shape": "circle"}
         base = CHAPEL | {"ridge": 8.0, "openings": (rose | {"voussoirs": 12, "depth": 0.4},)}
     make = church if build == "cross" else chapel
     if build == "cross":
-        base = base | {"transept": {"width": 9.0, "depth": 5.0, "thickness": 0.6}}
+        base = CROSS | {"transept": {"width": 9.0, "depth": 5.0, "thickness": 0.6}}
     with pytest.raises(InputError, match=message):
         make(vaults=(BARREL | vault,), **base)
 
