@@ -95,16 +95,16 @@ def test_ribs_below_a_groin_vault(thickness: float, alone: float, expected: floa
 @pytest.mark.parametrize(
     ("sizes", "count", "expected"),
     [
-        # Own: 8 stones instead of 16 from the ninth ring on; 16 instead of 32 from the fifteenth, 8 from the twenty-first.
-        ({"rings": 12, "sides": 32, "shortest_stone": 0.2}, 153, 0.647978),
-        ({"rings": 24, "sides": 64, "shortest_stone": 0.105}, 569, 0.631879),
+        # 8 stones instead of 16 from the ninth ring on; 16 instead of 32 from the fifteenth, 8 from the twenty-first.
+        ({"rings": 12, "sides": 32, "shortest_stone": 0.2}, 153, 0.648135),
+        ({"rings": 24, "sides": 64, "shortest_stone": 0.105}, 569, 0.631767),
     ],
 )
 def test_a_dome_with_fewer_stones_towards_the_crown(sizes: dict[str, Any], count: int, expected: float) -> None:
-    # Theirs has flat sides twice as wide there; ours keeps the sides, and is .03 % heavier.
+    # What docs/vaults.md says, our own figures. Another code has .647978 and .631879, of stones .02 % lighter: not the same ones.
     state, _, stones = push(dome, 0.1, **sizes)
     assert stones == count
-    assert state.load_factor == pytest.approx(expected, rel=3e-4)
+    assert state.load_factor == pytest.approx(expected, abs=1.01e-6)
 
 
 def test_a_pointed_barrel() -> None:
