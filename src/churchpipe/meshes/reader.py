@@ -82,8 +82,8 @@ def read_stones(
         support: "drawn" or "base", a fixed support under the lowest faces where the file has no ground.
         thickness: of stones drawn as outlines, m. plane: "xz", the drawing is an elevation, or "xy", a plan.
         joint: nominal width, m, of joints drawn open. joint_mode: "grow" lets stones meet in the middle of their joints, "keep"
-        leaves them as drawn; `find_contacts` then wants `least_width` or `contact_gap`. mortar: its weight is "counted", as if it
-        were stone, or "ignored".
+        leaves them as drawn. `find_contacts` then wants, for "grow", `least_width`, a fifth of the joint, and for "keep",
+        `contact_gap`, as wide as the widest joint. mortar: its weight is "counted", as if it were stone, or "ignored".
         up: the axis of the file that points up. scale: sizes in the building over sizes in the file. A DXF has neither.
         bond: the bodies are whole walls and rings to lay stones in, "running", "stack" or "voussoir". course: height of a course,
         width of a voussoir, m. stone: about the length of a stone, m.
