@@ -19,7 +19,7 @@ from churchpipe.errors import Extra, InputError, UsageError
 from churchpipe.io.atomic import PART
 from churchpipe.resources import pipeline_folder
 
-# A line with news begins so; all other lines are Snakemake's, for people.
+# News begin so; everything else in a run's output is Snakemake's, for people.
 MARK = "@churchpipe "
 # Lies in a run folder from the start of a run until it has ended well.
 UNFINISHED = "unfinished.txt"
@@ -41,6 +41,15 @@ class Event:
 def say(event: Event) -> str:
     """Return an event as the line that `run` understands."""
     return MARK + json.dumps([event.kind, event.stage, event.name, event.text, event.share])
+
+
+def heard(line: str) -> Event | None:
+    """Return the news in a line of a run's output; None where there are none.
+
+    Snakemake ends its lines by a write of their own: news of a stage that come in between stand behind Snakemake's words.
+    """
+    _, mark, news = line.partition(MARK)
+    return Event(*json.JSONDecoder().raw_decode(news)[0]) if mark else None
 
 
 def run(
@@ -82,7 +91,7 @@ def run(
             part.unlink(missing_ok=True)
         with (folder / "run.log").open("w", encoding="utf-8") as log:
             begin = time.time()
-            news = _event if profile == LOCAL else _finished
+            news = heard if profile == LOCAL else _finished
             code = _follow(_start(folder, jobs, lock, until, profile), log, follow, news)
         if code and profile != LOCAL:
             # What jobs on other machines said did not pass here.
@@ -177,23 +186,17 @@ def _follow(
                 process.wait()
 
 
-def _event(line: str) -> Event | None:
-    if line.startswith(MARK):
-        return Event(*json.loads(line.removeprefix(MARK)))
-    return None
-
-
 def _finished(line: str) -> Event | None:
     """Return what the engine says of a job on another machine, whose own news do not pass here."""
-    if found := re.match(r"Finished jobid: \d+ \(Rule: (\w+)\)", line):
+    if found := re.search(r"Finished jobid: \d+ \(Rule: (\w+)\)", line):
         return Event("done", found[1])
-    return _event(line)
+    return heard(line)
 
 
 def _errors(folder: Path, begin: float, watch: Callable[[Event], None]) -> list[str]:
     """Return what stages that failed since a time have said in their own logs, and pass it on."""
     logs = [log for log in sorted((folder / "log").rglob("*.txt")) if log.stat().st_mtime >= begin]
-    said = (_event(line) for log in logs for line in log.read_text(encoding="utf-8", errors="replace").splitlines())
+    said = (heard(line) for log in logs for line in log.read_text(encoding="utf-8", errors="replace").splitlines())
     found = [event for event in said if event and event.kind == "error"]
     for event in found:
         watch(event)

@@ -90,8 +90,7 @@ class Copy:
 
     def events(self) -> list[engine.Event]:
         """News of the last run."""
-        lines = (self.out / "run.log").read_text().splitlines()
-        return [engine.Event(*json.loads(line.removeprefix(engine.MARK))) for line in lines if line.startswith(engine.MARK)]
+        return [event for line in (self.out / "run.log").read_text().splitlines() if (event := engine.heard(line))]
 
     def stale(self, *changes: str) -> dict[str, int]:
         """Jobs that a run would do now, by rule."""

@@ -33,9 +33,8 @@ def start(case: Path, *options: str) -> "subprocess.Popen[str]":
 
 def done(case: Path) -> list[tuple[str, str]]:
     """Stages that the last run finished, and their names."""
-    lines = (case.parent / "run" / "run.log").read_text().splitlines()
-    events = [engine.Event(*json.loads(line.removeprefix(engine.MARK))) for line in lines if line.startswith(engine.MARK)]
-    return [(event.stage, event.name) for event in events if event.kind == "done"]
+    events = map(engine.heard, (case.parent / "run" / "run.log").read_text().splitlines())
+    return [(event.stage, event.name) for event in events if event and event.kind == "done"]
 
 
 def run(case: Path, *options: str) -> Counter[str]:
