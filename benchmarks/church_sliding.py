@@ -16,12 +16,13 @@ from church import LOADS
 import churchpipe as cp
 from churchpipe.conic.polish import restore_balance
 from churchpipe.conic.program import ConeProgram, ConeSolution
-from churchpipe.conic.solve import Proves, Solve, solver_for
+from churchpipe.conic.solve import Proves, Solve, SolveProgress, solver_for
+from churchpipe.rigid_blocks.associative import associative_program
 from churchpipe.rigid_blocks.coulomb import CoulombState, dead_load_start
 from churchpipe.rigid_blocks.equilibrium import equilibrium
 from churchpipe.rigid_blocks.interval import mechanism_interval
 from churchpipe.rigid_blocks.iterations import certified_iteration
-from churchpipe.rigid_blocks.limit import associative_program, point_strength
+from churchpipe.rigid_blocks.limit import point_strength
 from churchpipe.rigid_blocks.settings import SchemeSettings
 
 FRICTION = 0.6
@@ -31,11 +32,18 @@ def within(solve: Solve, seconds: float) -> Solve:
     """Return a solver that fails once so much processor time has been spent: the iteration then ends with what it has."""
     begin = process_time()
 
-    def limited(program: ConeProgram, /, *, duality_gap: float | None = None, proves: Proves | None = None) -> ConeSolution:
+    def limited(
+        program: ConeProgram,
+        /,
+        *,
+        duality_gap: float | None = None,
+        proves: Proves | None = None,
+        progress: SolveProgress | None = None,
+    ) -> ConeSolution:
         if process_time() - begin > seconds:
             forces, rates = np.full((program.points, 3), np.nan), np.full(len(program.constant), np.nan)
             return ConeSolution(forces, np.nan, rates, "failed", 0, 0.0, "", "out of time")
-        return solve(program, duality_gap=duality_gap, proves=proves)
+        return solve(program, duality_gap=duality_gap, proves=proves, progress=progress)
 
     return limited
 

@@ -50,8 +50,8 @@ def run(name: str, solver: str) -> dict[str, Any]:
     from churchpipe.conic.interior_point import InteriorPointSolver
     from churchpipe.conic.polish import restore_balance
     from churchpipe.conic.solve import solver_for
+    from churchpipe.rigid_blocks.associative import associative_program
     from churchpipe.rigid_blocks.certificate import certify
-    from churchpipe.rigid_blocks.limit import associative_program
 
     # Compiled kernels are loaded from their cache, or made, before the clock starts.
     InteriorPointSolver(associative_program(*model("warm")).balance).solve(associative_program(*model("warm")))
@@ -86,7 +86,7 @@ def clarabel_settings(solver: str) -> Any:
     """Return Clarabel's default settings, on one thread, or with MKL's PARDISO, which takes two."""
     import clarabel
 
-    settings = clarabel.DefaultSettings()
+    settings: Any = clarabel.DefaultSettings()
     settings.verbose = False
     settings.max_threads = 1
     if solver == "clarabel-mkl":

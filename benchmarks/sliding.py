@@ -20,11 +20,12 @@ import churchpipe as cp
 from churchpipe.conic.solve import solver_for
 from churchpipe.generators import vault
 from churchpipe.model.loads import LoadCase
+from churchpipe.rigid_blocks.associative import associative_program
 from churchpipe.rigid_blocks.central import from_centre
 from churchpipe.rigid_blocks.coulomb import EXACT, dead_load_start
 from churchpipe.rigid_blocks.equilibrium import equilibrium
 from churchpipe.rigid_blocks.iterations import SlidingRun, certified_iteration
-from churchpipe.rigid_blocks.limit import associative_program, point_strength
+from churchpipe.rigid_blocks.limit import point_strength
 from churchpipe.rigid_blocks.settings import SchemeSettings
 from churchpipe.stones.contacts import find_contacts
 from models import FACADES, FERRIS_TIN_LOI_LOAD, TILTING_LOADS, box_building, facade, ferris_tin_loi_wall, tilting_test

@@ -10,8 +10,11 @@ from churchpipe.errors import Extra, InputError
 from churchpipe.model.arguments import check_kind
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.block_curve import BlockCapacityCurve
+from churchpipe.model.contacts import Contacts
 from churchpipe.model.results import CapacityCurve, LimitState, ShellLimitState
 from churchpipe.model.shell import ShellModel
+
+_OBLIQUE = np.array([0.55, -0.75, 0.4]) / np.linalg.norm([0.55, -0.75, 0.4])
 
 
 def plot(curve: CapacityCurve | BlockCapacityCurve) -> Any:
@@ -43,13 +46,13 @@ def plot(curve: CapacityCurve | BlockCapacityCurve) -> Any:
     return figure
 
 
-def show(model: Assemblage | ShellModel, state: LimitState | ShellLimitState | CapacityCurve | None = None) -> Any:
-    """Return a picture of a model, or of its mechanism, that a notebook shows.
+def show(model: Assemblage | Contacts | ShellModel, state: LimitState | ShellLimitState | CapacityCurve | None = None) -> Any:
+    """Return a picture of a model, of its joints, or of its mechanism, that a notebook shows.
 
     Parameters
     ----------
     model
-        The stones or the shell.
+        The stones, their joints (coloured by kind), or the shell.
     state
         A result of the same model: stones are displaced and coloured by their speed, a shell by its plastic strain. None: the
         model as it stands.
@@ -67,7 +70,7 @@ def show(model: Assemblage | ShellModel, state: LimitState | ShellLimitState | C
     with Extra("a picture"):
         from PIL import Image
 
-        from churchpipe.report.figures import mechanism_picture
+        from churchpipe.report.figures import joints_picture, mechanism_picture
         from churchpipe.report.shell_picture import shell_picture
         from churchpipe.report.shell_view import motion_of
     with tempfile.TemporaryDirectory() as folder:
@@ -75,13 +78,19 @@ def show(model: Assemblage | ShellModel, state: LimitState | ShellLimitState | C
         if isinstance(model, Assemblage):
             velocities = None if state is None else _velocities(state, model)
             mechanism_picture(model, velocities, path)
+        elif isinstance(model, Contacts):
+            if state is not None:
+                raise InputError("show: model", "joints alone have no mechanism", found="Contacts", expected="stones or a shell")
+            if not len(model.blocks):
+                raise InputError("show: model", "no joints to show", found="none", expected="at least one")
+            joints_picture(model, path, _OBLIQUE)
         else:
             check_kind("show: model", model, ShellModel)
             motion, plastic = np.zeros((len(model.points), 3)), np.zeros((len(model.triangles), 6))
             if state is not None:
                 found = _of_shell(state, model)
                 motion, plastic = motion_of(found), np.nan_to_num(found.plastic)
-            shell_picture(model, motion, plastic, path, np.array([0.55, -0.75, 0.4]) / np.linalg.norm([0.55, -0.75, 0.4]))
+            shell_picture(model, motion, plastic, path, _OBLIQUE)
         with Image.open(path) as picture:
             return picture.convert("RGB")
 

@@ -170,6 +170,8 @@ def results_table(summary: Summary) -> Table:
             *([Text(word := verdict(check), "red" if word == NOT_SATISFIED else "")] if safety else []),
         )
     table.caption = _folded(len(analyses))
+    # A case may move supports alone.
+    table.show_header = bool(analyses)
     return table
 
 

@@ -2,10 +2,12 @@
 
 import shlex
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
+from typing import Any
 
-from churchpipe.config.case import Generated, read_variants
+from churchpipe.config.carries import placed
+from churchpipe.config.case import Case, Generated, read_variants
 from churchpipe.config.plausible import questions
 from churchpipe.dxf.reading import Reading
 from churchpipe.errors import Extra, InputError
@@ -13,11 +15,15 @@ from churchpipe.findings import Findings, FindingsError
 from churchpipe.meshes.reader import read_file
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import Building
-from churchpipe.recognition.panels import fit_panels
+from churchpipe.model.placed_loads import Borne
+from churchpipe.recognition.panels import fit_panels, wall_names
+from churchpipe.stones.ring_beams import add_beams
 
 
 def write_view(file: Path, page: Path, reading: Reading, changes: Sequence[str] = ()) -> None:
     """Write a page with the stones of a file in three dimensions, their names, the walls and their openings, and findings.
+
+    Of a case, also with what the building carries and its ties.
 
     reading: of a drawing or a mesh; a case file says itself how its drawing is read. changes: to keys of a case file.
 
@@ -28,7 +34,7 @@ def write_view(file: Path, page: Path, reading: Reading, changes: Sequence[str] 
     with Extra("a page to look at"):
         from churchpipe.report.findings_page import sound_stones, write_findings_page
 
-    name, asked = shlex.quote(str(file)), []
+    name, asked, cases = shlex.quote(str(file)), [], []
     after = f"churchpipe run {name} runs the case."
     try:
         if file.suffix.lower() == ".toml":
@@ -38,7 +44,9 @@ def write_view(file: Path, page: Path, reading: Reading, changes: Sequence[str] 
                 from churchpipe.stones.blocks import derive_blocks
 
                 building = cases[0].building()
-                write_findings_page(page, Findings(file.name), derive_blocks(building), after, building, asked)
+                stones = derive_blocks(building)
+                borne = _borne(cases, stones)
+                write_findings_page(page, Findings(file.name), stones, after, building, asked, borne)
                 return
             weights = {material.name: material.unit_weight for material in cases[0].materials}
             reading = source.reading
@@ -49,7 +57,29 @@ def write_view(file: Path, page: Path, reading: Reading, changes: Sequence[str] 
     except FindingsError as error:
         write_findings_page(page, error.findings, sound_stones(error.bodies), "Mend what the errors say.")
         raise
-    write_findings_page(page, read.findings, read.stones, after, _fitted(read.stones, reading.kept_joint), asked)
+    fitted, stones, borne = _fitted(read.stones, reading.kept_joint), read.stones, []
+    if cases and (cases[0].carries or cases[0].ring_beams):
+        stones = replace(stones, panel=wall_names(stones, reading.kept_joint))
+        cases[0].check_borne(stones)
+        stones = add_beams(stones, cases[0].ring_beams, weights)
+        borne = _borne(cases, stones)
+    write_findings_page(page, read.findings, stones, after, fitted, asked, borne)
+
+
+def _borne(cases: Sequence[Case], stones: Assemblage) -> list[Borne]:
+    """Return what the stones of the first case carry in it, and in each variant of the same stones."""
+    of_stones = (cases[0].source, cases[0].buttresses, cases[0].ring_beams)
+    alike = [case for case in cases if (case.source, case.buttresses, case.ring_beams) == of_stones]
+    known: list[dict[str, Any]] = []
+    found: list[Borne] = []
+    for case in alike:
+        if case.carries and (settings := case.carries.settings()) not in known:
+            known.append(settings)
+            try:
+                found.append(placed(case.carries, stones))
+            except InputError as error:
+                raise case.located(error.at(f"{case.path}: {error.where}")) from error
+    return found
 
 
 def _fitted(stones: Assemblage, joint: float | None) -> Building | None:

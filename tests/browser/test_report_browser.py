@@ -4,7 +4,7 @@ import io
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import pytest
@@ -90,6 +90,8 @@ def opened(file: Path, width: int, chromium: str, colours: Literal["light", "dar
     with sync_playwright() as play:
         browser = play.chromium.launch(executable_path=chromium, args=["--no-sandbox", "--enable-unsafe-swiftshader"])
         page = browser.new_page(viewport={"width": width, "height": 900}, color_scheme=colours)
+        # Without a graphics card, and beside other work, a picture takes long.
+        page.set_default_timeout(180_000)
         complaints: list[str] = []
         requests: list[str] = []
         page.on("console", lambda message: complaints.append(message.text) if message.type == "error" else None)
@@ -139,6 +141,23 @@ def test_a_support_that_settles_and_hostile_names(
         assert (len(set(left)) == 1) == (width < 700)
 
 
+def test_a_report_of_a_moved_support_is_printed_without_half_empty_pages(settling: Path) -> None:
+    import weasyprint
+
+    def filled(page: Any) -> float:
+        """How far down a page words and pictures reach, as a share of its height; its footer is not counted."""
+        shown = [
+            box
+            for box in page._page_box.descendants()
+            if type(box).__name__ in ("TextBox", "InlineReplacedBox", "BlockReplacedBox") and box.position_y < page.height - 80
+        ]
+        return max((box.position_y + box.height for box in shown), default=0.0) / page.height
+
+    pages = [filled(page) for page in weasyprint.HTML(filename=str(settling)).render().pages]
+    assert len(pages) > 2
+    assert min(pages[:-1]) > 0.65, pages
+
+
 def test_dimensions_of_drawings_can_be_read(page: Page) -> None:
     heights = page.evaluate(
         """[...document.querySelectorAll(".drawings svg text")].map((text) => text.getBoundingClientRect())
@@ -156,6 +175,10 @@ def test_a_stone_shows_its_joints(page: Page) -> None:
     canvas.click(position={"x": 0.5 * box["width"], "y": 0.75 * box["height"]})
     assert page.inner_text("#viewer-picked").startswith("Stone wall-")
     assert "bed" in page.inner_text("#viewer-joints")
+    before = canvas.screenshot()
+    page.locator("#viewer-joints button").first.click()
+    assert canvas.screenshot() != before
+    assert page.locator("#viewer-joints .marked").count() == 1
 
 
 def test_a_stone_is_found_by_its_name_and_marked(page: Page) -> None:
@@ -207,7 +230,8 @@ def test_a_model_is_looked_at_before_any_analysis(tmp_path: Path, chromium: str,
     hostile = "</script><script>document.title = 'taken'</script>"
     case = tmp_path / "named.toml"
     text = CASE.read_text(encoding="utf-8").replace('name = "wall"', f'name = "wall"\n[project]\ntitle = "{hostile}"')
-    case.write_text(text, encoding="utf-8")
+    roof = f'[[line_loads]]\nname = "{hostile}"\nwall = "wall"\ndead_kN_m = 3\n'
+    case.write_text(text + roof, encoding="utf-8")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("sys.argv", ["churchpipe", "view", str(case), "--no-open", "--out", str(tmp_path / "view.html")])
         with pytest.raises(SystemExit):
@@ -216,6 +240,9 @@ def test_a_model_is_looked_at_before_any_analysis(tmp_path: Path, chromium: str,
         assert page.title() != "taken"
         assert page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
         page.click("summary:has-text('Parts')")
+        loaded = page.locator("#viewer-canvas").screenshot()
+        page.uncheck("#viewer-loads")
+        assert page.locator("#viewer-canvas").screenshot() != loaded
         page.uncheck("#viewer-parts input >> nth=0")
 
 

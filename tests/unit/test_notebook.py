@@ -6,9 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgb
 
 import churchpipe as cp
 from churchpipe.errors import InputError
+from churchpipe.model.contacts import KINDS
+from churchpipe.report import colours
 from solids import box, on_ground
 
 STONES = on_ground(box((0, 1), (0, 1), (0, 2)), box((0, 1), (0, 1), (2, 3)), unit_weight=2e4, reach=3)
@@ -76,6 +79,20 @@ def test_pictures_of_a_model_and_of_its_mechanism_differ() -> None:
     other = on_ground(box((0, 1), (0, 1), (0, 2)), unit_weight=2e4, reach=3)
     with pytest.raises(InputError, match="not a result of these stones"):
         cp.show(other, STATE)
+
+
+def test_joints_are_shown_in_the_colours_of_their_kinds() -> None:
+    picture = np.asarray(cp.show(CONTACTS)).astype(float)
+    row = {}
+    for kind in ("base", "bed"):
+        colour = 255 * np.array(to_rgb(colours.PANELS[KINDS.index(kind)]))
+        shown = np.all(np.abs(picture - colour) < 8, axis=2)
+        assert shown.sum() > 10_000
+        row[kind] = np.flatnonzero(shown.any(axis=1)).max()
+    # What stands higher is drawn higher.
+    assert row["bed"] < row["base"]
+    with pytest.raises(InputError, match="joints alone have no mechanism"):
+        cp.show(CONTACTS, STATE)
 
 
 def test_a_curve_is_drawn() -> None:

@@ -9,6 +9,7 @@ from churchpipe.conic.polish import restore_balance
 from churchpipe.conic.program import ConeProgram
 from churchpipe.conic.solve import solver_for
 from churchpipe.model.arrays import FloatArray
+from churchpipe.rigid_blocks.associative import associative_program
 from churchpipe.rigid_blocks.certificate import Strength
 from churchpipe.rigid_blocks.coulomb import (
     CoulombState,
@@ -21,7 +22,7 @@ from churchpipe.rigid_blocks.coulomb import (
 from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
 from churchpipe.rigid_blocks.interval import mechanism_interval
 from churchpipe.rigid_blocks.iterations import certified_iteration
-from churchpipe.rigid_blocks.limit import associative_program, point_strength
+from churchpipe.rigid_blocks.limit import point_strength
 from churchpipe.stones.contacts import find_contacts
 from models import FERRIS_TIN_LOI_LOAD as LOAD
 from models import TILTING_LOADS as LOADS

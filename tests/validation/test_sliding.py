@@ -6,6 +6,8 @@ independent value must lie in the interval of load factors that fit the mechanis
 106 convex programs there.
 """
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -14,13 +16,14 @@ from churchpipe.errors import InputError
 from churchpipe.generators.box import box
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.results import StartRun
+from churchpipe.rigid_blocks.associative import associative_program
 from churchpipe.rigid_blocks.central import central_run
 from churchpipe.rigid_blocks.certificate import Strength, cone_violation
 from churchpipe.rigid_blocks.coulomb import EXACT, CoulombState, bipotential_gap, dead_load_start
 from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
 from churchpipe.rigid_blocks.interval import mechanism_interval
 from churchpipe.rigid_blocks.iterations import certified_iteration
-from churchpipe.rigid_blocks.limit import associative_program, limit_analysis, point_strength
+from churchpipe.rigid_blocks.limit import limit_analysis, point_strength
 from churchpipe.rigid_blocks.sliding import leading, led_by
 from churchpipe.stones.blocks import derive_blocks
 from churchpipe.stones.contacts import find_contacts
@@ -296,7 +299,7 @@ def test_the_printed_iteration_keeps_one_run_a_start() -> None:
 
 
 @pytest.mark.parametrize(("words", "said"), [({"start": "cold"}, "unknown start"), ({"method": "newton"}, "unknown method")])
-def test_unknown_words_of_the_iteration(words: dict[str, str], said: str) -> None:
+def test_unknown_words_of_the_iteration(words: dict[str, Any], said: str) -> None:
     stones = wall(1)
     with pytest.raises(InputError, match=said):
         limit_analysis(stones, find_contacts(stones), LOAD, friction=0.65, flow="non-associative", **words)

@@ -77,11 +77,13 @@ def check_case(path: Path, changes: Sequence[str]) -> None:
         else:
             _check_drawn(path, case)
     todo = plan(cases)
+    sampled = todo.index["sample"]
     counts = (
         (todo.geometries, "structure", "structures"),
         (todo.shells, "mesh", "meshes"),
         (todo.analyses, "analysis", "analyses"),
         (todo.movements, "support that moves", "supports that move"),
+        (range(sampled["number"]) if sampled else (), "sample of uncertain values", "samples of uncertain values"),
     )
     words = [f"{len(made)} {one if len(made) == 1 else several}" for made, one, several in counts if made]
     out.print(f"{path}: {', '.join(words)}.", soft_wrap=True)

@@ -8,11 +8,10 @@ from pydantic import AfterValidator, BeforeValidator, Field
 
 from churchpipe.config.tables import listed
 from churchpipe.errors import InputError
-from churchpipe.model.names import CONTACT_MODEL, STRENGTH, ContactModel, Planes
+from churchpipe.model.names import CONTACT_MODEL, STRENGTH, ContactModel, Flow, Planes
 from churchpipe.model.quantities import Coordinate, Count, Length, Place, Quantity, Whole
 from churchpipe.rigid_blocks.crushing import PARTS
 
-Flow = Literal["associative", "non-associative"]
 Method = Literal["limit", "pushover"]
 Start = Literal["centre", "dead-load", "uniform", "associative", "scattered"]
 _Corner = tuple[Coordinate, Coordinate]

@@ -88,11 +88,10 @@ def located(
 def _table_of(words: str, table: Mapping[str, Any]) -> list[str]:
     """Return the keys that lead to the opening, or else the wall, that words about a building name; to its source if to none."""
     source = table.get("source", {})
-    wall, _, rest = words.partition(": opening")
     for number, opening in enumerate(source.get("openings", [])):
-        if rest and re.search(rf"\s{re.escape(str(opening.get('name')))}\b", rest):
+        if re.search(rf"(^|: )openings?\b.*\s{re.escape(str(opening.get('name')))}\b", words):
             return ["source", "openings", str(number)]
-    return ["source", *(part for part in re.findall(r"\w+", wall) if part in source)][:2]
+    return ["source", *(part for part in re.findall(r"\w+", words.partition(": opening")[0]) if part in source)][:2]
 
 
 def _begins(written: Sequence[str], key: str) -> bool:

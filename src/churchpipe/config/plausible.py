@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from churchpipe.config.carries import KINDS
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.quantities import UNITS, Unit, Usual, declared, unit_of, written
 from churchpipe.shell_mesh.element_count import element_count
@@ -61,6 +62,9 @@ def _of_case(case: "Case") -> Iterator[str]:
     for name, settings in (("rigid", case.rigid), ("shell", case.shell), ("check", case.check)):
         if settings is not None:
             yield from _of_record(settings, f"{name}.")
+    for key in KINDS:
+        for number, record in enumerate(getattr(case.carries, key)):
+            yield from _of_record(record, f"{key}.{number}.")
 
 
 def _of_work(case: "Case") -> Iterator[str]:

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
-from churchpipe.config.analyses import Flow
 from churchpipe.config.section import nearest
 from churchpipe.errors import InputError
+from churchpipe.model.names import Flow
 from churchpipe.model.quantities import Quantity, Ratio
 
 

@@ -5,12 +5,13 @@ import gc
 import logging
 import re
 from collections import Counter
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 from ezdxf import filemanagement
 
-from churchpipe.dxf.tags import Entity, damage, entities
+from churchpipe.dxf.tags import COUNTED, Entity, damage, entities
 from churchpipe.findings import Finding
 
 # How bytes that are no text in the encoding of the file are read: many programs write the one of their Windows.
@@ -67,13 +68,27 @@ def _load(path: Path, drawn: list[Entity], findings: list[Finding]) -> Any | Non
         among = ", ".join(sorted(set(foreign))[:8])
         found = f"{len(foreign)} bytes are no text in {document.encoding}, the encoding of the file; taken as Western European"
         findings.append(Finding("W46", f"{found} they are {among}"))
-    there = Counter(entity.kind for entity in drawn)
-    read = Counter(entity.dxftype() for entity in document.entitydb.values() if entity.is_alive)
+    there = Counter(entity.kind for entity in drawn if entity.kind.encode() in COUNTED)
+    # Of two with one handle the parser keeps one; of what it keeps not all stands somewhere.
+    read = Counter(_placed(document)) & Counter(entity.dxftype() for entity in document.entitydb.values() if entity.is_alive)
     lost = [f"{count - read[kind]} of {count} {kind}" for kind, count in there.items() if read[kind] < count]
+    remedy = "Run AUDIT in the CAD program and export the drawing again."
     if lost:
-        remedy = "Run AUDIT in the CAD program and export the drawing again."
         return _fail(findings, "E03", f"entities were lost on reading: {', '.join(lost)}", remedy)
+    if document.modelspace().block_record_handle != document.blocks.get("*Model_Space").block_record_handle:
+        return _fail(findings, "E03", "the layout of the model shows another block than *Model_Space", remedy)
     return document
+
+
+def _placed(document: Any) -> Iterator[str]:
+    """Yield the kinds of the entities that stand in blocks and layouts."""
+    for block in document.blocks:
+        yield "BLOCK"
+        for entity in block:
+            kind: str = entity.dxftype()
+            yield kind
+            parts: Sequence[Any] = entity.attribs if kind == "INSERT" else entity.vertices if kind == "POLYLINE" else ()
+            yield from (part.dxftype() for part in parts)
 
 
 def _western(error: UnicodeError, foreign: list[str]) -> tuple[str, int]:

@@ -10,6 +10,8 @@ from churchpipe.findings import Finding
 # Entities that can be stones, or parts of them; lines among them, which are read as `KINDS`.
 SOLIDS = ("INSERT", "ATTRIB", "ATTDEF", "POINT", "MESH", "VERTEX", "3DFACE", "3DSOLID", "BODY", "BLOCK")
 COUNTED = frozenset(kind.encode() for kind in (*SOLIDS, *KINDS))
+# What may stand before one of them and swallow it.
+OTHERS = frozenset({b"SEQEND", b"ENDBLK", b"TEXT", b"MTEXT"})
 # Group codes that an entity has once: its handle, its layer.
 HANDLE, LAYER = b"5", b"8"
 # What outlines and hatches consist of: its name, the group code that begins each, the one that says how many there are.
@@ -31,14 +33,14 @@ class Entity:
 
 
 def entities(data: bytes) -> list[Entity]:
-    """Return the entities of a text drawing whose kind is counted, wherever they stand in it."""
+    """Return the entities of a text drawing whose kind is counted, and `OTHERS`, wherever they stand in it."""
     lines = data.splitlines()
     codes, values = [code.strip() for code in lines[::2]], lines[1::2]
     starts = [index for index, code in enumerate(codes[: len(values)]) if code == b"0"]
     return [
         Entity(kind.decode(), codes[start + 1 : end], values[start + 1 : end])
         for start, end in pairwise((*starts, len(values)))
-        if (kind := values[start].strip()) in COUNTED
+        if (kind := values[start].strip()) in COUNTED or kind in OTHERS
     ]
 
 

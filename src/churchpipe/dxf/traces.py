@@ -56,9 +56,12 @@ class Plane:
 
 def traces_of(entity: Any, matrix: Matrix, place: Place, layer: str, bearing: bool) -> list[Trace]:
     """Return the traces of one entity of `KINDS`: the boundaries of a hatch, one of any other; what has no length is left out."""
+    extrusion = np.array(entity.dxf.get("extrusion", (0, 0, 1)))
+    if not 0.0 < float(np.linalg.norm(extrusion)) < np.inf:
+        raise ValueError(f"the direction of its extrusion is {tuple(extrusion.tolist())}")
     filled = entity.dxftype() == "HATCH"
     drawn = _boundaries(entity) if filled else [paths.make_path(entity)]
-    normal = np.array(entity.dxf.get("extrusion", (0, 0, 1))) @ np.linalg.inv(matrix[0]).T
+    normal = extrusion @ np.linalg.inv(matrix[0]).T
     up: FloatArray = np.asarray(normal / np.linalg.norm(normal), dtype=np.float64)
     across = _axes(up)[:2].T
     own = entity.dxf.get("thickness", 0.0) if entity.dxf.is_supported("thickness") else 0.0

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from churchpipe.errors import InputError
+from churchpipe.geometry import planar
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, Building, Junction, Panel, PlaneChart
 from churchpipe.model.buttress import Buttress
@@ -32,7 +33,8 @@ def with_buttresses(building: Building, buttresses: Iterable[Buttress]) -> Build
     Raises
     ------
     InputError
-        A wall that is not there, is curved, or has no such side; a place beyond it; a height that is no whole number of courses.
+        A wall that is not there, is curved, or has no such side; a place beyond it or in an opening; a height that is no whole
+        number of courses.
     """
     for buttress in buttresses:
         where = f"buttress of {buttress.wall}"
@@ -65,6 +67,7 @@ def _panel(where: str, wall: Panel, buttress: Buttress, along: float, name: str)
     if abs(courses - round(courses)) > _WHOLE or height > float(wall.outline[:, 1].max()) + _WHOLE:
         expected = f"a whole number of courses of {cell.a:g} m, at most {float(wall.outline[:, 1].max()):g} m"
         raise InputError(f"{where}: height", "does not fit the wall", found=f"{height:g} m", expected=expected)
+    _check_openings(f"{where}: along", wall, along, float((place - chart.origin) @ chart.s_axis), buttress.width, height)
     length = wall.thickness + buttress.depth
     outline = np.array([[0.0, 0.0], [length, 0.0], [length, height], [0.0, height]])
     # It reaches through the wall; toothed, it runs through on the courses on which the wall does not.
@@ -77,6 +80,18 @@ def _panel(where: str, wall: Panel, buttress: Buttress, along: float, name: str)
         material=buttress.material or wall.material,
         runs_through=1 if wall.runs_through == 0 else 0,
     )
+
+
+def _check_openings(where: str, wall: Panel, along: float, s: float, width: float, height: float) -> None:
+    """Refuse a buttress with its middle at s (m, in the wall's chart) that would stand in an opening."""
+    foot = planar.polygon([[s - width / 2, 0.0], [s + width / 2, 0.0], [s + width / 2, height], [s - width / 2, height]])
+    for opening in wall.openings:
+        if planar.area(planar.common(foot, planar.polygon(opening.outline))) > _WHOLE:
+            clear = opening.outline[:, 0].max() - opening.outline[:, 0].min()
+            expected = f"a place beside it, or a buttress lower than it: it is {clear:g} m wide"
+            raise InputError(
+                where, f"in the opening {opening.name} of the wall {wall.name}", found=f"{along:g} m", expected=expected
+            )
 
 
 def _place(where: str, wall: Panel, chart: PlaneChart, along: float, width: float) -> FloatArray:

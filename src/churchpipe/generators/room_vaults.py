@@ -8,11 +8,11 @@ import numpy as np
 from churchpipe.errors import InputError
 from churchpipe.generators.arched import Hole
 from churchpipe.generators.church_plan import Plan
-from churchpipe.generators.layout import WallLayout
+from churchpipe.generators.layout import CLOSE, WallLayout
 from churchpipe.generators.profile import Profile, backing, skewback, to_middle
 from churchpipe.generators.room_domes import crossing_dome, half_dome
 from churchpipe.generators.rooms import Room, RoomVault, check_ends, check_fits, end_face, rooms_of
-from churchpipe.generators.transverse import add_groin_ribs, add_transverse
+from churchpipe.generators.transverse import add_groin_ends, add_groin_ribs, add_transverse
 from churchpipe.model.vault import Section, Side, Vault
 from churchpipe.vaults.barrel import add_barrel
 from churchpipe.vaults.crossed import add_cloister, add_groin
@@ -104,6 +104,10 @@ def _over_room(
         if vault.rib_width is not None and vault.rib_depth is not None:
             ribs = {"width": vault.rib_width, "depth": vault.rib_depth, "part": f"{name}_rib"}
             add_groin_ribs(under, profile, where=where, centre=middle, ratio=ratio, reach=reach, **ribs)
+        if vault.arch_width is not None and vault.arch_depth is not None:
+            _check_on_walls(where, vault.arch_width, room, (reach, reach * ratio))
+            arches = {"width": vault.arch_width, "depth": vault.arch_depth, "part": f"{name}_arch"}
+            add_groin_ends(under, profile, centre=middle, ratio=ratio, reach=reach, **arches)
     else:
         lay = partial(add_cloister, centre=middle, sides=4, stone_length=stone_length, corner=vault.corner, stagger=stagger)
         for part, sections in [*laid, (name, to_middle(half))]:
@@ -111,3 +115,17 @@ def _over_room(
     beside = ((filled, "backing"), (under, "arches"))
     others = [more.vault(f"{name}_{part}", material, shell="none") for more, part in beside if more.runs]
     return [courses.vault(name, material), *others]
+
+
+def _check_on_walls(where: str, width: float, room: Room, reach: tuple[float, float]) -> None:
+    """Raise InputError where arches of a width stand beyond the walls; reach: where the vault ends, m from the middle."""
+    left = [room.thickness + (room.x[1] - room.x[0]) / 2 - reach[0]]
+    left += [end.thickness + (room.y[1] - room.y[0]) / 2 - reach[1] for end in room.ends]
+    if width > min(left) + CLOSE:
+        raise InputError(
+            f"{where}.arch_width",
+            "the walls are too thin for arches outside the vault",
+            found=f"{width:g} m",
+            expected=f"<= {max(min(left), 0.0):.4g} m",
+            remedy="Leave out backing and skewbacks, which reach to the outer faces of the walls." if min(left) < CLOSE else "",
+        )

@@ -43,10 +43,9 @@ class RoomVault:
         Length | None, "Length below which stones of a dome's rings are not laid: such rings have half as many, twice as long."
     ] = None
     slab: Annotated[Length | None, "Height of the slabs across the corners below a dome; by default its thickness."] = None
-    arches: Annotated[Count | None, "Number of arches below a barrel."] = None
+    arches: Annotated[Count | None, "Number of arches below a barrel, or on the four sides of a groin vault."] = None
     arch_width: Annotated[Length | None, "Width of these arches."] = None
-    arch_depth: Annotated[Length | None, "Depth of these arches; the barrel springs so far behind the faces of the walls."] = None
-
+    arch_depth: Annotated[Length | None, "Depth of these arches; a barrel springs so far behind the faces of the walls."] = None
     rib_width: Annotated[Length | None, "Width of ribs below the groins of a groin vault."] = None
     rib_depth: Annotated[Length | None, "Depth of these ribs; the vault springs so far behind the faces of the walls."] = None
 
@@ -54,17 +53,24 @@ class RoomVault:
         coerce_fields(self, "vault: ")
         together("vault", self, "arches", "arch_width", "arch_depth")
         together("vault", self, "rib_width", "rib_depth")
-        of_kinds = {"arches": ("barrel",), "rib_width": ("groin",), "slab": ("dome",), "shortest_stone": ("dome", "half_dome")}
+        of_kinds = {
+            "arches": ("barrel", "groin"),
+            "rib_width": ("groin",),
+            "slab": ("dome",),
+            "shortest_stone": ("dome", "half_dome"),
+        }
         for key, kinds in of_kinds.items():
             if getattr(self, key) is not None and self.kind not in kinds:
                 raise InputError(
-                    f"vault.{key}", f"only a {kinds[0]} has one", found=f"kind = {self.kind}", expected="no such key"
+                    f"vault.{key}", f"only a {' or '.join(kinds)} has one", found=f"kind = {self.kind}", expected="no such key"
                 )
+        if self.kind == "groin" and self.arches not in (None, 4):
+            raise InputError("vault.arches", "a groin vault has four sides", found=self.arches, expected="4")
 
     @property
     def below(self) -> float:
-        """Depth of the arches or ribs below the vault, m."""
-        return self.arch_depth or self.rib_depth or 0.0
+        """Depth of the arches or ribs below the vault, m. The arches of a groin vault stand before its ends."""
+        return (self.arch_depth if self.kind == "barrel" else self.rib_depth) or 0.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""Transverse arches below a barrel, ribs below a groin vault."""
+"""Transverse arches below a barrel, ribs below a groin vault and arches before its ends."""
 
 import math
 
@@ -8,7 +8,8 @@ from churchpipe.errors import InputError
 from churchpipe.generators.profile import Profile, to_middle, under_soffit
 from churchpipe.model.vault import Side
 from churchpipe.vaults.barrel import add_barrel
-from churchpipe.vaults.crossed import add_ribs
+from churchpipe.vaults.crossed import add_ribs, add_wall_arches
+from churchpipe.vaults.directrix import Directrix
 from churchpipe.vaults.sweep import Courses
 
 
@@ -85,3 +86,22 @@ def add_groin_ribs(
     ribs = to_middle(under_soffit(profile.half.joints, depth))
     webs = ribs, [section.stretched(ratio) for section in ribs]
     add_ribs(courses, webs, centre=centre, ratio=ratio, width=width, part=part)
+
+
+def add_groin_ends(
+    courses: Courses,
+    profile: Profile,
+    *,
+    centre: tuple[float, float],
+    ratio: float,
+    reach: float,
+    width: float,
+    depth: float,
+    part: str,
+) -> None:
+    """Add an arch before each end of a groin vault, as deep as vault and arch together; arguments as in `add_groin_ribs`."""
+    joints = profile.half.joints.copy()
+    joints[:, 0] = under_soffit(joints, depth).joints[:, 0]
+    arch = to_middle(Directrix(joints))
+    ends = arch, [section.stretched(ratio) for section in arch]
+    add_wall_arches(courses, ends, centre=centre, borders=(reach * ratio, reach), width=width, part=part)

@@ -10,15 +10,14 @@ from churchpipe.errors import InputError
 from churchpipe.generators.checks import together, whole_courses
 from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
-from churchpipe.generators.profile import Profile, Shape, backing, fixed_box, skewback, to_middle, under_soffit, wall
-from churchpipe.generators.transverse import add_groin_ribs, add_transverse
+from churchpipe.generators.profile import Profile, Shape, backing, fixed_box, skewback, to_middle, wall
+from churchpipe.generators.transverse import add_groin_ends, add_groin_ribs, add_transverse
 from churchpipe.model.building import Building, Support
 from churchpipe.model.materials import UnitWeight
 from churchpipe.model.quantities import Count, Length
 from churchpipe.model.vault import Section, Side, Vault
 from churchpipe.vaults.barrel import add_arches, add_barrel
-from churchpipe.vaults.crossed import Corner, add_cloister, add_groin, add_wall_arches
-from churchpipe.vaults.directrix import Directrix
+from churchpipe.vaults.crossed import Corner, add_cloister, add_groin
 from churchpipe.vaults.sweep import Courses
 
 
@@ -214,7 +213,8 @@ def _collected(material: str, courses: Courses, filled: Courses, under: Courses)
 
 def _below(p: VaultParameters) -> list[tuple[str, list[Section]]]:
     """Return what stands on the right of a vault: walls, skewback, backing, walls that go on, each with its name."""
-    joints = p.profile.whole.joints if p.kind == "barrel" else p.profile.half.joints
+    directrix = p.profile.halved if p.laid == "rings" else p.profile.whole if p.kind == "barrel" else p.profile.half
+    joints = directrix.joints
     found: list[tuple[str, list[Section]]] = []
     if p.wall_height is not None and p.wall_course is not None:
         found.append(("wall", wall(p.face, p.outer, 0.0, round(p.wall_height / p.wall_course), p.wall_course)))
@@ -258,12 +258,8 @@ def _groin(p: VaultParameters, material: str) -> list[Vault]:
         webs = sections, [section.stretched(ratio) for section in sections]
         lay(filled if part == "backing" else courses, webs, borders=(border * ratio, border), part=named, key=part == "vault")
     if p.arch_width is not None and p.arch_depth is not None:
-        # As deep as vault and arch together: it stands before the end of the web.
-        joints = p.profile.half.joints.copy()
-        joints[:, 0] = under_soffit(joints, p.arch_depth).joints[:, 0]
-        arch = to_middle(Directrix(joints))
-        ends = arch, [section.stretched(ratio) for section in arch]
-        add_wall_arches(under, ends, centre=(0.0, 0.0), borders=(border * ratio, border), width=p.arch_width, part="arch")
+        lay = partial(add_groin_ends, centre=(0.0, 0.0), ratio=ratio, reach=border, part="arch")
+        lay(under, p.profile, width=p.arch_width, depth=p.arch_depth)
     if p.rib_width is not None and p.rib_depth is not None:
         lay = partial(add_groin_ribs, where="vault", centre=(0.0, 0.0), ratio=ratio, reach=border, part="rib")
         lay(under, p.profile, width=p.rib_width, depth=p.rib_depth)

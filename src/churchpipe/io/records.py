@@ -15,11 +15,10 @@ from churchpipe.model.arguments import finite, one_of, text
 from churchpipe.model.block_curve import CURVE_STATUSES
 from churchpipe.model.checks import DisplacementCheck, SafetyCheck
 from churchpipe.model.joint_group import JointGroup
-from churchpipe.model.names import GOOD, METHODS, MODELS, OUTER, SHELL, ContactModel, Model, Planes
+from churchpipe.model.names import GOOD, METHODS, MODELS, OUTER, SHELL, ContactModel, Flow, Model, Planes
 from churchpipe.model.quantities import Quantity, as_read
 from churchpipe.model.results import Status
 
-Flow = Literal["associative", "non-associative"]
 # One value, or one a material where they differ.
 Strength = float | dict[str, float]
 Displacements = Annotated[tuple[float, ...] | None, Quantity("_m")]

@@ -9,11 +9,12 @@ from typing import cast, get_args
 import numpy as np
 import numpy.typing as npt
 
+from churchpipe.conic.solve import solver_for
 from churchpipe.large_displacements.control import Control, control_of
 from churchpipe.large_displacements.following import Ending, follow
 from churchpipe.large_displacements.halo import HALO, STILL, held_around
 from churchpipe.large_displacements.moving_model import MovingModel, bearing, moving_model
-from churchpipe.large_displacements.path import FIRST, PROGRAMS, PathState, PathStep, as_in, first_state, solve_state
+from churchpipe.large_displacements.path import FIRST, PathState, PathStep, as_in, first_state, solve_state
 from churchpipe.large_displacements.record import Progress, Record
 from churchpipe.large_displacements.travelling import live_loads
 from churchpipe.mechanism import moving_stones, reference_speed, stone_speed
@@ -27,11 +28,17 @@ from churchpipe.model.names import ContactModel
 from churchpipe.model.results import LimitState
 from churchpipe.model.stone_path import no_step
 from churchpipe.model.ties import Tie
-from churchpipe.rigid_blocks.equilibrium import equilibrium
-from churchpipe.rigid_blocks.limit import limit_analysis
+from churchpipe.rigid_blocks.associative import associative_state
+from churchpipe.rigid_blocks.certificate import Strength
+from churchpipe.rigid_blocks.coulomb import dead_load_start
+from churchpipe.rigid_blocks.crushing import JointParts
+from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
+from churchpipe.rigid_blocks.limit import limit_analysis, limit_program
 
 # A halo keeps the first load factor within this share; a start this far from a motion without dilatancy is not good enough.
 _KEPT, _STARTED = 0.01, 0.01
+# With more points of contact than this the certified analysis takes many minutes.
+_LARGE = 20_000
 
 
 def block_pushover(
@@ -111,16 +118,16 @@ def block_pushover(
     _check(step, steps, furthest, halo)
     listed("block_pushover: ties", ties, Tie)
     one_of("block_pushover: contact_model", contact_model, *get_args(ContactModel))
-    analysed = partial(
-        limit_analysis,
+    programmed = partial(
+        limit_program,
         contacts=contacts,
         load=load,
         friction=friction,
         ties=ties,
         contact_model=contact_model,
         compressive_strength=compressive_strength,
-        solver=solver,
     )
+    analysed = partial(limit_analysis, **programmed.keywords, solver=solver)
     state = analysed(stones)
     if state.status != "optimal":
         return _nothing(stones, state, perf_counter() - begin)
@@ -132,43 +139,57 @@ def block_pushover(
     model = moving_model(
         stones, contacts, load, driven, friction, balance, moving, step, solver, ties, compressive_strength, contact_model
     )
-    model = replace(model, held=_held(model, contacts, analysed, state, halo)) if halo else model
+    model = replace(model, held=_held(model, contacts, programmed, state, halo)) if halo else model
     record = _Curve(model, measure, furthest, progress, keep)
     if resume is not None and len(resume.position):
         start = record.go_on_from(resume, resume.displacement, resume.load_factor)
         record.tensions = list(resume.tie_forces[: len(record.poses)])
         steps -= len(resume.position) - 1
     else:
-        start = _started(model, contacts, analysed)
+        start = _started(model, contacts, analysed, balance, state)
     return record.curve(follow(record.model, start, int(steps), record, halo), perf_counter() - begin)
 
 
-def _started(model: MovingModel, contacts: Contacts, analysed: Callable[..., LimitState]) -> PathState:
+def _started(
+    model: MovingModel, contacts: Contacts, analysed: Callable[..., LimitState], balance: Equilibrium, state: LimitState
+) -> PathState:
     """Return the state as drawn with the sliding of a motion without dilatancy: that of its own programs, or where these come
-    near it too slowly, that of the certified analysis. That takes many times as long with stones held, joints that crush and
-    friction that follows the pressure: the first step then makes forces and motion fit as all others do."""
-    first = first_state(model)
-    # With stones held the pairs of programs of the first step do the rest.
-    step = solve_state(model, first, PROGRAMS if model.held.any() else FIRST, 0)
-    if step.answer.outcome != "solved" or step.answer.misfit < _STARTED or model.held.any() or not model.plain:
+    near it too slowly, that of the certified analysis. That takes many times as long with joints that crush and friction that
+    follows the pressure: the first step then makes forces and motion fit as all others do. So it does in a large model, where
+    it begins with the forces of the dead load in all stones, which do not depend on which are held."""
+    first, large = first_state(model), bool(model.held.any()) or len(contacts.point) > _LARGE
+    step = solve_state(model, first, 2 if large else FIRST, 0)
+    if step.answer.outcome != "solved" or step.answer.misfit < _STARTED or not model.plain:
         return step.state
+    bears = bearing(model.stones.fixed | model.held, contacts.blocks)[contacts.interface_of_point]
+    if large:
+        start = balance.force * dead_load_start(balance)[bears]
+        # The first step begins with what the pairs of programs find from there.
+        return solve_state(model, as_in(model, first, start, state.velocities)).state
     found = analysed(model.stones, flow="non-associative")
     if found.status not in ("converged", "not-converged"):
         return step.state
-    bears = bearing(model.stones.fixed, contacts.blocks)[contacts.interface_of_point]
     return as_in(model, first, found.forces[bears, 0], found.velocities)
 
 
 def _held(
-    model: MovingModel, contacts: Contacts, analysed: Callable[..., LimitState], state: LimitState, rings: int
+    model: MovingModel,
+    contacts: Contacts,
+    programmed: Callable[..., tuple[Equilibrium, Strength, JointParts | None]],
+    state: LimitState,
+    rings: int,
 ) -> BoolArray:
-    """Return the stones to hold still (nb,): without them the first load factor of `analysed` is kept to `_KEPT`."""
+    """Return the stones to hold still (nb,): without them the first load factor `state` is kept to `_KEPT`."""
     speed = stone_speed(model.stones, state.velocities)
     moving = speed > STILL * reference_speed(speed)
     moving[model.ties.stone] = True
     while True:
         held = held_around(model.stones, contacts.blocks, moving, rings)
-        followed = analysed(replace(model.stones, fixed=model.stones.fixed | held)) if held.any() else state
+        if not held.any():
+            return held
+        # What carries its dead load does so with stones held.
+        balance, strength, _ = programmed(replace(model.stones, fixed=model.stones.fixed | held))
+        followed = associative_state(balance, strength, solver_for(balance.balance, model.solver), perf_counter())
         if followed.status == "optimal" and followed.load_factor <= (1 + _KEPT) * state.load_factor:
             return held
         rings *= 2

@@ -17,7 +17,8 @@ from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.names import ContactModel
 from churchpipe.model.settlement import SettlementState, SettlementStatus
-from churchpipe.rigid_blocks.limit import dead_load_analysis, limit_program
+from churchpipe.rigid_blocks.associative import dead_load_analysis
+from churchpipe.rigid_blocks.limit import limit_program
 
 # Errors within which a reaction is proved.
 _BOUNDS, _BALANCE, _FLOW = 1e-5, 1e-8, 1e-3
@@ -63,7 +64,8 @@ def settlement_analysis(
         Coefficient, a number or one an interface.
     flow
         "associative", the least reaction of all, its bounds proved; or "non-associative", stones that slide without dilating,
-        as they move in `settlement_path`.
+        as they move in `settlement_path`: a reaction as large or larger, and one of several, since more than one set of forces
+        may fit a motion. What a support has to resist with is the larger of both.
     contact_model
         As in `limit_analysis`.
     compressive_strength

@@ -8,8 +8,8 @@ from churchpipe.geometry.planar import (
     Polygons,
     areas,
     intersections,
+    meeting,
     outer_rings,
-    overlapping,
     perimeters,
     polygons_of,
     simple_hulls,
@@ -115,11 +115,14 @@ def frames(n: FloatArray) -> FloatArray:
 def _stone_pairs(stones: Assemblage, left_out: BoolArray, reach: float) -> IntArray:
     """Return pairs (k, 2) of stones, first < second, whose boxes come within reach; not both of them fixed."""
     low, high = (edge.reduceat(stones.points, stones.block_point_ptr[:-1], axis=0) for edge in (np.minimum, np.maximum))
-    chosen = np.flatnonzero(~left_out)
     half = 0.5 * reach
-    one, other = chosen[overlapping(np.column_stack([low[chosen, :2] - half, high[chosen, :2] + half]))].T
-    near = ~(stones.fixed[one] & stones.fixed[other])
-    one, other = one[near], other[near]
+    plan = np.column_stack([low[:, :2] - half, high[:, :2] + half])
+    # Most stones of a large structure are held: only those near free ones are looked for.
+    free, chosen = np.flatnonzero(~left_out & ~stones.fixed), np.flatnonzero(~left_out)
+    one, other = meeting(plan[free], plan[chosen]).T
+    one, other = free[one], chosen[other]
+    once = stones.fixed[other] | (one < other)
+    one, other = np.minimum(one, other)[once], np.maximum(one, other)[once]
     near = (low[one, 2] <= high[other, 2] + reach) & (low[other, 2] <= high[one, 2] + reach)
     return np.stack([one[near], other[near]], axis=1)
 

@@ -15,6 +15,8 @@ from churchpipe.model.arrays import FloatArray
 # What a mesh may stand in, with words of its own about the mesh.
 _SUPPORT = "is_support"
 _NAMES = ("name",)
+# The ends of data types that hold a mesh.
+_MESHES = ("Block", "Mesh", "Polyhedron")
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +63,7 @@ def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 
 def _meshes(value: Any, around: _Around) -> Iterator[tuple[_Around, dict[str, Any]]]:
-    """Yield each mesh with what stands around it."""
+    """Yield each mesh with what stands around it; a table that says it is one and holds none, as it is."""
     if isinstance(value, list):
         for item in cast("list[Any]", value):
             yield from _meshes(item, around)
@@ -72,13 +74,20 @@ def _meshes(value: Any, around: _Around) -> Iterator[tuple[_Around, dict[str, An
     if _is_mesh(table):
         yield around, table
         return
+    found = False
     for key, item in table.items():
         own = key if key.isdigit() else around.key
-        yield from _meshes(item, _Around(own, around.fixed, around.matrix))
+        for each in _meshes(item, _Around(own, around.fixed, around.matrix)):
+            found = True
+            yield each
+    if not found and str(table.get("dtype", "")).rpartition("/")[2] in _MESHES:
+        yield around, table
 
 
 def _is_mesh(table: dict[str, Any]) -> bool:
-    return ("vertex" in table and "face" in table) or ("vertices" in table and "faces" in table)
+    # Vertices or faces without the others are a mesh too, a damaged one; vertices with edges are a graph.
+    one = ("vertex" in table or "face" in table) and not ("edge" in table or "adjacency" in table)
+    return one or ("vertices" in table and "faces" in table)
 
 
 def _is_support(table: dict[str, Any]) -> bool:

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import describe, finite, listed, text
 from churchpipe.model.arrays import FloatArray, floats, store
-from churchpipe.model.quantities import Quantity
+from churchpipe.model.quantities import Quantity, Usual
 
 TOWARD = {"+x": (1.0, 0.0, 0.0), "-x": (-1.0, 0.0, 0.0), "+y": (0.0, 1.0, 0.0), "-y": (0.0, -1.0, 0.0)}
 Toward = str | npt.ArrayLike
@@ -20,6 +20,11 @@ _ALONG = "Along the wall, from its end with the smaller x (of a wall along y, th
 _TOWARD = "A level vector: where the thrust points, and to which side of the wall the eccentricity counts."
 _ECCENTRIC = "From the middle of the wall."
 _MASS = "Weight that the load factor multiplies; by default the dead load."
+_ON_A_LINE = Usual(0, 500, "roofs bring some 5, vaults and several floors up to 100")
+_LEVEL_ON_A_LINE = Usual(-200, 200, "rafters push with some 2, vaults with up to 100")
+_AT_A_POINT = Usual(0, 5000, "beams bring 10 to 100, columns of upper storeys some hundreds")
+_LEVEL_AT_A_POINT = Usual(-2000, 2000, "ropes, props and arches push and pull with some 10 to 500")
+_ON_AN_AREA = Usual(0, 50, "roofs have 1 to 3, floors with what stands on them up to 15")
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,11 +67,11 @@ class LineLoad:
     begin: Annotated[Metres | None, Quantity("_m", key="from_m"), _ALONG] = None
     end: Annotated[Metres | None, Quantity("_m", key="to_m"), "Likewise its other end."] = None
     height: Annotated[Metres | None, "Above z = 0; by default the top of the wall."] = None
-    dead: Annotated[float, Quantity("_kN_m", 0.0), "Downwards."] = 0.0
-    thrust: Annotated[float, Quantity("_kN_m"), "Level, in the direction `toward`."] = 0.0
+    dead: Annotated[float, Quantity("_kN_m", 0.0, usual=_ON_A_LINE), "Downwards."] = 0.0
+    thrust: Annotated[float, Quantity("_kN_m", usual=_LEVEL_ON_A_LINE), "Level, in the direction `toward`."] = 0.0
     toward: Annotated[FloatArray | None, _TOWARD] = None
     eccentricity: Annotated[Metres, _ECCENTRIC] = 0.0
-    mass: Annotated[float | None, Quantity("_kN_m", 0.0, key="seismic_mass_kN_m"), _MASS] = None
+    mass: Annotated[float | None, Quantity("_kN_m", 0.0, usual=_ON_A_LINE, key="seismic_mass_kN_m"), _MASS] = None
 
     def __init__(
         self,
@@ -140,8 +145,8 @@ class PointLoad:
     at: Annotated[Point | None, Quantity("_m"), "In place of a wall: the point."] = None
     along: Annotated[Metres | None, _ALONG] = None
     height: Annotated[Metres | None, "Above z = 0; by default the top of the wall."] = None
-    dead: Annotated[float, Quantity("_kN", 0.0), "Downwards."] = 0.0
-    thrust: Annotated[float, Quantity("_kN"), "Level, in the direction `toward`."] = 0.0
+    dead: Annotated[float, Quantity("_kN", 0.0, usual=_AT_A_POINT), "Downwards."] = 0.0
+    thrust: Annotated[float, Quantity("_kN", usual=_LEVEL_AT_A_POINT), "Level, in the direction `toward`."] = 0.0
     toward: Annotated[FloatArray | None, _TOWARD] = None
     eccentricity: Annotated[Metres, _ECCENTRIC] = 0.0
     mass: Annotated[float | None, Quantity("_kN", 0.0, key="seismic_mass_kN"), _MASS] = None
@@ -212,9 +217,9 @@ class AreaLoad:
     begin: Annotated[Metres | None, Quantity("_m", key="from_m"), "Of two walls: along the first one, as in `line_loads`."] = None
     end: Annotated[Metres | None, Quantity("_m", key="to_m"), "Likewise its other end."] = None
     height: Annotated[Metres | None, "Where it bears, above z = 0; by default the tops of the walls."] = None
-    dead: Annotated[float, Quantity("_kN_m2", 0.0), "Downwards, on the clear area between the walls."] = 0.0
+    dead: Annotated[float, Quantity("_kN_m2", 0.0, usual=_ON_AN_AREA), "Downwards, on the clear area between the walls."] = 0.0
     bearing: Annotated[float, Quantity("_m", 0.0), "Where it bears: from the middle of each wall towards the floor."] = 0.0
-    mass: Annotated[float | None, Quantity("_kN_m2", 0.0, key="seismic_mass_kN_m2"), _MASS] = None
+    mass: Annotated[float | None, Quantity("_kN_m2", 0.0, usual=_ON_AN_AREA, key="seismic_mass_kN_m2"), _MASS] = None
     kind: ClassVar[str] = "area load"
 
     def __init__(
@@ -284,7 +289,9 @@ class Pressure:
 
     wall: Annotated[str, "The wall that it presses on."]
     toward: Annotated[FloatArray, "Where it pushes, a level vector: it acts on the face that looks the other way."]
-    unit_weight: Annotated[float, Quantity("_kN_m3", 0.0), "Of the soil or water."]
+    unit_weight: Annotated[
+        float, Quantity("_kN_m3", 0.0, usual=Usual(0, 30, "water has 10, soil 15 to 22")), "Of the soil or water."
+    ]
     top: Annotated[Metres, "z of its surface."]
     coefficient: Annotated[float, Quantity("", 0.0), "1 for water; of soil that of its pressure, active or at rest."] = 1.0
     surcharge: Annotated[float, Quantity("_kPa", 0.0), "On its surface."] = 0.0

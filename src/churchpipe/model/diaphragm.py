@@ -8,7 +8,7 @@ from churchpipe.errors import InputError
 from churchpipe.model.arguments import positive
 from churchpipe.model.arrays import floats, store
 from churchpipe.model.carried import AreaLoad
-from churchpipe.model.quantities import Length, Quantity
+from churchpipe.model.quantities import Length, Quantity, Usual
 
 TIMBER_MODULUS = 10e9
 
@@ -44,7 +44,11 @@ class Diaphragm(AreaLoad):
         As `AreaLoad`; not two walls, nothing that holds the joists, sizes that are not above zero.
     """
 
-    spacing: Annotated[float, Quantity("_m", 0.0, above=True), "From joist to joist; the floor is divided evenly, about so."]
+    spacing: Annotated[
+        float,
+        Quantity("_m", 0.0, above=True, usual=Usual(0.1, 6, "joists to main beams")),
+        "From joist to joist; the floor is divided evenly, about so.",
+    ]
     friction: Annotated[float, Quantity("", 0.0), "Of a joist on its bearings."] = 0.0
     fixing: Annotated[float, Quantity("_kN", 0.0), "What an anchor at each end of a joist holds beside friction."] = 0.0
     joist: Annotated[tuple[Length, Length], "Width and height of a joist: its stiffness, for capacity curves."] = (0.1, 0.2)

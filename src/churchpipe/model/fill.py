@@ -7,7 +7,7 @@ from churchpipe.errors import InputError
 from churchpipe.model.arguments import finite, listed, text
 from churchpipe.model.arrays import store
 from churchpipe.model.carried import Metres
-from churchpipe.model.quantities import Quantity
+from churchpipe.model.quantities import Quantity, Usual
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,7 +23,9 @@ class Fill:
     """
 
     on: Annotated[tuple[str, ...], "Vaults, by the names of their parts, or walls that it lies on."]
-    unit_weight: Annotated[float, Quantity("_kN_m3", 0.0, above=True), "Of the fill."]
+    unit_weight: Annotated[
+        float, Quantity("_kN_m3", 0.0, above=True, usual=Usual(1, 30, "light fill has some 5, rubble 15 to 20")), "Of the fill."
+    ]
     top: Annotated[Metres, "z of its surface."]
     mass: Annotated[
         float | None, Quantity("_kN_m3", 0.0, key="seismic_mass_kN_m3"), "Weight that the load factor multiplies; by default all."

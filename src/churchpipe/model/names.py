@@ -4,6 +4,8 @@ from typing import Literal
 
 Model = Literal["rigid-block", "homogenised-shell"]
 ShellMethod = Literal["limit", "pushover"]
+# Whether sliding dilates.
+Flow = Literal["associative", "non-associative"]
 Planes = Literal["paper", "paper+torsion", "cell"]
 # Where the friction of a joint acts: at its corners, or so near to the middle that uniform pressure resists torsion as it should.
 ContactModel = Literal["corners", "torsion"]

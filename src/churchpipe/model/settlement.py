@@ -54,8 +54,8 @@ class SettlementPath(StonePath):
     """What a structure does while a support moves on.
 
     movement (ns,): m, or rad about an axis, of the support at each step; reaction (ns,): N, or Nm, the least with which it must
-    resist there, in the geometry as displaced and without dilatancy. least: N, or Nm, the least reaction as drawn of an
-    associative analysis, its bounds proved.
+    resist there, in the geometry as displaced and without dilatancy: one value of several, since more than one set of forces may
+    fit a motion. least: N, or Nm, the least reaction as drawn of all equilibria, from an associative analysis, its bounds proved.
 
     status: "collapsed" stones fell that cannot be spared, at the last movement; "free" nothing rests on the support any more;
     "unfinished" the steps or the movement asked for were used up; "unbounded" the stones hold the support fast; "not-converged" a

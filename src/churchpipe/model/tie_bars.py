@@ -9,7 +9,7 @@ from churchpipe.errors import InputError
 from churchpipe.model.arguments import describe, finite, text
 from churchpipe.model.arrays import floats, store
 from churchpipe.model.carried import Metres, Point
-from churchpipe.model.quantities import Length, Quantity
+from churchpipe.model.quantities import Length, Quantity, Usual
 
 STEEL_MODULUS = 210e9
 
@@ -90,8 +90,12 @@ class TieBar:
     name: Annotated[str, "For messages and tables."]
     start: Annotated[AnchorPlace, "Where it is anchored; through a wall that it crosses, to the far face."]
     end: Annotated[AnchorPlace, "Likewise its other end."]
-    area: Annotated[float, Quantity("_mm2", 0.0, above=True), "Of the steel."]
-    steel_strength: Annotated[float, Quantity("_MPa", 0.0, above=True), "Yield strength of the steel."]
+    area: Annotated[float, Quantity("_mm2", 0.0, above=True, usual=Usual(20, 20000, "bars of 5 to 160 mm")), "Of the steel."]
+    steel_strength: Annotated[
+        float,
+        Quantity("_MPa", 0.0, above=True, usual=Usual(50, 2500, "wrought iron to prestressing strands")),
+        "Yield strength of the steel.",
+    ]
     plate: Annotated[tuple[Length, Length] | None, "Width and height of its plates; left out: anchored in the stones."] = None
     bearing_strength: Annotated[
         float | None, Quantity("_MPa", 0.0, above=True), "Of the masonry under the plates; left out: not checked."

@@ -1,7 +1,7 @@
 """What a building carries, and its ties: tables of the report, and lines and arrows on its pictures."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -22,11 +22,11 @@ _ARROW, _ARROWS = 0.08, 25
 _GAINS = 4
 
 
-def load_rows(borne: Mapping[str, Borne]) -> list[list[str]]:
+def load_rows(borne: Iterable[Borne]) -> list[list[str]]:
     """Return a row for each load of the analyses, by name: what presses, what pushes level, and the mass that the load factor
     multiplies, kN."""
     found: dict[str, list[str]] = {}
-    for one in borne.values():
+    for one in borne:
         loads = one.loads
         for name in dict.fromkeys(loads.load.tolist()):
             mine = loads.load == name

@@ -6,6 +6,8 @@ PLASTIC_STOPS = ("#f1efea", "#cfdde6", "#86b3d1", "#3a76ad", "#14366b")
 PANELS = ("#77aadd", "#ee8866", "#eedd88", "#ffaabb", "#99ddff", "#44bb99", "#bbcc33", "#aaaa00")
 # The stone that was picked.
 PICKED = "#0d3b66"
+# The stone across the joint that was picked.
+ACROSS = "#4aa3df"
 SUPPORT = "#b9b6b0"
 EDGE = "#4a4038"
 GROUND = "#dcd6ca"

@@ -8,8 +8,10 @@ from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.report import colours
-from churchpipe.report.plots import WIDTH, new_plot, svg_of
+from churchpipe.report.plots import new_plot, svg_of
 
+# Inches: two maps stand beside each other.
+_MAP = 4.8
 # Joints open by less than this share of the widest are drawn shut; so many of the widest have their figure.
 _SHUT, _FIGURES = 0.01, 6
 
@@ -30,7 +32,7 @@ def crack_map_svg(stones: Assemblage, contacts: Contacts, opening: FloatArray, w
     lines = [_line(points[contacts.point_ptr[i] : contacts.point_ptr[i + 1]]) for i in cracked]
     low, high = (edge(np.concatenate(outlines), axis=0) for edge in (np.min, np.max))
     length, height = high - low
-    plot, (axes,) = new_plot(1, (WIDTH, float(np.clip(4.0 * height / max(length, 1e-9), 1.2, 5.0)) + 0.6))
+    plot, (axes,) = new_plot(1, (_MAP, float(np.clip(3.2 * height / max(length, 1e-9), 1.2, 4.0)) + 0.6))
     _draw(plot, axes, outlines, lines, 1e3 * opening[cracked])
     axes.set_aspect("equal")
     axes.grid(visible=False)

@@ -20,7 +20,8 @@ from churchpipe.report.table import amount
 
 # A plan cuts the walls as high as people do on paper, or through the middle of what is lower.
 CUT_HEIGHT = 1.2
-# A building thinner than this share of its length has no section along it: that would show its elevation again.
+# A building thinner than this share of its length has no section along it, which would show its elevation again, and no
+# elevations of its ends, which the section across it shows.
 _THIN = 0.25
 # A section passes so far beside the middle, m, where a joint may lie.
 _BESIDE = 2e-3
@@ -59,9 +60,15 @@ def drawings_svg(stones: Assemblage, loads: DrawnLoads) -> list[tuple[str, str]]
     plan = _drawing(stones, drawn, loads, PLAN, low[2] + level)
     return [
         (f"{PLAN.title}, cut {amount(level, 2)} m above the foot", plan),
-        *((view.title, _drawing(stones, drawn, loads, view)) for view in ELEVATIONS),
+        *((view.title, _drawing(stones, drawn, loads, view)) for view in elevations(low, high)),
         *((view.title, _drawing(stones, drawn, loads, view, cut)) for view, cut in sections(low, high)),
     ]
+
+
+def elevations(low: FloatArray, high: FloatArray) -> list[View]:
+    """Return the elevations that show more than an edge; low, high: as in `sections`."""
+    size = high - low
+    return [view for view in ELEVATIONS if abs(np.array(view.across)) @ size > _THIN * abs(np.array(view.toward)) @ size]
 
 
 def sections(low: FloatArray, high: FloatArray) -> list[tuple[View, float]]:

@@ -1,4 +1,4 @@
-"""What a building carries, and its ties, on the dimensioned drawings: arrows, dots and lines, and the sentences of their key."""
+"""What a building carries, and its ties, on drawings and in the viewer: arrows, dots, lines, and the sentences of their key."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -15,6 +15,8 @@ from churchpipe.report import colours
 # A load has an arrow for each cube of this share of the building's size in which it acts. Length of the longest arrow and of the
 # shortest one, as a share of that size and of the longest.
 _CELL, _LONGEST, _SHORTEST = 0.05, 0.09, 0.4
+# Radius of a tie in the viewer as a share of that size.
+_THICKNESS = 0.003
 # A force with less than this share of it across the line of sight is a dot.
 _SEEN_ON_END = 0.2
 
@@ -60,6 +62,25 @@ def drawn_loads(stones: Assemblage, borne: Iterable[Borne]) -> DrawnLoads:
         np.array([ends for ends, _ in ties.values()]).reshape(-1, 2, 3),
         tuple(added for _, added in ties.values()),
     )
+
+
+def viewer_loads(drawn: DrawnLoads, origin: FloatArray, size: float) -> dict[str, Any]:
+    """Return loads and ties for the viewer, m from `origin`: arrows, places without one, ties, and how thick they are.
+
+    size: of the building, m.
+    """
+    length = np.linalg.norm(drawn.arrow, axis=1)
+    tails = drawn.at - drawn.arrow - origin
+    return {
+        "arrows": [
+            {"start": tails[i].tolist(), "direction": (drawn.arrow[i] / length[i]).tolist(), "length": float(length[i])}
+            for i in np.flatnonzero(length > 0)
+        ],
+        "dots": (drawn.at - origin)[length == 0].tolist(),
+        "ties": [{"ends": ends, "added": added} for ends, added in zip((drawn.ties - origin).tolist(), drawn.added, strict=True)],
+        "thickness": _THICKNESS * size,
+        "colours": {"load": colours.LOAD, "tie": colours.TIE},
+    }
 
 
 def _in_cells(loads: PlacedLoads, name: str, cell: float) -> tuple[FloatArray, FloatArray]:

@@ -14,6 +14,7 @@ import numpy as np
 from churchpipe.mechanism import moving_stones, reference_speed, stone_of_point, stone_speed
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.contacts import KINDS, Contacts
 from churchpipe.model.placed_loads import Borne
 from churchpipe.report import colours
 from churchpipe.report.borne import add_borne
@@ -26,6 +27,7 @@ from churchpipe.report.motion import (
     push_arrow_start,
     viewpoint,
 )
+from churchpipe.report.shell_view import joint_order
 from churchpipe.report.surface import edges, triangles
 
 PICTURE_SECONDS = 300
@@ -89,6 +91,28 @@ def mechanism_picture(
         if arrow is not None:
             framed = np.concatenate([framed, push_arrow_start(stones, arrow)[None, :]])
         frame_camera(plotter, framed, viewpoint(stones, motion) if toward is None else toward)
+        plotter.enable_anti_aliasing("ssaa")
+        pixels = plotter.screenshot(return_img=True)
+    finally:
+        plotter.close()
+    save_screenshot(pixels, path)
+
+
+def joints_picture(contacts: Contacts, path: str | Path, toward: FloatArray, *, size: tuple[int, int] = PICTURE_SIZE) -> None:
+    """Write a PNG of the joints, coloured by kind with a key; toward: unit vector (3,) towards the eye."""
+    import pyvista as pv
+    from matplotlib.colors import to_rgb
+
+    corners = np.split(joint_order(contacts), contacts.point_ptr[1:-1])
+    mesh = pv.PolyData(contacts.point, np.concatenate([np.insert(joint, 0, len(joint)) for joint in corners]))
+    shown = {kind: colours.PANELS[number] for number, kind in enumerate(KINDS) if (contacts.kind == kind).any()}
+    mesh.cell_data["colour"] = (np.array([to_rgb(shown[kind]) for kind in contacts.kind]) * 255).astype(np.uint8)
+    plotter = pv.Plotter(off_screen=True, window_size=list(size), lighting="none")
+    try:
+        plotter.renderer.set_background("white")
+        plotter.add_mesh(mesh, scalars="colour", rgb=True, lighting=False, show_edges=True, edge_color=colours.EDGE)
+        plotter.renderer.add_legend([[kind, colour] for kind, colour in shown.items()], bcolor=None, face="rectangle")
+        frame_camera(plotter, contacts.point, toward)
         plotter.enable_anti_aliasing("ssaa")
         pixels = plotter.screenshot(return_img=True)
     finally:

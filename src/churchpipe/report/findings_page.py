@@ -13,10 +13,15 @@ from churchpipe.io.atomic import write_text
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import Building
+from churchpipe.model.placed_loads import Borne
 from churchpipe.report import viewer
+from churchpipe.report.borne import beam_rows, load_rows
+from churchpipe.report.drawings import drawings_svg
+from churchpipe.report.drawn_loads import DrawnLoads, drawn_loads, key_to_loads, viewer_loads
 from churchpipe.report.motion import viewpoint
 from churchpipe.report.packing import packed
 from churchpipe.report.page import template
+from churchpipe.report.table import amount
 from churchpipe.report.walls import opening_outlines, wall_rows
 
 # Radius of a mark as a part of the size of the structure; the most places that are marked and listed of one kind.
@@ -31,12 +36,16 @@ def write_findings_page(
     after: str,
     building: Building | None = None,
     questions: Sequence[str] = (),
+    borne: Sequence[Borne] = (),
 ) -> None:
     """Write findings.html.
 
     stones: as read, None when nothing can be drawn. after: what to type next. building: its walls are listed, and their openings
-    drawn. questions: about doubtful values.
+    drawn. questions: about doubtful values. borne: loads and ties of the building as it is, then of variants.
     """
+    loads = drawn_loads(stones, borne) if stones else None
+    beams = beam_rows(stones) if stones else []
+    strengths = {tie.name: tie.strength for one in borne for tie in (*one.ties, *one.candidates)}
     text = template("findings.html").render(
         file=findings.file,
         kinds=[_kind(kind) for kind in findings.kinds],
@@ -48,8 +57,13 @@ def write_findings_page(
         most=MOST,
         walls=wall_rows(building) if building else [],
         questions=questions,
+        drawings=drawings_svg(stones, loads) if stones and loads and (borne or beams) else [],
+        key_to_loads=key_to_loads(loads, beams=bool(beams)) if loads else [],
+        load_rows=load_rows(borne),
+        beam_rows=beams,
+        tie_rows=[[name, amount(strength / 1e3, 1)] for name, strength in strengths.items()],
         drawn=stones is not None,
-        viewer_data=viewer.script_json(_drawn(stones, findings, building)) if stones else "",
+        viewer_data=viewer.script_json(_drawn(stones, findings, building, loads)) if stones and loads else "",
         import_map=viewer.import_map(),
         viewer_script=viewer.static_text("viewer.js"),
         tables_script=viewer.static_text("tables.js"),
@@ -88,9 +102,9 @@ def _kind(kind: tuple[Finding, ...]) -> dict[str, Any]:
     }
 
 
-def _drawn(stones: Assemblage, findings: Findings, building: Building | None) -> dict[str, Any]:
-    """Return the input of the viewer: stones that stand still, the edges of openings, and a mark at each place, the errors above
-    the warnings."""
+def _drawn(stones: Assemblage, findings: Findings, building: Building | None, loads: DrawnLoads) -> dict[str, Any]:
+    """Return the input of the viewer: stones that stand still, the edges of openings, loads, ties, and a mark at each place, the
+    errors above the warnings."""
     still: FloatArray = np.zeros((stones.count, 6))
     origin, radius = viewer.origin_of(stones), MARK * stones.size
     # What is drawn last lies above.
@@ -111,6 +125,7 @@ def _drawn(stones: Assemblage, findings: Findings, building: Building | None) ->
                 "push": None,
             }
         ],
+        "loads": viewer_loads(loads, origin, stones.size),
         "outlines": opening_outlines(building, origin) if building else [],
         "marks": [
             {

@@ -129,7 +129,7 @@ def write_report(
             domain_words=domain_words,
             guidance=summary.guidance,
             questions=summary.questions,
-            load_rows=load_rows(borne or {}),
+            load_rows=load_rows((borne or {}).values()),
             beam_rows=beam_rows(stones),
             tie_rows=tie_rows(rows),
             candidate_rows=candidate_rows(rows),

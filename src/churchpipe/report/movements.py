@@ -55,9 +55,19 @@ def _shown(record: Movement, stones: Assemblage, contacts: Contacts, path: Settl
 def _sentence(record: Movement, path: SettlementPath) -> str:
     (movement, length), (reaction, force) = in_unit(record, "displacement"), in_unit(record, "reaction")
     least, _ = in_unit(record, "least_reaction")
-    kept = f"keeps {least:.4g} {force} at least" if least >= 0 else f"must be pushed along with {-least:.4g} {force} at most"
-    words = f"The support {kept} as it begins to move ({abs(reaction[0]):.4g} {force} without dilatancy)"
-    end = f"; at {movement[-1]:.4g} {length} {_ENDINGS[path.status]}"
+    if least >= 0:
+        # Of two values of what the support must resist with, the larger comes first.
+        words = (
+            f"As it begins to move the support must resist with {max(least, reaction[0]):.4g} {force}, without dilatancy; other "
+            f"forces may fit the same motion. The least of all equilibria is {least:.4g} {force}, with associative friction: the "
+            "value to take where the question is how much the rest of the building then carries"
+        )
+    else:
+        words = (
+            f"As it begins to move the support must be pushed along with {-least:.4g} {force} at most "
+            f"({abs(reaction[0]):.4g} {force} without dilatancy)"
+        )
+    end = f". At {movement[-1]:.4g} {length} {_ENDINGS[path.status]}"
     fallen = f". Stones that fell on the way: {', '.join(record.fallen_stones)}" if record.fallen_stones else ""
     return f"{words}{end}{fallen}." + (" Ties are left out." if "ties are left out" in record.message else "")
 

@@ -12,7 +12,7 @@ def write_pdf(report: Path, pdf: Path) -> int:
 
     Raises
     ------
-    InputError: the library that prints, or a library of the system below it, is missing.
+    InputError: the library that prints, or a library of the system below it, is missing; it fails.
     """
     try:
         with Extra("the report as a PDF"):
@@ -23,7 +23,12 @@ def write_pdf(report: Path, pdf: Path) -> int:
         raise InputError("the report as a PDF", "a library of the system is missing", found=found, remedy=remedy) from None
     # It warns of each property of the style that concerns screens alone.
     logging.getLogger("weasyprint").setLevel(logging.ERROR)
-    document = weasyprint.HTML(filename=str(report)).render()
+    try:
+        document = weasyprint.HTML(filename=str(report)).render()
+    except Exception as error:
+        remedy = "Print the report from a browser, and please report this with the report's file."
+        found = f"{type(error).__name__} {error}".strip()
+        raise InputError("the report as a PDF", "the library that prints failed", found=found, remedy=remedy) from error
     with replacing(pdf) as part:
         document.write_pdf(part)
     return len(document.pages)

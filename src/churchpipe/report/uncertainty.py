@@ -202,6 +202,7 @@ def _influence_svg(one: SampledAnalysis, points: dict[str, tuple[float, ...]]) -
     bars.set_xlim(-1, 1)
     bars.axvline(0, color=colours.INK, lw=0.8)
     bars.set_xlabel("rank correlation")
+    bars.set_xticks((-1.0, -0.5, 0.0, 0.5, 1.0))
     values = np.array(one.load_factors)
     for axis, (key, _) in zip(scatters, shown, strict=True):
         for _, colour, chosen in _by_mechanism(one):

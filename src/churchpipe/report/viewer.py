@@ -17,6 +17,7 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import KINDS, Contacts
 from churchpipe.model.results import LimitState
 from churchpipe.report import colours
+from churchpipe.report.borne import ring_beams
 from churchpipe.report.motion import (
     PUSH_LENGTH,
     corner_rates,
@@ -50,6 +51,7 @@ def viewer_data(
     low, high = free.min(axis=0), free.max(axis=0)
     origin = origin_of(stones)
     panels, panel_of = np.unique(np.where(stones.fixed, SUPPORT, stones.panel), return_inverse=True)
+    plain = {SUPPORT: colours.SUPPORT} | dict.fromkeys(stones.panel[ring_beams(stones)].tolist(), colours.BEAM)
     return {
         "points": packed(stones.points - origin, "<f4"),
         "centroid": packed(stones.centroid - origin, "<f4"),
@@ -62,7 +64,7 @@ def viewer_data(
         "panels": [
             {
                 "name": str(name) or "unnamed",
-                "colour": colours.SUPPORT if name == SUPPORT else colours.PANELS[i % len(colours.PANELS)],
+                "colour": plain.get(str(name), colours.PANELS[i % len(colours.PANELS)]),
                 "drawn": bool((~plate & (panel_of == i)).any()),
             }
             for i, name in enumerate(panels)
@@ -72,7 +74,13 @@ def viewer_data(
         "ground": bool(plate.any()),
         "grid": _round_length(float(np.ptp(free[:, :2], axis=0).max()) / 6),
         "speed_stops": colours.SPEED_STOPS,
-        "colours": {"edge": colours.EDGE, "ground": colours.GROUND, "push": colours.PUSH, "picked": colours.PICKED},
+        "colours": {
+            "edge": colours.EDGE,
+            "ground": colours.GROUND,
+            "push": colours.PUSH,
+            "picked": colours.PICKED,
+            "across": colours.ACROSS,
+        },
         "analyses": [_analysis(stones, record, state, label, origin, contacts) for record, state, label in results],
         "joints": contacts
         and {
@@ -136,6 +144,7 @@ def import_map() -> str:
         "three/addons/controls/OrbitControls.js": "three/OrbitControls.js",
         "churchpipe/shell.js": "shell.js",
         "churchpipe/tools.js": "tools.js",
+        "churchpipe/loads.js": "loads.js",
     }
     imports = {name: f"data:text/javascript;base64,{base64_text((STATIC / file).read_bytes())}" for name, file in modules.items()}
     return json.dumps({"imports": imports})

@@ -15,12 +15,12 @@ from churchpipe.model.arrays import FloatArray, array_of
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
-from churchpipe.model.names import ContactModel
+from churchpipe.model.names import ContactModel, Flow
 from churchpipe.model.results import LimitState
 from churchpipe.model.ties import Tie
 from churchpipe.rigid_blocks.certificate import Strength
 from churchpipe.rigid_blocks.equilibrium import check_connected, equilibrium
-from churchpipe.rigid_blocks.limit import Flow, analysed, point_strength
+from churchpipe.rigid_blocks.limit import analysed, point_strength
 from churchpipe.rigid_blocks.sliding import SlidingOptions
 from churchpipe.rigid_blocks.ties import with_ties
 

@@ -12,8 +12,9 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.names import ContactModel
+from churchpipe.rigid_blocks.associative import Standing, dead_load_analysis
 from churchpipe.rigid_blocks.equilibrium import equilibrium
-from churchpipe.rigid_blocks.limit import Standing, dead_load_analysis, point_strength
+from churchpipe.rigid_blocks.limit import point_strength
 from churchpipe.stones.contacts import find_contacts
 
 Progress = Callable[[str, float], None]

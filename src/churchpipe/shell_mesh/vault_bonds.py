@@ -1,4 +1,4 @@
-"""The bonds of vaults in the shell: running bond, or a stack where stones lie in rings or lunes that do not interlock."""
+"""The bonds of vaults in the shell: running bond, or a stack where stones lie in lunes that do not interlock."""
 
 import numpy as np
 
@@ -12,11 +12,12 @@ _ONE = 1e-6
 def vault_bonds(vault: Vault) -> dict[str, BondName]:
     """Return the bond of each part of a vault.
 
-    Rings of voussoirs side by side are a stack however their joints lie. Staggered joints lock two rings by friction alone, and
-    nothing presses free rings together: what locks them in an associative analysis is that they would have to move apart.
+    Each ring of voussoirs is a piece of its own, in running bond: its voussoirs are as wide as the ring. The joint of two rings
+    is a strip in stack bond (`vault_facets`), however their voussoirs lie: staggered, they lock two rings by friction alone, and
+    nothing presses free rings together; what locks them in an associative analysis is that they would have to move apart.
     """
     if vault.beds == "section":
-        return dict.fromkeys(vault.parts, "stack")
+        return dict.fromkeys(vault.parts, "running")
     return {part: "stack" if _in_lunes([run for run in vault.runs if run.part == part]) else "running" for part in vault.parts}
 
 

@@ -123,6 +123,9 @@ def _stretch(stones: Assemblage, beam: RingBeam, name: str) -> _Stretch:
     covered = stones.points[np.isin(np.repeat(np.arange(stones.count), np.diff(stones.block_point_ptr)), upper)]
     along = covered[np.abs(covered[:, 2] - wall.top) < _LEVEL, :2] @ wall.axis - float(wall.origin @ wall.axis)
     low, high = float(along.min()), float(along.max())
+    if high - low < _LEVEL:
+        expected = "a wall that ends in one level course; leave this one out, or run the beam along the others"
+        raise InputError(where, f"the top of the wall {name} is not level", found="a gable or a single point", expected=expected)
     span = low if beam.begin is None else beam.begin, high if beam.end is None else beam.end
     if not low - _LEVEL <= span[0] < span[1] <= high + _LEVEL:
         found, expected = f"from {span[0]:g} m to {span[1]:g} m", f"within {low:.6g} and {high:.6g} m"

@@ -13,6 +13,7 @@ from churchpipe.config.settings import joints_of
 from churchpipe.configuring import configure
 from churchpipe.errors import InputError
 from churchpipe.io.building_json import read_building, write_building
+from churchpipe.resources import sample_case
 from churchpipe.shell_mesh.shell import derive_shell
 from churchpipe.stages import source
 from churchpipe.stones.blocks import derive_blocks
@@ -138,6 +139,12 @@ def test_a_ring_beam_of_a_case_is_a_stone_on_its_wall(tmp_path: Path) -> None:
     shell = derive_shell(building, 0.5)
     assert (shell.beams.name.tolist(), shell.beams.material.tolist()) == (["beam on wall"], ["concrete"])
     assert (shell.beams.of_node >= 0).tolist() == (shell.points[:, 2] > building.panels[0].outline[:, 1].max() - 1e-6).tolist()
+
+
+def test_a_beam_on_a_gable_is_refused_with_the_reason(tmp_path: Path) -> None:
+    beam = '\n[[ring_beams]]\nwalls = ["facade", "nave_left"]\nheight_m = 0.3\n'
+    with pytest.raises(InputError, match=r"ring_beams.0: ring beam on facade: the top of the wall facade is not level"):
+        read_case(case_of(tmp_path, sample_case("chapel") + beam)).building()
 
 
 BAD_BEAMS = [

@@ -113,6 +113,7 @@ def test_a_mistake_has_its_key_and_its_line(old: str, new: str, said: str, tmp_p
         ("springing_m = 4.5", "springing_m = 6.5", "rose", "wall facade: opening rose: reaches"),
         ("[2.4, 5.6]", "[2.4, 3.0]", "window", "wall nave_left: openings window-1 and window-2: overlap"),
         ("[2.4, 5.6]", "[0.9, 5.6]", "window", "wall nave_left: opening window-1: reaches"),
+        ("voussoirs = 6", "voussoirs = 7", "window", "opening window: voussoirs: odd"),
     ],
 )
 def test_a_mistake_of_two_keys_has_the_line_of_its_opening(old: str, new: str, opening: str, said: str, tmp_path: Path) -> None:

@@ -75,6 +75,37 @@ def test_vaults_that_mislead_are_questioned(change: str, words: list[str], tmp_p
     assert unanswered(found) == [text for text in found if "open as they slide" not in text]
 
 
+@pytest.mark.parametrize(
+    ("table", "words"),
+    [
+        ('[[line_loads]]\nwall = "wall"\ndead_kN_m = 4500', "line_loads.0.dead_kN_m is 4500 kN/m, usual are 0 to 500 kN/m"),
+        (
+            '[[line_loads]]\nwall = "wall"\nthrust_kN_m = -800\ntoward = [0, 1, 0]',
+            "line_loads.0.thrust_kN_m is -800 kN/m, usual are -200 to 200 kN/m",
+        ),
+        (
+            '[[line_loads]]\nwall = "wall"\ndead_kN_m = 4.5\nseismic_mass_kN_m = 4500',
+            "line_loads.0.seismic_mass_kN_m is 4500 kN/m, usual are 0 to 500",
+        ),
+        ('[[point_loads]]\nwall = "wall"\nalong_m = 1\ndead_kN = 9e4', "point_loads.0.dead_kN is 9e+04 kN, usual are 0 to 5000"),
+        (
+            '[[pressures]]\nwall = "wall"\ntoward = [0, 1, 0]\nunit_weight_kN_m3 = 9810\ntop_m = 1',
+            "pressures.0.unit_weight_kN_m3 is 9810 kN/m3, usual are 0 to 30",
+        ),
+        (
+            '[[ties]]\nname = "t"\nstart = { wall = "wall", along_m = 0.5, height_m = 1 }\n'
+            'end = { wall = "wall", along_m = 2.5, height_m = 1 }\narea_mm2 = 4\nsteel_strength_MPa = 235',
+            "ties.0.area_mm2 is 4 mm2, usual are 20 to 20000 mm2",
+        ),
+    ],
+)
+def test_loads_and_ties_out_of_all_reason_are_questioned(table: str, words: str, tmp_path: Path) -> None:
+    path = tmp_path / "w.toml"
+    path.write_text(CASE.format(**SOUND) + table)
+    [question] = questions([read_case(path)])
+    assert question.startswith(words)
+
+
 def test_slender_piers_of_a_groin_vault_are_questioned(tmp_path: Path) -> None:
     path = tmp_path / "groin.toml"
     source = (

@@ -3,9 +3,9 @@
 import re
 from pathlib import Path
 
-import ezdxf
 import numpy as np
 import pytest
+from ezdxf.filemanagement import new
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -36,7 +36,7 @@ def findings_of(path: Path, **options) -> Findings:
 
 def bare(path: Path, draw, code: int) -> Path:
     """Write a drawing of another program: $INSUNITS and what `draw` puts in, and a patch of ground."""
-    document = ezdxf.new("R2010")
+    document = new("R2010")
     document.header["$INSUNITS"] = code
     document.modelspace().add_3dface([(-1, -1, 0), (2, -1, 0), (2, 1, 0), (-1, 1, 0)], dxfattribs={"layer": "CP-SUPPORT"})
     draw(document)
@@ -141,6 +141,54 @@ def test_a_stretched_stone_has_the_stretched_volume(damaged: Path) -> None:
     np.testing.assert_allclose(read_drawing(damaged / "stretched_insert.dxf").stones.volume[3], 0.016 * 1.5, rtol=1e-12)
 
 
+def test_stones_that_run_into_a_table_are_missed(tmp_path: Path) -> None:
+    """Half of the stones come after the head of a table, which the parser then takes them to be rows of."""
+
+    def draw(doc) -> None:
+        for place in range(4):
+            with doc.modelspace().add_mesh().edit_data() as mesh:
+                mesh.vertices, mesh.faces = box((place, 0, 0), (1, 1, 1))[0].tolist(), [list(face) for face in BOX_FACES]
+
+    path = bare(tmp_path / "a.dxf", draw, code=6)
+    assert len(read_drawing(path).stones.fixed) == 5
+    first, *rest = path.read_text().split("\nMESH\n")
+    table = "\nENDSEC\n  0\nSECTION\n  2\nTABLES\n  0\nTABLE\n  2\nVPORT\n  5\n8\n330\n0\n  0\nMESH\n"
+    path.write_text(table.join((f"{first}\nMESH\n{rest[0]}\nMESH\n{rest[1]}", f"{rest[2]}\nMESH\n{rest[3]}")))
+    assert "entities were lost on reading: 2 of 4 MESH" in str(findings_of(path))
+
+
+def test_a_stone_that_runs_into_the_end_of_another_is_missed(tmp_path: Path) -> None:
+    """The group code of its kind is damaged, so that the parser takes all of it for a part of the entity before it."""
+
+    def draw(doc) -> None:
+        corners, faces = box((0, 0, 0), (1, 1, 1))[0].tolist(), [list(face) for face in BOX_FACES]
+        doc.modelspace().add_polyface().append_faces([[corners[index] for index in face] for face in faces])
+        with doc.modelspace().add_mesh().edit_data() as mesh:
+            mesh.vertices, mesh.faces = [[x, y, z + 1] for x, y, z in corners], faces
+
+    path = bare(tmp_path / "a.dxf", draw, code=6)
+    assert len(read_drawing(path).stones.fixed) == 3
+    path.write_text(path.read_text().replace("\n  0\nMESH\n", "\n  7\nMESH\n"))
+    assert "SEQEND" in str(findings_of(path))
+    assert "two entities run into each other here" in str(findings_of(path))
+
+
+def test_a_model_that_shows_another_block_is_missed(tmp_path: Path) -> None:
+    """The record of a layout's block is lost, and with it which block the model shows."""
+
+    def draw(doc) -> None:
+        with doc.blocks.new("ONE").add_mesh().edit_data() as mesh:
+            mesh.vertices, mesh.faces = box((0, 0, 0), (1, 1, 1))[0].tolist(), [list(face) for face in BOX_FACES]
+        for place in range(4):
+            doc.modelspace().add_blockref("ONE", (place, 0, 0))
+
+    path = bare(tmp_path / "a.dxf", draw, code=6)
+    before, record, after = re.split(r"(\n  0\nBLOCK_RECORD\n  5\n1B\n(?:.*\n)*?281\n0)(?=\n  0\n)", path.read_text(), maxsplit=1)
+    assert "*Paper_Space" in record
+    path.write_text(f"{before}\n  2{after[4:]}")
+    assert "the layout of the model shows another block than *Model_Space" in str(findings_of(path))
+
+
 def test_lengths_in_findings_are_in_metres(tmp_path: Path) -> None:
     # A stone 400 mm long, one corner 10 mm too high: a quarter of that is out of the plane of its warped face.
     def warp(doc) -> None:
@@ -240,7 +288,7 @@ def test_paths_and_arguments_that_are_no_good(tmp_path) -> None:
 
 @pytest.mark.parametrize("repair", [False, True])
 def test_a_mesh_that_lacks_a_face_is_closed_on_request(repair: bool, tmp_path: Path) -> None:
-    document = ezdxf.new("R2010")
+    document = new("R2010")
     document.header["$INSUNITS"] = 6
     for level, faces in ((0.0, BOX_FACES), (0.2, BOX_FACES[:-1])):
         with document.modelspace().add_mesh().edit_data() as mesh:

@@ -5,10 +5,10 @@ from itertools import combinations, pairwise
 from pathlib import Path
 from typing import Any
 
-import ezdxf
 import numpy as np
 import pytest
 import shapely
+from ezdxf.filemanagement import new
 
 from churchpipe.dxf.reader import Drawing, read_drawing
 from churchpipe.findings import Findings, FindingsError
@@ -21,7 +21,7 @@ BRICK = [(0.0, 0.0), (250.0, 0.0), (250.0, 65.0), (0.0, 65.0)]
 
 def drawn(path: Path, draw: Callable[[Any], object], *, unit: int = 4, ground: bool = True) -> Path:
     """Write a drawing of outlines, in mm unless said otherwise, on one wide outline of ground."""
-    document = ezdxf.new("R2010")
+    document = new("R2010")
     document.header["$INSUNITS"] = unit
     space = document.modelspace()
     if ground:
@@ -218,7 +218,7 @@ def test_whether_the_border_of_a_void_is_a_stone_is_asked(mortar: bool, tmp_path
 
 def test_the_contour_of_a_wall_is_named_once(tmp_path: Path) -> None:
     bricks = [[(x + 250 * i, y + 65 * row) for x, y in BRICK] for row in range(3) for i in range(2)]
-    contour = [(0, 0), (500, 0), (500, 195), (0, 195)]
+    contour = [(0.0, 0.0), (500.0, 0.0), (500.0, 195.0), (0.0, 195.0)]
     text = str(findings_of(drawn(tmp_path / "a.dxf", lambda space: outlined(space, *bricks, contour))))
     assert "E29 a.dxf: LWPOLYLINE #" in text
     assert "6 outlines lie inside this one" in text
@@ -229,6 +229,18 @@ def test_an_outline_in_another_is_asked_about(tmp_path: Path) -> None:
     assert "E29 a.dxf: LWPOLYLINE #" in text
     assert "the outline lies inside that of LWPOLYLINE #" in text
     assert "OPENING" in text
+
+
+@pytest.mark.parametrize("height", ["230\nnan", "230\ninf", "23\n2"])
+def test_an_outline_in_no_plane_is_named(height: str, tmp_path: Path) -> None:
+    """The third number of a direction is none, or is lost with its group code, so that nothing is left of (0, 0, 1)."""
+    path = drawn(tmp_path / "no_plane.dxf", lambda space: space.add_hatch().paths.add_polyline_path(BRICK))
+    before, hatch = path.read_text().replace("\r\n", "\n").split("\nHATCH\n")
+    assert "\n230\n1.0\n" in hatch
+    path.write_text("\nHATCH\n".join((before, hatch.replace("\n230\n1.0\n", f"\n{height}\n"))))
+    findings = findings_of(path)
+    assert "E03" in findings.codes
+    assert any("the direction of its extrusion" in finding.found for finding in findings)
 
 
 def test_a_depth_beyond_all_numbers_is_named(tmp_path: Path) -> None:

@@ -80,6 +80,21 @@ def test_bad_buttresses(changes: dict[str, object], said: str) -> None:
         wall(**changes)
 
 
+@pytest.mark.parametrize(
+    ("along", "height", "stands"), [(0.75, 3.0, True), (1.2, 3.0, False), (2.0, 3.0, False), (2.0, 1.0, True)]
+)
+def test_a_buttress_stands_in_no_opening(along: float, height: float, stands: bool) -> None:
+    window = {"start": 1.25, "width": 1.5, "height_courses": 4, "sill_courses": 4, "lintel_bearing": 0.25}
+    built = generators.wall(length=L, brick=(1.0, T, 0.25), height=H, joints="bay", openings=(window,), materials=(MATERIAL,))
+    buttress = cp.Buttress("wall", (along,), "+y", W, D, height)
+    if stands:
+        stones, _ = laid(cp.with_buttresses(built, [buttress]))
+        assert stones.volume[~stones.fixed].sum() == pytest.approx(L * T * H - 1.5 * T + W * D * height, rel=1e-9)
+    else:
+        with pytest.raises(InputError, match=rf"buttress of wall: along: in the opening .* of the wall wall; found {along:g} m"):
+            cp.with_buttresses(built, [buttress])
+
+
 CASE = """
 name = "propped"
 [source]

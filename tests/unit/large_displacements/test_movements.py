@@ -99,7 +99,12 @@ def test_the_stage_its_record_and_the_report(tmp_path: Path) -> None:
     assert record.least_reaction <= record.reaction[0]
     assert run.movements("other") == []
     (shown,) = movements_shown([(record, *run.moved("corner"))])
-    assert shown.sentence.endswith("at 20 mm it was not followed further.")
+    assert shown.sentence.endswith("At 20 mm it was not followed further.")
+    # Of the two values of the reaction the larger leads, which is careful for the support, whichever it is.
+    for reaction in (record.reaction[0], 0.5 * record.least_reaction):
+        again = replace(record, reaction=(reaction, *record.reaction[1:]))
+        larger = max(reaction, record.least_reaction) / 1e3
+        assert f"must resist with {larger:.4g} kN" in movements_shown([(again, *run.moved("corner"))])[0].sentence
     # Two steps of 10 mm, or three: whether a step is cut short at an event as drawn hangs on rounding.
     (halfway, _), (last, _) = shown.maps
     assert halfway in [f"wall, movement {1e3 * moved:.3g} mm" for moved in record.displacement[1:-1]]

@@ -10,7 +10,7 @@ import pytest
 import churchpipe as cp
 from churchpipe.findings import Findings, FindingsError
 from churchpipe.model.arrays import FloatArray
-from mesh_files import fortran, triangles
+from mesh_files import fortran, triangles, write_compas
 from solids import BOX_FACES, box
 
 Faces = list[list[int]]
@@ -18,6 +18,7 @@ Solid = tuple[str, FloatArray, Faces]
 LOW = box((0, 1), (0, 1), (0, 0.5))[0]
 HIGH = box((0, 1), (0, 1), (0.5, 1))[0]
 GROUND: Solid = ("ground", box((-1, 2), (-1, 2), (-0.5, 0))[0], BOX_FACES)
+TOWER: list[Solid] = [("low", LOW, BOX_FACES), ("high", HIGH, BOX_FACES)]
 # Of every OBJ that is read: no unit weight, ground by its name, no unit.
 ALWAYS = {"W19", "W43", "W45"}
 
@@ -249,6 +250,20 @@ def test_a_number_beyond_all_numbers_is_named_by_its_line(tmp_path: Path) -> Non
     stone = record(1, polyr(LOW, triangles(LOW, BOX_FACES))).replace("D+00", "D99999999", 20)
     with pytest.raises(FindingsError, match=r"lmgc90/E03 BODIES.DAT: .*a number behind each ="):
         cp.read_stones(lmgc90(tmp_path, stone), support="base")
+
+
+@pytest.mark.parametrize("old", [False, True])
+@pytest.mark.parametrize("key", ["vertex", "face"])
+def test_a_block_of_json_that_lost_its_vertices_or_faces_is_missed(key: str, old: bool, tmp_path: Path) -> None:
+    stones = cp.Assemblage.from_polyhedra([(body[1], body[2]) for body in (GROUND, *TOWER)], unit_weight=2e4, fixed=[0])
+    path = write_compas(stones, tmp_path / "wall.json", old=old)
+    assert cp.read_stones(path, units="m", unit_weight=2e4)[0].count == 3
+    blocks = path.read_text().split('{"attributes": {"name": "Block"}')
+    assert len(blocks) == 4
+    blocks[2] = blocks[2].replace(f'"{key}":', '"lost":')
+    path.write_text('{"attributes": {"name": "Block"}'.join(blocks))
+    with pytest.raises(FindingsError, match=r"compas/E03 .*1 meshes whose faces or vertices cannot be understood"):
+        cp.read_stones(path, units="m", unit_weight=2e4)
 
 
 def test_a_key_given_twice_in_json_is_named(tmp_path: Path) -> None:

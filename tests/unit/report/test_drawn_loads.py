@@ -106,7 +106,7 @@ def test_ties_of_a_variant_are_dashed_and_the_key_says_so() -> None:
 def test_a_model_of_one_brick_has_figures(tmp_path: Path) -> None:
     stones = cp.derive_blocks(wall(length=0.08, brick=(0.08, 0.04, 0.015), courses=1, materials=MATERIALS))
     loads = [cp.LineLoad("wall", dead=0.4)]
-    ((_, _, presses, level, mass),) = load_rows({"a": Borne(place_loads(stones, loads))})
+    ((_, _, presses, level, mass),) = load_rows([Borne(place_loads(stones, loads))])
     assert (presses, level, mass) == ("3.2e\u221205", "0.0", "3.2e\u221205")
     drawings = dict(drawings_svg(stones, drawn_loads(stones, [])))
     assert "0.015 m" in drawings["Elevation from \u2212y"]

@@ -18,7 +18,7 @@ from churchpipe.mechanism import moving_stones, reference_speed, stone_of_point,
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.polyhedra import face_normals
 from churchpipe.model.results import Iteration
-from churchpipe.report.drawings import ELEVATIONS, PLAN, View, cut_polygons, drawings_svg, sections
+from churchpipe.report.drawings import ELEVATIONS, PLAN, View, cut_polygons, drawings_svg, elevations, sections
 from churchpipe.report.drawn_loads import drawn_loads
 from churchpipe.report.figures import mechanism_picture
 from churchpipe.report.html import write_report
@@ -69,14 +69,18 @@ def test_nothing_is_fetched(page: Page, page_text: str) -> None:
     assert page.addresses
     assert [a[:40] for a in page.addresses if not a.startswith(("data:", "#"))] == []
     imports = json.loads(page.scripts["importmap"])["imports"]
-    assert set(imports) == {"three", "three/addons/controls/OrbitControls.js", "churchpipe/shell.js", "churchpipe/tools.js"}
+    own = {f"churchpipe/{name}.js" for name in ("shell", "tools", "loads")}
+    assert set(imports) == {"three", "three/addons/controls/OrbitControls.js", *own}
     assert all(address.startswith("data:text/javascript;base64,") for address in imports.values())
     style = re.search(r"<style>(.*?)</style>", page_text, re.DOTALL)
     assert style
     assert not re.search(r"url\(|@import", style[1])
     # Names of XML vocabularies are the only addresses in the page; they are never requested.
-    own = re.sub(r"data:[^\"]*", "", page_text)
-    assert set(re.findall(r"https?://[^\"'\s<>]+", own)) <= {"http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"}
+    without_data = re.sub(r"data:[^\"]*", "", page_text)
+    assert set(re.findall(r"https?://[^\"'\s<>]+", without_data)) <= {
+        "http://www.w3.org/2000/svg",
+        "http://www.w3.org/1999/xlink",
+    }
 
 
 def test_every_module_that_a_script_imports_is_inlined(page: Page) -> None:
@@ -208,6 +212,8 @@ def test_sections_cut_through_the_middle_both_ways() -> None:
     # A wall along x shows its elevation when it is cut along x.
     wall = np.array([0.0, 0.0, 0.0]), np.array([3.2, 0.25, 2.4])
     assert [view.title for view, _ in sections(*wall)] == ["Section at x = 1.60 m, towards \u2212x"]
+    # Of its ends the section says more than an elevation.
+    assert [view.title for view in elevations(*wall)] == ["Elevation from \u2212y", "Elevation from +y"]
 
 
 @pytest.mark.parametrize(("view", "level", "area"), [(ELEVATIONS[0], -0.4, 0.6), (ELEVATIONS[1], 0.1, 1.0), (PLAN, 0.5, 0.3)])

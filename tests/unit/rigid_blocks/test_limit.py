@@ -11,9 +11,10 @@ from churchpipe.conic.polish import restore_balance
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
+from churchpipe.rigid_blocks.associative import associative_program
 from churchpipe.rigid_blocks.certificate import Certificate, certify
 from churchpipe.rigid_blocks.equilibrium import equilibrium
-from churchpipe.rigid_blocks.limit import associative_program, limit_analysis, point_strength
+from churchpipe.rigid_blocks.limit import limit_analysis, point_strength
 from churchpipe.stones.contacts import find_contacts
 from solids import box, on_ground, prism
 from sound import laid

@@ -9,11 +9,12 @@ from churchpipe.conic.program import ConeProgram, ConeSolution
 from churchpipe.conic.solve import Solve, solver_for
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
+from churchpipe.rigid_blocks.associative import associative_state
 from churchpipe.rigid_blocks.certificate import Strength
 from churchpipe.rigid_blocks.coulomb import dead_load_start
 from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
 from churchpipe.rigid_blocks.iterations import certified_iteration, closed_gap
-from churchpipe.rigid_blocks.limit import associative_state, point_strength
+from churchpipe.rigid_blocks.limit import point_strength
 from churchpipe.rigid_blocks.settings import SchemeSettings
 from churchpipe.rigid_blocks.sliding import SlidingOptions, sliding_analysis
 from churchpipe.stones.contacts import find_contacts

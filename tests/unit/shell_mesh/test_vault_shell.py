@@ -93,22 +93,44 @@ def test_load_factors(
 
 
 @pytest.mark.parametrize(
-    ("build", "thickness", "sizes", "size", "expected"),
+    ("build", "thickness", "sizes", "size", "bonds", "expected"),
     [
         # A ring alone as stones: .1452; ten that are staggered .2318, of which .1474 is left without dilatancy.
-        (vault, 0.15, BARREL | RINGS, 0.2, 0.1497),
-        (vault, 0.15, BARREL | RINGS | {"length": 2.5, "stone_length": 0.25}, 0.3, 0.1497),
+        (vault, 0.15, BARREL | RINGS | {"length": 0.5}, 0.2, {"running"}, 0.1497),
+        (vault, 0.15, BARREL | RINGS | {"length": 2.5, "stone_length": 0.25}, 0.3, {"running", "stack"}, 0.1497),
         # As stones .4447, without dilatancy .3426; in running bond the shell has .5705.
-        (dome, 0.10, {"rings": 16, "sides": 32} | LUNES, 0.2, 0.3158),
+        (dome, 0.10, {"rings": 16, "sides": 32} | LUNES, 0.2, {"stack"}, 0.3158),
     ],
 )  # fmt: skip
 def test_rings_and_lunes_do_not_interlock(
-    build: Callable[..., Building], thickness: float, sizes: dict[str, Any], size: float, expected: float
+    build: Callable[..., Building], thickness: float, sizes: dict[str, Any], size: float, bonds: set[str], expected: float
 ) -> None:
     _, shell, match = both(build, thickness, size, **sizes)
     assert match.passed
-    assert set(shell.bonds) == {"stack"}
+    # Between rings lies a strip in stack bond; a ring alone has none.
+    assert set(shell.bonds) == bonds
     state = cp.shell_limit_analysis(shell, cp.LoadCase((1, 0, 0)), MATERIAL, planes="cell")
+    assert state.status == "optimal"
+    assert state.load_factor == pytest.approx(expected, abs=6e-5)
+
+
+@pytest.mark.parametrize(
+    ("sizes", "blocks", "expected"),
+    [
+        # A ring turns over about the outer edges of its feet, at half its width over the height of its centroid, .6376 m.
+        ({"length": 0.5}, 0.25 / 0.6376335, 0.3181),
+        # The outer one alone would, but for the other, from which it has to move apart as it turns. Without dilatancy: .3983.
+        ({"length": 1.0}, 0.470949, 0.4364),
+        ({"length": 1.0, "stone_length": 0.25}, 0.286592, 0.2421),
+    ],
+)
+def test_rings_pushed_along_the_barrel_are_as_wide_as_they_are(sizes: dict[str, Any], blocks: float, expected: float) -> None:
+    stones, shell, match = both(vault, 0.15, 0.25, **BARREL | RINGS | sizes)
+    assert match.passed
+    along = cp.LoadCase((0, 1, 0))
+    state = cp.limit_analysis(stones, cp.find_contacts(stones), along, 0.7)
+    assert state.load_factor == pytest.approx(blocks, abs=2e-6)
+    state = cp.shell_limit_analysis(shell, along, MATERIAL)
     assert state.status == "optimal"
     assert state.load_factor == pytest.approx(expected, abs=6e-5)
 
@@ -143,3 +165,17 @@ def test_a_dome_stands_where_the_thrust_turns_at_a_level_fold(sizes: dict[str, A
 def test_what_the_shell_does_not_take_is_named(sizes: dict[str, Any], message: str) -> None:
     with pytest.raises(InputError, match=message):
         cp.derive_shell(vault(span=1.85, thickness=0.15, **sizes), 0.25)
+
+
+@pytest.mark.parametrize(
+    ("sides", "size", "in_shell", "in_stones"), [(8, 0.8, 0.386, 0.516), (8, 0.4, 0.0, 0.516), (16, 0.4, 0.520, 0.510)]
+)
+def test_a_dome_in_few_lunes_has_less_in_the_shell(sides: int, size: float, in_shell: float, in_stones: float) -> None:
+    """Our own figures of docs/limits.md."""
+    material = cp.Material("default", 18e3, 0.6)
+    lunes = {"span": 2.85, "thickness": 0.25, "rings": 6, "sides": sides, "laid": "lunes", "stone_sides": 1}
+    building = dome(**lunes, materials=(material,))
+    stones, load = cp.derive_blocks(building), cp.LoadCase((1, 0, 0))
+    shell = cp.shell_limit_analysis(cp.derive_shell(building, size), load, (material,))
+    assert shell.load_factor == pytest.approx(in_shell, abs=1e-3)
+    assert cp.limit_analysis(stones, cp.find_contacts(stones), load, 0.6).load_factor == pytest.approx(in_stones, abs=1e-3)

@@ -45,6 +45,11 @@ def on_walls(rng: Rng) -> dict[str, Any]:
     }
 
 
+def rings_on_walls(rng: Rng) -> dict[str, Any]:
+    """With masonry on the haunches, which follows the backs of rings that are staggered and of rings that are not."""
+    return on_walls(rng) | {"laid": "rings", "heads": str(rng.choice(["staggered", "aligned"]))}
+
+
 def ribbed(rng: Rng) -> dict[str, Any]:
     found = barrel(rng)
     return found | {
@@ -133,6 +138,7 @@ def vaulted_chapel(rng: Rng) -> dict[str, Any]:
 KINDS: dict[str, tuple[Callable[..., Building], Callable[[Rng], dict[str, Any]]]] = {
     "barrel": (generators.vault, barrel),
     "barrel on walls": (generators.vault, on_walls),
+    "rings on walls": (generators.vault, rings_on_walls),
     "barrel on arches": (generators.vault, ribbed),
     "groin": (generators.vault, groin),
     "cloister": (generators.vault, cloister),

@@ -91,8 +91,9 @@ function row(cells, tag) {
   return line;
 }
 
-// The joints of a stone: with which neighbour, the resultants, and how fast the mechanism opens them and slides in them.
-export function showJoints(data, joints, stone, values) {
+// The joints of a stone: with which neighbour, the resultants, and how fast the mechanism opens them and slides in them. A joint is
+// picked by the name of the neighbour: `mark` is called with it.
+export function showJoints(data, joints, stone, values, mark) {
   const box = element("viewer-joints");
   box.replaceChildren();
   if (stone === null || !joints) return;
@@ -103,8 +104,18 @@ export function showJoints(data, joints, stone, values) {
     const first = joints.blocks[2 * i], second = joints.blocks[2 * i + 1];
     if (first !== stone && second !== stone) continue;
     const [normal, shear, opening, slip] = values.subarray(4 * i, 4 * i + 4);
-    table.append(row([data.id[first === stone ? second : first], joints.kinds[joints.kind[i]], number(normal / 1e3, 3),
-      number(shear / 1e3, 3), normal > 0 ? number(shear / normal, 3) : "", number(opening, 3), number(slip, 3)], "td"));
+    const across = first === stone ? second : first, name = document.createElement("button");
+    const line = row(["", joints.kinds[joints.kind[i]], number(normal / 1e3, 3),
+      number(shear / 1e3, 3), normal > 0 ? number(shear / normal, 3) : "", number(opening, 3), number(slip, 3)], "td");
+    name.type = "button";
+    name.textContent = data.id[across];
+    name.addEventListener("click", () => {
+      table.querySelectorAll(".marked").forEach((other) => other.classList.remove("marked"));
+      line.classList.add("marked");
+      mark(across);
+    });
+    line.firstChild.append(name);
+    table.append(line);
   }
   box.append(table);
 }

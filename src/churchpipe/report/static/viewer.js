@@ -2,6 +2,7 @@
 import * as THREE from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { SHELL, STONES, ShellView, VIEWS } from "churchpipe/shell.js";
+import { arrowOf, showLoads } from "churchpipe/loads.js";
 import { offerParts, offerPictures, offerSections, offerViews, showJoints } from "churchpipe/tools.js";
 
 const data = JSON.parse(document.getElementById("viewer-data").textContent);
@@ -151,7 +152,7 @@ function start(canvas, renderer) {
     const edge = new THREE.BufferGeometry().setFromPoints(outline.points.map((point) => new THREE.Vector3(...point)));
     scene.add(new THREE.LineLoop(edge, new THREE.LineBasicMaterial({ color: data.colours.push, depthTest: false })));
   }
-  const arrow = new THREE.Group();
+  const arrow = new THREE.Group(), pushed = new THREE.MeshLambertMaterial({ color: data.colours.push });
   scene.add(arrow);
 
   const framed = new Set(triangles);
@@ -198,7 +199,7 @@ function start(canvas, renderer) {
     }
     enable();
     arrow.clear();
-    if (state.analysis.push) arrow.add(pushArrow(state.analysis.push));
+    if (state.analysis.push) arrow.add(arrowOf(state.analysis.push, pushed));
     chosen(state.stone ?? null);
     move();
   }
@@ -213,6 +214,7 @@ function start(canvas, renderer) {
     const byPanel = state.byPanel || !state.analysis.moving;
     paint(colour.array, state.analysis, byPanel);
     if (Number.isInteger(state.stone)) fill(colour.array, state.stone, new THREE.Color(data.colours.picked));
+    if (Number.isInteger(state.across)) fill(colour.array, state.across, new THREE.Color(data.colours.across));
     colour.needsUpdate = true;
     shell?.paint(state.byPanel);
     legend(byPanel, state.view, state.byPanel);
@@ -301,8 +303,11 @@ function start(canvas, renderer) {
   }
 
   function chosen(stone) {
-    state.stone = stone;
-    showJoints(data, state.analysis.path ? null : joints, stone, state.analysis.joints);
+    Object.assign(state, { stone, across: null });
+    showJoints(data, state.analysis.path ? null : joints, stone, state.analysis.joints, (across) => {
+      state.across = across;
+      recolour();
+    });
     recolour();
   }
 
@@ -350,6 +355,7 @@ function start(canvas, renderer) {
   offerViews(look);
   offerSections(renderer, extent, draw);
   offerParts(data, [solid, wires], (point) => data.panel_of[stoneOfPoint[point]], draw);
+  showLoads(data.loads, scene, element("viewer-parts"), draw);
   offerPictures(canvas, draw);
   controls.addEventListener("change", draw);
   controls.addEventListener("start", () => { state.turned = true; });
@@ -381,19 +387,6 @@ function ground(extent) {
   grid.rotation.x = Math.PI / 2;
   plane.position.z = grid.position.z = level;
   group.add(plane, grid);
-  return group;
-}
-
-function pushArrow({ direction, start, length }) {
-  const material = new THREE.MeshLambertMaterial({ color: data.colours.push });
-  const shaft = new THREE.Mesh(new THREE.CylinderGeometry(0.04 * length, 0.04 * length, 0.65 * length, 24), material);
-  const head = new THREE.Mesh(new THREE.ConeGeometry(0.11 * length, 0.35 * length, 32), material);
-  shaft.position.y = 0.325 * length;
-  head.position.y = 0.825 * length;
-  const group = new THREE.Group();
-  group.add(shaft, head);
-  group.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), new THREE.Vector3(...direction));
-  group.position.set(...start);
   return group;
 }
 
