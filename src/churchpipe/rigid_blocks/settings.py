@@ -6,8 +6,8 @@ from churchpipe.errors import InputError
 
 # The gap g / alpha at which a state is certified.
 BIPOTENTIAL_GAP = 1e-5
-# Searches of one model whose starts differ by rounding end up to this share of the load factor apart (docs/validation.md).
-SEARCH_SPREAD = 5e-3
+# Searches of one model whose starts differ by rounding end up to 1.3 % of the load factor apart (S22, docs/validation.md).
+SEARCH_SPREAD = 1.5e-2
 
 
 @dataclass(frozen=True, slots=True)
