@@ -12,6 +12,7 @@ from PIL import Image
 from playwright.sync_api import Page, sync_playwright
 
 from churchpipe import cli
+from damaged_drawings import write_damaged
 
 CASE = Path(__file__).parents[2] / "pipeline" / "cases" / "wall.toml"
 pytestmark = pytest.mark.slow("README: the report works in a browser, offline")
@@ -244,6 +245,39 @@ def test_a_model_is_looked_at_before_any_analysis(tmp_path: Path, chromium: str,
         page.uncheck("#viewer-loads")
         assert page.locator("#viewer-canvas").screenshot() != loaded
         page.uncheck("#viewer-parts input >> nth=0")
+
+
+@pytest.mark.parametrize("colours", ["light", "dark"])
+@pytest.mark.parametrize("width", [1400, 390])
+@pytest.mark.parametrize(("damage", "severity"), [("duplicate_stone", "error"), ("wrong_volume", "warning")])
+def test_what_was_found_in_a_drawing_is_shown_in_its_place(
+    tmp_path: Path, chromium: str, damage: str, severity: str, width: int, colours: Literal["light", "dark"]
+) -> None:
+    write_damaged(tmp_path)
+    drawing = (tmp_path / f"{damage}.dxf").rename(tmp_path / "<img src=x onerror=alert(1)> wall.dxf")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("sys.argv", ["churchpipe", "check", str(drawing), "--out", str(tmp_path / "found")])
+        with pytest.raises(SystemExit) as left:
+            cli.main()
+    assert left.value.code == (severity == "error")
+    for page in opened(tmp_path / "found" / "findings.html", width, chromium, colours):
+        assert page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
+        assert page.inner_text("h1") == drawing.name
+        first = page.locator(f"details.{severity}").first
+        if severity == "warning":
+            first.locator("summary").click()
+        assert first.locator("li").first.is_visible()
+        # The mark of the finding: a red ball on blue stones, an amber one on stones of brick.
+        canvas = page.locator("#viewer-canvas")
+        red, green, blue = np.moveaxis(
+            np.asarray(Image.open(io.BytesIO(canvas.screenshot())).convert("RGB"), dtype=np.int16), -1, 0
+        )
+        ball = red - green > 60 if severity == "error" else green - blue > 60
+        assert 10 < ball.sum() < 0.02 * ball.size
+        box = canvas.bounding_box()
+        assert box
+        canvas.click(position={"x": 0.5 * box["width"], "y": 0.6 * box["height"]})
+        assert page.inner_text("#viewer-picked").startswith("Stone ")
 
 
 def test_the_motion_plays(page: Page) -> None:

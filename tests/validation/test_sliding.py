@@ -262,8 +262,10 @@ def test_each_start_says_what_became_of_it() -> None:
     ],
 )
 def test_rounding_does_not_choose_the_load_factor_that_leads(found: dict[str, float], leads: str) -> None:
-    """S22 from the dead load ends at .18797, .18871 and .18625 on three machines, from the centre at .1884532 on all. Wall 6 ends at
-    two states that rounding does not move."""
+    """S22 from the dead load ends at .18797, .18871 and .18625 on three machines, from the centre at .1884532 on all.
+
+    Wall 6 ends at two states that rounding does not move.
+    """
     runs = [StartRun(start, value, True, 0.0, (0.0, 1.0), ()) for start, value in found.items()]
     assert runs[leading(runs)].start == leads
 
