@@ -35,7 +35,7 @@ from churchpipe.model.contacts import TOLERANCES
 from churchpipe.model.joint_group import JointGroup
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
-from churchpipe.model.quantities import in_si
+from churchpipe.model.quantities import in_si, required
 from churchpipe.model.ring_beam import RingBeam
 from churchpipe.resources import sample_case
 from churchpipe.shell_mesh.element_count import check_elements, element_count
@@ -353,7 +353,7 @@ def _all(kind: type[_Record], checked: Table, key: str, file: str) -> tuple[_Rec
 def _check_complete(checked: Table, file: str) -> None:
     """Name at once all that an imported drawing did not say: materials, their unit weight and friction, loads."""
     materials: dict[str, Table] = checked.get("material") or {"default": {}}
-    needed = "unit_weight_kN_m3", "friction"
+    needed = [key for key in required(Material) if key != "name"]
     missing = [f"material.{name}.{key}" for name, table in materials.items() for key in needed if key not in table]
     if "pushover" in checked.get("shell", {}).get("analyses", ()):
         missing += [f"material.{name}.elastic (for the capacity curve)" for name, m in materials.items() if "elastic" not in m]

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import MISSING
 from pathlib import Path
 from typing import Any
 
@@ -84,19 +85,22 @@ def material_names(drawing: Drawing) -> list[str]:
 
 def _material_table(stored: Material | None, unit_weight: float | None, friction: float | None) -> tuple[Table, list[str]]:
     """Return the table of a material and the keys that nobody gave."""
-    given = {"unit_weight_kN_m3": unit_weight, "friction": friction}
-    values = {"unit_weight_kN_m3": None, "friction": None, "cohesion_kPa": 0.0} | (as_written(stored) if stored else {})
-    values |= {key: written(key, value) for key, value in given.items() if value is not None}
+    given = {"unit_weight": unit_weight, "friction": friction}
     table, missing = tomlkit.table(), list[str]()
-    for key in ("unit_weight_kN_m3", "friction", "cohesion_kPa"):
-        if values[key] is None:
-            table.add(tomlkit.comment(f"{key} =    # not in the drawing: fill it in"))
-            missing.append(key)
-        else:
-            table[key] = _number(values[key])
-    if stored and stored.elastic:
-        table["elastic"] = tomlkit.inline_table()
-        table["elastic"].update({key: _number(value) for key, value in values["elastic"].items()})
+    for item in declared(Material).values():
+        if item.name == "name":
+            continue
+        default = None if item.default is MISSING else item.default
+        value = given.get(item.name)
+        value = getattr(stored, item.name, default) if value is None else value
+        if item.table and value is not None:
+            table[item.key] = tomlkit.inline_table()
+            table[item.key].update({key: _number(part) for key, part in as_written(value).items()})
+        elif value is not None:
+            table[item.key] = _number(written(item.key, value))
+        elif item.default is MISSING:
+            table.add(tomlkit.comment(f"{item.key} =    # not in the drawing: fill it in"))
+            missing.append(item.key)
     return table, missing
 
 

@@ -218,7 +218,7 @@ def test_export_and_import_give_the_same_case(capsys: pytest.CaptureFixture[str]
 
 def test_import_keeps_all_that_a_drawing_tells(capsys: pytest.CaptureFixture[str], tmp_path: Path, two_cubes: Assemblage) -> None:
     elastic = Elastic(3.18e9, 0.23, 0.303e9, 0.3, 1e-3)
-    material = Material("default", 2e4, 1 / 3, 1234.5, elastic)
+    material = Material("default", 2e4, 1 / 3, 1234.5, elastic, compressive_strength=3.2e6)
     load = LoadCase((0.6, -0.8, 0), name='the "west" wind', panels=("front", "back"), profile="linear")
     write_dxf(two_cubes, tmp_path / "a.dxf", materials=[material], loads=[load])
     assert call(capsys, "import-dxf", tmp_path / "a.dxf", "-o", tmp_path / "a")[0] == 0
