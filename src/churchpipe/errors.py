@@ -25,7 +25,9 @@ class InputError(ValueError):
             parts.append(f"found {found}")
         if expected:
             parts.append(f"expected {expected}")
-        message = "; ".join(parts) + "."
+        message = "; ".join(parts)
+        # What several errors say together may end with the question of the last one.
+        message += "" if message.endswith((".", "?")) else "."
         super().__init__(f"{message} {remedy}".strip())
 
     def at(self, where: str) -> "InputError":

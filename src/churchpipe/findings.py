@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from churchpipe.errors import InputError
+from churchpipe.wording import counted
 
 # E stops the import, W does not; the same number is the same subject.
 CODES: Final = {
@@ -88,7 +89,7 @@ REMEDIES: Final = {
     "E16": "Correct it among the properties of the drawing.",
     "E17": "Draw the stones as closed bodies or closed outlines.",
     "W18": "Look whether a stone is among them: it must be a closed body, or a closed outline, on a visible layer.",
-    "W19": "Pass --unit-weight-kN-m3, or put it in the case.",
+    "W19": "Pass --unit-weight-kN-m3 to churchpipe import, or put it in the case.",
     "E20": "Read it with the version of churchpipe that wrote it.",
     "E21": "Convert it to a mesh.",
     "W22": "Give the inserts the attributes ID and MATERIAL if the case is to name them.",
@@ -270,7 +271,7 @@ class FindingsError(InputError):
 
     def __init__(self, findings: Findings, bodies: tuple[Body, ...] = ()) -> None:
         count = len(findings.errors)
-        super().__init__(findings.file, f"{count} error{'s' if count != 1 else ''} in the file")
+        super().__init__(findings.file, f"{counted(count, 'error')} in the file")
         self.findings, self.bodies = findings, bodies
         self.args = (f"{self.args[0]}\n{findings}",)
 

@@ -34,6 +34,7 @@ from churchpipe.stones.account import joint_account, joint_lines
 from churchpipe.stones.contacts import find_contacts
 from churchpipe.stones.histogram import histogram_lines
 from churchpipe.stones.soundness import check_soundness
+from churchpipe.wording import counted
 
 # Processor time of the associative limit load (docs/benchmarks_shell.md, docs/benchmarks_limit_analysis.md), and how many times
 # that of an element a capacity curve takes besides.
@@ -179,7 +180,8 @@ def cost_words(elements: int, stones: int, shell: ShellTable) -> str:
     """Return how long the shell takes beside the stones, as a sentence."""
     own = SECONDS_PER_ELEMENT * elements * (1 + CURVE * ("pushover" in shell.keys["analyses"]))
     others = SECONDS_PER_STONE * stones
-    words = f"Its {elements} elements take some {max(1.0, own):.0f} s a load, the stones some {max(1.0, others):.0f} s"
+    words = f"Its {counted(elements, 'element takes', 'elements take')} some {max(1.0, own):.0f} s a load"
+    words += f", the stones some {max(1.0, others):.0f} s"
     return f"{words}; --set shell=false leaves the shell out." if own >= 10 * others else f"{words}."
 
 

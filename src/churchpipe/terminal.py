@@ -23,6 +23,7 @@ from churchpipe.model.checks import DisplacementCheck, SafetyCheck
 from churchpipe.model.names import GOOD
 from churchpipe.model.quantities import in_unit
 from churchpipe.report.safety import NOT_SATISFIED, verdict, what_moves
+from churchpipe.wording import counted
 
 # Between two lines of progress of one stage, seconds: on a terminal, and where each line stays.
 PAUSE, PATIENCE = 0.25, 30.0
@@ -127,7 +128,7 @@ class Reporter:
 def results_table(summary: Summary) -> Table:
     """Return summary.json as a table."""
     analyses = summary.analyses
-    sizes = f"{summary.blocks} stones, {summary.interfaces} interfaces, {summary.weight / 1e3:.4g} kN"
+    sizes = f"{counted(summary.blocks, 'stone')}, {counted(summary.interfaces, 'interface')}, {summary.weight / 1e3:.4g} kN"
     shells = list(summary.shells.values()) or [summary.shell]
     meshes = ", ".join(f"{shell.elements}" for shell in shells if shell and shell.elements)
     sizes += f"; shell of {meshes} elements" if meshes else ""

@@ -11,6 +11,7 @@ import typer
 from churchpipe.cli.app import app, err, out
 from churchpipe.errors import InputError, UsageError
 from churchpipe.resources import sample_case, sample_names
+from churchpipe.wording import counted
 
 
 @app.command()
@@ -79,13 +80,13 @@ def check_case(path: Path, changes: Sequence[str]) -> None:
     todo = plan(cases)
     sampled = todo.index["sample"]
     counts = (
-        (todo.geometries, "structure", "structures"),
+        (todo.geometries, "structure", ""),
         (todo.shells, "mesh", "meshes"),
         (todo.analyses, "analysis", "analyses"),
         (todo.movements, "support that moves", "supports that move"),
         (range(sampled["number"]) if sampled else (), "sample of uncertain values", "samples of uncertain values"),
     )
-    words = [f"{len(made)} {one if len(made) == 1 else several}" for made, one, several in counts if made]
+    words = [counted(len(made), one, several) for made, one, several in counts if made]
     out.print(f"{path}: {', '.join(words)}.", soft_wrap=True)
     for question in (*todo.index["questions"], *work_questions(cases)):
         err.print(question, markup=False, soft_wrap=True)
@@ -103,7 +104,8 @@ def _check_laid(path: Path, case: Any, building: Any) -> None:
     except InputError as error:
         raise case.located(error) from error
     name = f"{path}, {case.variant.name}" if case.variant else str(path)
-    out.print(f"{name}: {int((~stones.fixed).sum())} stones, {len(contacts.area)} joints.", markup=False, soft_wrap=True)
+    free = counted(int((~stones.fixed).sum()), "stone")
+    out.print(f"{name}: {free}, {counted(len(contacts.area), 'joint')}.", markup=False, soft_wrap=True)
 
 
 def _check_drawn(path: Path, case: Any) -> None:
@@ -117,6 +119,6 @@ def _check_drawn(path: Path, case: Any) -> None:
         err.print(str(read.findings), soft_wrap=True)
     check_carried(case, read.stones)
     free = int((~read.stones.fixed).sum())
-    out.print(f"{case.source.path}: {free} stones.", soft_wrap=True)
+    out.print(f"{case.source.path}: {counted(free, 'stone')}.", soft_wrap=True)
     for line in joint_words(read.stones, contacts):
         out.print(line, soft_wrap=True)

@@ -11,6 +11,7 @@ from churchpipe.cli.app import FINDINGS, INTERRUPTED, STRUCTURE, app, err, out
 from churchpipe.cli.cases import read_sound
 from churchpipe.errors import InputError, UsageError
 from churchpipe.options import CaseFile, Changes, RunFolder
+from churchpipe.wording import counted
 
 
 @app.command()
@@ -136,7 +137,7 @@ def _folder_of(case: Path, name: str, out_dir: Path | None) -> Path:
 def _print_pending(jobs: Any) -> None:
     for job in jobs:
         out.print(f"{job.stage:<9} {job.name:<44} {job.why}", soft_wrap=True)
-    count = f"{len(jobs)} stage{'s' if len(jobs) > 1 else ''} would be run." if jobs else "Everything is up to date."
+    count = f"{counted(len(jobs), 'stage')} would be run." if jobs else "Everything is up to date."
     out.print(count)
 
 

@@ -11,6 +11,7 @@ from churchpipe.cli.cases import check_case
 from churchpipe.cli.reading import refuse_misplaced, with_reading
 from churchpipe.errors import UsageError
 from churchpipe.options import CaseFile, Changes, ContactAngle, ContactGap, Folder, ModelFile, Overlap, StonesFile
+from churchpipe.wording import counted
 
 
 @app.command("import-dxf", help="Make a case of a drawing: the same as import.")
@@ -49,7 +50,7 @@ def import_file(
         tolerances=parse_tolerances(contact_gap, contact_angle, overlap),
     )
     _list(done.findings)
-    out.print(f"{done.stones} stones on {done.fixed} fixed ones: {done.case}", markup=False, soft_wrap=True)
+    out.print(f"{counted(done.stones, 'stone')} on {counted(done.fixed, 'fixed one')}: {done.case}", markup=False, soft_wrap=True)
     more = ", findings.json, and findings.dxf with circles to lay over the drawing" if len(done.findings) else ""
     out.print(f"Look at it: {folder / 'findings.html'}{more}", markup=False, soft_wrap=True)
     for line in (*done.joints, done.shell):
@@ -99,8 +100,8 @@ def check(
     if folder:
         record_findings(read.findings, folder, read.units, read.stones, f"{after}, with the same options, makes a case of it.")
         out.print(f"Look at it: {folder / 'findings.html'}", markup=False, soft_wrap=True)
-    warnings = f"{len(read.findings)} warnings" if len(read.findings) else "nothing to report"
-    out.print(f"{file}: {int((~read.stones.fixed).sum())} stones, {warnings}.", markup=False, soft_wrap=True)
+    warnings = counted(len(read.findings), "warning") if len(read.findings) else "nothing to report"
+    out.print(f"{file}: {counted(int((~read.stones.fixed).sum()), 'stone')}, {warnings}.", markup=False, soft_wrap=True)
     out.print(f"Next: {after}, with the same options", markup=False, soft_wrap=True)
 
 
@@ -160,7 +161,7 @@ def export_dxf(
         stones = read_file(read.source.path, unit_weight=weights, **asdict(read.source.reading)).stones
     carried = read.carries
     write_dxf(stones, drawing, materials=read.materials, loads=read.loads, ties=carried.ties, line_loads=carried.line_loads)
-    out.print(f"{int((~stones.fixed).sum())} stones: {drawing}", soft_wrap=True)
+    out.print(f"{counted(int((~stones.fixed).sum()), 'stone')}: {drawing}", soft_wrap=True)
     beams = () if isinstance(read.source, Generated) else ("ring_beams",)
     left = [key for key in (*_UNDRAWN, *beams) if read.table.get(key)]
     if left:

@@ -59,7 +59,7 @@ class GatheredError(InputError):
     def __init__(self, file: str, problems: Sequence[InputError]) -> None:
         self.problems = tuple(problems)
         lines = "\n  ".join(str(problem).removeprefix(f"{file}: ") for problem in problems)
-        super().__init__(file, f"{len(problems)} errors:\n  {lines}".removesuffix("."))
+        super().__init__(file, f"{len(problems)} errors:\n  {lines}")
 
 
 def gathered(file: str, problems: Sequence[InputError]) -> InputError:

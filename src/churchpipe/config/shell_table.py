@@ -11,6 +11,7 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import Panel
 from churchpipe.model.vault import Vault
 from churchpipe.recognition.panels import FittedPanels, fit_panels
+from churchpipe.wording import counted
 
 # Elements of a first mesh: enough to see the mechanism; a limit load takes half a minute, a capacity curve some minutes.
 ELEMENTS = 3000
@@ -43,11 +44,11 @@ def shell_table(stones: Assemblage, elastic: Mapping[str, bool], joint: float | 
     keys = {"element_size_mm": float(f"{1e3 * size:g}"), "analyses": ["limit", "pushover"] if complete else ["limit"]}
     comment = "" if complete else '"pushover" besides: give each material its elastic constants'
     parts = [part for vault in fitted.vaults for part in vault.parts] or [panel.name for panel in fitted.panels]
-    what = "A vault" if fitted.vaults else "1 wall" if len(parts) == 1 else f"{len(parts)} walls"
+    what = "A vault" if fitted.vaults else counted(len(parts), "wall")
     note = f"{what} fitted for the shell: {', '.join(parts)}."
     if len(fitted.unfit):
         few = ", ".join(fitted.unfit[:8])
-        note += f" {len(fitted.unfit)} stones fit none: {few}{' ...' if len(fitted.unfit) > 8 else ''}."
+        note += f" {counted(len(fitted.unfit), 'stone fits', 'stones fit')} none: {few}{' ...' if len(fitted.unfit) > 8 else ''}."
     return ShellTable(keys, note, comment, fitted)
 
 

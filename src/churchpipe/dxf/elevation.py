@@ -17,6 +17,7 @@ from churchpipe.findings import Finding
 from churchpipe.geometry.planar import area, common, less, pieces
 from churchpipe.geometry.prism import prism_of
 from churchpipe.model.arrays import FloatArray
+from churchpipe.wording import counted
 
 # Layers that mean ground, whoever drew it; layers of what is no stone.
 GROUND: Final = (schema.SUPPORT, "SUPPORT", "SUPPORTS", "GROUND")
@@ -62,10 +63,8 @@ def stones_of_traces(
     shallow = [outline for outline in outlines if not outline.trace.depth]
     if shallow and thickness is None:
         remedy = "Pass --thickness, such as --thickness 0.12m."
-        finding = shallow[0].trace.place.finding
-        findings.append(
-            finding("E24", f"{len(shallow)} outlines without a thickness", expected="how deep the stones are", remedy=remedy)
-        )
+        found = f"{counted(len(shallow), 'outline')} without a thickness"
+        findings.append(shallow[0].trace.place.finding("E24", found, expected="how deep the stones are", remedy=remedy))
         return [], left
     stones = [
         stone
@@ -117,7 +116,7 @@ def _said(outlines: list[Outline], plane: ElevationPlane) -> list[Finding]:
     layers = Counter(outline.trace.layer for outline in outlines)
     named = ", ".join(f"{layer} ({count})" for layer, count in layers.items())
     lying = sum(bool(outline.plane.axes[2][2] == 1.0) for outline in outlines)
-    what = f"{len(outlines)} outlines were taken for stones, on the layers {named}"
+    what = f"{counted(len(outlines), 'outline was taken for a stone', 'outlines were taken for stones')}, on the layers {named}"
     if lying and plane == "xz":
         what += "; the drawing's x-y is taken for the elevation x-z"
     remedy = "Pass --plane xy if it is a plan." if lying and plane == "xz" else ""

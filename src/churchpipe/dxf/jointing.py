@@ -11,6 +11,7 @@ from churchpipe.findings import Finding
 from churchpipe.model.arrays import FloatArray
 from churchpipe.stones.contact_tolerances import HAIRLINE
 from churchpipe.stones.mortar import close_joints, open_joints
+from churchpipe.wording import counted
 
 # Open joints are a matter of the whole drawing when there are this many for each stone.
 MANY = 0.25
@@ -48,7 +49,7 @@ def jointed(
     free = np.array([not stone.fixed for stone in stones])
     before, after = (unit**3 * float(volume[free].sum()) for volume in (closed.volume_before, closed.volume))
     lengths = (float(closed.joints.width.min()), float(closed.joints.width.max()))
-    what = f"{count} joints of {{}} to {{}}; stones {before:.6g} m3, with their mortar {after:.6g} m3: "
+    what = f"{counted(count, 'joint')} of {{}} to {{}}; stones {before:.6g} m3, with their mortar {after:.6g} m3: "
     if mode == "keep":
         findings.append(Finding("W26", what + "stones were left as drawn, contacts reach across", lengths=lengths))
         return stones, 1 / share if mortar == "counted" else np.ones(len(stones))

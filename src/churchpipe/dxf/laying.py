@@ -15,6 +15,7 @@ from churchpipe.model.building import Building, Panel
 from churchpipe.model.materials import UnitWeight
 from churchpipe.recognition.laying import LaidBond, Volume, joined, laid_panel, lowest
 from churchpipe.stones.blocks import derive_blocks
+from churchpipe.wording import counted
 
 # Corners of an outline that differ by less in height are level, m.
 LEVEL = 1e-6
@@ -75,7 +76,7 @@ def _said(panel: Panel, stones: Assemblage, place: Place) -> Finding:
     for region in panel.regions:
         if region.pattern != "voussoir":
             sizes = f"courses of {region.cell.a:.3g} m, about {region.cell.b:.3g} m long"
-            laid.insert(0, f"{own.sum() - voussoirs} stones in {region.pattern} bond, {sizes}")
+            laid.insert(0, f"{counted(int(own.sum()) - voussoirs, 'stone')} in {region.pattern} bond, {sizes}")
     what = f'"{panel.name}": laid {", and ".join(laid)}; {stones.volume[own].sum():.6g} m3'
     return place.finding("W28", what)
 

@@ -19,7 +19,7 @@ from churchpipe.dxf.reading import Reading
 from churchpipe.dxf.stones import Stone, Survey, summary, survey
 from churchpipe.dxf.units import declared_unit, find_unit
 from churchpipe.errors import InputError
-from churchpipe.findings import Body, Finding, Findings, FindingsError
+from churchpipe.findings import REMEDIES, Body, Finding, Findings, FindingsError
 from churchpipe.model.arguments import finite, path_of
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
@@ -28,6 +28,7 @@ from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
 from churchpipe.model.tie_bars import TieBar
 from churchpipe.stones.ground import level_supports
+from churchpipe.wording import counted
 
 # Unit weight, N/m3, of stones of which nobody said it: weights are then relative, `Drawing.unweighted` names them.
 RELATIVE_WEIGHT = 1.0
@@ -180,9 +181,8 @@ def supported(
         return stones
     place = stones[resting[0]].place
     if support == "base":
-        found = (
-            f"no support is drawn: one was put under the lowest faces, at z = {{}}; {len(resting)} stones stand on it ({named})"
-        )
+        resting_on = counted(len(resting), "stone stands", "stones stand")
+        found = f"no support is drawn: one was put under the lowest faces, at z = {{}}; {resting_on} on it ({named})"
         # Turning a plan upright leaves a trace of rounding in a level of zero.
         low = round(float(plates[0][0][:, 2].max()), 9)
         findings.append(place.finding("W12", found, lengths=(low,)))
@@ -238,10 +238,8 @@ def unit_weights(
     unweighted = tuple(dict.fromkeys(s.material for s in stones if not s.fixed and s.material not in table))
     for name in unweighted:
         count = sum(stone.material == name and not stone.fixed for stone in stones)
-        found = f'no unit weight for the material "{name}" of {count} stones'
-        findings.append(
-            Finding("W19", found, remedy="Pass --unit-weight-kN-m3, or put it in the case; until then weights are relative.")
-        )
+        found = f'no unit weight for the material "{name}" of {counted(count, "stone")}'
+        findings.append(Finding("W19", found, remedy=f"{REMEDIES['W19']} Until then weights are relative."))
     fallback = {True: 0.0, False: RELATIVE_WEIGHT}
     return np.array([table.get(stone.material, fallback[stone.fixed]) for stone in stones]), unweighted
 

@@ -17,6 +17,7 @@ from churchpipe.dxf.traces import KINDS, Trace, traces_of
 from churchpipe.findings import Finding, Place
 from churchpipe.geometry.mending import signed_volume
 from churchpipe.model.arrays import FloatArray
+from churchpipe.wording import counted
 
 IDENTITY: Matrix = (np.eye(3), np.zeros(3))
 HIDDEN = "hidden or on frozen or off layers"
@@ -103,13 +104,13 @@ def survey(doc: Any, repair: bool) -> Survey:
 def summary(found: Survey) -> list[Finding]:
     """Return the findings that count what was left out and what has no name."""
     out: list[Finding] = []
-    counted = ", ".join(f"{count} {what}" for what, count in sorted(found.left_out.items()) if count)
-    if counted:
-        out.append(Finding("W18", f"left out: {counted}"))
+    left_out = ", ".join(f"{count} {what}" for what, count in sorted(found.left_out.items()) if count)
+    if left_out:
+        out.append(Finding("W18", f"left out: {left_out}"))
     if found.nameless:
         first = found.nameless[0]
         what = (
-            f'{len(found.nameless)} stones without attributes, this one the first, are named by their handles, material "default"'
+            f'{counted(len(found.nameless), "stone")} without attributes, this one the first, named by handle, material "default"'
         )
         out.append(first.finding("W22", what))
     return out

@@ -39,6 +39,7 @@ from churchpipe.model.names import Planes as PlaneSet
 from churchpipe.model.results import CapacityCurve, CapacityStep, Status
 from churchpipe.model.shell import ShellModel
 from churchpipe.model.ties import Tie
+from churchpipe.wording import counted
 
 Progress = Callable[[CapacityStep], None]
 
@@ -167,7 +168,7 @@ class _Path:
                 return "converged", ""
             wanted = SOLVER.rise * abs(factor) / max(abs(rise), 1e-300)
             length = min(length * float(np.clip(wanted, 1.0, SOLVER.growth)), longest)
-        return "not-converged", f"no plateau after {most} steps"
+        return "not-converged", f"no plateau after {counted(most, 'step')}"
 
     def _dead(self, tension: FloatArray) -> FloatArray:
         loads = self._condensed.loads

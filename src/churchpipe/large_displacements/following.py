@@ -13,6 +13,7 @@ from churchpipe.large_displacements.path import (
     solve_state,
     without,
 )
+from churchpipe.wording import counted
 
 EndingName = Literal["vanished", "free", "collapsed", "unfinished", "unbounded", "not-converged"]
 
@@ -55,7 +56,9 @@ def follow(model: MovingModel, state: PathState, steps: int, record: Steps, ring
             step = solve_state(model, state)
         while step.falling.any():
             if not may_go_on(model, step):
-                return Ending("collapsed", f"{int(step.falling.sum())} stones that cannot be spared fall")
+                number = int(step.falling.sum())
+                many = "stones that cannot be spared fall"
+                return Ending("collapsed", counted(number, "stone that cannot be spared falls", many))
             record.fall(step)
             state = without(model, step)
             step = solve_state(model, state)

@@ -11,6 +11,7 @@ from churchpipe.findings import Finding
 from churchpipe.meshes.source import Body, Face, Source, damaged, left_out, number, read_lines, refused
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.polyhedra import solid_properties
+from churchpipe.wording import counted
 
 # "coo1=", "ver2=", "a(1)=", "nb_vertex=": a word, then a number in columns or not.
 _VALUE = re.compile(r"([a-zA-Z_]+\(?\d*\)?)\s*=\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?)(?=\s|$)")
@@ -40,7 +41,7 @@ def read_lmgc90(path: Path) -> Source:
     displaced = _moves(path.with_name("DOF.INI"), source)
     lost = [record for record in records if displaced and (record.kind, record.index) not in displaced]
     if lost:
-        found = f"DOF.INI has no place for {len(lost)} bodies, the first {lost[0].kind} {lost[0].index}"
+        found = f"DOF.INI has no place for {counted(len(lost), 'body', 'bodies')}, the first {lost[0].kind} {lost[0].index}"
         source.findings.append(Finding("E03", found, remedy="Take the DOF.INI of this model, or delete it."))
     driven = _driven(path.with_name("DRV_DOF.DAT"), others)
     source.flat = any(record.kind == "RBDY2" for record in records)
@@ -64,7 +65,7 @@ def _bodies(path: Path, source: Source, others: Counter[str]) -> list[_Record]:
     position, section = 0, ""
     ends = sum(line.strip() == END for _, line in lines)
     if (begins := sum(line.split()[0] == "$bdyty" for _, line in lines)) != ends:
-        found = f"{begins} bodies begin and {ends} end"
+        found = f"{counted(begins, 'body begins', 'bodies begin')} and {counted(ends, 'ends', 'end')}"
         source.findings.append(Finding("E03", f"the file is damaged: {found}", f"{END} after each", "Export it again."))
     while position < len(lines):
         row, line = lines[position]

@@ -8,6 +8,7 @@ import numpy as np
 
 from churchpipe.findings import FindingsError
 from churchpipe.meshes.source import Body, Face, Source, face_colours, number, read_bytes, refused
+from churchpipe.wording import counted
 
 _TYPES = {
     **dict.fromkeys(("char", "int8"), "i1"),
@@ -62,7 +63,8 @@ def read_ply(path: Path) -> Source:
         raise _damaged(path, f"{end - position} {'numbers' if order == '' else 'bytes'} follow the last element")
     wrong = [face for face in faces if len(face) < 3 or min(face) < 0 or max(face) >= len(points)]
     if wrong:
-        raise _damaged(path, f"{len(wrong)} faces have fewer than 3 corners, or one beyond the {len(points)} vertices")
+        found = counted(len(wrong), "face has", "faces have")
+        raise _damaged(path, f"{found} fewer than 3 corners, or one beyond the {len(points)} vertices")
     if not faces:
         return Source([], "ply")
     colours = None

@@ -41,6 +41,7 @@ from churchpipe.meshes.threedec import read_3dec
 from churchpipe.meshes.threemf import read_3mf
 from churchpipe.model.arguments import path_of
 from churchpipe.model.assemblage import Assemblage
+from churchpipe.wording import counted
 
 READERS: Final[dict[str, Callable[[Path], Source]]] = {
     ".obj": read_obj,
@@ -208,7 +209,7 @@ def _read_folder(path: Path) -> Source:
             bodies.append(replace(body, name=name))
     others = len([file for file in path.iterdir() if not file.name.startswith(".")]) - len(files)
     findings = [finding for source in sources for finding in source.findings]
-    findings += [Finding("W18", f"left out: {others} files in other formats")] if others else []
+    findings += [Finding("W18", f"left out: {counted(others, 'file')} in other formats")] if others else []
     return Source(bodies, first.reader, first.unit, first.up, findings, first.flat)
 
 

@@ -18,6 +18,7 @@ from churchpipe.geometry.mending import REPAIRS, SPLIT, WELDED, Mended, flat, me
 from churchpipe.geometry.parts import parts_of
 from churchpipe.meshes.source import Body, Face, Source, left_out
 from churchpipe.model.arrays import FloatArray
+from churchpipe.wording import counted
 
 # Rows: the axes of the model in coordinates of the file.
 AXES: Final[dict[str, FloatArray]] = {
@@ -123,7 +124,8 @@ def to_stones(
             findings.append(place.finding("W42", f"{len(shells)} solids under one name; each is a stone"))
     if ground:
         listed = ", ".join(dict.fromkeys(ground[:8])) + (" and more" if len(ground) > 8 else "")
-        findings.append(Finding("W43", f"{len(ground)} bodies are ground by their names: {listed}"))
+        found = counted(len(ground), "body is ground by its name", "bodies are ground by their names")
+        findings.append(Finding("W43", f"{found}: {listed}"))
     findings += left_out({"flat faces that enclose nothing": flats})
     return stones
 
@@ -182,7 +184,7 @@ def _findings_of(mended: Mended, body: Body) -> list[Finding]:
         if what == WELDED and body.loose:
             continue
         if what == SPLIT:
-            found = f"{count} faces are warped, by {{}} at most; they were split into triangles"
+            found = f"{counted(count, 'face is', 'faces are')} warped, by {{}} at most, and split into triangles"
             out.append(place.finding("W10", found, lengths=(mended.warp,)))
         elif what in REPAIRS:
             volumes = f"volume {mended.volume_before:.6g} m3 before, {mended.volume:.6g} m3 after"

@@ -9,6 +9,7 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.names import OUTER
 from churchpipe.model.results import StartRun
 from churchpipe.report.table import Row, figure, small
+from churchpipe.wording import counted
 
 SHOWN = 12
 # Bounds this close, absolute or as a share of the load factor, meet: what a certificate asks for.
@@ -115,8 +116,7 @@ def _fallen_stones(stones: Assemblage, row: Row) -> str:
     order = falling[np.argsort(-speed[falling], kind="stable")]
     names = ", ".join(stones.block_id[order[:SHOWN]])
     more = f" and {len(order) - SHOWN} more" if len(order) > SHOWN else ""
-    verb = "stone moves" if len(order) == 1 else "stones move"
-    return f"{len(order)} {verb}, fastest first: {names}{more}. The picture shows how."
+    return f"{counted(len(order), 'stone moves', 'stones move')}, fastest first: {names}{more}. The picture shows how."
 
 
 def _unfinished(row: Row) -> str:

@@ -11,6 +11,7 @@ from churchpipe.model.quantities import GRAVITY
 from churchpipe.report import colours
 from churchpipe.report.plots import new_panels, svg_of_panels
 from churchpipe.report.table import Row, figure, heading, minus, setting
+from churchpipe.wording import counted
 
 # Scatter plots of the parameters that matter most.
 _SHOWN = 3
@@ -57,14 +58,15 @@ def uncertainty_lines(study: SampleStudy | None, rows: Sequence[Row]) -> list[st
     label, lines = _labels(rows), list[str]()
     for one in study.analyses:
         row = dict(zip(_HEADINGS, _row(one), strict=True))
-        words = f"{label[one.name]}: {one.count} samples, load factor {row['mean']} in the mean, CoV {row['CoV']}, 90 % of them "
-        words += f"from {row['5 %']} to {row['95 %']}"
+        words = f"{label[one.name]}: {counted(one.count, 'sample')}, load factor {row['mean']} in the mean, CoV {row['CoV']}, "
+        words += f"90 % of them from {row['5 %']} to {row['95 %']}"
         lines.append("; ".join([words, *([f"it hangs on {_matters(one)}"] if _matters(one) else []), *_left_out(one)]) + ".")
         kinds = one.mechanisms[:3] if len(one.mechanisms) > 1 else ()
         lines += [f"  {100 * kind.share:.0f} % fall by: {kind.moves} (mean {figure(kind.mean, 4)})" for kind in kinds]
         lines += [f"  {_asked(*asked)}" for asked in _demands(one)]
     refused = study.refused
-    lines += [f"{len(refused)} of {study.number} samples could not be built; the first: {refused[0].message}"] if refused else []
+    if refused:
+        lines.append(f"{len(refused)} of {counted(study.number, 'sample')} could not be built; the first: {refused[0].message}")
     return lines
 
 

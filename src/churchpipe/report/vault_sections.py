@@ -13,6 +13,7 @@ from churchpipe.report.plots import svg_of
 from churchpipe.report.table import Row, figure
 from churchpipe.report.thrust import HINGE, section_figure
 from churchpipe.thrust_lines import ThrustLine, ring_forces, thrust_line, vaulted
+from churchpipe.wording import counted
 
 # A dome's beds look to all sides: least share of them across the main direction.
 _ALL_ROUND = 0.25
@@ -76,11 +77,12 @@ def _words(line: ThrustLine) -> str:
     share = np.abs(line.eccentricity) / np.maximum(line.half, np.finfo(float).tiny)
     hinges = int((share > HINGE).sum())
     edge = (
-        f"{hinges} joints are hinges, at whose edge it passes"
+        f"{counted(hinges, 'joint is a hinge', 'joints are hinges')}, at whose edge it passes"
         if hinges
         else f"it comes within {100 * (1 - share.max()):.0f} % of an edge"
     )
-    return f"Thrust in {len(line.force)} joints of the section, {figure(line.force.max() / 1e3, 2)} kN at most; {edge}."
+    joints = counted(len(line.force), "joint")
+    return f"Thrust in {joints} of the section, {figure(line.force.max() / 1e3, 2)} kN at most; {edge}."
 
 
 def _middle(stones: Assemblage, mine: np.ndarray) -> FloatArray:

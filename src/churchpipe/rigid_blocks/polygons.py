@@ -7,6 +7,7 @@ import numpy as np
 from churchpipe.errors import InputError
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.contacts import Contacts
+from churchpipe.wording import counted
 
 # A polygon encloses the area of its interface, but for this share of it; the hull of one that is not convex encloses more.
 _SAME_AREA = 1e-3
@@ -42,7 +43,7 @@ def joint_polygons(contacts: Contacts) -> JointPolygons:
     """
     count = contacts.points_per_interface
     if len(count) and count.min() < 3:
-        raise _no_polygon(int(np.argmin(count)), f"{count.min()} points", "3 or more")
+        raise _no_polygon(int(np.argmin(count)), counted(int(count.min()), "point"), "3 or more")
     polygons = polygons_of(contacts)
     wrong = np.flatnonzero(~(np.abs(polygons.area) > (1 - _SAME_AREA) * contacts.area))
     if len(wrong):

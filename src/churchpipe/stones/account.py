@@ -12,6 +12,7 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import TOUCHING, Contacts
 from churchpipe.model.polyhedra import face_normals
 from churchpipe.model.quantities import Quantity
+from churchpipe.wording import counted
 
 # How many stones, or pairs of stones, a message names.
 NAMED = 8
@@ -158,8 +159,9 @@ def joint_lines(near: NearMissAccount, now: JointTolerances) -> list[str]:
     if near.count:
         named = "; ".join(near_miss_words(item) for item in near.largest[:3])
         low, high = (f"{1e3 * gap:.3g}" for gap in near.gap)
+        pairs = counted(near.count, "pair of faces nearly meets and is", "pairs of faces face each other and are")
         lines.append(
-            f"Near misses: {near.count} pairs of faces face each other and are no joint, {low} to {high} mm apart and up "
+            f"Near misses: {pairs} no joint, {low} to {high} mm apart and up "
             f"to {math.degrees(near.angle[1]):.3g} degrees from parallel, {100 * near.area_share:.2g} % of all area that meets "
             f"or nearly meets. The largest: {named}. {_settings(near.joined_by)} in [rigid] makes joints of them."
         )

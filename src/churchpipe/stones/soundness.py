@@ -16,6 +16,7 @@ from churchpipe.model.contacts import TOUCHING, Contacts, check_contacts_of
 from churchpipe.model.polyhedra import face_normals
 from churchpipe.stones.account import NAMED, near_miss_share, remedy_words, surface_account
 from churchpipe.stones.self_crossing import self_crossing_stones
+from churchpipe.wording import counted
 
 # A joint holds a stone from below when its normal rises by at least this much.
 LEAST_LIFT = 0.05
@@ -118,7 +119,7 @@ def check_soundness(stones: Assemblage, contacts: Contacts, progress: Callable[[
     overlap = overlapping_stones(stones, contacts.tolerances.overlap, progress)
     overlap = overlap[~(overlap[:, None] == double[None]).all(axis=2).any(axis=1)] if len(double) else overlap
     if len(overlap):
-        problems.append(f"{len(overlap)} pairs overlap ({_name_pairs(stones, overlap)})")
+        problems.append(f"{counted(len(overlap), 'pair overlaps', 'pairs overlap')} ({_name_pairs(stones, overlap)})")
         remedies.append("Trim or move the stones that overlap.")
     floating = floating_stones(stones, contacts)
     loose = np.isin(contacts.near_misses.stones, floating).any(axis=1)
@@ -133,7 +134,8 @@ def check_soundness(stones: Assemblage, contacts: Contacts, progress: Callable[[
     decisive = share > DECISIVE_SHARE and "contact_gap" not in contacts.tolerances.given
     if decisive:
         near = contacts.near_misses
-        problems.append(f"{len(near)} pairs of faces nearly meet, {100 * share:.0f} % of all area that meets or nearly meets")
+        pairs = counted(len(near), "pair of faces nearly meets", "pairs of faces nearly meet")
+        problems.append(f"{pairs}, {100 * share:.0f} % of all area that meets or nearly meets")
         gap = f"{1e3 * contacts.tolerances.contact_gap:.2g}"
         remedies.append(f"To leave faces that nearly meet open give --contact-gap {gap}mm, contact_gap_mm = {gap} in [rigid].")
     if len(rows := np.flatnonzero(loose | (below & np.isin(contacts.near_misses.stones, hung).any(axis=1)) | decisive)):
@@ -167,7 +169,7 @@ def _name(stones: Assemblage, chosen: IntArray) -> str:
 
 def _name_pairs(stones: Assemblage, pairs: IntArray) -> str:
     named = ", ".join(f"{stones.block_id[i]} and {stones.block_id[j]}" for i, j in pairs[:8])
-    return named + (f" and {len(pairs) - 8} pairs more" if len(pairs) > 8 else "")
+    return named + (f" and {counted(len(pairs) - 8, 'pair')} more" if len(pairs) > 8 else "")
 
 
 def _boxes(stones: Assemblage) -> tuple[np.ndarray, np.ndarray]:

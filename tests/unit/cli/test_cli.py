@@ -253,7 +253,7 @@ def test_a_drawing_with_errors_leaves_nothing(capsys: pytest.CaptureFixture[str]
     for command in (("check", tmp_path / "a.dxf"), ("import-dxf", tmp_path / "a.dxf", "-o", tmp_path / "out")):
         code, _, err = call(capsys, *command)
         assert code == 1
-        assert "pairs overlap (B1 and B3)" in err
+        assert "1 pair overlaps (B1 and B3)" in err
         assert "without a path to a support (B2 at" in err
     assert not (tmp_path / "out").exists()
     (tmp_path / "cut.dxf").write_bytes((tmp_path / "a.dxf").read_bytes()[:5000])
@@ -400,7 +400,7 @@ def test_names_are_printed_as_they_are(
     write_json(folder / "summary.json", summary)
     code, out, _ = call(capsys, "show", folder)
     assert code == 0
-    assert f"{name}: 1 stones" in out
+    assert f"{name}: 1 stone" in out
     assert f" {name} " in out
     assert "0.98" in out
     drawing = folder / f"{name.replace('/', '')}.dxf"

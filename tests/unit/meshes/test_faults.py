@@ -73,7 +73,7 @@ HARMLESS: dict[str, tuple[FloatArray, Faces, set[str], str]] = {
         "turned to run like",
     ),
     "closed by welding": (*soup(HIGH, BOX_FACES), {"W40"}, "vertices at one place were welded (16)"),
-    "warped": (*warped(), {"W10"}, "1 faces are warped, by"),
+    "warped": (*warped(), {"W10"}, "1 face is warped, by"),
 }
 MENDED: dict[str, tuple[FloatArray, Faces, str]] = {
     "every face twice": (HIGH, BOX_FACES * 2, "faces given more than once were dropped (6); volume 1 m3 before, 0.5 m3 after"),

@@ -84,7 +84,7 @@ def test_names_materials_and_ground_are_kept(tmp_path: Path) -> None:
     assert read.block_id.tolist()[:3] == ["ground-0", "B1", "B2"]
     assert set(read.material) == {"stone"}
     assert read.fixed.tolist() == [True] + [False] * 12
-    assert "obj/W43 wall.obj: 1 bodies are ground by their names: ground-0." in str(findings)
+    assert "obj/W43 wall.obj: 1 body is ground by its name: ground-0." in str(findings)
 
 
 @pytest.mark.parametrize("unit", METRES)

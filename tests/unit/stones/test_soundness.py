@@ -80,7 +80,7 @@ def test_a_brick_that_lies_in_another_has_its_joint_or_is_named_with_the_overlap
     stones = on_ground(*bricks, box((0, 0.5), (0, 0.25), (0.25 - depth, 0.5 - depth)))
     contacts = find_contacts(stones)
     if depth > 5e-3:
-        with pytest.raises(InputError, match=rf"1 pairs overlap \(B1 and B3\).* --overlap {1e3 * depth:g}mm of check and import"):
+        with pytest.raises(InputError, match=rf"1 pair overlaps \(B1 and B3\).* --overlap {1e3 * depth:g}mm of check and import"):
             check_soundness(stones, contacts)
         contacts = find_contacts(stones, contact_gap=2e-6, overlap=depth)
     check_soundness(stones, contacts)
@@ -125,9 +125,9 @@ def test_overlaps_within_the_tolerance_are_joints_and_deeper_ones_are_refused() 
     contacts = find_contacts(shallow)
     check_soundness(shallow, contacts)
     assert contacts.gap.min() == pytest.approx(-0.004)
-    with pytest.raises(InputError, match="1 pairs overlap"):
+    with pytest.raises(InputError, match="1 pair overlaps"):
         check_soundness(deep, find_contacts(deep))
-    with pytest.raises(InputError, match="1 pairs overlap"):
+    with pytest.raises(InputError, match="1 pair overlaps"):
         check_soundness(shallow, find_contacts(shallow, overlap=0.001))
 
 

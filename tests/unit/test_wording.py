@@ -1,0 +1,60 @@
+"""What is told of one stone, one joint or one warning is told in the singular."""
+
+from pathlib import Path
+
+import pytest
+
+from churchpipe.config.case import read_case
+from churchpipe.dxf.writer import write_dxf
+from churchpipe.errors import InputError
+from churchpipe.stones.account import joint_account, joint_lines
+from churchpipe.stones.contacts import find_contacts
+from churchpipe.terminal import results_table
+from churchpipe.wording import counted
+from command_line import call
+from records import summary
+from solids import box, on_ground
+
+CUBE = box((0, 1), (0, 1), (0, 1))
+
+
+@pytest.mark.parametrize(
+    ("number", "words", "said"),
+    [
+        (1, ("stone",), "1 stone"),
+        (0, ("stone",), "0 stones"),
+        (2, ("stone",), "2 stones"),
+        (1, ("body begins", "bodies begin"), "1 body begins"),
+        (3, ("body begins", "bodies begin"), "3 bodies begin"),
+    ],
+)
+def test_a_number_and_what_it_counts(number: int, words: tuple[str, ...], said: str) -> None:
+    assert counted(number, *words) == said
+
+
+def test_a_drawing_of_one_stone(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    write_dxf(on_ground(CUBE), tmp_path / "a.dxf")
+    code, out, err = call(capsys, "check", tmp_path / "a.dxf")
+    assert code == 0
+    assert "a.dxf: 1 stone, 1 warning." in out
+    assert 'no unit weight for the material "default" of 1 stone. Pass --unit-weight-kN-m3 to churchpipe import' in err
+    code, out, _ = call(capsys, "import", tmp_path / "a.dxf", "-o", tmp_path / "a")
+    assert code == 0
+    assert "1 stone on 1 fixed one" in out
+
+
+def test_a_table_of_one_stone() -> None:
+    assert str(results_table(summary(weight_kN=18.0)).title) == "w: 1 stone, 1 interface, 18 kN"
+
+
+def test_one_near_miss() -> None:
+    stones = on_ground(CUBE, box((0, 1), (0, 1), (1.05, 2.05)))
+    (line,) = joint_lines(*joint_account(stones, find_contacts(stones)))
+    assert line.startswith("Near misses: 1 pair of faces nearly meets and is no joint")
+
+
+def test_errors_end_with_one_mark(tmp_path: Path) -> None:
+    (tmp_path / "a.toml").write_text('[source]\ngenerator = "wall"\nlenth_m = 1\n', encoding="utf-8")
+    with pytest.raises(InputError, match="errors:") as error:
+        read_case(tmp_path / "a.toml")
+    assert str(error.value).endswith('Did you mean "length_m"?')
