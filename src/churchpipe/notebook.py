@@ -12,37 +12,45 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.block_curve import BlockCapacityCurve
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.results import CapacityCurve, LimitState, ShellLimitState
+from churchpipe.model.settlement import SettlementPath
 from churchpipe.model.shell import ShellModel
 
 _OBLIQUE = np.array([0.55, -0.75, 0.4]) / np.linalg.norm([0.55, -0.75, 0.4])
 
 
-def plot(curve: CapacityCurve | BlockCapacityCurve) -> Any:
-    """Return the diagram of a capacity curve, load factor against displacement, as a matplotlib figure.
+def plot(curve: CapacityCurve | BlockCapacityCurve | SettlementPath) -> Any:
+    """Return the diagram of a capacity curve or of a support that moves, as a matplotlib figure.
 
     Parameters
     ----------
     curve
-        Of the shell, from `pushover`, or of the stones, from `block_pushover`.
+        Of the shell, from `pushover`, or of the stones, from `block_pushover`: load factor against displacement. Of a support,
+        from `settlement_path`: reaction against movement.
 
     Raises
     ------
     InputError
         Not a curve, or one without steps; a package of `churchpipe[all]` is missing.
     """
-    if not isinstance(curve, BlockCapacityCurve):
+    if not isinstance(curve, BlockCapacityCurve | SettlementPath):
         check_kind("plot: curve", curve, CapacityCurve)
     with Extra("a diagram"):
         from churchpipe.report.plots import new_plot
 
         figure, (axes,) = new_plot(1, (6.4, 3.4))
-    if not len(curve.load_factor):
+    if isinstance(curve, SettlementPath):
+        # The path does not say whether its support moves along or turns.
+        place, values, names = curve.movement, curve.reaction, ("movement of the support, m or rad", "reaction, N or Nm")
+    else:
+        place = 1e3 * (curve.control if isinstance(curve, CapacityCurve) else curve.displacement)
+        values, names = curve.load_factor, ("displacement along the load, mm", "load factor")
+    if not len(values):
         raise InputError("plot: curve", "a curve without steps", found=curve.status, expected="at least one step")
-    place = curve.control if isinstance(curve, CapacityCurve) else curve.displacement
-    axes.plot(1e3 * place, curve.load_factor, "-o", ms=3, lw=1.4)
-    axes.set_xlabel("displacement along the load, mm")
-    axes.set_ylabel("load factor")
-    axes.set_ylim(bottom=0)
+    axes.plot(place, values, "-o", ms=3, lw=1.4)
+    axes.set_xlabel(names[0])
+    axes.set_ylabel(names[1])
+    if values.min() >= 0:
+        axes.set_ylim(bottom=0)
     return figure
 
 

@@ -3,6 +3,7 @@
 import io
 from dataclasses import fields, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -103,6 +104,35 @@ def test_a_curve_is_drawn() -> None:
     figure.savefig(io.BytesIO())
     with pytest.raises(InputError, match="plot: curve: wrong kind"):
         cp.plot(STATE)
+
+
+def test_models_and_results_have_methods_that_show_them() -> None:
+    def alike(one: Any, other: Any) -> bool:
+        return np.array_equal(np.asarray(one), np.asarray(other))
+
+    assert alike(STONES.show(), cp.show(STONES))
+    assert alike(STONES.show(STATE), cp.show(STONES, STATE))
+    assert alike(STATE.show(STONES), cp.show(STONES, STATE))
+    assert alike(CONTACTS.show(), cp.show(CONTACTS))
+    shell, load = cp.derive_shell(BUILDING, element_size=0.5), cp.LoadCase((1, 0, 0))
+    state = cp.shell_limit_analysis(shell, load, [cp.Material("default", 2e4, 0.6)])
+    assert alike(shell.show(), cp.show(shell))
+    assert alike(shell.show(state), cp.show(shell, state))
+    assert alike(state.show(shell), cp.show(shell, state))
+    curve = cp.block_pushover(STONES, CONTACTS, load, friction=0.7, step=0.1)
+    assert curve.plot().axes[0].get_ylabel() == "load factor"
+
+
+def test_a_support_that_moves_shows_itself() -> None:
+    pad = on_ground(box((0, 1), (0, 1), (0, 2)), unit_weight=2e4, reach=1)
+    joints = cp.find_contacts(pad)
+    onset = cp.settlement_analysis(pad, joints, support=[0], direction=(0, 0, -1), friction=0.6)
+    assert "reaction" in onset._repr_html_()
+    path = cp.settlement_path(pad, joints, [0], (0, 0, -1), friction=0.6, furthest=0.02, step=0.01)
+    assert path.status in path._repr_html_()
+    [line] = path.plot().axes[0].lines
+    assert line.get_xdata() == pytest.approx(path.movement)
+    assert line.get_ydata() == pytest.approx(path.reaction)
 
 
 def test_results_are_written_as_a_report(tmp_path: Path) -> None:

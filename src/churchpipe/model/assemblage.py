@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -26,8 +26,12 @@ from churchpipe.model.arrays import (
     store_arrays,
 )
 from churchpipe.model.card import card
+from churchpipe.model.pictures import picture
 from churchpipe.model.polyhedra import FLATNESS, LEAST_WARP, face_normals, solid_properties
 from churchpipe.model.surfaces import DOUBLED, SurfaceFault, coincident, surface_fault, weld
+
+if TYPE_CHECKING:
+    from churchpipe.model.results import LimitState
 
 Polyhedron = tuple[npt.ArrayLike, Sequence[Sequence[int]]]
 
@@ -188,6 +192,10 @@ class Assemblage:
             block_id=_ids(block_id, count),
             butts=one_each("butts", array_of("butts", butts, "b", "True or False"), count),
         )
+
+    def show(self, state: "LimitState | None" = None) -> Any:
+        """Return a picture of the stones, or of the mechanism of a state (`churchpipe.show`)."""
+        return picture(self, state)
 
     def _repr_html_(self) -> str:
         rows = {

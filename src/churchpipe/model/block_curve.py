@@ -1,13 +1,14 @@
 """The capacity curve of rigid blocks at large displacements."""
 
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from churchpipe.model.arguments import one_of
 from churchpipe.model.arrays import FloatArray, floats, store
 from churchpipe.model.card import card
+from churchpipe.model.pictures import diagram
 from churchpipe.model.stone_path import StonePath
 
 CurveStatus = Literal["vanished", "collapsed", "unfinished", "not-converged", "unstable", "unbounded", "failed"]
@@ -48,6 +49,10 @@ class BlockCapacityCurve(StonePath):
     def initial(self) -> float:
         """The load factor that starts the motion, NaN where nothing was found."""
         return float(self.load_factor[0]) if len(self.load_factor) else float("nan")
+
+    def plot(self) -> Any:
+        """Return the diagram of the curve (`churchpipe.plot`)."""
+        return diagram(self)
 
     def _repr_html_(self) -> str:
         rows = {"first load factor": self.initial, "d0, m": self.d0, "status": self.status, "steps": len(self.load_factor)}

@@ -1,7 +1,7 @@
 """Interfaces between stones and their contact points: geometry only."""
 
 from dataclasses import dataclass, field
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from churchpipe.model.arrays import (
 )
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.card import card
+from churchpipe.model.pictures import picture
 
 # A contact point lies in the box of both its stones, or beyond it by this share of their diagonals at most.
 _SLACK = 0.05
@@ -137,6 +138,10 @@ class Contacts:
     def points_per_interface(self) -> IntArray:
         """Number of contact points of each interface (ni,)."""
         return np.diff(self.point_ptr)
+
+    def show(self) -> Any:
+        """Return a picture of the joints, coloured by kind (`churchpipe.show`)."""
+        return picture(self)
 
     def _repr_html_(self) -> str:
         counts = {str(kind): int((self.kind == kind).sum()) for kind in KINDS}

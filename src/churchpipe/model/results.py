@@ -1,7 +1,7 @@
 """What the analyses return."""
 
 from dataclasses import dataclass, field
-from typing import Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
@@ -9,6 +9,11 @@ from churchpipe.errors import InputError
 from churchpipe.model.arguments import one_of
 from churchpipe.model.arrays import FloatArray, floats, store, store_arrays
 from churchpipe.model.card import card
+from churchpipe.model.pictures import diagram, picture
+
+if TYPE_CHECKING:
+    from churchpipe.model.assemblage import Assemblage
+    from churchpipe.model.shell import ShellModel
 
 Status = Literal["optimal", "converged", "not-converged", "unstable", "unbounded", "failed"]
 
@@ -88,6 +93,10 @@ class LimitState:
         store_arrays(self, finite=False, forces=(None, 3), velocities=(None, 6), tie_forces=(None,))
         store_arrays(self, finite=False, tie_sensitivity=(len(self.tie_forces),))
 
+    def show(self, stones: "Assemblage") -> Any:
+        """Return a picture of the mechanism, of the stones that the state is of (`churchpipe.show`)."""
+        return picture(stones, self)
+
     def _repr_html_(self) -> str:
         rows: dict[str, object] = {"load factor": self.load_factor, "status": self.status, "flow rule": self.flow}
         if self.flow == "associative":
@@ -132,6 +141,10 @@ class ShellLimitState:
         one_of("ShellLimitState.status", self.status, *get_args(Status))
         store_arrays(self, finite=False, stress=(None, 6), velocities=(None, 3), edge_rotation=(None,), plastic=(None, 6))
         store_arrays(self, finite=False, tie_forces=(None,), tie_sensitivity=self.tie_forces.shape, beam_velocities=(None, 6))
+
+    def show(self, shell: "ShellModel") -> Any:
+        """Return a picture of the mechanism, of the shell that the state is of (`churchpipe.show`)."""
+        return picture(shell, self)
 
     def _repr_html_(self) -> str:
         rows = {"load factor": self.load_factor, "status": self.status}
@@ -200,6 +213,14 @@ class CapacityCurve:
     def plateau(self) -> float:
         """The largest load factor reached."""
         return float(self.load_factor.max(initial=0.0))
+
+    def show(self, shell: "ShellModel") -> Any:
+        """Return a picture of the last step, of the shell that the curve is of (`churchpipe.show`)."""
+        return picture(shell, self)
+
+    def plot(self) -> Any:
+        """Return the diagram of the curve (`churchpipe.plot`)."""
+        return diagram(self)
 
     def _repr_html_(self) -> str:
         rows = {"plateau": self.plateau, "status": self.status, "steps": len(self.load_factor)}

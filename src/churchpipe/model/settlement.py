@@ -1,12 +1,14 @@
 """What a structure does when a support moves."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from churchpipe.model.arguments import one_of
 from churchpipe.model.arrays import FloatArray, floats, rows_of, store, store_arrays
+from churchpipe.model.card import card
+from churchpipe.model.pictures import diagram
 from churchpipe.model.stone_path import StonePath
 
 SettlementEnding = Literal["collapsed", "free", "unfinished", "unbounded", "not-converged", "unstable", "failed"]
@@ -48,6 +50,10 @@ class SettlementState:
         points = rows_of("SettlementState.forces", self.forces)
         store_arrays(self, velocities=(None, 6), opening=(points,), slip=(points,), forces=(points, 3))
 
+    def _repr_html_(self) -> str:
+        rows = {"reaction, N or Nm": self.reaction, "status": self.status}
+        return card("Support that begins to move", rows | ({"message": self.message} if self.message else {}))
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SettlementPath(StonePath):
@@ -81,3 +87,13 @@ class SettlementPath(StonePath):
     def ultimate(self) -> float:
         """The movement at which the structure collapses, NaN where it did not."""
         return float(self.movement[-1]) if self.status == "collapsed" and len(self.movement) else float(np.nan)
+
+    def plot(self) -> Any:
+        """Return the diagram of the path, reaction against movement (`churchpipe.plot`)."""
+        return diagram(self)
+
+    def _repr_html_(self) -> str:
+        first = float(self.reaction[0]) if len(self.reaction) else float("nan")
+        rows = {"first reaction, N or Nm": first, "least of all equilibria, N or Nm": self.least}
+        ends = {"movement at collapse, m or rad": self.ultimate, "status": self.status, "steps": len(self.movement)}
+        return card("Support that moves", rows | ends)

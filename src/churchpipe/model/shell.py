@@ -1,6 +1,7 @@
 """The mid-surface of a building as flat triangles with a bed-joint direction: the second model."""
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,7 +19,11 @@ from churchpipe.model.arrays import (
     store_arrays,
 )
 from churchpipe.model.card import card
+from churchpipe.model.pictures import picture
 from churchpipe.model.shell_beams import ShellBeams
+
+if TYPE_CHECKING:
+    from churchpipe.model.results import CapacityCurve, ShellLimitState
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,6 +157,10 @@ class ShellModel:
     def body_panel(self) -> NameArray:
         """Macro-elements (nt + nm,) of facets, and the beams' own names."""
         return np.concatenate([self.panel, self.beams.name])
+
+    def show(self, state: "ShellLimitState | CapacityCurve | None" = None) -> Any:
+        """Return a picture of the shell, or of the mechanism of a state (`churchpipe.show`)."""
+        return picture(self, state)
 
     def _repr_html_(self) -> str:
         rows = {
