@@ -20,7 +20,7 @@ from churchpipe.generators import chapel, wall
 from churchpipe.large_displacements.cracks import joint_cracks
 from churchpipe.loading.placing import place_loads
 from churchpipe.model.arrays import FloatArray
-from churchpipe.model.placed_loads import Borne
+from churchpipe.model.placed_loads import Applied
 from churchpipe.report.cracks import crack_map_svg
 from churchpipe.report.figures import mechanism_picture, save_screenshot
 from churchpipe.stones.footing import footing
@@ -74,8 +74,8 @@ def strengthening() -> None:
     state = cp.limit_analysis(stones, cp.find_contacts(stones), cp.loaded(load, stones, roof), FRICTION, ties=ties)
     pulled = f"tie {state.tie_forces[0] / 1e3:.1f} of {ties[0].strength / 1e3:.0f} kN"
     print(f"strengthening: {int((~stones.fixed).sum())} stones, {state.load_factor:.4f}, {pulled}", flush=True)
-    borne = Borne(place_loads(stones, roof), tuple(ties))
-    mechanism_picture(stones, state.velocities, FOLDER / "strengthening.png", load.direction, borne)
+    applied = Applied(place_loads(stones, roof), tuple(ties))
+    mechanism_picture(stones, state.velocities, FOLDER / "strengthening.png", load.direction, applied)
 
 
 def crack_map() -> None:

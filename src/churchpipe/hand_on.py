@@ -22,7 +22,7 @@ from churchpipe.model.joint_group import JointGroup
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength
 from churchpipe.model.names import STRENGTH
-from churchpipe.model.placed_loads import Borne
+from churchpipe.model.placed_loads import Applied
 from churchpipe.model.results import CapacityCurve, LimitState, ShellLimitState
 from churchpipe.model.shell import ShellModel
 from churchpipe.model.ties import Tie
@@ -81,14 +81,14 @@ def write_report(
     groups = listed("write_report: joints", joints, JointGroup)
     with Extra("the report"):
         from churchpipe.report.html import write_report as write_html
-    borne = Borne(place_loads(stones, loads), tuple(listed("write_report: ties", ties, Tie)))
+    applied = Applied(place_loads(stones, loads), tuple(listed("write_report: ties", ties, Tie)))
     of_blocks: list[tuple[Analysis, LimitState]] = []
     of_shell: list[tuple[Analysis, str, ShellLimitState | CapacityCurve]] = []
     for number, (load, result) in enumerate(results, 1):
         check_kind("write_report: load", load, LoadCase)
         name_of = f"{number} {load.name}"
         if isinstance(result, LimitState) and len(result.velocities) == stones.count:
-            record = record_of(result, load, materials, ties=borne.ties, joints=groups)
+            record = record_of(result, load, materials, ties=applied.ties, joints=groups)
             of_blocks.append((replace(record, name=name_of, **compare.stone_parts(stones, result, load)), result))
             continue
         motion = result.displacement if isinstance(result, CapacityCurve) else getattr(result, "velocities", ())
@@ -101,12 +101,12 @@ def write_report(
             expected = "a result of these stones" if shell is None else "a result of these stones or of this shell"
             raise InputError("write_report: results", "not a result of this model", found=describe(result), expected=expected)
         method = "pushover" if isinstance(result, CapacityCurve) else "limit"
-        record = shell_record_of(result, load, materials, method=method, planes=STRENGTH, ties=borne.ties, joints=groups)
+        record = shell_record_of(result, load, materials, method=method, planes=STRENGTH, ties=applied.ties, joints=groups)
         parts = compare.shell_parts(shell, result, load) if isinstance(result, ShellLimitState) else {}
         of_shell.append((replace(record, name=name_of, **parts), _MESH, result))
     meshes = {}
     if shell is not None:
-        gate = match_models(stones, contacts, shell, borne.loads)
+        gate = match_models(stones, contacts, shell, applied.loads)
         size = float(np.sqrt(2 * np.median(shell.area)))
         meshes = {_MESH: compare.mesh_size(shell, gate, "base", round(size, 3))}
     analyses = [record for record, *_ in (*of_blocks, *of_shell)]
@@ -120,7 +120,7 @@ def write_report(
         shell_results=of_shell,
         project={"title": name},
         materials=[asdict(material) for material in materials],
-        borne={record.name: borne for record, _ in of_blocks},
+        applied={record.name: applied for record, _ in of_blocks},
         case_text="",
         versions=versions(),
     )

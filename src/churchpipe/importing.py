@@ -87,7 +87,7 @@ def check_carried(case: Case, stones: Assemblage) -> None:
     reading = case.source.reading if isinstance(case.source, DrawingSource) else AS_DRAWN
     named = replace(stones, panel=wall_names(stones, reading.kept_joint))
     case.check_named(sorted({*named.panel[~named.fixed].tolist()} - {""}))
-    case.check_borne(named)
+    case.check_applied(named)
 
 
 def import_drawing(

@@ -20,7 +20,7 @@ from churchpipe.match import Match
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.block_curve import BlockCapacityCurve
 from churchpipe.model.contacts import Contacts
-from churchpipe.model.placed_loads import Borne
+from churchpipe.model.placed_loads import Applied
 from churchpipe.model.results import CapacityCurve, LimitState, ShellLimitState
 from churchpipe.model.settlement import SettlementPath
 from churchpipe.model.shell import ShellModel
@@ -57,7 +57,7 @@ class RunFolder:
         """Return a capacity curve of the stones."""
         return read_npz(self.folder(entry) / "curve.npz", BlockCapacityCurve)
 
-    def borne(self, entry: dict[str, Any], stones: Assemblage) -> Borne:
+    def applied(self, entry: dict[str, Any], stones: Assemblage) -> Applied:
         """Return what the stones carry, and their ties, in an analysis of them."""
         return placed(carries_of(read_json(self.folder(entry) / "settings.json")), stones)
 
@@ -107,7 +107,7 @@ class RunFolder:
             mesh = read_npz(self._mesh(entry["shell"]), ShellModel)
             return compare.shell_parts(mesh, read_npz(self.folder(entry) / "limit.npz", ShellLimitState), load)
         stones, state = self.stones(entry["geometry"])[0], self.block_state(entry)
-        masses = self.borne(entry, stones).loads
+        masses = self.applied(entry, stones).loads
         check = compare.safety(stones, state, load, site, masses, crushing=crushing)
         return compare.stone_parts(stones, state, load) | {"check": check}
 

@@ -214,16 +214,16 @@ def _analyse_shell(
     if progress:
         progress(f"{len(mesh.triangles)} elements", 0.0)
     stones = read_npz(assemblage, Assemblage)
-    borne = placed(carries_of(table), stones)
+    applied = placed(carries_of(table), stones)
     try:
         mesh, materials = shell_joint_groups(mesh, materials, words["joints"])
-        found = work(mesh, shell_loaded(load, mesh, stones, borne.loads), materials, borne.ties)
+        found = work(mesh, shell_loaded(load, mesh, stones, applied.loads), materials, applied.ties)
     except InputError as error:
         write_npz(state, Absent(str(error)))
         write_record(record, shell_record_of(str(error), load, used, **words))
         return
     write_npz(state, found)
-    write_record(record, shell_record_of(found, load, used, ties=borne.ties, **words))
+    write_record(record, shell_record_of(found, load, used, ties=applied.ties, **words))
 
 
 def rigid(settings: Path, assemblage: Path, contacts: Path, state: Path, record: Path, progress: Progress | None = None) -> None:
@@ -236,14 +236,14 @@ def rigid(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
     table = read_json(settings)
     stones, joints = read_npz(assemblage, Assemblage), read_npz(contacts, Contacts)
     load, materials = load_of(table), strengths_of(table)
-    borne = placed(carries_of(table), stones)
-    pushed = loaded(load, stones, borne.loads)
+    applied = placed(carries_of(table), stones)
+    pushed = loaded(load, stones, applied.loads)
     friction, cohesion = joint_strength(stones, joints, materials, joints_of(table))
     keys = ("flow", "solver", "method", "start", "bipotential_gap", "contact_model", "crushing_parts")
     options = {key: table[key] for key in keys if key in table}
-    options |= {"ties": borne.ties, "compressive_strength": crushing_strength(stones, joints, materials)}
+    options |= {"ties": applied.ties, "compressive_strength": crushing_strength(stones, joints, materials)}
     found = limit_analysis(stones, joints, pushed, friction, cohesion, **options, progress=progress)
-    ended, weighed = np.isfinite(found.load_factor), borne.candidates
+    ended, weighed = np.isfinite(found.load_factor), applied.candidates
     ranked = rank_ties(found, weighed, stones, joints, pushed, friction, cohesion, **options) if weighed and ended else ()
     known = found.flow == "associative" and ended and found.velocities.any()
     rates = sensitivities(found, stones, joints, pushed) if known else None
@@ -251,7 +251,7 @@ def rigid(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
         rates = verify_gains(rates, stones, joints, pushed, friction, cohesion, best=best, **options)
     write_npz(state, found)
     used, model = used_by(stones, materials), table.get("contact_model", CONTACT_MODEL)
-    write_record(record, record_of(found, load, used, model, borne.ties, ranked, rates, joints_of(table)))
+    write_record(record, record_of(found, load, used, model, applied.ties, ranked, rates, joints_of(table)))
 
 
 def curve(settings: Path, assemblage: Path, contacts: Path, state: Path, record: Path, progress: Progress | None = None) -> None:
@@ -268,11 +268,11 @@ def curve(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
     keys = ("solver", "control", "step", "steps", "furthest", "halo", "contact_model")
     crushing = crushing_strength(stones, joints, materials)
     options = {"compressive_strength": crushing} | {key: table[key] for key in keys if key in table}
-    borne = placed(carries_of(table), stones)
-    pushed = loaded(load, stones, borne.loads)
+    applied = placed(carries_of(table), stones)
+    pushed = loaded(load, stones, applied.loads)
     kept = KeptSteps(BlockCapacityCurve, state.parent, (settings, assemblage, contacts), code_of("curve"))
     more = {"progress": progress, "resume": kept.found(), "keep": kept.keep}
-    found = block_pushover(stones, joints, pushed, friction, borne.ties, **options, **more)
+    found = block_pushover(stones, joints, pushed, friction, applied.ties, **options, **more)
     write_npz(state, found)
     kept.clear()
     words = (load, used_by(stones, materials), joints_of(table), table.get("contact_model"))
@@ -385,7 +385,7 @@ def report(plan: Path, summary: Path, assemblage: Path, contacts: Path, html: Pa
         materials=run.index["materials"],
         moved=moved,
         followed=[(records[name], path) for name, (_, path) in curves.items()],
-        borne={entry["name"]: run.borne(entry, stones) for entry in mine if entry["kind"] in ("rigid", "curve")},
+        applied={entry["name"]: run.applied(entry, stones) for entry in mine if entry["kind"] in ("rigid", "curve")},
         case_text=(run.path / "as-run.toml").read_text(encoding="utf-8"),
         versions=versions(),
         figures_dir=html.parent / "figures",

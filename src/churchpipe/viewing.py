@@ -15,7 +15,7 @@ from churchpipe.findings import Findings, FindingsError
 from churchpipe.meshes.reader import read_file
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import Building
-from churchpipe.model.placed_loads import Borne
+from churchpipe.model.placed_loads import Applied
 from churchpipe.recognition.panels import fit_panels, wall_names
 from churchpipe.stones.ring_beams import add_beams
 
@@ -45,8 +45,8 @@ def write_view(file: Path, page: Path, reading: Reading, changes: Sequence[str] 
 
                 building = cases[0].building()
                 stones = derive_blocks(building)
-                borne = _borne(cases, stones)
-                write_findings_page(page, Findings(file.name), stones, after, building, asked, borne)
+                applied = _applied(cases, stones)
+                write_findings_page(page, Findings(file.name), stones, after, building, asked, applied)
                 return
             weights = {material.name: material.unit_weight for material in cases[0].materials}
             reading = source.reading
@@ -57,21 +57,21 @@ def write_view(file: Path, page: Path, reading: Reading, changes: Sequence[str] 
     except FindingsError as error:
         write_findings_page(page, error.findings, sound_stones(error.bodies), "Mend what the errors say.")
         raise
-    fitted, stones, borne = _fitted(read.stones, reading.kept_joint), read.stones, []
+    fitted, stones, applied = _fitted(read.stones, reading.kept_joint), read.stones, []
     if cases and (cases[0].carries or cases[0].ring_beams):
         stones = replace(stones, panel=wall_names(stones, reading.kept_joint))
-        cases[0].check_borne(stones)
+        cases[0].check_applied(stones)
         stones = add_beams(stones, cases[0].ring_beams, weights)
-        borne = _borne(cases, stones)
-    write_findings_page(page, read.findings, stones, after, fitted, asked, borne)
+        applied = _applied(cases, stones)
+    write_findings_page(page, read.findings, stones, after, fitted, asked, applied)
 
 
-def _borne(cases: Sequence[Case], stones: Assemblage) -> list[Borne]:
+def _applied(cases: Sequence[Case], stones: Assemblage) -> list[Applied]:
     """Return what the stones of the first case carry in it, and in each variant of the same stones."""
     of_stones = (cases[0].source, cases[0].buttresses, cases[0].ring_beams)
     alike = [case for case in cases if (case.source, case.buttresses, case.ring_beams) == of_stones]
     known: list[dict[str, Any]] = []
-    found: list[Borne] = []
+    found: list[Applied] = []
     for case in alike:
         if case.carries and (settings := case.carries.settings()) not in known:
             known.append(settings)

@@ -47,10 +47,10 @@ def stones_of(beams: bool) -> tuple[cp.Assemblage, cp.Contacts]:
 def test_stones(variant: str, across: float, along: float) -> None:
     case = variants()[variant]
     stones, contacts = stones_of(bool(case.ring_beams))
-    borne = placed(case.carries, stones)
+    applied = placed(case.carries, stones)
     friction, cohesion = cp.joint_strength(stones, contacts, case.materials)
     for load, expected in zip(case.loads, (across, along), strict=True):
-        state = cp.limit_analysis(stones, contacts, cp.loaded(load, stones, borne.loads), friction, cohesion, ties=borne.ties)
+        state = cp.limit_analysis(stones, contacts, cp.loaded(load, stones, applied.loads), friction, cohesion, ties=applied.ties)
         assert state.status == "optimal"
         assert state.upper_bound == pytest.approx(state.lower_bound, rel=1e-6)
         assert state.load_factor == pytest.approx(expected, abs=2e-5)
@@ -71,12 +71,12 @@ def test_shell(variant: str, across: float, along: float) -> None:
     case = variants()[variant]
     assert case.shell is not None
     stones, contacts = stones_of(bool(case.ring_beams))
-    borne = placed(case.carries, stones)
+    applied = placed(case.carries, stones)
     shell = cp.derive_shell(case.building(), case.shell.element_size)
-    assert cp.match_models(stones, contacts, shell, borne.loads).passed
+    assert cp.match_models(stones, contacts, shell, applied.loads).passed
     for load, expected in zip(case.loads, (across, along), strict=True):
-        pushed = cp.shell_loaded(load, shell, stones, borne.loads)
-        state = cp.shell_limit_analysis(shell, pushed, case.materials, ties=borne.ties)
+        pushed = cp.shell_loaded(load, shell, stones, applied.loads)
+        state = cp.shell_limit_analysis(shell, pushed, case.materials, ties=applied.ties)
         assert state.status == "optimal"
         assert state.load_factor == pytest.approx(expected, abs=2e-5)
         assert not np.isnan(state.tie_forces).any()
@@ -101,13 +101,13 @@ def test_a_flexible_roof(tmp_path: Path, table: str, stones_hold: tuple[float, .
     case = read_case(path)
     stones = cp.derive_blocks(case.building())
     contacts, shell = cp.find_contacts(stones), cp.derive_shell(case.building(), 0.4)
-    borne = placed(case.carries, stones)
+    applied = placed(case.carries, stones)
     friction, cohesion = cp.joint_strength(stones, contacts, case.materials)
     for direction, one, other in zip(((1, 0, 0), (0, -1, 0)), stones_hold, shell_holds, strict=True):
         load = cp.LoadCase(direction)
-        state = cp.limit_analysis(stones, contacts, cp.loaded(load, stones, borne.loads), friction, cohesion, ties=borne.ties)
+        state = cp.limit_analysis(stones, contacts, cp.loaded(load, stones, applied.loads), friction, cohesion, ties=applied.ties)
         assert state.load_factor == pytest.approx(one, abs=2e-5)
-        pushed = cp.shell_loaded(load, shell, stones, borne.loads)
-        assert cp.shell_limit_analysis(shell, pushed, case.materials, ties=borne.ties).load_factor == pytest.approx(
+        pushed = cp.shell_loaded(load, shell, stones, applied.loads)
+        assert cp.shell_limit_analysis(shell, pushed, case.materials, ties=applied.ties).load_factor == pytest.approx(
             other, abs=2e-5
         )

@@ -95,7 +95,7 @@ def test_joists_slide_until_they_fall_off_their_bearings() -> None:
     pier, wall = box((-4.5, -3), (0, 2), (0, H)), box((0, B), (0, 2), (0, H))
     ground = box((-9, 9), (-5, 5), (-1, 0))
     stones = cp.Assemblage.from_polyhedra([ground, pier, wall], 18e3, fixed=[0], panel=["", "pier", "wall"])
-    weight, borne, bearing = 2 * WEIGHT, 6e3, 0.15
+    weight, applied, bearing = 2 * WEIGHT, 6e3, 0.15
     live = np.zeros((3, 6))
     live[2, 0] = weight
     floor = cp.Diaphragm(
@@ -115,9 +115,9 @@ def test_joists_slide_until_they_fall_off_their_bearings() -> None:
     span = toe + edge - [-3.25, H]
     length = np.linalg.norm(span, axis=1)
     stiffness = 10e9 * 0.1 * 0.2 / 3.25
-    pull = 2 * np.where(length - 3.25 < bearing, np.minimum(stiffness * (length - 3.25), 0.4 * borne / 2), 0.0)
+    pull = 2 * np.where(length - 3.25 < bearing, np.minimum(stiffness * (length - 3.25), 0.4 * applied / 2), 0.0)
     back = (edge[:, 1] * span[:, 0] - edge[:, 0] * span[:, 1]) / length
-    factor = (-weight * centre[:, 0] - borne * edge[:, 0] + pull * back) / (weight * centre[:, 1])
+    factor = (-weight * centre[:, 0] - applied * edge[:, 0] + pull * back) / (weight * centre[:, 1])
     assert curve.load_factor == pytest.approx(factor, abs=1e-6)
     assert 2 < (pull > 0).sum() < len(pull) - 2
     assert "tie floor 1 broke at a displacement of " in curve.message

@@ -13,7 +13,7 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.carried import AreaLoad, LineLoad, PointLoad, Pressure
 from churchpipe.model.diaphragm import Diaphragm
 from churchpipe.model.fill import Fill
-from churchpipe.model.placed_loads import Borne
+from churchpipe.model.placed_loads import Applied
 from churchpipe.model.tie_bars import AnchorPlace, TieBar
 from churchpipe.model.ties import Tie
 
@@ -71,7 +71,7 @@ def carries_of(settings: Mapping[str, Any]) -> Carries:
     return Carries(**{key: tuple(_made(kind, table) for table in settings.get(key, ())) for key, kind in KINDS.items()})
 
 
-def placed(carries: Carries, stones: Assemblage) -> Borne:
+def placed(carries: Carries, stones: Assemblage) -> Applied:
     """Return loads and ties at the stones that bear them.
 
     Raises
@@ -86,7 +86,7 @@ def placed(carries: Carries, stones: Assemblage) -> Borne:
         given = [part for key in keys for part in _each(carries, key)]
         return tuple(tie for key, bar in given for tie in tried(key, lambda bar=bar: place_ties(stones, [bar])))
 
-    return Borne(place_loads(stones, [load for _, load in loads]), bars(*TIES), bars("tie_candidates"))
+    return Applied(place_loads(stones, [load for _, load in loads]), bars(*TIES), bars("tie_candidates"))
 
 
 def _each(carries: Carries, key: str) -> Iterator[tuple[str, Any]]:

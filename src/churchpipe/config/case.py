@@ -159,7 +159,7 @@ class Case:
                 stones = derive_blocks(replace(building, ring_beams=()))
             except InputError as error:
                 raise self.located(error.at(f"{self.path}: {error.where}")) from error
-            self.check_borne(stones)
+            self.check_applied(stones)
         return building
 
     def check_named(self, known: Sequence[str]) -> None:
@@ -172,7 +172,7 @@ class Case:
                 error = InputError(where, "no such panel", found=name, expected=expected, remedy=nearest(name, known))
                 raise self.located(error)
 
-    def check_borne(self, stones: Assemblage) -> None:
+    def check_applied(self, stones: Assemblage) -> None:
         """Raise InputError, with the table at fault, for beams, loads and ties that the stones cannot bear, and joints that they
         cannot have. stones: without the beams."""
         from churchpipe.stones.joints import check_group

@@ -75,7 +75,7 @@ def stones_of_traces(
     numbers = {name: itertools.count(1) for name, many in of_handle.items() if many > 1}
     stones = [replace(s, name=f"{s.name}.{next(numbers[s.name])}") if s.name in numbers else s for s in stones]
     if outlines:
-        findings += _said(outlines, plane)
+        findings += _findings(outlines, plane)
     return stones, left
 
 
@@ -112,7 +112,7 @@ def stood_up(points: FloatArray) -> FloatArray:
     return np.stack([points[:, 0], -points[:, 2], points[:, 1]], axis=1)
 
 
-def _said(outlines: list[Outline], plane: ElevationPlane) -> list[Finding]:
+def _findings(outlines: list[Outline], plane: ElevationPlane) -> list[Finding]:
     layers = Counter(outline.trace.layer for outline in outlines)
     named = ", ".join(f"{layer} ({count})" for layer, count in layers.items())
     lying = sum(bool(outline.plane.axes[2][2] == 1.0) for outline in outlines)

@@ -49,7 +49,7 @@ def laid_stones(bodies: Sequence[Stone], bond: LaidBond, unit: float, findings: 
     except InputError as error:
         findings.append(_refused(error, place))
         return fixed
-    findings += [_said(panel, stones, place[panel.name]) for panel in panels]
+    findings += [_finding(panel, stones, place[panel.name]) for panel in panels]
     findings += [said for panel in panels for said in _flat_heads(panel, place[panel.name])]
     return [*fixed, *_stones(stones, place, unit)]
 
@@ -68,7 +68,7 @@ def _names(bodies: Sequence[Stone]) -> list[str]:
     return [f"{name}-{next(shared[name])}" if name in shared else name for name in names]
 
 
-def _said(panel: Panel, stones: Assemblage, place: Place) -> Finding:
+def _finding(panel: Panel, stones: Assemblage, place: Place) -> Finding:
     own = stones.panel == panel.name
     rings = [region for region in panel.regions if region.pattern == "voussoir"]
     voussoirs = sum(region.pieces for region in rings)

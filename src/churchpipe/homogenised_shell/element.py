@@ -19,7 +19,7 @@ import scipy.sparse as sp
 
 from churchpipe.errors import InputError
 from churchpipe.homogenised_shell.edges import Edges, find_edges
-from churchpipe.homogenised_shell.ledges import borne_by_walls
+from churchpipe.homogenised_shell.ledges import carried_by_walls
 from churchpipe.homogenised_shell.rigid_beams import carried_by_beams
 from churchpipe.homogenised_shell.settings import SOLVER
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
@@ -127,8 +127,8 @@ def shell_elements(shell: ShellModel, membrane: Membrane = "LST", stations: Stat
     strain = _strain_operator(shell, edges, places, bubble_edge, bubble_direction)
     held = shell.supported[edges.nodes].all(axis=1) & (edges.facets == 1)
     carried, along = carried_by_beams(shell, edges, bubble_edge)
-    borne, feet = borne_by_walls(shell, edges, bubble_edge, bubble_direction)
-    motion = sp.csr_matrix(sp.hstack([borne, borne @ carried]))
+    on_walls, feet = carried_by_walls(shell, edges, bubble_edge, bubble_direction)
+    motion = sp.csr_matrix(sp.hstack([on_walls, on_walls @ carried]))
     return ShellElements(
         shell=shell,
         edges=edges,

@@ -20,7 +20,7 @@ from churchpipe.model.shell import ShellModel
 _Triplets: TypeAlias = tuple[FloatArray, IntArray, IntArray]
 
 
-def borne_by_walls(
+def carried_by_walls(
     shell: ShellModel, edges: Edges, bubble_edge: IntArray, bubble_direction: FloatArray
 ) -> "tuple[sp.csr_matrix[np.float64], BoolArray]":
     """Return how the unknowns (n,) of translations, rotations and bubbles move all of them, (n, n), and which of them (n,) have

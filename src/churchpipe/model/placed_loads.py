@@ -46,7 +46,7 @@ class PlacedLoads:
 
 
 @dataclass(frozen=True, slots=True)
-class Borne:
+class Applied:
     """What a building carries, its ties, and others that might be added, all at their stones."""
 
     loads: PlacedLoads

@@ -12,7 +12,7 @@ from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.polyhedra import face_normals
 from churchpipe.report import colours
-from churchpipe.report.borne import ring_beams
+from churchpipe.report.applied import ring_beams
 from churchpipe.report.drawn_loads import DrawnLoads, draw_loads
 from churchpipe.report.motion import ground_plate
 from churchpipe.report.plots import svg_of

@@ -9,7 +9,7 @@ import numpy as np
 from churchpipe.loading.ties import anchors_of
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
-from churchpipe.model.placed_loads import Borne, PlacedLoads
+from churchpipe.model.placed_loads import Applied, PlacedLoads
 from churchpipe.report import colours
 
 # A load has an arrow for each cube of this share of the building's size in which it acts. Length of the longest arrow and of the
@@ -38,11 +38,11 @@ class DrawnLoads:
     added: tuple[bool, ...]
 
 
-def drawn_loads(stones: Assemblage, borne: Iterable[Borne]) -> DrawnLoads:
+def drawn_loads(stones: Assemblage, applied: Iterable[Applied]) -> DrawnLoads:
     """Return all loads and ties of the analyses, by name; the first of them is that of the building as it is."""
     loads: dict[str, tuple[FloatArray, FloatArray]] = {}
     ties: dict[str, tuple[FloatArray, bool]] = {}
-    for place, one in enumerate(borne):
+    for place, one in enumerate(applied):
         for name in dict.fromkeys(one.loads.load.tolist()):
             if name not in loads:
                 loads[name] = _in_cells(one.loads, name, _CELL * stones.size)

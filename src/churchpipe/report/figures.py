@@ -15,9 +15,9 @@ from churchpipe.mechanism import moving_stones, reference_speed, stone_of_point,
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import KINDS, Contacts
-from churchpipe.model.placed_loads import Borne
+from churchpipe.model.placed_loads import Applied
 from churchpipe.report import colours
-from churchpipe.report.borne import add_borne
+from churchpipe.report.applied import add_applied
 from churchpipe.report.motion import (
     PUSH_LENGTH,
     camera_position,
@@ -42,7 +42,7 @@ def mechanism_picture(
     velocities: FloatArray | None,
     path: str | Path,
     push: FloatArray | None = None,
-    borne: Borne | None = None,
+    applied: Applied | None = None,
     *,
     amplitude: float | None = None,
     size: tuple[int, int] = PICTURE_SIZE,
@@ -51,7 +51,7 @@ def mechanism_picture(
     """Write a PNG of the structure displaced by velocities (nb, 6), stones coloured by speed; None: as it stands, by panel.
 
     amplitude: factor on the velocities; by default the mechanism moves by 8 % of the structure's size.
-    push: direction (3,) of the lateral load, drawn as an arrow. borne: ties and loads, drawn as lines and arrows.
+    push: direction (3,) of the lateral load, drawn as an arrow. applied: ties and loads, drawn as lines and arrows.
     toward: unit vector (3,) towards the eye; by default a good side, see `viewpoint`.
     """
     import pyvista as pv
@@ -85,8 +85,8 @@ def mechanism_picture(
         solid.mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(1.0, 1.0)
         plotter.add_mesh(lines, color=colours.EDGE, line_width=1.6, opacity=0.6)
         _add_surroundings(plotter, stones, arrow)
-        if borne is not None:
-            add_borne(plotter, stones, motion, factor, borne)
+        if applied is not None:
+            add_applied(plotter, stones, motion, factor, applied)
         framed = points[~plate[owner]]
         if arrow is not None:
             framed = np.concatenate([framed, push_arrow_start(stones, arrow)[None, :]])

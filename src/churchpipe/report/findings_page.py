@@ -13,9 +13,9 @@ from churchpipe.io.atomic import write_text
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import Building
-from churchpipe.model.placed_loads import Borne
+from churchpipe.model.placed_loads import Applied
 from churchpipe.report import viewer
-from churchpipe.report.borne import beam_rows, load_rows
+from churchpipe.report.applied import beam_rows, load_rows
 from churchpipe.report.drawings import drawings_svg
 from churchpipe.report.drawn_loads import DrawnLoads, drawn_loads, key_to_loads, viewer_loads
 from churchpipe.report.motion import viewpoint
@@ -36,16 +36,16 @@ def write_findings_page(
     after: str,
     building: Building | None = None,
     questions: Sequence[str] = (),
-    borne: Sequence[Borne] = (),
+    applied: Sequence[Applied] = (),
 ) -> None:
     """Write findings.html.
 
     stones: as read, None when nothing can be drawn. after: what to type next. building: its walls are listed, and their openings
-    drawn. questions: about doubtful values. borne: loads and ties of the building as it is, then of variants.
+    drawn. questions: about doubtful values. applied: loads and ties of the building as it is, then of variants.
     """
-    loads = drawn_loads(stones, borne) if stones else None
+    loads = drawn_loads(stones, applied) if stones else None
     beams = beam_rows(stones) if stones else []
-    strengths = {tie.name: tie.strength for one in borne for tie in (*one.ties, *one.candidates)}
+    strengths = {tie.name: tie.strength for one in applied for tie in (*one.ties, *one.candidates)}
     text = template("findings.html").render(
         file=findings.file,
         kinds=[_kind(kind) for kind in findings.kinds],
@@ -57,9 +57,9 @@ def write_findings_page(
         most=MOST,
         walls=wall_rows(building) if building else [],
         questions=questions,
-        drawings=drawings_svg(stones, loads) if stones and loads and (borne or beams) else [],
+        drawings=drawings_svg(stones, loads) if stones and loads and (applied or beams) else [],
         key_to_loads=key_to_loads(loads, beams=bool(beams)) if loads else [],
-        load_rows=load_rows(borne),
+        load_rows=load_rows(applied),
         beam_rows=beams,
         tie_rows=[[name, amount(strength / 1e3, 1)] for name, strength in strengths.items()],
         drawn=stones is not None,

@@ -16,12 +16,12 @@ from churchpipe.mechanism import stone_of_point
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import KINDS, Contacts
 from churchpipe.model.names import GOOD
-from churchpipe.model.placed_loads import Borne
+from churchpipe.model.placed_loads import Applied
 from churchpipe.model.results import LimitState
 from churchpipe.model.shell import ShellModel
 from churchpipe.report import both, viewer
+from churchpipe.report.applied import beam_rows, candidate_rows, gain_table, load_rows, ring_beams, tie_rows
 from churchpipe.report.block_curves import block_curve_plots
-from churchpipe.report.borne import beam_rows, candidate_rows, gain_table, load_rows, ring_beams, tie_rows
 from churchpipe.report.contact_models import contact_model_rows
 from churchpipe.report.displacements import displacement_checks
 from churchpipe.report.drawings import drawings_svg
@@ -65,7 +65,7 @@ def write_report(
     materials: Sequence[Mapping[str, Any]] = (),
     moved: Sequence[Moved] = (),
     followed: Sequence[Followed] = (),
-    borne: Mapping[str, Borne] | None = None,
+    applied: Mapping[str, Applied] | None = None,
 ) -> None:
     """Write a self-contained report.
 
@@ -76,7 +76,7 @@ def write_report(
     shells: the meshes of the shell, by name. shell_results: for each analysis of the shell its record, its mesh, its state.
     published: load factors of others, see `published_rows`. project: the title block. materials: of the case, in SI.
     moved: supports that move, see `movements_shown`. followed: capacity curves, with their records.
-    borne: loads and ties of the rigid-block analyses, by their names.
+    applied: loads and ties of the rigid-block analyses, by their names.
 
     A picture that cannot be drawn (no graphics library) is replaced by a sentence; the report is written all the same.
     """
@@ -88,8 +88,8 @@ def write_report(
     columns = columns_for(rows)
     asis = [row for row in rows if not row.variant]
     geometry = next((row.record.geometry for row in (*of_blocks, *of_shell, *rows)), None)
-    loads = drawn_loads(stones, (borne or {}).values())
-    with _pictures(stones, contacts, meshes, of_blocks, of_shell, figures_dir, borne or {}, followed) as pictures:
+    loads = drawn_loads(stones, (applied or {}).values())
+    with _pictures(stones, contacts, meshes, of_blocks, of_shell, figures_dir, applied or {}, followed) as pictures:
         domain, domain_words = both.domain_plot(meshes, rows)
         text = template("report.html").render(
             name=(project or {}).get("title") or summary.case,
@@ -129,7 +129,7 @@ def write_report(
             domain_words=domain_words,
             guidance=summary.guidance,
             questions=summary.questions,
-            load_rows=load_rows((borne or {}).values()),
+            load_rows=load_rows((applied or {}).values()),
             beam_rows=beam_rows(stones),
             tie_rows=tie_rows(rows),
             candidate_rows=candidate_rows(rows),
@@ -242,7 +242,7 @@ def _pictures(
     rows: Sequence[Row],
     of_shell: Sequence[Row],
     keep: Path | None,
-    borne: Mapping[str, Borne],
+    applied: Mapping[str, Applied],
     followed: Sequence[Followed],
 ) -> Iterator[Callable[[], dict[str, Any]]]:
     """Draw the first analysis of each variant, load and kind; yield what waits for the pictures: label and PNG as base64 of
@@ -261,7 +261,7 @@ def _pictures(
             drawn.append((row.label, file))
             if row.state:
                 push = None if row.status == "unstable" else push_direction(row.record)
-                carried = borne.get(row.record.name)
+                carried = applied.get(row.record.name)
                 jobs.append((mechanism_picture, (stones, np.nan_to_num(row.state.velocities), file, push, carried)))
             elif row.shell:
                 beside = rows[max(both.partner(row, rows), 0)].state if rows else None

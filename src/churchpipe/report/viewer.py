@@ -17,7 +17,7 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import KINDS, Contacts
 from churchpipe.model.results import LimitState
 from churchpipe.report import colours
-from churchpipe.report.borne import ring_beams
+from churchpipe.report.applied import ring_beams
 from churchpipe.report.motion import (
     PUSH_LENGTH,
     corner_rates,

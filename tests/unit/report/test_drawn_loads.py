@@ -10,9 +10,9 @@ from matplotlib.figure import Figure
 import churchpipe as cp
 from churchpipe.generators import wall
 from churchpipe.loading.placing import place_loads
-from churchpipe.model.placed_loads import Borne
+from churchpipe.model.placed_loads import Applied
 from churchpipe.report import colours
-from churchpipe.report.borne import load_rows
+from churchpipe.report.applied import load_rows
 from churchpipe.report.drawings import ELEVATIONS, PLAN, View, drawings_svg
 from churchpipe.report.drawn_loads import DrawnLoads, draw_loads, drawn_loads, key_to_loads
 from solids import box
@@ -34,7 +34,7 @@ def two_walls() -> cp.Assemblage:
 
 
 def on_wall(stones: cp.Assemblage, **given: float) -> DrawnLoads:
-    return drawn_loads(stones, [Borne(place_loads(stones, [cp.LineLoad("wall", name="roof", toward="+y", **given)]))])
+    return drawn_loads(stones, [Applied(place_loads(stones, [cp.LineLoad("wall", name="roof", toward="+y", **given)]))])
 
 
 def test_arrows_point_the_way_of_their_force_and_end_where_it_acts() -> None:
@@ -52,7 +52,7 @@ def test_arrows_point_the_way_of_their_force_and_end_where_it_acts() -> None:
 def test_what_acts_in_one_place_is_one_arrow() -> None:
     stones = one_wall()
     load = place_loads(stones, [cp.LineLoad("wall", dead=6e3)])
-    drawn = drawn_loads(stones, [Borne(load)])
+    drawn = drawn_loads(stones, [Applied(load)])
     cells = {tuple(cell) for cell in np.floor(load.point / (0.05 * stones.size)).tolist()}
     assert len(drawn.at) == len(cells) < len(load.load)
 
@@ -86,7 +86,7 @@ def test_ties_of_a_variant_are_dashed_and_the_key_says_so() -> None:
     bar = cp.TieBar("bar", start=("west", 2.0, 2.0), end=("east", 2.0, 2.0), area=1e-4, steel_strength=235e6)
     other = cp.TieBar("other", start=("west", 3.0, 2.0), end=("east", 3.0, 2.0), area=1e-4, steel_strength=235e6)
     loads = place_loads(stones, [cp.AreaLoad(["west", "east"], dead=1.5e3, name="<b>floor")])
-    asis, changed = (Borne(loads, tuple(cp.place_ties(stones, bars))) for bars in ([bar], [bar, other]))
+    asis, changed = (Applied(loads, tuple(cp.place_ties(stones, bars))) for bars in ([bar], [bar, other]))
     drawn = drawn_loads(stones, [asis, changed])
     assert drawn.added == (False, True)
     assert drawn.ties[0, :, 0] == pytest.approx([0.0, 6.0])
@@ -106,7 +106,7 @@ def test_ties_of_a_variant_are_dashed_and_the_key_says_so() -> None:
 def test_a_model_of_one_brick_has_figures(tmp_path: Path) -> None:
     stones = cp.derive_blocks(wall(length=0.08, brick=(0.08, 0.04, 0.015), courses=1, materials=MATERIALS))
     loads = [cp.LineLoad("wall", dead=0.4)]
-    ((_, _, presses, level, mass),) = load_rows([Borne(place_loads(stones, loads))])
+    ((_, _, presses, level, mass),) = load_rows([Applied(place_loads(stones, loads))])
     assert (presses, level, mass) == ("3.2e\u221205", "0.0", "3.2e\u221205")
     drawings = dict(drawings_svg(stones, drawn_loads(stones, [])))
     assert "0.015 m" in drawings["Elevation from \u2212y"]

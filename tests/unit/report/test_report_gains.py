@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from churchpipe.report.borne import gain_table
+from churchpipe.report.applied import gain_table
 
 
 def row(with_cohesion: float) -> Any:

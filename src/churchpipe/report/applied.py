@@ -11,7 +11,7 @@ from churchpipe.model.arrays import BoolArray, FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.gains import WEIGHT_MORE
 from churchpipe.model.motion import velocity_at
-from churchpipe.model.placed_loads import Borne
+from churchpipe.model.placed_loads import Applied
 from churchpipe.model.ring_beam import RING_BEAM
 from churchpipe.report import colours
 from churchpipe.report.table import Row, amount, figure
@@ -22,11 +22,11 @@ _ARROW, _ARROWS = 0.08, 25
 _GAINS = 4
 
 
-def load_rows(borne: Iterable[Borne]) -> list[list[str]]:
+def load_rows(applied: Iterable[Applied]) -> list[list[str]]:
     """Return a row for each load of the analyses, by name: what presses, what pushes level, and the mass that the load factor
     multiplies, kN."""
     found: dict[str, list[str]] = {}
-    for one in borne:
+    for one in applied:
         loads = one.loads
         for name in dict.fromkeys(loads.load.tolist()):
             mine = loads.load == name
@@ -113,17 +113,17 @@ def _again(row: Row, factor: float) -> str:
     return "" if math.isnan(factor) else f"{factor - row.record.load_factor:+.5f}"
 
 
-def add_borne(plotter: Any, stones: Assemblage, motion: FloatArray, amplitude: float, borne: Borne) -> None:
+def add_applied(plotter: Any, stones: Assemblage, motion: FloatArray, amplitude: float, applied: Applied) -> None:
     """Add ties as lines between their anchors, displaced by the motion (nb, 6), and loads as arrows on the building."""
     import pyvista as pv
 
-    for tie in borne.ties:
+    for tie in applied.ties:
         ends: list[FloatArray] = []
         for anchor in anchors_of(stones, tie):
             moved = velocity_at(stones, motion, anchor.stone, anchor.point)
             ends.append(anchor.share @ (anchor.point + amplitude * moved))
         plotter.add_mesh(pv.Line(ends[0], ends[1]).tube(radius=0.004 * stones.size), color=colours.TIE, lighting=False)
-    loads = borne.loads
+    loads = applied.loads
     if not len(loads.load):
         return
     at = loads.point + amplitude * velocity_at(stones, motion, loads.stone, loads.point)
