@@ -148,7 +148,7 @@ def bag_bodies(faces: Sequence[Face3d]) -> tuple[list[tuple[Face3d, Body]], list
     """Sort loose 3D faces into solids; return each with its first face, and the faces that close nothing.
 
     Exploding a solid leaves its faces next to each other in the file, so a run of faces that closes is a stone. Shared corners
-    alone would not tell stones apart that touch.
+    alone would not tell stones apart that touch; where the faces of several come mixed, the side on which each is solid does.
     """
     out: list[tuple[Face3d, Body]] = []
     if not faces:
@@ -165,7 +165,7 @@ def bag_bodies(faces: Sequence[Face3d]) -> tuple[list[tuple[Face3d, Body]], list
             run = range(first, number + 1)
             offsets = np.cumsum([0] + [len(corners[k]) for k in run])
             indices = [range(start, end) for start, end in pairwise(offsets)]
-            out.append((faces[first], make_body(np.concatenate([corners[k] for k in run]), indices)))
+            out += [(faces[first], body) for body in _parted(np.concatenate([corners[k] for k in run]), list(map(tuple, indices)))]
             first = number + 1
     return out, list(faces[first:])
 

@@ -22,10 +22,11 @@ OUTWARD: Final = "the body was inside out and was turned"
 SPLIT: Final = "warped faces were split into triangles"
 # Changes of the shape. They are made on request only.
 DROPPED: Final = "faces given more than once were dropped"
+INSIDE: Final = "faces given more than once inside the body were dropped, so that what they parted is one stone"
 CLOSE: Final = "vertices that nearly met were joined"
 JOINED: Final = "corners on an edge of a neighbour were put into it"
 FILLED: Final = "holes of one face were closed"
-REPAIRS: Final = (DROPPED, CLOSE, JOINED, FILLED)
+REPAIRS: Final = (DROPPED, INSIDE, CLOSE, JOINED, FILLED)
 
 # Vertices closer than this share of the body's size nearly meet.
 NEARLY = 1e-5
@@ -204,9 +205,11 @@ def _once(faces: list[Face], changes: Counter[str]) -> list[Face]:
         groups[frozenset(face)].append(number)
     first = [faces[group[0]] for group in groups.values()]
     odd = [faces[group[0]] for group in groups.values() if len(group) % 2]
-    kept = odd if odd and surface_fault(_alike(first)) and not surface_fault(_alike(odd)) else first
-    changes[DROPPED] += len(faces) - len(kept)
-    return kept
+    if odd and surface_fault(_alike(first)) and not surface_fault(_alike(odd)):
+        changes[INSIDE] += len(faces) - len(odd)
+        return odd
+    changes[DROPPED] += len(faces) - len(first)
+    return first
 
 
 def _joined(points: FloatArray, faces: list[Face], reach: float, changes: Counter[str]) -> tuple[FloatArray, list[Face]]:

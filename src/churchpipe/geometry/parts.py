@@ -5,6 +5,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from churchpipe.geometry.adjoining import adjoining, encloses
 from churchpipe.geometry.clusters import clusters
 from churchpipe.geometry.mending import NEARLY, Face
 from churchpipe.model.arrays import FloatArray
@@ -15,7 +16,8 @@ def parts_of(points: FloatArray, faces: Sequence[Face]) -> list[list[int]]:
     """Return the numbers of the faces of each part, in order of their first.
 
     Faces that share vertices and close are a part. The others, such as the facets of an STL, are joined where their vertices lie
-    at one place; where several solids meet so, a run of faces that closes is a part, for programs write one after the other.
+    at one place; where several solids meet so, a run of faces that closes is a part, for programs write one after the other. Where
+    faces come in another order, the side on which each is solid tells them apart.
     """
     parts: list[list[int]] = []
     open_parts: list[list[int]] = []
@@ -23,17 +25,26 @@ def parts_of(points: FloatArray, faces: Sequence[Face]) -> list[list[int]]:
         (parts if _closes(faces, part) else open_parts).append(part)
     rest = sorted(number for part in open_parts for number in part)
     if rest:
-        _, inverse = np.unique(points + 0.0, axis=0, return_inverse=True)
+        places, inverse = np.unique(points + 0.0, axis=0, return_inverse=True)
         label = inverse.ravel().tolist()
         welded = {number: tuple(label[node] for node in faces[number]) for number in rest}
         keys = [(min(a, b), max(a, b)) for number in rest for a, b in edges(welded[number])]
         open_parts = []
         for part in _connected(rest, keys, [len(faces[number]) for number in rest]):
             numbers = [rest[k] for k in part]
-            for run in [numbers] if _closes(welded, numbers) else _runs(welded, numbers):
+            for run in _solids(places, welded, numbers):
                 (parts if _closes(welded, run) else open_parts).append(run)
         parts += _nearly_meeting(points, faces, open_parts)
     return sorted(parts)
+
+
+def _solids(points: FloatArray, welded: dict[int, Face], part: list[int]) -> list[list[int]]:
+    """Return the solids that connected faces are, by the order they were written or else by the sides of the faces."""
+    runs = [part] if _closes(welded, part) else _runs(welded, part)
+    if all(encloses(points, [[welded[number] for number in run] for run in runs])):
+        return runs
+    apart = adjoining(points, [welded[number] for number in part])
+    return runs if apart is None else [[part[k] for k in solid] for solid in apart]
 
 
 def _nearly_meeting(points: FloatArray, faces: Sequence[Face], parts: list[list[int]]) -> list[list[int]]:

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
 import pytest
 from ezdxf.filemanagement import new
 from ezdxf.math import Vec3
@@ -61,3 +62,17 @@ def test_an_open_part_leaves_the_mesh_whole_and_is_told(tmp_path: Path) -> None:
     mesh = mesh_of([box((0, 0, 0), (1, 1, 1)), (points, faces[:-1])])
     with pytest.raises(FindingsError, match="E10"):
         read(mesh, tmp_path / "open.dxf")
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_3d_faces_of_stones_that_touch_are_told_apart_in_any_order(seed: int, tmp_path: Path) -> None:
+    document = new("R2010", units=6)
+    pile = [box((x, 0, 0.3 * z), (1, 1, 0.3)) for x in range(2) for z in range(3)]
+    faces = [points[list(face)] for points, around in pile for face in around]
+    for number in np.random.default_rng(seed).permutation(len(faces)).tolist():
+        document.modelspace().add_3dface(Vec3.list(faces[number].tolist()))
+    document.saveas(tmp_path / "pile.dxf")
+    for repair in (False, True):
+        drawing = read_drawing(tmp_path / "pile.dxf", support="base", repair=repair)
+        assert drawing.stones.volume[~drawing.stones.fixed] == pytest.approx([0.3] * 6)
+        assert {"W41", "E10"}.isdisjoint(drawing.findings.codes)

@@ -81,7 +81,7 @@ def test_a_wall_inside_a_closed_body_is_dropped_whole() -> None:
     inside = [1, 4, 10, 7]
     mended = mend(points, [*faces, inside, inside[::-1]], repair=True)
     assert mended.fault is None
-    assert mended.changes == {mending.DROPPED: 2}
+    assert mended.changes == {mending.INSIDE: 2}
     assert mended.volume == pytest.approx(2.0)
 
 

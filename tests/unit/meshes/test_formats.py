@@ -206,6 +206,38 @@ def test_stones_that_touch_in_one_soup_are_told_apart_by_the_order_of_their_face
     assert (~read.fixed).sum() == 12
 
 
+def shuffle(path: Path, seed: int, turned: float = 0.0) -> None:
+    """Put the facets of a binary STL in any order; turned: the share that is made to look inwards."""
+    chance = np.random.default_rng(seed)
+    head, data = path.read_bytes()[:84], np.frombuffer(path.read_bytes()[84:], dtype=np.uint8).reshape(-1, 50).copy()
+    inwards = chance.random(len(data)) < turned
+    data[inwards, 24:48] = data[inwards][:, [*range(36, 48), *range(24, 36)]]
+    path.write_bytes(head + chance.permutation(data).tobytes())
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_stones_that_touch_in_one_soup_are_told_apart_in_any_order_of_their_facets(seed: int, tmp_path: Path) -> None:
+    # They share whole faces and edges: to drop what is given twice would make one stone of all six.
+    pile = Assemblage.from_polyhedra([box((x, x + 1), (0, 1), (z, z + 0.5)) for x in (0, 1) for z in (0, 0.5, 1)], 1.0)
+    path = write_stl(pile, tmp_path / "pile.stl", binary=True)
+    shuffle(path, seed)
+    for repair in (False, True):
+        read, findings = cp.read_stones(path, support="base", repair=repair)
+        assert read.volume[~read.fixed] == pytest.approx([0.5] * 6)
+        assert set(findings.codes) == {"W12", "W19", "W45"}
+
+
+def test_facets_in_mixed_directions_make_one_stone_on_request_alone_and_that_is_said(tmp_path: Path) -> None:
+    two = Assemblage.from_polyhedra([box((0, 1), (0, 1), (z, z + 0.5)) for z in (0, 0.5)], 1.0)
+    path = write_stl(two, tmp_path / "two.stl", binary=True)
+    shuffle(path, 3, turned=0.5)
+    with pytest.raises(FindingsError, match="E10"):
+        cp.read_stones(path, support="base")
+    read, findings = cp.read_stones(path, support="base", repair=True)
+    assert read.volume[~read.fixed].tolist() == [pytest.approx(1.0)]
+    assert "so that what they parted is one stone (4)" in str(findings)
+
+
 @pytest.mark.parametrize("cut", [0.3, 0.7, 0.99])
 @pytest.mark.parametrize("write", [write_stl, write_ply, write_3dec, write_obj])
 def test_a_truncated_file_is_never_a_smaller_wall(write: object, cut: float, tmp_path: Path) -> None:
