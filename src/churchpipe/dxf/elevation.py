@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from churchpipe.dxf import schema
-from churchpipe.dxf.outlines import Outline, cut_out, inside_others, outlines_of
+from churchpipe.dxf.outlines import Outline, chords, cut_out, inside_others, outlines_of
 from churchpipe.dxf.reading import ElevationPlane
 from churchpipe.dxf.stones import Stone
 from churchpipe.dxf.traces import Trace, by_plane, is_flat
@@ -121,7 +121,4 @@ def _findings(outlines: list[Outline], plane: ElevationPlane) -> list[Finding]:
         what += "; the drawing's x-y is taken for the elevation x-z"
     remedy = "Pass --plane xy if it is a plan." if lying and plane == "xz" else ""
     out = [outlines[0].trace.place.finding("W24", what, remedy=remedy)]
-    curved = [outline.trace for outline in outlines if outline.trace.curve]
-    for trace in curved:
-        out.append(trace.place.finding("W27", "curved sides, up to {} from the chords taken for them", lengths=(trace.curve,)))
-    return out
+    return out + [chords(outline.trace, outline.curve) for outline in outlines if outline.curve]

@@ -8,7 +8,7 @@ import numpy as np
 from churchpipe.dxf.traces import Plane, Trace
 from churchpipe.findings import Finding
 from churchpipe.geometry.divisions import divided
-from churchpipe.geometry.nets import covering, net_of, outline_flaw, turned_left, without_idle_corners
+from churchpipe.geometry.nets import covering, farthest, net_of, outline_flaw, turned_left, without_idle_corners
 from churchpipe.geometry.planar import Region, extent, less, nested, polygon
 from churchpipe.model.arrays import FloatArray
 
@@ -18,28 +18,37 @@ ALMOST = 0.1
 
 @dataclass(frozen=True, slots=True)
 class Outline:
-    """What a closed outline encloses in its plane, without voids, no corner on a straight side; and what it came from."""
+    """What a closed outline encloses in its plane, without voids, no corner on a straight side; what it came from; and how far
+    the curve of that leaves the chords taken for it, 0 of a mesh of a net, whose curves are findings already."""
 
     region: Region
     plane: Plane
     trace: Trace
+    curve: float = 0.0
 
 
 def outlines_of(plane: Plane, findings: list[Finding]) -> tuple[list[Outline], int]:
     """Return the outlines drawn in a plane, in drawing order, and how many lines close nothing."""
     axes = plane.axes[:2].T
-    lines = divided([t.points @ axes for t in plane.traces], [None if t.fine is None else t.fine @ axes for t in plane.traces])
+    curves = [None if trace.fine is None else trace.fine @ axes for trace in plane.traces]
+    lines = divided([trace.points @ axes for trace in plane.traces], curves, [trace.closed for trace in plane.traces])
+    away = {id(trace): _away(line, fine) for trace, line, fine in zip(plane.traces, lines, curves, strict=True)}
     traces = [trace for trace in plane.traces if not trace.filled]
     flat = [line for trace, line in zip(plane.traces, lines, strict=True) if not trace.filled]
     rings = [_ring(points, trace, findings) for points, trace in zip(flat, traces, strict=True)]
     opened = [k for k, ring in enumerate(rings) if ring is None]
     found: list[tuple[int, FloatArray]] = []
-    left = 0
+    meshes = left = 0
     if opened:
         closed = [(k, ring) for k, ring in enumerate(rings) if ring is not None]
         index = opened + [k for k, _ in closed]
         net = net_of([flat[k] for k in opened], [ring for _, ring in closed])
         found += [(index[k], corners) for k, corners in net.meshes]
+        meshes = len(found)
+        used = {*opened, *(index[border] for border in net.borders)} - {index[line] for line in (*net.alone, *net.loose)}
+        for k in sorted(used):
+            if away[id(traces[k])]:
+                findings.append(chords(traces[k], away[id(traces[k])]))
         for k, gap in sorted(net.mended.items()):
             what = "an end of the line misses the line that it should end on, or runs past it, by {}: they meet"
             findings.append(traces[index[k]].place.finding("W25", what, lengths=(gap,)))
@@ -54,9 +63,11 @@ def outlines_of(plane: Plane, findings: list[Finding]) -> tuple[list[Outline], i
             rings[k] = flat[k]
         left += len(net.loose)
     found += [(k, ring) for k, ring in enumerate(rings) if ring is not None]
-    outlines = [_outline(corners, plane, traces[k], findings) for k, corners in sorted(found, key=lambda pair: pair[0])]
+    bent = [(k, corners, 0.0 if n < meshes else away[id(traces[k])]) for n, (k, corners) in enumerate(found)]
+    outlines = [_outline(corners, plane, traces[k], curve, findings) for k, corners, curve in sorted(bent, key=lambda one: one[0])]
     sound = [outline for outline in outlines if outline is not None]
-    hatches = [_outline(line, plane, t, findings) for t, line in zip(plane.traces, lines, strict=True) if t.filled]
+    filled = [(trace, line) for trace, line in zip(plane.traces, lines, strict=True) if trace.filled]
+    hatches = [_outline(line, plane, trace, away[id(trace)], findings) for trace, line in filled]
     fillings = [outline for outline in hatches if outline is not None and not outline.trace.void]
     voids = [outline for outline in hatches if outline is not None and outline.trace.void]
     borders = covering(_regions(sound), _regions(voids), alike=True)
@@ -150,10 +161,22 @@ def _crossing(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> Flo
     return a + u * float(w[0] * v[1] - w[1] * v[0]) / cross
 
 
-def _outline(corners: FloatArray, plane: Plane, trace: Trace, findings: list[Finding]) -> Outline | None:
+def _away(line: FloatArray, fine: FloatArray | None) -> float:
+    """Return how far a curve drawn finely (m, 2) is from the chords taken for it; 0 of a line without curves."""
+    if fine is None:
+        return 0.0
+    return farthest(np.concatenate([line, line[:1]]) if np.array_equal(fine[0], fine[-1]) else line, fine)
+
+
+def chords(trace: Trace, apart: float) -> Finding:
+    """Return the finding of a curve that chords were taken for; apart: how far it leaves them, drawing units."""
+    return trace.place.finding("W27", "curved sides, up to {} from the chords taken for them", lengths=(apart,))
+
+
+def _outline(corners: FloatArray, plane: Plane, trace: Trace, curve: float, findings: list[Finding]) -> Outline | None:
     corners = without_idle_corners(corners)
     if flaw := outline_flaw(corners):
         finding = trace.place.finding
         findings.append(finding("E25", f"the outline {flaw}", expected="a closed outline of one stone", remedy="Redraw it."))
         return None
-    return Outline(polygon(turned_left(corners)), plane, trace)
+    return Outline(polygon(turned_left(corners)), plane, trace, curve)

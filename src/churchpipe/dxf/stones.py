@@ -89,7 +89,7 @@ def survey(doc: Any, repair: bool) -> Survey:
         _visit(found, read_content(list(doc.modelspace()), "", "", IDENTITY, found.findings), _Branch())
         for layout in doc.layouts:
             if layout.is_any_paperspace:
-                drawn = sum(e.dxftype() in ("INSERT", "MESH", "POLYLINE", "3DFACE", "3DSOLID", "BODY") for e in layout)
+                drawn = sum(e.dxftype() in (*KINDS, "INSERT", "MESH", "3DFACE", "3DSOLID", "BODY") for e in layout)
                 found.left_out["in paper space"] += drawn
     except TooDeepError as deep:
         what = f"blocks nested more than {DEEPEST} deep, from {deep.trail[0]} on down to {deep.trail[-1]}"

@@ -11,7 +11,6 @@ from ezdxf.lldxf import const
 from churchpipe.dxf.definitions import Matrix, transformed
 from churchpipe.dxf.schema import LARGEST_COORDINATE
 from churchpipe.findings import Place
-from churchpipe.geometry.nets import farthest
 from churchpipe.geometry.planar import nested, polygon
 from churchpipe.model.arrays import FloatArray
 
@@ -27,9 +26,9 @@ class Trace:
     """One line as drawn.
 
     points (n, 3), drawing units, in space; closed: said to be closed, then the first point is not repeated; normal (3,): of the
-    plane it is drawn in; depth: its DXF thickness, 0 when it has none; curve: how far a curve leaves the chords taken for it;
-    filled: boundary of a hatch; void: of a part of it that is left empty; bearing: drawn as ground; fine (m, 3): the points of a
-    line with curves, drawn finely, the first one repeated when it is closed.
+    plane it is drawn in; depth: its DXF thickness, 0 when it has none; filled: boundary of a hatch; void: of a part of it that is
+    left empty; bearing: drawn as ground; fine (m, 3): the points of a line with curves, drawn finely, the first one repeated when it
+    is closed.
     """
 
     points: FloatArray
@@ -38,7 +37,6 @@ class Trace:
     place: Place
     layer: str
     depth: float = 0.0
-    curve: float = 0.0
     filled: bool = False
     void: bool = False
     bearing: bool = False
@@ -74,14 +72,14 @@ def traces_of(entity: Any, matrix: Matrix, place: Place, layer: str, bearing: bo
             continue
         points = transformed(points, matrix)
         fine = None if fine is None else transformed(fine, matrix)
-        curve = 0.0 if fine is None else farthest(points @ across, fine @ across)
         points = points[:-1] if closed else points
         x, y, z = points[0].tolist()
         where = Place(place.entity, place.handle, place.block, (x, y, z))
         sane = bool((np.abs(points) <= LARGEST_COORDINATE).all())
         own_plane = _plane_of(points, up) if sane and _apart(points, up) > FLAT else up
-        out.append(Trace(points, closed, own_plane, where, layer, depth, curve, filled, bearing=bearing, fine=fine))
-    return _with_voids(out, across, entity.dxf.get("hatch_style", 0)) if filled and len(out) > 1 else out
+        out.append(Trace(points, closed, own_plane, where, layer, depth, filled, bearing=bearing, fine=fine))
+    several = filled and len(out) > 1 and all((np.abs(trace.points) <= LARGEST_COORDINATE).all() for trace in out)
+    return _with_voids(out, across, entity.dxf.get("hatch_style", 0)) if several else out
 
 
 def _boundaries(hatch: Any) -> list[Any]:
@@ -140,10 +138,15 @@ def _plane_of(points: FloatArray, drawn: FloatArray) -> FloatArray:
 
 
 def _flattened(line: Any) -> tuple[FloatArray, FloatArray | None]:
-    """Return the corners of a path (n, 3) without those that repeat; and the path with curves drawn finely (m, 3), or None."""
+    """Return the corners of a path (n, 3) without those that repeat; and the path with curves drawn finely (m, 3), or None.
+
+    Corners that no building has are returned as they are, for whoever gathers the lines to name.
+    """
     ends = np.array([tuple(vertex) for vertex in line.control_vertices()], dtype=float).reshape(-1, 3)
+    if not (np.abs(ends) <= LARGEST_COORDINATE).all():
+        return ends, None
     size = float(np.ptp(ends, axis=0).max()) if len(ends) else 0.0
-    if not (0 < size < np.inf):
+    if size == 0:
         return np.zeros((0, 3)), None
     if not line.has_curves:
         return _distinct(ends, size), None

@@ -361,23 +361,44 @@ def test_rings_of_an_arch_meet_wherever_their_joints_are(first: int, second: flo
     assert not len(contacts.near_misses.gap)
 
 
-@pytest.mark.parametrize("overrun", [0.0, 5.0])
-def test_an_arch_of_two_arcs_and_radial_lines(overrun: float, tmp_path: Path) -> None:
-    """The lower arc closes over an empty place, but the room under it is no stone."""
+@pytest.mark.parametrize("count", [7, 9, 15])
+@pytest.mark.parametrize("overrun", [0.0, 5.0, -5.0])
+def test_an_arch_of_two_arcs_and_radial_lines(overrun: float, count: int, tmp_path: Path) -> None:
+    """The lower arc closes over an empty place, but the room under it is no stone. The arcs have corners where the lines end."""
 
     def draw(space: Any) -> None:
         for radius in (1000, 1300):
             space.add_arc((0, 0), radius, 0, 180)
-        for number, angle in enumerate(np.linspace(0, np.pi, 16)):
-            past = overrun if 0 < number < 15 else 0.0
+        for number, angle in enumerate(np.linspace(0, np.pi, count + 1)):
+            past = overrun if 0 < number < count else 0.0
             ends = [(r * np.cos(angle), r * np.sin(angle)) for r in (1000 - past, 1300 + past)]
             space.add_line(*ends)
 
-    stones = read(drawn(tmp_path / "a.dxf", draw, ground=False), support="base").stones
+    drawing = read(drawn(tmp_path / "a.dxf", draw, ground=False), support="base")
+    stones = drawing.stones
     contacts = find_contacts(stones)
     free = contacts.blocks[~stones.fixed[contacts.blocks].any(axis=1)]
-    assert (int((~stones.fixed).sum()), len(free)) == (15, 14)
-    assert stones.volume[~stones.fixed].sum() == pytest.approx(0.5 * np.pi * (1.3**2 - 1) * 0.12, rel=0.02)
+    assert (int((~stones.fixed).sum()), len(free)) == (count, count - 1)
+    assert stones.volume[~stones.fixed] == pytest.approx([0.5 * np.pi * (1.3**2 - 1) * 0.12 / count] * count, rel=0.01)
+    assert contacts.area[~stones.fixed[contacts.blocks].any(axis=1)] == pytest.approx([0.3 * 0.12] * (count - 1), rel=2e-3)
+    # Lines that end on the arcs miss nothing; those that overrun, or fall short, are told.
+    assert set(codes(drawing)) == {"W12", "W27"} | ({"W25"} if overrun else set())
+    away = [finding.lengths[0] for finding in drawing.findings if finding.code == "W27"]
+    assert len(away) == 2
+    assert max(away) < 0.01 * 1.3 * np.pi / count
+
+
+def test_a_wheel_of_two_circles_and_spokes_has_stones_alike(tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        for radius in (900, 1200):
+            space.add_circle((0, 0), radius)
+        for angle in np.arange(14) * 2 * np.pi / 14 + 0.1:
+            space.add_line(*((r * np.cos(angle), r * np.sin(angle)) for r in (900, 1200)))
+
+    stones = read(drawn(tmp_path / "a.dxf", draw, ground=False), support="base").stones
+    assert stones.volume[~stones.fixed][:-1].max() > 0.25  # the round in the middle is an area of the net too
+    ring = np.sort(stones.volume[~stones.fixed])[:-1]
+    assert ring == pytest.approx([np.pi * (1.2**2 - 0.9**2) * 0.12 / 14] * 14, rel=0.01)
 
 
 @pytest.mark.parametrize(
@@ -504,3 +525,35 @@ def test_duplicates_are_listed_and_dropped_on_request(tmp_path: Path) -> None:
     drawing = read(path, joint=0.010, repair=True)
     assert codes(drawing) == ["W11", "W26"]
     assert drawing.stones.count == 4
+
+
+@pytest.mark.parametrize("number", ["nan", "inf", "-inf", "1e400", "1e300"])
+@pytest.mark.parametrize("kind", ["outline", "hatch", "line"])
+def test_an_outline_with_a_coordinate_that_is_no_number_is_named(kind: str, number: str, tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        if kind == "outline":
+            space.add_lwpolyline([(x + 0.125, y) for x, y in BRICK], close=True)
+        elif kind == "line":
+            space.add_line((0.125, 0), (9, 9))
+        else:
+            paths = space.add_hatch().paths
+            paths.add_polyline_path([(x + 0.125, y) for x, y in BRICK], is_closed=True)
+            paths.add_polyline_path([(x / 2 + 20, y / 2 + 20) for x, y in BRICK], is_closed=True)
+        space.add_lwpolyline([(x, y + 65) for x, y in BRICK], close=True)
+
+    path = drawn(tmp_path / "a.dxf", draw)
+    path.write_text(path.read_text().replace("\n0.125\n", f"\n{number}\n", 1))
+    found = next(finding for finding in findings_of(path) if finding.severity == "error")
+    assert found.code in ("E10", "E03")
+    assert found.entity == {"outline": "LWPOLYLINE", "hatch": "HATCH", "line": "LINE"}[kind]
+
+
+def test_outlines_on_paper_are_counted(tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        space.doc.layout("Layout1").add_lwpolyline(BRICK, close=True)
+        space.doc.layout("Layout1").add_line((0, 0), (1, 1))
+
+    for stones in (False, True):
+        path = drawn(tmp_path / "a.dxf", lambda space: (draw(space), stones and space.add_lwpolyline(BRICK, close=True)))  # noqa: B023
+        said = str(read(path).findings if stones else findings_of(path))
+        assert "left out: 2 in paper space." in said
