@@ -45,16 +45,27 @@ _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 @dataclass(frozen=True, slots=True)
 class Imported:
-    """What an import made: the case file, how many stones, how many of them are fixed, the findings (warnings), the
-    keys of the case that nobody gave, and what is to be said of the shell and of the joints."""
+    """What an import made: the case file, how many stones and their volume (m3), how many more are fixed, the findings
+    (warnings), the keys of the case that nobody gave, and what is to be said of the shell and of the joints."""
 
     case: Path
     stones: int
+    volume: float
     fixed: int
     findings: Findings
     missing: tuple[str, ...]
     shell: str
     joints: tuple[str, ...]
+
+
+class UnsoundError(InputError):
+    """Stones that were read but float, overlap or nearly meet. drawing: what was read; its findings are part of the message."""
+
+    def __init__(self, error: InputError, drawing: Drawing) -> None:
+        super().__init__(error.where, error.problem, found=error.found, expected=error.expected, remedy=error.remedy)
+        self.drawing, self.fault = drawing, str(error)
+        # What was left out of the file, or mended in it, may be the very reason.
+        self.args = ("\n".join(filter(None, (str(error), str(drawing.findings)))),)
 
 
 def check_drawing(
@@ -69,11 +80,14 @@ def check_drawing(
 
     Raises
     ------
-    InputError: the file has errors, all of them listed.
+    InputError: the file has errors, all of them listed; `UnsoundError` where its stones can be read and are not sound.
     """
     drawing = read_file(path, unit_weight=unit_weight, **asdict(reading))
-    contacts = find_contacts(drawing.stones, **reading.tolerances(tolerances))
-    check_soundness(drawing.stones, contacts)
+    try:
+        contacts = find_contacts(drawing.stones, **reading.tolerances(tolerances))
+        check_soundness(drawing.stones, contacts)
+    except InputError as error:
+        raise UnsoundError(error, drawing) from error
     return drawing, contacts
 
 
@@ -149,7 +163,13 @@ def import_drawing(
     fixed = int(drawing.stones.fixed.sum())
     note = f"{shell.note} {gate_words(contacts, shell)}".strip()
     count = drawing.stones.count - fixed
-    return Imported(case, count, fixed, drawing.findings, tuple(missing), note, joint_words(drawing.stones, contacts))
+    volume, said = free_volume(drawing.stones), joint_words(drawing.stones, contacts)
+    return Imported(case, count, volume, fixed, drawing.findings, tuple(missing), note, said)
+
+
+def free_volume(stones: Assemblage) -> float:
+    """Return the volume, m3, of the stones that are not fixed, to be compared with what was drawn."""
+    return float(stones.volume[~stones.fixed].sum())
 
 
 def joint_words(stones: Assemblage, contacts: Contacts) -> tuple[str, ...]:
@@ -239,6 +259,10 @@ def parse_length(option: str, text: str | None) -> float | None:
 
 def parse_tolerances(contact_gap: str | None, contact_angle: float | None, overlap: str | None) -> dict[str, float | None]:
     """Return `TOLERANCES` from the words of the command line, an angle in degrees; None for those that nobody gave."""
+    if contact_angle is not None and not 0 < contact_angle < 90:
+        raise UsageError(
+            "--contact-angle-deg", "out of range", found=contact_angle, expected="degrees between 0 and 90, such as 5"
+        )
     angle = None if contact_angle is None else math.radians(contact_angle)
     lengths = parse_length("--contact-gap", contact_gap), parse_length("--overlap", overlap)
     return dict(zip(TOLERANCES, (lengths[0], angle, lengths[1]), strict=True))

@@ -50,7 +50,8 @@ def import_file(
         tolerances=parse_tolerances(contact_gap, contact_angle, overlap),
     )
     _list(done.findings)
-    out.print(f"{counted(done.stones, 'stone')} on {counted(done.fixed, 'fixed one')}: {done.case}", markup=False, soft_wrap=True)
+    held = f"{counted(done.stones, 'stone')}, {done.volume:.4g} m3, on {counted(done.fixed, 'fixed one')}"
+    out.print(f"{held}: {done.case}", markup=False, soft_wrap=True)
     more = ", findings.json, and findings.dxf with circles to lay over the drawing" if len(done.findings) else ""
     out.print(f"Look at it: {folder / 'findings.html'}{more}", markup=False, soft_wrap=True)
     for line in (*done.joints, done.shell):
@@ -83,7 +84,7 @@ def check(
         check_case(file, changes or ())
         return
     from churchpipe.findings import FindingsError
-    from churchpipe.importing import check_drawing, joint_words, parse_tolerances, record_findings
+    from churchpipe.importing import UnsoundError, check_drawing, free_volume, joint_words, parse_tolerances, record_findings
 
     try:
         read, contacts = check_drawing(file, reading, tolerances=parse_tolerances(contact_gap, contact_angle, overlap))
@@ -91,6 +92,11 @@ def check(
         if folder:
             again = "Mend what the errors say, then check it again."
             record_findings(error.findings, folder, reading.units or "m", error.bodies, again)
+            err.print(f"Look at it: {folder / 'findings.html'}", markup=False, soft_wrap=True)
+        raise
+    except UnsoundError as error:
+        if folder:
+            record_findings(error.drawing.findings, folder, error.drawing.units, error.drawing.stones, error.fault)
             err.print(f"Look at it: {folder / 'findings.html'}", markup=False, soft_wrap=True)
         raise
     _list(read.findings)
@@ -101,7 +107,8 @@ def check(
         record_findings(read.findings, folder, read.units, read.stones, f"{after}, with the same options, makes a case of it.")
         out.print(f"Look at it: {folder / 'findings.html'}", markup=False, soft_wrap=True)
     warnings = counted(len(read.findings), "warning") if len(read.findings) else "nothing to report"
-    out.print(f"{file}: {counted(int((~read.stones.fixed).sum()), 'stone')}, {warnings}.", markup=False, soft_wrap=True)
+    held = f"{counted(int((~read.stones.fixed).sum()), 'stone')}, {free_volume(read.stones):.4g} m3"
+    out.print(f"{file}: {held}, {warnings}.", markup=False, soft_wrap=True)
     out.print(f"Next: {after}, with the same options", markup=False, soft_wrap=True)
 
 

@@ -165,7 +165,9 @@ def bag_bodies(faces: Sequence[Face3d]) -> tuple[list[tuple[Face3d, Body]], list
             run = range(first, number + 1)
             offsets = np.cumsum([0] + [len(corners[k]) for k in run])
             indices = [range(start, end) for start, end in pairwise(offsets)]
-            out += [(faces[first], body) for body in _parted(np.concatenate([corners[k] for k in run]), list(map(tuple, indices)))]
+            out += [
+                (faces[first], body) for body in _parted(np.concatenate([corners[k] for k in run]), list(map(tuple, indices)))
+            ]
             first = number + 1
     return out, list(faces[first:])
 

@@ -16,7 +16,8 @@ def distinct_stones(stones: list[Stone], repair: bool, findings: list[Finding]) 
     dropped: set[int] = set()
     for first, second in coinciding(stones):
         one, other = stones[first], stones[second]
-        found = f'stone "{other.name}" lies on "{one.name}" (#{one.place.handle})'
+        handle = f" (#{one.place.handle})" if one.place.handle else ""
+        found = f'stone "{other.name}" lies on "{one.name}"{handle}'
         if repair and (one.fixed, one.material) == (other.fixed, other.material):
             findings.append(other.place.finding("W11", f"{found} and was dropped"))
             dropped.add(second)

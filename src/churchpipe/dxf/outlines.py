@@ -64,7 +64,9 @@ def outlines_of(plane: Plane, findings: list[Finding]) -> tuple[list[Outline], i
         left += len(net.loose)
     found += [(k, ring) for k, ring in enumerate(rings) if ring is not None]
     bent = [(k, corners, 0.0 if n < meshes else away[id(traces[k])]) for n, (k, corners) in enumerate(found)]
-    outlines = [_outline(corners, plane, traces[k], curve, findings) for k, corners, curve in sorted(bent, key=lambda one: one[0])]
+    outlines = [
+        _outline(corners, plane, traces[k], curve, findings) for k, corners, curve in sorted(bent, key=lambda one: one[0])
+    ]
     sound = [outline for outline in outlines if outline is not None]
     filled = [(trace, line) for trace, line in zip(plane.traces, lines, strict=True) if trace.filled]
     hatches = [_outline(line, plane, trace, away[id(trace)], findings) for trace, line in filled]

@@ -50,6 +50,10 @@ class Reading:
         for name in ("thickness", "joint", "course", "stone"):
             if getattr(self, name) is not None:
                 positive(name, getattr(self, name))
+        for name, usual in (("joint_mode", "grow"), ("mortar", "counted")):
+            if self.joint is None and getattr(self, name) != usual:
+                expected = "joint, the width of the joints, beside it"
+                raise InputError(name, "no joint to close", found=getattr(self, name), expected=expected)
         if self.bond is None:
             for name in ("course", "stone"):
                 if getattr(self, name) is not None:

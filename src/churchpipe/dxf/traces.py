@@ -27,8 +27,8 @@ class Trace:
 
     points (n, 3), drawing units, in space; closed: said to be closed, then the first point is not repeated; normal (3,): of the
     plane it is drawn in; depth: its DXF thickness, 0 when it has none; filled: boundary of a hatch; void: of a part of it that is
-    left empty; bearing: drawn as ground; fine (m, 3): the points of a line with curves, drawn finely, the first one repeated when it
-    is closed.
+    left empty; bearing: drawn as ground; fine (m, 3): the points of a line with curves, drawn finely, the first one repeated when
+    it is closed.
     """
 
     points: FloatArray

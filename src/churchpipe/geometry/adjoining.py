@@ -22,7 +22,8 @@ def encloses(points: FloatArray, parts: Sequence[Sequence[Face]]) -> list[bool]:
     """Return for each part whether its faces close, each edge between two of them, around a volume of either sign."""
     volumes = np.abs(signed_volumes([(points, part) for part in parts])).tolist()
     return [
-        volume > NOTHING_INSIDE * _size(points, part) ** 3 and not _open(part) for part, volume in zip(parts, volumes, strict=True)
+        volume > NOTHING_INSIDE * _size(points, part) ** 3 and not _open(part)
+        for part, volume in zip(parts, volumes, strict=True)
     ]
 
 
@@ -74,8 +75,8 @@ def _opened_and_closed(along: FloatArray, around: list[tuple[int, bool]], normal
     into = np.cross(normals[numbers], axis) * np.where([forward for _, forward in around], 1.0, -1.0)[:, None]
     start = into[0] / max(float(np.linalg.norm(into[0])), 1e-300)
     angle = np.arctan2(into @ np.cross(axis, start), into @ start) % (2 * np.pi)
-    # A face that runs against the edge has its solid on the side where the angle grows. Of two that lie on each other the one that
-    # closes a solid comes before the one that opens the next.
+    # A face that runs against the edge has its solid on the side where the angle grows. Of two that lie on each other the one
+    # that closes a solid comes before the one that opens the next.
     order = sorted(range(len(around)), key=lambda k: (_step(angle[k]), not around[k][1]))
     opens = [not around[k][1] for k in order]
     if any(one == other for one, other in pairwise([*opens, opens[0]])):

@@ -76,7 +76,7 @@ def _drawn_on(side: FloatArray) -> FloatArray:
 
 
 def _ends(line: FloatArray, bent: bool, closed: bool) -> BoolArray:
-    """Return which corners (n,) of a line somebody drew: all of a straight one, the ends of one with curves that is not closed."""
+    """Return which corners (n,) of a line were drawn: all of a straight one, the ends of one with curves that is not closed."""
     drawn = np.full(len(line), not bent)
     if not closed:
         drawn[[0, -1]] = True

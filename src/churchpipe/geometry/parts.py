@@ -16,8 +16,8 @@ def parts_of(points: FloatArray, faces: Sequence[Face]) -> list[list[int]]:
     """Return the numbers of the faces of each part, in order of their first.
 
     Faces that share vertices and close are a part. The others, such as the facets of an STL, are joined where their vertices lie
-    at one place; where several solids meet so, a run of faces that closes is a part, for programs write one after the other. Where
-    faces come in another order, the side on which each is solid tells them apart.
+    at one place; where several solids meet so, a run of faces that closes is a part, for programs write one after the other.
+    Where faces come in another order, the side on which each is solid tells them apart.
     """
     parts: list[list[int]] = []
     open_parts: list[list[int]] = []

@@ -35,7 +35,7 @@ from churchpipe.meshes.obj import read_obj
 from churchpipe.meshes.ply import read_ply
 from churchpipe.meshes.rhino import read_3dm
 from churchpipe.meshes.solids import dissolved, parted, to_stones
-from churchpipe.meshes.source import Body, Source, refused
+from churchpipe.meshes.source import MOST_NAMED, Body, Source, refused
 from churchpipe.meshes.stl import read_stl
 from churchpipe.meshes.threedec import read_3dec
 from churchpipe.meshes.threemf import read_3mf
@@ -107,7 +107,9 @@ def read_file(path: str | os.PathLike[str], *, unit_weight: float | Mapping[str,
     if path.suffix.lower() == ".dxf" and not path.is_dir():
         for name, given in (("up", reading.up not in (None, "z")), ("scale", reading.scale != 1.0)):
             if given:
-                raise InputError(name, "drawings are read as they are drawn", expected="no such option for a DXF")
+                found, expected = f"{name} = {getattr(reading, name)}", "neither up nor scale for a DXF"
+                remedy = "Leave it out, and turn or scale the drawing in the CAD program."
+                raise InputError(path.name, "a drawing is read as it is drawn", found=found, expected=expected, remedy=remedy)
         return read_drawing(path, unit_weight=unit_weight, **asdict(reading))
     weights_given = given_weights(unit_weight)
     source = read_source(path)
@@ -207,9 +209,13 @@ def _read_folder(path: Path) -> Source:
         for body in source.bodies:
             name = file.stem if single or not body.name else f"{file.stem}/{body.name}"
             bodies.append(replace(body, name=name))
-    others = len([file for file in path.iterdir() if not file.name.startswith(".")]) - len(files)
+    others = sorted({file.name for file in path.iterdir() if not file.name.startswith(".")} - {file.name for file in files})
     findings = [finding for source in sources for finding in source.findings]
-    findings += [Finding("W18", f"left out: {counted(others, 'file')} in other formats")] if others else []
+    if others:
+        named = ", ".join(others[:MOST_NAMED]) + (f" and {len(others) - MOST_NAMED} more" if len(others) > MOST_NAMED else "")
+        remedy = "Look whether a stone is among them: convert it to one of the formats, and import a drawing by itself."
+        found = f"left out: {counted(len(others), 'file')} in other formats, {named}"
+        findings.append(Finding("W18", found, remedy=remedy))
     return Source(bodies, first.reader, first.unit, first.up, findings, first.flat)
 
 

@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 
@@ -13,6 +14,9 @@ from churchpipe.findings import Finding, Findings, FindingsError, Place
 from churchpipe.model.arrays import FloatArray, IntArray
 
 Face = tuple[int, ...]
+
+# Kinds of lines, or files, that one finding names.
+MOST_NAMED: Final = 12
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,6 +125,10 @@ def damaged(line: int, text: str, expected: str) -> Finding:
 
 
 def left_out(counts: dict[str, int]) -> list[Finding]:
-    """Return the finding of what a file has besides bodies."""
-    listed = ", ".join(f"{count} {what}" for what, count in counts.items() if count)
+    """Return the finding of what a file has besides bodies; of very many kinds the most frequent ones."""
+    kinds = [(count, what) for what, count in counts.items() if count]
+    kinds = sorted(kinds, key=lambda kind: -kind[0]) if len(kinds) > MOST_NAMED else kinds
+    rest = sum(count for count, _ in kinds[MOST_NAMED:])
+    listed = ", ".join(f"{count} {what}" for count, what in kinds[:MOST_NAMED])
+    listed += f" and {rest} of {len(kinds) - MOST_NAMED} more kinds" if rest else ""
     return [Finding("W18", f"left out: {listed}")] if listed else []

@@ -266,7 +266,7 @@ def test_a_sound_drawing_is_0(capsys: pytest.CaptureFixture[str], tmp_path: Path
     write_dxf(two_cubes, tmp_path / "a.dxf", materials=[Material("default", 2e4, 0.6)])
     code, out, err = call(capsys, "check", tmp_path / "a.dxf")
     assert (code, err) == (0, "")
-    assert "2 stones, nothing to report." in out
+    assert "2 stones, 2 m3, nothing to report." in out
 
 
 @pytest.mark.parametrize(

@@ -271,3 +271,21 @@ def test_a_key_given_twice_in_json_is_named(tmp_path: Path) -> None:
     path.write_text('{"vertex": {}, "face": {}, "vertex": {}}')
     with pytest.raises(FindingsError, match='the key "vertex" is given twice'):
         cp.read_stones(path)
+
+
+def test_a_file_in_another_format_is_not_listed_word_by_word(tmp_path: Path) -> None:
+    path = tower(tmp_path / "tower.obj", HIGH, BOX_FACES)
+    path.write_text(path.read_text() + "".join(f"word{k}\n" * (2 if k == 40 else 1) for k in range(50)) + "f 1 2 4 3\n")
+    with pytest.raises(FindingsError) as raised:
+        cp.read_stones(path)
+    said = next(finding.found for finding in raised.value.findings if finding.code == "W18")
+    assert said.startswith('left out: 2 lines that begin with "word40", ')
+    assert said.endswith("and 38 of 38 more kinds")
+
+
+def test_files_of_a_folder_that_are_left_out_are_named(tmp_path: Path) -> None:
+    tower(tmp_path / "tower.obj", HIGH, BOX_FACES)
+    for name in ("wall.dxf", "notes.txt", ".hidden"):
+        (tmp_path / name).write_text("")
+    findings = cp.read_stones(tmp_path)[1]
+    assert "left out: 2 files in other formats, notes.txt, wall.dxf. Look whether" in str(findings)

@@ -57,7 +57,7 @@ def test_what_cannot_be_read_leaves_nothing_behind(tmp_path: Path) -> None:
     with pytest.raises(FindingsError):
         import_drawing(path, tmp_path / "case")
     assert not (tmp_path / "case").exists()
-    with pytest.raises(InputError, match="no such option for a DXF"):
+    with pytest.raises(InputError, match="neither up nor scale for a DXF"):
         check_drawing(tmp_path / "wall.dxf", Reading(up="y"))
 
 

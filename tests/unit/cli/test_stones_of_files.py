@@ -1,0 +1,68 @@
+"""What `check` and `import` say of a file of stones, besides what is wrong with one entity of it."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from ezdxf.filemanagement import new
+
+from command_line import call
+
+OPTIONS = ("--thickness", "0.2m", "--support", "base")
+
+
+def drawing(path: Path, *outlines: tuple[float, float, float, float], unit: int = 6) -> Path:
+    """Outlines of boxes, x and y from and to, and a line that closes nothing."""
+    document = new("R2010")
+    document.header["$INSUNITS"] = unit
+    space: Any = document.modelspace()
+    for x, y, right, top in outlines:
+        space.add_lwpolyline([(x, y), (right, y), (right, top), (x, top)], close=True)
+    space.add_line((5, 0), (6, 0))
+    document.saveas(path)
+    return path
+
+
+def test_findings_are_listed_and_drawn_where_stones_are_unsound(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    # What was left out of the file may be why a stone floats.
+    path = drawing(tmp_path / "a.dxf", (0, 0, 0.5, 0.3), (0, 0.4, 0.5, 0.7))
+    for command in (("check", path, "-o", tmp_path / "found"), ("import", path, "-o", tmp_path / "out")):
+        code, _, err = call(capsys, *command, *OPTIONS)
+        assert code == 1
+        assert "1 without a path to a support" in err
+        assert "dxf/W18 a.dxf: left out: 1 lines that close nothing." in err
+        assert err.index("without a path") < err.index("W18")
+    assert not (tmp_path / "out").exists()
+    assert "without a path to a support" in (tmp_path / "found" / "findings.html").read_text()
+    assert (tmp_path / "found" / "findings.dxf").exists()
+
+
+def test_number_and_volume_of_the_stones_are_said(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    path = drawing(tmp_path / "a.dxf", (0, 0, 0.5, 0.3), (0, 0.3, 0.5, 0.6))
+    assert "a.dxf: 2 stones, 0.06 m3, 4 warnings." in call(capsys, "check", path, *OPTIONS)[1]
+    assert "2 stones, 0.06 m3, on 1 fixed ones: " in call(capsys, "import", path, "-o", tmp_path / "out", *OPTIONS)[1]
+
+
+REFUSED = [
+    (
+        ("--joint-mode", "keep"),
+        "--joint-mode: no joint to close; found keep; expected joint, the width of the joints, beside it.",
+    ),
+    (("--mortar", "ignored"), "--mortar: no joint to close; found ignored; expected joint"),
+    (("--contact-angle-deg", "90"), "--contact-angle-deg: out of range; found 90.0; expected degrees between 0 and 90"),
+    (("--contact-angle-deg", "0"), "--contact-angle-deg: out of range; found 0.0"),
+    (
+        ("--up", "y"),
+        "a.dxf: a drawing is read as it is drawn; found up = y; expected neither up nor scale for a DXF. Leave it out",
+    ),
+    (("--scale", "10"), "a.dxf: a drawing is read as it is drawn; found scale = 10.0"),
+]
+
+
+@pytest.mark.parametrize(("given", "said"), REFUSED, ids=[" ".join(given) for given, _ in REFUSED])
+def test_options_that_would_do_nothing_are_refused(
+    given: tuple[str, ...], said: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    code, _, err = call(capsys, "check", drawing(tmp_path / "a.dxf", (0, 0, 0.5, 0.3)), *OPTIONS, *given)
+    assert code in (1, 2)
+    assert said in err
