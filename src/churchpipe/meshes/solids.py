@@ -99,7 +99,9 @@ def to_stones(
     flats, ground = 0, []
     for item in bodies:
         body = item.body
-        by_name = bool(_GROUND.match(body.name) or _GROUND.match(body.material))
+        # A body of one of several files has the name of the file before its own.
+        names = (body.name, body.name.rpartition("/")[2], body.material)
+        by_name = any(map(_GROUND.match, names))
         fixed = body.fixed or by_name
         ground += [body.name or body.material] if by_name and not body.fixed else []
         shells: list[tuple[Mended, str]] = []

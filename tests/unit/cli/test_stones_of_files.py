@@ -40,7 +40,7 @@ def test_findings_are_listed_and_drawn_where_stones_are_unsound(capsys: pytest.C
 def test_number_and_volume_of_the_stones_are_said(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     path = drawing(tmp_path / "a.dxf", (0, 0, 0.5, 0.3), (0, 0.3, 0.5, 0.6))
     assert "a.dxf: 2 stones, 0.06 m3, 4 warnings." in call(capsys, "check", path, *OPTIONS)[1]
-    assert "2 stones, 0.06 m3, on 1 fixed ones: " in call(capsys, "import", path, "-o", tmp_path / "out", *OPTIONS)[1]
+    assert "2 stones, 0.06 m3, on 1 fixed one: " in call(capsys, "import", path, "-o", tmp_path / "out", *OPTIONS)[1]
 
 
 REFUSED = [
