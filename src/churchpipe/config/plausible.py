@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from churchpipe.config.carries import KINDS
+from churchpipe.config.carries import KINDS, LOADS, plain
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.quantities import UNITS, Unit, Usual, declared, unit_of, written
 from churchpipe.shell_mesh.element_count import element_count
@@ -62,9 +62,13 @@ def _of_case(case: "Case") -> Iterator[str]:
     for name, settings in (("rigid", case.rigid), ("shell", case.shell), ("check", case.check)):
         if settings is not None:
             yield from _of_record(settings, f"{name}.")
-    for key in KINDS:
-        for number, record in enumerate(getattr(case.carries, key)):
+    added = {"joints": case.joints, "buttresses": case.buttresses, "ring_beams": case.ring_beams}
+    for key, records in (*added.items(), *((key, getattr(case.carries, key)) for key in KINDS)):
+        told = [plain(record) for record in records]
+        for number, record in enumerate(records):
             yield from _of_record(record, f"{key}.{number}.")
+            if key in LOADS and told[number] in told[:number]:
+                yield f"{key}.{number} is {key}.{told.index(told[number])} once more, and both count. Is it meant?"
 
 
 def _of_work(case: "Case") -> Iterator[str]:
@@ -128,7 +132,8 @@ def _of_record(record: Any, place: str) -> Iterator[str]:
         if is_dataclass(value):
             yield from _of_record(value, f"{place}{item.key}.")
         elif item.quantity and item.quantity.usual and value is not None:
-            yield _question(place + item.key, written(item.key, float(value)), item.quantity.usual, unit_of(item.key))
+            for one in value if isinstance(value, tuple) else (value,):
+                yield _question(place + item.key, written(item.key, float(one)), item.quantity.usual, unit_of(item.key))
 
 
 def _question(name: str, value: float, usual: Usual, unit: Unit) -> str:

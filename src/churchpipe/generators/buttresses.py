@@ -43,6 +43,9 @@ def with_buttresses(building: Building, buttresses: Iterable[Buttress]) -> Build
         if wall is None:
             raise InputError(where, "no such wall", found=buttress.wall, expected=", ".join(panels))
         names = [f"{buttress.name or wall.name} buttress {number + 1}" for number in range(len(buttress.along))]
+        if taken := [name for name in names if name in panels]:
+            remedy = 'Give them a name of their own: name = "west", say. Buttresses alike may be one table with several places.'
+            raise InputError(f"{where}: name", "not the only ones of their name", found=taken[0], remedy=remedy)
         made = tuple(_panel(where, wall, buttress, *one) for one in zip(buttress.along, names, strict=True))
         loose = () if buttress.bonded else tuple(Junction((wall.name, name)) for name in names)
         building = replace(building, panels=(*building.panels, *made), junctions=(*building.junctions, *loose))
@@ -99,6 +102,10 @@ def _place(where: str, wall: Panel, chart: PlaneChart, along: float, width: floa
     s = wall.outline[:, 0].min(), wall.outline[:, 0].max()
     axis = chart.s_axis if chart.s_axis[0] > 1e-9 or (abs(chart.s_axis[0]) <= 1e-9 and chart.s_axis[1] > 0) else -chart.s_axis
     start = chart.origin + (s[0] if float(axis @ chart.s_axis) > 0 else s[1]) * chart.s_axis
+    if width > s[1] - s[0] + _WHOLE:
+        raise InputError(
+            f"{where}: width", f"wider than the wall {wall.name}", found=f"{width:g} m", expected=f"at most {s[1] - s[0]:g} m"
+        )
     if not width / 2 - _WHOLE <= along <= s[1] - s[0] - width / 2 + _WHOLE:
         expected = f"{width / 2:g} to {s[1] - s[0] - width / 2:g} m along it"
         raise InputError(f"{where}: along", f"beyond the wall {wall.name}", found=f"{along:g} m", expected=expected)

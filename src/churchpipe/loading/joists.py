@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from churchpipe.errors import InputError
 from churchpipe.geometry.walls import wall_line
 from churchpipe.loading.bearing import bearing_stones
 from churchpipe.loading.floors import FloorLine, floor_lines
@@ -9,6 +10,9 @@ from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.diaphragm import Diaphragm
 from churchpipe.model.ties import Anchor, Tie
+
+# A floor with more is refused: each is a tie of the analysis.
+MOST_JOISTS = 500
 
 
 def joists_of(stones: Assemblage, floor: Diaphragm) -> list[Tie]:
@@ -23,6 +27,10 @@ def joists_of(stones: Assemblage, floor: Diaphragm) -> list[Tie]:
     lines = floor_lines(floor, [wall_line(stones, name, floor.called) for name in floor.walls])
     length = lines[0].end - lines[0].begin
     count = max(1, round(length / floor.spacing))
+    if count > MOST_JOISTS:
+        expected = f"at most {MOST_JOISTS} joists"
+        remedy = "Look whether the spacing is in another unit, or take several joists as one."
+        raise InputError(f"{floor.called}: spacing", "too many joists", found=f"{count:,}", expected=expected, remedy=remedy)
     strength = floor.friction * floor.dead * lines[0].width(0.0) * length / count + floor.fixing
     width, height = floor.joist
     held_by = "friction and fixing" if floor.friction and floor.fixing else "fixing" if floor.fixing else "friction"

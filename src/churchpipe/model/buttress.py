@@ -7,9 +7,11 @@ from churchpipe.errors import InputError
 from churchpipe.model.arguments import positive, text
 from churchpipe.model.arrays import flags, floats, store
 from churchpipe.model.carried import TOWARD, Metres
-from churchpipe.model.quantities import Quantity
+from churchpipe.model.quantities import Quantity, Usual
 
-_Size = Annotated[float, Quantity("_m", 0.0, above=True)]
+_Size = Annotated[
+    float, Quantity("_m", 0.0, above=True, usual=Usual(0.03, 20, "pilasters to the flying buttresses of cathedrals"))
+]
 
 
 @dataclass(frozen=True, slots=True)

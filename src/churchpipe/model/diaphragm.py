@@ -11,6 +11,9 @@ from churchpipe.model.carried import AreaLoad
 from churchpipe.model.quantities import Length, Quantity, Usual
 
 TIMBER_MODULUS = 10e9
+_FRICTION = Usual(0, 1.5, "wood or steel on masonry has 0.3 to 0.7")
+_FIXING = Usual(0, 500, "an anchor in masonry holds some 5 to 50")
+_MODULUS = Usual(0.5, 250, "timber to steel")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,10 +52,12 @@ class Diaphragm(AreaLoad):
         Quantity("_m", 0.0, above=True, usual=Usual(0.1, 6, "joists to main beams")),
         "From joist to joist; the floor is divided evenly, about so.",
     ]
-    friction: Annotated[float, Quantity("", 0.0), "Of a joist on its bearings."] = 0.0
-    fixing: Annotated[float, Quantity("_kN", 0.0), "What an anchor at each end of a joist holds beside friction."] = 0.0
+    friction: Annotated[float, Quantity("", 0.0, usual=_FRICTION), "Of a joist on its bearings."] = 0.0
+    fixing: Annotated[
+        float, Quantity("_kN", 0.0, usual=_FIXING), "What an anchor at each end of a joist holds beside friction."
+    ] = 0.0
     joist: Annotated[tuple[Length, Length], "Width and height of a joist: its stiffness, for capacity curves."] = (0.1, 0.2)
-    modulus: Annotated[float, Quantity("_GPa", 0.0, above=True), "Of the joists."] = TIMBER_MODULUS
+    modulus: Annotated[float, Quantity("_GPa", 0.0, above=True, usual=_MODULUS), "Of the joists."] = TIMBER_MODULUS
     bearing_length: Annotated[
         float | None, Quantity("_mm", 0.0, above=True), "A joist pulled so far falls off; left out: never."
     ] = None

@@ -7,11 +7,11 @@ from churchpipe.errors import InputError
 from churchpipe.model.arguments import finite, listed, positive, text
 from churchpipe.model.arrays import flags, store
 from churchpipe.model.carried import Metres
-from churchpipe.model.quantities import Quantity
+from churchpipe.model.quantities import Quantity, Usual
 
 # How the names of beams as panels begin.
 RING_BEAM = "beam "
-_Size = Annotated[float, Quantity("_m", 0.0, above=True)]
+_Size = Annotated[float, Quantity("_m", 0.0, above=True, usual=Usual(0.03, 3, "slabs and beams"))]
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,4 +57,5 @@ class RingBeam:
         """Names of its beams, as panels of the stones."""
         if self.closed or self.slab:
             return (f"{RING_BEAM}{self.name or ' '.join(self.walls)}",)
-        return tuple(f"{RING_BEAM}on {wall}" for wall in self.walls)
+        own = f"{RING_BEAM}{self.name} on" if self.name else f"{RING_BEAM}on"
+        return tuple(f"{own} {wall}" for wall in self.walls)

@@ -9,9 +9,13 @@ from churchpipe.errors import InputError
 from churchpipe.model.arguments import describe, finite, text
 from churchpipe.model.arrays import floats, store
 from churchpipe.model.carried import Metres, Point
-from churchpipe.model.quantities import Length, Quantity, Usual
+from churchpipe.model.quantities import Quantity, Usual
 
 STEEL_MODULUS = 210e9
+_Plate = Annotated[float, Quantity("_mm", 0.0, above=True, usual=Usual(20, 3000, "washers to cast anchors and beams"))]
+_BEARING = Usual(0.05, 50, "rubble bears some 1, brickwork 2 to 4, ashlar 6 and more")
+_PUNCHING = Usual(0.005, 5, "mortars of lime have some 0.05, of cement up to 0.5")
+_STIFF = Usual(20, 300, "fibres to steel")
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,15 +100,17 @@ class TieBar:
         Quantity("_MPa", 0.0, above=True, usual=Usual(50, 2500, "wrought iron to prestressing strands")),
         "Yield strength of the steel.",
     ]
-    plate: Annotated[tuple[Length, Length] | None, "Width and height of its plates; left out: anchored in the stones."] = None
+    plate: Annotated[tuple[_Plate, _Plate] | None, "Width and height of its plates; left out: anchored in the stones."] = None
     bearing_strength: Annotated[
-        float | None, Quantity("_MPa", 0.0, above=True), "Of the masonry under the plates; left out: not checked."
+        float | None, Quantity("_MPa", 0.0, above=True, usual=_BEARING), "Of the masonry under the plates; left out: not checked."
     ] = None
     punching_strength: Annotated[
-        float | None, Quantity("_MPa", 0.0, above=True), "Shear strength of the masonry around a plate; left out: not checked."
+        float | None,
+        Quantity("_MPa", 0.0, above=True, usual=_PUNCHING),
+        "Shear strength of the masonry around a plate; left out: not checked.",
     ] = None
     pretension: Annotated[float, Quantity("_kN", 0.0), "It changes no load factor."] = 0.0
-    modulus: Annotated[float, Quantity("_GPa", 0.0, above=True), "Of the steel."] = STEEL_MODULUS
+    modulus: Annotated[float, Quantity("_GPa", 0.0, above=True, usual=_STIFF), "Of the steel."] = STEEL_MODULUS
     ultimate_strain: Annotated[float | None, Quantity("", 0.0, above=True), "Strain at which it breaks; left out: never."] = None
 
     def __init__(

@@ -3,19 +3,23 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
+import manifold3d
 import numpy as np
 
 from churchpipe.errors import InputError
+from churchpipe.geometry.manifolds import manifold
 from churchpipe.geometry.planar import hull, pieces, polygon, rings, united
 from churchpipe.geometry.prism import prism_of
 from churchpipe.geometry.walls import WallLine, wall_line
 from churchpipe.model.arguments import check_kind, positive
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage, Polyhedron, assemble
-from churchpipe.model.ring_beam import RingBeam
+from churchpipe.model.ring_beam import RING_BEAM, RingBeam
 
 # A wall's top is level to this, m.
 _LEVEL = 1e-5
+# A beam runs into stones that it overlaps deeper than this, m: drawn ones may overlap a little.
+_INTO = 1e-3
 # Beams of several walls that meet within this are one, m.
 _MEET = 1e-6
 CONCRETE = 25e3
@@ -81,7 +85,7 @@ def with_ring_beams(
     ------
     InputError
         A wall that is not there, is not straight or has no level top; a beam wider than its wall, or without height; walls of
-        one beam that do not meet, or not at one level.
+        one beam that do not meet, or not at one level; a beam that runs into stones that stand higher; a second one of its name.
     """
     check_kind("with_ring_beams: stones", stones, Assemblage)
     positive("ring beam: unit weight", unit_weight)
@@ -108,6 +112,10 @@ def add_beams(stones: Assemblage, beams: Iterable[RingBeam], unit_weight: Mappin
             solids = [_along_all(beam, own)]
         for solid, name, stretch in zip(solids, beam.bodies, own, strict=False):
             material = beam.material or str(stones.material[stretch.wall.stones[0]])
+            _check_free(out, beam, stretch, solid)
+            if name in out.panel or name in out.block_id:
+                remedy = "A beam, or a wall, has this name already: give the beam a name of its own."
+                raise InputError(f"ring beam {name.removeprefix(RING_BEAM)}", "not the only one of its name", remedy=remedy)
             out = _joined(out, solid, unit_weight[material], name, material)
     return out
 
@@ -166,6 +174,50 @@ def _along_all(beam: RingBeam, stretches: Sequence[_Stretch]) -> Polyhedron:
         )
     points, faces = prism_of(parts[0])
     return points * [1.0, 1.0, beam.height] + [0.0, 0.0, max(tops)], faces
+
+
+def _check_free(stones: Assemblage, beam: RingBeam, stretch: _Stretch, solid: Polyhedron) -> None:
+    """Raise InputError for a beam that runs into stones of walls or gables that stand higher than the top that it lies on."""
+    points = np.asarray(solid[0])
+    low, high = (edge.reduceat(stones.points, stones.block_point_ptr[:-1], axis=0) for edge in (np.minimum, np.maximum))
+    near = ((low < points.max(axis=0) - _INTO) & (high > points.min(axis=0) + _INTO)).all(axis=1)
+    body = manifold(points, [np.asarray(face) for face in solid[1]])
+    shared = {stone: body ^ _solid(stones, stone) for stone in np.flatnonzero(near).tolist()}
+    inside = [stone for stone, common in shared.items() if 2 * common.volume() > _INTO * common.surface_area()]
+    if not inside:
+        return
+    wall, single = stretch.wall, not (beam.closed or beam.slab)
+    where = f"ring beam on {wall.name}" if single else f"ring beam {beam.name or ' '.join(beam.walls)}"
+    names = stones.block_id[inside].tolist()
+    found = ", ".join(names[:4]) + (f" and {len(names) - 4} more" if len(names) > 4 else "")
+    remedy = "Let it stop short of them: from_m and to_m of a case, begin and end in Python."
+    if single and (free := _free_stretch(stones, stretch, inside)):
+        remedy = f"Let it stop short of them: from {free[0]:.6g} to {free[1]:.6g} m along the wall (from_m and to_m)."
+    raise InputError(
+        where, "it runs into stones that stand higher", found=found, expected="a free top of the wall", remedy=remedy
+    )
+
+
+def _free_stretch(stones: Assemblage, stretch: _Stretch, inside: Sequence[int]) -> tuple[float, float] | None:
+    """Return the longest part of a stretch that some stones leave free, m along the wall; None for none."""
+    (begin, end), wall = stretch.span, stretch.wall
+    taken: list[tuple[float, float]] = []
+    for stone in inside:
+        along = stones.points[slice(*stones.block_point_ptr[stone : stone + 2]), :2] @ wall.axis - float(wall.origin @ wall.axis)
+        taken.append((float(along.min()), float(along.max())))
+    free, at = [(0.0, 0.0)], begin
+    for low, high in [*sorted(taken), (end, end)]:
+        free.append((at, min(low, end)))
+        at = max(at, high)
+    low, high = max(free, key=lambda part: part[1] - part[0])
+    return (low, high) if high - low > stretch.width else None
+
+
+def _solid(stones: Assemblage, stone: int) -> manifold3d.Manifold:
+    first = stones.block_point_ptr[stone]
+    faces = range(*stones.block_face_ptr[stone : stone + 2])
+    nodes = [stones.face_nodes[stones.face_ptr[face] : stones.face_ptr[face + 1]] - first for face in faces]
+    return manifold(stones.points[first : stones.block_point_ptr[stone + 1]], nodes)
 
 
 def _over(plan: FloatArray, level: float, height: float) -> Polyhedron:

@@ -13,10 +13,13 @@ from churchpipe.config.settings import joints_of
 from churchpipe.configuring import configure
 from churchpipe.errors import InputError
 from churchpipe.io.building_json import read_building, write_building
+from churchpipe.match import match_models
 from churchpipe.resources import sample_case
 from churchpipe.shell_mesh.shell import derive_shell
 from churchpipe.stages import source
 from churchpipe.stones.blocks import derive_blocks
+from churchpipe.stones.contacts import find_contacts
+from churchpipe.stones.soundness import check_soundness
 
 READY = Path(__file__).parents[3] / "pipeline" / "cases"
 CASE = """
@@ -145,6 +148,46 @@ def test_a_beam_on_a_gable_is_refused_with_the_reason(tmp_path: Path) -> None:
     beam = '\n[[ring_beams]]\nwalls = ["facade", "nave_left"]\nheight_m = 0.3\n'
     with pytest.raises(InputError, match=r"ring_beams.0: ring beam on facade: the top of the wall facade is not level"):
         read_case(case_of(tmp_path, sample_case("chapel") + beam)).building()
+
+
+def test_a_beam_that_runs_into_a_gable_is_told_where_the_wall_is_free(tmp_path: Path) -> None:
+    beam = '\n[[ring_beams]]\nwalls = ["nave_left"]\nheight_m = 0.3\n'
+    with pytest.raises(
+        InputError, match=r"ring_beams.0: ring beam on nave_left: it runs into stones that stand higher"
+    ) as raised:
+        read_case(case_of(tmp_path, sample_case("chapel") + beam)).building()
+    free = re.search(r"from ([\d.]+) to ([\d.]+) m along the wall \(from_m and to_m\)", str(raised.value))
+    assert free
+    stops = f"from_m = {free[1]}\nto_m = {free[2]}\n"
+    building = read_case(case_of(tmp_path, sample_case("chapel") + beam + stops)).building()
+    stones = derive_blocks(building)
+    check_soundness(stones, find_contacts(stones))
+
+
+ANOTHER = '\n[[ring_beams]]\nwalls = ["wall"]\nheight_m = 0.3\n'
+
+
+def test_two_beams_on_one_wall_have_names_of_their_own(tmp_path: Path) -> None:
+    first, second = (f"{ANOTHER}from_m = {begin}\nto_m = {end}\n" for begin, end in ((0, 1.5), (2.5, 4)))
+    with pytest.raises(InputError, match=r"ring_beams.1: ring beam on wall: not the only one of its name\. .*name of its own"):
+        read_case(case_of(tmp_path, CASE + first + second)).building()
+    building = read_case(case_of(tmp_path, CASE + first + second + 'name = "east"\n')).building()
+    stones = derive_blocks(building)
+    assert stones.panel[-2:].tolist() == ["beam on wall", "beam east on wall"]
+    shell = derive_shell(building, 0.5)
+    assert shell.beams.name.tolist() == ["beam on wall", "beam east on wall"]
+    assert match_models(stones, find_contacts(stones), shell).passed
+
+
+def test_a_beam_on_another_beam_is_named(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"ring_beams.1: ring beam on wall: it runs into stones .*; found beam on wall"):
+        read_case(case_of(tmp_path, f'{CASE}{ANOTHER}{ANOTHER}name = "upper"\n')).building()
+
+
+def test_more_joists_than_any_floor_has_are_refused(tmp_path: Path) -> None:
+    floor = '\n[[diaphragms]]\nwalls = ["nave_left", "nave_right"]\ndead_kN_m2 = 1.5\nfriction = 0.4\nspacing_m = 0.001\n'
+    with pytest.raises(InputError, match=r"diaphragms.0: .*: spacing: too many joists; found 9,000; expected at most 500"):
+        read_case(case_of(tmp_path, sample_case("chapel") + floor)).building()
 
 
 BAD_BEAMS = [

@@ -156,3 +156,36 @@ def test_no_ready_case_is_questioned(name: str, tmp_path: Path) -> None:
     case = read_case(path)
     assert questions([case]) == work_questions([case]) == []
     assert size_questions(derive_blocks(case.building())) == []
+
+
+TABLES = [
+    ('[[joints]]\nname = "j"\nkind = "base"\nfriction = 30', "joints.0.friction is 30, usual are"),
+    ('[[joints]]\nname = "j"\nkind = "base"\ncohesion_kPa = 60000', "joints.0.cohesion_kPa is 6e+04 kPa, usual are"),
+    ('[[ring_beams]]\nwalls = ["wall"]\nheight_m = 300', "ring_beams.0.height_m is 300 m, usual are"),
+    (
+        '[[buttresses]]\nwall = "wall"\nalong_m = [1.5]\ntoward = "-y"\nwidth_m = 0.5\ndepth_m = 900',
+        "buttresses.0.depth_m is 900 m, usual are",
+    ),
+    (
+        '[[ties]]\nname = "t"\nstart = { at_m = [0, 0, 1] }\nend = { at_m = [3, 0, 1] }\narea_mm2 = 400\n'
+        "steel_strength_MPa = 235\nplate_mm = [300, 0.3]",
+        "ties.0.plate_mm is 0.3 mm, usual are",
+    ),
+    (
+        '[[pressures]]\nwall = "wall"\ntoward = [0, 1, 0]\nunit_weight_kN_m3 = 18\ntop_m = 1\ncoefficient = 45',
+        "pressures.0.coefficient is 45, usual are",
+    ),
+    ('[[line_loads]]\nwall = "wall"\ndead_kN_m = 1\n' * 2, "line_loads.1 is line_loads.0 once more, and both count."),
+    (
+        '[[pressures]]\nwall = "wall"\ntoward = [0, 1, 0]\nunit_weight_kN_m3 = 18\ntop_m = 1\n' * 2,
+        "pressures.1 is pressures.0 once more, and both count.",
+    ),
+]
+
+
+@pytest.mark.parametrize(("added", "words"), TABLES, ids=[words[:20] for _, words in TABLES])
+def test_what_was_added_is_questioned_too(added: str, words: str, tmp_path: Path) -> None:
+    path = tmp_path / "w.toml"
+    path.write_text(f"{CASE.format(**SOUND)}\n{added}\n")
+    [question] = questions([read_case(path)])
+    assert question.startswith(words)

@@ -131,3 +131,13 @@ def test_buttresses_of_a_case(tmp_path: Path) -> None:
         path.write_text(CASE.replace(given, wrong))
         with pytest.raises(InputError, match=rf"propped\.toml: {said}"):
             cp.read_case(path).building()
+
+
+def test_two_tables_of_buttresses_on_one_wall_have_names_of_their_own() -> None:
+    other = {"wall": "wall", "along": (2.0,), "toward": "-y", "width": W, "depth": D}
+    with pytest.raises(InputError, match=r"buttress of wall: name: not the only ones of their name; found wall buttress 1"):
+        cp.with_buttresses(wall(), [cp.Buttress(**other)])
+    named = cp.with_buttresses(wall(), [cp.Buttress(**other, name="south")])
+    assert named.macro_elements[-1] == "south buttress 1"
+    with pytest.raises(InputError, match=r"buttress of wall: width: wider than the wall wall; found 600 m; expected at most 4 m"):
+        wall(width=600.0)
