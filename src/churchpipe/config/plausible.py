@@ -24,6 +24,10 @@ _DILATANT_VAULT = (
     "A vault is analysed with joints that open as they slide, an upper estimate, up to twice the load factor that is "
     'safe: flow = "non-associative" in [rigid] gives the value to use. Is it left out on purpose?'
 )
+_NO_CURVE = (
+    "check.spectrum is for the check by displacements, which follows the stones along a capacity curve, and the case asks for no "
+    "curve: a table [rigid.curve] does, without any key. Is it left out on purpose?"
+)
 HEIGHT = Usual(0.05, 200.0, "models of tilting tests to the tallest spires")
 LENGTH = Usual(0.05, 500.0, "models of tilting tests to the longest churches")
 STONE = Usual(0.005, 25.0, "bricks of models to the largest cut stones")
@@ -62,6 +66,8 @@ def _of_case(case: "Case") -> Iterator[str]:
     for name, settings in (("rigid", case.rigid), ("shell", case.shell), ("check", case.check)):
         if settings is not None:
             yield from _of_record(settings, f"{name}.")
+    if case.check is not None and case.check.spectrum is not None and case.rigid.curve is None:
+        yield _NO_CURVE
     added = {"joints": case.joints, "buttresses": case.buttresses, "ring_beams": case.ring_beams}
     for key, records in (*added.items(), *((key, getattr(case.carries, key)) for key in KINDS)):
         told = [plain(record) for record in records]

@@ -106,6 +106,17 @@ def test_loads_and_ties_out_of_all_reason_are_questioned(table: str, words: str,
     assert question.startswith(words)
 
 
+def test_a_spectrum_without_the_curves_that_it_is_for_is_questioned(tmp_path: Path) -> None:
+    path = tmp_path / "w.toml"
+    spectrum = "[check.spectrum]\nF0 = 2.5\nTC_star_s = 0.35\n"
+    path.write_text(CASE.format(**SOUND) + spectrum)
+    [question] = questions([read_case(path)])
+    assert question.startswith("check.spectrum is for the check by displacements")
+    assert "[rigid.curve]" in question
+    path.write_text(CASE.format(**SOUND) + spectrum + "[rigid.curve]\n")
+    assert questions([read_case(path)]) == []
+
+
 def test_slender_piers_of_a_groin_vault_are_questioned(tmp_path: Path) -> None:
     path = tmp_path / "groin.toml"
     source = (
