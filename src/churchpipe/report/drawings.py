@@ -29,6 +29,8 @@ _BESIDE = 2e-3
 MOST_LINES = 1200
 # Inches: about as wide as it is shown, so that its dimensions can be read.
 _WIDTH = 3.4
+# Points: the figures of a drawing as wide as that, and of one so high that it is shown smaller, on paper as well as on screens.
+_FIGURES, _HIGH = 8.0, 3.4
 # Of pictures: browsers that show a finer one at half its size leave lines out, as they do lines laid on its pixels.
 _DPI = 170
 
@@ -105,7 +107,9 @@ def _drawing(stones: Assemblage, drawn: BoolArray, loads: DrawnLoads, view: View
     beam = np.repeat(ring_beams(stones), np.diff(stones.block_face_ptr))[seen]
     low, high = _corners(stones, axes_2d)
     size = np.maximum(high - low, 1e-9)
-    figure = Figure(figsize=(_WIDTH, min(max(_WIDTH * (size[1] / size[0]) + 0.6, 1.4), 4.4)), layout="constrained", dpi=_DPI)
+    height = min(max(_WIDTH * float(size[1] / size[0]) + 0.6, 1.4), 4.4)
+    figures = _FIGURES * max(1.0, height / _HIGH)
+    figure = Figure(figsize=(_WIDTH, height), layout="constrained", dpi=_DPI)
     axes: Any = figure.subplots()
     fill = np.where(beam, colours.BEAM, "#f6f3ec").tolist()
     pale = PolyCollection([points[face, :2] for face in faces], facecolors=fill, edgecolors=colours.EDGE)
@@ -119,8 +123,8 @@ def _drawing(stones: Assemblage, drawn: BoolArray, loads: DrawnLoads, view: View
         )
         axes.add_collection(solid)
     # A plan shows what bears on the walls above it, too.
-    reached = draw_loads(axes, loads, turned, None if view is PLAN else cut)
-    _dimensions(axes, low, high, reached)
+    reached = draw_loads(axes, loads, turned, None if view is PLAN else cut, figures)
+    _dimensions(axes, low, high, reached, figures)
     axes.set_aspect("equal")
     axes.axis("off")
     return svg_of(figure)
@@ -152,8 +156,11 @@ def cut_polygons(stones: Assemblage, shown: BoolArray, points: FloatArray, level
     return found
 
 
-def _dimensions(axes: Any, low: FloatArray, high: FloatArray, reached: FloatArray) -> None:
-    """Draw the width below and the height (of a plan: the depth) to the left, in metres; reached: other points (n, 2) drawn."""
+def _dimensions(axes: Any, low: FloatArray, high: FloatArray, reached: FloatArray, figures: float) -> None:
+    """Draw the width below and the height (of a plan: the depth) to the left, in metres.
+
+    reached: other points (n, 2) drawn; figures: size of the figures, points.
+    """
     gap = 0.06 * float((high - low).max())
     lines = (
         ((low[0], low[1] - gap), (high[0], low[1] - gap), high[0] - low[0], 0),
@@ -165,7 +172,7 @@ def _dimensions(axes: Any, low: FloatArray, high: FloatArray, reached: FloatArra
         )
         middle = ((start[0] + end[0]) / 2, (start[1] + end[1]) / 2)
         axes.text(
-            *middle, f"{amount(float(length), 2)} m", rotation=angle, fontsize=8, ha="center", va="center",
+            *middle, f"{amount(float(length), 2)} m", rotation=angle, fontsize=figures, ha="center", va="center",
             bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.5},
         )  # fmt: skip
     least, most = np.min([low - 2 * gap, *reached], axis=0), np.max([high + gap, *reached], axis=0)

@@ -98,10 +98,11 @@ def _in_cells(loads: PlacedLoads, name: str, cell: float) -> tuple[FloatArray, F
     return place / weight[:, None], total
 
 
-def draw_loads(axes: Any, drawn: DrawnLoads, turned: FloatArray, cut: float | None) -> FloatArray:
+def draw_loads(axes: Any, drawn: DrawnLoads, turned: FloatArray, cut: float | None, figures: float = 8.0) -> FloatArray:
     """Draw loads and ties, and return the points (n, 2) of the drawing that they reach.
 
     turned: unit vectors (3, 3) across, up and towards the eye. cut: what is nearer to the eye than this, m, is left out.
+    figures: size of their numbers, points.
     """
     for ends, added in zip(drawn.ties @ turned.T, drawn.added, strict=True):
         if cut is None or ends[:, 2].min() < cut:
@@ -124,7 +125,7 @@ def draw_loads(axes: Any, drawn: DrawnLoads, turned: FloatArray, cut: float | No
             chosen = order[int((number + 0.5) / len(drawn.names) * len(order))]
             tail = at[chosen, :2] - (arrow[chosen, :2] if flat[chosen] else 0.0)
             axes.annotate(
-                str(number + 1), tail, xytext=(2, 2), textcoords="offset points", fontsize=8, color=colours.LOAD, zorder=6
+                str(number + 1), tail, xytext=(2, 2), textcoords="offset points", fontsize=figures, color=colours.LOAD, zorder=6
             )
     return reached
 

@@ -22,6 +22,12 @@ def breakable(text: object) -> Markup:
     return Markup(" ").join(words)
 
 
+def capital(text: str) -> str:
+    """Return a sentence with a large first letter, but one that begins with a key of a case as it is: keys are small."""
+    first = text.partition(" ")[0]
+    return text if "." in first or "_" in first else text[:1].upper() + text[1:]
+
+
 @cache
 def _environment() -> jinja2.Environment:
     environment = jinja2.Environment(
@@ -31,7 +37,7 @@ def _environment() -> jinja2.Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters["breakable"] = breakable
+    environment.filters |= {"breakable": breakable, "capital": capital}
     macros = vars(environment.get_template("table.html").module)
     environment.globals.update({name: macros[name] for name in ("table", "diagram")})
     return environment

@@ -186,6 +186,21 @@ def test_a_plan_cuts_what_stands_higher() -> None:
     assert ("1.00 m" in front, "3.00 m" in front) == (True, True)
 
 
+def test_dimensions_of_high_drawings_can_be_read_on_paper() -> None:
+    """A tower is drawn smaller than what is low, so that it fits; its figures are as large."""
+    style = (Path(sys.modules[write_report.__module__].__file__ or "").parent / "static" / "report.css").read_text(
+        encoding="utf-8"
+    )
+    printed = style.partition("@media print")[2]
+    [most] = re.findall(r"\.drawings svg \{ max-height: ([\d.]+)cm; \}", printed)
+    for drawing in dict(drawings_svg(tower(), drawn_loads(tower(), []))).values():
+        [(width, height)] = re.findall(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', drawing)
+        shown = min(float(most) / float(height), 8.4 / float(width)) * 72 / 2.54
+        sizes = [float(size) for size in re.findall(r"font-size: ([\d.]+)px", drawing)]
+        assert sizes
+        assert min(sizes) * shown > 6.5
+
+
 def test_long_names_break_at_their_underscores_and_are_escaped() -> None:
     assert breakable("vault_nave_skewback_right 12 %") == "vault_<wbr>nave_<wbr>skewback_<wbr>right 12\u00a0%"
     assert breakable("nave_left, <b>_a_name_of_letters</b>").startswith("nave_left, &lt;b&gt;_<wbr>a_")
