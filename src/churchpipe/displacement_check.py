@@ -183,13 +183,16 @@ def displacement_check(
     """Return the displacement-based check of a capacity curve; its message says why there is none, if so.
 
     It leads with e* = 1 and has what holds with e* of the stones besides, as the check with q does. That check is made of the
-    same mechanism, for comparison. crushing: whether the masonry crushes on the curve, so that the confidence factor is that of
-    the knowledge level.
+    same mechanism, for comparison. Of a curve whose last steps are not proved it is made with the curve ended before them and as
+    it was found, and the one that withstands less counts. crushing: whether the masonry crushes on the curve, so that the
+    confidence factor is that of the knowledge level.
     """
     try:
-        found, start = _mechanism(curve, stones, load, site.confidence(crushing) if site else CONFIDENCE_FACTOR)
+        curves, start = _mechanism(curve, stones, load, site.confidence(crushing) if site else CONFIDENCE_FACTOR)
     except InputError as error:
         return DisplacementCheck(message=str(error))
+    demand = site.demand if site else None
+    found = min(curves, key=lambda one: capacity(one.lumped, demand).ground) if demand else curves[0]
     careful = found.lumped
     check = DisplacementCheck(
         alpha0=start.alpha0,
@@ -203,10 +206,11 @@ def displacement_check(
         displacement=tuple(careful.displacement.tolist()),
         acceleration=tuple(careful.acceleration.tolist()),
         idealised_d0=careful.idealised.ultimate,
+        unproved=_unproved(curve, ended=found is curves[0], compared=demand is not None),
     )
     if site is None:
         return replace(check, missing="what the earthquake asks: [check] with a_g_m_s2 and [check.spectrum]")
-    demand, ground, force = site.demand, site.ground_acceleration, verified(start, site)
+    ground, force = site.ground_acceleration, verified(start, site)
     if demand is None:
         key = "[check.spectrum]" if site.spectrum is None else "check.floor.first_period_s, the first period of the building"
         return replace(check, missing=f"the spectrum: {key}", force_based=force)
@@ -233,8 +237,8 @@ def displacement_check(
 
 def _mechanism(
     curve: BlockCapacityCurve, stones: Assemblage, load: LoadCase, confidence: float
-) -> tuple[Oscillator, SafetyCheck]:
-    """Return the oscillator of a curve, and what sets its mechanism in motion."""
+) -> tuple[list[Oscillator], SafetyCheck]:
+    """Return the oscillator of a curve, before it that of its proved steps if some are not, and what starts the motion."""
     if len(curve.displacement) < 2:
         raise InputError("check", "no mechanism", found=f"{len(curve.displacement)} steps of the curve", expected="two or more")
     first = np.concatenate([np.diff(part[:2], axis=0)[0] for part in (curve.position, curve.rotation)], axis=1)
@@ -242,16 +246,36 @@ def _mechanism(
     motion = np.where(moving, along(load.direction, first), 0.0)
     pushed = lateral_weight(stones, load)
     displacement, d0 = _mean_displacement(curve, pushed, load)
-    found = oscillator(
-        displacement,
-        curve.load_factor,
-        d0,
-        stones.weight,
-        motion,
-        pushed=pushed,
-        confidence_factor=confidence,
-    )
+
+    def until(count: int, end: float) -> Oscillator:
+        travelled, factors = displacement[:count], curve.load_factor[:count]
+        return oscillator(travelled, factors, end, stones.weight, motion, pushed=pushed, confidence_factor=confidence)
+
+    found = [until(len(displacement), d0)]
+    if not curve.proved:
+        proved = curve.proved_steps
+        if proved < 2:
+            raise InputError("check", "no proved step of the curve beyond the first", found=proved, expected="two or more")
+        found = [until(proved, float(displacement[proved - 1])), *found]
     return found, activation(curve.initial, stones.weight[moving], pushed[moving], motion[moving], confidence)
+
+
+def _unproved(curve: BlockCapacityCurve, *, ended: bool, compared: bool) -> str:
+    """Return the sentences on steps that are not proved, "" where all are.
+
+    ended: whether the check ends the curve before them; compared: whether because it withstands less so.
+    """
+    if curve.proved:
+        return ""
+    proved, count = curve.proved_steps, len(curve.misfit)
+    worst, place = float(curve.misfit[proved:].max()), 1e3 * float(curve.displacement[proved - 1])
+    missed = f": motions miss their forces by up to {100 * worst:.2g} %" if worst > 0.01 else ""
+    taken = "as ended before them" if ended else "as it was found"
+    taken += ", which withstands less" if compared else ""
+    return (
+        f"From step {proved + 1} of {count} on, beyond {place:.3g} mm, not every step of the curve is proved{missed}. "
+        f"The check takes the curve {taken}."
+    )
 
 
 def _mean_displacement(curve: BlockCapacityCurve, pushed: FloatArray, load: LoadCase) -> tuple[FloatArray, float]:

@@ -94,7 +94,9 @@ class RunFolder:
 
     def _mechanism(self, entry: dict[str, Any], status: str) -> dict[str, Any]:
         """Return the macro-elements that move and, of the rigid blocks, the safety check."""
-        if status not in ("optimal", "converged") or entry["kind"] == "pushover":
+        # A capacity curve of the stones is checked as far as its steps are proved.
+        known = ("optimal", "converged", *(["not-converged"] if entry["kind"] == "curve" else []))
+        if status not in known or entry["kind"] == "pushover":
             return {}
         settings = read_json(self.folder(entry) / "settings.json")
         load = load_of(settings)

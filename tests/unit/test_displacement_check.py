@@ -162,6 +162,27 @@ def test_the_control_point_of_a_curve_changes_nothing(curve: BlockCapacityCurve)
     assert displacement_check(top, LEANING, PUSH, SITED) == displacement_check(curve, LEANING, PUSH, SITED)
 
 
+def test_a_curve_whose_last_steps_are_not_proved_is_checked_as_far_as_they_are(curve: BlockCapacityCurve) -> None:
+    whole, count = displacement_check(curve, LEANING, PUSH, SITED), len(curve.misfit)
+    assert whole.unproved == ""
+    for first in (count - 2, count // 2):
+        doubtful = replace(curve, misfit=np.where(np.arange(count) < first, 0.0, 0.05))
+        assert doubtful.proved_steps == first
+        found = displacement_check(doubtful, LEANING, PUSH, SITED)
+        assert f"From step {first + 1} of {count} on" in found.unproved
+        # Ended at its last proved step, or as it was found: whichever withstands less.
+        ended = replace(curve.until(first - 1), status="collapsed", d0=float(curve.displacement[first - 1]))
+        short = displacement_check(ended, LEANING, PUSH, SITED)
+        assert found.a_g_slv == pytest.approx(min(short.a_g_slv, whole.a_g_slv))
+        # Nothing is asked of it: it ends where the proved steps do.
+        assert displacement_check(doubtful, LEANING, PUSH, None).d0 == pytest.approx(short.d0)
+        shown = displacement_checks([replace(analysis(method="curve"), check=found)], None)
+        assert shown is not None
+        assert shown["checks"][0].unproved == found.unproved
+    nothing = replace(curve, misfit=np.full(count, 0.05))
+    assert "no proved step" in displacement_check(nothing, LEANING, PUSH, SITED).message
+
+
 def test_what_is_missing_is_named(curve: BlockCapacityCurve) -> None:
     assert "[check]" in displacement_check(curve, LEANING, PUSH, None).missing
     assert "[check.spectrum]" in displacement_check(curve, LEANING, PUSH, Site(1.5, 1.2)).missing

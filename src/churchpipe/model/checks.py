@@ -87,7 +87,8 @@ class DisplacementCheck(Check):
     """The displacement-based check of a capacity curve.
 
     a0: where the motion starts; d0: displacement at which the acceleration vanishes. displacement, acceleration (n,): of the
-    oscillator. idealised: of the two straight lines of the same area. missing: what the case does not say. limit_states, demand:
+    oscillator. idealised: of the two straight lines of the same area. missing: what the case does not say. unproved: which
+    steps of the curve are not proved, and what the check makes of them. limit_states, demand:
     by the names SLV and SLC. force_based: the check with q of the mechanism that starts the curve. governs: which one, and why.
     """
 
@@ -98,6 +99,7 @@ class DisplacementCheck(Check):
     acceleration: _Accelerations = ()
     idealised_d0: _Length = math.nan
     missing: str = ""
+    unproved: str = ""
     limit_states: dict[str, LimitStateCheck] = field(default_factory=dict[str, LimitStateCheck])
     a_g_slc: _Acceleration = math.nan
     a_g_slc_stones: _Acceleration = math.nan

@@ -28,7 +28,7 @@ _LIMIT_COLOURS = {"SLV": colours.PUSH, "SLC": colours.ALARM}
 
 @dataclass(frozen=True, slots=True)
 class ShownCheck:
-    """A check as the report shows it: facts (words, value), rows of limit states, both closing sentences, "" where none."""
+    """A check as the report shows it: facts (words, value), rows of limit states, what is said of it, "" for nothing."""
 
     label: str
     diagram: str
@@ -36,6 +36,7 @@ class ShownCheck:
     rows: list[list[str]]
     governs: str
     missing: str
+    unproved: str
 
 
 def displacement_checks(analyses: Sequence[Analysis], geometry: str | None) -> dict[str, Any] | None:
@@ -62,7 +63,7 @@ def _shown(label: str, check: DisplacementCheck) -> ShownCheck:
         [name, *(figure(getattr(limit, key) * unit, digits) for _, _, key, unit, digits in CAPACITY)]
         for name, limit in check.limit_states.items()
     ]
-    return ShownCheck(label, adrs_svg(check), _facts(check), rows, check.governs, check.missing)
+    return ShownCheck(label, adrs_svg(check), _facts(check), rows, check.governs, check.missing, check.unproved)
 
 
 def _facts(check: DisplacementCheck) -> list[tuple[str, str]]:

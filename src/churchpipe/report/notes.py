@@ -30,6 +30,9 @@ def status_note(stones: Assemblage, row: Row) -> str:
                 "Check the direction, the loaded panels and the supports; a real structure would crush or slide elsewhere first."
                 f"{message}"
             )
+        case "not-converged" if row.record.method == "curve":
+            said = f": {row.record.message}" if row.record.message else ""
+            return f"The capacity curve is not proved to its end{said}. The load factor is that at which it starts."
         case "not-converged":
             return "The iteration did not reach a certified state without dilatancy. " + _unfinished(row)
         case "failed":

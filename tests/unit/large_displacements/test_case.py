@@ -24,6 +24,8 @@ from churchpipe.model.names import GOOD
 from churchpipe.model.stone_path import FallenStones
 from churchpipe.report.block_curves import block_curve_plots
 from churchpipe.report.frames import frames, placed, write_path
+from churchpipe.report.notes import status_note
+from churchpipe.report.table import Row
 from records import analysis
 from solids import box, on_ground
 
@@ -105,6 +107,10 @@ def test_the_record(curve: BlockCapacityCurve) -> None:
     # A step that is not proved, and stones that do not stand, are bad news.
     doubtful = replace(curve, residual=curve.residual + 1e-3)
     assert curve_record_of(doubtful, BLOCK, PUSH, [DRY]).status == "not-converged"
+    late = replace(curve, misfit=np.append(curve.misfit[:-1], 0.05))
+    record, count = curve_record_of(late, BLOCK, PUSH, [DRY]), len(curve.misfit)
+    assert f"only the first {count - 1} of its {count} steps are proved" in record.message
+    assert status_note(BLOCK, Row(record)).startswith("The capacity curve is not proved to its end")
     fallen = on_ground(box((0, 1), (0, 1), (0, 1)), box((0.6, 1.6), (0, 1), (1, 2)))
     unstable = curve_record_of(cp.block_pushover(fallen, cp.find_contacts(fallen), PUSH), fallen, PUSH, [DRY])
     assert unstable.status not in GOOD
