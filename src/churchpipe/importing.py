@@ -91,8 +91,10 @@ def check_drawing(
     return drawing, contacts
 
 
-def check_carried(case: Case, stones: Assemblage) -> None:
+def check_carried(case: Case, stones: Assemblage, contacts: Contacts | None = None) -> None:
     """Look for the walls of a drawing that a case names: those pushed alone, and those that bear loads, ties and beams.
+
+    contacts: of the stones, where they are known, to look for joints that the case gives a strength of their own.
 
     Raises
     ------
@@ -102,6 +104,8 @@ def check_carried(case: Case, stones: Assemblage) -> None:
     named = replace(stones, panel=wall_names(stones, reading.kept_joint))
     case.check_named(sorted({*named.panel[~named.fixed].tolist()} - {""}))
     case.check_applied(named)
+    if contacts is not None and not case.ring_beams:
+        case.check_joints(named, contacts)
 
 
 def import_drawing(

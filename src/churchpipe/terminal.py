@@ -20,7 +20,7 @@ from churchpipe.io.movement_record import Movement
 from churchpipe.io.records import Analysis
 from churchpipe.io.summary import Summary, read_summary
 from churchpipe.model.checks import DisplacementCheck, SafetyCheck
-from churchpipe.model.names import GOOD
+from churchpipe.model.names import AS_IT_IS, GOOD
 from churchpipe.model.quantities import in_unit
 from churchpipe.report.safety import NOT_SATISFIED, verdict, what_moves
 from churchpipe.wording import counted
@@ -157,7 +157,7 @@ def results_table(summary: Summary) -> Table:
     for analysis in analyses[:MOST_ROWS]:
         check = analysis.check if analysis.check and analysis.check.satisfied is not None else None
         table.add_row(
-            *([analysis.variant or "as it is"] if variants else []),
+            *([analysis.variant or AS_IT_IS] if variants else []),
             analysis.load,
             *([analysis.model_words] if both else []),
             analysis.kind,

@@ -48,13 +48,17 @@ def schema(
 
 
 def read_sound(path: Path, changes: Sequence[str]) -> Any:
-    """Return the cases of a file, after its first building was made: mistakes are found before anything is written."""
+    """Return the cases of a file, after its first building was made, and the walls of those of its variants: mistakes are found
+    before anything is written."""
     from churchpipe.config.case import Generated, read_variants
 
     cases = read_variants(path, changes)
     source = cases[0].source
     if isinstance(source, Generated):
         cases[0].building()
+        for case in {case.variant.name: case for case in reversed(cases) if case.variant}.values():
+            if (case.source, case.buttresses) != (source, cases[0].buttresses):
+                case.laid()
     elif not source.path.resolve().is_relative_to(path.resolve().parent):
         err.print(f"The drawing lies elsewhere: {source.path.resolve()}", soft_wrap=True)
     return cases
@@ -103,6 +107,7 @@ def _check_laid(path: Path, case: Any, building: Any) -> None:
         check_soundness(stones, contacts)
     except InputError as error:
         raise case.located(error) from error
+    case.check_joints(stones, contacts)
     name = f"{path}, {case.variant.name}" if case.variant else str(path)
     free = counted(int((~stones.fixed).sum()), "stone")
     out.print(f"{name}: {free}, {counted(len(contacts.area), 'joint')}.", markup=False, soft_wrap=True)
@@ -117,7 +122,7 @@ def _check_drawn(path: Path, case: Any) -> None:
     read, contacts = check_drawing(case.source.path, case.source.reading, weights, case.tolerances)
     if len(read.findings):
         err.print(str(read.findings), soft_wrap=True)
-    check_carried(case, read.stones)
+    check_carried(case, read.stones, contacts)
     free = int((~read.stones.fixed).sum())
     out.print(f"{case.source.path}: {counted(free, 'stone')}.", soft_wrap=True)
     for line in joint_words(read.stones, contacts):

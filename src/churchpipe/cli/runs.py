@@ -106,17 +106,24 @@ def run(
 
 
 def _check_walls(cases: Iterable[Any]) -> None:
-    """Look again for what a stage missed on the walls of a drawing, which the stage knows no line of the case for."""
+    """Look again for what a stage missed in the walls of a building or a drawing: it knows no line of the case."""
     from dataclasses import asdict
 
     from churchpipe.config.case import Drawing
     from churchpipe.importing import check_carried
     from churchpipe.meshes.reader import read_file
+    from churchpipe.stones.blocks import derive_blocks
+    from churchpipe.stones.contacts import find_contacts
 
     for case in cases:
         if isinstance(case.source, Drawing):
             weights = {material.name: material.unit_weight for material in case.materials}
             check_carried(case, read_file(case.source.path, unit_weight=weights, **asdict(case.source.reading)).stones)
+            continue
+        building = case.building()
+        if case.joints:
+            stones = derive_blocks(building)
+            case.check_joints(stones, find_contacts(stones, **case.tolerances))
 
 
 def _folder_of(case: Path, name: str, out_dir: Path | None) -> Path:

@@ -41,16 +41,18 @@ def located(
             [located(problem, path, overrides, swept=swept, drawn=drawn, variant=variant) for problem in error.problems],
         )
     key = error.where.removeprefix(f"{path}: ")
+    if key == str(path) and variant:
+        return error.at(f"{path}: {_heading(path, overrides, variant)}")
     if generator and f"{key}.".startswith(f"{generator}."):
         key = "source" + key.removeprefix(generator)
     elif key == error.where and not generator:
         return error
-    in_words = key == error.where
+    in_words, in_itself = key == error.where, key.startswith("variants.")
     try:
         text = path.read_text(encoding="utf-8-sig")
         table = asked = apply_overrides(tomllib.loads(text), overrides)
         number = next((n for n, one in enumerate(asked.get("variants", [])) if variant and one["name"] == variant.name), None)
-        if variant and number is not None and not key.startswith("variants."):
+        if variant and number is not None and not in_itself:
             table = applied(asked, number, variant)
         distribution = _distributions(asked) if drawn else {}
         for new_key, new_value in {**drawn, **swept}.items():
@@ -76,13 +78,26 @@ def located(
         place = f"line {line_of(text, at)}, [sample]"
     else:
         place = " with ".join([f"line {line_of(text, stands)}", *within])
-    if own and variant:
-        place += f', variant "{variant.name}"'
+    if swept and place != "[sweep]":
+        place += f" with [sweep] {', '.join(f'{name} = {value}' for name, value in swept.items())}"
+    if variant and not in_itself:
+        place += f', variant "{variant.name}"' if own else f" with {_heading(path, overrides, variant)}"
     where = f"{path}: {place}, {key if in_words else '.'.join([*written, *missing])}"
     if error.problem != WRONG or missing:
         return error.at(where)
     # Lengths were converted on the way to their check.
     return InputError(where, WRONG, found=shortened(value), expected=error.expected, remedy=error.remedy)
+
+
+def _heading(path: Path, overrides: Sequence[str], variant: Variant) -> str:
+    """Return what a variant is called, and the line where it begins, as far as the file tells."""
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+        given = apply_overrides(tomllib.loads(text), overrides).get("variants", [])
+        number = next(n for n, one in enumerate(given) if one["name"] == variant.name)
+    except (OSError, ValueError, StopIteration):
+        return f'variant "{variant.name}"'
+    return f'variant "{variant.name}" of line {line_of(text, ["variants", str(number)])}'
 
 
 def _table_of(words: str, table: Mapping[str, Any]) -> list[str]:

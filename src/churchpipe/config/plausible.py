@@ -35,7 +35,8 @@ STONE = Usual(0.005, 25.0, "bricks of models to the largest cut stones")
 
 def questions(cases: Sequence["Case"]) -> list[str]:
     """Return what to ask about materials and site of a case's variants, each once."""
-    return list(dict.fromkeys(text for case in cases for text in _of_case(case) if text))
+    asked = [text for case in cases for text in _of_case(case) if text]
+    return list(dict.fromkeys((*asked, *_of_variants(cases))))
 
 
 def unanswered(asked: Sequence[str]) -> list[str]:
@@ -57,6 +58,15 @@ def size_questions(stones: Assemblage) -> list[str]:
     sides = [("the longest side of a stone", STONE, side.max()), ("the longest side of a stone", STONE, side.min())]
     asked = [_question(name, float(found), usual, _METRES) for name, usual, found in (*sizes, *sides)]
     return list(dict.fromkeys(text for text in asked if text))
+
+
+def _of_variants(cases: Sequence["Case"]) -> Iterator[str]:
+    """Yield what to ask about variants without a cost in which nothing is other than in the building as it is."""
+    plain_tables = [{key: value for key, value in case.table.items() if key != "variants"} for case in cases]
+    as_it_is = [table for case, table in zip(cases, plain_tables, strict=True) if case.variant is None]
+    for case, table in zip(cases, plain_tables, strict=True):
+        if case.variant and not case.variant.cost and table in as_it_is:
+            yield f'The variant "{case.variant.name}" changes nothing: it is the building as it is. Is it meant?'
 
 
 def _of_case(case: "Case") -> Iterator[str]:

@@ -9,6 +9,7 @@ from churchpipe.config.overrides import flatten, not_swept
 from churchpipe.config.section import Table, nearest
 from churchpipe.config.tables import record
 from churchpipe.errors import InputError
+from churchpipe.model.names import AS_IT_IS
 from churchpipe.model.quantities import bare
 
 
@@ -30,13 +31,22 @@ def variants_of(tables: Sequence[Mapping[str, Any]]) -> tuple[Variant, ...]:
 
     Raises
     ------
-    InputError: two of one name.
+    InputError: two of one name, one with the name of the building as it is, or one that changes variants.
     """
     found = tuple(record(Variant, table, f"variants.{number}") for number, table in enumerate(tables))
     names = [variant.name for variant in found]
     for number, name in enumerate(names):
         if name in names[:number]:
             raise InputError(f"variants.{number}.name", "two variants of one name", found=name, expected="a name of its own")
+        if name.strip().lower() == AS_IT_IS:
+            raise InputError(f"variants.{number}.name", "the building without variants", found=name, expected="another name")
+    for number, variant in enumerate(found):
+        for word, keys in (("change", flatten(variant.change)), ("add", flatten(variant.add)), ("remove", variant.remove)):
+            for key in keys:
+                if key.split(".")[0] == "variants":
+                    where, expected = f"variants.{number}.{word}", "keys of the building, its loads and analyses"
+                    remedy = "Each variant starts from the building as it is; give each a [[variants]] of its own."
+                    raise InputError(where, "a variant of variants", found=key, expected=expected, remedy=remedy)
     return found
 
 

@@ -15,6 +15,8 @@ RIGID_BLOCKS: Model = "rigid-block"
 SHELL: Model = "homogenised-shell"
 MODELS: dict[str, str] = {RIGID_BLOCKS: "rigid blocks", SHELL: "shell"}
 METHODS: dict[str, str] = {"limit": "limit load", "pushover": "capacity curve", "curve": "capacity curve of the stones"}
+# What tables call the building without its variants.
+AS_IT_IS = "as it is"
 # What a load factor rests on; anything else is bad news that the command line reports with its exit code.
 GOOD = frozenset({"optimal", "converged", "unbounded"})
 

@@ -1,5 +1,6 @@
 """[[variants]]: what a building could be, beside what it is."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -7,7 +8,10 @@ import pytest
 from case_texts import WALL, case_file
 from churchpipe.config.case import read_variants
 from churchpipe.config.plan import plan
+from churchpipe.config.plausible import questions
 from churchpipe.errors import InputError
+from churchpipe.resources import sample_case
+from command_line import call
 
 GROUTED = """
 [[variants]]
@@ -148,3 +152,50 @@ def test_the_gate_of_a_mesh_knows_the_loads_of_all_swept_cases(tmp_path: Path) -
     todo = plan(read_variants(case_file(tmp_path, WALL + roof + '[sweep]\n"line_loads.0.dead_kN_m" = [1.0, 2.0, 3.0]\n')))
     (swept,) = todo.carried.values()
     assert [table["line_loads"][0]["dead"] for table in swept] == [1e3, 2e3, 3e3]
+
+
+CHANGED = "change = { source.thickness_mm = 500 }"
+REFUSED = [
+    ('change = { "variants.0.name" = "b" }', r"variants\.0\.change: a variant of variants; found variants\.0\.name"),
+    ('remove = ["variants"]', r"variants\.0\.remove: a variant of variants"),
+    ('add.variants = [{ name = "b" }]', r"variants\.0\.add: a variant of variants"),
+    ('remove = ["load"]', r': variant "a" of line \d+: missing keys; expected load'),
+    ('remove = ["material.default.friction"]', r': variant "a" of line \d+: missing keys; expected material\.default\.friction'),
+    ('remove = ["source"]', r'line 1 with variant "a" of line \d+, source: missing key'),
+]
+
+
+@pytest.mark.parametrize(("text", "said"), REFUSED, ids=[text[:30] for text, _ in REFUSED])
+def test_what_is_wrong_is_said_of_the_variant(text: str, said: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=said):
+        read_variants(case_file(tmp_path, f'{WALL}[[variants]]\nname = "a"\n{text}\n'))
+
+
+def test_a_variant_is_not_called_as_the_building_as_it_is(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"variants\.0\.name: the building without variants; found As it is"):
+        read_variants(case_file(tmp_path, f'{WALL}[[variants]]\nname = "As it is"\n{CHANGED}\n'))
+
+
+def test_a_variant_that_changes_nothing_is_questioned(tmp_path: Path) -> None:
+    same = '[[variants]]\nname = "a"\n[[variants]]\nname = "b"\nchange = { "material.default.friction" = 0.6 }\n'
+    text = f'{WALL}{same}[[variants]]\nname = "c"\n{CHANGED}\n[[variants]]\nname = "d"\ncost = {{ EUR = 0 }}\n'
+    cases = read_variants(case_file(tmp_path, text))
+    assert cases[0].materials[0].friction == 0.6
+    asked = [f'The variant "{name}" changes nothing: it is the building as it is. Is it meant?' for name in "ab"]
+    assert questions(cases) == asked
+
+
+def test_a_run_refuses_a_variant_with_walls_that_cannot_be_made(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    text = sample_case("box") + '\n[[variants]]\nname = "thick"\nchange = { source.thickness_mm = 90000 }\n'
+    code, _, err = call(capsys, "run", case_file(tmp_path, text), "--out", tmp_path / "run")
+    assert code == 1
+    assert 'variant "thick"' in err
+    assert "case.toml: line" in err
+    assert not (tmp_path / "run").exists()
+
+
+def test_joints_that_are_nowhere_are_found_by_check(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    path = case_file(tmp_path, f'{WALL}[[joints]]\nname = "loose"\nkind = "butt"\nfriction = 0.3\n')
+    code, _, err = call(capsys, "check", path)
+    assert code == 1
+    assert re.search(r"line \d+, joints\.0: joints loose: no such joint", err)
