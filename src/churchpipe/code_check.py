@@ -9,7 +9,7 @@ import numpy as np
 from churchpipe.errors import InputError
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.checks import SafetyCheck
-from churchpipe.model.quantities import GRAVITY, Count, Quantity, Usual
+from churchpipe.model.quantities import GRAVITY, Count, Quantity, Usual, check_ranges, in_range
 from churchpipe.spectrum import Demand, SiteSpectrum, Spectrum, StoreySpectrum
 
 KnowledgeLevel = Literal["LC1", "LC2", "LC3"]
@@ -53,10 +53,7 @@ class Floor:
     ] = None
 
     def __post_init__(self) -> None:
-        _positive("building height H", self.building_height)
-        _positive("spectral acceleration S_e(T1)", self.spectral_acceleration)
-        _at_least("storeys", self.storeys, 1)
-        _at_least("damping", self.damping_percent, 0)
+        check_ranges(self, "check: ")
         if not 0 <= self.height <= self.building_height:
             expected = f"from 0 to the building's height of {self.building_height:g} m"
             raise InputError("check: height Z of the mechanism", "out of range", found=self.height, expected=expected)
@@ -97,14 +94,11 @@ class Site:
     ] = None
 
     def __post_init__(self) -> None:
-        _positive("ground acceleration a_g", self.ground_acceleration)
+        check_ranges(self, "check: ")
         by_soil = self.spectrum is not None and self.spectrum.soil is not None
         if (self.soil_factor is None) != by_soil:
             problem = "a factor given twice" if by_soil else "missing key"
             raise InputError("check: soil_factor", problem, expected="either soil_factor or soil in [check.spectrum]")
-        _positive("soil factor S", self.soil)
-        _at_least("behaviour factor q", self.behaviour_factor, 1)
-        _at_least("confidence factor FC", self.confidence_factor, 1)
 
     def confidence(self, crushing: bool) -> float:
         """Return FC of an analysis, whether or not the masonry crushes in it."""
@@ -154,7 +148,7 @@ def activation(
     ------
     InputError: arrays of different length, nothing that moves along the load, a load factor that is no number, FC below 1.
     """
-    _at_least("confidence factor FC", confidence_factor, 1)
+    in_range(Site, "confidence_factor", "check: confidence_factor", confidence_factor)
     if not (weight.shape == pushed.shape == displacement.shape):
         shapes = f"{weight.shape}, {pushed.shape}, {displacement.shape}"
         raise InputError("check", "weights and displacements of different bodies", found=shapes, expected="one of each a body")
@@ -215,13 +209,3 @@ def along(direction: FloatArray, velocities: FloatArray) -> FloatArray:
     if abs(direction[2]) > 1e-9:
         raise InputError("check", "the load is not horizontal", found=np.round(direction, 6).tolist(), expected="no z component")
     return velocities[:, :2] @ direction[:2]
-
-
-def _positive(name: str, value: float) -> None:
-    if not (math.isfinite(value) and value > 0):
-        raise InputError(f"check: {name}", "out of range", found=value, expected="> 0")
-
-
-def _at_least(name: str, value: float, least: float) -> None:
-    if not (math.isfinite(value) and value >= least):
-        raise InputError(f"check: {name}", "out of range", found=value, expected=f">= {least:g}")

@@ -12,8 +12,8 @@ from churchpipe.errors import InputError
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.checks import SafetyCheck
 from churchpipe.model.loads import LoadCase
+from churchpipe.model.quantities import GRAVITY
 from churchpipe.rigid_blocks.limit import limit_analysis
-from churchpipe.spectrum import GRAVITY
 from churchpipe.stones.contacts import find_contacts
 from solids import box, on_ground
 
@@ -159,7 +159,7 @@ def test_what_has_no_check_says_why() -> None:
         ({"displacement": np.array([1.0, -1.0])}, "does not move along the load"),
         ({"displacement": np.zeros(2)}, "does not move along the load"),
         ({"displacement": np.ones(3)}, "different bodies"),
-        ({"confidence_factor": 0.9}, "FC"),
+        ({"confidence_factor": 0.9}, "confidence_factor"),
     ],
 )
 def test_what_cannot_be_checked(change: dict, problem: str) -> None:
@@ -171,11 +171,11 @@ def test_what_cannot_be_checked(change: dict, problem: str) -> None:
 @pytest.mark.parametrize(
     ("values", "problem"),
     [
-        ((0.0, 1.2), "a_g"),
-        ((1.5, -1.0), "soil factor"),
-        ((1.5, 1.2, 0.5), "behaviour factor"),
-        ((1.5, 1.2, 2.0, 0.5), "confidence factor"),
-        ((math.nan, 1.2), "a_g"),
+        ((0.0, 1.2), "ground_acceleration"),
+        ((1.5, -1.0), "soil_factor"),
+        ((1.5, 1.2, 0.5), "behaviour_factor"),
+        ((1.5, 1.2, 2.0, 0.5), "confidence_factor"),
+        ((math.nan, 1.2), "ground_acceleration"),
     ],
 )
 def test_a_site_out_of_range(values: tuple[float, ...], problem: str) -> None:

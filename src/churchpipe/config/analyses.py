@@ -10,7 +10,9 @@ from churchpipe.config.tables import listed
 from churchpipe.errors import InputError
 from churchpipe.model.names import CONTACT_MODEL, STRENGTH, ContactModel, Flow, Planes
 from churchpipe.model.quantities import Coordinate, Count, Length, Place, Quantity, Whole
+from churchpipe.model.stone_path import HALO
 from churchpipe.rigid_blocks.crushing import PARTS
+from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP
 
 Method = Literal["limit", "pushover"]
 Start = Literal["centre", "dead-load", "uniform", "associative", "scattered"]
@@ -41,7 +43,7 @@ class CurveSettings:
     steps: Annotated[Count, "Most steps."] = 400
     furthest: Annotated[Length | None, "Displacement of a stone at which the curve ends."] = None
     control: Annotated[Place | None, "Point that the curve follows; by default the mean of what is pushed."] = None
-    halo: Annotated[Whole, "Contacts from a moving stone to those held still; 0 holds none."] = 5
+    halo: Annotated[Whole, "Contacts from a moving stone to those held still; 0 holds none."] = HALO
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +67,7 @@ class RigidSettings:
         "Parts along each side of a joint that crushes and is no parallelogram, an even number.",
     ] = PARTS
     bipotential_gap: Annotated[float, Quantity("", 0.0, above=True, high=1, below=True), "Error at which its iteration ends."] = (
-        1e-5
+        BIPOTENTIAL_GAP
     )
     contact_gap: Annotated[Length | None, "Largest gap between two faces of a joint; by default proposed from the stones."] = None
     contact_angle: Annotated[
@@ -93,7 +95,7 @@ class MovementSettings:
     furthest_angle: Annotated[float | None, _FURTHEST, "Where it turns, likewise."] = None
     step: Annotated[Length | None, "Largest displacement of a step; by default a tenth of the thinnest stone."] = None
     steps: Annotated[Count, "Most steps."] = 200
-    halo: Annotated[Whole, "Contacts from a moving stone to those held still; 0 holds none."] = 5
+    halo: Annotated[Whole, "Contacts from a moving stone to those held still; 0 holds none."] = HALO
 
     def __post_init__(self) -> None:
         if (self.support is None) == (self.within is None):

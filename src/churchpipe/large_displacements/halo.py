@@ -12,8 +12,6 @@ from churchpipe.mechanism import reference_speed
 from churchpipe.model.arrays import BoolArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 
-# Contacts from a moving stone to those held.
-HALO = 5
 # Stones slower than this share of the mechanism's speed are still, and a rim that is faster than this one moves.
 STILL, _RIM = 1e-3, 1e-2
 # A halo that leaves no more than this share of the stones out is not worth having.

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from churchpipe.conic.solve import solver_for
 from churchpipe.large_displacements.control import Control, control_of
 from churchpipe.large_displacements.following import Ending, follow
-from churchpipe.large_displacements.halo import HALO, STILL, held_around
+from churchpipe.large_displacements.halo import STILL, held_around
 from churchpipe.large_displacements.moving_model import MovingModel, bearing, moving_model
 from churchpipe.large_displacements.path import FIRST, PathState, PathStep, as_in, first_state, solve_state
 from churchpipe.large_displacements.record import Progress, Record
@@ -26,7 +26,7 @@ from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.names import ContactModel
 from churchpipe.model.results import LimitState
-from churchpipe.model.stone_path import no_step
+from churchpipe.model.stone_path import HALO, no_step
 from churchpipe.model.ties import Tie
 from churchpipe.rigid_blocks.associative import associative_state
 from churchpipe.rigid_blocks.certificate import Strength

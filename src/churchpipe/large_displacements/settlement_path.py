@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from churchpipe.large_displacements.control import SupportTravel
 from churchpipe.large_displacements.following import Ending, follow
-from churchpipe.large_displacements.halo import HALO, STILL, held_around
+from churchpipe.large_displacements.halo import STILL, held_around
 from churchpipe.large_displacements.moving_model import MovingModel
 from churchpipe.large_displacements.path import PathStep, first_state
 from churchpipe.large_displacements.record import Progress, Record
@@ -24,7 +24,7 @@ from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.names import ContactModel
 from churchpipe.model.settlement import SettlementEnding, SettlementPath, SettlementState
-from churchpipe.model.stone_path import no_step
+from churchpipe.model.stone_path import HALO, no_step
 
 # Stones slower than this share of the support stand still.
 _STILL = 1e-4

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import describe, finite, listed, text
 from churchpipe.model.arrays import FloatArray, floats, store
-from churchpipe.model.quantities import Quantity, Usual
+from churchpipe.model.quantities import Quantity, Usual, in_range
 
 TOWARD = {"+x": (1.0, 0.0, 0.0), "-x": (-1.0, 0.0, 0.0), "+y": (0.0, 1.0, 0.0), "-y": (0.0, -1.0, 0.0)}
 Toward = str | npt.ArrayLike
@@ -240,8 +240,7 @@ class AreaLoad:
         where = _named(self, self.kind, name, " ".join(named))
         if len(named) not in (2, 4) or len(set(named)) < len(named):
             raise InputError(f"{where}: walls", "not two walls or four", found=", ".join(named), expected="each named once")
-        if finite(f"{where}: bearing", bearing) < 0:
-            raise InputError(f"{where}: bearing", "out of range", found=bearing, expected=">= 0 m")
+        in_range(AreaLoad, "bearing", f"{where}: bearing", bearing)
         if len(named) == 4 and not (begin is None and end is None):
             raise InputError(where, "begin and end of a floor between four walls", expected="the clear area between them")
         _check_order(where, begin, end)
@@ -314,8 +313,7 @@ class Pressure:
     ) -> None:
         where = _named(self, "pressure", name, text("pressure: wall", wall))
         for key, value in (("unit_weight", unit_weight), ("coefficient", coefficient), ("surcharge", surcharge)):
-            if finite(f"{where}: {key}", value) < 0:
-                raise InputError(f"{where}: {key}", "out of range", found=value, expected=">= 0")
+            in_range(Pressure, key, f"{where}: {key}", value)
         if not coefficient * (unit_weight + surcharge) > 0:
             raise InputError(where, "no pressure", expected="a unit weight or a surcharge, and a coefficient, > 0")
         store(self, wall=wall, toward=_level(where, toward), unit_weight=float(unit_weight))
@@ -373,8 +371,7 @@ def _store_load(
     load: object, where: str, dead: float, thrust: float, toward: Toward | None, eccentricity: float, mass: float | None
 ) -> None:
     for key, value in (("dead", dead), ("mass", 0.0 if mass is None else mass)):
-        if finite(f"{where}: {key}", value) < 0:
-            raise InputError(f"{where}: {key}", "out of range", found=value, expected=">= 0")
+        in_range(load.__class__, key, f"{where}: {key}", value)
     finite(f"{where}: thrust", thrust)
     finite(f"{where}: eccentricity", eccentricity)
     pushes = float(dead if mass is None else mass)

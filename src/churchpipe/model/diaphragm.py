@@ -8,7 +8,7 @@ from churchpipe.errors import InputError
 from churchpipe.model.arguments import positive
 from churchpipe.model.arrays import floats, store
 from churchpipe.model.carried import AreaLoad
-from churchpipe.model.quantities import Length, Quantity, Usual
+from churchpipe.model.quantities import Length, Quantity, Usual, in_range
 
 TIMBER_MODULUS = 10e9
 _FRICTION = Usual(0, 1.5, "wood or steel on masonry has 0.3 to 0.7")
@@ -86,17 +86,17 @@ class Diaphragm(AreaLoad):
         where = self.called
         if len(self.walls) != 2:
             raise InputError(f"{where}: walls", "not two walls", found=", ".join(self.walls), expected="two parallel ones")
-        for key, value in (("spacing", spacing), ("dead", dead), ("modulus", modulus)):
+        for key, value in (("spacing", spacing), ("dead", dead)):
             positive(f"{where}: {key}", value)
-        for key, value in (("friction", friction), ("fixing", fixing)):
-            positive(f"{where}: {key}", value, allow_zero=True)
+        for key, value in (("modulus", modulus), ("friction", friction), ("fixing", fixing)):
+            in_range(Diaphragm, key, f"{where}: {key}", value)
         if not friction and not fixing:
             remedy = "Without either it is an area load."
             raise InputError(where, "nothing holds its joists", expected="friction or a fixing", remedy=remedy)
         width, depth = floats(f"{where}: joist", joist, (2,)).tolist()
-        if not min(width, depth) > 0:
-            raise InputError(f"{where}: joist", "out of range", found=list(joist), expected="width and height > 0 m")
+        for side in (width, depth):
+            in_range(Diaphragm, "joist", f"{where}: joist", side)
         if bearing_length is not None:
-            positive(f"{where}: bearing_length", bearing_length)
+            in_range(Diaphragm, "bearing_length", f"{where}: bearing_length", bearing_length)
         store(self, spacing=float(spacing), friction=float(friction), fixing=float(fixing), joist=(width, depth))
         store(self, modulus=float(modulus), bearing_length=bearing_length)

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from churchpipe.errors import InputError
-from churchpipe.model.arguments import finite, listed, text
+from churchpipe.model.arguments import listed, text
 from churchpipe.model.arrays import store
 from churchpipe.model.carried import Metres
-from churchpipe.model.quantities import Quantity, Usual
+from churchpipe.model.quantities import Quantity, Usual, check_ranges
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,10 +37,7 @@ class Fill:
         store(self, on=on)
         if not on:
             raise InputError(f"{self.called}: on", "nothing that it lies on", expected="names of vaults or walls")
-        for key, value in (("unit_weight", self.unit_weight), ("mass", self.pushed)):
-            if finite(f"{self.called}: {key}", value) < 0 or (key == "unit_weight" and value == 0):
-                raise InputError(f"{self.called}: {key}", "out of range", found=value, expected="> 0 N/m3")
-        finite(f"{self.called}: top", self.top)
+        check_ranges(self, f"{self.called}: ")
 
     @property
     def called(self) -> str:

@@ -9,7 +9,7 @@ from churchpipe.model.arrays import store
 from churchpipe.model.carried import Metres
 from churchpipe.model.contacts import KINDS, ContactKind
 from churchpipe.model.materials import COHESION, FRICTION
-from churchpipe.model.quantities import Quantity
+from churchpipe.model.quantities import Quantity, check_ranges
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,10 +43,7 @@ class JointGroup:
             raise InputError(f"{where}: between", "not two walls", found=", ".join(pair), expected="the names of two walls")
         if self.friction is None and self.cohesion is None:
             raise InputError(where, "no strength", expected="friction, cohesion or both")
-        for key in ("friction", "cohesion"):
-            value = getattr(self, key)
-            if value is not None and finite(f"{where}: {key}", value) < 0:
-                raise InputError(f"{where}: {key}", "out of range", found=value, expected=">= 0")
+        check_ranges(self, f"{where}: ", "friction", "cohesion")
         heights = [None if value is None else finite(f"{where}: height", value) for value in (self.above, self.below)]
         if self.kind is None and not walls and pair is None and heights == [None, None]:
             raise InputError(where, "all joints", expected="kind, walls, between, above or below", remedy="Change the materials.")

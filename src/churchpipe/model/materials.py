@@ -7,14 +7,14 @@ from typing import Annotated, TypeVar
 
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import check_kind, finite, text
-from churchpipe.model.quantities import Quantity, Usual, declared
+from churchpipe.model.quantities import Quantity, Usual, declared, in_range
 
 _MODULUS = (1e-3, 1e21)
 _BLOCK = Quantity(low=0.0, above=True, usual=Usual(0.1, 200, "soft tuff to granite"), span=_MODULUS, key="block_E_GPa")
 _JOINT = Quantity(
     low=0.0, above=True, usual=Usual(0.001, 100, "dry joints of models to cement mortar"), span=_MODULUS, key="joint_E_GPa"
 )
-_POISSON = Quantity("", 0.0, high=0.5, below=True)
+_POISSON = Quantity("", -1.0, above=True, high=0.5, below=True, usual=Usual(0, 0.49, "stone and mortar have .1 to .3"))
 _MORTAR = Quantity("_mm", 0.0, above=True, span=(1e-9, 1e2))
 _WEIGHT = Quantity("_kN_m3", 0.0, above=True, usual=Usual(8, 35, "light tuff to basalt"), span=(1e-6, 1e9))
 FRICTION = Quantity(
@@ -48,9 +48,7 @@ class Elastic:
         for key in ("block_modulus", "joint_modulus", "joint_thickness"):
             _check_span("elastic.", self, key)
         for key in ("block_poisson", "joint_poisson"):
-            value = finite(f"elastic.{key}", getattr(self, key))
-            if not -1 < value < 0.5:
-                raise InputError(f"elastic.{key}", "out of range", found=value, expected="-1 < value < 0.5")
+            in_range(Elastic, key, f"elastic.{key}", getattr(self, key))
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,16 @@ about doubtful values (`config.plausible`) and the checks of the generators' par
 """
 
 import math
+import operator
 from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, dataclass, fields, is_dataclass
 from functools import lru_cache
 from typing import Annotated, Any, NamedTuple, TypeVar, cast, get_args, get_origin, get_type_hints
 
+from churchpipe.errors import InputError
+from churchpipe.model.arguments import finite
+
+_COMPARE = {">": operator.gt, ">=": operator.ge, "<": operator.lt, "<=": operator.le}
 # Standard gravity, m/s2.
 GRAVITY = 9.80665
 MOST_COUNTED = 1_000_000
@@ -197,6 +202,38 @@ def as_read(kind: type[Kind], table: Mapping[str, Any], *, units: bool = True) -
 def required(kind: type) -> list[str]:
     """Return the keys of the fields that have no default."""
     return [item.key for item in declared(kind).values() if item.default is MISSING]
+
+
+def in_range(kind: type, name: str, where: str, value: object) -> float:
+    """Return a number (SI), if it is one that a field of a dataclass may have.
+
+    where: the field, for messages.
+
+    Raises
+    ------
+    InputError: no finite number, or one out of the range that the field declares.
+    """
+    item, number = declared(kind)[name], finite(where, value)
+    quantity = item.quantity or Quantity()
+    bounds = [(">" if quantity.above else ">=", quantity.low), ("<" if quantity.below else "<=", quantity.high)]
+    limits = [(sign, si(item.key, limit)) for sign, limit in bounds if limit is not None]
+    if not all(_COMPARE[sign](number, limit) for sign, limit in limits):
+        expected = " and ".join(f"{sign} {limit:.6g}" for sign, limit in limits)
+        raise InputError(where, "out of range", found=value, expected=expected)
+    return number
+
+
+def check_ranges(record: Any, where: str, *names: str) -> None:
+    """Raise an InputError, as `in_range` does, unless fields of a dataclass are None or numbers, or tuples of numbers, in range.
+
+    where: what stands before the name of the field in messages. names: of the fields; by default all with a quantity.
+    """
+    kind = record.__class__
+    for name in names or [name for name, item in declared(kind).items() if item.quantity]:
+        value = getattr(record, name)
+        parts: Sequence[object] = cast("tuple[object, ...]", value) if isinstance(value, tuple) else (value,)
+        for part in parts if value is not None else ():
+            in_range(kind, name, f"{where}{name}", part)
 
 
 def in_unit(record: Any, name: str) -> tuple[Any, str]:

@@ -9,6 +9,8 @@ from churchpipe.model.arrays import FloatArray, IntArray, floats, indices, rows_
 
 # A path is proved when forces balance and keep to their friction cones to the first, and motions fit forces to the second.
 _EXACT, _FITS = 1e-8, 1e-2
+# Contacts from a stone that moves to those that are held.
+HALO = 5
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,7 @@ from churchpipe.errors import InputError
 from churchpipe.model.arguments import describe, finite, text
 from churchpipe.model.arrays import floats, store
 from churchpipe.model.carried import Metres, Point
-from churchpipe.model.quantities import Quantity, Usual
+from churchpipe.model.quantities import Quantity, Usual, in_range
 
 STEEL_MODULUS = 210e9
 _Plate = Annotated[float, Quantity("_mm", 0.0, above=True, usual=Usual(20, 3000, "washers to cast anchors and beams"))]
@@ -130,7 +130,7 @@ class TieBar:
     ) -> None:
         where = f"tie {text('TieBar.name', name)}"
         store(self, name=name, start=_place(f"{where}: start", start), end=_place(f"{where}: end", end))
-        numbers = {"area": area, "steel_strength": steel_strength, "modulus": modulus}
+        numbers = {"area": area, "steel_strength": steel_strength, "modulus": modulus, "pretension": pretension}
         numbers |= {
             key: value
             for key, value in (
@@ -141,15 +141,12 @@ class TieBar:
             if value is not None
         }
         for key, value in numbers.items():
-            if not finite(f"{where}: {key}", value) > 0:
-                raise InputError(f"{where}: {key}", "out of range", found=value, expected="> 0")
-        if finite(f"{where}: pretension", pretension) < 0:
-            raise InputError(f"{where}: pretension", "out of range", found=pretension, expected=">= 0 N")
+            in_range(TieBar, key, f"{where}: {key}", value)
         sides = None
         if plate is not None:
             width, height = floats(f"{where}: plate", plate, (2,)).tolist()
-            if not min(width, height) > 0:
-                raise InputError(f"{where}: plate", "out of range", found=list(plate), expected="width and height > 0 m")
+            for side in (width, height):
+                in_range(TieBar, "plate", f"{where}: plate", side)
             sides = width, height
         elif bearing_strength is not None or punching_strength is not None:
             raise InputError(where, "no plate", found="a strength of the masonry under it", expected="plate, (width, height) m")
