@@ -288,3 +288,20 @@ def test_fields_take_what_they_hold_or_name_what_they_got(kind: str) -> None:
                 refused.append(str(error))
         assert len(refused) >= 5, field.name
         assert all(": " in said for said in refused)
+
+
+def test_a_word_in_the_place_of_a_list_of_walls_is_named() -> None:
+    with pytest.raises(
+        InputError, match=r"with_ring_beams: walls: not a list; found 'wall'|with_ring_beams: walls: wrong kind; found 'wall'"
+    ):
+        cp.with_ring_beams(STONES, "wall", height=0.3)
+
+
+def test_an_option_of_reading_that_there_is_none_of_is_named() -> None:
+    with pytest.raises(InputError, match=r"read_stones: thick: no such option; expected units, repair, .*thickness"):
+        cp.read_stones("wall.dxf", thick=0.2)
+
+
+def test_a_place_of_a_tie_that_is_a_mapping_is_none() -> None:
+    with pytest.raises(InputError, match=r"tie t: start: no place; found dict; expected x, y, z m, or \(wall"):
+        cp.TieBar("t", start={"wall": "wall", "along": 1, "height": 2}, end=(0, 0, 2), area=1e-4, steel_strength=235e6)

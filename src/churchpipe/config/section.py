@@ -92,8 +92,10 @@ def _translated(item: Any, kind: type[Section], place: str, file: str, spelled: 
 def _wanted(item: Any) -> str:
     """Return what pydantic wants in the words of a case file."""
     kind, message = str(item["type"]), str(item["msg"])
-    if kind == "list_type" and item["loc"][-1] == "direction":
-        # The command line takes "-y".
+    if kind == "list_type" and isinstance(item["input"], dict):
+        return f"a list of tables, each under [[{'.'.join(map(str, item['loc']))}]] with two brackets"
+    if kind == "list_type" and item["loc"][-1] in ("direction", "toward"):
+        # The command line takes "-y", and buttresses do.
         return f"{_WANTED[kind]}, such as [0, -1, 0]"
     if kind in _WANTED:
         return _WANTED[kind]

@@ -1,6 +1,7 @@
 """Tables of the case file, made of the dataclasses (SI) where each of their keys is declared once, and read back into them."""
 
 import inspect
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import MISSING
 from functools import lru_cache
@@ -69,7 +70,16 @@ def record(kind: type[_Record], table: Mapping[str, Any], place: str, **given: A
         return kind(**given)
     except InputError as error:
         item = known.get(error.where.rpartition(": ")[2])
-        raise error.at(f"{place}.{item.key}" if item else place) from error
+        where = f"{place}.{item.key}" if item else place
+        raise InputError(
+            where, error.problem, found=error.found, expected=_by_keys(error.expected, known), remedy=error.remedy
+        ) from error
+
+
+def _by_keys(words: str, known: Mapping[str, Declared]) -> str:
+    """Return what a dataclass expects with its fields by the keys that the file has for them."""
+    keys = {name: item.key for name, item in known.items() if item.key != name}
+    return re.sub(rf"\b({'|'.join(keys)})\b(?!_)", lambda name: keys[name[1]], words) if keys else words
 
 
 def _value(item: Declared, key: str, value: Any, place: str) -> Any:

@@ -4,7 +4,7 @@ import hashlib
 import os
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, replace
+from dataclasses import asdict, fields, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -103,6 +103,10 @@ def read_stones(
 def read_file(path: str | os.PathLike[str], *, unit_weight: float | Mapping[str, float] | None = None, **options: Any) -> Drawing:
     """Read a file of stones in any format, with what a drawing says beside them; see `read_stones`."""
     path = path_of("read_stones: path", path)
+    known = [item.name for item in fields(Reading)]
+    for name in options:
+        if name not in known:
+            raise InputError(f"read_stones: {name}", "no such option", expected=", ".join(known))
     reading = Reading(**options)
     if path.suffix.lower() == ".dxf" and not path.is_dir():
         for name, given in (("up", reading.up not in (None, "z")), ("scale", reading.scale != 1.0)):

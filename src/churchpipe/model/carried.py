@@ -170,7 +170,7 @@ class PointLoad:
         where = _named(self, "point load", name, wall)
         _on_wall_or_at(where, "at", wall, at, along=along, height=height, eccentricity=eccentricity or None)
         if wall is not None and along is None:
-            raise InputError(where, "no place on the wall", expected="along, m")
+            raise InputError(where, "no place on the wall", expected="along")
         store(self, wall=wall, at=None if at is None else tuple(floats(f"{where}: at", at, (3,)).tolist()))
         _store_numbers(self, where, along=along, height=height)
         _store_load(self, where, dead, thrust, toward, eccentricity, mass)
@@ -379,7 +379,7 @@ def _store_load(
         raise InputError(where, "no load", expected="dead, thrust or mass other than zero")
     if (thrust or eccentricity) and toward is None:
         what = "a thrust" if thrust else "an eccentricity"
-        raise InputError(where, f"{what} without a direction", expected='toward: "+x", "-x", "+y", "-y" or a level vector')
+        raise InputError(where, f"{what} without a direction", expected="toward, a level vector such as [1, 0, 0]")
     store(load, dead=float(dead), mass=None if mass is None else pushes)
     if not isinstance(load, AreaLoad):
         side = None if toward is None else _level(where, toward)

@@ -1,5 +1,6 @@
 """Ties as an engineer describes them: a bar of steel, its plates, and where it is anchored."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -51,7 +52,7 @@ class AnchorPlace:
             store(self, at=tuple(floats("place: at", self.at, (3,)).tolist()))
             return
         if self.wall is None or self.along is None or self.height is None:
-            raise InputError("place", "no place", expected="a wall, along it and a height; or a point")
+            raise InputError("place", "no place", expected="wall, along and height; or at, a point")
         text("place: wall", self.wall)
         for key in ("along", "height"):
             store(self, **{key: finite(f"place on {self.wall}: {key}", getattr(self, key))})
@@ -182,9 +183,9 @@ def _place(where: str, value: Any) -> AnchorPlace:
     if isinstance(value, AnchorPlace):
         return value
     try:
-        wall, along, height = value
+        wall, along, height = () if isinstance(value, Mapping) else value
     except (TypeError, ValueError) as error:
-        expected = "x, y, z m, or (wall, m along it, m above z = 0)"
+        expected = "x, y, z m, or (wall, m along it, m above z = 0), or an AnchorPlace"
         raise InputError(where, "no place", found=describe(value), expected=expected) from error
     try:
         return AnchorPlace(wall, along, height) if isinstance(wall, str) else AnchorPlace(at=(wall, along, height))

@@ -117,7 +117,10 @@ class Tie:
             raise InputError(f"{where}: stiffness", "out of range", found=stiffness, expected="> 0 N/m")
         if not 0 <= finite(f"{where}: pretension", pretension) <= strength:
             raise InputError(
-                f"{where}: pretension", "out of range", found=pretension, expected=f"0 to its strength, {strength:g} N"
+                f"{where}: pretension",
+                "out of range",
+                found=f"{pretension / 1e3:g} kN",
+                expected=f"0 to its strength, {strength / 1e3:g} kN",
             )
         if not ultimate > 0:
             raise InputError(f"{where}: ultimate elongation", "out of range", found=ultimate, expected="> 0 m")

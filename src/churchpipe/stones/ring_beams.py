@@ -11,7 +11,7 @@ from churchpipe.geometry.manifolds import manifold
 from churchpipe.geometry.planar import hull, pieces, polygon, rings, united
 from churchpipe.geometry.prism import prism_of
 from churchpipe.geometry.walls import WallLine, wall_line
-from churchpipe.model.arguments import check_kind, positive
+from churchpipe.model.arguments import check_kind, listed, positive
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage, Polyhedron, assemble
 from churchpipe.model.ring_beam import RING_BEAM, RingBeam
@@ -89,7 +89,7 @@ def with_ring_beams(
     """
     check_kind("with_ring_beams: stones", stones, Assemblage)
     positive("ring beam: unit weight", unit_weight)
-    beam = RingBeam(tuple(walls), height, width, begin, end, closed, slab)
+    beam = RingBeam(tuple(listed("with_ring_beams: walls", walls, str)), height, width, begin, end, closed, slab)
     return add_beams(stones, [beam], dict.fromkeys(stones.material.tolist(), unit_weight))
 
 

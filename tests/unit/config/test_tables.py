@@ -1,11 +1,14 @@
 """A key is declared once, on the field of the dataclass that keeps it: its table, its reading and its questions follow."""
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Annotated, Any
 
 import pytest
 from pydantic import ValidationError
 
+from case_texts import WALL, case_file
+from churchpipe.config.case import read_case
 from churchpipe.config.tables import record, table_of
 from churchpipe.errors import InputError
 from churchpipe.model.quantities import Length, Place, Quantity, as_written, declared
@@ -79,3 +82,40 @@ def test_the_schema_says_what_is_declared() -> None:
 def test_an_error_names_the_key(table: dict[str, Any], said: str) -> None:
     with pytest.raises(InputError, match=said):
         read(**table)
+
+
+WORDS = [
+    ("line_loads", "dead_kN_m = 1", "no place; found neither; expected a wall, or between_m."),
+    ("line_loads", 'wall = "wall"', "no load; expected dead_kN_m, thrust_kN_m or seismic_mass_kN_m other than zero."),
+    (
+        "line_loads",
+        'wall = "wall"\nthrust_kN_m = 1',
+        "a thrust without a direction; expected toward, a level vector such as [1, 0, 0].",
+    ),
+    ("line_loads", 'wall = "wall"\ndead_kN_m = 1\nfrom_m = 5\nto_m = 2', "found from 5 m to 2 m; expected from_m < to_m."),
+    (
+        "line_loads",
+        'wall = "wall"\nthrust_kN_m = 1\ntoward = "-x"',
+        "found '-x'; expected a list in [brackets], such as [0, -1, 0].",
+    ),
+    ("point_loads", 'wall = "wall"\ndead_kN = 1', "no place on the wall; expected along_m."),
+    ("joints", 'name = "j"\nkind = "base"', "no strength; expected friction, cohesion_kPa or both."),
+    ("joints", 'name = "j"\nabove_m = 3\nbelow_m = 1\nfriction = 0.3', "expected above_m < below_m."),
+    (
+        "ties",
+        'name = "t"\nstart = {}\nend = {}\narea_mm2 = 400\nsteel_strength_MPa = 235',
+        "no place; expected wall, along_m and height_m; or at_m, a point.",
+    ),
+]
+
+
+@pytest.mark.parametrize(("key", "table", "said"), WORDS, ids=[said[:30] for _, _, said in WORDS])
+def test_what_is_expected_is_named_by_the_keys_of_the_file(key: str, table: str, said: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError) as raised:
+        read_case(case_file(tmp_path, f"{WALL}\n[[{key}]]\n{table}\n"))
+    assert said in str(raised.value)
+
+
+def test_a_table_where_several_are_meant_is_told_its_brackets(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"line_loads: wrong value; .*expected a list of tables, each under \[\[line_loads\]\]"):
+        read_case(case_file(tmp_path, f'{WALL}\n[line_loads]\nwall = "wall"\ndead_kN_m = 1\n'))
