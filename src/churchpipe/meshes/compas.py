@@ -45,7 +45,7 @@ def read_compas(path: Path) -> Source:
         found = f"the file is damaged or no JSON ({error})"
         raise refused(path, "compas", "E03", found, remedy="Export it again.") from error
     except RecursionError as error:
-        raise refused(path, "compas", "E03", "lists or tables hundreds deep") from error
+        raise refused(path, "compas", "E03", "lists or tables hundreds deep", remedy="Export it again.") from error
     if lost:
         found = f"the file is damaged: {lost['meshes']} meshes whose faces or vertices cannot be understood"
         expected = "vertices with x, y, z and faces of their keys"

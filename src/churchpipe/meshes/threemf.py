@@ -44,6 +44,8 @@ def read_3mf(path: Path) -> Source:
             if sum(info.file_size for info in names) > LARGEST_MODEL:
                 raise _damaged(path, f"its model has more than {LARGEST_MODEL:.0e} bytes")
             roots = [ElementTree.fromstring(archive.read(info)) for info in names]
+    except FindingsError:
+        raise
     except BAD_ARCHIVE as error:
         raise _damaged(path, str(error)) from error
     said = roots[0].get("unit", "millimeter")

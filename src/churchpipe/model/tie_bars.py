@@ -1,6 +1,5 @@
 """Ties as an engineer describes them: a bar of steel, its plates, and where it is anchored."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -182,10 +181,12 @@ class TieBar:
 def _place(where: str, value: Any) -> AnchorPlace:
     if isinstance(value, AnchorPlace):
         return value
+    expected = "x, y, z m, or (wall, m along it, m above z = 0), or an AnchorPlace"
+    if isinstance(value, dict):
+        raise InputError(where, "no place", found="dict", expected=expected)
     try:
-        wall, along, height = () if isinstance(value, Mapping) else value
+        wall, along, height = value
     except (TypeError, ValueError) as error:
-        expected = "x, y, z m, or (wall, m along it, m above z = 0), or an AnchorPlace"
         raise InputError(where, "no place", found=describe(value), expected=expected) from error
     try:
         return AnchorPlace(wall, along, height) if isinstance(wall, str) else AnchorPlace(at=(wall, along, height))

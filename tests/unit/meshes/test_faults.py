@@ -1,5 +1,6 @@
 """What files of real models had: each fault in a small file, and exactly the findings it deserves."""
 
+import zipfile
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
@@ -289,3 +290,11 @@ def test_files_of_a_folder_that_are_left_out_are_named(tmp_path: Path) -> None:
         (tmp_path / name).write_text("")
     findings = cp.read_stones(tmp_path)[1]
     assert "left out: 2 files in other formats, notes.txt, wall.dxf. Look whether" in str(findings)
+
+
+def test_a_3mf_without_a_model_is_told_once(tmp_path: Path) -> None:
+    with zipfile.ZipFile(tmp_path / "a.3mf", "w") as archive:
+        archive.writestr("notes.txt", "")
+    with pytest.raises(FindingsError) as raised:
+        cp.read_stones(tmp_path / "a.3mf")
+    assert str(raised.value).endswith("\n3mf/E03 a.3mf: the file is damaged: there is no model in it. Export it again.")
