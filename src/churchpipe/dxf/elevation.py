@@ -14,7 +14,7 @@ from churchpipe.dxf.reading import ElevationPlane
 from churchpipe.dxf.stones import Stone
 from churchpipe.dxf.traces import Trace, by_plane, is_flat
 from churchpipe.findings import Finding
-from churchpipe.geometry.planar import area, common, less, pieces
+from churchpipe.geometry.planar import Region, area, common, less, pieces
 from churchpipe.geometry.prism import prism_of
 from churchpipe.model.arrays import FloatArray
 from churchpipe.wording import counted
@@ -22,6 +22,8 @@ from churchpipe.wording import counted
 # Layers that mean ground, whoever drew it; layers of what is no stone.
 GROUND: Final = (schema.SUPPORT, "SUPPORT", "SUPPORTS", "GROUND")
 NO_STONE: Final = ("OPENING", "OPENINGS")
+# Less than this share of the area of a wall beside its openings is none of it.
+NOTHING: Final = 1e-9
 # The name of the wall on layer 0.
 WALL: Final = "wall"
 
@@ -66,11 +68,18 @@ def stones_of_traces(
         found = f"{counted(len(shallow), 'outline')} without a thickness"
         findings.append(shallow[0].trace.place.finding("E24", found, expected="how deep the stones are", remedy=remedy))
         return [], left
-    stones = [
-        stone
-        for outline in outlines
-        for stone in _stones(outline, openings if cut and _kind(outline.trace) == _Kind.STONE else [], thickness or 0.0, plane)
-    ]
+    stones: list[Stone] = []
+    used: set[int] = set()
+    for outline in outlines:
+        through = _through(outline, openings) if cut and _kind(outline.trace) == _Kind.STONE else []
+        used |= {id(opening) for opening in through}
+        own = _stones(outline, [opening.region for opening in through], thickness or 0.0, plane)
+        if not own:
+            remedy = "Draw the openings smaller, or put what is none on another layer."
+            findings.append(outline.trace.place.finding("E28", "openings take all of the wall", remedy=remedy))
+        stones += own
+    if cut:
+        left["outlines of openings in no wall"] += sum(id(opening) not in used for opening in openings)
     of_handle = Counter(stone.name for stone in stones)
     numbers = {name: itertools.count(1) for name, many in of_handle.items() if many > 1}
     stones = [replace(s, name=f"{s.name}.{next(numbers[s.name])}") if s.name in numbers else s for s in stones]
@@ -79,15 +88,20 @@ def stones_of_traces(
     return stones, left
 
 
-def _stones(outline: Outline, openings: list[Outline], thickness: float, plane: ElevationPlane) -> list[Stone]:
-    """Return the bodies of an outline, extruded: one, or several where openings cut it into parts."""
+def _through(outline: Outline, openings: list[Outline]) -> list[Outline]:
+    """Return the openings that take a part of an outline."""
+    alike = (opening for opening in openings if np.allclose(opening.plane.axes, outline.plane.axes, atol=1e-6))
+    return [opening for opening in alike if area(common(outline.region, opening.region)) > 0]
+
+
+def _stones(outline: Outline, cut: list[Region], thickness: float, plane: ElevationPlane) -> list[Stone]:
+    """Return the bodies of an outline, extruded: one, or several where openings (regions) cut it into parts, or none."""
     trace, axes = outline.trace, outline.plane.axes
     depth = (trace.depth or thickness) * (-1.0 if trace.depth and trace.normal @ axes[2] < 0 else 1.0)
     levels = sorted((outline.plane.height, outline.plane.height + depth))
-    holes = [opening.region for opening in openings if np.allclose(opening.plane.axes, axes, atol=1e-6)]
     whole = outline.region
-    cut = [hole for hole in holes if area(common(whole, hole)) > 0]
-    bodies = [prism_of(part) for part in pieces(less(whole, cut) if cut else whole)]
+    rest = [part for part in pieces(less(whole, cut)) if area(part) > NOTHING * area(whole)] if cut else pieces(whole)
+    bodies = [prism_of(part) for part in rest]
     bearing = _bears(trace)
     panel = "" if bearing else WALL if trace.layer == "0" else trace.layer
     stones: list[Stone] = []

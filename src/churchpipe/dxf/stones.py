@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from ezdxf.entities.insert import Insert
+from ezdxf.entities.polyline import Polymesh
 
 from churchpipe.dxf import schema
 from churchpipe.dxf.attributes import read_labels
@@ -155,6 +156,8 @@ def _visit(found: Survey, content: Definition, branch: _Branch) -> None:
         layer = _layer(other.dxf.layer, branch)
         if other.dxftype() not in KINDS:
             found.left_out[f"{other.dxftype()} (no solid)"] += 1
+        elif isinstance(other, Polymesh):
+            found.left_out["polygon meshes (explode them to 3D faces)"] += 1
         elif layer in found.hidden or other.dxf.invisible:
             found.left_out[HIDDEN] += 1
         else:

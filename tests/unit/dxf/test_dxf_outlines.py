@@ -557,3 +557,35 @@ def test_outlines_on_paper_are_counted(tmp_path: Path) -> None:
         path = drawn(tmp_path / "a.dxf", lambda space: (draw(space), stones and space.add_lwpolyline(BRICK, close=True)))  # noqa: B023
         said = str(read(path).findings if stones else findings_of(path))
         assert "left out: 2 in paper space." in said
+
+
+def test_openings_that_take_a_whole_wall_and_openings_in_no_wall_are_told(tmp_path: Path) -> None:
+    def box(space: Any, x: float, y: float, right: float, top: float, layer: str = "0") -> None:
+        space.add_lwpolyline([(x, y), (right, y), (right, top), (x, top)], close=True, dxfattribs={"layer": layer})
+
+    def walls(space: Any, reach: float) -> None:
+        box(space, 0, 0, 4000, 3000)
+        box(space, 1000, -100, reach, 2000, "OPENING")
+        box(space, 9000, 0, 9500, 900, "OPENING")
+
+    laid = {"thickness": 0.4, "support": "base", "bond": "running", "course": 0.25, "stone": 0.5}
+    drawing = read(drawn(tmp_path / "a.dxf", lambda space: walls(space, 2000), ground=False), **laid)
+    assert drawing.stones.volume[~drawing.stones.fixed].sum() == pytest.approx((4 * 3 - 1 * 2) * 0.4)
+    assert "left out: 1 outlines of openings in no wall." in str(drawing.findings)
+
+    def taken(space: Any) -> None:
+        walls(space, 2000)
+        box(space, 5000, 0, 6000, 3000)
+        box(space, 4900, -100, 6100, 3100, "OPENING")
+
+    found = findings_of(drawn(tmp_path / "b.dxf", taken, ground=False), **laid)
+    assert "openings take all of the wall" in str(found)
+
+
+def test_a_polygon_mesh_is_left_out_and_counted(tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        space.add_lwpolyline(BRICK, close=True)
+        space.add_polymesh((4, 4))
+
+    drawing = read(drawn(tmp_path / "a.dxf", draw))
+    assert "left out: 1 polygon meshes (explode them to 3D faces)" in str(drawing.findings)
