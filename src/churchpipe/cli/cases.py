@@ -59,8 +59,10 @@ def read_sound(path: Path, changes: Sequence[str]) -> Any:
         for case in {case.variant.name: case for case in reversed(cases) if case.variant}.values():
             if (case.source, case.buttresses) != (source, cases[0].buttresses):
                 case.laid()
-    elif not source.path.resolve().is_relative_to(path.resolve().parent):
+        return cases
+    if not source.path.resolve().is_relative_to(path.resolve().parent):
         err.print(f"The drawing lies elsewhere: {source.path.resolve()}", soft_wrap=True)
+    _check_there(path, cases[0])
     return cases
 
 
@@ -96,6 +98,15 @@ def check_case(path: Path, changes: Sequence[str]) -> None:
         err.print(question, markup=False, soft_wrap=True)
 
 
+def _check_there(path: Path, case: Any) -> None:
+    """Raise InputError, with its line, where the drawing or the mesh of a case is not there."""
+    if not case.source.path.exists():
+        key = "dxf" if "dxf" in case.table["source"] else "file"
+        remedy = "Paths are relative to the case file."
+        error = InputError(f"{path}: source.{key}", "no such file", found=case.source.path, remedy=remedy)
+        raise case.located(error)
+
+
 def _check_laid(path: Path, case: Any, building: Any) -> None:
     from churchpipe.stones.blocks import derive_blocks
     from churchpipe.stones.contacts import find_contacts
@@ -116,8 +127,7 @@ def _check_laid(path: Path, case: Any, building: Any) -> None:
 def _check_drawn(path: Path, case: Any) -> None:
     from churchpipe.importing import check_carried, check_drawing, joint_words
 
-    if not case.source.path.exists():
-        raise InputError(f"{path}: source", "no such file of stones", found=case.source.path)
+    _check_there(path, case)
     weights = {material.name: material.unit_weight for material in case.materials}
     read, contacts = check_drawing(case.source.path, case.source.reading, weights, case.tolerances)
     if len(read.findings):

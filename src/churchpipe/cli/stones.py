@@ -34,6 +34,8 @@ def import_file(
 
     DXF, OBJ, STL, PLY, GLB, 3MF, Rhino 3DM, COMPAS JSON, LMGC90 (BODIES.DAT), 3DEC, or a folder: docs/formats.md.
     """
+    from churchpipe.config.case import read_variants
+    from churchpipe.config.plausible import questions
     from churchpipe.importing import import_drawing, parse_tolerances
 
     if file.suffix.lower() == ".toml":
@@ -58,6 +60,8 @@ def import_file(
         out.print(line, markup=False, soft_wrap=True)
     for key in done.missing:
         out.print(f"Still to be filled in: {key}", markup=False, soft_wrap=True)
+    for question in () if done.missing else questions(read_variants(done.case)):
+        err.print(question, markup=False, soft_wrap=True)
     out.print(f"Next: churchpipe run {shlex.quote(str(done.case))}", markup=False, soft_wrap=True)
 
 

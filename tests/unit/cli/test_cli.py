@@ -695,7 +695,7 @@ def test_a_case_of_a_folder_of_stones_is_checked(capsys: pytest.CaptureFixture[s
     shutil.rmtree(folder)
     code, _, err = call(capsys, "check", case_file(tmp_path, text))
     assert code == 1
-    assert "case.toml: source: no such file of stones" in err
+    assert "source.file: no such file; found" in err
 
 
 def test_a_drawing_given_for_a_case_is_to_be_imported(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

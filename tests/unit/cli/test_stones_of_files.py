@@ -66,3 +66,25 @@ def test_options_that_would_do_nothing_are_refused(
     code, _, err = call(capsys, "check", drawing(tmp_path / "a.dxf", (0, 0, 0.5, 0.3)), *OPTIONS, *given)
     assert code in (1, 2)
     assert said in err
+
+
+GIVEN = ("--unit-weight-kN-m3", "18", "--friction", "0.6", "--load", "+x")
+
+
+def test_values_out_of_all_reason_are_questioned_by_the_import(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    path = drawing(tmp_path / "a.dxf", (0, 0, 0.5, 0.3))
+    code, _, err = call(capsys, "import", path, "-o", tmp_path / "out", *OPTIONS, *GIVEN[2:], "--unit-weight-kN-m3", "18000")
+    assert code == 0
+    assert "material.default.unit_weight_kN_m3 is 1.8e+04 kN/m3, usual are" in err
+    assert "Is it meant?" not in call(capsys, "import", path, "-o", tmp_path / "usual", *OPTIONS, *GIVEN)[2]
+
+
+def test_a_run_without_its_drawing_leaves_nothing(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    path = drawing(tmp_path / "a.dxf", (0, 0, 0.5, 0.3))
+    assert call(capsys, "import", path, "-o", tmp_path / "out", *OPTIONS, *GIVEN)[0] == 0
+    (tmp_path / "out" / "a.dxf").unlink()
+    for command in (("check",), ("run", "--out", tmp_path / "run")):
+        code, _, err = call(capsys, command[0], tmp_path / "out" / "case.toml", *command[1:])
+        assert code == 1
+        assert "case.toml: line 6, source.dxf: no such file; found " in err
+    assert not (tmp_path / "run").exists()
