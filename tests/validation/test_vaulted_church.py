@@ -11,7 +11,15 @@ from manual_pages import ROOT
 
 # Load factors, by the name of the load.
 STONES = {"+x": 0.0797, "-x": 0.0797, "+y": 0.4076, "-y": 0.3063, "tower +x": 0.4126}
-SHELL = {"+x": 0.0899, "-x": 0.0820, "-y": 0.2679, "tower +x": 0.3385}
+SHELL = {
+    "+x": 0.0899,
+    "-x": 0.0820,
+    "+y": 0.3500,
+    "-y": 0.2679,
+    "tower +x": 0.3385,
+    "+x, linear": 0.0473,
+    "-y, linear": 0.1735,
+}
 
 
 @cache

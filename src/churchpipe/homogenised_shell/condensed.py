@@ -17,7 +17,7 @@ from churchpipe.conic.cholesky import Cholesky
 from churchpipe.conic.interior_point.coupling import Coupling, touches
 from churchpipe.conic.interior_point.info import as_share
 from churchpipe.conic.interior_point.iterate import Iterate
-from churchpipe.conic.interior_point.loop import interior_start, solve_coupled
+from churchpipe.conic.interior_point.loop import Ending, interior_start, solve_coupled
 from churchpipe.conic.interior_point.normal import NormalMatrix
 from churchpipe.conic.interior_point.problem import CoupledProblem
 from churchpipe.conic.program import Outcome
@@ -124,6 +124,7 @@ class CondensedShell:
             chosen = FIRST_STEP if before is None else STEP
             tried = (replace(chosen, correctors=SOLVER.correctors) if by_cell else chosen,)
         iterations, start = 0, None
+        nearest: tuple[CoupledProblem, Ending] | None = None
         report = as_share(progress, tried[0].duality_gap, tried[0].residual)
         for chosen, more in product(tried, self._regularisations(compliance)):
             # At the start all points together do `rate` times the work of a unit load, whatever their number.
@@ -132,14 +133,19 @@ class CondensedShell:
             begin = start or interior_start(stated.problem, settings)
             ending = solve_coupled(stated.problem, self._normal, stated.cholesky, begin, settings, report)
             iterations += ending.info.iteration
-            if ending.status not in ("running", "failed"):
+            done = ending.status not in ("running", "failed")
+            if done or nearest is None or ending.info.error < nearest[1].info.error:
+                nearest = stated.problem, ending
+            if done:
                 break
             # The next, smaller regularisation may be too small to get this far from its own start.
             start = ending.at if ending.info.error <= SOLVER.near and not by_cell else None
+        assert nearest is not None
+        problem, ending = nearest
         outcome = "failed" if ending.status == "running" else ending.status
         # A certificate of infeasibility is a mechanism. It is scaled by its largest entry.
         theta = ending.at.theta if outcome != "infeasible" else float(np.abs(ending.at.y).max())
-        return self._state(stated.problem, ending.at, theta, outcome, ending.info.error, iterations, ending.message)
+        return self._state(problem, ending.at, theta, outcome, ending.info.error, iterations, ending.message)
 
     def solve_directly(self, dead: FloatArray | None, live: FloatArray | None, cap: float = np.inf) -> StressState:
         """Return the stresses with the largest load by Clarabel."""

@@ -48,7 +48,7 @@ def shell_limit_analysis(
 ) -> ShellLimitState:
     """Return the collapse load factor of a shell and its mechanism, dead load first.
 
-    Bounds are proved to 1e-6 at worst.
+    The bounds proved are no farther apart than 1e-6 of the load factor, or than 1e-5 where the message says so.
 
     Parameters
     ----------
@@ -135,12 +135,12 @@ def _verdict(elements: ShellElements, standing: Bounds) -> ShellLimitState | Non
 
 
 def _decided(elements: ShellElements, found: Bounds) -> ShellLimitState:
-    agree = found.agree(SOLVER.duality_gap, SOLVER.least_load_factor)
+    agree = found.agree(SOLVER.last_digits, SOLVER.least_load_factor)
     if found.outcome == "unbounded" or (agree and found.lintels > SOLVER.lintel_dissipation * found.upper):
         return _state(elements, found, "unbounded", "no lateral load of this kind brings it down")
     message = ""
-    if not agree or found.outcome != "solved":
-        message = f"{found.message}; bounds {found.lower:.8g} and {found.upper:.8g}"
+    if not found.agree(SOLVER.duality_gap, SOLVER.least_load_factor) or found.outcome != "solved":
+        message = f"bounds {found.lower:.8g} and {found.upper:.8g}" + (f"; {found.message}" if found.message else "")
     elif found.lintels > SOLVER.duality_gap * found.upper:
         share = found.lintels / found.upper
         tension = f"{SOLVER.lintel_tension:g} x weight / longest side"

@@ -18,7 +18,8 @@ class SolverSettings:
     Proof of a limit load:
         duality_gap: greatest distance of the bounds, as a share of the load factor, or of `least_load_factor` if that is larger,
         so that a structure that nearly falls under its own weight can be decided. The residual of equilibrium over the weight,
-        and the excess over the strength in units of stress, may be as large.
+        and the excess over the strength in units of stress, may be as large. last_digits: the same, where the solver cannot
+        come nearer: a load factor that is approached by ever larger motions, and reached by none, has no last digits.
         standing: greatest share of the dead load that may be missing for a shell to count as standing.
         lintel_dissipation: if this share of the dissipation or more is in parts that do not yield, nothing else limits the load.
         clarabel_facets: on larger meshes Clarabel takes minutes, so it is no fallback there.
@@ -52,6 +53,7 @@ class SolverSettings:
     fold: float = 0.5
     level: float = 1e-6
     duality_gap: float = 1e-6
+    last_digits: float = 1e-5
     least_load_factor: float = 1e-3
     standing: float = 1e-4
     lintel_dissipation: float = 0.5
@@ -86,6 +88,7 @@ class SolverSettings:
             "fold",
             "level",
             "duality_gap",
+            "last_digits",
             "standing",
             "lintel_dissipation",
             "near",

@@ -6,7 +6,8 @@ import pytest
 
 from churchpipe.conic.interior_point.loop import Ending, solve_coupled
 from churchpipe.errors import InputError
-from churchpipe.homogenised_shell import condensed, point_strength
+from churchpipe.homogenised_shell import condensed, limit, point_strength
+from churchpipe.homogenised_shell.bounds import Bounds, proved_bounds
 from churchpipe.homogenised_shell.element import shell_elements, surface_load
 from churchpipe.homogenised_shell.limit import shell_limit_analysis
 from churchpipe.homogenised_shell.loads import dead_pressure, live_load, live_pressure
@@ -214,3 +215,21 @@ def test_where_one_regularisation_fails_the_next_is_tried(monkeypatch: pytest.Mo
     assert state.iterations == tried[2] + tried[3]
     assert starts[1] is ends[0]
     assert starts[3] is not ends[2]
+
+
+@pytest.mark.parametrize(("apart", "status"), [(4e-6, "optimal"), (4e-5, "failed")])
+def test_last_digits_that_are_out_of_reach_are_told(monkeypatch: pytest.MonkeyPatch, apart: float, status: str) -> None:
+    whole = shell_limit_analysis(wall(), ASKEW, MASONRY)
+
+    def short(*arguments: Any) -> Bounds:
+        found = proved_bounds(*arguments)
+        return replace(found, upper=found.lower * (1 + apart), message="no further progress")
+
+    monkeypatch.setattr(limit, "proved_bounds", short)
+    state = shell_limit_analysis(wall(), ASKEW, MASONRY, solver="interior-point")
+    assert whole.message == ""
+    assert state.status == status
+    assert state.message.startswith(f"bounds {whole.load_factor:.8g} and ")
+    assert state.message.endswith("no further progress")
+    if status == "optimal":
+        assert state.load_factor == state.lower_bound == whole.load_factor
