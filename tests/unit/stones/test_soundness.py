@@ -71,6 +71,9 @@ def test_overlap_is_measured_by_its_depth(depth: float, pairs: list[list[int]]) 
     # Flat tiles: the shared layer is 2e-5 of the volume already where coordinates of six decimals overlap by rounding alone.
     lower, upper = box((0, 1), (0, 1), (0, 0.02)), box((0, 1), (0, 1), (0.02 - depth, 0.04))
     assert overlapping_stones(on_ground(lower, upper)).tolist() == pairs
+    # In a tray no plane lies between the two.
+    tray = prism([(-0.5, 0), (1.5, 0), (1.5, 1), (1, 1), (1, 0.5), (0, 0.5), (0, 1), (-0.5, 1)], 1.0)
+    assert overlapping_stones(on_ground(tray, box((0, 1), (0, 1), (0.5 - depth, 0.52)))).tolist() == pairs
 
 
 @pytest.mark.parametrize("depth", [5e-7, 1e-3, 4e-3, 0.007, 0.042])
