@@ -35,7 +35,7 @@ def command_line() -> str:
 
 def python_api() -> str:
     """Return the reference page of the public names; mkdocstrings fills in their docstrings."""
-    objects = {name: getattr(cp, name) for name in sorted(cp.__all__, key=str.lower)}
+    objects = {name: getattr(cp, name) for name in sorted(vars(cp)["__all__"], key=str.lower)}
     kinds = {FUNCTIONS: [], CLASSES: []}
     for name, item in objects.items():
         if not isinstance(item, str):

@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import ezdxf
+from ezdxf.math import Vec3
+from ezdxf.render.mesh import MeshBuilder
 
 from dxf_models import BOX_FACES, box
 
@@ -308,8 +310,8 @@ def open_solid(doc: Any) -> None:
 
 
 def _mesh_builder(corners: list[tuple[float, float, float]]) -> Any:
-    builder = ezdxf.render.MeshBuilder()
-    builder.add_mesh(vertices=[ezdxf.math.Vec3(c) for c in corners], faces=[list(face) for face in BOX_FACES])
+    builder = MeshBuilder()
+    builder.add_mesh(vertices=[Vec3(c) for c in corners], faces=[list(face) for face in BOX_FACES])
     return builder
 
 

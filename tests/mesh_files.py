@@ -5,6 +5,7 @@ import struct
 import zipfile
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -87,12 +88,12 @@ def write_ply(stones: Assemblage, path: Path, *, binary: bool = False) -> Path:
 
 
 def write_glb(stones: Assemblage, path: Path, colours: Sequence[tuple[int, int, int]] = (), by: str = "vertices") -> Path:
-    import trimesh
+    import trimesh.visual.material
 
     scene = trimesh.Scene()
     for number, (name, points, faces, _) in enumerate(solids(stones)):
         # y is up in the format.
-        mesh = trimesh.Trimesh(points[:, [0, 2, 1]] * [1, 1, -1], triangles(points, faces), process=False)
+        mesh: Any = trimesh.Trimesh(points[:, [0, 2, 1]] * [1, 1, -1], triangles(points, faces), process=False)
         if colours and by == "vertices":
             mesh.visual.vertex_colors = colours[number]
         elif colours:
@@ -126,8 +127,10 @@ def write_3mf(stones: Assemblage, path: Path, *, unit: str = "millimeter") -> Pa
 
 
 def write_3dm(stones: Assemblage, path: Path, colours: Sequence[tuple[int, int, int]] = ()) -> Path:
-    import rhino3dm
+    import rhino3dm as untyped
 
+    # Its stubs take what can be set for read-only.
+    rhino3dm: Any = untyped
     model = rhino3dm.File3dm()
     model.Settings.ModelUnitSystem = rhino3dm.UnitSystem.Meters
     for number, (name, points, faces, _) in enumerate(solids(stones)):

@@ -15,10 +15,11 @@ from churchpipe.homogenised_shell.cell_limit import cohesion_shift
 from churchpipe.homogenised_shell.element import ShellElements
 from churchpipe.homogenised_shell.loads import load_vectors
 from churchpipe.homogenised_shell.point_strength import by_facet
-from churchpipe.homogenised_shell.strength import PlaneSet, paper_planes
+from churchpipe.homogenised_shell.strength import paper_planes
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength
+from churchpipe.model.names import Planes
 from hand_cell import hand_closing
 
 # Its functions are only partly typed.
@@ -51,7 +52,7 @@ class ShellProgram:
     cap: float = np.inf
 
 
-def shell_program(elements: ShellElements, load: LoadCase, materials: Sequence[JointStrength], planes: PlaneSet) -> ShellProgram:
+def shell_program(elements: ShellElements, load: LoadCase, materials: Sequence[JointStrength], planes: Planes) -> ShellProgram:
     """State the limit analysis of a shell in running bond."""
     loads = load_vectors(elements, load)
     local = _local_strength(elements, materials, planes, loads.unit)
@@ -141,7 +142,7 @@ class _Local:
     friction: FloatArray
 
 
-def _local_strength(elements: ShellElements, materials: Sequence[JointStrength], planes: PlaneSet, unit: FloatArray) -> _Local:
+def _local_strength(elements: ShellElements, materials: Sequence[JointStrength], planes: Planes, unit: FloatArray) -> _Local:
     shell = elements.shell
     assert (shell.bonds == "running").all()
     friction, cohesion, _ = by_facet(shell.material, materials)

@@ -70,7 +70,8 @@ def write_dxf_voids(stones: Assemblage, folder: Path) -> Path:
     import ezdxf
 
     document = ezdxf.readfile(write_dxf_hatches(stones, folder))
-    document.modelspace().query('HATCH[layer=="WALL"]').first.paths.add_polyline_path(VOID, is_closed=True, flags=16)
+    hatch: Any = document.modelspace().query('HATCH[layer=="WALL"]').first
+    hatch.paths.add_polyline_path(VOID, is_closed=True, flags=16)
     document.saveas(folder / "wall.dxf")
     return folder / "wall.dxf"
 

@@ -14,6 +14,7 @@ import ezdxf
 import numpy as np
 import pytest
 import trimesh
+from ezdxf import units
 
 from churchpipe import cli
 from manual_pages import PAGES, ROOT, case_of_the_tutorial, commands
@@ -27,7 +28,7 @@ def rectangle(x: float, y: float, width: float, height: float) -> list[tuple[flo
 
 def drawn(path: Path, *outlines: tuple[str, list[tuple[float, float]]]) -> None:
     document = ezdxf.new("R2010")
-    document.units = ezdxf.units.M
+    document.units = units.M
     for layer, corners in outlines:
         document.modelspace().add_lwpolyline(corners, close=True, dxfattribs={"layer": layer})
     document.saveas(path)

@@ -13,6 +13,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -101,7 +102,7 @@ class Copy:
         assert status == 0, out + err
         return {rule: int(count) for rule, count in re.findall(r"^(\w+) +(\d+)$", out + err, re.MULTILINE) if rule != "total"}
 
-    def summary(self) -> dict[str, object]:
+    def summary(self) -> dict[str, Any]:
         return json.loads((self.out / "summary.json").read_text())
 
 

@@ -174,10 +174,10 @@ def test_both_models_are_in_the_summary(case: Path) -> None:
     assert bad_news(as_read(Summary, summary)) == []
     # For ParaView and Gmsh.
     state = read_npz(run / "limit" / "+y_limit" / "limit.npz", ShellLimitState)
-    mesh = pyvista.read(run / "shell" / "base" / "shell.vtu")
+    mesh: Any = pyvista.read(run / "shell" / "base" / "shell.vtu")
     np.testing.assert_allclose(np.abs(mesh["bed"]), np.tile([1.0, 0, 0], (len(state.plastic), 1)), atol=1e-12)
     assert len(meshio.read(run / "shell" / "base" / "shell.msh").points) == len(mesh.points)
-    moved = pyvista.read(run / "limit" / "+y_limit" / "mechanism.vtu")
+    moved: Any = pyvista.read(run / "limit" / "+y_limit" / "mechanism.vtu")
     np.testing.assert_allclose(moved["velocity"], state.velocities)
     np.testing.assert_allclose(moved["plastic_curvature"], state.plastic[:, 3:])
 

@@ -14,9 +14,9 @@ from churchpipe.errors import InputError
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.block_curve import BlockCapacityCurve
 from churchpipe.model.checks import SafetyCheck
-from churchpipe.model.quantities import as_written
+from churchpipe.model.quantities import GRAVITY, as_written
 from churchpipe.report.displacements import displacement_checks
-from churchpipe.spectrum import GRAVITY, SiteSpectrum, Spectrum, StoreySpectrum, spectral_displacement
+from churchpipe.spectrum import SiteSpectrum, Spectrum, StoreySpectrum, spectral_displacement
 from records import analysis
 from solids import box, on_ground
 

@@ -10,7 +10,8 @@ from griffe import Docstring, DocstringSectionKind
 
 import churchpipe as cp
 
-FUNCTIONS = [getattr(cp, name) for name in cp.__all__ if inspect.isfunction(getattr(cp, name))]
+NAMES: list[str] = list(vars(cp)["__all__"])
+FUNCTIONS = [getattr(cp, name) for name in NAMES if inspect.isfunction(getattr(cp, name))]
 
 
 @pytest.mark.parametrize("function", [*FUNCTIONS, cp.Assemblage.from_polyhedra, cp.InputError], ids=lambda f: f.__name__)
@@ -28,7 +29,7 @@ def test_each_parameter_is_described(function: object) -> None:
     assert described == parameters, (described - parameters, parameters - described)
 
 
-@pytest.mark.parametrize("name", cp.__all__)
+@pytest.mark.parametrize("name", NAMES)
 def test_each_name_is_described(name: str) -> None:
     assert isinstance(getattr(cp, name), str) or inspect.getdoc(getattr(cp, name))
 
@@ -36,7 +37,7 @@ def test_each_name_is_described(name: str) -> None:
 def test_modules_of_public_names_have_strict_types() -> None:
     root = Path(__file__).parents[2]
     strict = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["pyright"]["strict"]
-    modules = {getattr(cp, name).__module__ for name in cp.__all__ if not isinstance(getattr(cp, name), str)}
+    modules = {getattr(cp, name).__module__ for name in NAMES if not isinstance(getattr(cp, name), str)}
     files = {Path(str(inspect.getsourcefile(sys.modules[module]))).relative_to(root).as_posix() for module in modules}
     assert [file for file in files if not any(file == known or file.startswith(f"{known}/") for known in strict)] == []
     assert (root / "src" / "churchpipe" / "py.typed").is_file()

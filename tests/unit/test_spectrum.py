@@ -6,7 +6,8 @@ from typing import Any
 import pytest
 
 from churchpipe.errors import InputError
-from churchpipe.spectrum import GRAVITY, SiteSpectrum, Spectrum, StoreySpectrum, TabulatedSpectrum, spectral_displacement
+from churchpipe.model.quantities import GRAVITY
+from churchpipe.spectrum import SiteSpectrum, Spectrum, StoreySpectrum, TabulatedSpectrum, spectral_displacement
 
 SITE = Spectrum(2.5, 0.5, soil_factor=1.2)
 

@@ -7,6 +7,7 @@ moments about the edge balance at
     alpha (w h / 2 + m h) = w b / 2 + p (b / 2 - e) - H h.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -188,7 +189,7 @@ def test_the_shell_under_a_roof_converges_to_the_closed_form() -> None:
     assert fine - (middle - fine) / (ratio - 1) == pytest.approx(expected, rel=0.01)
 
 
-BAD: list[tuple[Carried | Any, str]] = [
+BAD: list[tuple[Callable[[], Carried], str | None]] = [
     (lambda: cp.LineLoad("north", dead=1.0), "line load north: no such wall; found north; expected wall"),
     (lambda: cp.LineLoad("wall"), "line load wall: no load"),
     (lambda: cp.LineLoad("wall", dead=-1.0), "line load wall: dead: out of range; found -1.0"),

@@ -12,7 +12,8 @@ import pytest
 import churchpipe as cp
 from churchpipe.code_check import Site
 from churchpipe.displacement_check import displacement_check
-from churchpipe.spectrum import GRAVITY, SiteSpectrum
+from churchpipe.model.quantities import GRAVITY
+from churchpipe.spectrum import SiteSpectrum
 from solids import box, on_ground
 
 WALLS = [

@@ -5,6 +5,8 @@ Poisson's ratio .3, central deflection .00406235 q L^4 / D. Roof: A. C. Scordeli
 at the middle of the free edge (radius 25, length 50, half angle 40 degrees, thickness .25, E 4.32e8, load 90 per area of roof).
 """
 
+from typing import Any
+
 import numpy as np
 import pytest
 import skfem
@@ -32,7 +34,7 @@ def plate() -> tuple[ShellElements, np.ndarray, np.ndarray, skfem.MeshTri, np.nd
     """Return an irregular, turned plate, an anisotropic stiffness, its matrix, the same mesh and its edges in our order."""
     rng = np.random.default_rng(0)
     points, triangles = grid(3, 2, 1.3, 0.9)
-    inner = (points > 0).all(axis=1) & (points < [1.29, 0.89]).all(axis=1)
+    inner: Any = (points > 0).all(axis=1) & (points < [1.29, 0.89]).all(axis=1)
     points = points + inner[:, None] * rng.uniform(-0.06, 0.06, points.shape)
     points = points @ np.array([[np.cos(0.4), np.sin(0.4)], [-np.sin(0.4), np.cos(0.4)]])
     elements = shell_elements(shell(plate_points(points), triangles))
@@ -119,8 +121,10 @@ def roof_edge(cells: int, cut: int, membrane: Membrane) -> float:
     diaphragm, middle, crown = flat[:, 1] < 1e-9, flat[:, 1] > 25 - 1e-9, flat[:, 0] < 1e-9
     fixed = np.zeros(elements.unknowns, dtype=bool)
     held = elements.translations(fixed)
-    held[np.ix_(diaphragm, [0, 2])] = held[middle, 1] = held[crown, 0] = True
-    on = {name: mask[elements.edges.nodes].all(axis=1) for name, mask in (("d", diaphragm), ("m", middle), ("c", crown))}
+    held[diaphragm, 0] = held[diaphragm, 2] = held[middle, 1] = held[crown, 0] = True
+    on: dict[str, Any] = {
+        name: mask[elements.edges.nodes].all(axis=1) for name, mask in (("d", diaphragm), ("m", middle), ("c", crown))
+    }
     elements.edge_rotation(fixed)[on["m"] | on["c"]] = True
     # On a border the mid-side moves along it or, within half a facet's angle, square to it.
     direction, edge = np.abs(elements.bubble_direction), elements.bubble_edge

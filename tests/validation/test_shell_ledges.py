@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -69,7 +70,7 @@ def vaulted_chapel() -> Building:
 def test_a_foot_follows_every_rigid_motion_of_its_wall(build: Callable[[], Building]) -> None:
     # Then forces and moments at the foot reach the wall in full: the transpose of the same map carries them.
     shell = cp.derive_shell(build(), 0.7)
-    elements = shell_elements(replace(shell, supported=np.zeros(len(shell.points), dtype=np.bool_)))
+    elements: Any = shell_elements(replace(shell, supported=np.zeros(len(shell.points), dtype=np.bool_)))
     assert len(shell.ledges) > 3
     velocity, spin = np.random.default_rng(0).normal(size=(2, 3))
     moved = velocity + np.cross(spin, shell.points)

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from churchpipe.config.asrun import as_run
-from churchpipe.config.case import read_case, read_variants
+from churchpipe.config.case import Drawing, read_case, read_variants
 from churchpipe.config.case_file import read_table
 from churchpipe.config.overrides import apply_overrides
 from churchpipe.resources import sample_case, sample_names
@@ -47,7 +47,9 @@ def test_the_text_is_kept_and_the_drawing_found(case: Path, tmp_path: Path) -> N
     text = as_run(case, ())
     drawing = (case.parent / "walls" / "mill.dxf").as_posix()
     assert text == TEXT.replace("'walls/mill.dxf'", f'"{drawing}"')
-    assert read_case(elsewhere(tmp_path, text)).source.path == Path(drawing)
+    source = read_case(elsewhere(tmp_path, text)).source
+    assert isinstance(source, Drawing)
+    assert source.path == Path(drawing)
 
 
 CHANGES = ["load.0.direction=[0, 0, 1]", "material.default.friction=0.55", "rigid.start=uniform", "shell.element_size_mm=250"]
@@ -73,6 +75,7 @@ def test_changes_are_part_of_it(case: Path, tmp_path: Path) -> None:
     wanted = read_variants(case, changes)
     assert [v.table | {"source": None} for v in again] == [v.table | {"source": None} for v in wanted]
     assert again[0].loads[0].name == 'to the "west"'
+    assert isinstance(again[0].source, Drawing)
     assert again[0].source.path == case.parent / "walls" / "mill.dxf"
 
 

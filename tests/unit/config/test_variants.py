@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from case_texts import WALL, case_file
-from churchpipe.config.case import read_variants
+from churchpipe.config.case import Generated, read_variants
 from churchpipe.config.plan import plan
 from churchpipe.config.plausible import questions
 from churchpipe.errors import InputError
@@ -45,6 +45,7 @@ def test_a_variant_changes_adds_and_removes(tmp_path: Path) -> None:
     assert grouted.variant is not None
     assert (grouted.variant.name, grouted.materials[0].cohesion) == ("grouted", 50e3)
     assert grouted.variant.cost == {"EUR": 12000, "grouted, m3": 1.5}
+    assert isinstance(thicker.source, Generated)
     assert thicker.source.parameters["thickness"] == 0.5
     assert [load.name for load in thicker.loads] == ["+y", "+x"]
     assert [load.name for load in turned.loads] == ["-y"]
@@ -77,7 +78,8 @@ def test_variants_are_swept_too_but_for_what_they_change(tmp_path: Path) -> None
     sweep = '[sweep]\n"material.default.friction" = [0.5, 0.6]\n"source.courses" = [3, 4]\n'
     cases = read_variants(case_file(tmp_path, WALL + '[[variants]]\nname = "pinned"\nchange."source.courses" = 5\n' + sweep))
     assert [len(case.swept) for case in cases] == [2, 2, 2, 2, 1, 1]
-    assert [case.source.parameters["courses"] for case in cases] == [3, 4, 3, 4, 5, 5]
+    sources = [case.source for case in cases if isinstance(case.source, Generated)]
+    assert [source.parameters["courses"] for source in sources] == [3, 4, 3, 4, 5, 5]
     todo = plan(cases)
     assert len(todo.geometries) == 3
 

@@ -19,7 +19,7 @@ def test_clarabel_agrees_with_cvxpy(options: dict[str, float]) -> None:
     assert ours.outcome == reference.outcome == "solved"
 
     def value(x: np.ndarray, tau: float) -> float:
-        return tau - program.linear @ x[:, 0] - 0.5 * program.quadratic @ x[:, 0] ** 2
+        return float(tau - program.linear @ x[:, 0] - 0.5 * program.quadratic @ x[:, 0] ** 2)
 
     assert value(ours.x, ours.tau) == pytest.approx(value(reference.x, reference.tau), abs=1e-6)
     residual = program.residual(ours.x, ours.tau)

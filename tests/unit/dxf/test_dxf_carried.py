@@ -1,10 +1,12 @@
 """Ties and line loads travel with a drawing, and what is wrong with theirs is a finding."""
 
 from pathlib import Path
+from typing import Any
 
 import ezdxf
 import numpy as np
 import pytest
+from ezdxf.math import Vec3
 
 import churchpipe as cp
 from churchpipe.config.case import read_case
@@ -50,10 +52,9 @@ def test_ties_and_line_loads_make_the_round_trip(tmp_path: Path, units: str) -> 
 
 def test_a_line_that_is_moved_moves_its_tie(tmp_path: Path) -> None:
     document = ezdxf.readfile(drawn(tmp_path))
-    insert = next(
-        one for one in document.modelspace().query("INSERT[layer=='CP-TIES']") if one.get_attrib_text("NAME") == "between"
-    )
-    insert.dxf.insert = insert.dxf.insert + ezdxf.math.Vec3(0, 0.5, 0)
+    inserts: Any = document.modelspace().query("INSERT[layer=='CP-TIES']")
+    insert = next(one for one in inserts if one.get_attrib_text("NAME") == "between")
+    insert.dxf.insert = insert.dxf.insert + Vec3(0, 0.5, 0)
     document.saveas(tmp_path / "moved.dxf")
     moved = read_drawing(tmp_path / "moved.dxf", unit_weight=2e4).ties[1]
     assert moved.start.at == pytest.approx((0.5, 1.5, 2.0))
@@ -62,9 +63,8 @@ def test_a_line_that_is_moved_moves_its_tie(tmp_path: Path) -> None:
 
 def test_each_member_of_an_array_is_a_tie(tmp_path: Path) -> None:
     document = ezdxf.readfile(drawn(tmp_path))
-    insert = next(
-        one for one in document.modelspace().query("INSERT[layer=='CP-TIES']") if one.get_attrib_text("NAME") == "between"
-    )
+    inserts: Any = document.modelspace().query("INSERT[layer=='CP-TIES']")
+    insert = next(one for one in inserts if one.get_attrib_text("NAME") == "between")
     insert.dxf.row_count, insert.dxf.row_spacing = 3, 0.5
     document.saveas(tmp_path / "array.dxf")
     ties = read_drawing(tmp_path / "array.dxf", unit_weight=2e4).ties[1:]
@@ -85,7 +85,7 @@ def test_each_member_of_an_array_is_a_tie(tmp_path: Path) -> None:
 )
 def test_what_is_wrong_with_an_attribute_is_a_finding(tmp_path: Path, layer: str, tag: str, text: str, said: str) -> None:
     document = ezdxf.readfile(drawn(tmp_path))
-    insert = document.modelspace().query(f"INSERT[layer=='{layer}']")[0]
+    insert: Any = document.modelspace().query(f"INSERT[layer=='{layer}']")[0]
     insert.get_attrib(tag).dxf.text = text
     document.saveas(tmp_path / "wrong.dxf")
     with pytest.raises(FindingsError) as caught:

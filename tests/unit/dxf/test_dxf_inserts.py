@@ -7,6 +7,7 @@ import ezdxf
 import numpy as np
 import pytest
 from ezdxf.acis import api as acis
+from ezdxf.math import Vec3
 from ezdxf.render import MeshBuilder
 
 from churchpipe.dxf.reader import Drawing, read_drawing
@@ -203,7 +204,7 @@ def test_planar_acis_solid(tmp_path: Path) -> None:
     def draw(space: Any) -> None:
         builder = MeshBuilder()
         corners, faces = box((0, 0, 0), (0.5, 0.4, 0.3))
-        builder.add_mesh(vertices=[ezdxf.math.Vec3(c) for c in corners], faces=[list(f) for f in faces])
+        builder.add_mesh(vertices=[Vec3(c) for c in corners], faces=[list(f) for f in faces])
         acis.export_dxf(space.add_3dsolid(), [acis.body_from_mesh(builder)])
 
     drawing = read_drawing(bare_drawing(tmp_path / "a.dxf", draw))

@@ -4,6 +4,7 @@ import sys
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import ezdxf
 import numpy as np
@@ -28,7 +29,8 @@ def test_the_schema_is_kept(tmp_path: Path) -> None:
     store = dict(document.header.custom_vars)
     assert (store["CP_SCHEMA"], store["CP_UNITS"]) == ("1", "mm")
     assert "CP_MATERIAL_stone" in store
-    ground, wedge = document.modelspace().query("INSERT")
+    inserts: Any = document.modelspace().query("INSERT")
+    ground, wedge = inserts
     assert (ground.dxf.layer, wedge.dxf.layer) == ("CP-SUPPORT", "CP-BLOCKS")
     assert {a.dxf.tag: a.dxf.text for a in wedge.attribs} == {"ID": "wedge", "MATERIAL": "stone"}
     block = document.blocks.get(wedge.dxf.name)

@@ -12,9 +12,10 @@ from churchpipe.homogenised_shell.element import shell_elements
 from churchpipe.homogenised_shell.limit import shell_limit_analysis
 from churchpipe.homogenised_shell.pushover import pushover
 from churchpipe.homogenised_shell.stiffness import facet_stiffness
-from churchpipe.homogenised_shell.strength import PlaneSet, paper_planes
+from churchpipe.homogenised_shell.strength import paper_planes
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Elastic, Material
+from churchpipe.model.names import Planes
 from churchpipe.model.results import CapacityCurve, CapacityStep
 from churchpipe.model.shell import ShellModel
 from shell_meshes import grid, shell, wall_points
@@ -76,7 +77,7 @@ def test_wall_bends_by_hand_until_it_cracks() -> None:
 @pytest.mark.parametrize(
     ("planes", "membrane", "load"), [("paper", "CST", OUT), ("paper", "LST", ASKEW), ("paper+torsion", "LST", ASKEW)]
 )
-def test_plateau_is_the_limit_load(planes: PlaneSet, membrane: str, load: LoadCase) -> None:
+def test_plateau_is_the_limit_load(planes: Planes, membrane: str, load: LoadCase) -> None:
     model = wall(4)
     curve = pushover(model, load, MASONRY, planes=planes, membrane=membrane)  # pyright: ignore[reportArgumentType]
     limit = shell_limit_analysis(model, load, MASONRY, planes=planes, membrane=membrane)  # pyright: ignore[reportArgumentType]
@@ -105,7 +106,7 @@ def test_plastic_strain_is_the_flow_of_the_planes() -> None:
 
 
 @pytest.mark.parametrize("planes", ["paper", "cell"])
-def test_a_step_agrees_with_its_statement_in_cvxpy(planes: PlaneSet) -> None:
+def test_a_step_agrees_with_its_statement_in_cvxpy(planes: Planes) -> None:
     model = wall(3)
     seen: list[CapacityStep] = []
     curve = pushover(model, ASKEW, MASONRY, planes=planes, membrane="CST", steps=1, progress=seen.append)
@@ -176,7 +177,7 @@ def test_control_point_by_number_and_by_place() -> None:
 
 
 @pytest.mark.parametrize("planes", ["paper", "cell"])
-def test_what_does_not_yield_is_elastic_from_no_stress(planes: PlaneSet) -> None:
+def test_what_does_not_yield_is_elastic_from_no_stress(planes: Planes) -> None:
     # Cohesion moves the strength; the stresses of a shell that nothing has loaded are zero all the same.
     firm = [replace(material, cohesion=1e6) for material in MASONRY]
     curve = pushover(wall(3), ASKEW, firm, planes=planes, steps=1)

@@ -1,4 +1,5 @@
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -36,7 +37,7 @@ def corner_of_walls() -> ShellModel:
 def irregular_plate(membrane: Membrane) -> ShellElements:
     """An irregular plate that lies askew in space."""
     points, triangles = grid(3, 3, 1.0, 1.2)
-    inner = (points > 1e-9).all(axis=1) & (points < [0.99, 1.19]).all(axis=1)
+    inner: Any = (points > 1e-9).all(axis=1) & (points < [0.99, 1.19]).all(axis=1)
     points = points + inner[:, None] * np.random.default_rng(2).uniform(-0.07, 0.07, points.shape)
     turn, _ = np.linalg.qr(np.random.default_rng(4).normal(size=(3, 3)))
     turn *= np.sign(np.linalg.det(turn))

@@ -12,9 +12,10 @@ from churchpipe.homogenised_shell.element import shell_elements, surface_load
 from churchpipe.homogenised_shell.limit import shell_limit_analysis
 from churchpipe.homogenised_shell.loads import dead_pressure, live_load, live_pressure
 from churchpipe.homogenised_shell.settings import SOLVER, SolverSettings
-from churchpipe.homogenised_shell.strength import PlaneSet, paper_planes, violation
+from churchpipe.homogenised_shell.strength import paper_planes, violation
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
+from churchpipe.model.names import Planes
 from churchpipe.model.shell import ShellModel
 from shell_meshes import grid, shell, wall_points
 from shell_reference import reference_load_factor, shell_program
@@ -44,7 +45,7 @@ def portal(lintel_yields: bool) -> ShellModel:
 
 @pytest.mark.parametrize("planes", ["paper", "paper+torsion", "cell"])
 @pytest.mark.parametrize("cohesion", [0.0, 500.0])
-def test_the_reference_statement_agrees(planes: PlaneSet, cohesion: float) -> None:
+def test_the_reference_statement_agrees(planes: Planes, cohesion: float) -> None:
     material = [Material("default", 28.6e3, 0.7, cohesion)]
     state = shell_limit_analysis(wall(2), ASKEW, material, planes=planes)
     program = shell_program(shell_elements(wall(2)), ASKEW, material, planes)
@@ -99,7 +100,7 @@ def test_facets_that_do_not_yield_never_limit() -> None:
 
 
 @pytest.mark.parametrize("planes", ["paper", "cell"])
-def test_lintels_limit_only_when_weak_and_are_told_then(planes: PlaneSet, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_lintels_limit_only_when_weak_and_are_told_then(planes: Planes, monkeypatch: pytest.MonkeyPatch) -> None:
     model, along = portal(False), LoadCase((1, 0, 0))
     factors: dict[float, float] = {}
     for tension in (1.0, 100.0, 1000.0):

@@ -199,7 +199,7 @@ def test_vtu_has_the_stones_and_their_motion(tmp_path: Path) -> None:
     stones = irrational()
     velocities = np.random.default_rng(3).normal(size=(stones.count, 6))
     write_vtu(tmp_path / "stones.vtu", stones, velocities)
-    mesh = pyvista.read(tmp_path / "stones.vtu")
+    mesh: Any = pyvista.read(tmp_path / "stones.vtu")
     np.testing.assert_allclose(mesh.points, stones.points, rtol=1e-15)
     order = mesh["stone"]
     assert sorted(order.tolist()) == list(range(stones.count))
@@ -221,7 +221,7 @@ def test_vtu_has_the_stones_and_their_motion(tmp_path: Path) -> None:
 def test_paraview_sees_the_volumes(tmp_path: Path) -> None:
     stones = irrational()
     write_vtu(tmp_path / "stones.vtu", stones)
-    grid = pyvista.read(tmp_path / "stones.vtu").compute_cell_sizes()
+    grid: Any = pyvista.read(tmp_path / "stones.vtu").compute_cell_sizes()
     np.testing.assert_allclose(grid["Volume"], stones.volume[grid["stone"]], rtol=1e-6)
 
 

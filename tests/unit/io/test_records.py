@@ -13,12 +13,14 @@ from churchpipe.io.atomic import canonical_json, write_json
 from churchpipe.io.recording import shell_record_of
 from churchpipe.io.records import Analysis, read_record, write_record
 from churchpipe.io.summary import read_summary
+from churchpipe.io.tables import COLUMNS
 from churchpipe.io.tie_records import Gain, TieCandidate, TieForce
 from churchpipe.mechanism import Part
+from churchpipe.model.checks import SafetyCheck
 from churchpipe.model.joint_group import JointGroup
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
-from churchpipe.model.quantities import as_read, as_written
+from churchpipe.model.quantities import as_read, as_written, declared
 from churchpipe.model.results import CapacityCurve, CapacityStep
 from records import EMPTY, analysis
 
@@ -146,3 +148,9 @@ def test_a_curve_is_checked_and_frozen() -> None:
     for change in ({"control_point": 2}, {"control": np.zeros(2)}, {"status": "fine"}, {"plastic": np.zeros((1, 5))}):
         with pytest.raises(InputError, match="CapacityCurve"):
             CapacityCurve(**good | change)
+
+
+def test_columns_of_the_table_are_keys_of_a_record() -> None:
+    # A unit that changes in the record changes here, too.
+    known = {item.key for kind in (Analysis, SafetyCheck) for item in declared(kind).values()}
+    assert set(COLUMNS) <= known

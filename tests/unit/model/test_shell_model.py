@@ -1,4 +1,5 @@
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,7 +21,7 @@ def test_area_and_weight(wall: ShellModel) -> None:
     assert not wall.points.flags.writeable
 
 
-def changed(wall: ShellModel, key: str, index: object, value: float) -> np.ndarray:
+def changed(wall: ShellModel, key: str, index: Any, value: float) -> np.ndarray:
     array = np.array(getattr(wall, key))
     array[index] = value
     return array
@@ -41,7 +42,7 @@ def changed(wall: ShellModel, key: str, index: object, value: float) -> np.ndarr
         ("points", (0, 1), np.nan, "points: not a finite number"),
     ],
 )
-def test_what_cannot_be_a_shell_is_named(wall: ShellModel, key: str, index: object, value: float, message: str) -> None:
+def test_what_cannot_be_a_shell_is_named(wall: ShellModel, key: str, index: Any, value: float, message: str) -> None:
     with pytest.raises(InputError) as error:
         replace(wall, **{key: changed(wall, key, index, value)})
     assert f"ShellModel.{message}" in str(error.value)

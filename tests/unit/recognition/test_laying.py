@@ -2,6 +2,7 @@
 
 import math
 from pathlib import Path
+from typing import Any
 
 import ezdxf
 import numpy as np
@@ -68,7 +69,8 @@ def hole(outline: shapely.Polygon, at: float, sill: float, width: float, height:
     _, _, right, top = outline.bounds
     s, t = at * right, sill * 0.6 * top
     square = shapely.box(s - 0.5 * width, t, s + 0.5 * width, t + height)
-    return shapely.union(square, shapely.Point(s, t + height).buffer(0.5 * width, quad_segs=5)) if arched else square
+    round_head: Any = shapely.Point(s, t + height).buffer(0.5 * width, quad_segs=5)
+    return square.union(round_head) if arched else square
 
 
 @settings(deadline=None, max_examples=20)
@@ -166,7 +168,7 @@ def test_a_body_of_two_thicknesses_is_refused_where_it_changes():
         cp.lay_stones(volumes(body), course=COURSE, stone=STONE)
 
 
-def sheared(along: int, by: int, slope: float) -> Polyhedron:
+def sheared(along: int, by: int, slope: float) -> tuple[np.ndarray, list[list[int]]]:
     points, faces = box((0, 4), (0, 0.4), (0, 3))
     points[:, by] += slope * points[:, along]
     return points, faces

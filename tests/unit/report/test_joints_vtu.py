@@ -1,6 +1,7 @@
 """The joints for ParaView, read back: forces, openings, slips and names."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pyvista
@@ -15,7 +16,7 @@ def test_joints_carry_forces_openings_and_names(tmp_path: Path) -> None:
     contacts = cp.find_contacts(stones)
     state = cp.limit_analysis(stones, contacts, cp.LoadCase((1, 0, 0)), 0.7)
     write_joints(tmp_path / "joints.vtu", stones, contacts, state)
-    grid = pyvista.read(tmp_path / "joints.vtu")
+    grid: Any = pyvista.read(tmp_path / "joints.vtu")
     assert grid.n_cells == 2
     # Both stones weigh 60 kN, and overturn as one about their foot, at a load factor of b / h = 1/3.
     base = grid["kind"].tolist().index("base")

@@ -5,9 +5,11 @@ import pytest
 
 import churchpipe as cp
 from churchpipe import generators
+from churchpipe.conic.cholesky import Cholesky
 from churchpipe.conic.interior_point import solver
 from churchpipe.errors import InputError
 from churchpipe.rigid_blocks import limit
+from churchpipe.rigid_blocks.associative import dead_load_analysis
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +40,7 @@ def test_a_study_agrees_with_analyses_one_by_one(wall: tuple[cp.Assemblage, cp.C
 
 def test_what_is_known_to_stand_is_not_asked_again(wall: tuple[cp.Assemblage, cp.Contacts], monkeypatch) -> None:
     asked: list[float] = []
-    whether = limit.dead_load_analysis
+    whether = dead_load_analysis
 
     def counted(balance, strength, solve):
         asked.append(float(strength.friction.max()))
@@ -68,7 +70,7 @@ def test_a_structure_that_falls_is_told_each_time() -> None:
 def test_the_order_of_the_factorisation_is_found_once(wall: tuple[cp.Assemblage, cp.Contacts], monkeypatch) -> None:
     made: list[int] = []
 
-    class Counted(solver.Cholesky):
+    class Counted(Cholesky):
         def __init__(self, lower, body: int) -> None:
             made.append(lower.shape[0])
             super().__init__(lower, body)
