@@ -11,6 +11,7 @@ import pytest
 import tomli_w
 import typer
 import yaml
+from markdown.extensions.toc import slugify
 from mkdocs.commands.build import build
 from mkdocs.config import load_config
 from mkdocs.exceptions import Abort
@@ -196,6 +197,37 @@ def test_a_broken_link_stops_the_build(link: str, tmp_path: Path) -> None:
     (tmp_path / "mkdocs.yml").write_text(yaml.dump(kept), encoding="utf-8")
     with pytest.raises(Abort):
         build(load_config(str(tmp_path / "mkdocs.yml")))
+
+
+def broken_links(page: Path) -> list[str]:
+    """Return the links and pictures of a page that lead to no file, or to no heading of one."""
+    text = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
+    broken: list[str] = []
+    for link in re.findall(r"\]\(([^)\s]+)\)", text):
+        if re.match(r"https?:|mailto:", link):
+            continue
+        name, _, anchor = link.partition("#")
+        file = page.parent / name if name else page
+        headings = (
+            re.findall(r"^#+ (.*)$", file.read_text(encoding="utf-8"), flags=re.MULTILINE) if anchor and file.is_file() else []
+        )
+        if not file.is_file() or (anchor and anchor not in {slugify(heading, "-") for heading in headings}):
+            broken.append(link)
+    return broken
+
+
+# The site is built of the pages in docs/ alone.
+@pytest.mark.parametrize(
+    "page", [page for page in PAGES if page.parent == ROOT] + [ROOT / "CHANGELOG.md"], ids=lambda page: page.name
+)
+def test_links_of_pages_outside_the_site_lead_somewhere(page: Path) -> None:
+    assert broken_links(page) == []
+
+
+def test_a_link_that_leads_nowhere_is_found(tmp_path: Path) -> None:
+    page = tmp_path / "page.md"
+    page.write_text("# A page\n\n[a](none.md) [b](page.md#a-page) [c](page.md#none) [d](#none) ![e](none.png) [f](https://a.b)\n")
+    assert broken_links(page) == ["none.md", "page.md#none", "#none", "none.png"]
 
 
 def test_the_readme_and_a_page_have_python() -> None:
