@@ -281,11 +281,14 @@ def _failure(record: Analysis) -> str:
 
 
 def _movement(record: Movement) -> str:
+    from churchpipe.report.table import named_of
+
     (ultimate, unit), (places, _) = in_unit(record, "ultimate"), in_unit(record, "displacement")
     # Of a path that nothing ended the last movement is known, of a support that did not move at all not even that.
     far = ultimate if math.isfinite(ultimate) else next(iter(places[-1:]), 0.0)
     widest = "".join(f"{1e3 * crack.opening:.3g} mm in {crack.wall}" for crack in record.cracks[:1])
-    return f"Support {record.movement}: {far:.4g} {unit}, {record.ending}; widest crack {widest or 'none'}"
+    name = named_of(record.movement, record.variant, record.swept)
+    return f"Support {name}: {far:.4g} {unit}, {record.ending}; widest crack {widest or 'none'}"
 
 
 def findings_table(findings: Sequence[Finding]) -> Table:

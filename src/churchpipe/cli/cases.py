@@ -14,9 +14,16 @@ from churchpipe.resources import sample_case, sample_names
 from churchpipe.wording import counted
 
 
+def _samples(begun: str) -> list[str]:
+    """Return the ready cases that a shell may complete a word to."""
+    return [name for name in sample_names() if name.startswith(begun)]
+
+
 @app.command()
 def generate(
-    name: Annotated[str, typer.Argument(help=f"One of {', '.join(sample_names())}.", show_default=False)],
+    name: Annotated[
+        str, typer.Argument(help=f"One of {', '.join(sample_names())}.", show_default=False, autocompletion=_samples)
+    ],
     case: Annotated[Path | None, typer.Option("--out", "-o", help="The case file to write; default: the terminal.")] = None,
 ) -> None:
     """Write a commented case file to edit: dimensions, materials, loads."""

@@ -25,7 +25,12 @@ def run(
     load: Annotated[
         list[str] | None, typer.Option(metavar="NAME", help="This load alone, or the support that moves. Repeatable.")
     ] = None,
-    model: Annotated[str, typer.Option(help='One model alone: "blocks" or "shell".', show_default=False)] = "",
+    model: Annotated[
+        str,
+        typer.Option(
+            help='One model alone: "blocks" or "shell".', show_default=False, autocompletion=lambda: ["blocks", "shell"]
+        ),
+    ] = "",
     only: Annotated[
         str, typer.Option(metavar="STAGE", help="No more than this stage and what it needs: contacts, shell, rigid ...")
     ] = "",

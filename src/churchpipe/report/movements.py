@@ -14,7 +14,7 @@ from churchpipe.model.settlement import SettlementPath
 from churchpipe.report import colours
 from churchpipe.report.cracks import crack_map_svg
 from churchpipe.report.plots import WIDTH, new_plot, svg_of
-from churchpipe.report.table import figure
+from churchpipe.report.table import figure, named_of
 
 Moved = tuple[Movement, Assemblage, Contacts, SettlementPath]
 _ENDINGS = {
@@ -45,11 +45,12 @@ def movements_shown(moved: Sequence[Moved]) -> list[MovementShown]:
 
 
 def _shown(record: Movement, stones: Assemblage, contacts: Contacts, path: SettlementPath) -> MovementShown:
+    name = named_of(record.movement, record.variant, record.swept)
     if not len(path.movement):
-        return MovementShown(record.movement, f"It could not be moved: {path.message or path.status}.", "", [], [])
+        return MovementShown(name, f"It could not be moved: {path.message or path.status}.", "", [], [])
     rows = [[crack.wall, figure(1e3 * crack.opening, 1), figure(1e3 * crack.slip, 1)] for crack in record.cracks]
     maps = _maps(record, stones, contacts, path)
-    return MovementShown(record.movement, _sentence(record, path), _reaction_svg(record), rows, maps)
+    return MovementShown(name, _sentence(record, path), _reaction_svg(record), rows, maps)
 
 
 def _sentence(record: Movement, path: SettlementPath) -> str:

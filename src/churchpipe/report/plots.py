@@ -108,6 +108,7 @@ def new_plot(rows: int, size: tuple[float, float]) -> tuple[Any, Any]:
     figure = Figure(figsize=size, layout="constrained")
     axes = figure.subplots(rows, sharex=True, squeeze=False)[:, 0]
     for a in axes:
+        a.set_prop_cycle(color=colours.LINES)
         a.grid(color="#e6e2db", lw=0.7)
         a.spines[["top", "right"]].set_visible(False)
         a.tick_params(labelsize=8)

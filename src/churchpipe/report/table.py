@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from churchpipe.io.records import Analysis, Strength
@@ -146,6 +146,11 @@ def setting(key: str, value: object) -> str:
     """Return a swept setting as words: "stone length 0.57 m"."""
     words, unit = _words_and_unit(key)
     return " ".join([words, str(value), *([unit] if unit else [])])
+
+
+def named_of(name: str, variant: str | None, settings: Mapping[str, object]) -> str:
+    """Return a name with the variant of the building and the swept settings that it is of: "pier, tied, friction 0.5"."""
+    return ", ".join([name, *([variant] if variant else []), *(setting(key, value) for key, value in settings.items())])
 
 
 def _words_and_unit(key: str) -> tuple[str, str]:

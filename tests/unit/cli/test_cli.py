@@ -59,7 +59,13 @@ def test_version_and_help(capsys: pytest.CaptureFixture[str]) -> None:
 
 @pytest.mark.parametrize(
     ("typed", "offered"),
-    [("churchpipe ru", ["run"]), ("churchpipe run --mod", ["--model"]), ("churchpipe export", ["export-dxf"])],
+    [
+        ("churchpipe ru", ["run"]),
+        ("churchpipe run --mod", ["--model"]),
+        ("churchpipe export", ["export-dxf"]),
+        ("churchpipe generate chap", ["chapel", "chapel_variants"]),
+        ("churchpipe run case.toml --model sh", ["shell"]),
+    ],
 )
 def test_the_shell_completes_commands_and_options(typed: str, offered: list[str]) -> None:
     bash, program = shutil.which("bash"), Path(sys.executable).with_name("churchpipe")
@@ -523,6 +529,11 @@ def test_show_tells_what_moves_and_what_the_check_finds(capsys: pytest.CaptureFi
     _, out, _ = call(capsys, "show", tmp_path)
     assert "Support pier: 61.5 mm, unfinished" in out
     assert "Support pier: 0 mm, unfinished" in out
+    # One support of several buildings or strengths says of which it is.
+    other = unfinished | {"variant": "tied", "swept": {"material.default.friction": 0.5}}
+    write_json(tmp_path / "summary.json", summary | {"movements": [other]})
+    _, out, _ = call(capsys, "show", tmp_path)
+    assert "Support pier, tied, friction 0.5: 61.5 mm, unfinished" in out
 
 
 def test_long_lists_are_folded(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

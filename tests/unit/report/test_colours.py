@@ -7,6 +7,7 @@ import pytest
 from matplotlib.colors import to_rgb
 
 from churchpipe.report import colours
+from churchpipe.report.plots import new_plot
 
 # Machado et al. (2009), table 1, severity 1.0, on linear RGB.
 BLIND = {
@@ -33,6 +34,13 @@ def test_walls_are_told_apart(sight: str) -> None:
     assert min(distances) > 10
     others = (*colours.PANELS, *colours.SPEED_STOPS)
     assert min(np.linalg.norm(lab(colours.PICKED, sight) - lab(other, sight)) for other in others) > 30
+
+
+@pytest.mark.parametrize("sight", BLIND)
+def test_lines_of_a_plot_are_told_apart(sight: str) -> None:
+    assert min(np.linalg.norm(lab(one, sight) - lab(other, sight)) for one, other in combinations(colours.LINES, 2)) > 15
+    _, (axes,) = new_plot(1, (3.0, 2.0))
+    assert [axes.plot([0, 1])[0].get_color() for _ in colours.LINES] == list(colours.LINES)
 
 
 @pytest.mark.parametrize("sight", BLIND)
