@@ -11,6 +11,7 @@ import pytest
 import tomli_w
 import typer
 import yaml
+from markdown import markdown
 from markdown.extensions.toc import slugify
 from mkdocs.commands.build import build
 from mkdocs.config import load_config
@@ -234,6 +235,27 @@ def test_the_readme_and_a_page_have_python() -> None:
     assert {"README.md", "python.md"} <= {page.name for page in WITH_PYTHON}
 
 
+def misread(page: str) -> list[str]:
+    """Return the places of a built page where marks were taken for others than meant, or left as they are.
+
+    An emphasis that begins inside a word was an asterisk of a symbol; a line of a paragraph that begins as an entry of a list, a
+    row of a table or a heading does was not indented as Markdown wants it.
+    """
+    text = re.sub(r"<(pre|code).*?</\1>", "", page.partition("<article")[2].partition("</article>")[0], flags=re.DOTALL)
+    found = re.findall(r"\w<em>[^<]{0,40}", text)
+    for paragraph in re.findall(r"<(?:p|li|td)>(.*?)</(?:p|li|td)>", text, flags=re.DOTALL):
+        found += re.findall(r"^\s*(?:[-*] |\| |#+ ).{0,40}", paragraph, flags=re.MULTILINE)
+        found += re.findall(r"\*\*.{0,40}|\]\(.{0,40}", paragraph)
+    return found
+
+
+@pytest.mark.parametrize("text", ["e*, a0* of it", "one\n- two", "- one\n\n  | a | b |\n  |---|---|\n  | c | d |\n- **two**"])
+def test_what_markdown_takes_otherwise_is_found(text: str) -> None:
+    page = markdown(text, extensions=["tables"])
+    assert misread(f"<article>{page}</article>")
+    assert not misread(f"<article>{markdown('*one* and **two**', extensions=['tables'])}<pre>* a</pre></article>")
+
+
 def test_manual_builds(tmp_path: Path) -> None:
     config = load_config(str(ROOT / "mkdocs.yml"), site_dir=str(tmp_path))
     config.plugins.on_startup(command="build", dirty=False)
@@ -242,6 +264,7 @@ def test_manual_builds(tmp_path: Path) -> None:
     pages = [page.read_text(encoding="utf-8") for page in tmp_path.glob("*.html")]
     assert len(pages) > 15
     for page in pages:
+        assert misread(page) == []
         assert not re.search(r"<(?:script|link|img|iframe)[^>]+(?:src|href)=\"?https?:", page)
     api = (tmp_path / "reference_python.html").read_text(encoding="utf-8")
     assert "limit_analysis" in api

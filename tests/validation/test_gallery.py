@@ -55,9 +55,9 @@ def test_a_case(row: list[str]) -> None:
 def check_shares(name: str, column: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Compare e* and a0* of the stones for each share of the speed from which on a stone is said to move, and a0* with e* = 1."""
     page = (ROOT / "docs" / "check.md").read_text(encoding="utf-8")
-    rows = re.findall(r"^  \| \**1/([\d ]+)\** \| (.*) \|$", page, flags=re.MULTILINE)
+    rows = re.findall(r"^ +\| \**1/([\d ]+)\** \| (.*) \|$", page, flags=re.MULTILINE)
     assert len(rows) == 4
-    [lumped] = re.findall(r"^  \| e\* = 1 \| (.*) \|$", page, flags=re.MULTILINE)
+    [lumped] = re.findall(r"^ +\| e\\\* = 1 \| (.*) \|$", page, flags=re.MULTILINE)
     case, stones, state = solved(name)
     for share, cells in rows:
         monkeypatch.setattr("churchpipe.mechanism.STILL", 1.0 / int(share.replace(" ", "")))
