@@ -7,13 +7,9 @@ needs more has to close gaps beyond the margin first, at lines of equal gap betw
 
 import numpy as np
 
+from churchpipe.large_displacements.settings import PATH
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.rigid_blocks.polygons import cross, summed
-
-# A joint bears where its gap is at most this share of the reach, beside the depth to which one stone has sunk into the other.
-_BEARING = 1e-3
-# A line of equal gap is worth points of its own when its gap exceeds that of the line before by this factor.
-_FURTHER = 1.5
 
 
 def rectangles_of(corner: FloatArray, start: IntArray) -> tuple[FloatArray, FloatArray]:
@@ -45,7 +41,7 @@ def rectangles_of(corner: FloatArray, start: IntArray) -> tuple[FloatArray, Floa
 
 def bearing_margin(least: FloatArray, reach: float) -> FloatArray:
     """Return how far open (np,) m joints still bear; least (np,) m: their least gap, negative where stones have sunk in."""
-    return np.minimum(_BEARING * reach + np.maximum(-least, 0.0), reach)
+    return np.minimum(PATH.bearing * reach + np.maximum(-least, 0.0), reach)
 
 
 def with_lines_of_equal_gap(
@@ -59,7 +55,7 @@ def with_lines_of_equal_gap(
     start, after = np.searchsorted(owner, np.arange(len(margin))), np.arange(len(corner)) + 1
     after[np.append(start[1:], len(corner)) - 1] = start
     whole = (1.0 - 1e-9) * reach
-    further = margin * _FURTHER**2 < whole
+    further = margin * PATH.further**2 < whole
     points, owners, places = [corner], [owner], [np.arange(len(corner), dtype=np.float64)]
     for level in (margin, np.where(further, np.sqrt(margin * whole), np.inf), np.where(further, whole, np.inf)):
         crossed = np.flatnonzero((gap < level[owner]) != (gap[after] < level[owner]))

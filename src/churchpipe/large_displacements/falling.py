@@ -2,13 +2,9 @@
 
 import numpy as np
 
+from churchpipe.large_displacements.settings import PATH
 from churchpipe.large_displacements.step import StepAnswer
 from churchpipe.model.arrays import BoolArray, FloatArray
-
-# Of a fall, or of a motion gone local, stones faster than these shares of the fastest take part.
-_FALLING, _LOCAL = 0.02, 0.1
-# A motion so many times faster than that of the last step is one of a few stones.
-_FASTER = 20.0
 
 
 def falling_stones(answer: StepAnswer, speed: FloatArray, before: float, weight: FloatArray, spared: float) -> BoolArray:
@@ -19,8 +15,8 @@ def falling_stones(answer: StepAnswer, speed: FloatArray, before: float, weight:
     """
     fastest = float(speed.max(initial=0.0))
     if answer.outcome == "infeasible":
-        return speed > _FALLING * fastest
-    ahead = speed > _LOCAL * fastest
-    if answer.outcome == "solved" and fastest > _FASTER * before and float(weight[ahead].sum()) < spared:
+        return speed > PATH.falling * fastest
+    ahead = speed > PATH.ahead * fastest
+    if answer.outcome == "solved" and fastest > PATH.faster * before and float(weight[ahead].sum()) < spared:
         return ahead
     return np.zeros(len(speed), dtype=bool)

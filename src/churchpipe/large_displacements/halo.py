@@ -8,14 +8,10 @@ import scipy.sparse as sp
 from churchpipe.large_displacements.joints import joined
 from churchpipe.large_displacements.moving_model import MovingModel, bearing
 from churchpipe.large_displacements.path import PathState, PathStep
+from churchpipe.large_displacements.settings import PATH
 from churchpipe.mechanism import reference_speed
 from churchpipe.model.arrays import BoolArray, IntArray
 from churchpipe.model.assemblage import Assemblage
-
-# Stones slower than this share of the mechanism's speed are still, and a rim that is faster than this one moves.
-STILL, _RIM = 1e-3, 1e-2
-# A halo that leaves no more than this share of the stones out is not worth having.
-_WORTH = 0.2
 
 
 def held_around(stones: Assemblage, blocks: IntArray, moving: BoolArray, rings: int) -> BoolArray:
@@ -32,7 +28,7 @@ def held_around(stones: Assemblage, blocks: IntArray, moving: BoolArray, rings: 
     for _ in range(rings):
         reached = np.minimum(reached + graph @ reached + graph.T @ reached, 1.0)
     held = free & (reached == 0)
-    return held if moving.any() and held.sum() > _WORTH * free.sum() else np.zeros(count, dtype=bool)
+    return held if moving.any() and held.sum() > PATH.worth * free.sum() else np.zeros(count, dtype=bool)
 
 
 def grown(model: MovingModel, step: PathStep, rings: int) -> tuple[MovingModel, PathState] | None:
@@ -45,9 +41,9 @@ def grown(model: MovingModel, step: PathStep, rings: int) -> tuple[MovingModel, 
     rim[blocks[model.held[first] | model.held[second]]] = True
     rim &= ~model.held & ~model.stones.fixed
     reference = reference_speed(step.speed)
-    if not (step.speed[rim] > _RIM * reference).any():
+    if not (step.speed[rim] > PATH.rim * reference).any():
         return None
-    held = model.held & held_around(model.stones, blocks, (step.speed > STILL * reference) | rim, rings)
+    held = model.held & held_around(model.stones, blocks, (step.speed > PATH.still * reference) | rim, rings)
     # Where neither stone could move before, nothing has moved since the drawing.
     still = model.held | model.stones.fixed
     freed = ~bearing(still, model.drawn.blocks) & bearing(held | model.stones.fixed, model.drawn.blocks)

@@ -9,6 +9,7 @@ import numpy.typing as npt
 from churchpipe.large_displacements.joints import Joints
 from churchpipe.large_displacements.poses import start_poses
 from churchpipe.large_displacements.renewal import PairValues, first_joints, pair_values
+from churchpipe.large_displacements.settings import PATH
 from churchpipe.large_displacements.supports import SupportMovement
 from churchpipe.large_displacements.travelling import TravellingLoads, dead_loads
 from churchpipe.large_displacements.travelling_ties import TravellingTies, travelling_ties
@@ -20,10 +21,6 @@ from churchpipe.model.names import ContactModel
 from churchpipe.model.ties import Tie
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
 from churchpipe.rigid_blocks.torsion import friction_points
-
-# The largest displacement of a step, and how far apart points may be that can still come to bear, over the thinnest side of the
-# stones that move.
-_STEP, _REACH = 0.1, 0.2
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +71,7 @@ def moving_model(
 ) -> MovingModel:
     """Return the model of stones of which `moving` (nb,) go first; balance: theirs as drawn; step m, None: by their thickness."""
     size = thinnest(stones, moving)
-    drawn = first_joints(contacts, stones, start_poses(stones), _REACH * size, crushing=strength is not None)
+    drawn = first_joints(contacts, stones, start_poses(stones), PATH.reach * size, crushing=strength is not None)
     if contact_model == "torsion":
         drawn = replace(drawn, lever=friction_points(contacts) - contacts.point)
 
@@ -93,8 +90,8 @@ def moving_model(
         moving=float(stones.weight[moving].sum()),
         force=balance.force,
         length=balance.length,
-        step=_STEP * size if step is None else step,
-        reach=_REACH * size,
+        step=PATH.step * size if step is None else step,
+        reach=PATH.reach * size,
         solver=solver,
         ties=travelling_ties(stones, ties),
         strength=None if strength is None else of_pairs(strength),

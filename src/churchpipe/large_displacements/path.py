@@ -15,6 +15,7 @@ from churchpipe.large_displacements.moving_model import MovingModel, bearing
 from churchpipe.large_displacements.poses import Poses, displaced, start_poses
 from churchpipe.large_displacements.renewal import renewed
 from churchpipe.large_displacements.search import Attempt, StepSearch
+from churchpipe.large_displacements.settings import PATH
 from churchpipe.large_displacements.step import StepAnswer, StepProgram, solve_step
 from churchpipe.large_displacements.travelling import TravellingLoads
 from churchpipe.large_displacements.twisted import friction_shift
@@ -25,22 +26,6 @@ from churchpipe.model.stone_path import FallenStones
 from churchpipe.rigid_blocks.certificate import Strength
 from churchpipe.rigid_blocks.equilibrium import contact_wrenches
 from churchpipe.rigid_blocks.pressed import with_further
-
-# Programs of a step: as drawn, where the sliding is unknown, and later.
-FIRST, PROGRAMS = 12, 4
-# Pairs of programs that make forces and motion fit, at most.
-PAIRS = 6
-# Largest rotation in a step, rad.
-_TURN = 0.02
-# A motion is credible when what it lacks of one without dilatancy is less than this share of the load factor.
-_CREDIBLE = 0.1
-# Friction follows the pressure until it acts elsewhere by no more than this share of a stone, or for so many rounds; after the
-# first few half of the way, or it would go to and fro.
-_AT_REST, _ROUNDS, _WHOLE_WAY = 1e-3, 8, 2
-# A motion goes on as it did when no stone's speed has changed by more than this share of the fastest.
-_STEADY = 0.3
-# Stones that weigh no more than this share of what moved at the start may fall out without ending the curve.
-_EXPENDABLE = 0.05
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +99,7 @@ def as_in(model: MovingModel, state: PathState, normal: FloatArray, velocities: 
 
 
 def solve_state(
-    model: MovingModel, state: PathState, programs: int = PROGRAMS, pairs: int = PAIRS, rounds: int = _ROUNDS
+    model: MovingModel, state: PathState, programs: int = PATH.programs, pairs: int = PATH.pairs, rounds: int = PATH.rounds
 ) -> PathStep:
     """Return the step that a state takes.
 
@@ -130,9 +115,9 @@ def solve_state(
     for count in range(rounds if model.contact_model == "torsion" else 0):
         lever, change = _levers(model, step)
         joints = step.state.joints
-        if step.answer.outcome != "solved" or change < _AT_REST:
+        if step.answer.outcome != "solved" or change < PATH.at_rest:
             break
-        share = 1.0 if count < _WHOLE_WAY else 0.5
+        share = 1.0 if count < PATH.whole_way else 0.5
         joints = replace(joints, lever=joints.lever + share * (lever - joints.lever))
         step = _solved(model, replace(step.state, joints=joints), programs, pairs)
     return step
@@ -177,7 +162,7 @@ def _solved(model: MovingModel, state: PathState, programs: int, pairs: int) -> 
         sliding = at.slip(answer.y)
         way = min(attempt.length, search.way(attempt))
         if attempt.paired or not attempt.fits:
-            credible = answer.misfit < _CREDIBLE
+            credible = answer.misfit < PATH.credible
             joints = replace(joints, pressing=np.maximum(answer.forces[:points, 0], 0.0) if credible else joints.pressing)
         else:
             joints = replace(joints, pressing=np.zeros(points))
@@ -248,7 +233,7 @@ def next_state(model: MovingModel, step: PathStep, furthest: float = np.inf) -> 
         change = there - state.before
         at_stone = change.copy()
         at_stone[:, :3] += np.cross(change[:, 3:], centre)
-        if float(stone_speed(_standing(model, state), at_stone).max()) < _STEADY * float(step.speed.max(initial=0.0)):
+        if float(stone_speed(_standing(model, state), at_stone).max()) < PATH.steady * float(step.speed.max(initial=0.0)):
             motion = there + 0.5 * way / state.way * change
     twist = motion.copy()
     twist[:, :3] += np.cross(motion[:, 3:], centre)
@@ -260,7 +245,7 @@ def next_state(model: MovingModel, step: PathStep, furthest: float = np.inf) -> 
             state,
             poses=state.poses.moved(way * twist),
             length=2 * state.length if short else state.length,
-            fastest=float(step.speed.max(initial=0.0)) if step.answer.misfit < _CREDIBLE else state.fastest,
+            fastest=float(step.speed.max(initial=0.0)) if step.answer.misfit < PATH.credible else state.fastest,
             before=there,
             way=way,
         ),
@@ -282,7 +267,7 @@ def may_go_on(model: MovingModel, step: PathStep) -> bool:
 
 def _expendable(model: MovingModel, state: PathState) -> float:
     """Return the weight, N, that may still fall out without ending the curve."""
-    return _EXPENDABLE * model.moving - float(model.stones.weight[state.fallen].sum())
+    return PATH.expendable * model.moving - float(model.stones.weight[state.fallen].sum())
 
 
 def _renewed(model: MovingModel, state: PathState) -> PathState:
@@ -360,4 +345,4 @@ def _length(model: MovingModel, stones: Assemblage, velocity: FloatArray) -> flo
     """Return the length of the step, m per unit of work, in which no stone goes or turns further than it may."""
     reference = reference_speed(stone_speed(stones, velocity))
     turn = float(np.linalg.norm(velocity[:, 3:], axis=1).max(initial=0.0))
-    return min(model.step / max(reference, 1e-300), _TURN / max(turn, 1e-300))
+    return min(model.step / max(reference, 1e-300), PATH.turn / max(turn, 1e-300))

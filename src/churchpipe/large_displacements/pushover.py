@@ -12,10 +12,11 @@ import numpy.typing as npt
 from churchpipe.conic.solve import solver_for
 from churchpipe.large_displacements.control import Control, control_of
 from churchpipe.large_displacements.following import Ending, follow
-from churchpipe.large_displacements.halo import STILL, held_around
+from churchpipe.large_displacements.halo import held_around
 from churchpipe.large_displacements.moving_model import MovingModel, bearing, moving_model
-from churchpipe.large_displacements.path import FIRST, PathState, PathStep, as_in, first_state, solve_state
+from churchpipe.large_displacements.path import PathState, PathStep, as_in, first_state, solve_state
 from churchpipe.large_displacements.record import Progress, Record
+from churchpipe.large_displacements.settings import PATH
 from churchpipe.large_displacements.travelling import live_loads
 from churchpipe.mechanism import moving_stones, reference_speed, stone_speed
 from churchpipe.model.arguments import listed, one_of, positive, whole
@@ -34,11 +35,6 @@ from churchpipe.rigid_blocks.coulomb import dead_load_start
 from churchpipe.rigid_blocks.crushing import JointParts
 from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
 from churchpipe.rigid_blocks.limit import limit_analysis, limit_program
-
-# A halo keeps the first load factor within this share; a start this far from a motion without dilatancy is not good enough.
-_KEPT, _STARTED = 0.01, 0.01
-# With more points of contact than this the certified analysis takes many minutes.
-_LARGE = 20_000
 
 
 def block_pushover(
@@ -157,9 +153,9 @@ def _started(
     near it too slowly, that of the certified analysis. That takes many times as long with joints that crush and friction that
     follows the pressure: the first step then makes forces and motion fit as all others do. So it does in a large model, where
     it begins with the forces of the dead load in all stones, which do not depend on which are held."""
-    first, large = first_state(model), bool(model.held.any()) or len(contacts.point) > _LARGE
-    step = solve_state(model, first, 2 if large else FIRST, 0)
-    if step.answer.outcome != "solved" or step.answer.misfit < _STARTED or not model.plain:
+    first, large = first_state(model), bool(model.held.any()) or len(contacts.point) > PATH.large
+    step = solve_state(model, first, 2 if large else PATH.first_programs, 0)
+    if step.answer.outcome != "solved" or step.answer.misfit < PATH.started or not model.plain:
         return step.state
     bears = bearing(model.stones.fixed | model.held, contacts.blocks)[contacts.interface_of_point]
     if large:
@@ -179,9 +175,9 @@ def _held(
     state: LimitState,
     rings: int,
 ) -> BoolArray:
-    """Return the stones to hold still (nb,): without them the first load factor `state` is kept to `_KEPT`."""
+    """Return the stones to hold still (nb,): without them the first load factor `state` is kept to `PATH.kept`."""
     speed = stone_speed(model.stones, state.velocities)
-    moving = speed > STILL * reference_speed(speed)
+    moving = speed > PATH.still * reference_speed(speed)
     moving[model.ties.stone] = True
     while True:
         held = held_around(model.stones, contacts.blocks, moving, rings)
@@ -190,7 +186,7 @@ def _held(
         # What carries its dead load does so with stones held.
         balance, strength, _ = programmed(replace(model.stones, fixed=model.stones.fixed | held))
         followed = associative_state(balance, strength, solver_for(balance.balance, model.solver), perf_counter())
-        if followed.status == "optimal" and followed.load_factor <= (1 + _KEPT) * state.load_factor:
+        if followed.status == "optimal" and followed.load_factor <= (1 + PATH.kept) * state.load_factor:
             return held
         rings *= 2
 

@@ -8,19 +8,12 @@ from scipy.spatial import cKDTree
 from churchpipe.large_displacements.crushed import rectangles_of
 from churchpipe.large_displacements.joints import Joints, joints_of
 from churchpipe.large_displacements.poses import Poses
+from churchpipe.large_displacements.settings import PATH
 from churchpipe.large_displacements.touching import touching
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.rigid_blocks.polygons import joint_polygons
-
-# Shares of the reach: how deep new neighbours may have sunk into each other, and stones that bore on each other before; and the
-# narrowest overlap that is a joint.
-_DEPTH = 0.5
-_DEEPER = 2.0
-_NARROW = 0.125
-# Faces are the same joint as before when their normals are this near (cosine).
-_SAME = 0.7
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +43,7 @@ def pair_values(blocks: IntArray, value: FloatArray, count: int) -> PairValues:
 
 def first_joints(contacts: Contacts, stones: Assemblage, poses: Poses, reach: float, *, crushing: bool = False) -> Joints:
     """Return the joints of the contacts as drawn: what gap the drawing leaves in them, or what overlap, counts as closed."""
-    real, gap, *_ = touching(stones, np.zeros(stones.count, dtype=bool), reach, reach, _NARROW * reach)
+    real, gap, *_ = touching(stones, np.zeros(stones.count, dtype=bool), reach, reach, PATH.narrow * reach)
     known, found = joints_of(contacts, poses), joints_of(real, poses, gap)
     origin = _origin(found, real, contacts.point, known.pair, contacts.frame[known.interface, 0], stones)
     rest = np.where(origin >= 0, gap[origin], 0.0)
@@ -67,7 +60,7 @@ def renewed(
 ) -> Joints:
     """Return the joints of displaced stones (nb) that come within reach, m; what points carried goes to the nearest new ones."""
     wide = reach + float(np.abs(joints.rest).max(initial=0.0))
-    contacts, gap, *crushed = touching(stones, left_out, wide, _DEEPER * wide, _NARROW * reach, crushing=crushing)
+    contacts, gap, *crushed = touching(stones, left_out, wide, PATH.deeper * wide, PATH.narrow * reach, crushing=crushing)
     new = joints_of(contacts, poses, gap, *crushed)
     before, _ = joints.at(poses)
     origin = _origin(joints, before, contacts.point, new.pair, contacts.frame[new.interface, 0], stones)
@@ -77,7 +70,7 @@ def renewed(
     least, seen = np.full(len(new.blocks), np.inf), np.zeros(len(new.blocks), dtype=bool)
     np.minimum.at(least, new.interface, gap)
     np.logical_or.at(seen, new.interface, known)
-    keep = (least <= reach) & (seen | (least >= -_DEPTH * reach))
+    keep = (least <= reach) & (seen | (least >= -PATH.depth * reach))
     sliding, lever = np.where(known, joints.sliding[origin], 0.0), np.where(known[:, None], joints.lever[origin], 0.0)
     share = joints.pressing / np.maximum(np.bincount(origin[known], minlength=len(joints.pressing)), 1)
     pressing = np.where(known, share[origin], 0.0)
@@ -101,4 +94,4 @@ def _origin(joints: Joints, contacts: Contacts, place: FloatArray, pair: IntArra
     found = origin < len(known)
     origin = np.where(found, origin, 0)
     along = np.einsum("kc,kc->k", contacts.frame[joints.interface[origin], 0], n)
-    return np.where(found & (np.abs(along) > _SAME), origin, -1)
+    return np.where(found & (np.abs(along) > PATH.same), origin, -1)

@@ -6,18 +6,9 @@ from typing import NamedTuple
 import numpy as np
 
 from churchpipe.conic.solve import Solve
+from churchpipe.large_displacements.settings import PATH
 from churchpipe.large_displacements.step import StepAnswer, StepProgram, solve_step, without_dilatancy
 from churchpipe.model.arrays import FloatArray
-
-# A motion fits its forces when what it lacks of one without dilatancy is less than this share of the load factor.
-FITTING = 2e-3
-# Times that pairs of programs are begun, each with the length of step of the last motion.
-_LENGTHS = 3
-# A length of step that is right within this factor is kept; one shorter than this share of the largest ends the path.
-_NEAR, _SHORTEST = 1.6, 1e-3
-# A step may charge its gaps as if it were this much shorter than the last one, however short it is then: where a few stones run
-# ahead of all others, every sliding joint would else count as open.
-_SHORTER = 0.04
 
 
 class Attempt(NamedTuple):
@@ -34,7 +25,7 @@ class Attempt(NamedTuple):
     @property
     def fits(self) -> bool:
         """True where forces and motion fit each other."""
-        return self.answer.outcome == "solved" and self.answer.misfit <= FITTING
+        return self.answer.outcome == "solved" and self.answer.misfit <= PATH.fitting
 
 
 class StepSearch:
@@ -54,7 +45,7 @@ class StepSearch:
         most: float,
     ) -> None:
         self._program, self._gap, self._solve, self._longest = program, gap, solve, longest
-        self._begin, self._least, self._most = begin, _SHORTER * begin, most
+        self._begin, self._least, self._most = begin, PATH.least_charge * begin, most
 
     def within(self, length: float) -> StepProgram:
         """Return the program of a step of this length."""
@@ -68,13 +59,13 @@ class StepSearch:
     def _next(self, attempt: Attempt) -> tuple[bool, float]:
         """Return whether the length of an attempt suits its motion, and the one that does."""
         suited = max(self.way(attempt), min(self._least, attempt.length))
-        return attempt.blocked or max(suited / attempt.length, attempt.length / suited) < _NEAR, suited
+        return attempt.blocked or max(suited / attempt.length, attempt.length / suited) < PATH.right, suited
 
     def by_pairs(self, attempt: Attempt, pairs: int) -> Attempt:
         """Return an attempt that fits, sought from the forces of another one in so many pairs of programs at the most."""
-        for _ in range(_LENGTHS):
+        for _ in range(PATH.lengths):
             program = self.within(attempt.length).stretched(attempt.answer.forces)
-            answer = without_dilatancy(program, attempt.answer, self._solve, FITTING, pairs)
+            answer = without_dilatancy(program, attempt.answer, self._solve, PATH.fitting, pairs)
             attempt = attempt._replace(answer=answer, paired=True)
             if attempt.answer.outcome != "solved":
                 break
@@ -94,7 +85,7 @@ class StepSearch:
         count = 0
         while count < programs:
             attempt = attempt._replace(answer=solve_step(self.within(attempt.length), sliding, self._solve))
-            if attempt.answer.outcome == "unbounded" and attempt.length > _SHORTEST * self._most:
+            if attempt.answer.outcome == "unbounded" and attempt.length > PATH.shortest * self._most:
                 # It comes up against a stone within this step: it may go no further than that.
                 attempt = attempt._replace(length=0.25 * attempt.length, blocked=True)
                 continue
@@ -104,10 +95,10 @@ class StepSearch:
             near, length = self._next(attempt)
             if near and attempt.fits:
                 return attempt
-            if before and pairs and attempt.answer.misfit > max(FITTING, 0.5 * before.answer.misfit):
+            if before and pairs and attempt.answer.misfit > max(PATH.fitting, 0.5 * before.answer.misfit):
                 attempt = attempt if attempt.answer.misfit < before.answer.misfit else before
                 break
             if count < programs:
                 before, sliding = attempt, self.within(attempt.length).slip(attempt.answer.y)
                 attempt = attempt._replace(length=length)
-        return self.by_pairs(attempt, pairs) if pairs and attempt.answer.misfit > FITTING else attempt
+        return self.by_pairs(attempt, pairs) if pairs and attempt.answer.misfit > PATH.fitting else attempt

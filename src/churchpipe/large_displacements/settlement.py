@@ -8,7 +8,8 @@ import numpy.typing as npt
 
 from churchpipe.conic.solve import solver_for
 from churchpipe.large_displacements.moving_model import MovingModel, bearing, moving_model
-from churchpipe.large_displacements.path import FIRST, PathState, PathStep, first_state, solve_state
+from churchpipe.large_displacements.path import PathState, PathStep, first_state, solve_state
+from churchpipe.large_displacements.settings import PATH
 from churchpipe.large_displacements.supports import support_movement
 from churchpipe.model.arguments import check_kind, one_of
 from churchpipe.model.arrays import FloatArray
@@ -19,11 +20,6 @@ from churchpipe.model.names import ContactModel
 from churchpipe.model.settlement import SettlementState, SettlementStatus
 from churchpipe.rigid_blocks.associative import dead_load_analysis
 from churchpipe.rigid_blocks.limit import limit_program
-
-# Errors within which a reaction is proved.
-_BOUNDS, _BALANCE, _FLOW = 1e-5, 1e-8, 1e-3
-# A reaction below this share of the weight is none.
-NOTHING = 1e-7
 
 
 def settlement_analysis(
@@ -87,7 +83,7 @@ def settlement_analysis(
     )
     if status != "stable":
         return _nothing(stones, contacts, status, message, perf_counter() - begin)
-    step = solve_state(model, state, FIRST) if flow == "non-associative" else least_step(model, state)
+    step = solve_state(model, state, PATH.first_programs) if flow == "non-associative" else least_step(model, state)
     outcome = step.answer.outcome
     if outcome != "solved":
         return _nothing(
@@ -147,8 +143,12 @@ def _state(model: MovingModel, contacts: Contacts, step: PathStep, flow: str, se
     bears = np.repeat(bearing(model.stones.fixed, contacts.blocks), contacts.points_per_interface)
     rate, forces = np.zeros((2, len(bears), 3))
     rate[bears], forces[bears] = step.rate, answer.forces[: len(step.rate)] * model.force
-    fits = answer.gap < _FLOW * max(abs(answer.load_factor), 1e-3) if flow == "non-associative" else answer.bound_gap < _BOUNDS
-    proved = fits and answer.residual < _BALANCE and answer.violation < _BALANCE
+    fits = (
+        answer.gap < PATH.flow * max(abs(answer.load_factor), 1e-3)
+        if flow == "non-associative"
+        else answer.bound_gap < PATH.bounds
+    )
+    proved = fits and answer.residual < PATH.balance and answer.violation < PATH.balance
     return SettlementState(
         reaction=float(resistance(np.array(answer.load_factor))) * model.force,
         status="optimal" if proved else "not-converged",
@@ -167,7 +167,7 @@ def _state(model: MovingModel, contacts: Contacts, step: PathStep, flow: str, se
 
 def resistance(load_factor: FloatArray) -> FloatArray:
     """Return the reactions against a movement, over the weight, of the load factors of a push along it; rounding is none."""
-    return np.where(np.abs(load_factor) < NOTHING, 0.0, -load_factor)
+    return np.where(np.abs(load_factor) < PATH.nothing, 0.0, -load_factor)
 
 
 def _nothing(stones: Assemblage, contacts: Contacts, status: SettlementStatus, message: str, seconds: float) -> SettlementState:

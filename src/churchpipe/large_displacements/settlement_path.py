@@ -10,11 +10,12 @@ import numpy.typing as npt
 
 from churchpipe.large_displacements.control import SupportTravel
 from churchpipe.large_displacements.following import Ending, follow
-from churchpipe.large_displacements.halo import STILL, held_around
+from churchpipe.large_displacements.halo import held_around
 from churchpipe.large_displacements.moving_model import MovingModel
 from churchpipe.large_displacements.path import PathStep, first_state
 from churchpipe.large_displacements.record import Progress, Record
-from churchpipe.large_displacements.settlement import NOTHING, resistance, settlement_analysis, settlement_model
+from churchpipe.large_displacements.settings import PATH
+from churchpipe.large_displacements.settlement import resistance, settlement_analysis, settlement_model
 from churchpipe.large_displacements.supports import SupportMovement
 from churchpipe.mechanism import reference_speed, stone_speed
 from churchpipe.model.arguments import positive, whole
@@ -25,9 +26,6 @@ from churchpipe.model.loads import LoadCase
 from churchpipe.model.names import ContactModel
 from churchpipe.model.settlement import SettlementEnding, SettlementPath, SettlementState
 from churchpipe.model.stone_path import HALO, no_step
-
-# Stones slower than this share of the support stand still.
-_STILL = 1e-4
 
 
 def settlement_path(
@@ -109,7 +107,7 @@ def settlement_path(
     )
     if halo:
         speed = stone_speed(stones, least.velocities)
-        moving = (speed > STILL * reference_speed(speed)) | _upon(contacts, np.asarray(support), stones.count)
+        moving = (speed > PATH.still * reference_speed(speed)) | _upon(contacts, np.asarray(support), stones.count)
         model = replace(model, held=held_around(stones, contacts.blocks, moving, halo))
     record = _Movement(model, furthest, int(steps), progress, keep, least.reaction)
     start = first_state(model)
@@ -156,8 +154,8 @@ class _Movement(Record):
             return Ending("unfinished", f"the largest movement asked for, {self.furthest:g}, was reached")
         free = ~self.model.stones.fixed
         driven = np.isin(np.arange(len(free)), cast(SupportMovement, self.model.driven).stones)
-        still = float(step.speed[free].max(initial=0.0)) < _STILL * float(step.speed[driven].max())
-        if -step.answer.load_factor < NOTHING and still:
+        still = float(step.speed[free].max(initial=0.0)) < PATH.left_behind * float(step.speed[driven].max())
+        if -step.answer.load_factor < PATH.nothing and still:
             return Ending("free", "nothing rests on the support any more: the structure stands without it")
         if self.keep:
             self.keep(self.path(Ending("unfinished", "interrupted"), 0.0))

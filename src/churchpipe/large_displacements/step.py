@@ -7,16 +7,12 @@ import numpy as np
 from churchpipe.conic.program import ConeProgram, Outcome
 from churchpipe.conic.solve import Solve
 from churchpipe.conic.wrenches import Balance, apply, transpose
+from churchpipe.large_displacements.settings import PATH
 from churchpipe.model.arrays import FloatArray
 from churchpipe.rigid_blocks.certificate import Strength, cone_violation
 from churchpipe.rigid_blocks.coulomb import bipotential_gap
 from churchpipe.rigid_blocks.iterations import closed_gap
 from churchpipe.rigid_blocks.settings import SchemeSettings
-
-# Error of the programs, whose velocities move the stones.
-_DUALITY_GAP = 1e-7
-# A load factor nearer to zero than this counts as this much where errors are measured by it.
-LEAST = 0.01
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,7 +105,7 @@ class StepAnswer:
     @property
     def misfit(self) -> float:
         """What the motion lacks of one without dilatancy, over the load factor."""
-        return self.gap / max(abs(self.load_factor), LEAST)
+        return self.gap / max(abs(self.load_factor), PATH.least)
 
 
 def solve_step(program: StepProgram, sliding: FloatArray, solve: Solve) -> StepAnswer:
@@ -123,7 +119,7 @@ def solve_step(program: StepProgram, sliding: FloatArray, solve: Solve) -> StepA
     """
     strength, zero = program.strength, np.zeros_like(sliding)
     cone = program.program(zero, strength.friction, strength.bound, sliding)
-    answer = solve(cone, duality_gap=_DUALITY_GAP)
+    answer = solve(cone, duality_gap=PATH.duality_gap)
     if answer.outcome != "solved":
         return StepAnswer(answer.outcome, answer.x, np.nan, answer.y, message=answer.message)
     return _answer(
@@ -140,7 +136,7 @@ def without_dilatancy(program: StepProgram, answer: StepAnswer, solve: Solve, mi
     """
     first = answer.outcome != "solved"
     known = 1.0 if first else abs(answer.load_factor)
-    share = misfit * max(known, LEAST) / max(known, 1e-3)
+    share = misfit * max(known, PATH.least) / max(known, 1e-3)
     settings = SchemeSettings(bipotential_gap=share, stage_b=pairs)
     run = closed_gap(program, program.strength, np.maximum(answer.forces[:, 0], 0.0), solve, settings)
     if run is None:

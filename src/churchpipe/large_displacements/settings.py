@@ -1,0 +1,108 @@
+"""Constants of capacity curves and of supports that move, checked."""
+
+from dataclasses import dataclass, fields
+
+from churchpipe.errors import InputError
+
+
+@dataclass(frozen=True, slots=True)
+class PathSettings:
+    """Lengths of steps, rounds of programs and errors within which a step is proved. Shares are relative unless a unit is given.
+
+    Length of a step:
+        step, reach: largest displacement of a step, and how far apart points may be that can still come to bear, over the
+        thinnest side of the stones that move. turn: largest rotation, rad. right: a length that is right within this factor is
+        kept; shortest: one shorter than this share of the largest ends the path. least_charge: a step may charge its gaps as if
+        it were this much shorter than the last one, however short it is then: where a few stones run ahead of all others, every
+        sliding joint would else count as open. lengths: times that pairs of programs are begun, each with the length of step of
+        the last motion.
+
+    Programs of a step:
+        first_programs, programs: as drawn, where the sliding is unknown, and later. pairs: of programs that make forces and
+        motion fit, at most. rounds: friction follows the pressure for so many rounds at most, or until it acts elsewhere by no
+        more than `at_rest`, a share of a stone. whole_way: after so many rounds it goes half of the way, or it would go to and
+        fro. duality_gap: error of the programs, whose velocities move the stones. least: a load factor nearer to zero than this
+        counts as this much where errors are measured by it.
+
+    What a motion is worth, by what it lacks of one without dilatancy, a share of the load factor:
+        fitting: it fits its forces. started: a start further away is not good enough. credible: it tells how the stones go on.
+        steady: a motion goes on as it did when no stone's speed has changed by more than this share of the fastest.
+
+    Stones that move, by shares of the fastest speed:
+        still: slower ones stand still. rim: a stone at the rim of the halo that is faster moves. worth: a halo that leaves no
+        more than this share of the stones out is not worth having. kept: a halo keeps the first load factor within this share.
+        large: with more points of contact the certified analysis takes many minutes. falling, ahead: those that take part in a
+        fall, or in a motion that has gone local. faster: a motion so many times faster than that of the last step is one of a
+        few stones. expendable: stones that weigh no more than this share of what moved at the start may fall out without ending
+        the curve. left_behind: stones slower than this share of a support stand still while it moves.
+
+    Contacts found anew:
+        depth, deeper: shares of the reach: how deep new neighbours may have sunk into each other, and stones that bore on each
+        other before. narrow: the narrowest overlap that is a joint, likewise. same: two faces are the same joint as before when
+        the cosine between their normals is larger. bearing: a joint that crushes bears where its gap is at most this share of
+        the reach, beside the depth to which one stone has sunk into the other. further: a line of equal gap is worth points of
+        its own when its gap exceeds that of the line before by this factor.
+
+    Proof of a reaction:
+        bounds: distance of its bounds, over it. balance: residual and violation of the cones, over the weight. flow: gap of a
+        motion without dilatancy, over the reaction. nothing: a reaction below this share of the weight is none.
+
+    Raises
+    ------
+    InputError: a constant that is not positive, a share of one or more, a factor of one or less.
+    """
+
+    step: float = 0.1
+    reach: float = 0.2
+    turn: float = 0.02
+    right: float = 1.6
+    shortest: float = 1e-3
+    least_charge: float = 0.04
+    lengths: int = 3
+    first_programs: int = 12
+    programs: int = 4
+    pairs: int = 6
+    rounds: int = 8
+    at_rest: float = 1e-3
+    whole_way: int = 2
+    duality_gap: float = 1e-7
+    least: float = 0.01
+    fitting: float = 2e-3
+    started: float = 0.01
+    credible: float = 0.1
+    steady: float = 0.3
+    still: float = 1e-3
+    rim: float = 1e-2
+    worth: float = 0.2
+    kept: float = 0.01
+    large: int = 20_000
+    falling: float = 0.02
+    ahead: float = 0.1
+    faster: float = 20.0
+    expendable: float = 0.05
+    left_behind: float = 1e-4
+    depth: float = 0.5
+    deeper: float = 2.0
+    narrow: float = 0.125
+    same: float = 0.7
+    bearing: float = 1e-3
+    further: float = 1.5
+    bounds: float = 1e-5
+    balance: float = 1e-8
+    flow: float = 1e-3
+    nothing: float = 1e-7
+
+    def __post_init__(self) -> None:
+        whole = ("lengths", "first_programs", "programs", "pairs", "rounds", "whole_way", "large")
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if not value > 0:
+                raise InputError(f"PathSettings.{field.name}", "out of range", found=value, expected="> 0")
+            if field.name in ("right", "faster", "deeper", "further"):
+                if not value > 1:
+                    raise InputError(f"PathSettings.{field.name}", "out of range", found=value, expected="> 1")
+            elif field.name not in whole and not value < 1:
+                raise InputError(f"PathSettings.{field.name}", "out of range", found=value, expected="< 1")
+
+
+PATH = PathSettings()
