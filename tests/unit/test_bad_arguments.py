@@ -10,7 +10,7 @@ import pytest
 import churchpipe as cp
 from churchpipe.errors import InputError
 from churchpipe.generators import arch, wall
-from churchpipe.model.building import CylinderChart, Opening, Part
+from churchpipe.model.building import CylinderChart, Junction, Opening, Part
 from solids import BOX_FACES, box, on_ground
 
 nan = float("nan")
@@ -305,3 +305,23 @@ def test_an_option_of_reading_that_there_is_none_of_is_named() -> None:
 def test_a_place_of_a_tie_that_is_a_mapping_is_none() -> None:
     with pytest.raises(InputError, match=r"tie t: start: no place; found dict; expected x, y, z m, or \(wall"):
         cp.TieBar("t", start={"wall": "wall", "along": 1, "height": 2}, end=(0, 0, 2), area=1e-4, steel_strength=235e6)
+
+
+def test_more_courses_than_any_wall_has_are_out_of_range() -> None:
+    with pytest.raises(InputError, match=r"every: out of range; found 10+; expected a whole number from 0 to 1000000"):
+        Junction(("facade", "nave_left"), every=10**30)
+
+
+def test_places_beyond_all_numbers_are_no_warning(recwarn: pytest.WarningsRecorder) -> None:
+    far = cp.TieBar("t", (0.0, 0.5, 0.5), (1.0, 0.5, 0.5), area=1e-4, steel_strength=235e6, plate=(1e300, 1e300))
+    with pytest.raises(InputError, match="its plate"):
+        cp.place_ties(STONES, [far])
+    assert not [one for one in recwarn if one.category is RuntimeWarning]
+
+
+@pytest.mark.parametrize("length", [1e-300, 1e-9, 1.0, 1e9, 1e300])
+def test_the_length_of_a_direction_changes_nothing(length: float) -> None:
+    load = cp.LineLoad("wall", thrust=1.0, toward=(3 * length, -4 * length, 0))
+    assert load.toward == pytest.approx([0.6, -0.8, 0])
+    pressure = cp.Pressure("wall", toward=(length, 0, 0), unit_weight=1e4, top=1.0)
+    assert pressure.toward == pytest.approx([1, 0, 0])

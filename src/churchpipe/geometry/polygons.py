@@ -115,6 +115,6 @@ def below(corner: FloatArray, level: float) -> FloatArray:
     for first, second in zip(corner, np.roll(corner, -1, axis=0), strict=True):
         if first[2] <= level:
             found.append(first)
-        if (first[2] - level) * (second[2] - level) < 0:
+        if np.sign(first[2] - level) * np.sign(second[2] - level) < 0:
             found.append(first + (level - first[2]) / (second[2] - first[2]) * (second - first))
     return np.array(found).reshape(-1, 3)

@@ -82,7 +82,7 @@ def _within(polygon: FloatArray, half: FloatArray) -> FloatArray:
                 after = (k + 1) % len(polygon)
                 if room[k] >= 0:
                     kept.append(polygon[k])
-                if room[k] * room[after] < 0:
+                if np.sign(room[k]) * np.sign(room[after]) < 0:
                     kept.append(polygon[k] + room[k] / (room[k] - room[after]) * (polygon[after] - polygon[k]))
             polygon = np.array(kept).reshape(-1, 2)
     return polygon

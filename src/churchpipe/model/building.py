@@ -9,7 +9,7 @@ from churchpipe.errors import InputError
 from churchpipe.model.arguments import check_kind, describe, finite, listed, one_of, positive, text, whole
 from churchpipe.model.arrays import FloatArray, flags, floats, indices, store
 from churchpipe.model.materials import UnitWeight
-from churchpipe.model.quantities import Distance, Whole
+from churchpipe.model.quantities import MOST_COUNTED, Distance, Quantity
 from churchpipe.model.ring_beam import RingBeam
 from churchpipe.model.vault import Vault
 
@@ -213,6 +213,9 @@ class Panel:
             )
 
 
+_Courses = Annotated[int, Quantity("", 0, high=MOST_COUNTED)]
+
+
 @dataclass(frozen=True, slots=True)
 class Junction:
     """How two walls hold together where they meet, if they are not toothed into each other on every other course.
@@ -221,7 +224,7 @@ class Junction:
     """
 
     walls: Annotated[tuple[str, str], "Names of the two walls: the one that runs through, and the one that butts against it."]
-    every: Annotated[Whole, "A stone of the second wall bonds them on every so many courses, an even number; 0: on none."] = 0
+    every: Annotated[_Courses, "A stone of the second wall bonds them on every so many courses, an even number; 0: on none."] = 0
     cracked: Annotated[tuple[Distance, Distance] | None, "From which height to which one no stone bonds them."] = None
 
     def __post_init__(self) -> None:
@@ -229,7 +232,7 @@ class Junction:
         where = f"junction of {' and '.join(names)}"
         if len(names) != 2 or names[0] == names[1]:
             raise InputError(f"{where}: walls", "not two walls", found=", ".join(names), expected="the names of two walls")
-        whole(f"{where}: every", self.every, least=0)
+        whole(f"{where}: every", self.every, least=0, most=MOST_COUNTED)
         if self.every % 2:
             remedy = "A wall has a joint over each stone: on odd courses its stones end at the face of the other wall."
             raise InputError(

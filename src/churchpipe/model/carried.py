@@ -392,7 +392,8 @@ def _level(where: str, toward: Toward) -> FloatArray:
             raise InputError(f"{where}: toward", "unknown direction", found=toward, expected=", ".join(TOWARD))
         return floats(f"{where}: toward", TOWARD[toward], (3,))
     vector = floats(f"{where}: toward", toward, (3,))
-    length = float(np.linalg.norm(vector))
-    if not length > 0 or abs(vector[2]) > 1e-9 * length:
+    # Any length will do, also one whose square is no number.
+    largest = float(np.abs(vector).max())
+    if not largest > 0 or abs(vector[2]) > 1e-9 * largest:
         raise InputError(f"{where}: toward", "not level", found=vector.tolist(), expected="a vector with z = 0")
-    return floats(f"{where}: toward", vector / length, (3,))
+    return floats(f"{where}: toward", vector / largest / np.linalg.norm(vector / largest), (3,))

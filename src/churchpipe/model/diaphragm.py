@@ -68,7 +68,7 @@ class Diaphragm(AreaLoad):
         walls: Sequence[str],
         *,
         spacing: float,
-        dead: float,
+        dead: float = 0.0,
         friction: float = 0.0,
         fixing: float = 0.0,
         begin: float | None = None,

@@ -184,6 +184,12 @@ def test_a_beam_on_another_beam_is_named(tmp_path: Path) -> None:
         read_case(case_of(tmp_path, f'{CASE}{ANOTHER}{ANOTHER}name = "upper"\n')).building()
 
 
+def test_a_floor_of_joists_without_a_weight_is_named(tmp_path: Path) -> None:
+    floor = '\n[[diaphragms]]\nwalls = ["nave_left", "nave_right"]\nfixing_kN = 5\nspacing_m = 0.8\n'
+    with pytest.raises(InputError, match=r"line \d+, diaphragms\.0: no load; expected dead_kN_m2"):
+        read_case(case_of(tmp_path, sample_case("chapel") + floor))
+
+
 def test_more_joists_than_any_floor_has_are_refused(tmp_path: Path) -> None:
     floor = '\n[[diaphragms]]\nwalls = ["nave_left", "nave_right"]\ndead_kN_m2 = 1.5\nfriction = 0.4\nspacing_m = 0.001\n'
     with pytest.raises(InputError, match=r"diaphragms.0: .*: spacing: too many joists; found 9,000; expected at most 500"):
