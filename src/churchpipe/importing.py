@@ -236,7 +236,8 @@ def parse_direction(text: str) -> tuple[float, float, float]:
     axis = _AXES.get(word.lstrip("+-"))
     if axis and len(word) <= 2:
         sign = -1.0 if word.startswith("-") else 1.0
-        return sign * axis[0], sign * axis[1], sign * axis[2]
+        # Adding zero takes the minus of a zero, which a case would show.
+        return sign * axis[0] + 0.0, sign * axis[1] + 0.0, sign * axis[2] + 0.0
     try:
         x, y, z = (float(part) for part in word.split(","))
         if not 0 < math.hypot(x, y, z) < math.inf:

@@ -281,6 +281,8 @@ def test_a_sound_drawing_is_0(capsys: pytest.CaptureFixture[str], tmp_path: Path
 )
 def test_directions(text: str, direction: tuple[float, float, float]) -> None:
     assert parse_direction(text) == direction
+    # No minus before a zero: a case says [0, -1, 0].
+    assert not any(math.copysign(1, part) < 0 for part in parse_direction(text) if part == 0)
 
 
 @pytest.mark.parametrize("text", ["north", "1,2", "+-x", "1,2,a", "", "0,0,0", "nan,0,1", "inf,0,0"])
