@@ -2,10 +2,10 @@
 
 import re
 
+MESH_SIZE = "shell.element_size_mm"
 _STONES = re.compile(
     r"source\.|(ring_beams|buttresses)\.|material\..+\.unit_weight_kN_m3$|rigid\.(contact_gap_mm|contact_angle_deg|overlap_mm)$"
 )
-_MESH = re.compile(r"shell\.element_size_mm$")
 _RIGID_BLOCKS = re.compile(r"rigid\.|check\.")
 _SHELL = re.compile(r"shell\.|material\..+\.elastic")
 
@@ -17,7 +17,7 @@ def changes_stones(key: str) -> bool:
 
 def changes_mesh(key: str) -> bool:
     """Whether a key changes the mesh of the shell, through the stones or by itself."""
-    return changes_stones(key) or bool(_MESH.match(key))
+    return changes_stones(key) or key == MESH_SIZE
 
 
 def of_rigid_blocks(key: str) -> bool:

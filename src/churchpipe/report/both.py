@@ -11,7 +11,7 @@ from churchpipe.io.summary import Pair, Summary
 from churchpipe.match import Figure
 from churchpipe.model.results import CapacityCurve
 from churchpipe.model.shell import ShellModel
-from churchpipe.model.swept import of_both
+from churchpipe.model.swept import MESH_SIZE, of_both
 from churchpipe.report.shell_plots import capacity_svg, domain_svg, mesh_svg
 from churchpipe.report.table import Row, figure, friction_text, minus, setting, small, swept
 
@@ -45,7 +45,7 @@ def compared(pairs: Sequence[Pair], rows: Sequence[Row]) -> list[list[str]]:
 
 
 def _words(row: Row) -> str:
-    more = [setting(key, value) for key, value in swept(row).items() if key != "shell.element_size_mm"]
+    more = [setting(key, value) for key, value in swept(row).items() if key != MESH_SIZE]
     return ", ".join([row.kind, *([row.mesh_size] if row.mesh_size else []), f"friction {friction_text(row)}", *more])
 
 

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from churchpipe.model.names import MODELS, RIGID_BLOCKS, SHELL
+from churchpipe.model.swept import MESH_SIZE
 from churchpipe.report.table import Row, figure, friction_text, minus, setting, swept
 
 _MODELS = {"rigid": RIGID_BLOCKS, "shell": SHELL}
@@ -42,7 +43,7 @@ def _published(value: Mapping[str, Any]) -> str:
 def _ours(row: Row, published: float) -> list[str]:
     factor = row.value("load_factor")
     words = [row.record.model_words, row.kind, row.mesh_size]
-    words += [setting(key, value) for key, value in swept(row).items() if key != "shell.element_size_mm"]
+    words += [setting(key, value) for key, value in swept(row).items() if key != MESH_SIZE]
     words += [f"friction {friction_text(row)}"] if row.record.swept else []
     words += [row.status] if row.status not in ("optimal", "converged") else []
     apart = "" if factor is None or math.isinf(factor) else minus(f"{100 * (factor / published - 1):+.1f} %")

@@ -5,17 +5,16 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from churchpipe.model.swept import MESH_SIZE
 from churchpipe.report.plots import sensitivity_svg
 from churchpipe.report.table import Row, heading, setting
-
-# Has a plot of its own, with the load factors of the rigid blocks across.
-_MESH = "shell.element_size_mm"
 
 
 def sensitivity_plots(rows: Sequence[Row]) -> list[tuple[str, str]]:
     """Return what is swept, in words, and the plot of each number that takes several values in comparable analyses."""
     keys = dict.fromkeys(key for row in rows for key in _numbers(row))
-    plots = [(heading(key), _plot(key, rows)) for key in keys if key != _MESH]
+    # The size of the mesh has a plot of its own, with the load factors of the rigid blocks across.
+    plots = [(heading(key), _plot(key, rows)) for key in keys if key != MESH_SIZE]
     return [(words, plot) for words, plot in plots if plot]
 
 
