@@ -10,7 +10,15 @@ from churchpipe.stones.joints import joint_strength
 from manual_pages import ROOT
 
 # Load factors, by the name of the load.
-STONES = {"+x": 0.0797, "-x": 0.0797, "+y": 0.4076, "-y": 0.3063, "tower +x": 0.4126}
+STONES = {
+    "+x": 0.0797,
+    "-x": 0.0797,
+    "+y": 0.4076,
+    "-y": 0.3063,
+    "tower +x": 0.4126,
+    "+x, linear": 0.0414,
+    "-y, linear": 0.1978,
+}
 SHELL = {
     "+x": 0.0899,
     "-x": 0.0820,
