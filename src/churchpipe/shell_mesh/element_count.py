@@ -19,13 +19,13 @@ def element_count(building: Building, size: float) -> float:
 
 def wall_elements(panels: Sequence[Panel], sizes: Sequence[float]) -> float:
     """Return the number for walls, each with a size: two triangles fill a square of it."""
-    return sum(2 * float(np.ptp(panel.outline, axis=0).prod()) / size**2 for panel, size in zip(panels, sizes, strict=True))
+    return sum(2 * float(np.ptp(panel.outline, axis=0).prod()) / size / size for panel, size in zip(panels, sizes, strict=True))
 
 
 def vault_elements(vaults: Sequence[Vault], size: float) -> float:
     """Return the number for vaults. The area of a mid-surface is about the volume over the thickness."""
     runs = [run for vault in vaults if vault.shell != "bodies" for run in vault.runs]
-    return sum(4 * float(run.volume.sum()) * run.section.height / run.section.area for run in runs) / size**2
+    return sum(4 * float(run.volume.sum()) * run.section.height / run.section.area for run in runs) / size / size
 
 
 def check_elements(count: float, size: float) -> None:

@@ -6,6 +6,7 @@ import pytest
 
 from churchpipe.config.case import read_case
 from churchpipe.config.plausible import questions, size_questions, unanswered, work_questions
+from churchpipe.errors import InputError
 from churchpipe.resources import sample_case, sample_names
 from churchpipe.stones.blocks import derive_blocks
 from solids import box, on_ground
@@ -200,3 +201,14 @@ def test_what_was_added_is_questioned_too(added: str, words: str, tmp_path: Path
     path.write_text(f"{CASE.format(**SOUND)}\n{added}\n")
     [question] = questions([read_case(path)])
     assert question.startswith(words)
+
+
+@pytest.mark.parametrize("size", ["1e300", "1e-200"])
+def test_elements_of_any_size_are_counted(size: str, tmp_path: Path) -> None:
+    path = tmp_path / "w.toml"
+    path.write_text(f"{CASE.format(**SOUND)}\n[shell]\nelement_size_mm = {size}\n")
+    if size == "1e300":
+        assert read_case(path).building().name == "w"
+    else:
+        with pytest.raises(InputError, match=r"line \d+, shell\.element_size_mm: too small for this building; found about inf"):
+            read_case(path).building()
