@@ -3,6 +3,7 @@
 import json
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from churchpipe.model.block_curve import BlockCapacityCurve
 from churchpipe.model.checks import SafetyCheck
 from churchpipe.model.quantities import GRAVITY, as_written
 from churchpipe.report.displacements import displacement_checks
+from churchpipe.run_folder import RunFolder
 from churchpipe.spectrum import SiteSpectrum, Spectrum, StoreySpectrum, spectral_displacement
 from records import analysis
 from solids import box, on_ground
@@ -181,6 +183,19 @@ def test_a_curve_whose_last_steps_are_not_proved_is_checked_as_far_as_they_are(c
         assert shown["checks"][0].unproved == found.unproved
     nothing = replace(curve, misfit=np.full(count, 0.05))
     assert "no proved step" in displacement_check(nothing, LEANING, PUSH, SITED).message
+
+
+@pytest.mark.parametrize("status", ["converged", "not-converged", "failed"])
+def test_a_run_checks_a_curve_that_is_not_proved_to_its_end(
+    curve: BlockCapacityCurve, status: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(RunFolder, "block_curve", lambda *_: curve)
+    monkeypatch.setattr(RunFolder, "stones", lambda *_: (LEANING, None))
+    monkeypatch.setattr("churchpipe.run_folder.read_json", lambda _: {"material": {"default": {}}})
+    monkeypatch.setattr("churchpipe.run_folder.load_of", lambda _: PUSH)
+    entry = {"kind": "curve", "name": "+x_curve", "geometry": "base"}
+    found = RunFolder(tmp_path, {})._mechanism(entry, status)
+    assert ("check" in found) == (status != "failed")
 
 
 def test_what_is_missing_is_named(curve: BlockCapacityCurve) -> None:
