@@ -69,6 +69,10 @@ def outlines_of(plane: Plane, findings: list[Finding]) -> tuple[list[Outline], i
     ]
     sound = [outline for outline in outlines if outline is not None]
     filled = [(trace, line) for trace, line in zip(plane.traces, lines, strict=True) if trace.filled]
+    for trace, _ in filled:
+        if trace.added:
+            what = "the boundary of the hatch is not closed: sides of {} in all were added"
+            findings.append(trace.place.finding("W25", what, lengths=(trace.added,)))
     hatches = [_outline(line, plane, trace, away[id(trace)], findings) for trace, line in filled]
     fillings = [outline for outline in hatches if outline is not None and not outline.trace.void]
     voids = [outline for outline in hatches if outline is not None and outline.trace.void]

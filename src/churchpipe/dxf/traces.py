@@ -1,11 +1,12 @@
 """The lines of a drawing: polylines, lines, arcs and boundaries of hatches as points in space."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 import numpy as np
 from ezdxf import path as paths
+from ezdxf.entities.boundary_paths import EdgePath, LineEdge
 from ezdxf.lldxf import const
 
 from churchpipe.dxf.definitions import Matrix, transformed
@@ -27,8 +28,8 @@ class Trace:
 
     points (n, 3), drawing units, in space; closed: said to be closed, then the first point is not repeated; normal (3,): of the
     plane it is drawn in; depth: its DXF thickness, 0 when it has none; filled: boundary of a hatch; void: of a part of it that is
-    left empty; bearing: drawn as ground; fine (m, 3): the points of a line with curves, drawn finely, the first one repeated when
-    it is closed.
+    left empty; added: length of sides that are not drawn and close such a boundary, drawing units; bearing: drawn as ground;
+    fine (m, 3): the points of a line with curves, drawn finely, the first one repeated when it is closed.
     """
 
     points: FloatArray
@@ -39,6 +40,7 @@ class Trace:
     depth: float = 0.0
     filled: bool = False
     void: bool = False
+    added: float = 0.0
     bearing: bool = False
     fine: FloatArray | None = None
 
@@ -58,14 +60,15 @@ def traces_of(entity: Any, matrix: Matrix, place: Place, layer: str, bearing: bo
     if not 0.0 < float(np.linalg.norm(extrusion)) < np.inf:
         raise ValueError(f"the direction of its extrusion is {tuple(extrusion.tolist())}")
     filled = entity.dxftype() == "HATCH"
-    drawn = _boundaries(entity) if filled else [paths.make_path(entity)]
+    drawn = _boundaries(entity) if filled else [(line, 0.0) for line in paths.make_path(entity).sub_paths()]
     normal = extrusion @ np.linalg.inv(matrix[0]).T
     up: FloatArray = np.asarray(normal / np.linalg.norm(normal), dtype=np.float64)
     across = _axes(up)[:2].T
     own = entity.dxf.get("thickness", 0.0) if entity.dxf.is_supported("thickness") else 0.0
     depth = float(own) * float(np.linalg.norm(matrix[0][2]))
     out: list[Trace] = []
-    for line in (part for whole in drawn for part in whole.sub_paths()):
+    scale = float(np.linalg.norm(matrix[0] @ across[:, 0]))
+    for line, added in drawn:
         points, fine = _flattened(line)
         closed = filled or (bool(line.is_closed) and len(points) > 3)
         if not len(points) or (closed and len(points) < 4):
@@ -75,18 +78,54 @@ def traces_of(entity: Any, matrix: Matrix, place: Place, layer: str, bearing: bo
         points = points[:-1] if closed else points
         x, y, z = points[0].tolist()
         where = Place(place.entity, place.handle, place.block, (x, y, z))
+        # Ends that meet but for rounding leave nothing open.
+        added = scale * added if scale * added > 1e-6 * float(np.ptp(points, axis=0).max()) else 0.0
         sane = bool((np.abs(points) <= LARGEST_COORDINATE).all())
         own_plane = _plane_of(points, up) if sane and _apart(points, up) > FLAT else up
-        out.append(Trace(points, closed, own_plane, where, layer, depth, filled, bearing=bearing, fine=fine))
+        out.append(Trace(points, closed, own_plane, where, layer, depth, filled, added=added, bearing=bearing, fine=fine))
     several = filled and len(out) > 1 and all((np.abs(trace.points) <= LARGEST_COORDINATE).all() for trace in out)
     return _with_voids(out, across, entity.dxf.get("hatch_style", 0)) if several else out
 
 
-def _boundaries(hatch: Any) -> list[Any]:
-    """Return the paths of the boundaries of a hatch without those about texts, which are no voids."""
-    drawn = [boundary for boundary in hatch.paths if not boundary.path_type_flags & const.BOUNDARY_PATH_TEXTBOX]
-    height = hatch.dxf.elevation.z
-    return [paths.from_hatch_boundary_path(boundary, hatch.ocs(), elevation=height) for boundary in drawn]
+def _boundaries(hatch: Any) -> list[tuple[Any, float]]:
+    """Return the closed paths of the boundaries of a hatch, and the length of the sides of each that are not drawn.
+
+    Boundaries about texts are left out: they are no voids.
+    """
+    height, ocs = hatch.dxf.elevation.z, hatch.ocs()
+    out: list[tuple[Any, float]] = []
+    for boundary in hatch.paths:
+        if boundary.path_type_flags & const.BOUNDARY_PATH_TEXTBOX:
+            continue
+        for line in paths.from_hatch_boundary_path(boundary, ocs, elevation=height).sub_paths():
+            added = 0.0
+            if isinstance(boundary, EdgePath):
+                # Where an edge does not begin at the end of another, ezdxf puts a straight one between them.
+                ends = [
+                    [ocs.to_wcs((*end, height)) for end in (edge.start, edge.end)]
+                    for edge in boundary.edges
+                    if isinstance(edge, LineEdge)
+                ]
+                added = sum(a.distance(b) for a, b in _sides(line) if not any(_same((a, b), side) for side in ends))
+            elif not line.is_closed:
+                added = line.start.distance(line.end)
+                line.close()
+            out.append((line, added))
+    return out
+
+
+def _sides(line: Any) -> Iterator[tuple[Any, Any]]:
+    """Yield both ends of each straight side of a path."""
+    start = line.start
+    for command in line.commands():
+        if command.type == paths.Command.LINE_TO:
+            yield start, command.end
+        start = command.end
+
+
+def _same(side: tuple[Any, Any], other: Sequence[Any]) -> bool:
+    (a, b), (c, d) = side, other
+    return (a.isclose(c) and b.isclose(d)) or (a.isclose(d) and b.isclose(c))
 
 
 def _with_voids(traces: list[Trace], across: FloatArray, style: int) -> list[Trace]:

@@ -62,6 +62,21 @@ WAYS: dict[str, tuple[Callable[[Any], object], list[str]]] = {
     "ends that overrun": (lambda space: space.add_lwpolyline([(-4, 0), *BRICK[1:], (0, -3)]), ["W25"]),
     "a side left out": (lambda space: space.add_lwpolyline(BRICK), ["W25"]),
     "a hatch": (lambda space: space.add_hatch().paths.add_polyline_path(BRICK, is_closed=True), []),
+    "a hatch said to be open": (lambda space: space.add_hatch().paths.add_polyline_path(BRICK, is_closed=False), ["W25"]),
+    "a hatch of three sides": (
+        lambda space: [
+            space.add_hatch().paths.add_edge_path() if k == 0 else space[-1].paths[-1].add_line(BRICK[k - 1], BRICK[k])
+            for k in range(4)
+        ],
+        ["W25"],
+    ),
+    "a hatch of four sides": (
+        lambda space: [
+            space.add_hatch().paths.add_edge_path() if k == 0 else space[-1].paths[-1].add_line(BRICK[k - 1], BRICK[k % 4])
+            for k in range(5)
+        ],
+        [],
+    ),
     "a hatch on its outline": (
         lambda space: (
             space.add_lwpolyline(BRICK, close=True),
