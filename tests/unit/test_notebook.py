@@ -111,13 +111,11 @@ def test_models_and_results_have_methods_that_show_them() -> None:
         return np.array_equal(np.asarray(one), np.asarray(other))
 
     assert alike(STONES.show(), cp.show(STONES))
-    assert alike(STONES.show(STATE), cp.show(STONES, STATE))
     assert alike(STATE.show(STONES), cp.show(STONES, STATE))
     assert alike(CONTACTS.show(), cp.show(CONTACTS))
     shell, load = cp.derive_shell(BUILDING, element_size=0.5), cp.LoadCase((1, 0, 0))
     state = cp.shell_limit_analysis(shell, load, [cp.Material("default", 2e4, 0.6)])
     assert alike(shell.show(), cp.show(shell))
-    assert alike(shell.show(state), cp.show(shell, state))
     assert alike(state.show(shell), cp.show(shell, state))
     curve = cp.block_pushover(STONES, CONTACTS, load, friction=0.7, step=0.1)
     assert curve.plot().axes[0].get_ylabel() == "load factor"

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -29,9 +29,6 @@ from churchpipe.model.card import card
 from churchpipe.model.pictures import picture
 from churchpipe.model.polyhedra import FLATNESS, LEAST_WARP, face_normals, solid_properties
 from churchpipe.model.surfaces import DOUBLED, SurfaceFault, coincident, surface_fault, weld
-
-if TYPE_CHECKING:
-    from churchpipe.model.results import LimitState
 
 Polyhedron = tuple[npt.ArrayLike, Sequence[Sequence[int]]]
 
@@ -193,9 +190,9 @@ class Assemblage:
             butts=one_each("butts", array_of("butts", butts, "b", "True or False"), count),
         )
 
-    def show(self, state: "LimitState | None" = None) -> Any:
-        """Return a picture of the stones, or of the mechanism of a state (`churchpipe.show`)."""
-        return picture(self, state)
+    def show(self) -> Any:
+        """Return a picture of the stones as they stand (`churchpipe.show`)."""
+        return picture(self)
 
     def _repr_html_(self) -> str:
         rows = {

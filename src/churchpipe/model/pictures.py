@@ -4,27 +4,17 @@ They are drawn by `churchpipe.show` and `churchpipe.plot`, which need packages t
 when they are asked for.
 """
 
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from churchpipe.model.assemblage import Assemblage
-    from churchpipe.model.block_curve import BlockCapacityCurve
-    from churchpipe.model.contacts import Contacts
-    from churchpipe.model.results import CapacityCurve, LimitState, ShellLimitState
-    from churchpipe.model.settlement import SettlementPath
-    from churchpipe.model.shell import ShellModel
+from typing import Any
 
 
-def picture(
-    model: "Assemblage | Contacts | ShellModel", state: "LimitState | ShellLimitState | CapacityCurve | None" = None
-) -> Any:
+def picture(model: Any, state: Any = None) -> Any:
     """Return what `churchpipe.show` draws of a model, and of its state if one is given."""
     import churchpipe
 
     return churchpipe.show(model, state)
 
 
-def diagram(curve: "CapacityCurve | BlockCapacityCurve | SettlementPath") -> Any:
+def diagram(curve: Any) -> Any:
     """Return what `churchpipe.plot` draws of a curve."""
     import churchpipe
 

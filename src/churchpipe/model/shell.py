@@ -1,7 +1,7 @@
 """The mid-surface of a building as flat triangles with a bed-joint direction: the second model."""
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -21,9 +21,6 @@ from churchpipe.model.arrays import (
 from churchpipe.model.card import card
 from churchpipe.model.pictures import picture
 from churchpipe.model.shell_beams import ShellBeams
-
-if TYPE_CHECKING:
-    from churchpipe.model.results import CapacityCurve, ShellLimitState
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,9 +155,9 @@ class ShellModel:
         """Macro-elements (nt + nm,) of facets, and the beams' own names."""
         return np.concatenate([self.panel, self.beams.name])
 
-    def show(self, state: "ShellLimitState | CapacityCurve | None" = None) -> Any:
-        """Return a picture of the shell, or of the mechanism of a state (`churchpipe.show`)."""
-        return picture(self, state)
+    def show(self) -> Any:
+        """Return a picture of the shell as it stands (`churchpipe.show`)."""
+        return picture(self)
 
     def _repr_html_(self) -> str:
         rows = {
