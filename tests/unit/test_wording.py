@@ -36,11 +36,11 @@ def test_a_drawing_of_one_stone(capsys: pytest.CaptureFixture[str], tmp_path: Pa
     write_dxf(on_ground(CUBE), tmp_path / "a.dxf")
     code, out, err = call(capsys, "check", tmp_path / "a.dxf")
     assert code == 0
-    assert "a.dxf: 1 stone, 1 warning." in out
+    assert "a.dxf: 1 stone, 1 m3, 1 warning." in out
     assert 'no unit weight for the material "default" of 1 stone. Pass --unit-weight-kN-m3 to churchpipe import' in err
     code, out, _ = call(capsys, "import", tmp_path / "a.dxf", "-o", tmp_path / "a")
     assert code == 0
-    assert "1 stone on 1 fixed one" in out
+    assert "1 stone, 1 m3, on 1 fixed one" in out
 
 
 def test_a_table_of_one_stone() -> None:
