@@ -13,7 +13,7 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.carried import AreaLoad, LineLoad, PointLoad, Pressure
 from churchpipe.model.diaphragm import Diaphragm
 from churchpipe.model.fill import Fill
-from churchpipe.model.placed_loads import Applied
+from churchpipe.model.placed_loads import Applied, joined_loads
 from churchpipe.model.tie_bars import AnchorPlace, TieBar
 from churchpipe.model.ties import Tie
 
@@ -79,14 +79,13 @@ def placed(carries: Carries, stones: Assemblage) -> Applied:
     InputError: as `place_loads` and `place_ties`; it begins with the table at fault, such as "line_loads.0".
     """
     loads = [part for key in LOADS for part in _each(carries, key)]
-    for key, load in loads:
-        tried(key, lambda load=load: place_loads(stones, [load]))
+    on_stones = joined_loads([tried(key, lambda load=load: place_loads(stones, [load])) for key, load in loads])
 
     def bars(*keys: str) -> tuple[Tie, ...]:
         given = [part for key in keys for part in _each(carries, key)]
         return tuple(tie for key, bar in given for tie in tried(key, lambda bar=bar: place_ties(stones, [bar])))
 
-    return Applied(place_loads(stones, [load for _, load in loads]), bars(*TIES), bars("tie_candidates"))
+    return Applied(on_stones, bars(*TIES), bars("tie_candidates"))
 
 
 def _each(carries: Carries, key: str) -> Iterator[tuple[str, Any]]:

@@ -1,13 +1,14 @@
 """Which stones bear a line, and where."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial import ConvexHull
 
 from churchpipe.errors import InputError
 from churchpipe.geometry.walls import points_of
-from churchpipe.model.arrays import FloatArray, IntArray
+from churchpipe.model.arrays import FloatArray, IntArray, ragged_indices
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.polyhedra import face_normals
 
@@ -47,31 +48,28 @@ def bearing_stones(
     stops = stops[np.append(True, np.diff(stops) > CLOSE)]
     stops[-1] = length
     ends = np.stack([stops[:-1], stops[1:]], axis=1) if len(stops) > 1 else np.array([[0.0, 0.0]])
-    found: list[tuple[float, float, int, float, FloatArray]] = []
-    for first, last in ends.tolist():
-        middle = 0.5 * (first + last)
-        there = candidates[(low <= middle) & (high >= middle)]
-        tops = np.array([_top(stones, int(stone), start + middle * axis) for stone in there])
-        bearing = there[tops > tops.max() - CLOSE] if on_top and len(there) else there
-        if not len(bearing):
-            raise InputError(
-                where,
-                "no stone under it",
-                found=f"nothing at {np.append(start + middle * axis, height).round(4).tolist()} m",
-                expected="masonry along all of it, at its height",
-                remedy="Look for an opening, a wall that ends before it, or a height above the wall.",
-            )
-        for stone in bearing.tolist():
-            z = np.array([_top(stones, stone, start + place * axis) if on_top else height for place in (first, last)])
-            found.append((first, last, stone, 1.0 / len(bearing), z))
-    columns = list(zip(*found, strict=True))
-    return Stretches(
-        np.array(columns[0]),
-        np.array(columns[1]),
-        np.array(columns[2], dtype=np.int64),
-        np.array(columns[3]),
-        np.array(columns[4]),
-    )
+    middle = ends.mean(axis=1)
+    part, rank = np.nonzero((low <= middle[:, None]) & (high >= middle[:, None]))
+    z = np.full((len(part), 2), height)
+    if on_top:
+        sides = _upper_sides(stones, candidates)
+        top = _tops(sides, rank, start + middle[part, None] * axis)
+        highest = np.full(len(ends), -np.inf)
+        np.maximum.at(highest, part, top)
+        bears = top > highest[part] - CLOSE
+        part, rank = part[bears], rank[bears]
+        z = np.stack([_tops(sides, rank, start + ends[part, side, None] * axis) for side in (0, 1)], axis=1)
+    bearing = np.bincount(part, minlength=len(ends))
+    if not bearing.all():
+        nothing = np.append(start + middle[np.argmin(bearing)] * axis, height)
+        raise InputError(
+            where,
+            "no stone under it",
+            found=f"nothing at {nothing.round(4).tolist()} m",
+            expected="masonry along all of it, at its height",
+            remedy="Look for an opening, a wall that ends before it, or a height above the wall.",
+        )
+    return Stretches(ends[part, 0], ends[part, 1], candidates[rank], 1.0 / bearing[part], z)
 
 
 def _spans(
@@ -101,13 +99,38 @@ def _clipped(plan: FloatArray, start: FloatArray, axis: FloatArray) -> tuple[flo
     return (float(enters), float(leaves)) if enters <= leaves else None
 
 
-def _top(stones: Assemblage, stone: int, place: FloatArray) -> float:
-    """Return the z of the upper side of a stone, taken as convex, at a place (2,) m."""
-    faces = range(*stones.block_face_ptr[stone : stone + 2])
-    count = [int(stones.face_ptr[face + 1] - stones.face_ptr[face]) for face in faces]
-    nodes = stones.face_nodes[stones.face_ptr[faces[0]] : stones.face_ptr[faces[-1] + 1]]
-    _, normal, mean = face_normals(stones.points, nodes, np.concatenate(([0], np.cumsum(count))))
+class _UpperSides(NamedTuple):
+    """Faces that look up, of one stone after another: unit normals and means (k, 3) m. first, number (n,): those of each stone.
+    least, most (n,) m: between which its upper side lies."""
+
+    normal: FloatArray
+    mean: FloatArray
+    first: IntArray
+    number: IntArray
+    least: FloatArray
+    most: FloatArray
+
+
+def _upper_sides(stones: Assemblage, chosen: IntArray) -> _UpperSides:
+    """Return the upper sides of stones (n,)."""
+    faces = np.diff(stones.block_face_ptr)[chosen]
+    face = ragged_indices(stones.block_face_ptr[chosen], faces)
+    count = np.diff(stones.face_ptr)[face]
+    nodes = stones.face_nodes[ragged_indices(stones.face_ptr[face], count)]
+    _, normal, mean = face_normals(stones.points, nodes, np.append(0, np.cumsum(count)))
     up = normal[:, 2] > _UP
-    z = mean[up, 2] - ((place - mean[up, :2]) * normal[up, :2]).sum(axis=1) / normal[up, 2]
-    own = stones.points[slice(*stones.block_point_ptr[stone : stone + 2]), 2]
-    return float(np.clip(z.min(initial=np.inf), own.min(), own.max()))
+    number = np.bincount(np.repeat(np.arange(len(chosen)), faces)[up], minlength=len(chosen))
+    first = np.cumsum(number) - number
+    z = stones.points[:, 2]
+    least, most = (edge.reduceat(z, stones.block_point_ptr[:-1])[chosen] for edge in (np.minimum, np.maximum))
+    return _UpperSides(normal[up], mean[up], first, number, least, most)
+
+
+def _tops(sides: _UpperSides, rank: IntArray, place: FloatArray) -> FloatArray:
+    """Return the z (k,) of upper sides, of stones taken as convex, at places (k, 2) m."""
+    face = ragged_indices(sides.first[rank], sides.number[rank])
+    owner = np.repeat(np.arange(len(rank)), sides.number[rank])
+    n, mean = sides.normal[face], sides.mean[face]
+    z = np.full(len(rank), np.inf)
+    np.minimum.at(z, owner, mean[:, 2] - ((place[owner] - mean[:, :2]) * n[:, :2]).sum(axis=1) / n[:, 2])
+    return np.asarray(np.clip(z, sides.least[rank], sides.most[rank]))

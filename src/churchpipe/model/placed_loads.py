@@ -1,6 +1,7 @@
 """Loads at their places: forces and masses at points of stones, the form that both models take."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -43,6 +44,15 @@ class PlacedLoads:
     def weight(self) -> FloatArray:
         """What presses downwards (n,), N."""
         return np.asarray(-self.dead[:, 2])
+
+
+def joined_loads(parts: Sequence[PlacedLoads]) -> PlacedLoads:
+    """Return the parts of several loads, one load after another."""
+    number, name = np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.str_)
+    none = PlacedLoads(np.zeros((0, 3)), number, name, name, np.zeros((0, 3)), np.zeros(0))
+    every = [none, *parts]
+    merged = {item.name: np.concatenate([getattr(each, item.name) for each in every]) for item in fields(PlacedLoads)}
+    return PlacedLoads(**merged)
 
 
 @dataclass(frozen=True, slots=True)
