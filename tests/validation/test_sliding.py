@@ -35,9 +35,16 @@ from models import tilting_test as model
 from solids import moved
 
 
+SLOW = pytest.mark.slow("docs/validation.md: S5 from the forces of the dead load")
+
+
 @pytest.mark.parametrize(
     ("test", "first_course", "reference", "programs", "equivalent"),
-    [("S5", "main", 0.38644, 25, 25), ("S5", "partitions", 0.38969, 25, 25), ("S22", "main", 0.18853, 16, 9)],
+    [
+        pytest.param("S5", "main", 0.38644, 25, 25, marks=SLOW),
+        pytest.param("S5", "partitions", 0.38969, 25, 25, marks=SLOW),
+        ("S22", "main", 0.18853, 16, 9),
+    ],
 )
 def test_canonical_start(test: str, first_course: str, reference: float, programs: int, equivalent: float) -> None:
     stones, contacts = model(test, first_course=first_course)

@@ -43,7 +43,7 @@ def grown(model: MovingModel, step: PathStep, rings: int) -> tuple[MovingModel, 
     reference = reference_speed(step.speed)
     if not (step.speed[rim] > PATH.rim * reference).any():
         return None
-    held = model.held & held_around(model.stones, blocks, (step.speed > PATH.still * reference) | rim, rings)
+    held = model.held & held_around(model.stones, blocks, step.speed > PATH.still * reference, rings)
     # Where neither stone could move before, nothing has moved since the drawing.
     still = model.held | model.stones.fixed
     freed = ~bearing(still, model.drawn.blocks) & bearing(held | model.stones.fixed, model.drawn.blocks)

@@ -54,6 +54,16 @@ class MovingModel:
         """True where nothing crushes and friction acts at the points of contact."""
         return self.strength is None and self.contact_model == "corners"
 
+    @property
+    def large(self) -> bool:
+        """True where most stones are held, or there are so many points that the certified analysis takes many minutes."""
+        return bool(self.held.any()) or len(self.drawn.sliding) > PATH.large
+
+    @property
+    def fitting(self) -> float:
+        """What a motion may lack of one without dilatancy and still fit its forces, a share of the load factor."""
+        return PATH.fitting_large if self.large else PATH.fitting
+
 
 def moving_model(
     stones: Assemblage,

@@ -25,7 +25,9 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.stone_path import FallenStones
 from churchpipe.rigid_blocks.certificate import Strength
 from churchpipe.rigid_blocks.equilibrium import contact_wrenches
+from churchpipe.rigid_blocks.iterations import approached_forces
 from churchpipe.rigid_blocks.pressed import with_further
+from churchpipe.rigid_blocks.settings import SchemeSettings
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,6 +100,16 @@ def as_in(model: MovingModel, state: PathState, normal: FloatArray, velocities: 
     return replace(state, joints=replace(state.joints, sliding=slip, pressing=np.maximum(normal, 0.0) / model.force))
 
 
+def approached(model: MovingModel, state: PathState) -> PathState:
+    """Return a state whose points press as in forces that hardly exceed friction, sought from those that it has."""
+    _, program, _, gap = _program(model, state)
+    at = program.within(gap, program.softness, state.length)
+    forces = np.zeros(len(gap))
+    forces[: len(state.joints.pressing)] = state.joints.pressing
+    forces, _ = approached_forces(at, at.strength, forces, solver_for(program.balance, model.solver), SchemeSettings())
+    return replace(state, joints=replace(state.joints, pressing=forces[: len(state.joints.pressing)]))
+
+
 def solve_state(
     model: MovingModel, state: PathState, programs: int = PATH.programs, pairs: int = PATH.pairs, rounds: int = PATH.rounds
 ) -> PathStep:
@@ -146,13 +158,13 @@ def _solved(model: MovingModel, state: PathState, programs: int, pairs: int) -> 
     def longest(y: FloatArray) -> float:
         return _length(model, stones, _velocities(model, state, free, y))
 
-    search = StepSearch(program, gap, solve, longest, state.length, model.step)
+    search = StepSearch(program, gap, solve, longest, state.length, model.step, model.fitting)
     # Where forces and motion fitted each other in pairs of programs only, the forces of the last step are the best to begin with:
     # they keep the path on its way where others branch off.
     attempt = Attempt(StepAnswer("failed", forces, np.nan, np.zeros(0)), state.length)
     if pairs and forces.any() and not program.softness.any():
         attempt = search.by_pairs(attempt, pairs)
-    if not attempt.fits:
+    if not attempt.fits(model.fitting):
         other = search.by_programs(sliding, programs, pairs)
         better = attempt.answer.outcome == other.answer.outcome == "solved" and attempt.answer.misfit < other.answer.misfit
         attempt = attempt if better else other
@@ -161,7 +173,7 @@ def _solved(model: MovingModel, state: PathState, programs: int, pairs: int) -> 
         at = search.within(attempt.length)
         sliding = at.slip(answer.y)
         way = min(attempt.length, search.way(attempt))
-        if attempt.paired or not attempt.fits:
+        if attempt.paired or not attempt.fits(model.fitting):
             credible = answer.misfit < PATH.credible
             joints = replace(joints, pressing=np.maximum(answer.forces[:points, 0], 0.0) if credible else joints.pressing)
         else:

@@ -14,7 +14,7 @@ from churchpipe.large_displacements.control import Control, control_of
 from churchpipe.large_displacements.following import Ending, follow
 from churchpipe.large_displacements.halo import held_around
 from churchpipe.large_displacements.moving_model import MovingModel, bearing, moving_model
-from churchpipe.large_displacements.path import PathState, PathStep, as_in, first_state, solve_state
+from churchpipe.large_displacements.path import PathState, PathStep, approached, as_in, first_state, solve_state
 from churchpipe.large_displacements.record import Progress, Record
 from churchpipe.large_displacements.settings import PATH
 from churchpipe.large_displacements.travelling import live_loads
@@ -139,33 +139,38 @@ def block_pushover(
     record = _Curve(model, measure, furthest, progress, keep)
     if resume is not None and len(resume.position):
         start = record.go_on_from(resume, resume.displacement, resume.load_factor)
+        model = record.model
         record.tensions = list(resume.tie_forces[: len(record.poses)])
         steps -= len(resume.position) - 1
     else:
-        start = _started(model, contacts, analysed, balance, state)
-    return record.curve(follow(record.model, start, int(steps), record, halo), perf_counter() - begin)
+        model, start = _started(model, contacts, analysed, balance)
+    return record.curve(follow(model, start, int(steps), record, halo), perf_counter() - begin)
 
 
 def _started(
-    model: MovingModel, contacts: Contacts, analysed: Callable[..., LimitState], balance: Equilibrium, state: LimitState
-) -> PathState:
-    """Return the state as drawn with the sliding of a motion without dilatancy: that of its own programs, or where these come
-    near it too slowly, that of the certified analysis. That takes many times as long with joints that crush and friction that
-    follows the pressure: the first step then makes forces and motion fit as all others do. So it does in a large model, where
-    it begins with the forces of the dead load in all stones, which do not depend on which are held."""
-    first, large = first_state(model), bool(model.held.any()) or len(contacts.point) > PATH.large
+    model: MovingModel, contacts: Contacts, analysed: Callable[..., LimitState], balance: Equilibrium
+) -> tuple[MovingModel, PathState]:
+    """Return the model and the state as drawn, with the sliding of a motion without dilatancy.
+
+    It is that of the model's own programs. Where these come near it too slowly, it is that of the certified analysis. In a large
+    model this takes many minutes: there the first step begins as that analysis does, with the forces of the dead load in all
+    stones, which do not depend on which are held, and with forces near them that hardly exceed friction. The model keeps those
+    of the dead load for stones that are freed later. With joints that crush, and with friction that follows the pressure, the
+    first step makes forces and motion fit as all others do.
+    """
+    large = model.large
+    first = first_state(model)
     step = solve_state(model, first, 2 if large else PATH.first_programs, 0)
     if step.answer.outcome != "solved" or step.answer.misfit < PATH.started or not model.plain:
-        return step.state
-    bears = bearing(model.stones.fixed | model.held, contacts.blocks)[contacts.interface_of_point]
+        return model, step.state
+    bears = bearing(model.stones.fixed, contacts.blocks)[contacts.interface_of_point]
     if large:
-        start = balance.force * dead_load_start(balance)[bears]
-        # The first step begins with what the pairs of programs find from there.
-        return solve_state(model, as_in(model, first, start, state.velocities)).state
+        model = replace(model, drawn=replace(model.drawn, pressing=dead_load_start(balance)[bears]))
+        return model, approached(model, first_state(model))
     found = analysed(model.stones, flow="non-associative")
     if found.status not in ("converged", "not-converged"):
-        return step.state
-    return as_in(model, first, found.forces[bears, 0], found.velocities)
+        return model, step.state
+    return model, as_in(model, first, found.forces[bears, 0], found.velocities)
 
 
 def _held(

@@ -22,17 +22,16 @@ class Attempt(NamedTuple):
     blocked: bool = False
     paired: bool = False
 
-    @property
-    def fits(self) -> bool:
-        """True where forces and motion fit each other."""
-        return self.answer.outcome == "solved" and self.answer.misfit <= PATH.fitting
+    def fits(self, misfit: float) -> bool:
+        """True where forces and motion fit each other to a share of the load factor."""
+        return self.answer.outcome == "solved" and self.answer.misfit <= misfit
 
 
 class StepSearch:
     """The programs of one step.
 
     program: of the step, of any length. gap (nc,) m of its points. longest: what a motion y (m,) may last, m per unit of work.
-    begin: the length of the last step, and most the largest displacement of one.
+    begin: the length of the last step, and most the largest displacement of one. fitting: the misfit that will do.
     """
 
     def __init__(
@@ -43,9 +42,10 @@ class StepSearch:
         longest: Callable[[FloatArray], float],
         begin: float,
         most: float,
+        fitting: float = PATH.fitting,
     ) -> None:
         self._program, self._gap, self._solve, self._longest = program, gap, solve, longest
-        self._begin, self._least, self._most = begin, PATH.least_charge * begin, most
+        self._begin, self._least, self._most, self._fitting = begin, PATH.least_charge * begin, most, fitting
 
     def within(self, length: float) -> StepProgram:
         """Return the program of a step of this length."""
@@ -65,7 +65,7 @@ class StepSearch:
         """Return an attempt that fits, sought from the forces of another one in so many pairs of programs at the most."""
         for _ in range(PATH.lengths):
             program = self.within(attempt.length).stretched(attempt.answer.forces)
-            answer = without_dilatancy(program, attempt.answer, self._solve, PATH.fitting, pairs)
+            answer = without_dilatancy(program, attempt.answer, self._solve, self._fitting, pairs)
             attempt = attempt._replace(answer=answer, paired=True)
             if attempt.answer.outcome != "solved":
                 break
@@ -93,12 +93,12 @@ class StepSearch:
                 return attempt
             count += 1
             near, length = self._next(attempt)
-            if near and attempt.fits:
+            if near and attempt.fits(self._fitting):
                 return attempt
-            if before and pairs and attempt.answer.misfit > max(PATH.fitting, 0.5 * before.answer.misfit):
+            if before and pairs and attempt.answer.misfit > max(self._fitting, 0.5 * before.answer.misfit):
                 attempt = attempt if attempt.answer.misfit < before.answer.misfit else before
                 break
             if count < programs:
                 before, sliding = attempt, self.within(attempt.length).slip(attempt.answer.y)
                 attempt = attempt._replace(length=length)
-        return self.by_pairs(attempt, pairs) if pairs and attempt.answer.misfit > PATH.fitting else attempt
+        return self.by_pairs(attempt, pairs) if pairs and attempt.answer.misfit > self._fitting else attempt

@@ -25,7 +25,8 @@ class PathSettings:
         counts as this much where errors are measured by it.
 
     What a motion is worth, by what it lacks of one without dilatancy, a share of the load factor:
-        fitting: it fits its forces. started: a start further away is not good enough. credible: it tells how the stones go on.
+        fitting: it fits its forces; fitting_large: in a large model, where a program takes seconds and its error mostly falls by
+        less than half a pair. started: a start further away is not good enough. credible: it tells how the stones go on.
         steady: a motion goes on as it did when no stone's speed has changed by more than this share of the fastest.
 
     Stones that move, by shares of the fastest speed:
@@ -68,6 +69,7 @@ class PathSettings:
     duality_gap: float = 1e-7
     least: float = 0.01
     fitting: float = 2e-3
+    fitting_large: float = 5e-3
     started: float = 0.01
     credible: float = 0.1
     steady: float = 0.3

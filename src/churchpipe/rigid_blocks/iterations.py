@@ -104,15 +104,28 @@ def certified_iteration(
 ) -> SlidingRun | None:
     """Search for a collapse state without dilatancy from normal forces n (nc,), until the gap certifies it.
 
-    Stage A approaches forces that hardly exceed friction: it maximises alpha - 1/2 sum R_k (mu n - mu n_hat)^2 with shear
-    limited by mu n_hat, where alpha is the load factor, n_hat are the normal forces of the step before and R_k proximal weights.
-    Stage B, `closed_gap`, closes the gap.
+    Stage A, `approached_forces`, approaches forces that hardly exceed friction. Stage B, `closed_gap`, closes the gap.
     """
     settings = settings or SchemeSettings()
     count = SolveCount(solve)
+    n, history = approached_forces(balance, strength, n, count, settings)
+    run = closed_gap(balance, strength, n, count, settings, progress)
+    if run is None:
+        return None
+    return replace(run, history=(*history, *run.history), solves=count.solves, iterations=count.iterations)
+
+
+def approached_forces(
+    balance: Balanced, strength: Strength, n: FloatArray, solve: Solve, settings: SchemeSettings
+) -> tuple[FloatArray, list[Iteration]]:
+    """Return normal forces (nc,) that hardly exceed friction, sought from forces n (nc,), and the steps towards them: stage A.
+
+    A step maximises alpha - 1/2 sum R_k (mu n - mu n_hat)^2 with shear limited by mu n_hat, where alpha is the load factor,
+    n_hat are the normal forces of the step before and R_k proximal weights.
+    """
     history: list[Iteration] = []
     for _ in range(settings.stage_a):
-        step = _stage_a(balance, strength, n, count, settings)
+        step = _stage_a(balance, strength, n, solve, settings)
         if step is None:
             break
         n, iteration = step
@@ -120,10 +133,7 @@ def certified_iteration(
         history.append(iteration)
         if iteration.violation < settings.violation or change <= settings.change:
             break
-    run = closed_gap(balance, strength, n, count, settings, progress)
-    if run is None:
-        return None
-    return replace(run, history=(*history, *run.history), solves=count.solves, iterations=count.iterations)
+    return n, history
 
 
 def closed_gap(
@@ -256,7 +266,7 @@ def _weighted_gap(balance: Balanced, strength: Strength, state: CoulombState | N
 
 
 def _stage_a(
-    balance: Equilibrium, strength: Strength, n: FloatArray, solve: Solve, settings: SchemeSettings
+    balance: Balanced, strength: Strength, n: FloatArray, solve: Solve, settings: SchemeSettings
 ) -> tuple[FloatArray, Iteration] | None:
     mu = strength.friction
     shear = mu * n
