@@ -34,7 +34,6 @@ from models import ferris_tin_loi_wall as wall
 from models import tilting_test as model
 from solids import moved
 
-
 SLOW = pytest.mark.slow("docs/validation.md: S5 from the forces of the dead load")
 
 
