@@ -3,4 +3,5 @@
 set -eu
 cd "$(dirname "$0")/.."
 sh scripts/install.sh --group dev
-exec .venv/bin/python -m pytest -q -n logical --dist loadfile "$@"
+# In their order: the longest, those of the pipeline, come first, so that all cores end together.
+exec .venv/bin/python -m pytest -q -n logical --dist loadfile --no-loadscope-reorder "$@"

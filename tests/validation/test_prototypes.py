@@ -78,10 +78,8 @@ def test_brick_length_and_the_bond_at_the_corner(
     assert load_factor(test, brick_length=brick_length, **options) == pytest.approx(computed, abs=1e-4)
 
 
-@pytest.mark.parametrize(
-    ("test", "paper"),
-    [pytest.param("S5", 0.380, marks=pytest.mark.slow("docs/validation.md: the iteration of the paper")), ("S22", 0.186)],
-)
+@pytest.mark.slow("docs/validation.md: the iteration of the paper")
+@pytest.mark.parametrize(("test", "paper"), [("S5", 0.380), ("S22", 0.186)])
 def test_iteration_of_the_paper(test: str, paper: float) -> None:
     stones, contacts = model(test)
     state = limit_analysis(stones, contacts, LOADS[test], friction=0.7, flow="non-associative", method="paper")

@@ -70,4 +70,4 @@ def follow(model: MovingModel, state: PathState, steps: int, record: Steps, ring
         if ending is not None:
             return ending
         state = next_state(model, step, record.left)
-    return Ending("unfinished", f"all {steps} steps were used up")
+    return Ending("unfinished", "all steps asked for were used up")

@@ -64,6 +64,11 @@ class MovingModel:
         """What a motion may lack of one without dilatancy and still fit its forces, a share of the load factor."""
         return PATH.fitting_large if self.large else PATH.fitting
 
+    @property
+    def enough(self) -> float:
+        """The same of a motion that goes on from the last step's, so that no other one is looked for."""
+        return PATH.enough_large if self.large else PATH.fitting
+
 
 def moving_model(
     stones: Assemblage,

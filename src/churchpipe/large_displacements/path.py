@@ -102,12 +102,17 @@ def as_in(model: MovingModel, state: PathState, normal: FloatArray, velocities: 
 
 def approached(model: MovingModel, state: PathState) -> PathState:
     """Return a state whose points press as in forces that hardly exceed friction, sought from those that it has."""
+    program, points = step_program(model, state), len(state.joints.pressing)
+    forces = np.zeros(len(program.closing))
+    forces[:points] = state.joints.pressing
+    forces, _ = approached_forces(program, program.strength, forces, solver_for(program.balance, model.solver), SchemeSettings())
+    return replace(state, joints=replace(state.joints, pressing=forces[:points]))
+
+
+def step_program(model: MovingModel, state: PathState) -> StepProgram:
+    """Return the program of a step from a state, of the length of the last one."""
     _, program, _, gap = _program(model, state)
-    at = program.within(gap, program.softness, state.length)
-    forces = np.zeros(len(gap))
-    forces[: len(state.joints.pressing)] = state.joints.pressing
-    forces, _ = approached_forces(at, at.strength, forces, solver_for(program.balance, model.solver), SchemeSettings())
-    return replace(state, joints=replace(state.joints, pressing=forces[: len(state.joints.pressing)]))
+    return program.within(gap, program.softness, state.length)
 
 
 def solve_state(
@@ -163,11 +168,11 @@ def _solved(model: MovingModel, state: PathState, programs: int, pairs: int) -> 
     # they keep the path on its way where others branch off.
     attempt = Attempt(StepAnswer("failed", forces, np.nan, np.zeros(0)), state.length)
     if pairs and forces.any() and not program.softness.any():
-        attempt = search.by_pairs(attempt, pairs)
-    if not attempt.fits(model.fitting):
-        other = search.by_programs(sliding, programs, pairs)
-        better = attempt.answer.outcome == other.answer.outcome == "solved" and attempt.answer.misfit < other.answer.misfit
-        attempt = attempt if better else other
+        # A large program that has no solution need not be shown twice to have none: the search below shows it once more.
+        own = solver_for(program.balance, "interior-point") if model.large and model.solver == "auto" else solve
+        attempt = search.by_pairs(attempt, pairs, own)
+    if not attempt.fits(model.enough):
+        attempt = _better(attempt, search.by_programs(sliding, programs, pairs))
     answer, way, joints = attempt.answer, 0.0, state.joints
     if answer.outcome == "solved":
         at = search.within(attempt.length)
@@ -195,6 +200,15 @@ def _solved(model: MovingModel, state: PathState, programs: int, pairs: int) -> 
         friction_power=-_work(model, answer, rate),
         falling=falling_stones(answer, speed, state.fastest, model.stones.weight, _expendable(model, state)),
     )
+
+
+def _better(one: Attempt, other: Attempt) -> Attempt:
+    """Return the attempt of which more is known: the other one, but where the first has a motion that is at least credible."""
+    if one.answer.outcome != "solved" or other.answer.outcome == "unbounded":
+        return other
+    if other.answer.outcome == "solved":
+        return one if one.answer.misfit < other.answer.misfit else other
+    return one if one.answer.misfit < PATH.credible else other
 
 
 def _with_present_tensions(

@@ -61,11 +61,14 @@ class StepSearch:
         suited = max(self.way(attempt), min(self._least, attempt.length))
         return attempt.blocked or max(suited / attempt.length, attempt.length / suited) < PATH.right, suited
 
-    def by_pairs(self, attempt: Attempt, pairs: int) -> Attempt:
-        """Return an attempt that fits, sought from the forces of another one in so many pairs of programs at the most."""
+    def by_pairs(self, attempt: Attempt, pairs: int, solve: Solve | None = None) -> Attempt:
+        """Return an attempt that fits, sought from the forces of another one in so many pairs of programs at the most.
+
+        solve: of these programs, None: as of all others.
+        """
         for _ in range(PATH.lengths):
             program = self.within(attempt.length).stretched(attempt.answer.forces)
-            answer = without_dilatancy(program, attempt.answer, self._solve, self._fitting, pairs)
+            answer = without_dilatancy(program, attempt.answer, solve or self._solve, self._fitting, pairs)
             attempt = attempt._replace(answer=answer, paired=True)
             if attempt.answer.outcome != "solved":
                 break

@@ -25,9 +25,10 @@ class PathSettings:
         counts as this much where errors are measured by it.
 
     What a motion is worth, by what it lacks of one without dilatancy, a share of the load factor:
-        fitting: it fits its forces; fitting_large: in a large model, where a program takes seconds and its error mostly falls by
-        less than half a pair. started: a start further away is not good enough. credible: it tells how the stones go on.
-        steady: a motion goes on as it did when no stone's speed has changed by more than this share of the fastest.
+        fitting: it fits its forces; fitting_large: in a large model, where a program takes seconds. enough_large: in a large
+        model a motion that goes on from the last one is kept, rather than looked for by other ways; within it a curve is proved.
+        started: a start further away is not good enough. credible: it tells how the stones go on. steady: a motion goes on as it
+        did when no stone's speed has changed by more than this share of the fastest.
 
     Stones that move, by shares of the fastest speed:
         still: slower ones stand still. rim: a stone at the rim of the halo that is faster moves. worth: a halo that leaves no
@@ -35,7 +36,8 @@ class PathSettings:
         large: with more points of contact the certified analysis takes many minutes. falling, ahead: those that take part in a
         fall, or in a motion that has gone local. faster: a motion so many times faster than that of the last step is one of a
         few stones. expendable: stones that weigh no more than this share of what moved at the start may fall out without ending
-        the curve. left_behind: stones slower than this share of a support stand still while it moves.
+        the curve. strongest: what normal forces of so many weights in all cannot hold falls. left_behind: stones slower than this
+        share of a support stand still while it moves.
 
     Contacts found anew:
         depth, deeper: shares of the reach: how deep new neighbours may have sunk into each other, and stones that bore on each
@@ -70,6 +72,7 @@ class PathSettings:
     least: float = 0.01
     fitting: float = 2e-3
     fitting_large: float = 5e-3
+    enough_large: float = 0.01
     started: float = 0.01
     credible: float = 0.1
     steady: float = 0.3
@@ -82,6 +85,7 @@ class PathSettings:
     ahead: float = 0.1
     faster: float = 20.0
     expendable: float = 0.05
+    strongest: float = 100.0
     left_behind: float = 1e-4
     depth: float = 0.5
     deeper: float = 2.0
@@ -95,7 +99,7 @@ class PathSettings:
     nothing: float = 1e-7
 
     def __post_init__(self) -> None:
-        whole = ("lengths", "first_programs", "programs", "pairs", "rounds", "whole_way", "large")
+        no_shares = ("lengths", "first_programs", "programs", "pairs", "rounds", "whole_way", "large", "strongest")
         for field in fields(self):
             value = getattr(self, field.name)
             if not value > 0:
@@ -103,7 +107,7 @@ class PathSettings:
             if field.name in ("right", "faster", "deeper", "further"):
                 if not value > 1:
                     raise InputError(f"PathSettings.{field.name}", "out of range", found=value, expected="> 1")
-            elif field.name not in whole and not value < 1:
+            elif field.name not in no_shares and not value < 1:
                 raise InputError(f"PathSettings.{field.name}", "out of range", found=value, expected="< 1")
 
 

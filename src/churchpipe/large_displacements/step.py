@@ -121,10 +121,25 @@ def solve_step(program: StepProgram, sliding: FloatArray, solve: Solve) -> StepA
     cone = program.program(zero, strength.friction, strength.bound, sliding)
     answer = solve(cone, duality_gap=PATH.duality_gap)
     if answer.outcome != "solved":
-        return StepAnswer(answer.outcome, answer.x, np.nan, answer.y, message=answer.message)
+        outcome = "infeasible" if answer.outcome == "failed" and falls(program, answer.y) else answer.outcome
+        return StepAnswer(outcome, answer.x, np.nan, answer.y, message=answer.message)
     return _answer(
         program.stretched(answer.x), sliding, answer.x, answer.tau, answer.y / float(program.live @ answer.y), answer.message
     )
+
+
+def falls(program: StepProgram, y: FloatArray) -> bool:
+    """True for a motion y (m,) that no normal forces of up to `PATH.strongest` weights in all can hold.
+
+    The dead load does more work in it than such forces in their cones could take up where it violates the flow rule, whatever
+    the live load. A solver that finds such a motion, and not quite an exact one, calls the program neither solved nor infeasible.
+    """
+    dead, live = float(program.dead @ y), float(program.live @ y)
+    if np.isfinite(program.strength.bound).any() or not dead > 0:
+        return False
+    rate = program.motion(y)
+    against = program.strength.friction[: len(rate)] * np.hypot(rate[:, 1], rate[:, 2]) - rate[:, 0]
+    return PATH.strongest * (max(float(against.max(initial=0.0)), 0.0) + abs(live)) < dead
 
 
 def without_dilatancy(program: StepProgram, answer: StepAnswer, solve: Solve, misfit: float, pairs: int) -> StepAnswer:
