@@ -1,0 +1,46 @@
+"""Capacity curves of models of which most stones are held: they do not depend on how far the halo reaches."""
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import churchpipe as cp
+from churchpipe.model.block_curve import BlockCapacityCurve
+
+CASES = Path(__file__).parents[2] / "pipeline" / "cases"
+
+
+@cache
+def curve(halo: int, name: str = "chapel", steps: int = 6, step: float = 0.04) -> BlockCapacityCurve:
+    """The curve of a building whose facade falls outwards."""
+    case = cp.read_case(CASES / f"{name}.toml")
+    stones = cp.derive_blocks(case.building())
+    load = next(load for load in case.loads if load.name == "-y")
+    return cp.block_pushover(stones, cp.find_contacts(stones), load, 0.6, step=step, steps=steps, halo=halo)
+
+
+@pytest.mark.slow("docs/capacity_curve.md: chapel -y, halos of two and of five contacts")
+def test_a_narrower_halo_gives_the_same_curve() -> None:
+    five, two = curve(5), curve(2)
+    assert five.proved
+    assert two.proved
+    # The facade leaves as a whole: no stone runs ahead of it.
+    assert min(five.largest[-1], two.largest[-1]) > 0.15
+    way = np.linspace(0.0, min(five.displacement[-1], two.displacement[-1]), 50)
+    wide, narrow = (np.interp(way, each.displacement, each.load_factor) for each in (five, two))
+    assert np.abs(narrow - wide).max() <= 0.02 * five.load_factor[0]
+
+
+@pytest.mark.slow("docs/capacity_curve.md: church -y, its start, and steps of half the length")
+def test_the_curve_of_the_church_starts_without_dilatancy_and_does_not_depend_on_the_step() -> None:
+    whole, half = curve(5, "church", 6), curve(5, "church", 11, 0.02)
+    assert whole.proved
+    assert half.proved
+    # docs/church.md: the intervals of both certified starts.
+    assert 0.2026 <= half.load_factor[0] <= 0.2143
+    way = np.linspace(0.0, min(whole.displacement[-1], half.displacement[-1]), 50)
+    one, other = (np.interp(way, each.displacement, each.load_factor) for each in (whole, half))
+    assert whole.largest[-1] > 0.2
+    assert np.abs(other - one).max() <= 0.02 * whole.load_factor[0]
