@@ -137,4 +137,4 @@ def test_excess_takes_forces_from_opening_joints() -> None:
     stressed = nearest_forces(balance, strength, n, state.y, solve, nearness=0.1, excess=np.full(len(n), 10.0))
     assert plain is not None
     assert stressed is not None
-    assert stressed[0][:, 0] @ opening < 0.5 * (plain[0][:, 0] @ opening)
+    assert stressed.x[:, 0] @ opening < 0.5 * (plain.x[:, 0] @ opening)

@@ -78,6 +78,19 @@ class ConeProgram:
 
 
 @dataclass(frozen=True, slots=True)
+class WarmStart:
+    """Forces x (c, 3), tau and multipliers y (m,) near those of a solution, in the units of the program, to begin with.
+
+    error: how far from the solution they are thought to be, a share of the objective.
+    """
+
+    x: FloatArray
+    tau: float
+    y: FloatArray
+    error: float = 0.3
+
+
+@dataclass(frozen=True, slots=True)
 class ConeSolution:
     """A solver's answer, in the units of the program.
 

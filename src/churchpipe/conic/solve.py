@@ -3,10 +3,12 @@
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from typing import Protocol, TypeAlias
+from typing import NamedTuple, Protocol, TypeAlias
+
+import numpy as np
 
 from churchpipe.conic.polish import restore_balance
-from churchpipe.conic.program import ConeProgram, ConeSolution
+from churchpipe.conic.program import ConeProgram, ConeSolution, WarmStart
 from churchpipe.conic.wrenches import Balance
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import text
@@ -16,7 +18,18 @@ _OUT_OF_BALANCE = 1e-5
 Proves: TypeAlias = Callable[[ConeSolution], bool]
 # Is called with the share of a solve that is done.
 SolveProgress: TypeAlias = Callable[[float], None]
-_Solver: TypeAlias = Callable[[ConeProgram, float | None, SolveProgress | None], ConeSolution]
+
+
+class _Wanted(NamedTuple):
+    """What is asked of a solver beside the program, as in `Solve`."""
+
+    duality_gap: float | None = None
+    progress: SolveProgress | None = None
+    near: WarmStart | None = None
+    velocities: bool = False
+
+
+_Solver: TypeAlias = Callable[[ConeProgram, _Wanted], ConeSolution]
 
 
 class Solve(Protocol):
@@ -30,13 +43,16 @@ class Solve(Protocol):
         duality_gap: float | None = None,
         proves: Proves | None = None,
         progress: SolveProgress | None = None,
+        near: WarmStart | None = None,
+        velocities: bool = False,
     ) -> ConeSolution:
         """Solve a program; the forces of what is called solved balance to rounding (`restore_balance`).
 
         duality_gap: relative error of the objective that will do, for solvers that can stop early. Where it is given, the forces
         and velocities matter too: of all optimal ones the most central are wanted. proves: whether an answer proves what it
         claims; where one does not, a solver that has a fallback turns to it. progress: called with the share done, by our own
-        solver after each iteration.
+        solver after each iteration. near: where a solver may begin. velocities: whether the multipliers alone are wanted; then
+        the forces need not balance.
         """
         ...
 
@@ -84,16 +100,19 @@ def _in_turn(*solvers: _Solver) -> Solve:
         duality_gap: float | None = None,
         proves: Proves | None = None,
         progress: SolveProgress | None = None,
+        near: WarmStart | None = None,
+        velocities: bool = False,
     ) -> ConeSolution:
+        wanted = _Wanted(duality_gap, progress, near, velocities)
         *others, last = solvers
         failures: list[str] = []
         for solver in others:
-            answer = _checked(program, solver(program, duality_gap, progress))
+            answer = _checked(program, solver(program, wanted), wanted)
             if answer.outcome != "failed" and (proves is None or proves(answer)):
                 return answer
             why = answer.message if answer.outcome == "failed" else "its answer proves nothing"
             failures.append(f"{answer.solver} failed ({why})")
-        answer = _checked(program, last(program, duality_gap, progress))
+        answer = _checked(program, last(program, wanted), wanted)
         said = f"{answer.solver}: {answer.message}" if failures else answer.message
         return replace(answer, message="; ".join([*failures, said]))
 
@@ -104,13 +123,15 @@ def _interior_point(balance: Balance) -> _Solver:
     """Return our own solver, which stops as early as it may."""
     from churchpipe.conic.interior_point import InteriorPointSolver
     from churchpipe.conic.interior_point.info import as_share
-    from churchpipe.conic.interior_point.settings import CENTRAL, Settings
+    from churchpipe.conic.interior_point.settings import CENTRAL, VELOCITIES, Settings
 
     solver = InteriorPointSolver(balance)
 
-    def solve(program: ConeProgram, duality_gap: float | None, report: SolveProgress | None) -> ConeSolution:
-        settings = Settings() if duality_gap is None else replace(CENTRAL, duality_gap=duality_gap)
-        return solver.solve(program, settings, as_share(report, settings.duality_gap, settings.residual))
+    def solve(program: ConeProgram, wanted: _Wanted) -> ConeSolution:
+        central = VELOCITIES if wanted.velocities else CENTRAL
+        settings = Settings() if wanted.duality_gap is None else replace(central, duality_gap=wanted.duality_gap)
+        report = as_share(wanted.progress, settings.duality_gap, settings.residual)
+        return solver.solve(program, settings, report, wanted.near)
 
     return solve
 
@@ -118,15 +139,15 @@ def _interior_point(balance: Balance) -> _Solver:
 def _whole(solve: Callable[[ConeProgram], ConeSolution]) -> _Solver:
     """Return a solver that never stops early."""
 
-    def whole(program: ConeProgram, _: float | None, __: SolveProgress | None) -> ConeSolution:
+    def whole(program: ConeProgram, _: _Wanted) -> ConeSolution:
         return solve(program)
 
     return whole
 
 
-def _checked(program: ConeProgram, answer: ConeSolution) -> ConeSolution:
+def _checked(program: ConeProgram, answer: ConeSolution, wanted: _Wanted) -> ConeSolution:
     """Accept a solver's status only when its forces balance. Some report an infeasible program as solved, with huge numbers."""
-    if answer.outcome != "solved":
+    if answer.outcome != "solved" or (wanted.velocities and np.isfinite(answer.y).all()):
         return answer
     residual = program.imbalance(answer.x, answer.tau)
     if not residual <= _OUT_OF_BALANCE:

@@ -17,7 +17,7 @@ class Joints:
     (ni + 1,); first, second (nc, 3) m, the point of either stone, an arm from its centroid in its axes. sliding (nc,): mu times
     the slip rate of the last step, see `solve_state`. rest (nc,) m: the gap as drawn, which counts as closed. place (nc, 2),
     rectangle and margin (ni,): as in `Touching`, of joints that crush. lever (nc, 3) m: where friction acts beside the point.
-    pressing (nc,): the normal force of the last step over the weight.
+    pressing (nc,): the normal force of the last step over the weight; shear (nc, 3): its shear force, in the axes of the drawing.
     """
 
     blocks: IntArray
@@ -34,6 +34,7 @@ class Joints:
     margin: FloatArray
     lever: FloatArray
     pressing: FloatArray
+    shear: FloatArray
 
     @property
     def pair(self) -> IntArray:
@@ -109,4 +110,5 @@ def joints_of(
         margin=np.zeros(count) if margin is None else margin,
         lever=np.zeros((len(contacts.point), 3)),
         pressing=np.zeros(len(contacts.point)),
+        shear=np.zeros((len(contacts.point), 3)),
     )

@@ -97,7 +97,8 @@ def as_in(model: MovingModel, state: PathState, normal: FloatArray, velocities: 
     y = np.concatenate([y[:, :3], model.length * y[:, 3:]], axis=1).ravel()
     power = float(program.live @ y)
     slip = program.slip(y / power)[: len(normal)] if power > 0 else state.joints.sliding
-    return replace(state, joints=replace(state.joints, sliding=slip, pressing=np.maximum(normal, 0.0) / model.force))
+    pressing, shear = np.maximum(normal, 0.0) / model.force, np.zeros_like(state.joints.shear)
+    return replace(state, joints=replace(state.joints, sliding=slip, pressing=pressing, shear=shear))
 
 
 def approached(model: MovingModel, state: PathState) -> PathState:
@@ -157,8 +158,10 @@ def _solved(model: MovingModel, state: PathState, programs: int, pairs: int) -> 
     """Return the step that a state takes with friction acting where its joints say."""
     stones, program, free, gap = _program(model, state)
     solve, points = solver_for(program.balance, model.solver), len(state.joints.sliding)
+    tangents = state.joints.at(state.poses)[0].frame[state.joints.interface, 1:]
     sliding, forces = np.zeros(len(gap)), np.zeros((len(gap), 3))
     sliding[:points], forces[:points, 0] = state.joints.sliding, state.joints.pressing
+    forces[:points, 1:] = np.einsum("kac,kc->ka", tangents, state.joints.shear)
 
     def longest(y: FloatArray) -> float:
         return _length(model, stones, _velocities(model, state, free, y))
@@ -179,10 +182,11 @@ def _solved(model: MovingModel, state: PathState, programs: int, pairs: int) -> 
         sliding = at.slip(answer.y)
         way = min(attempt.length, search.way(attempt))
         if attempt.paired or not attempt.fits(model.fitting):
-            credible = answer.misfit < PATH.credible
-            joints = replace(joints, pressing=np.maximum(answer.forces[:points, 0], 0.0) if credible else joints.pressing)
+            if answer.misfit < PATH.credible:
+                shear = np.einsum("kac,ka->kc", tangents, answer.forces[:points, 1:])
+                joints = replace(joints, pressing=np.maximum(answer.forces[:points, 0], 0.0), shear=shear)
         else:
-            joints = replace(joints, pressing=np.zeros(points))
+            joints = replace(joints, pressing=np.zeros(points), shear=np.zeros((points, 3)))
         joints = replace(joints, sliding=sliding[:points])
         answer = _with_present_tensions(model, state, at, answer, sliding, solve)
     velocity = _velocities(model, state, free, answer.y)

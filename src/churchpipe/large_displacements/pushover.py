@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from time import perf_counter
-from typing import cast, get_args
+from typing import Any, cast, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -32,7 +32,6 @@ from churchpipe.model.ties import Tie
 from churchpipe.rigid_blocks.associative import associative_state
 from churchpipe.rigid_blocks.certificate import Strength
 from churchpipe.rigid_blocks.coulomb import dead_load_start
-from churchpipe.rigid_blocks.crushing import JointParts
 from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
 from churchpipe.rigid_blocks.limit import limit_analysis, limit_program
 
@@ -114,16 +113,9 @@ def block_pushover(
     _check(step, steps, furthest, halo)
     listed("block_pushover: ties", ties, Tie)
     one_of("block_pushover: contact_model", contact_model, *get_args(ContactModel))
-    programmed = partial(
-        limit_program,
-        contacts=contacts,
-        load=load,
-        friction=friction,
-        ties=ties,
-        contact_model=contact_model,
-        compressive_strength=compressive_strength,
-    )
-    analysed = partial(limit_analysis, **programmed.keywords, solver=solver)
+    programmed = partial(limit_program, load=load, ties=ties, contact_model=contact_model)
+    strengths = partial(_strengths, friction, compressive_strength)
+    analysed = partial(limit_analysis, contacts=contacts, **programmed.keywords, **strengths(None), solver=solver)
     state = analysed(stones)
     if state.status != "optimal":
         return _nothing(stones, state, perf_counter() - begin)
@@ -135,7 +127,14 @@ def block_pushover(
     model = moving_model(
         stones, contacts, load, driven, friction, balance, moving, step, solver, ties, compressive_strength, contact_model
     )
-    model = replace(model, held=_held(model, contacts, programmed, state, halo)) if halo else model
+
+    def held_program(still: BoolArray) -> tuple[Equilibrium, Strength]:
+        # Contacts between stones that stand still would only be dragged along.
+        bears = bearing(still, contacts.blocks)
+        balance, strength, _ = programmed(replace(stones, fixed=still), contacts.selected(bears), **strengths(bears))
+        return balance, strength
+
+    model = replace(model, held=_held(model, contacts, held_program, state, halo)) if halo else model
     record = _Curve(model, measure, furthest, progress, keep)
     if resume is not None and len(resume.position):
         start = record.go_on_from(resume, resume.displacement, resume.load_factor)
@@ -176,11 +175,14 @@ def _started(
 def _held(
     model: MovingModel,
     contacts: Contacts,
-    programmed: Callable[..., tuple[Equilibrium, Strength, JointParts | None]],
+    program: Callable[[BoolArray], tuple[Equilibrium, Strength]],
     state: LimitState,
     rings: int,
 ) -> BoolArray:
-    """Return the stones to hold still (nb,): without them the first load factor `state` is kept to `PATH.kept`."""
+    """Return the stones to hold still (nb,): without them the first load factor `state` is kept to `PATH.kept`.
+
+    program: of the limit analysis in which these stones (nb,), fixed ones among them, stand still.
+    """
     speed = stone_speed(model.stones, state.velocities)
     moving = speed > PATH.still * reference_speed(speed)
     moving[model.ties.stone] = True
@@ -189,7 +191,7 @@ def _held(
         if not held.any():
             return held
         # What carries its dead load does so with stones held.
-        balance, strength, _ = programmed(replace(model.stones, fixed=model.stones.fixed | held))
+        balance, strength = program(model.stones.fixed | held)
         followed = associative_state(balance, strength, solver_for(balance.balance, model.solver), perf_counter())
         if followed.status == "optimal" and followed.load_factor <= (1 + PATH.kept) * state.load_factor:
             return held
@@ -251,6 +253,14 @@ class _Curve(Record):
             message="; ".join([*filter(None, [ending.message, self.resumed]), *lost]),
             seconds=seconds,
         )
+
+
+def _strengths(friction: npt.ArrayLike, compressive_strength: npt.ArrayLike | None, joints: BoolArray | None) -> dict[str, Any]:
+    """Return friction and compressive strength of all joints, or of some (ni,), as arguments of a limit analysis."""
+    given = {"friction": friction, "compressive_strength": compressive_strength}
+    if joints is None:
+        return given
+    return {name: None if each is None else np.broadcast_to(each, joints.shape)[joints] for name, each in given.items()}
 
 
 def _check(step: float | None, steps: int, furthest: float | None, halo: int) -> None:

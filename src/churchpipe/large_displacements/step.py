@@ -153,7 +153,9 @@ def without_dilatancy(program: StepProgram, answer: StepAnswer, solve: Solve, mi
     known = 1.0 if first else abs(answer.load_factor)
     share = misfit * max(known, PATH.least) / max(known, 1e-3)
     settings = SchemeSettings(bipotential_gap=share, stage_b=pairs)
-    run = closed_gap(program, program.strength, np.maximum(answer.forces[:, 0], 0.0), solve, settings)
+    n = np.maximum(answer.forces[:, 0], 0.0)
+    whole = answer.forces if answer.forces[:, 1:].any() else None
+    run = closed_gap(program, program.strength, n, solve, settings, forces=whole)
     if run is None:
         return answer
     y = run.y / float(program.live @ run.y)

@@ -23,14 +23,7 @@ def friction_shift(contacts: Contacts, n: FloatArray, before: FloatArray) -> Flo
     wide = count >= 3
     if wide.any():
         mine = wide[interface]
-        part = Contacts(
-            contacts.blocks[wide],
-            contacts.frame[wide],
-            contacts.area[wide],
-            contacts.point[mine],
-            np.append(0, np.cumsum(count[wide])),
-            contacts.kind[wide],
-        )
+        part = contacts.selected(wide)
         out[mine] = shift_in_polygons(polygons_of(part), part, n[mine], before[mine])
     first = contacts.point_ptr[:-1][count == 2]
     force = n[first] + n[first + 1]

@@ -1,6 +1,6 @@
 """Interfaces between stones and their contact points: geometry only."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -8,6 +8,7 @@ import numpy as np
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import check_kind, finite
 from churchpipe.model.arrays import (
+    BoolArray,
     FloatArray,
     IntArray,
     NameArray,
@@ -138,6 +139,16 @@ class Contacts:
     def points_per_interface(self) -> IntArray:
         """Number of contact points of each interface (ni,)."""
         return np.diff(self.point_ptr)
+
+    def selected(self, keep: BoolArray) -> "Contacts":
+        """Return the interfaces that are kept (ni,), with the near misses of all."""
+        of_points, count = np.repeat(keep, self.points_per_interface), self.points_per_interface[keep]
+        return replace(
+            self,
+            **{name: getattr(self, name)[keep] for name in ("blocks", "frame", "area", "kind", "gap", "angle")},
+            point=self.point[of_points],
+            point_ptr=np.append(0, np.cumsum(count)),
+        )
 
     def show(self) -> Any:
         """Return a picture of the joints, coloured by kind (`churchpipe.show`)."""

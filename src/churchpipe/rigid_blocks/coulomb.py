@@ -21,7 +21,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from churchpipe.conic.program import ConeProgram
+from churchpipe.conic.program import ConeProgram, ConeSolution, WarmStart
 from churchpipe.conic.semidefinite import semidefinite_solver
 from churchpipe.conic.solve import Solve
 from churchpipe.model.arrays import FloatArray
@@ -82,7 +82,7 @@ def sliding_velocities(
         )
     size = max(float(program.limit.max(initial=0.0)), program.force)
     for slack in _SLACK:
-        answer = solve(replace(program, limit=program.limit + slack * size), duality_gap=duality_gap)
+        answer = solve(replace(program, limit=program.limit + slack * size), duality_gap=duality_gap, velocities=True)
         if answer.outcome == "solved":
             return answer.y
     return None
@@ -123,7 +123,7 @@ def coulomb_step(
 ) -> CoulombState | None:
     """Return the Coulomb state near normal forces n (nc,) whose forces do the least work against the sliding of y."""
     found = nearest_forces(balance, strength, n, y, solve, nearness=nearness)
-    return None if found is None else coulomb_state(balance, strength, *found, solve)
+    return None if found is None else coulomb_state(balance, strength, found.x, found.tau, solve)
 
 
 def nearest_forces(
@@ -136,12 +136,13 @@ def nearest_forces(
     nearness: float,
     duality_gap: float = EXACT,
     excess: FloatArray | None = None,
-) -> tuple[FloatArray, float] | None:
+    x: FloatArray | None = None,
+) -> ConeSolution | None:
     """Return forces (nc, 3) in the true cones, near the normal forces n, that do the least work against sliding y.
 
     maximise  alpha - sum mu n |v(y)| - 1/2 sum R (mu n - mu n_given)^2,   R = nearness / (c mean(mu n)^2)
 
-    excess (nc,) >= 0: the work of n against the openings of y counts so many times more.
+    excess (nc,) >= 0: the work of n against the openings of y counts so many times more. x (nc, 3): forces near those sought.
     """
     shear = strength.friction * n
     rate = balance.rates(y)
@@ -152,10 +153,14 @@ def nearest_forces(
     opened = 0.0 if excess is None else excess * np.where(strength.bounded, rate[:, 0], np.maximum(rate[:, 0], 0.0))
     linear = strength.friction * slip + opened - curvature * n
     program = balance.program(strength.cohesion, strength.friction, strength.bound, linear, curvature)
-    answer = solve(program, duality_gap=duality_gap)
-    if answer.outcome != "solved":
-        return None
-    return answer.x, answer.tau
+    answer = solve(program, duality_gap=duality_gap, near=None if x is None else _near(program, x, y))
+    return answer if answer.outcome == "solved" else None
+
+
+def _near(program: ConeProgram, x: FloatArray, y: FloatArray) -> WarmStart:
+    """Return forces x (nc, 3) and velocities y (m,) as a start, with the load that they balance best."""
+    load = -float(program.growth @ program.residual(x, 0.0)) / float(program.growth @ program.growth)
+    return WarmStart(x, load, y / float(program.growth @ y))
 
 
 def dead_load_start(balance: Equilibrium) -> FloatArray:

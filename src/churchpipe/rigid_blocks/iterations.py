@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from churchpipe.conic.program import ConeProgram, ConeSolution
+from churchpipe.conic.program import ConeProgram, ConeSolution, WarmStart
 from churchpipe.conic.solve import Proves, Solve, SolveProgress
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.results import Iteration
@@ -143,11 +143,14 @@ def closed_gap(
     solve: Solve,
     settings: SchemeSettings,
     progress: Progress | None = None,
+    *,
+    forces: FloatArray | None = None,
 ) -> SlidingRun | None:
     """Close the gap of normal forces n (nc,) that hardly exceed friction: stage B.
 
-    A step finds the velocities of P(n), then the forces in the true cones that do the least work against
-    their sliding. Such steps alone converge slowly, so each is extended by a share of the one before (heavy ball, Polyak 1964).
+    forces (nc, 3), if known, are near those sought. A step finds the velocities of P(n), then the forces in the true cones that
+    do the least work against their sliding. Such steps alone converge slowly, so each is extended by a share of the one before
+    (heavy ball, Polyak 1964).
     After a slow step the next is not extended. The share is halved when the gap grows, and doubled, up to its first value, when
     it falls.
 
@@ -171,7 +174,7 @@ def closed_gap(
         if progress:
             progress("non-associative", pair / settings.stage_b)
         plain = ahead is n
-        state = _stage_b(balance, strength, ahead, last, excess, count, settings)
+        state = _stage_b(balance, strength, ahead, last, excess, count, settings, forces)
         if state is None and plain:
             break
         if state is None:
@@ -225,9 +228,11 @@ class SolveCount:
         duality_gap: float | None = None,
         proves: Proves | None = None,
         progress: SolveProgress | None = None,
+        near: WarmStart | None = None,
+        velocities: bool = False,
     ) -> ConeSolution:
         """Solve a program, and count it."""
-        answer = self._solve(program, duality_gap=duality_gap, proves=proves, progress=progress)
+        answer = self._solve(program, duality_gap=duality_gap, proves=proves, progress=progress, near=near, velocities=velocities)
         self.solves += 1
         self.iterations += answer.iterations
         return answer
@@ -241,6 +246,7 @@ def _stage_b(
     excess: FloatArray,
     solve: Solve,
     settings: SchemeSettings,
+    forces: FloatArray | None,
 ) -> CoulombState | None:
     """Return the next state: velocities from P(n), then the forces that do the least work against them."""
     gap = np.inf if last is None else last.relative_gap
@@ -250,11 +256,11 @@ def _stage_b(
     if y is None:
         return None
     nearness = min(settings.weight_b, settings.nearness * gap)
-    found = nearest_forces(balance, strength, n, y, solve, nearness=nearness, duality_gap=duality_gap, excess=excess)
+    x = forces if last is None else last.x
+    found = nearest_forces(balance, strength, n, y, solve, nearness=nearness, duality_gap=duality_gap, excess=excess, x=x)
     if found is None:
         return None
-    x, load_factor = found
-    return CoulombState(x, load_factor, y, bipotential_gap(balance, strength, x, y))
+    return CoulombState(found.x, found.tau, y, bipotential_gap(balance, strength, found.x, y))
 
 
 def _weighted_gap(balance: Balanced, strength: Strength, state: CoulombState | None, excess: FloatArray) -> float:

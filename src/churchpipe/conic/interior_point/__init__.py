@@ -20,6 +20,7 @@ means that first the first component of all local problems is listed, then the s
 - `local`: what a local problem must know; `coulomb`: contact points with friction; the shell has its own.
 - `coupling`, `wrenches`: products with B and its transpose.
 - `problem`: the problem above; `residuals`: how far an iterate is from solving it; `iterate`: iterates and steps.
+- `warm`: starts near a solution that is known roughly.
 - `normal`: the sparse matrix B S B^T, where S_k = (Q_k + G_k^T W_k^-2 G_k)^-1 is the compliance of local problem k.
 - `kkt`: the linear system of one iteration, named after Karush, Kuhn and Tucker, reduced to that matrix and factorised.
 - `newton`: the directions of one iteration, all by one factor; `loop`: predictor, corrector and the end.

@@ -54,7 +54,7 @@ class CoulombPoints:
 
     Points without shear resistance keep t = 0, points with a bound of zero n = 0, points with neither limit nor slope >= 0
     x = 0: `active` (3, count) says which components are free. n >= 0 is a row of its own where limit or slope <= 0 make it
-    one (the point is `guarded`), n <= bound where the bound is finite (`bounded`).
+    one (the point is `guarded` (count,)), n <= bound where the bound is finite.
     """
 
     dimension = 3
@@ -71,12 +71,13 @@ class CoulombPoints:
         self.active: BoolArray = np.stack([(sheared | guarded) & ~closed, sheared, sheared])
         self._sheared, self._guarded = np.flatnonzero(sheared), np.flatnonzero(guarded)
         self._bounded = np.flatnonzero(np.isfinite(self._bound) & self.active[0])
-        self._all_sheared, self._is_guarded = bool(sheared.all()), guarded
-        self._limit, self._slope = limit, slope
+        self._all_sheared, self.guarded = bool(sheared.all()), guarded
+        self.limit, self.slope = limit, slope
         self._curvature = np.where(self.active[0], curvature, 0.0)
         self.curved = bool(self._curvature.any())
         self.linear = np.zeros((3, self.count))
         self.linear[0] = np.where(self.active[0], linear, 0.0)
+        self.bounded = len(self._bounded) > 0
         cones: list[Cone] = []
         right: list[FloatArray] = []
         if len(self._sheared):
@@ -103,7 +104,7 @@ class CoulombPoints:
     def apply(self, x: FloatArray) -> FloatArray:
         """Return G x."""
         cone = self._take(x)
-        axis = self._take(self._slope) * cone[0]
+        axis = self._take(self.slope) * cone[0]
         return -np.concatenate([axis, cone[1], cone[2], x[0, self._guarded], -x[0, self._bounded]])
 
     def transpose(self, z: FloatArray) -> FloatArray:
@@ -111,7 +112,7 @@ class CoulombPoints:
         cone = z[: self._guards].reshape(3, -1)
         out = np.zeros((3, self.count))
         self._put(out, -cone)
-        out[0] *= self._slope
+        out[0] *= self.slope
         out[0, self._guarded] -= z[self._guards : self._bounds]
         out[0, self._bounded] += z[self._bounds :]
         return out
@@ -126,14 +127,14 @@ class CoulombPoints:
             stiffness[chosen] += 1.0 / scaling.factor[0] ** 2
         first = scalings[0] if scalings else None
         if isinstance(first, SecondOrderScaling) and self._all_sheared:
-            return self._held(_cone_compliance(first, self._slope, stiffness))
+            return self._held(_cone_compliance(first, self.slope, stiffness))
         normal = np.zeros(self.count)
         alone = self.active[0] & ~self.active[1]
         normal[alone] = 1.0 / stiffness[alone]
         zero = np.zeros(self.count)
         out = CoulombCompliance(normal, zero, zero, zero, np.stack([zero, zero]))
         if isinstance(first, SecondOrderScaling):
-            cone = _cone_compliance(first, self._slope[self._sheared], stiffness[self._sheared])
+            cone = _cone_compliance(first, self.slope[self._sheared], stiffness[self._sheared])
             parts = [values.copy() for values in (out.normal, out.lean, out.along, out.across, out.direction)]
             new = (cone.normal, cone.lean, cone.along, cone.across, cone.direction)
             for whole, part in zip(parts, new, strict=True):
@@ -144,14 +145,14 @@ class CoulombPoints:
     def balanced(self, force: FloatArray, rough: Callable[[], FloatArray]) -> FloatArray:
         """Return z with its shear rows, and the guard n >= 0 or else the axis of the cone, taken from the force."""
         pull = self._take(force)
-        slope = self._take(self._slope)
+        slope = self._take(self.slope)
         if not len(self._guarded) and not len(self._bounded):
             return -np.concatenate([pull[0] / slope, pull[1], pull[2]])
         near = rough()
         push = force[0].copy()
         push[self._bounded] -= near[self._bounds :]
         axis = -self._take(push) / np.where(slope > 0, slope, 1.0)
-        kept = self._is_guarded[self._sheared] | ~self.active[0, self._sheared]
+        kept = self.guarded[self._sheared] | ~self.active[0, self._sheared]
         axis[kept] = near[: self._guards].reshape(3, -1)[0, kept]
         push[slice(None) if self._all_sheared else self._sheared] += slope * axis
         return np.concatenate([axis, -pull[1], -pull[2], -push[self._guarded], near[self._bounds :]])
@@ -166,7 +167,7 @@ class CoulombPoints:
         """Return x (3, count) with rounding errors outside the cones removed."""
         out = np.where(self.active, x, 0.0)
         out[0] = np.minimum(np.maximum(out[0], 0.0), self._reach())
-        reach = np.maximum(self._limit + self._slope * out[0], 0.0)
+        reach = np.maximum(self.limit + self.slope * out[0], 0.0)
         shear = np.hypot(out[1], out[2])
         out[1:] *= np.where(shear > reach, reach / np.maximum(shear, 1e-300), 1.0)
         return out
@@ -174,7 +175,7 @@ class CoulombPoints:
     def _reach(self) -> FloatArray:
         """Return the largest n (count,) that bound and cone allow."""
         with np.errstate(divide="ignore"):
-            apex = np.where(self._slope < 0, -self._limit / np.minimum(self._slope, -1e-300), np.inf)
+            apex = np.where(self.slope < 0, -self.limit / np.minimum(self.slope, -1e-300), np.inf)
         return np.minimum(apex, self._bound)
 
     def _held(self, compliance: CoulombCompliance) -> CoulombCompliance:
@@ -184,7 +185,7 @@ class CoulombPoints:
         return replace(compliance, normal=np.where(self.active[0], compliance.normal, 0.0))
 
     def _take(self, values: FloatArray) -> FloatArray:
-        return values if self._all_sheared else values[..., self._sheared]
+        return values if self._all_sheared else np.take(values, self._sheared, axis=-1)
 
     def _put(self, out: FloatArray, cone: FloatArray) -> None:
         out[:, slice(None) if self._all_sheared else self._sheared] = cone

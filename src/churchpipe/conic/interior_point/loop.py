@@ -85,6 +85,8 @@ def solve_coupled(
         if (errors < _FALLEN * least).any():
             least, progressed = np.minimum(least, errors), iteration
         status = _status(problem, at, found, info, settings)
+        if status == "solved" and not settings.balanced:
+            return Ending(status, at, info, "")
         if status == "solved" and iteration:
             exact = _balanced(problem, kkt, at)
             if exact is not None or info.residual <= _COMPETING * settings.residual:

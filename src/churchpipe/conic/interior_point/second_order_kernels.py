@@ -95,10 +95,13 @@ def kernels(dimension: int) -> Kernels:
 
         In the frame that takes s to e, where the step becomes (rho_0, rho_1).
         """
+        roots = np.empty(s.shape[1])
+        for k in range(s.shape[1]):
+            roots[k] = np.sqrt(_determinant(s, k, dimension))
         for j in range(len(weights)):
             weight = weights[j]
             for k in range(s.shape[1]):
-                root = np.sqrt(_determinant(s, k, dimension))
+                root = roots[k]
                 first = step[0, k] + weight * more[0, k]
                 rho = s[0, k] * first
                 for i in range(1, dimension):

@@ -13,9 +13,10 @@ from churchpipe.conic.interior_point.iterate import Iterate
 from churchpipe.conic.interior_point.loop import Ending, interior_start, solve_coupled
 from churchpipe.conic.interior_point.normal import NormalMatrix
 from churchpipe.conic.interior_point.problem import CoupledProblem
-from churchpipe.conic.interior_point.settings import Settings
+from churchpipe.conic.interior_point.settings import WARM_ITERATIONS, Settings
+from churchpipe.conic.interior_point.warm import warm_start
 from churchpipe.conic.interior_point.wrenches import WrenchCoupling
-from churchpipe.conic.program import ConeProgram, ConeSolution
+from churchpipe.conic.program import ConeProgram, ConeSolution, WarmStart
 from churchpipe.conic.wrenches import BODY, Balance, Wrenches, as_matrix
 from churchpipe.errors import InputError
 from churchpipe.model.arrays import FloatArray
@@ -49,8 +50,11 @@ class InteriorPointSolver:
         program: ConeProgram,
         settings: Settings | None = None,
         progress: Progress | None = None,
+        near: WarmStart | None = None,
     ) -> ConeSolution:
         """Solve a program with the balance of this solver.
+
+        near: where to begin, for a program without cap and bounds; without success there, the solve begins anew.
 
         Returns
         -------
@@ -94,8 +98,15 @@ class InteriorPointSolver:
         # With a cap, which the load reaches, joints carry what stands on them. Without one they may carry as little as the
         # lighter body.
         heavy = problem.capped
-        start = interior_start(problem, settings, heavy=heavy)
-        ending = solve_coupled(problem, self._normal, self._cholesky, start, settings, progress)
+        ending = None
+        if near is not None and not local.bounded and not problem.capped:
+            x, y = near.x.T / force, _pad(near.y * (force * reward), len(growth))
+            start = warm_start(problem, local, x, near.tau, y, near.error)
+            brief = replace(settings, iterations=min(settings.iterations, WARM_ITERATIONS))
+            ending = solve_coupled(problem, self._normal, self._cholesky, start, brief, progress)
+        if ending is None or ending.status != "solved" or ending.message:
+            start = interior_start(problem, settings, heavy=heavy)
+            ending = solve_coupled(problem, self._normal, self._cholesky, start, settings, progress)
         if ending.message:
             # From the other size of forces; and the few multipliers that stop short save iterations, but now and then leave
             # residuals that no later step removes.

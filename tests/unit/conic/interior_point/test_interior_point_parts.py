@@ -1,5 +1,6 @@
 """The parts of the interior-point core, each against its definition; and its second user, a condensed quadratic program."""
 
+from types import SimpleNamespace
 from typing import Any
 
 import cvxpy
@@ -53,6 +54,17 @@ def test_scaling_maps_both_points_to_one() -> None:
     np.testing.assert_allclose(scaling.solve(scaling.apply(s)), s, rtol=1e-9, atol=1e-9)
     v = rng.normal(size=product.size)
     np.testing.assert_allclose(product.product(scaling.point(), scaling.divide(v)), v, rtol=1e-8, atol=1e-8)
+
+
+@pytest.mark.parametrize("ignored", [1, 7, 60])
+def test_the_largest_rates_are_left_out_of_account(ignored: int) -> None:
+    # Many equal values, values in ascending order, and more of them than are left out.
+    values = np.concatenate([np.linspace(-1.0, 2.0, 100), np.zeros(50), rng.normal(size=100)])
+    problem: Any = SimpleNamespace(cone=ProductCone([Nonnegative(1, len(values))]))
+    one, still = np.ones_like(values), 1e9 * np.ones_like(values)
+    at = Iterate(one, 0.0, one, still, one, 1.0, 1.0)
+    step = Iterate(one, 0.0, one, one, -values, 0.0, 0.0)
+    assert at.longest_step(problem, step, ignored) == pytest.approx(1.0 / np.sort(values)[-1 - ignored])
 
 
 def test_longest_step_ends_on_the_boundary() -> None:

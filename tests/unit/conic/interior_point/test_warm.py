@@ -1,0 +1,98 @@
+"""Starts near a solution: centred, quicker than others where they are near, and harmless where they are not."""
+
+from functools import partial
+
+import numpy as np
+import pytest
+
+from churchpipe.conic.interior_point import InteriorPointSolver
+from churchpipe.conic.interior_point.coulomb import CoulombPoints
+from churchpipe.conic.interior_point.warm import centred
+from churchpipe.conic.program import WarmStart
+from churchpipe.conic.solve import Solve, solver_for
+from churchpipe.model.arrays import FloatArray
+from churchpipe.model.loads import LoadCase
+from churchpipe.rigid_blocks.certificate import Strength
+from churchpipe.rigid_blocks.coulomb import nearest_forces, sliding_program, sliding_velocities
+from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
+from churchpipe.rigid_blocks.limit import point_strength
+from cone_programs import KINDS_OF_POINTS, stated, three_stones
+from models import tilting_test
+
+
+@pytest.mark.parametrize(("limit", "slope"), [(0.0, 0.7), (0.3, 0.0), (0.0, 0.0), (0.2, 0.5)])
+def test_a_start_is_inside_its_cones(limit: float, slope: float) -> None:
+    # Forces on and outside the boundary, and multipliers of either sign.
+    rng = np.random.default_rng(5)
+    count = 200
+    points = CoulombPoints(np.full(count, limit), np.full(count, slope), np.zeros(count), np.zeros(count))
+    x, pull = rng.normal(size=(3, count)), rng.normal(size=(3, count))
+    x[:, :50], pull[:, 25:75] = 0.0, 0.0
+    found = centred(points, x, pull, 1e-4)
+    assert (found[0] > 0).all()
+    assert (np.hypot(found[1], found[2]) < limit + slope * found[0] + 1e-300).all() or not (limit or slope)
+
+
+def test_a_centred_pair_stays() -> None:
+    # s o z = mu e at both: |t| < mu n with z = mu s^-1, and the multipliers are those of these forces.
+    rng = np.random.default_rng(6)
+    count, mu = 100, 1e-3
+    points = CoulombPoints(np.zeros(count), np.full(count, 0.6), np.zeros(count), np.zeros(count))
+    x = np.stack([1.0 + rng.random(count), *(0.3 * rng.random((2, count)))])
+    s = np.stack([0.6 * x[0], x[1], x[2]])
+    z = mu * np.stack([s[0], -s[1], -s[2]]) / (s[0] ** 2 - s[1] ** 2 - s[2] ** 2)
+    np.testing.assert_allclose(centred(points, x, np.stack([0.6 * z[0], z[1], z[2]]), mu), x, rtol=1e-9)
+
+
+def s22() -> tuple[Equilibrium, Strength, Solve, FloatArray]:
+    """Return S22 pushed along -y, its solver, and normal forces that are as good as any to begin with."""
+    stones, contacts = tilting_test("S22")
+    balance = equilibrium(stones, contacts, LoadCase((0, -1, 0)))
+    strength = point_strength(contacts, 0.7, 0.0, balance.force)
+    solve = solver_for(balance.balance, "interior-point")
+    found = solve(balance.program(strength.cohesion, strength.friction, strength.bound), duality_gap=1e-4)
+    return balance, strength, solve, np.maximum(found.x[:, 0], 0.0)
+
+
+def test_forces_that_go_on_from_others_take_fewer_iterations() -> None:
+    # Pairs of programs that come to rest: each finds velocities, and the forces that fit them, from those of the pair before.
+    balance, strength, solve, n = s22()
+    fitting = partial(nearest_forces, balance, strength, solve=solve, nearness=3e-3, duality_gap=1e-3)
+    x: FloatArray | None = None
+    iterations: list[tuple[int, int]] = []
+    for _ in range(5):
+        y = sliding_velocities(balance, strength, n, solve, duality_gap=1e-3)
+        assert y is not None
+        cold, warm = fitting(n, y), fitting(n, y, x=x)
+        assert cold is not None
+        assert warm is not None
+        assert warm.tau == pytest.approx(cold.tau, rel=1e-3)
+        assert float(np.abs(balance.residual(warm.x, warm.tau)).max()) < 1e-12
+        iterations.append((cold.iterations, warm.iterations))
+        x, n = cold.x, np.maximum(cold.x[:, 0], 0.0)
+    cold_ones, warm_ones = np.array(iterations[2:]).sum(axis=0)
+    assert warm_ones <= 0.85 * cold_ones
+
+
+def test_velocities_alone() -> None:
+    # The value of their program is that of the whole one; the forces beside them are not asked for.
+    balance, strength, solve, n = s22()
+    program = sliding_program(balance, strength, strength.shear(n))
+    whole, alone = solve(program, duality_gap=1e-5), solve(program, duality_gap=1e-5, velocities=True)
+    rates = program.rates(alone.y / float(program.growth @ alone.y))
+    value = -float(program.constant @ alone.y) + float(program.limit @ np.hypot(rates[:, 1], rates[:, 2]))
+    assert float(rates[:, 0].min()) > -1e-6 * float(np.abs(rates).max())
+    assert value == pytest.approx(whole.tau, rel=2e-5)
+
+
+@pytest.mark.parametrize("kind", KINDS_OF_POINTS, ids=str)
+def test_a_start_far_away_changes_nothing(kind: dict[str, float]) -> None:
+    program = stated(three_stones(), **kind)
+    rng = np.random.default_rng(7)
+    solver = InteriorPointSolver(program.balance)
+    cold = solver.solve(program)
+    far = WarmStart(rng.normal(size=cold.x.shape), 50.0, rng.normal(size=cold.y.shape))
+    warm = solver.solve(program, near=far)
+    assert warm.outcome == cold.outcome
+    if cold.outcome == "solved":
+        assert warm.tau == pytest.approx(cold.tau, rel=2e-6)
