@@ -144,7 +144,7 @@ class CellPoints(CoulombPoints):
         cone = z.reshape(3, -1)
         view = out[0, : self._corners].reshape(3, -1)
         np.negative(cone, out=view)
-        view[0] *= self._slope
+        view[0] *= self.slope
         return out
 
     def compliance(self, scalings: Sequence[Scaling]) -> CellCompliance:  # pyright: ignore[reportIncompatibleMethodOverride]

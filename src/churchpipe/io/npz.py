@@ -21,7 +21,7 @@ from churchpipe.model.results import CapacityCurve, CapacityStep, Iteration, Lim
 from churchpipe.model.settlement import SettlementPath
 from churchpipe.model.shell import ShellModel
 from churchpipe.model.shell_beams import ShellBeams
-from churchpipe.model.stone_path import FallenStones
+from churchpipe.model.stone_path import FallenStones, LastStep
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,8 +39,8 @@ SCHEMAS: dict[type, str] = {
     ShellModel: "churchpipe shell 3",
     ShellLimitState: "churchpipe shell-limit-state 3",
     CapacityCurve: "churchpipe capacity-curve 2",
-    BlockCapacityCurve: "churchpipe block-capacity-curve 2",
-    SettlementPath: "churchpipe settlement-path 2",
+    BlockCapacityCurve: "churchpipe block-capacity-curve 3",
+    SettlementPath: "churchpipe settlement-path 3",
     Absent: "churchpipe absent 1",
 }
 
@@ -61,7 +61,7 @@ _RECORDS: dict[str, Callable[..., Any]] = {
 }
 
 # Fields that are dataclasses in turn; an array of theirs is stored as "field.name".
-_PARTS: dict[str, type] = {"near_misses": NearMisses, "tolerances": ContactTolerances, "beams": ShellBeams}
+_PARTS: dict[str, type] = {"near_misses": NearMisses, "tolerances": ContactTolerances, "beams": ShellBeams, "last": LastStep}
 
 # What zipfile, zlib, NumPy's header, JSON and our own checks raise at a damaged file.
 DAMAGE = (

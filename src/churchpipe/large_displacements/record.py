@@ -7,11 +7,12 @@ import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.large_displacements.control import Control
+from churchpipe.large_displacements.going_on import gone_on, last_step
 from churchpipe.large_displacements.moving_model import MovingModel
 from churchpipe.large_displacements.path import PathState, PathStep, state_at
 from churchpipe.large_displacements.poses import Poses, rotation_vectors, screw
 from churchpipe.model.arrays import FloatArray
-from churchpipe.model.stone_path import FallenStones, StepArrays, StonePath
+from churchpipe.model.stone_path import FallenStones, LastStep, StepArrays, StonePath
 
 Progress = Callable[[str, float], None]
 
@@ -34,6 +35,8 @@ class Record:
         self.work: list[float] = []
         self.fallen: list[FallenStones] = []
         self.resumed = ""
+        # That of the last step.
+        self.state: PathState | None = None
 
     @property
     def left(self) -> float:
@@ -50,6 +53,7 @@ class Record:
         if self.work_known is not None:
             done, self.work_known = self.work_known, None
         self.friction_power = power
+        self.state = step.state
         self.poses.append(poses)
         self.proofs.append((answer.residual, answer.violation, answer.misfit))
         self.displacement.append(gone)
@@ -77,7 +81,7 @@ class Record:
         self.proofs = [(float(a), float(b), float(c)) for a, b, c in zip(*(array[:last] for array in proofs), strict=True)]
         self.fallen = list(path.fallen)
         self.work_known = float(path.dissipation[last])
-        return state_at(model, every, path.fallen)
+        return gone_on(state_at(model, every, path.fallen), path.last, model.reach)
 
     def fall(self, step: PathStep) -> None:
         """Note the stones that fall in a step."""
@@ -96,4 +100,5 @@ class Record:
             violation=violation,
             misfit=misfit,
             dissipation=np.array(self.work),
+            last=LastStep() if self.state is None else last_step(self.state),
         )

@@ -1,6 +1,6 @@
 """The way of the stones, step by step: what the capacity curve and a support that moves have in common."""
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any, Self, TypedDict
 
 import numpy as np
@@ -24,6 +24,34 @@ class FallenStones:
         store(self, stones=indices("FallenStones.stones", self.stones, (None,)))
 
 
+@dataclass(frozen=True, slots=True)
+class LastStep:
+    """Forces and motion of the last step of a path, with which it goes on as if it had not been interrupted.
+
+    pair (k, 2): the stones of each point of contact; point (k, 3) m: where it lies, displaced. pressing (k,) and shear (k, 3), in
+    the axes of the drawing: its force over the weight; sliding (k,): its rate of sliding times the friction, per unit of work.
+    before (nb, 6): velocities of the step before at the origin, no rows where there was none; way: how far it went, and length:
+    what steps charge their gaps for, m per unit of work; fastest: speed of the fastest stone. Empty where nothing is known.
+    """
+
+    pair: IntArray = field(default_factory=lambda: np.zeros((0, 2), dtype=np.int64))
+    point: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
+    pressing: FloatArray = field(default_factory=lambda: np.zeros(0))
+    shear: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
+    sliding: FloatArray = field(default_factory=lambda: np.zeros(0))
+    before: FloatArray = field(default_factory=lambda: np.zeros((0, 6)))
+    way: float = 0.0
+    length: float = 0.0
+    fastest: float = np.inf
+
+    def __post_init__(self) -> None:
+        count = rows_of("LastStep.pair", self.pair)
+        store(self, pair=indices("LastStep.pair", self.pair, (count, 2)))
+        for name, shape in (("point", (count, 3)), ("pressing", (count,)), ("shear", (count, 3)), ("sliding", (count,))):
+            store(self, **{name: floats(f"LastStep.{name}", getattr(self, name), shape)})
+        store(self, before=floats("LastStep.before", self.before, (None, 6)))
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StonePath:
     """Where stones are at each step of a path, and what proves that they may be there.
@@ -34,7 +62,8 @@ class StonePath:
     step lacks of one without dilatancy, over the load factor (at least .01): how far the kinematic value of the motion lies above
     the static value of the forces, both in the geometry as displaced (of a step in which the load does little work, over the work
     of the weight at the same speed).
-    fallen: stones taken out on the way. message: what is to be said. seconds: time it took.
+    fallen: stones taken out on the way. message: what is to be said. seconds: time it took. last: what the last step leaves
+    to the next.
     """
 
     position: FloatArray
@@ -47,6 +76,7 @@ class StonePath:
     fallen: tuple[FallenStones, ...] = ()
     message: str = ""
     seconds: float = 0.0
+    last: LastStep = field(default_factory=LastStep)
 
     def __post_init__(self) -> None:
         name = type(self).__name__
@@ -73,7 +103,8 @@ class StonePath:
         values = {item.name: getattr(self, item.name) for item in fields(self)}
         kept: dict[str, Any] = {name: value[: step + 1] for name, value in values.items() if isinstance(value, np.ndarray)}
         fallen = tuple(part for part in self.fallen if part.displacement < travel[step])
-        return replace(self, **kept, fallen=fallen, status="unfinished", message=f"up to step {step}")
+        last = self.last if step == len(travel) - 1 else LastStep()
+        return replace(self, **kept, fallen=fallen, last=last, status="unfinished", message=f"up to step {step}")
 
 
 class StepArrays(TypedDict):
@@ -86,11 +117,19 @@ class StepArrays(TypedDict):
     violation: FloatArray
     misfit: FloatArray
     dissipation: FloatArray
+    last: LastStep
 
 
 def no_step(count: int) -> StepArrays:
     """Return the arrays of a path of `count` stones that has no step."""
     none, nowhere = np.zeros(0), np.zeros((0, count, 3))
     return StepArrays(
-        position=nowhere, rotation=nowhere, largest=none, residual=none, violation=none, misfit=none, dissipation=none
+        position=nowhere,
+        rotation=nowhere,
+        largest=none,
+        residual=none,
+        violation=none,
+        misfit=none,
+        dissipation=none,
+        last=LastStep(),
     )

@@ -1,5 +1,6 @@
 """Capacity curves: what may be asked, and what is answered when there is none."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -7,6 +8,8 @@ import pytest
 
 import churchpipe as cp
 from churchpipe.errors import InputError
+from churchpipe.io.npz import read_npz, write_npz
+from models import ferris_tin_loi_wall
 from solids import box, on_ground
 
 BLOCK = on_ground(box((0, 0.5), (0, 1), (0, 2)))
@@ -85,6 +88,22 @@ def test_progress_and_the_largest_displacement() -> None:
     few = cp.block_pushover(BLOCK, cp.find_contacts(BLOCK), PUSH, 0.7, step=0.02, steps=3.0)  # pyright: ignore
     assert (few.status, len(few.displacement)) == ("unfinished", 3)
     assert "all steps asked for" in few.message
+
+
+def test_a_curve_that_was_interrupted_stays_on_its_branch(tmp_path: Path) -> None:
+    # Without the forces of its last step this wall goes on along another one, 6 % of the load factor away.
+    stones = ferris_tin_loi_wall(3)
+    contacts, push, kept = cp.find_contacts(stones), cp.LoadCase((1, 0, 0)), list[cp.BlockCapacityCurve]()
+    options: dict[str, Any] = {"step": 0.015, "steps": 7}
+    whole = cp.block_pushover(stones, contacts, push, 0.65, **options, keep=kept.append)
+    write_npz(tmp_path / "steps.npz", kept[3])
+    again = cp.block_pushover(
+        stones, contacts, push, 0.65, **options, resume=read_npz(tmp_path / "steps.npz", cp.BlockCapacityCurve)
+    )
+    assert len(again.load_factor) == len(whole.load_factor)
+    assert again.load_factor == pytest.approx(whole.load_factor, rel=5e-3)
+    assert len(whole.last.pair) > 0
+    assert not len(whole.until(3).last.pair)
 
 
 def test_a_curve_goes_on_from_any_of_its_steps() -> None:

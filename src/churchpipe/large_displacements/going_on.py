@@ -1,0 +1,50 @@
+"""What the last step of a path leaves to the next, so that a path that was interrupted goes on as it would have."""
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from churchpipe.large_displacements.path import PathState
+from churchpipe.model.stone_path import LastStep
+
+
+def last_step(state: PathState) -> LastStep:
+    """Return what a state that was solved leaves to the next one."""
+    joints = state.joints
+    contacts, _ = joints.at(state.poses)
+    return LastStep(
+        pair=joints.pair,
+        point=contacts.point,
+        pressing=joints.pressing,
+        shear=joints.shear,
+        sliding=joints.sliding,
+        before=np.zeros((0, 6)) if state.before is None else state.before,
+        way=state.way,
+        length=state.length,
+        fastest=state.fastest,
+    )
+
+
+def gone_on(state: PathState, last: LastStep, near: float) -> PathState:
+    """Return a state with the forces and the motion of the last step; near: m, how far its points may lie from those here."""
+    if not len(last.pair):
+        return state
+    joints = state.joints
+    point = joints.at(state.poses)[0].point
+    _, ours = np.unique(np.concatenate([last.pair, joints.pair]), axis=0, return_inverse=True)
+    # A fourth coordinate holds points of different pairs apart.
+    apart = 4.0 * near * ours.reshape(-1)
+    tree = cKDTree(np.column_stack([last.point, apart[: len(last.pair)]]))
+    distance, origin = tree.query(np.column_stack([point, apart[len(last.pair) :]]))
+    known = distance <= near
+    origin = np.where(known, origin, 0)
+    share = np.where(known, 1.0 / np.maximum(np.bincount(origin[known], minlength=len(last.pair)), 1)[origin], 0.0)
+    joints = replace(
+        joints,
+        pressing=share * last.pressing[origin],
+        shear=share[:, None] * last.shear[origin],
+        sliding=np.where(known, last.sliding[origin], 0.0),
+    )
+    before = last.before if len(last.before) else None
+    return replace(state, joints=joints, before=before, way=last.way, length=last.length, fastest=last.fastest)
