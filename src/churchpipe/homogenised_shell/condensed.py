@@ -23,7 +23,9 @@ from churchpipe.conic.interior_point.problem import CoupledProblem
 from churchpipe.conic.program import Outcome
 from churchpipe.homogenised_shell.cell_elimination import CellElimination
 from churchpipe.homogenised_shell.cells import CellCholesky, CellCoupling, CellPoints
+from churchpipe.homogenised_shell.corner_cones import central_pair
 from churchpipe.homogenised_shell.direct import solve_directly
+from churchpipe.homogenised_shell.elastic_step import ElasticStep, solve_step
 from churchpipe.homogenised_shell.element import ShellElements
 from churchpipe.homogenised_shell.energy import elastic_energy
 from churchpipe.homogenised_shell.loads import load_vectors
@@ -43,7 +45,8 @@ class StressState:
     x: variables of the strength, flat; stress (6, nq); load: of the part that grows; motion (n,): unknowns of the elements,
     work-conjugate to loads over the weight; multipliers of the strength, flat: their flow is the plastic strain of that motion
     except for `unexplained`, conjugate to x, which is rounding; strain (6, nq): conjugate to stress. residual of equilibrium over
-    the weight; violation of the strength over the unit of stress; gap: the loop's error, relative to the objective.
+    the weight; violation of the strength over the unit of stress; gap: the loop's error, relative to the objective. reward: of
+    the load, 0 where none was pushed.
     """
 
     x: FloatArray
@@ -60,6 +63,7 @@ class StressState:
     iterations: int
     status: Outcome
     message: str
+    reward: float
 
     @property
     def balanced(self) -> bool:
@@ -117,6 +121,10 @@ class CondensedShell:
         progress: called with the share done.
         """
         by_cell = isinstance(self.strength, CellStrength)
+        if compliance is not None:
+            quick = self._step(dead, live, compliance, before, reward)
+            if quick is not None:
+                return quick
         if compliance is None:
             # Some models whose points start with much work get no further, and get there with little.
             tried = (LIMIT, STARTED_LOW)
@@ -146,6 +154,68 @@ class CondensedShell:
         # A certificate of infeasibility is a mechanism. It is scaled by its largest entry.
         theta = ending.at.theta if outcome != "infeasible" else float(np.abs(ending.at.y).max())
         return self._state(problem, ending.at, theta, outcome, ending.info.error, iterations, ending.message)
+
+    def _step(
+        self,
+        dead: FloatArray | None,
+        live: FloatArray | None,
+        compliance: FloatArray,
+        before: StressState | None,
+        reward: float,
+    ) -> StressState | None:
+        """Return the state of an elastic step with the exact cell, or None where it needs the method that decides."""
+        law = self.strength
+        if not isinstance(law, CellStrength):
+            return None
+        nothing = np.zeros(self.loads.equilibrium.shape[0])
+        dead, live = (nothing if part is None else part for part in (dead, live))
+        pushed = reward if live.any() else 0.0
+        x, z = np.zeros((3, law.forces.count)), np.zeros((3, law.forces.count))
+        # Far from the apex of a strength that bears tension, about as far as no stress is.
+        x[0] = 1.0 + law.forces.of_each_corner(np.abs(law.offset).max(axis=0))
+        if before is not None:
+            x = before.x.reshape(3, -1)
+            if before.reward:
+                z = before.multipliers.reshape(3, -1) * (reward / before.reward)
+        energy = elastic_energy(compliance, (0.0 if before is None else before.stress) - law.offset)
+        coupling = CellCoupling(self._touches, law.forces, elastic=True)
+        step = ElasticStep(
+            law=law,
+            coupling=coupling,
+            normal=self._normal,
+            cholesky=self._cholesky,
+            elimination=CellElimination(law.forces, energy.root),
+            energy=energy,
+            before=np.broadcast_to((0.0 if before is None else before.stress) - law.offset, law.offset.shape),
+            dead=dead - coupling.equilibrate(law.offset),
+            live=live,
+            reward=reward,
+        )
+        found = solve_step(step, *central_pair(x, z, law.friction, SOLVER.step_margin, SOLVER.step_work * reward / x.shape[1]))
+        if found is None:
+            return None
+        at = found.x.ravel()
+        stress, still = law.stress(at), law.forces.add_up(found.x)[1] - law.total
+        balance = coupling.equilibrate(stress) - dead - found.load * live
+        motion = np.zeros(self.elements.unknowns)
+        motion[~self.elements.clamped] = found.motion
+        return StressState(
+            x=at,
+            stress=stress,
+            load=found.load,
+            motion=motion,
+            multipliers=found.z.ravel(),
+            unexplained=np.zeros_like(at),
+            strain=coupling.strain(found.motion),
+            residual=float(max(np.abs(balance).max(initial=0.0), np.abs(still).max(initial=0.0))),
+            lack=abs(float(balance @ found.motion)),
+            violation=law.violation(at),
+            gap=found.error,
+            iterations=found.iterations,
+            status="solved",
+            message="",
+            reward=pushed,
+        )
 
     def solve_directly(self, dead: FloatArray | None, live: FloatArray | None, cap: float = np.inf) -> StressState:
         """Return the stresses with the largest load by Clarabel."""
@@ -228,6 +298,7 @@ class CondensedShell:
             iterations=iterations,
             status=outcome,
             message=message,
+            reward=problem.reward if problem.growth.any() else 0.0,
         )
 
 

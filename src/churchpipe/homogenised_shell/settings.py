@@ -73,6 +73,12 @@ class SolverSettings:
     shortest: float = 1e-4
     start_margin: float = 0.03
     correctors: int = 2
+    step_gap: float = 1e-8
+    step_residual: float = 1e-10
+    step_iterations: int = 60
+    step_correctors: int = 3
+    step_margin: float = 0.005
+    step_work: float = 0.25
     tie_rounds: int = 12
     tie_tension: float = 1e-4
     flow_sweeps: int = 50
