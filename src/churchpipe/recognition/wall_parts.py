@@ -6,7 +6,7 @@ from itertools import combinations
 import numpy as np
 from scipy.optimize import brentq
 
-from churchpipe.geometry.planar import Polygons, areas, boxes, centroids, common_areas, total_extent, united, within
+from churchpipe.geometry.planar import Polygons, areas, boxes, centroids, common_areas, polygon, total_extent, united, within
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import Part
 from churchpipe.recognition.stone_walls import StoneWall, stretches
@@ -38,7 +38,8 @@ def wall_parts(wall: StoneWall, walls: Sequence[StoneWall], outline: FloatArray,
 
     The border of two parts is an upright line, or a level one if they are above each other. It lies so that each part has as
     much area beyond it as the other; for a toothed border that is the mean. It is moved to a step of the outline or to the face
-    of a crossing wall within `near` m.
+    of a crossing wall within `near` m. A side that is no border ends with the last stones, a few millimetres below the slope of a
+    gable; where the wall goes on by less than a square of `near`, it goes to the end of the wall.
     """
     names = [name for name in dict.fromkeys(wall.tag.tolist()) if name != wall.name]
     if not names:
@@ -49,6 +50,7 @@ def wall_parts(wall: StoneWall, walls: Sequence[StoneWall], outline: FloatArray,
     ]
     elevations = {name: wall.elevations[wall.tag == name] for name in [wall.name, *names]}
     extents = {name: total_extent(polygons) for name, polygons in elevations.items()}
+    free = {name: [True] * 4 for name in elevations}
     unions = {name: united(polygons) for name, polygons in elevations.items()}
     for first, second in combinations(elevations, 2):
         if not within(unions[first], unions[second], near):
@@ -60,7 +62,18 @@ def wall_parts(wall: StoneWall, walls: Sequence[StoneWall], outline: FloatArray,
         mark = marks[axis][np.argmin(np.abs(marks[axis] - line))]
         line = mark if abs(mark - line) < near else line
         extents[low][2 + axis] = extents[high][axis] = line
-    return tuple(Part(name, _box(extents[name])) for name in names)
+        free[low][2 + axis] = free[high][axis] = False
+    return tuple(Part(name, _box(_to_the_end(extents[name], free[name], outline, near))) for name in names)
+
+
+def _to_the_end(extent: FloatArray, free: list[bool], outline: FloatArray, near: float) -> FloatArray:
+    """Return the box (4,) of a part, with the sides that are free moved to the end of a wall that hardly goes on beyond them."""
+    ends = np.concatenate([outline.min(axis=0), outline.max(axis=0)])
+    for side in np.flatnonzero(free):
+        longer = np.where(np.arange(4) == side, ends, extent)
+        short, long = common_areas(boxes(np.array([extent, longer])), polygon(outline))
+        extent = longer if long - short < near**2 else extent
+    return extent
 
 
 def _middle(polygons: Polygons) -> FloatArray:
