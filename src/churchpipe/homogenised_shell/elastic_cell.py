@@ -8,7 +8,7 @@ plate: its own shear through the thickness is left out, as the shell leaves it o
 
 from functools import lru_cache
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.sparse as sp
@@ -27,6 +27,8 @@ _ELEMENT = 1.5
 _SKEW = 1e-6
 # Places nearer than this share of a joint's thickness are one.
 _SAME = 1e-3
+# So many elements are assembled at a time, for memory.
+_CHUNK = 128
 
 
 @lru_cache(maxsize=256)
@@ -43,7 +45,6 @@ def cell_stiffness(bond: str, a: float, b: float, h: float, elastic: Elastic, el
     """
     with Extra("the stiffness of a shell"):
         import skfem
-        from skfem.helpers import ddot, eye, sym_grad, trace
 
     t = elastic.joint_thickness
     period = period_of(bond, a + t, b + t, h)
@@ -53,25 +54,15 @@ def cell_stiffness(bond: str, a: float, b: float, h: float, elastic: Elastic, el
     basis = skfem.Basis(mesh, skfem.ElementVector(skfem.ElementHex2()), intorder=4)
     stone = _in_stones(np.asarray(mesh.p[:, mesh.t].mean(axis=1).T), stones, h, t)
     modulus, poisson = (
-        np.where(stone, *pair)[:, None]
+        np.where(stone, *pair)
         for pair in ((elastic.block_modulus, elastic.joint_modulus), (elastic.block_poisson, elastic.joint_poisson))
     )
     lame, shear = modulus * poisson / ((1 + poisson) * (1 - 2 * poisson)), modulus / (2 * (1 + poisson))
 
-    def stress(strain: Any) -> Any:
-        return lame * eye(trace(strain), 3) + 2 * shear * strain
-
-    @skfem.BilinearForm
-    def energy(u: Any, v: Any, _: Any) -> Any:
-        return ddot(stress(sym_grad(u)), sym_grad(v))
-
-    strains = _wall_strains(np.asarray(basis.global_coordinates()[2]))
-    stresses = [stress(strain) for strain in strains]
-    forces = [skfem.LinearForm(lambda v, w: ddot(w["s"], sym_grad(v))).assemble(basis, s=each) for each in stresses]
-    own = np.array([[(ddot(one, other) * basis.dx).sum() for other in strains] for one in stresses])
     fold = _fold(basis, size, _SAME * t)
-    reduced = sp.csc_matrix(fold.T @ energy.assemble(basis) @ fold)
-    right = fold.T @ np.stack(forces, axis=1)
+    whole, forces, own = _assembled(basis, lame, shear)
+    reduced = sp.csc_matrix(fold.T @ whole @ fold)
+    right = np.asarray(fold.T @ forces)
     factor = sp.linalg.splu(reduced, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
     found = np.asarray(own - right.T @ factor.solve(right)) / size.prod()
     out = (found + found.T) / 2
@@ -126,14 +117,51 @@ def _in_stones(place: FloatArray, stones: FloatArray, h: float, t: float) -> Boo
     return out
 
 
-def _wall_strains(z: FloatArray) -> list[FloatArray]:
-    """Return the strains e_ijkq (3, 3, *z.shape) at depths z of each unit strain (E11, E22, 2 E12, chi11, chi22, 2 chi12)."""
-    out: list[FloatArray] = []
-    for size in (np.ones_like(z), z):
-        for i, j, share in ((0, 0, 1.0), (1, 1, 1.0), (0, 1, 0.5)):
-            strain = np.zeros((3, 3, *z.shape))
-            strain[i, j] = strain[j, i] = share * size
-            out.append(strain)
+def _assembled(
+    basis: "skfem.Basis", lame: FloatArray, shear: FloatArray
+) -> tuple[sp.csr_matrix[np.float64], FloatArray, FloatArray]:
+    """Return the stiffness of a mesh, the forces (dofs, 6) of each unit strain of the wall, and the work (6, 6) of each on each.
+
+    lame, shear (elements,). Strains are those along the three axes, then the slidings 12, 13, 23. The loops of scikit-fem over
+    pairs of shape functions take ten times as long.
+    """
+    table = np.asarray(basis.element_dofs).T
+    count, shapes = table.shape
+    matrix, forces = np.empty((count, shapes, shapes)), np.zeros((basis.N, 6))
+    own = np.zeros((6, 6))
+    for start in range(0, count, _CHUNK):
+        part = slice(start, start + _CHUNK)
+        strain = np.stack([_sliding(np.asarray(field[0].grad)[:, :, part]) for field in basis.basis])
+        wall = _wall_strains(np.asarray(basis.global_coordinates()[2])[part])
+        each = [np.moveaxis(v, (0, 1), (3, 2)).reshape(v.shape[2], -1, v.shape[0]) for v in (strain, wall)]
+        law, dx = (lame[part, None], shear[part, None]), np.asarray(basis.dx)[part]
+        work = [np.moveaxis(_stress(v, *law) * dx, (0, 1), (3, 2)).reshape(v.shape[2], -1, v.shape[0]) for v in (strain, wall)]
+        matrix[part] = np.swapaxes(each[0], 1, 2) @ work[0]
+        np.add.at(forces, table[part], np.swapaxes(each[0], 1, 2) @ work[1])
+        own += (np.swapaxes(each[1], 1, 2) @ work[1]).sum(axis=0)
+    rows, columns = np.repeat(table, shapes, axis=1), np.tile(table, (1, shapes))
+    return sp.csr_matrix((matrix.ravel(), (rows.ravel(), columns.ravel())), shape=(basis.N, basis.N)), forces, own
+
+
+def _sliding(grad: FloatArray) -> FloatArray:
+    """Return the strains (6, ...) of gradients of displacement (3, 3, ...)."""
+    sums = grad + np.swapaxes(grad, 0, 1)
+    return np.stack([*(0.5 * sums[i, i] for i in range(3)), sums[0, 1], sums[0, 2], sums[1, 2]])
+
+
+def _stress(strain: FloatArray, lame: FloatArray, shear: FloatArray) -> FloatArray:
+    """Return the stresses of strains (n, 6, ...)."""
+    out = shear * strain
+    out[:, :3] *= 2.0
+    out[:, :3] += lame * strain[:, :3].sum(axis=1, keepdims=True)
+    return out
+
+
+def _wall_strains(z: FloatArray) -> FloatArray:
+    """Return the strains (6, 6, *z.shape) at depths z of each unit strain (E11, E22, 2 E12, chi11, chi22, 2 chi12)."""
+    out = np.zeros((6, 6, *z.shape))
+    for place, component in enumerate((0, 1, 3)):
+        out[place, component], out[3 + place, component] = 1.0, z
     return out
 
 

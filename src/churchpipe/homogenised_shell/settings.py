@@ -78,7 +78,7 @@ class SolverSettings:
     step_iterations: int = 60
     step_correctors: int = 3
     step_margin: float = 0.005
-    step_work: float = 0.25
+    step_work: float = 0.5
     tie_rounds: int = 12
     tie_tension: float = 1e-4
     flow_sweeps: int = 50
