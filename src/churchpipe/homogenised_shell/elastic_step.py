@@ -152,7 +152,7 @@ class _Run:
         way = self._way(aim)
         rate = cones.answer(aim, self._opening(way))
         cones.keep()
-        for _ in range(SOLVER.step_correctors):
+        for _ in range(SOLVER.correctors):
             if rate <= _FRACTION:
                 break
             other = cones.recentred(aim, min(1.0, 1.0 / rate + _REACH), max(target, _TARGET * mean))

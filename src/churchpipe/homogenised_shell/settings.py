@@ -42,8 +42,11 @@ class SolverSettings:
         start_margin: a step begins at the stresses before it with so much compression more, in units of stress, which takes them
         inside the strength. The nearer the start, the fewer iterations; but on the boundary itself the solver cannot move.
         correctors: centrality correctors in an iteration of a step with the exact cell, where linear solves cost more than the
-        factorisation. tie_rounds: at most so many solutions of a step with ties; tie_tension: how far a tension may be from what
-        its elongation says, as a share of the largest strength.
+        factorisation. step_gap, step_residual, step_iterations: tolerances and limit of the method for these steps alone
+        (`elastic_step`), whose errors add up to less than 1e-6 of the load factor. step_margin, step_work: where it begins: slack
+        of the corners that neither open nor bear, in units of force, and work of all corners together as a share of the reward.
+        tie_rounds: at most so many solutions of a step with ties; tie_tension: how far a tension may be from what its elongation
+        says, as a share of the largest strength.
 
     Flow rule with planes, solved at each point by Hildreth's sweeps over the planes:
         flow_sweeps: between two looks at which points still change. flow_rounds: at most so many looks; planes that nearly
@@ -73,10 +76,9 @@ class SolverSettings:
     shortest: float = 1e-4
     start_margin: float = 0.03
     correctors: int = 2
-    step_gap: float = 1e-8
+    step_gap: float = 3e-8
     step_residual: float = 1e-10
     step_iterations: int = 60
-    step_correctors: int = 3
     step_margin: float = 0.005
     step_work: float = 0.5
     tie_rounds: int = 12
