@@ -80,7 +80,7 @@ class SolverSettings:
     step_residual: float = 1e-10
     step_iterations: int = 60
     step_margin: float = 0.005
-    step_work: float = 0.5
+    step_work: float = 0.25
     tie_rounds: int = 12
     tie_tension: float = 1e-4
     flow_sweeps: int = 50
