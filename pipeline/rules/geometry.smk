@@ -11,8 +11,6 @@ if config["drawing"]:
             vtu="geometry/{geometry}/stones.vtu",
         log:
             "log/drawing/{geometry}.txt",
-        benchmark:
-            "benchmark/drawing/{geometry}.tsv"
         threads: 1
         params:
             # The settings hold its checksum. As an input, or as a plain text, braces in its name would be wildcards.
@@ -32,8 +30,6 @@ else:
             building="geometry/{geometry}/building.json",
         log:
             "log/source/{geometry}.txt",
-        benchmark:
-            "benchmark/source/{geometry}.tsv"
         threads: 1
         resources:
             mem_mb=MEMORY,
@@ -50,8 +46,6 @@ else:
             vtu="geometry/{geometry}/stones.vtu",
         log:
             "log/blocks/{geometry}.txt",
-        benchmark:
-            "benchmark/blocks/{geometry}.tsv"
         threads: 1
         resources:
             mem_mb=MEMORY,
@@ -68,8 +62,6 @@ rule contacts:
         contacts="geometry/{geometry}/contacts.npz",
     log:
         "log/contacts/{geometry}.txt",
-    benchmark:
-        "benchmark/contacts/{geometry}.tsv"
     threads: 1
     resources:
         mem_mb=memory_by("fixed", 0.07),

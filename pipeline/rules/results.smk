@@ -16,8 +16,6 @@ rule compare:
         **{"summary": "summary.json", "table": "table.csv"} | ({"samples": "samples.csv"} if SAMPLES else {}),
     log:
         "log/compare/all.txt",
-    benchmark:
-        "benchmark/compare/all.tsv"
     threads: 1
     resources:
         mem_mb=MEMORY,
@@ -50,8 +48,6 @@ for number, geometry in enumerate(GEOMETRIES):
             ],
         log:
             f"log/report/{number}.txt",
-        benchmark:
-            f"benchmark/report/{number}.tsv"
         threads: 1
         resources:
             mem_mb=MEMORY,

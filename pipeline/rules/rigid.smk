@@ -13,8 +13,6 @@ rule rigid:
         record="rigid/{analysis}/rigid.json",
     log:
         "log/rigid/{analysis}.txt",
-    benchmark:
-        "benchmark/rigid/{analysis}.tsv"
     threads: SHARE
     resources:
         mem_mb=memory_by("fixed", 0.07),
@@ -34,8 +32,6 @@ rule curve:
         record="curve/{analysis}/curve.json",
     log:
         "log/curve/{analysis}.txt",
-    benchmark:
-        "benchmark/curve/{analysis}.tsv"
     threads: SHARE
     resources:
         mem_mb=memory_by("fixed", 0.07),
@@ -58,8 +54,6 @@ rule movement:
         record="movement/{movement}/movement.json",
     log:
         "log/movement/{movement}.txt",
-    benchmark:
-        "benchmark/movement/{movement}.tsv"
     threads: SHARE
     resources:
         mem_mb=memory_by("fixed", 0.07),

@@ -11,8 +11,6 @@ rule sample:
         records="sample/{sample}/records.json",
     log:
         "log/sample/{sample}.txt",
-    benchmark:
-        "benchmark/sample/{sample}.tsv"
     threads: 1
     params:
         drawing=config["drawing"] or "none",

@@ -14,8 +14,6 @@ if config["drawing"]:
             fit="geometry/{geometry}/fit.json",
         log:
             "log/panels/{geometry}.txt",
-        benchmark:
-            "benchmark/panels/{geometry}.tsv"
         threads: 1
         resources:
             mem_mb=memory_by("fixed", 0.07),
@@ -33,8 +31,6 @@ rule shell:
         shell="shell/{mesh}/shell.npz",
     log:
         "log/shell/{mesh}.txt",
-    benchmark:
-        "benchmark/shell/{mesh}.tsv"
     threads: 1
     resources:
         mem_mb=MEMORY,
@@ -53,8 +49,6 @@ rule match:
         match="shell/{mesh}/match.json",
     log:
         "log/match/{mesh}.txt",
-    benchmark:
-        "benchmark/match/{mesh}.tsv"
     threads: 1
     resources:
         mem_mb=memory_by("triangles", 0.035),
@@ -74,8 +68,6 @@ rule limit:
         record="limit/{analysis}/limit.json",
     log:
         "log/limit/{analysis}.txt",
-    benchmark:
-        "benchmark/limit/{analysis}.tsv"
     threads: SHARE
     resources:
         mem_mb=memory_by("triangles", 0.035),
@@ -96,8 +88,6 @@ rule pushover:
         record="pushover/{analysis}/pushover.json",
     log:
         "log/pushover/{analysis}.txt",
-    benchmark:
-        "benchmark/pushover/{analysis}.tsv"
     threads: SHARE
     resources:
         mem_mb=memory_by("triangles", 0.035),

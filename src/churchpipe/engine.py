@@ -1,4 +1,4 @@
-"""Start Snakemake on a run folder, follow it, and leave no lock behind. Snakemake is a child process, never imported."""
+"""Start Snakemake on a run folder, follow it, and leave no lock behind. Snakemake is a child process, never imported here."""
 
 import fcntl
 import importlib.util
@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
 
+from churchpipe import standby
 from churchpipe.errors import Extra, InputError, UsageError
 from churchpipe.io.atomic import PART
 from churchpipe.resources import pipeline_folder
@@ -25,6 +26,9 @@ MARK = "@churchpipe "
 UNFINISHED = "unfinished.txt"
 # The profile of one machine.
 LOCAL = "local"
+# The engine loads its libraries while the plan of the run is made, and begins at this word.
+_BEGIN = "begin"
+_HELD = f"import sys; from snakemake.cli import main; sys.stdin.read() == '{_BEGIN}' and sys.exit(main())"
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +85,7 @@ def run(
             errors.append(event.text)
         watch(event)
 
-    with _only_run(folder) as lock:
+    with _only_run(folder) as lock, _started(folder, jobs, lock, until, profile) as process:
         if prepare:
             prepare()
         # Until the run has ended well, what lies here may be of an older case.
@@ -92,7 +96,7 @@ def run(
         with (folder / "run.log").open("w", encoding="utf-8") as log:
             begin = time.time()
             news = heard if profile == LOCAL else _finished
-            code = _follow(_start(folder, jobs, lock, until, profile), log, follow, news)
+            code = _follow(process, log, follow, news)
         if code and profile != LOCAL:
             # What jobs on other machines said did not pass here.
             errors += _errors(folder, begin, watch)
@@ -146,11 +150,18 @@ def memory() -> int:
     return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 2**20
 
 
-def _start(folder: Path, jobs: int, lock: IO[str], until: str, profile: str) -> "subprocess.Popen[str]":
-    # A session of its own: an interrupt reaches engine and jobs through `_follow` alone, once, from whatever cause.
+@contextmanager
+def _started(folder: Path, jobs: int, lock: IO[str], until: str, profile: str) -> Iterator["subprocess.Popen[str]"]:
+    """Yield the engine, which loads its libraries, and waits for a word to begin; stop it if it still runs at the end."""
+    python, *snakemake = command(folder, jobs, until, profile)
+    words = [python, "-c", _HELD, *snakemake[2:]]
+    if profile == LOCAL and standby.available():
+        words = [python, "-m", standby.__name__, *words]
+    # A session of its own: an interrupt reaches engine and jobs through here alone, once, from whatever cause.
     process = subprocess.Popen(
-        command(folder, jobs, until, profile),
-        stdin=subprocess.DEVNULL,
+        words,
+        cwd=folder,
+        stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
@@ -163,19 +174,8 @@ def _start(folder: Path, jobs: int, lock: IO[str], until: str, profile: str) -> 
     lock.truncate()
     lock.write(str(process.pid))
     lock.flush()
-    return process
-
-
-def _follow(
-    process: "subprocess.Popen[str]", log: IO[str], watch: Callable[[Event], None], news: Callable[[str], Event | None]
-) -> int:
     try:
-        for line in process.stdout or ():
-            log.write(line)
-            log.flush()
-            if event := news(line):
-                watch(event)
-        return process.wait()
+        yield process
     finally:
         if process.poll() is None:
             os.killpg(process.pid, signal.SIGINT)
@@ -184,6 +184,21 @@ def _follow(
             except subprocess.TimeoutExpired:
                 os.killpg(process.pid, signal.SIGKILL)
                 process.wait()
+
+
+def _follow(
+    process: "subprocess.Popen[str]", log: IO[str], watch: Callable[[Event], None], news: Callable[[str], Event | None]
+) -> int:
+    """Let the engine begin; return its exit code."""
+    if process.stdin:
+        process.stdin.write(_BEGIN)
+        process.stdin.close()
+    for line in process.stdout or ():
+        log.write(line)
+        log.flush()
+        if event := news(line):
+            watch(event)
+    return process.wait()
 
 
 def _finished(line: str) -> Event | None:

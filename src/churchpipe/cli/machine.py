@@ -1,6 +1,8 @@
 """Commands of the machine: doctor, and a stage for the rules of the pipeline."""
 
+import resource
 import sys
+import time
 from pathlib import Path
 
 import typer
@@ -26,8 +28,19 @@ def doctor() -> None:
 def stage(name: str, label: str, paths: list[Path]) -> None:
     """Run one stage: what the rules of the pipeline call."""
     from churchpipe import stages
+    from churchpipe.io.atomic import write_text
     from churchpipe.terminal import Reporter
 
+    begin = time.perf_counter()
     takes_progress = name in stages.LONG
     code = Reporter(name, label, sys.stderr).run(stages.STAGES[name], *paths, takes_progress=takes_progress)
+    write_text(Path("benchmark", name, f"{label}.tsv"), _cost(time.perf_counter() - begin))
     raise typer.Exit(code)
+
+
+def _cost(seconds: float) -> str:
+    """Return what this process and those that it waited for have cost, as a table of two lines: time, processor time, memory."""
+    used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    processor = sum(one.ru_utime + one.ru_stime for one in used)
+    memory = max(one.ru_maxrss for one in used) / 2**10
+    return f"s\tcpu_time\tmax_rss\n{seconds:.4f}\t{processor:.2f}\t{memory:.2f}\n"

@@ -1,0 +1,91 @@
+"""The process that stands by: a fork of it is the command that was asked for, with its own output, folder and end."""
+
+import json
+import os
+import socket
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from churchpipe import call_standby, standby
+from churchpipe.cli.app import USAGE
+
+CLIENT = call_standby.__file__
+# Calls the process that stands by, as the jobs of an engine do, and says what came of it.
+ASK = f"""
+import json, os, sys
+sys.path.insert(0, {str(Path(CLIENT).parent)!r})
+from call_standby import PLACE, ask
+sys.stdout.flush()
+codes = [ask(os.environ[PLACE], words) for words in json.loads(sys.argv[1])]
+print(json.dumps(codes), file=sys.stderr)
+sys.exit(7)
+"""
+
+
+def stand_by(folder: Path, *commands: list[str], ask: str = ASK) -> "subprocess.CompletedProcess[str]":
+    """Let a program call commands of a process that stands by in a folder."""
+    (folder / ".snakemake").mkdir(exist_ok=True)
+    words = [sys.executable, "-m", "churchpipe.standby", sys.executable, "-I", "-c", ask, json.dumps(commands)]
+    return subprocess.run(words, cwd=folder, capture_output=True, text=True, timeout=120)
+
+
+def test_a_fork_writes_where_its_caller_would_and_ends_as_it_would(tmp_path: Path) -> None:
+    done = stand_by(tmp_path, ["--version"], ["no-such-command"])
+    assert done.stdout.startswith("churchpipe ")
+    assert json.loads(done.stderr.splitlines()[-1]) == [0, USAGE]
+    # The end of the whole is that of the command for which it stands by.
+    assert done.returncode == 7
+    assert not (tmp_path / standby.SOCKET).exists()
+
+
+def test_a_fork_that_a_signal_ends_is_told_as_shells_do(tmp_path: Path) -> None:
+    # A building of parameters that are no file waits for nobody: a pipe without writer keeps the stage until it is ended.
+    os.mkfifo(tmp_path / "settings.json")
+    kill = ASK.replace(
+        "codes = [",
+        """
+import threading, time, signal
+def end():
+    while True:
+        time.sleep(0.1)
+        mine = os.getppid()
+        forks = open(f"/proc/{mine}/task/{mine}/children").read().split()
+        for fork in set(map(int, forks)) - {os.getpid()}:
+            os.kill(fork, signal.SIGKILL)
+threading.Thread(target=end, daemon=True).start()
+codes = [""",
+    )
+    done = stand_by(tmp_path, ["stage", "source", "base", "settings.json", "building.json"], ask=kill)
+    assert json.loads(done.stderr.splitlines()[-1]) == [128 + 9]
+
+
+def test_a_command_runs_by_itself_where_nobody_stands_by(tmp_path: Path) -> None:
+    environment = os.environ | {call_standby.PLACE: str(tmp_path / "nobody"), "OMP_NUM_THREADS": "1"}
+    words = [sys.executable, "-I", "-S", CLIENT, "--version"]
+    done = subprocess.run(words, env=environment, cwd=tmp_path, capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stdout[:11]) == (0, "churchpipe ")
+
+
+def test_a_job_of_several_threads_does_not_ask_for_a_fork_of_one(tmp_path: Path) -> None:
+    with socket.socket(socket.AF_UNIX) as door:
+        place = tmp_path / "door"
+        door.bind(str(place))
+        door.listen()
+        door.setblocking(False)
+        environment = os.environ | {call_standby.PLACE: str(place), "OMP_NUM_THREADS": "2"}
+        words = [sys.executable, "-I", "-S", CLIENT, "--version"]
+        done = subprocess.run(words, env=environment, cwd=tmp_path, capture_output=True, text=True, timeout=60)
+        assert (done.returncode, done.stdout[:11]) == (0, "churchpipe ")
+        with pytest.raises(BlockingIOError):
+            door.accept()
+
+
+def test_what_stands_by_has_the_modules_that_the_stages_need() -> None:
+    code = "import sys; from churchpipe import standby; [__import__(name) for name in standby.MODULES]; print(*sys.modules)"
+    known = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    assert {"numba", "scipy.sparse", "shapely", "ezdxf", "jinja2"} <= set(known)
+    # A fork of a process with threads of these would hang or crash.
+    assert not {"gmsh", "pyvista", "vtkmodules", "snakemake"} & set(known)
