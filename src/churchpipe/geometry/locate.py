@@ -2,7 +2,6 @@
 
 import numpy as np
 import shapely
-from scipy.spatial import cKDTree
 
 from churchpipe.geometry.planar import polygons_of
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, ragged_indices
@@ -126,6 +125,9 @@ def facet_at(shell: ShellModel, points: FloatArray, panel: str | None) -> tuple[
 
     Also returned is how far outside of that facet the point lies, m; 0 inside.
     """
+    # Who draws a picture needs this module, and SciPy takes as long to load as the picture.
+    from scipy.spatial import cKDTree
+
     members = np.arange(len(shell.panel)) if panel is None else np.flatnonzero(shell.panel == panel)
     corner = shell.points[shell.triangles[members]]
     near = cKDTree(corner.mean(axis=1)).query(points, k=min(NEIGHBOURS, len(members)))[1].reshape(len(points), -1)

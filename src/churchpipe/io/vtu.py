@@ -1,6 +1,7 @@
 """Stones for ParaView."""
 
 from collections.abc import Mapping
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +16,7 @@ from churchpipe.model.assemblage import Assemblage
 
 def write_vtu(path: str | Path, stones: Assemblage, velocities: npt.ArrayLike | None = None) -> None:
     """Write the stones as polyhedral cells, with the data of `stones_mesh` and `name`, `panel_name`, `material_name`."""
-    mesh = stones_mesh(stones, velocities)
-    order = _cells(stones)[1]
+    mesh, order = _mesh(stones, velocities)
     names = {"name": stones.block_id, "panel_name": stones.panel, "material_name": stones.material}
     write_named(path, mesh, {key: values[order] for key, values in names.items()})
 
@@ -31,8 +31,10 @@ def write_named(path: str | Path, mesh: Any, names: Mapping[str, NameArray]) -> 
 
 
 def _texts(name: str, values: NameArray) -> str:
-    # A text is its bytes and a zero.
-    codes = " ".join(str(code) for value in values.tolist() for code in (*value.encode(), 0))
+    # A text is its bytes and a zero; most texts come several times.
+    listed = values.tolist()
+    coded = {value: " ".join(map(str, (*value.encode(), 0))) for value in set(listed)}
+    codes = " ".join(map(coded.__getitem__, listed))
     return f'<DataArray type="String" Name="{name}" format="ascii">{codes}</DataArray>\n'
 
 
@@ -43,6 +45,11 @@ def stones_mesh(stones: Assemblage, velocities: npt.ArrayLike | None = None) -> 
     `unit_weight` N/m3. velocities (nb, 6): point data `velocity` (warp by it to see the mechanism), cell data `speed` of the
     centroid.
     """
+    return _mesh(stones, velocities)[0]
+
+
+def _mesh(stones: Assemblage, velocities: npt.ArrayLike | None) -> tuple[Any, IntArray]:
+    """Return the mesh of the stones, and the stones in the order of its cells."""
     with Extra("a file for ParaView"):
         import meshio
 
@@ -63,17 +70,14 @@ def stones_mesh(stones: Assemblage, velocities: npt.ArrayLike | None = None) -> 
         cell_data["speed"] = np.linalg.norm(motion[:, :3], axis=1)
     blocks, order = _cells(stones)
     split = np.cumsum([len(cells) for _, cells in blocks])[:-1]
-    return meshio.Mesh(
-        stones.points,
-        blocks,
-        point_data=point_data,
-        cell_data={name: [*np.split(values[order], split)] for name, values in cell_data.items()},
-    )
+    cells: dict[str, Any] = {name: [*np.split(values[order], split)] for name, values in cell_data.items()}
+    return meshio.Mesh(stones.points, blocks, point_data=point_data, cell_data=cells), order
 
 
 def _cells(stones: Assemblage) -> tuple[list[Any], IntArray]:
     """Return cell blocks by number of points, as meshio wants polyhedra, and the stones in that order."""
-    faces = np.split(stones.face_nodes, stones.face_ptr[1:-1])
+    # Of so many parts, slices take a third of the time of np.split.
+    faces = [stones.face_nodes[first:last] for first, last in pairwise(stones.face_ptr.tolist())]
     sizes = np.diff(stones.block_point_ptr)
     order = np.argsort(sizes, kind="stable")
     blocks = []

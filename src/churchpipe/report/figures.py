@@ -1,10 +1,11 @@
 """Pictures of mechanisms (VTK, off screen)."""
 
+import os
 import pickle
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from tempfile import TemporaryFile
 from typing import Any
@@ -32,6 +33,8 @@ from churchpipe.report.surface import edges, triangles
 
 PICTURE_SECONDS = 300
 PICTURE_SIZE = (1500, 1100)
+# To load VTK takes as long as to draw one or two pictures, and a quarter of a gigabyte: so many at least are worth a process.
+FEW_PICTURES, MOST_PROCESSES = 4, 4
 # What to draw: a function of this package and its arguments.
 Job = tuple[Callable[..., None], tuple[Any, ...]]
 VIEW_ANGLE = 24.0
@@ -79,7 +82,9 @@ def mechanism_picture(
     plotter = pv.Plotter(off_screen=True, window_size=list(size), lighting="none")
     try:
         plotter.renderer.set_background("white")
-        solid = plotter.add_mesh(mesh, scalars="colour", rgb=True, ambient=0.5, diffuse=0.75, specular=0.0)
+        # Faces that look away are behind others of their stone.
+        look = {"ambient": 0.5, "diffuse": 0.75, "specular": 0.0, "culling": "back"}
+        solid = plotter.add_mesh(mesh, scalars="colour", rgb=True, **look)
         # Edges lie in the faces: push the faces back a little so that the edges win.
         solid.mapper.SetResolveCoincidentTopologyToPolygonOffset()
         solid.mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(1.0, 1.0)
@@ -127,19 +132,24 @@ def save_screenshot(pixels: Any, path: str | Path) -> None:
     image, plain = Image.fromarray(np.asarray(pixels)), Image.Dither.NONE
     # A sixteenth of the pixels holds the colours, and is sorted in a tenth of the time.
     palette = image.resize((image.width // 4, image.height // 4), Image.Resampling.NEAREST).quantize(256, dither=plain)
-    image.quantize(palette=palette, dither=plain).save(path, format="PNG", optimize=True)
+    image.quantize(palette=palette, dither=plain).save(path, format="PNG")
 
 
 @contextmanager
 def mechanism_pictures(jobs: Sequence[Job]) -> Iterator[Callable[[], str]]:
-    """Draw pictures in a child process; yield what waits for them and says why it failed, or "" when it did not.
+    """Draw pictures in child processes; yield what waits for them and says why one failed, or "" when none did.
 
-    A graphics library that is missing or crashes then costs a picture, not the report, and the rest of the report is made
-    meanwhile.
+    A graphics library that is missing or crashes then costs pictures, not the report, and the rest of the report is made
+    meanwhile. Many pictures are shared out among the cores.
     """
-    if not jobs:
-        yield str
-        return
+    share = max(1, min(os.cpu_count() or 1, MOST_PROCESSES, len(jobs) // FEW_PICTURES))
+    with ExitStack() as opened:
+        drawing = [opened.enter_context(_drawing_process(jobs[first::share])) for first in range(share)] if jobs else []
+        yield lambda: next(filter(None, [wait() for wait in drawing]), "")
+
+
+@contextmanager
+def _drawing_process(jobs: Sequence[Job]) -> Iterator[Callable[[], str]]:
     with TemporaryFile() as orders, TemporaryFile() as errors:
         pickle.dump(list(jobs), orders)
         orders.seek(0)

@@ -22,9 +22,11 @@ def triangles(stones: Assemblage, drawn: BoolArray) -> IntArray:
     step = np.arange(len(face)) - np.repeat(np.cumsum(sizes[fan] - 2) - (sizes[fan] - 2), sizes[fan] - 2)
     corner = np.stack([starts[face], starts[face] + step + 1, starts[face] + step + 2], axis=1)
     parts = [stones.face_nodes[corner]]
-    for f in np.flatnonzero(shown & ~convex):
+    notched = np.flatnonzero(shown & ~convex)
+    for f, plane in zip(notched, _planes(normal[notched]), strict=True):
         nodes = stones.face_nodes[stones.face_ptr[f] : stones.face_ptr[f + 1]]
-        parts.append(nodes[np.asarray(manifold3d.triangulate([_flat(stones.points[nodes], normal[f])]), dtype=np.int64)])
+        flat = (stones.points[nodes] - stones.points[nodes[0]]) @ plane.T
+        parts.append(nodes[np.asarray(manifold3d.triangulate([flat]), dtype=np.int64)])
     return np.concatenate(parts)
 
 
@@ -51,13 +53,11 @@ def _has_reflex_corner(stones: Assemblage, normal: FloatArray) -> BoolArray:
     side = stones.points[stones.face_nodes[successor]] - stones.points[stones.face_nodes]
     turn = np.einsum("ij,ij->i", np.cross(side, side[successor]), normal[face])
     scale = np.linalg.norm(side, axis=1) * np.linalg.norm(side[successor], axis=1)
-    reflex = np.zeros(len(normal), dtype=bool)
-    np.logical_or.at(reflex, face, turn < -1e-9 * scale)
-    return reflex
+    return np.logical_or.reduceat(turn < -1e-9 * scale, stones.face_ptr[:-1])
 
 
-def _flat(corners: FloatArray, normal: FloatArray) -> FloatArray:
-    """Return the corners (n, 2) of a planar face in axes of its own plane, keeping its orientation."""
-    first = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
-    first /= np.linalg.norm(first)
-    return (corners - corners[0]) @ np.stack([first, np.cross(normal, first)], axis=1)
+def _planes(normal: FloatArray) -> FloatArray:
+    """Return two unit vectors (n, 2, 3) along planes with these normals (n, 3), which they turn about to the left."""
+    first: FloatArray = np.cross(normal, np.eye(3)[np.abs(normal).argmin(axis=1)])
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    return np.stack([first, np.cross(normal, first)], axis=1)
