@@ -6,6 +6,7 @@ Read from the sources, so that imports inside functions count, and code that the
 
 import ast
 import hashlib
+import re
 from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
@@ -14,6 +15,8 @@ from symtable import SymbolTable, symtable
 PACKAGE = Path(__file__).parent
 # Its functions count one by one, all other modules as a whole.
 STAGES = "stages.py"
+_IMPORT = re.compile(r"^[ \t]*(?:from [\w.]+ import (?:\([^)]*\)|.*)|import .*)$", re.MULTILINE)
+_HINTS = re.compile(r"^if TYPE_CHECKING:\n(?:[ \t]+.*\n|\n)*", re.MULTILINE)
 
 
 def code_of(stage: str, package: Path = PACKAGE) -> str:
@@ -90,7 +93,20 @@ def _reached(modules: set[Path], package: Path) -> set[Path]:
 # Most modules are reached by several stages.
 @lru_cache(maxsize=1024)
 def _imports_of(text: str, package: Path) -> tuple[Path, ...]:
-    return tuple(_imports(ast.parse(text), package))
+    # To parse all modules whole takes a second, which a person waits for.
+    try:
+        found = ast.parse(import_lines(text))
+    except SyntaxError:
+        found = ast.parse(text)
+    return tuple(_imports(found, package))
+
+
+def import_lines(text: str) -> str:
+    """Return the statements of a module that import, but for those that only type checkers read; maybe words of a text as well.
+
+    They are lines of their own, as the linter wants them. Where they cannot be parsed, the module must be.
+    """
+    return "\n".join(found.strip() for found in _IMPORT.findall(_HINTS.sub("", text)))
 
 
 def _imports(node: ast.AST, package: Path) -> Iterator[Path]:

@@ -27,7 +27,6 @@ from churchpipe.model.placed_loads import PlacedLoads
 from churchpipe.model.results import LimitState, ShellLimitState
 from churchpipe.model.shell import ShellModel
 from churchpipe.model.swept import of_both
-from churchpipe.rigid_blocks.equilibrium import lateral_weight
 from churchpipe.stones.account import joint_account, joint_lines
 from churchpipe.thrust_lines import vaulted
 
@@ -268,6 +267,9 @@ def safety(
     crushes in the analysis, so that the confidence factor is that of the knowledge level. loads: what the stones carry, whose
     masses are bodies of their own, as Q_k are in the circular.
     """
+    # Solvers take long to load, and the command line needs this module to tell results.
+    from churchpipe.rigid_blocks.equilibrium import lateral_weight
+
     moving = moving_stones(stone_speed(stones, state.velocities)) & ~stones.fixed
     confidence = site.confidence(crushing) if site else CONFIDENCE_FACTOR
     try:

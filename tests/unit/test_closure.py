@@ -1,5 +1,6 @@
 """What decides a stage: found through the imports of the sources, in a small package with every kind of them."""
 
+import ast
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -8,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import churchpipe
-from churchpipe.closure import code_of
+from churchpipe.closure import PACKAGE, _imports, _imports_of, code_of
 from churchpipe.stages import STAGES
 
 SOURCES = {
@@ -111,3 +112,16 @@ def test_a_stage_is_loaded_without_the_reader_of_cases_and_without_solvers() -> 
     heavy = ["pydantic", "tomlkit", "numba", "ezdxf", "clarabel", "churchpipe.config.case", "churchpipe.compare"]
     code = f"import churchpipe.stages, sys; print([m for m in {heavy} if m in sys.modules])"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"
+
+
+def test_the_lines_that_import_say_all_that_the_modules_do() -> None:
+    texts = [path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.py")]
+    found = [(set(_imports_of(text, PACKAGE)), set(_imports(ast.parse(text), PACKAGE))) for text in texts]
+    assert all(lines >= tree for lines, tree in found)
+    # A program within a text, which another process runs, is all that they find besides.
+    assert sum(lines != tree for lines, tree in found) <= 1
+
+
+def test_lines_that_cannot_be_parsed_alone_are_read_with_their_module(package: Path) -> None:
+    tricky = '"""Words\nimport nothing, they say.\n"""\nfrom pack.deep import (\n    tool,  # (here)\n)\nimport pack.plain\n'
+    assert {path.name for path in _imports_of(tricky, package)} == {"__init__.py", "plain.py"}

@@ -52,7 +52,6 @@ def run(
         err.print("Nothing has changed since the last run.")
         _print_run(named, good=good)
         return
-    from churchpipe.compare import bad_news
     from churchpipe.compilation import compiled
     from churchpipe.config.asrun import claim
     from churchpipe.config.case import Generated
@@ -60,7 +59,6 @@ def run(
     from churchpipe.config.plausible import work_questions
     from churchpipe.config.selection import Selection, selected
     from churchpipe.configuring import configure
-    from churchpipe.io.summary import read_summary
     from churchpipe.terminal import Display
 
     # A case with mistakes is refused before anything is written.
@@ -104,6 +102,9 @@ def run(
     if until:
         out.print(f"Made as far as the stage {until}: {folder}", soft_wrap=True)
         return
+    from churchpipe.compare import bad_news
+    from churchpipe.io.summary import read_summary
+
     good = not bad_news(read_summary(folder / "summary.json"))
     source = cases[0].source
     note_finished(folder, case, asked, None if isinstance(source, Generated) else source.path, good=good)

@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from churchpipe.geometry.clusters import components
 from churchpipe.geometry.warped import split_warped, warp
@@ -214,6 +213,8 @@ def _once(faces: list[Face], changes: Counter[str]) -> list[Face]:
 
 def _joined(points: FloatArray, faces: list[Face], reach: float, changes: Counter[str]) -> tuple[FloatArray, list[Face]]:
     """Join vertices that are closer to each other than `reach`, m."""
+    from scipy.spatial import cKDTree
+
     label = components(len(points), cKDTree(points).query_pairs(reach, output_type="ndarray"))
     _, first, inverse = np.unique(label, return_index=True, return_inverse=True)
     changes[CLOSE] += len(points) - len(first)

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial import ConvexHull
 
 from churchpipe.errors import InputError
 from churchpipe.geometry.walls import points_of
@@ -89,6 +88,8 @@ def _spans(
 
 def _clipped(plan: FloatArray, start: FloatArray, axis: FloatArray) -> tuple[float, float] | None:
     """Return where a line enters and leaves the convex hull of points (n, 2), None if it misses it."""
+    from scipy.spatial import ConvexHull
+
     hull = ConvexHull(plan).equations
     along, room = hull[:, :2] @ axis, CLOSE - hull[:, 2] - hull[:, :2] @ start
     level = np.abs(along) < 1e-12
