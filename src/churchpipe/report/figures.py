@@ -33,7 +33,7 @@ from churchpipe.report.surface import edges, triangles
 
 PICTURE_SECONDS = 300
 PICTURE_SIZE = (1500, 1100)
-# To load VTK takes as long as to draw one or two pictures, and a quarter of a gigabyte: so many at least are worth a process.
+# A process more costs a second, and a quarter of a gigabyte: so many at least are worth a process.
 FEW_PICTURES, MOST_PROCESSES = 4, 4
 # What to draw: a function of this package and its arguments.
 Job = tuple[Callable[..., None], tuple[Any, ...]]
