@@ -86,7 +86,7 @@ def main() -> None:
             interval = ""
             if arguments.intervals:
                 begin = process_time()
-                low, high = mechanism_interval(balance, strength, CoulombState(run.x, run.load_factor, run.y, run.gap), solve)
+                low, high = mechanism_interval(balance, strength, CoulombState(run.x, run.load_factor, run.y, run.gap))
                 interval = f"{low:.4f} to {high:.4f} ({process_time() - begin:.0f} s)"
             found = f"{run.load_factor:.4f} | {run.gap / run.load_factor:.1e} | {interval}"
             print(f"| {load} | {upper:.4f} | {start} | {found} | {run.solves} | {run.iterations} | {seconds:.0f} |", flush=True)

@@ -83,5 +83,5 @@ def test_sliding_without_dilatancy(load: cp.LoadCase, load_factor: float) -> Non
     assert admissible(balance, strength, state)
     # Such a state is one of many: the search need not end in the same one with another release of a library.
     assert run.load_factor == pytest.approx(load_factor, rel=1e-2)
-    low, high = mechanism_interval(balance, strength, state, solve)
+    low, high = mechanism_interval(balance, strength, state)
     assert low <= run.load_factor <= high

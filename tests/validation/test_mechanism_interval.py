@@ -10,17 +10,19 @@ from churchpipe.conic.program import ConeProgram
 from churchpipe.conic.solve import solver_for
 from churchpipe.model.arrays import FloatArray
 from churchpipe.rigid_blocks.associative import associative_program
-from churchpipe.rigid_blocks.certificate import Strength
+from churchpipe.rigid_blocks.certificate import Strength, cone_violation
 from churchpipe.rigid_blocks.coulomb import (
     CoulombState,
     bipotential_gap,
+    coulomb_state,
     dead_load_start,
+    gap_coefficients,
     gap_shares,
     nearest_forces,
     sliding_velocities,
 )
 from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
-from churchpipe.rigid_blocks.interval import mechanism_interval
+from churchpipe.rigid_blocks.interval import mechanism_ends, mechanism_interval
 from churchpipe.rigid_blocks.iterations import certified_iteration
 from churchpipe.rigid_blocks.limit import point_strength
 from churchpipe.stones.contacts import find_contacts
@@ -49,21 +51,20 @@ def certified(balance: Equilibrium, strength: Strength) -> CoulombState:
     return CoulombState(run.x, run.load_factor, run.y, run.gap)
 
 
-def farthest(balance: Equilibrium, strength: Strength, state: CoulombState, sign: float, more: float) -> float:
-    """The end of the interval as one program with a dense row: sum n (w + mu |v|) + t . v <= gap + more."""
+def farthest(balance: Equilibrium, strength: Strength, state: CoulombState, sign: float) -> float:
+    """The end of the interval by Clarabel: sum n (w + mu |v|) + t . v <= 1e-5 alpha."""
     rate = balance.rates(state.y / (balance.live @ state.y))
     slip = np.hypot(rate[:, 1], rate[:, 2])
     cost = np.column_stack([np.abs(rate[:, 0]) + strength.friction * slip, rate[:, 1:]])
-    allowed = state.gap + more
     # The row in the size of the others: its right side as large as the largest load. The slack is a point of its own.
-    size = float(np.abs(balance.dead).max()) / allowed
+    size = float(np.abs(balance.dead).max()) / (1e-5 * state.load_factor)
     row = sp.hstack([sp.csr_matrix(size * cost.reshape(1, -1)), sp.csr_matrix([[1.0, 0.0, 0.0]])])
     rows = [sp.hstack([balance.wrenches.tocsc(), sp.csr_matrix((len(balance.dead), 3))]), row]
     zero = np.zeros(len(cost) + 1)
     program = ConeProgram(
         balance=sp.csc_matrix(sp.vstack(rows)),
-        constant=np.append(balance.dead, -size * allowed),
-        growth=np.append(sign * balance.live, 0.0),
+        constant=np.append(balance.dead, 0.0),
+        growth=np.append(sign * balance.live, -sign * size * 1e-5),
         limit=zero,
         slope=np.append(strength.friction, 0.0),
         linear=zero,
@@ -75,16 +76,51 @@ def farthest(balance: Equilibrium, strength: Strength, state: CoulombState, sign
 
 
 @pytest.mark.parametrize("name", ["1", "2", "3", "4", "5", "6", "S5"])
-def test_ends_are_those_of_one_program_with_a_dense_row(name: str) -> None:
+def test_ends_are_certified_and_as_far_apart_as_may_be(name: str) -> None:
     balance, strength = problem(name)
     state = certified(balance, strength)
-    low, high = mechanism_interval(balance, strength, state, solver_for(balance.wrenches))
-    ends = [farthest(balance, strength, state, sign, 1e-5 * state.load_factor) for sign in (-1.0, 1.0)]
+    found = mechanism_ends(balance, strength, state)
+    low, high = (end.load_factor for end in found)
+    assert (low, high) == mechanism_interval(balance, strength, state)
+    for end in found:
+        # The certificate again, from the arrays alone.
+        assert 0 <= bipotential_gap(balance, strength, end.x, end.y) <= 1.00001e-5 * end.load_factor
+        assert np.abs(balance.residual(end.x, end.load_factor)).max() < 1e-8
+        assert cone_violation(end.x, strength) < 1e-8
+    ends = [farthest(balance, strength, state, sign) for sign in (-1.0, 1.0)]
     # They are attained, so they lie inside; by 1e-4 of the load factor at most.
     close = 1e-4 * state.load_factor
     assert ends[0] - 1e-6 <= low <= ends[0] + close
     assert ends[1] - close <= high <= ends[1] + 1e-6
     assert low <= state.load_factor <= high
+
+
+def test_a_state_that_is_not_certified_keeps_its_own_gap() -> None:
+    balance, strength = problem("4")
+    solve = solver_for(balance.wrenches)
+    answer = solve(associative_program(balance, strength), duality_gap=1e-6)
+    state = coulomb_state(balance, strength, answer.x, answer.tau, solve)
+    assert state is not None
+    assert state.relative_gap > 1e-3
+    low, high = mechanism_ends(balance, strength, state)
+    assert low.load_factor < state.load_factor <= high.load_factor
+    assert max(low.relative_gap, high.relative_gap) <= state.relative_gap * (1 + 1e-5)
+
+
+def test_coefficients_of_the_gap() -> None:
+    """With joints of any kind, cohesion and bounds: gap = coefficients . x + constant, for any forces within the bounds."""
+    balance, strength = problem("4")
+    random = np.random.default_rng(1)
+    count = len(strength.friction)
+    bound = np.where(random.random(count) < 0.5, 2.0, np.inf)
+    strength = Strength(strength.friction, random.random(count), bound)
+    n, angle = random.random(count), random.uniform(0.0, 2 * np.pi, count)
+    shear = strength.shear(n) * random.random(count)
+    x = np.column_stack([n, shear * np.cos(angle), shear * np.sin(angle)])
+    y = random.normal(size=len(balance.dead))
+    y *= np.sign(balance.live @ y)
+    coefficients, constant = gap_coefficients(balance, strength, y)
+    assert float((coefficients * x).sum()) + constant == pytest.approx(bipotential_gap(balance, strength, x, y), rel=1e-12)
 
 
 def weighted(shares: FloatArray, excess: FloatArray) -> float:

@@ -24,7 +24,7 @@ from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
 from churchpipe.rigid_blocks.interval import mechanism_interval
 from churchpipe.rigid_blocks.iterations import certified_iteration
 from churchpipe.rigid_blocks.limit import limit_analysis, point_strength
-from churchpipe.rigid_blocks.sliding import leading, led_by
+from churchpipe.rigid_blocks.selection import leading, led_by
 from churchpipe.stones.blocks import derive_blocks
 from churchpipe.stones.contacts import find_contacts
 from models import FERRIS_TIN_LOI_LOAD as LOAD
@@ -63,7 +63,7 @@ def test_canonical_start(test: str, first_course: str, reference: float, program
     run = sorted(found, key=lambda run: run.load_factor)[1]
     # The certificate again, from the arrays alone.
     gap = bipotential_gap(balance, strength, run.x, run.y)
-    low, high = mechanism_interval(balance, strength, CoulombState(run.x, run.load_factor, run.y, gap), solve)
+    low, high = mechanism_interval(balance, strength, CoulombState(run.x, run.load_factor, run.y, gap))
     assert low <= reference <= high
     assert run.load_factor == pytest.approx(reference, rel=1e-2)
     residual = balance.residual(run.x, run.load_factor)
@@ -155,11 +155,39 @@ def test_a_small_wall_with_openings_is_certified(friction: float) -> None:
     state = limit_analysis(stones, contacts, LOAD, friction, flow="non-associative")
     assert state.status == "converged"
     assert 0 <= state.gap <= 1e-5 * state.load_factor
-    assert all(run.converged for run in state.starts)
+    assert state.starts[0].converged
     if friction == 0.4:
         assert state.load_factor == pytest.approx(friction, rel=1e-5)
     else:
         assert state.interval[0] <= state.load_factor <= state.interval[1] < friction
+
+
+@pytest.mark.parametrize("number", [4, 6])
+def test_where_a_search_leads_the_lowest_state_of_its_mechanism_is_told(number: int) -> None:
+    """Rounding moves the end of a search, and not the lowest state of its mechanism: frictions that differ by 1e-7."""
+    stones = wall(number)
+    contacts = find_contacts(stones)
+    states = [limit_analysis(stones, contacts, LOAD, 0.65 + k * 1e-7, flow="non-associative") for k in range(3)]
+    for state in states:
+        assert state.status == "converged"
+        assert 0 <= state.gap <= 1e-5 * state.load_factor
+        assert state.equilibrium_residual < 1e-8
+        assert state.cone_violation < 1e-8
+        assert state.load_factor == state.interval[0]
+        assert state.load_factor in state.fixed_points
+    assert [state.load_factor for state in states] == pytest.approx([states[0].load_factor] * 3, rel=1e-4)
+
+
+def test_a_search_is_left_where_it_comes_near_to_a_state_that_would_not_lead() -> None:
+    stones, contacts = model("S5")
+    balance = equilibrium(stones, contacts, LOADS["S5"])
+    strength = point_strength(contacts, 0.7, 0.0, balance.force)
+    solve = solver_for(balance.wrenches)
+    left = certified_iteration(balance, strength, dead_load_start(balance), solve, below=0.37)
+    assert left is not None
+    assert not left.converged
+    assert left.load_factor > 0.37
+    assert 1e-5 < left.relative_gap < 1e-3
 
 
 def test_the_more_careful_of_two_starts_leads() -> None:

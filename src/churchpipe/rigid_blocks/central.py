@@ -24,6 +24,9 @@ from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP, CentralSettings, S
 _FIRST_STEPS, _WORKS = 40, 0.1
 # A step keeps the least eigenvalue of the products above this share of their mean, which may grow by the second factor.
 _LEAST, _GROWTH = 1e-3, 1.3
+_SHORTER, _SHORTEST = 0.8, 1e-4
+# The first steps lower the products to the first share, or to the second, and start again where one is shorter than the third.
+_LOWER, _CENTRE, _TINY = 0.2, 0.9, 0.1
 _CENTRING = (0.01, 0.9)
 # Centrality correctors aim this much farther, for products within these multiples of the target, and must win this much.
 _REACH, _FARTHER, _BAND, _WIN = 1.1, 0.15, (0.1, 10.0), 0.01
@@ -110,27 +113,45 @@ def central_run(
     return None if best is None else sliding_run(best, history, 0, system.factorisations)
 
 
-def _first_rates(system: ContactSystem) -> ContactState:
-    """Return a state whose points all open, near unit work: from multipliers of their own, which the rates approach."""
+def _first_rates(system: ContactSystem, *, held: bool = False) -> ContactState:
+    """Return a state whose points all open, near unit work: from multipliers of their own, which the rates approach.
+
+    held: every step keeps the products together, and lowers them little after a short one. That takes more steps where the others
+    would do, and arrives where a short step shows that they would not.
+    """
     settings, points, live = system.settings, system.points, system.live
     unit = np.zeros((3, points))
     unit[0] = 1.0
     at = ContactState(settings.force / points * unit, 0.0, np.zeros_like(live), np.zeros((3, points)))
-    z = unit
+    z, length = unit, 1.0
     for _ in range(_FIRST_STEPS):
         excess = float(live @ at.y) - 1.0
         if at.rates[0].min(initial=np.inf) > 0 and abs(excess) < _WORKS:
             break
         lack = system.multipliers(at.rates) - z
         linear = Linearisation(system, at.forces, z, at.rates, settings.first_damping)
-        target = max(1.0 / points, 0.2 * float((at.forces * z).sum()) / points)
+        mean = float((at.forces * z).sum()) / points
+        target = max(1.0 / points, (_CENTRE if held and length < _MODEST else _LOWER) * mean)
         wanted = linear.divide(target * unit - system.product(linear.point, linear.point)) - linear.scaled(lack)
         step = linear.step(wanted, system.residual(at), excess, 0.0)
         change = linear.tangent(step.rates) + lack
         steepest = max(system.reach(at.forces, step.forces), system.reach(z, change))
         length = min(1.0, settings.fraction / max(steepest, 1e-3))
+        if length < _TINY and not held:
+            return _first_rates(system, held=True)
+        while held and _least_product(system, at.forces + length * step.forces, z + length * change) < _LEAST:
+            length *= _SHORTER
+            if length < _SHORTEST:
+                break
         at, z = at.plus(step, length), z + length * change
     return at
+
+
+def _least_product(system: ContactSystem, forces: FloatArray, z: FloatArray) -> float:
+    """Return the least eigenvalue of the products of forces and multipliers, over the mean product."""
+    point = system.scaling(forces, z).point[:, 0]
+    mean = float((forces * z).sum()) / system.points
+    return float(((point[0] - np.hypot(point[1], point[2])) ** 2).min(initial=np.inf)) / mean
 
 
 @dataclass(frozen=True, slots=True)
@@ -201,12 +222,10 @@ def _central_part(
     while True:
         new = at.plus(step, length)
         z = system.multipliers(new.rates)
-        next_mean = float((new.forces * z).sum()) / system.points
-        point = system.scaling(new.forces, z).point[:, 0]
-        least = float(((point[0] - np.hypot(point[1], point[2])) ** 2).min(initial=np.inf))
-        if (least >= _LEAST * next_mean and next_mean <= _GROWTH * mean) or length < 1e-4:
+        grown = float((new.forces * z).sum()) / system.points > _GROWTH * mean
+        if (_least_product(system, new.forces, z) >= _LEAST and not grown) or length < _SHORTEST:
             return new, length
-        length *= 0.8
+        length *= _SHORTER
 
 
 def _coulomb_state(balance: Equilibrium, strength: Strength, system: ContactSystem, at: ContactState) -> CoulombState | None:

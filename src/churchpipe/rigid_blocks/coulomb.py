@@ -30,6 +30,8 @@ from churchpipe.rigid_blocks.equilibrium import Balanced, Equilibrium
 
 # Duality gap of programs whose forces or velocities are needed as exactly as possible.
 EXACT = 1e-7
+# A gap is measured by the load factor, or by this where that is smaller.
+LEAST_FACTOR = 1e-3
 # Excess of shear over its limit, as shares of the largest limit or load, with which P(n) is tried one after another.
 _SLACK = (0.0, 1e-6, 1e-4, 1e-2)
 
@@ -46,7 +48,7 @@ class CoulombState:
     @property
     def relative_gap(self) -> float:
         """g / alpha; a load factor of zero is measured against a thousandth of the weight."""
-        return self.gap / max(abs(self.load_factor), 1e-3)
+        return self.gap / max(abs(self.load_factor), LEAST_FACTOR)
 
 
 def sliding_program(balance: Balanced, strength: Strength, limit: FloatArray) -> ConeProgram:
@@ -116,6 +118,17 @@ def gap_shares(balance: Balanced, strength: Strength, x: FloatArray, y: FloatArr
     shares = lever * np.abs(rate[:, 0]) + np.maximum(sliding, 0.0)
     shares[balance.points :] = np.maximum((x * rate)[balance.points :].sum(axis=1), 0.0)
     return shares
+
+
+def gap_coefficients(balance: Balanced, strength: Strength, y: FloatArray) -> tuple[FloatArray, float]:
+    """Return the coefficients (nc, 3) of the forces in the gap of velocities y (6 nf,), and its constant: see `gap_shares`."""
+    rate = balance.rates(y / (balance.live @ y))
+    slip = np.hypot(rate[:, 1], rate[:, 2])
+    closing = strength.bounded & (rate[:, 0] < 0)
+    own = np.arange(len(rate)) < balance.points
+    coefficients = rate.copy()
+    coefficients[:, 0] += np.where(own, strength.friction * slip - np.where(closing, 0.0, 2.0 * np.minimum(rate[:, 0], 0.0)), 0.0)
+    return coefficients, float(strength.cohesion @ slip - strength.bound[closing] @ rate[closing, 0])
 
 
 def coulomb_step(

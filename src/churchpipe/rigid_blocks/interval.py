@@ -6,86 +6,111 @@ Self-stress changes what friction can carry and moves nothing, so that one mecha
 from dataclasses import replace
 
 import numpy as np
+import scipy.sparse as sp
 
 from churchpipe.conic.program import ConeProgram
-from churchpipe.conic.solve import Solve
+from churchpipe.conic.solve import Solve, solver_for
+from churchpipe.conic.wrenches import BODY, as_matrix
+from churchpipe.model.arrays import FloatArray
 from churchpipe.rigid_blocks.certificate import Strength
-from churchpipe.rigid_blocks.coulomb import CoulombState, bipotential_gap
+from churchpipe.rigid_blocks.coulomb import LEAST_FACTOR, CoulombState, bipotential_gap, gap_coefficients
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
+from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP
 
-# The gap of a state in the interval may exceed that of the given one by this share of the load factor.
-_MORE_GAP = 1e-5
-# An end is known when its bounds agree to this share of the load factor, or, before a state beyond it is known, to the second;
-# so many programs at most.
-_AGREE = 1e-4
-_NARROW = 1e-6
-_PROGRAMS = 10
-# The first weight (price) of the gap, and the divisor by which it is reduced as long as the states stay within the gap allowed.
-_PRICE = 2.0
-_CHEAPER = 8.0
+# Error of the program of an end, over the load factor; and what its gap keeps away from the gap allowed, for rounding.
+_ERROR = 1e-5
+_KEPT = 1e-4
 
 
-def mechanism_interval(balance: Equilibrium, strength: Strength, state: CoulombState, solve: Solve) -> tuple[float, float]:
-    """Return the smallest and largest load factor found of the Coulomb states that fit the mechanism as well as the given one.
+def mechanism_interval(balance: Equilibrium, strength: Strength, state: CoulombState) -> tuple[float, float]:
+    """Return the least and the greatest load factor of the Coulomb states that fit the mechanism of a given one."""
+    found = [end.load_factor for end in mechanism_ends(balance, strength, state)]
+    return found[0], found[1]
 
-    For fixed velocities the compatible states are convex: equilibrium, friction cones, and a gap of at most that of the given
-    state plus 1e-5 alpha. The self-stress of sliding contacts is statically free, so the interval has a length. The row of the
-    gap is dense and gets a price instead (Lagrange): max +-alpha - price g. By virtual work
-    g = -f_D . u - alpha + sum n (mu |v| + 2 max(0, -w)) + sum c |v|, so that this is the program of stage B with the work of
-    friction cheaper or dearer, times price / (price +- 1); where price < 1 at the lower end it maximises -alpha. Each program
-    gives a state and a bound, and states may be mixed: the ends returned are those of states that exist, inside the exact ones
-    by at most 1e-4 alpha unless ten programs were too few.
+
+def mechanism_ends(balance: Equilibrium, strength: Strength, state: CoulombState) -> tuple[CoulombState, CoulombState]:
+    """Return the states with the least and the greatest load factor that fit the mechanism of a given one.
+
+    For fixed velocities the compatible states are convex: equilibrium, friction cones, and a gap g of at most 1e-5 alpha, or as
+    much over alpha as that of the given state where it is not certified. The self-stress of sliding contacts is statically free,
+    so the interval has a length. g is linear in the forces: one more row of the balance, with a point of its own for what is left
+    to the gap allowed. The row is dense, but alone, so that the factor of the normal matrix gains no more than a row. The ends
+    are those of states that exist, inside the exact ones by some 1e-5 alpha; the given state, where no program was solved.
     """
-    low, high = (_end(balance, strength, state, sign, solve) for sign in (-1.0, 1.0))
-    return min(low, state.load_factor), max(high, state.load_factor)
+    rows = _WithGap(balance, strength, state)
+    return rows.farthest(-1.0), rows.farthest(1.0)
 
 
-def _end(balance: Equilibrium, strength: Strength, state: CoulombState, sign: float, solve: Solve) -> float:
-    """Return the load factor farthest in the direction of sign: the sandwich algorithm on gap against load factor."""
-    size = max(abs(state.load_factor), 1e-3)
-    allowed = state.gap + _MORE_GAP * size
-    # Gap and sign * load factor of the farthest states on either side of the gap allowed.
-    within, beyond = (state.gap, sign * state.load_factor), None
-    reach, bound, price = within[1], np.inf, _PRICE
-    for _ in range(_PROGRAMS):
-        program = _priced_program(balance, strength, state, sign, price)
-        duality_gap = min(max(1e-5 / price, 1e-7), 1e-6)
-        answer = solve(program, duality_gap=duality_gap)
+class _WithGap:
+    """The programs of both ends."""
+
+    def __init__(self, balance: Equilibrium, strength: Strength, state: CoulombState) -> None:
+        self._balance, self._strength, self._state = balance, strength, state
+        self._share = max(BIPOTENTIAL_GAP, state.relative_gap)
+        coefficients, self._constant = gap_coefficients(balance, strength, state.y)
+        # In the size of the other rows: what is left to the gap is as large as the largest load.
+        size = max(abs(state.load_factor), LEAST_FACTOR)
+        self._scale = float(np.abs(balance.dead).max()) / (self._share * size)
+        row = np.concatenate([self._scale * coefficients.ravel(), [1.0, 0.0, 0.0]])
+        column = np.flatnonzero(row)
+        # Rows come in blocks of six.
+        below = sp.csc_matrix((row[column], (np.zeros_like(column), column)), shape=(BODY, len(row)))
+        above = sp.hstack([as_matrix(balance.balance), sp.csc_matrix((len(balance.dead), 3))])
+        self._matrix = sp.csc_matrix(sp.vstack([above, below]))
+        self._solve: Solve = solver_for(self._matrix)
+
+    def farthest(self, sign: float) -> CoulombState:
+        """Return the state whose load factor lies farthest in the direction of `sign`."""
+        answer = self._solve(self._program(sign), duality_gap=_ERROR)
+        state = self._state
         if answer.outcome != "solved":
-            break
-        load_factor = answer.tau if sign + price > 0 else -answer.tau
-        found = bipotential_gap(balance, strength, answer.x, state.y), sign * load_factor
-        # The error of the program is relative to its objective, which is larger than the load factor.
-        bound = min(bound, found[1] + price * (allowed - found[0]) + duality_gap * abs(sign + price) * size)
-        if found[0] > allowed:
-            beyond = found
-        elif found[1] > within[1]:
-            within = found
-        reach = within[1]
-        if beyond is None:
-            price /= _CHEAPER
-        else:
-            slope = (beyond[1] - within[1]) / (beyond[0] - within[0])
-            reach += max(slope, 0.0) * (allowed - within[0])
-            # The next state lies farthest from the chord between these two.
-            price = max(slope, price / _CHEAPER)
-        # At a price of one the lower end has no multiplier.
-        price = 1.01 if abs(price - 1.0) < 0.01 else price
-        if bound - reach <= (_NARROW if beyond is None else _AGREE) * size:
-            break
-    return sign * reach
+            return state
+        x, load_factor = answer.x[:-1], sign * answer.tau
+        gap = bipotential_gap(self._balance, self._strength, x, state.y)
+        end = CoulombState(x, load_factor, state.y, gap)
+        allowed = self._share
+        if not end.relative_gap <= allowed:
+            # Both states fit the mechanism, and so do all mixtures of them.
+            lack, more = allowed * _size(state) - state.gap, end.gap - state.gap - allowed * (_size(end) - _size(state))
+            end = _mixed(state, end, min(max(lack / more, 0.0), 1.0) if more > 0 else 0.0)
+        return end if sign * (end.load_factor - state.load_factor) > 0 else state
+
+    def _program(self, sign: float) -> ConeProgram:
+        """Return max sign alpha, where g + (what is left) = share alpha, or share times the least factor for a smaller alpha."""
+        balance, strength = self._balance, self._strength
+        plain = balance.program(strength.cohesion, strength.friction, strength.bound)
+        small = abs(self._state.load_factor) <= LEAST_FACTOR
+        share = self._share * (1.0 - _KEPT)
+        fixed, growing = (share * LEAST_FACTOR, 0.0) if small else (0.0, share)
+        constant, growth = np.zeros((2, BODY))
+        constant[0] = self._scale * (self._constant - fixed)
+        growth[0] = -sign * self._scale * growing
+
+        def longer(values: FloatArray, last: float = 0.0) -> FloatArray:
+            return np.append(values, last)
+
+        return ConeProgram(
+            self._matrix,
+            np.concatenate([plain.constant, constant]),
+            np.concatenate([sign * plain.growth, growth]),
+            longer(plain.limit),
+            # With friction, though nothing pulls on it, the last point has a cone like all others.
+            longer(plain.slope, 1.0),
+            longer(plain.linear),
+            longer(plain.quadratic),
+            bound=longer(plain.bound, np.inf),
+        )
 
 
-def _priced_program(balance: Equilibrium, strength: Strength, state: CoulombState, sign: float, price: float) -> ConeProgram:
-    """Return max (sign + price) alpha - price sum n (mu |v| + 2 max(0, -w)) over equilibrium and the true cones.
+def _size(state: CoulombState) -> float:
+    return max(abs(state.load_factor), LEAST_FACTOR)
 
-    A point whose normal force is bounded may close, at the price of its bound, which is constant: the second term is absent
-    there. The multiplier counts once, so it is -alpha where sign + price < 0.
-    """
-    rate = balance.rates(state.y / (balance.live @ state.y))
-    slip = np.hypot(rate[:, 1], rate[:, 2])
-    reward = sign + price
-    overlap = np.where(strength.bounded, 0.0, np.maximum(-rate[:, 0], 0.0))
-    linear = price / abs(reward) * (strength.friction * slip + 2.0 * overlap)
-    program = balance.program(strength.cohesion, strength.friction, strength.bound, linear)
-    return replace(program, growth=np.sign(reward) * balance.live)
+
+def _mixed(first: CoulombState, second: CoulombState, share: float) -> CoulombState:
+    """Return the mixture of two states of one mechanism, so much of the second; its gap is mixed, too."""
+    return replace(
+        first,
+        x=first.x + share * (second.x - first.x),
+        load_factor=first.load_factor + share * (second.load_factor - first.load_factor),
+        gap=first.gap + share * (second.gap - first.gap),
+    )

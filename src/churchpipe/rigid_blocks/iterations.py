@@ -101,15 +101,18 @@ def certified_iteration(
     solve: Solve,
     settings: SchemeSettings | None = None,
     progress: Progress | None = None,
+    *,
+    below: float = np.inf,
 ) -> SlidingRun | None:
     """Search for a collapse state without dilatancy from normal forces n (nc,), until the gap certifies it.
 
-    Stage A, `approached_forces`, approaches forces that hardly exceed friction. Stage B, `closed_gap`, closes the gap.
+    Stage A, `approached_forces`, approaches forces that hardly exceed friction. Stage B, `closed_gap`, closes the gap. Only a
+    load factor `below` this is wanted: a search that comes close to a state above it is left, with the gap that it then has.
     """
     settings = settings or SchemeSettings()
     count = SolveCount(solve)
     n, history = approached_forces(balance, strength, n, count, settings)
-    run = closed_gap(balance, strength, n, count, settings, progress)
+    run = closed_gap(balance, strength, n, count, settings, progress, below=below)
     if run is None:
         return None
     return replace(run, history=(*history, *run.history), solves=count.solves, iterations=count.iterations)
@@ -145,6 +148,7 @@ def closed_gap(
     progress: Progress | None = None,
     *,
     forces: FloatArray | None = None,
+    below: float = np.inf,
 ) -> SlidingRun | None:
     """Close the gap of normal forces n (nc,) that hardly exceed friction: stage B.
 
@@ -158,6 +162,8 @@ def closed_gap(
     left of it: a hinge, for instance, whose force cannot reach its edge. When a step without extension is slow, the share of
     these joints in the gap is given a larger weight from then on (breakout, Morris 1993). The programs lower this weighted gap,
     so steps are judged by it; a step that frees a joint may raise the gap itself. A gap of zero is zero with any such weights.
+
+    below: see `certified_iteration`.
     """
     count = SolveCount(solve)
     history: list[Iteration] = []
@@ -186,7 +192,7 @@ def closed_gap(
             best = state
         if state.gap < 0.5 * mark:
             halved, mark = pair, state.gap
-        if state.relative_gap <= settings.bipotential_gap:
+        if state.relative_gap <= (settings.bipotential_gap if state.load_factor < below else settings.close):
             break
         reached, left, least = (_weighted_gap(balance, strength, each, excess) for each in (state, last, base))
         if base is None or reached < least:

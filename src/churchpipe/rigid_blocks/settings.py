@@ -93,6 +93,7 @@ class SchemeSettings:
         points that add more than the first share of it count so many times more from then on.
     Convex programs are solved to `share` of the gap that is left, at least to `roughest` and at most to `duality_gap`: the gap
         is computed from the arrays, whatever made them.
+    close: a search for a state lower than a known one is left where its gap falls below this at a load factor that is not lower.
     bipotential_gap: g / alpha at which the search ends.
 
     stage_b, momentum, weight_a, weight_b, stuck, stuck_weight and nearness were chosen on S5, S22, the walls of Ferris and
@@ -122,10 +123,11 @@ class SchemeSettings:
     duality_gap: float = 1e-6
     share: float = 0.03
     roughest: float = 1e-3
+    close: float = 1e-3
 
     def __post_init__(self) -> None:
         _check_positive(self)
-        shares = ("violation", "change", "momentum", "slow", "stuck", "share", "roughest")
+        shares = ("violation", "change", "momentum", "slow", "stuck", "share", "roughest", "close")
         _check_below_one(self, "bipotential_gap", "duality_gap", *shares)
 
 

@@ -1,6 +1,6 @@
 """Non-associative limit analysis: several starts, one headline, and the certificate of each."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
@@ -24,8 +24,9 @@ from churchpipe.rigid_blocks.coulomb import (
     sliding_velocities,
 )
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
-from churchpipe.rigid_blocks.interval import mechanism_interval
+from churchpipe.rigid_blocks.interval import mechanism_ends
 from churchpipe.rigid_blocks.iterations import SlidingRun, certified_iteration, paper_iteration
+from churchpipe.rigid_blocks.selection import fits_any_load, led_by
 from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP, SEARCH_SPREAD, CentralSettings, SchemeSettings
 from churchpipe.rigid_blocks.ties import all_forces, point_forces, with_tensions
 
@@ -33,9 +34,8 @@ Method = Literal["default", "paper"]
 Start = Literal["centre", "dead-load", "uniform", "associative", "scattered"]
 Progress = Callable[[str, float], None]
 _STARTS: dict[Method, tuple[Start, ...]] = {"default": ("centre", "dead-load"), "paper": ("associative",)}
-# An interval that begins below this share of the load factor begins at zero.
-_ANY_LOAD = 1e-2
-# Nobody waits long for a second opinion: once a state is certified, a search gives up after so many steps without half the gap.
+# Nobody waits long for a second opinion: once a state is certified, a search gives up after so many steps without half the gap,
+# and near a state that would not lead.
 _PATIENCE = 8
 # Where the run from the centre cannot begin, or stops short of a state, the search is tried from these.
 _OTHERS: tuple[Start, ...] = ("dead-load", "associative")
@@ -125,49 +125,13 @@ def sliding_analysis(
     settled = [end for end in search.ends if end[0].converged]
     if not settled:
         settled = [min(search.ends, key=lambda end: end[1].load_factor if options.method == "paper" else end[1].relative_gap)]
-
-    def interval_of(number: int) -> tuple[float, float]:
-        state = settled[number][2]
-        return (np.nan, np.nan) if state is None else mechanism_interval(balance, strength, state, solve)
-
-    first, intervals = led_by([end[0] for end in settled], interval_of)
-    for number, interval in intervals.items():
-        record, run, state = settled[number]
-        settled[number] = replace(record, interval=interval), run, state
-    known = {end[0].start: end[0] for end in settled}
-    runs = [known.get(end[0].start, end[0]) for end in search.ends]
-    passed_over = [settled[number][0] for number in intervals if number != first]
-    return _state(balance, strength, associative, settled[first], runs, search.found, passed_over)
-
-
-def led_by(
-    runs: Sequence[StartRun], interval_of: Callable[[int], tuple[float, float]]
-) -> tuple[int, dict[int, tuple[float, float]]]:
-    """Return which of several settled runs is reported, and the intervals looked at for that, by their numbers.
-
-    A few stones that only friction holds between others may be squeezed out under any load factor from zero on, with the
-    self-stress for it. Such a state says nothing of the lateral load: the next one leads, if there is one without zero in its
-    interval.
-    """
-    left, intervals = list(range(len(runs))), dict[int, tuple[float, float]]()
-    while left:
-        first = left[leading([runs[number] for number in left])]
-        intervals[first] = interval_of(first)
-        if not intervals[first][0] <= _ANY_LOAD * runs[first].load_factor:
-            return first, intervals
-        left.remove(first)
-    return leading(runs), intervals
-
-
-def leading(runs: Sequence[StartRun]) -> int:
-    """Return which of several settled runs leads: the lowest, or the run from the centre where it is as low.
-
-    As low: but for the share that rounding alone moves the end of a search. The run from the centre does not depend on rounding,
-    so that a model has one load factor whatever its order of stones and the machine.
-    """
-    lowest = min(range(len(runs)), key=lambda k: runs[k].load_factor)
-    allowed = (1.0 + SEARCH_SPREAD) * runs[lowest].load_factor
-    return next((k for k, run in enumerate(runs) if run.start == "centre" and run.load_factor <= allowed), lowest)
+    first, intervals = led_by([end[0] for end in settled], lambda number: search.interval(settled[number]))
+    lead = search.lowest_of_mechanism(settled[first]) if options.starts == _STARTS["default"] else settled[first]
+    known = {end[0].start: replace(end[0], interval=search.known_interval(end)) for end in search.ends}
+    lead = replace(lead[0], interval=known[lead[0].start].interval), *lead[1:]
+    known[lead[0].start] = lead[0]
+    passed_over = [known[settled[number][0].start] for number in intervals if number != first]
+    return _state(balance, strength, associative, lead, list(known.values()), search.found, passed_over)
 
 
 _End = tuple[StartRun, SlidingRun, CoulombState | None]
@@ -189,6 +153,7 @@ class _Search:
         self._options, self._solve, self._progress = options, solve, progress
         self.found: list[SlidingRun] = []
         self.ends: list[_End] = []
+        self._mechanisms: dict[str, tuple[CoulombState, CoulombState]] = {}
 
     def begin(self, start: Start) -> None:
         """Run from a start."""
@@ -201,9 +166,10 @@ class _Search:
             n = self._first_forces(start)
             if options.method == "default":
                 settings = SchemeSettings(bipotential_gap=options.bipotential_gap)
-                if options.starts == _STARTS["default"] and any(end[0].converged for end in self.ends):
+                below = self._worth_finding()
+                if np.isfinite(below):
                     settings = replace(settings, patience=_PATIENCE)
-                runs = [certified_iteration(balance, strength, n, solve, settings, self._progress)]
+                runs = [certified_iteration(balance, strength, n, solve, settings, self._progress, below=below)]
                 for draw in range(2, _DRAWS + 1 if start == "scattered" else 2):
                     if runs[-1] is not None and runs[-1].converged:
                         break
@@ -213,6 +179,40 @@ class _Search:
                 before = np.zeros_like(n), n
                 runs = [paper_iteration(balance, strength, n, each, solve, progress=self._progress) for each in before]
         self.keep(start, [run for run in runs if run is not None], options.method)
+
+    def interval(self, end: _End) -> tuple[float, float]:
+        """Return the interval of the mechanism of an end."""
+        state, start = end[2], end[0].start
+        if state is not None and start not in self._mechanisms:
+            self._mechanisms[start] = mechanism_ends(self._balance, self._strength, state)
+        return self.known_interval(end)
+
+    def known_interval(self, end: _End) -> tuple[float, float]:
+        """Return the interval of an end if it was looked for."""
+        found = self._mechanisms.get(end[0].start)
+        return (np.nan, np.nan) if found is None else (found[0].load_factor, found[1].load_factor)
+
+    def lowest_of_mechanism(self, end: _End) -> _End:
+        """Return the lowest certified state of the mechanism that a search found.
+
+        Which state of its mechanism a search ends at hangs on rounding; which of them is the lowest does not. Nor does it where
+        the run from the centre ends, so that this stays as it is, unless it had ties and ended in a search.
+        """
+        record, run, _ = end
+        found = self._mechanisms.get(record.start)
+        if found is None or not record.converged or (record.start == "centre" and not self._balance.ties):
+            return end
+        low = found[0]
+        history = (*run.history, Iteration(low.load_factor, 0.0, low.relative_gap))
+        lowest = replace(run, x=low.x, load_factor=low.load_factor, gap=low.gap, history=history)
+        self.found = [lowest if each is run else each for each in self.found]
+        return replace(record, load_factor=low.load_factor, gap=low.gap, history=history), lowest, low
+
+    def _worth_finding(self) -> float:
+        """Return the load factor below which a further start of an analysis that names none would lead, infinite if any would."""
+        known = [end for end in self.ends if end[0].converged] if self._options.starts == _STARTS["default"] else []
+        useful = [end[0].load_factor for end in known if not fits_any_load(end[0], self.interval(end))]
+        return min(useful, default=np.inf) / (1.0 + SEARCH_SPREAD)
 
     def _first_forces(self, start: Start, draw: int = 1) -> FloatArray:
         """Return the normal forces (nc,) over the weight from which a search begins; draw: which of the scattered ones."""
