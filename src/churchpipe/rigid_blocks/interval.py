@@ -68,7 +68,8 @@ class _WithGap:
         x, load_factor = answer.x[:-1], sign * answer.tau
         gap = bipotential_gap(self._balance, self._strength, x, state.y)
         end = CoulombState(x, load_factor, state.y, gap)
-        allowed = self._share
+        # No less than the gap of the given state, which may be all that is allowed.
+        allowed = max(self._share * (1.0 - 0.5 * _KEPT), state.relative_gap)
         if not end.relative_gap <= allowed:
             # Both states fit the mechanism, and so do all mixtures of them.
             lack, more = allowed * _size(state) - state.gap, end.gap - state.gap - allowed * (_size(end) - _size(state))

@@ -203,6 +203,8 @@ class _Search:
         if found is None or not record.converged or (record.start == "centre" and not self._balance.ties):
             return end
         low = found[0]
+        if low.relative_gap > BIPOTENTIAL_GAP or not admissible(self._balance, self._strength, low):
+            return end
         history = (*run.history, Iteration(low.load_factor, 0.0, low.relative_gap))
         lowest = replace(run, x=low.x, load_factor=low.load_factor, gap=low.gap, history=history)
         self.found = [lowest if each is run else each for each in self.found]
