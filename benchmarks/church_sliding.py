@@ -9,6 +9,7 @@ With --keep the states lie in FOLDER as NumPy archives (x, y: forces and velocit
 import argparse
 from pathlib import Path
 from time import process_time
+from typing import Any
 
 import numpy as np
 from church import LOADS
@@ -16,7 +17,7 @@ from church import LOADS
 import churchpipe as cp
 from churchpipe.conic.polish import restore_balance
 from churchpipe.conic.program import ConeProgram, ConeSolution
-from churchpipe.conic.solve import Proves, Solve, SolveProgress, solver_for
+from churchpipe.conic.solve import Solve, solver_for
 from churchpipe.rigid_blocks.associative import associative_program
 from churchpipe.rigid_blocks.coulomb import CoulombState, dead_load_start
 from churchpipe.rigid_blocks.equilibrium import equilibrium
@@ -32,18 +33,11 @@ def within(solve: Solve, seconds: float) -> Solve:
     """Return a solver that fails once so much processor time has been spent: the iteration then ends with what it has."""
     begin = process_time()
 
-    def limited(
-        program: ConeProgram,
-        /,
-        *,
-        duality_gap: float | None = None,
-        proves: Proves | None = None,
-        progress: SolveProgress | None = None,
-    ) -> ConeSolution:
+    def limited(program: ConeProgram, /, **wanted: Any) -> ConeSolution:
         if process_time() - begin > seconds:
             forces, rates = np.full((program.points, 3), np.nan), np.full(len(program.constant), np.nan)
             return ConeSolution(forces, np.nan, rates, "failed", 0, 0.0, "", "out of time")
-        return solve(program, duality_gap=duality_gap, proves=proves, progress=progress)
+        return solve(program, **wanted)
 
     return limited
 
