@@ -152,11 +152,12 @@ def closed_gap(
 ) -> SlidingRun | None:
     """Close the gap of normal forces n (nc,) that hardly exceed friction: stage B.
 
-    forces (nc, 3), if known, are near those sought. A step finds the velocities of P(n), then the forces in the true cones that
-    do the least work against their sliding. Such steps alone converge slowly, so each is extended by a share of the one before
-    (heavy ball, Polyak 1964).
-    After a slow step the next is not extended. The share is halved when the gap grows, and doubled, up to its first value, when
-    it falls.
+    A step finds the velocities of P(n), then the forces in the true cones that do the least work against their sliding. Such
+    steps alone converge slowly, so each is extended by a share of the one before (heavy ball, Polyak 1964). After a slow step the
+    next is not extended. The share is halved when the gap grows, and doubled, up to its first value, when it falls.
+
+    forces (nc, 3): near those sought, if any are known. Programs of forces then begin near the last ones, and those of velocities
+    stop before their own forces balance: quicker, and exact to the misfit of a path, not to that of a certified load factor.
 
     The gap is concave in the forces alone, so that stage B can come to rest at a local minimum where a few joints keep what is
     left of it: a hinge, for instance, whose force cannot reach its edge. When a step without extension is slow, the share of
@@ -258,11 +259,12 @@ def _stage_b(
     gap = np.inf if last is None else last.relative_gap
     duality_gap = min(max(settings.duality_gap, settings.share * gap), settings.roughest)
     stressed = None if last is None or not excess.any() else (excess, last.x)
-    y = sliding_velocities(balance, strength, n, solve, duality_gap=duality_gap, stressed=stressed)
+    alone = forces is not None
+    y = sliding_velocities(balance, strength, n, solve, duality_gap=duality_gap, stressed=stressed, alone=alone)
     if y is None:
         return None
     nearness = min(settings.weight_b, settings.nearness * gap)
-    x = forces if last is None else last.x
+    x = forces if forces is None or last is None else last.x
     found = nearest_forces(balance, strength, n, y, solve, nearness=nearness, duality_gap=duality_gap, excess=excess, x=x)
     if found is None:
         return None
