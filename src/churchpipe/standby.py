@@ -26,8 +26,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NoReturn
 
-import numpy as np
-
 from churchpipe.call_standby import PLACE, THREADS
 
 # Where it is reached, from the folder of a run: the path of a socket must be short.
@@ -132,6 +130,9 @@ class _Standby:
 
 def _call_a_loop() -> None:
     """Let numba start its compiler, which it does for the first loop of a process, compiled before or not; it takes .2 s."""
+    # Not before the number of threads is set, which BLAS reads as it is loaded.
+    import numpy as np
+
     from churchpipe.conic.interior_point.iterate import plus
 
     plus(np.zeros(1), np.zeros(1), 0.0)

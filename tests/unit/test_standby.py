@@ -89,3 +89,9 @@ def test_what_stands_by_has_the_modules_that_the_stages_need() -> None:
     assert {"numba", "scipy.sparse", "shapely", "ezdxf", "jinja2"} <= set(known)
     # A fork of a process with threads of these would hang or crash.
     assert not {"gmsh", "pyvista", "vtkmodules", "snakemake"} & set(known)
+
+
+def test_blas_is_not_loaded_before_its_threads_are_set() -> None:
+    # It reads their number as it is loaded: two threads in each of two forks would wait for each other.
+    code = "import sys, churchpipe.standby; print('numpy' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip() == "False"
