@@ -161,7 +161,9 @@ def _solved(model: MovingModel, state: PathState, programs: int, pairs: int) -> 
     tangents = state.joints.at(state.poses)[0].frame[state.joints.interface, 1:]
     sliding, forces = np.zeros(len(gap)), np.zeros((len(gap), 3))
     sliding[:points], forces[:points, 0] = state.joints.sliding, state.joints.pressing
-    forces[:points, 1:] = np.einsum("kac,kc->ka", tangents, state.joints.shear)
+    # Whole forces let the programs begin near them: quicker, and a little less exact, which only a large model is worth.
+    if model.large:
+        forces[:points, 1:] = np.einsum("kac,kc->ka", tangents, state.joints.shear)
 
     def longest(y: FloatArray) -> float:
         return _length(model, stones, _velocities(model, state, free, y))
