@@ -87,7 +87,7 @@ class WarmStart:
     x: FloatArray
     tau: float
     y: FloatArray
-    error: float = 0.3
+    error: float = 3.0
 
 
 @dataclass(frozen=True, slots=True)

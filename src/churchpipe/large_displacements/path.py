@@ -106,7 +106,8 @@ def approached(model: MovingModel, state: PathState) -> PathState:
     program, points = step_program(model, state), len(state.joints.pressing)
     forces = np.zeros(len(program.closing))
     forces[:points] = state.joints.pressing
-    forces, _ = approached_forces(program, program.strength, forces, solver_for(program.balance, model.solver), SchemeSettings())
+    solve = solver_for(program.balance, model.solver)
+    forces, _ = approached_forces(program, program.strength, forces, solve, SchemeSettings(), rough=True)
     return replace(state, joints=replace(state.joints, pressing=forces[:points]))
 
 
@@ -171,7 +172,7 @@ def _solved(model: MovingModel, state: PathState, programs: int, pairs: int) -> 
     search = StepSearch(program, gap, solve, longest, state.length, model.step, model.fitting)
     # Where forces and motion fitted each other in pairs of programs only, the forces of the last step are the best to begin with:
     # they keep the path on its way where others branch off.
-    attempt = Attempt(StepAnswer("failed", forces, np.nan, np.zeros(0)), state.length)
+    attempt = Attempt(StepAnswer("failed", forces, np.nan, _last_velocities(model, state, free, program)), state.length)
     if pairs and forces.any() and not program.softness.any():
         # A large program that has no solution need not be shown twice to have none: the search below shows it once more.
         own = solver_for(program.balance, "interior-point") if model.large and model.solver == "auto" else solve
@@ -367,6 +368,17 @@ def _velocities(model: MovingModel, state: PathState, free: IntArray, y: FloatAr
     if not isinstance(model.driven, TravellingLoads):
         out[model.driven.stones] = y[6 * len(free)] * model.driven.twist(state.poses)
     return out
+
+
+def _last_velocities(model: MovingModel, state: PathState, free: IntArray, program: StepProgram) -> FloatArray:
+    """Return the multipliers of the last motion where the stones are now, none where the load is no load on stones alone."""
+    if state.before is None or not isinstance(model.driven, TravellingLoads) or len(program.dead) != 6 * len(free):
+        return np.zeros(0)
+    velocity = state.before[free]
+    there = velocity[:, :3] + np.cross(velocity[:, 3:], state.poses.centroid[free])
+    y = np.concatenate([there, model.length * velocity[:, 3:]], axis=1).ravel()
+    power = float(program.live @ y)
+    return y / power if power > 0 else np.zeros(0)
 
 
 def _mean_speed(model: MovingModel, velocity: FloatArray) -> float:

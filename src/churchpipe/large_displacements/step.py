@@ -147,7 +147,7 @@ def without_dilatancy(program: StepProgram, answer: StepAnswer, solve: Solve, mi
 
     Of each pair one finds the velocities that fit the forces, the other the forces that fit the velocities, see `closed_gap`.
     It ends where the misfit is as small as wanted; where it grows instead, or none are found, the answer given is returned, which
-    need not have a motion ("failed").
+    need not have a motion ("failed"), or have one of which nothing is known but that it is near.
     """
     first = answer.outcome != "solved"
     known = 1.0 if first else abs(answer.load_factor)
@@ -155,7 +155,8 @@ def without_dilatancy(program: StepProgram, answer: StepAnswer, solve: Solve, mi
     settings = SchemeSettings(bipotential_gap=share, stage_b=pairs)
     n = np.maximum(answer.forces[:, 0], 0.0)
     whole = answer.forces if answer.forces[:, 1:].any() else None
-    run = closed_gap(program, program.strength, n, solve, settings, forces=whole)
+    velocities = answer.y if whole is not None and len(answer.y) else None
+    run = closed_gap(program, program.strength, n, solve, settings, forces=whole, velocities=velocities)
     if run is None:
         return answer
     y = run.y / float(program.live @ run.y)

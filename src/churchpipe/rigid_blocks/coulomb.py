@@ -65,13 +65,15 @@ def sliding_velocities(
     duality_gap: float = EXACT,
     stressed: tuple[FloatArray, FloatArray] | None = None,
     alone: bool = False,
+    near: tuple[FloatArray, FloatArray] | None = None,
 ) -> FloatArray | None:
     """Return the velocities (6 nf,) of P(n), or None when it is not solved.
 
     If the forces barely carry the dead load, P(n) has no interior, or no solution. Shear may then exceed its limit by `_SLACK`
     of the largest. That does not spoil the result: any velocities are allowed, and the gap is computed from the arrays.
 
-    alone: whether the program may stop before its forces balance. stressed: a pair, excess (nc,) >= 0 and forces x (nc, 3). What
+    alone: whether the program may stop before its forces balance. near: a pair, forces (nc, 3) and velocities (m,) near those
+    sought. stressed: a pair, excess (nc,) >= 0 and forces x (nc, 3). What
     x adds to the gap at each point counts `excess` times more. It is linear in the openings, the closing and the slip, so the
     program is P with larger limits and another dead load.
     """
@@ -85,8 +87,10 @@ def sliding_velocities(
             bound=program.bound * (1.0 + excess),
         )
     size = max(float(program.limit.max(initial=0.0)), program.force)
+    start = None if near is None else _near(program, *near)
     for slack in _SLACK:
-        answer = solve(replace(program, limit=program.limit + slack * size), duality_gap=duality_gap, velocities=alone)
+        limited = replace(program, limit=program.limit + slack * size)
+        answer = solve(limited, duality_gap=duality_gap, velocities=alone, near=start)
         if answer.outcome == "solved":
             return answer.y
     return None

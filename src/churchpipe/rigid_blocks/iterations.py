@@ -6,6 +6,7 @@ proves it. Symbols are those of `coulomb`.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -119,19 +120,22 @@ def certified_iteration(
 
 
 def approached_forces(
-    balance: Balanced, strength: Strength, n: FloatArray, solve: Solve, settings: SchemeSettings
+    balance: Balanced, strength: Strength, n: FloatArray, solve: Solve, settings: SchemeSettings, *, rough: bool = False
 ) -> tuple[FloatArray, list[Iteration]]:
     """Return normal forces (nc,) that hardly exceed friction, sought from forces n (nc,), and the steps towards them: stage A.
 
     A step maximises alpha - 1/2 sum R_k (mu n - mu n_hat)^2 with shear limited by mu n_hat, where alpha is the load factor,
     n_hat are the normal forces of the step before and R_k proximal weights.
+
+    rough: whether each program may begin near the one before, and stop before its forces balance.
     """
     history: list[Iteration] = []
+    last: ConeSolution | None = None
     for _ in range(settings.stage_a):
-        step = _stage_a(balance, strength, n, solve, settings)
-        if step is None:
+        last = _stage_a(balance, strength, n, solve, settings, last, rough=rough)
+        if last is None:
             break
-        n, iteration = step
+        n, iteration = np.maximum(last.x[:, 0], 0.0), Iteration(last.tau, friction_violation(strength, last.x))
         change = abs(iteration.load_factor / history[-1].load_factor - 1) if history else np.inf
         history.append(iteration)
         if iteration.violation < settings.violation or change <= settings.change:
@@ -148,6 +152,7 @@ def closed_gap(
     progress: Progress | None = None,
     *,
     forces: FloatArray | None = None,
+    velocities: FloatArray | None = None,
     below: float = np.inf,
 ) -> SlidingRun | None:
     """Close the gap of normal forces n (nc,) that hardly exceed friction: stage B.
@@ -156,8 +161,9 @@ def closed_gap(
     steps alone converge slowly, so each is extended by a share of the one before (heavy ball, Polyak 1964). After a slow step the
     next is not extended. The share is halved when the gap grows, and doubled, up to its first value, when it falls.
 
-    forces (nc, 3): near those sought, if any are known. Programs of forces then begin near the last ones, and those of velocities
-    stop before their own forces balance: quicker, and exact to the misfit of a path, not to that of a certified load factor.
+    forces (nc, 3), velocities (m,): near those sought, if any are known. Programs then begin near the last ones, and those of
+    velocities stop before their own forces balance: quicker, and exact to the misfit of a path, not to that of a certified load
+    factor.
 
     The gap is concave in the forces alone, so that stage B can come to rest at a local minimum where a few joints keep what is
     left of it: a hinge, for instance, whose force cannot reach its edge. When a step without extension is slow, the share of
@@ -172,6 +178,7 @@ def closed_gap(
     last: CoulombState | None = None
     # The state with the least weighted gap. The search returns to it.
     base: CoulombState | None = None
+    known: _Known | None = None
     ahead, excess, momentum = n, np.zeros_like(n), settings.momentum
     # The step at which the gap was last halved, and the gap then.
     halved, mark = 0, np.inf
@@ -181,7 +188,9 @@ def closed_gap(
         if progress:
             progress("non-associative", pair / settings.stage_b)
         plain = ahead is n
-        state = _stage_b(balance, strength, ahead, last, excess, count, settings, forces)
+        if forces is not None:
+            known = _Known(forces, velocities) if last is None else _Known(last.x, last.y)
+        state = _stage_b(balance, strength, ahead, last, excess, count, settings, known)
         if state is None and plain:
             break
         if state is None:
@@ -220,6 +229,13 @@ def sliding_run(state: CoulombState, history: list[Iteration], solves: int, iter
     return SlidingRun(state.x, state.load_factor, state.y, state.gap, converged, tuple(history), solves, iterations)
 
 
+class _Known(NamedTuple):
+    """Forces (nc, 3) near those sought, and velocities (m,) if any are known."""
+
+    forces: FloatArray
+    velocities: FloatArray | None
+
+
 class SolveCount:
     """A solver that counts the programs it has solved and its iterations."""
 
@@ -253,18 +269,19 @@ def _stage_b(
     excess: FloatArray,
     solve: Solve,
     settings: SchemeSettings,
-    forces: FloatArray | None,
+    known: "_Known | None",
 ) -> CoulombState | None:
     """Return the next state: velocities from P(n), then the forces that do the least work against them."""
     gap = np.inf if last is None else last.relative_gap
     duality_gap = min(max(settings.duality_gap, settings.share * gap), settings.roughest)
     stressed = None if last is None or not excess.any() else (excess, last.x)
-    alone = forces is not None
-    y = sliding_velocities(balance, strength, n, solve, duality_gap=duality_gap, stressed=stressed, alone=alone)
+    alone = known is not None
+    near = None if known is None or known.velocities is None else (known.forces, known.velocities)
+    y = sliding_velocities(balance, strength, n, solve, duality_gap=duality_gap, stressed=stressed, alone=alone, near=near)
     if y is None:
         return None
     nearness = min(settings.weight_b, settings.nearness * gap)
-    x = forces if forces is None or last is None else last.x
+    x = None if known is None else known.forces
     found = nearest_forces(balance, strength, n, y, solve, nearness=nearness, duality_gap=duality_gap, excess=excess, x=x)
     if found is None:
         return None
@@ -280,17 +297,25 @@ def _weighted_gap(balance: Balanced, strength: Strength, state: CoulombState | N
 
 
 def _stage_a(
-    balance: Balanced, strength: Strength, n: FloatArray, solve: Solve, settings: SchemeSettings
-) -> tuple[FloatArray, Iteration] | None:
+    balance: Balanced,
+    strength: Strength,
+    n: FloatArray,
+    solve: Solve,
+    settings: SchemeSettings,
+    last: ConeSolution | None,
+    *,
+    rough: bool,
+) -> ConeSolution | None:
     mu = strength.friction
     shear = mu * n
     load = float(np.abs(balance.dead).max())
     mean = max(float(shear.mean()), 1e-3 * load)
     curvature = settings.weight_a / (len(n) * mean * (shear + 0.1 * mean)) * mu**2
+    near = WarmStart(last.x, last.tau, last.y) if rough and last is not None else None
     for cohesion in (settings.cohesion * float(shear.max()), *(load * share for share in settings.more_cohesion)):
         limit = shear + strength.cohesion + cohesion
         program = balance.program(limit, np.zeros_like(n), strength.bound, -curvature * n, curvature)
-        answer = solve(program, duality_gap=settings.roughest)
+        answer = solve(program, duality_gap=settings.roughest, near=near, velocities=rough)
         if answer.outcome == "solved":
-            return np.maximum(answer.x[:, 0], 0.0), Iteration(answer.tau, friction_violation(strength, answer.x))
+            return answer
     return None

@@ -117,6 +117,11 @@ class CoulombPoints:
         out[0, self._bounded] += z[self._bounds :]
         return out
 
+    def overlap(self, pull: FloatArray) -> float:
+        """Return how fast a point closes that cannot, over the fastest rate; pull (3, count): the rates, cost of n included."""
+        fixed = self._guarded[~np.isfinite(self._bound[self._guarded])]
+        return float(-pull[0, fixed].min(initial=0.0)) / max(float(np.abs(pull).max(initial=0.0)), 1e-300)
+
     def compliance(self, scalings: Sequence[Scaling]) -> "CoulombCompliance":
         """Return the compliances in closed form."""
         # A component that is not free is held by a stiffness of its own.

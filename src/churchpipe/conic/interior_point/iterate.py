@@ -1,6 +1,6 @@
 """The state of the interior-point loop: the variables of the homogeneous embedding, and steps between such states."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numba
 import numpy as np
@@ -10,6 +10,8 @@ from churchpipe.model.arrays import FloatArray
 
 # A multiplier that would leave its cone before the others goes this share of its own way.
 _SHORT = 0.8
+# The one that sets the length reaches its share of the way to this, and does not count as one that would leave before it.
+_ROUNDING = 1e-12
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,14 +29,14 @@ class Iterate:
     theta: float
     kappa: float
 
-    def moved(self, step: "Iterate", length: float, z_length: FloatArray | None = None) -> "Iterate":
-        """Return self + length step, the multipliers by lengths (rows,) of their own if any are given."""
+    def moved(self, step: "Iterate", length: float) -> "Iterate":
+        """Return self + length step."""
         return Iterate(
             plus(self.x, step.x, length),
             self.load + length * step.load,
             plus(self.y, step.y, length),
             plus(self.s, step.s, length),
-            plus(self.z, step.z, length) if z_length is None else self.z + z_length * step.z,
+            plus(self.z, step.z, length),
             self.theta + length * step.theta,
             self.kappa + length * step.kappa,
         )
@@ -57,22 +59,28 @@ class Iterate:
         kappa = -(step.kappa + weights * more.kappa) / self.kappa
         return 1.0 / np.maximum.reduce([slacks, multipliers, theta, kappa, np.full(len(weights), 1e-3)])
 
-    def stepped(self, problem: CoupledProblem, step: "Iterate", fraction: float, ignored: int) -> tuple["Iterate", float]:
+    def stepped(
+        self, problem: CoupledProblem, step: "Iterate", fraction: float, ignored: int, *, slack: bool = False
+    ) -> tuple["Iterate", float]:
         """Return the iterate a `fraction` of the way to where step leaves the cones, at most the whole step, and the length.
 
         Each of the `ignored` multipliers, which would leave first, stops short of its own boundary. That leaves a residual in its
-        local rows alone, the motion of one point. Forces that stop short would upset the balance of whole bodies.
+        local rows alone, the motion of one point. slack: as many slacks stop short likewise, while their forces go on. Such
+        forces are outside their cones until later steps have removed that residual. Where they must also balance this takes many.
         """
         cone, once = problem.cone, np.zeros(1)
         slacks = cone.rates(self.s, step.s, step.s, once)
         multipliers = cone.rates(self.z, step.z, step.z, once)
-        steepest = max(float(slacks.max(initial=0.0)), -step.theta / self.theta, -step.kappa / self.kappa)
-        length = min(1.0, fraction / max(steepest, float(_steepest(multipliers, ignored)[0]), 1e-300))
-        early = multipliers[0] * length > fraction
-        if not early.any():
-            return self.moved(step, length), length
-        own = np.where(early, _SHORT / np.maximum(multipliers[0], 1e-300), length)
-        return self.moved(step, length, cone.entries(own)), length
+        steepest = max(-step.theta / self.theta, -step.kappa / self.kappa, float(_steepest(multipliers, ignored)[0]))
+        steepest = max(steepest, float(_steepest(slacks, ignored if slack else 0)[0]))
+        length = min(1.0, fraction / max(steepest, 1e-300))
+        out = self.moved(step, length)
+        for part, rates in (("s", slacks[0]), ("z", multipliers[0])):
+            early = rates * length > fraction * (1.0 + _ROUNDING)
+            if early.any():
+                own = cone.entries(np.where(early, _SHORT / np.maximum(rates, 1e-300), length))
+                out = replace(out, **{part: getattr(self, part) + own * getattr(step, part)})
+        return out, length
 
     def mean_product(self, problem: CoupledProblem) -> float:
         """Return mu, the mean complementarity product."""

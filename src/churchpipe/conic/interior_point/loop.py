@@ -6,6 +6,7 @@ corrector keeps, the centring (Mehrotra 1992), in coordinates that the Nesterov-
 correctors, which use the same factorisation, then lengthen the step (Gondzio 1996).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -30,7 +31,7 @@ _TARGET = 0.3
 # A corrector is added with the weight that reaches farthest (Colombo and Gondzio 2008).
 _WEIGHTS = np.array([1.0, 0.7, 0.4])
 # A few cones of many would end a step long before the others. They are ignored when directions are judged, unless the last step
-# was shorter than this.
+# was shorter than this and the forces are to balance.
 _BLOCKED = 0.1
 # A solution is balanced in so many sweeps, to this residual, and may leave its cones by this share of the largest slack.
 _SWEEPS = 8
@@ -66,8 +67,12 @@ def solve_coupled(
     start: Iterate,
     settings: Settings,
     progress: Progress | None = None,
+    enough: Callable[[Iterate], bool] | None = None,
 ) -> Ending:
-    """Run the interior-point loop from an interior iterate; the residual tolerance is in the units of the rows."""
+    """Run the interior-point loop from an interior iterate; the residual tolerance is in the units of the rows.
+
+    enough: what an iterate must satisfy beside the tolerances where the multipliers alone are wanted.
+    """
     kkt = KktSystem(problem, normal, cholesky)
     at = start
     best: tuple[Iterate, Info] | None = None
@@ -86,8 +91,9 @@ def solve_coupled(
             least, progressed = np.minimum(least, errors), iteration
         status = _status(problem, at, found, info, settings)
         if status == "solved" and not settings.balanced:
-            return Ending(status, at, info, "")
-        if status == "solved" and iteration:
+            if enough is None or enough(at):
+                return Ending(status, at, info, "")
+        elif status == "solved" and iteration:
             exact = _balanced(problem, kkt, at)
             if exact is not None or info.residual <= _COMPETING * settings.residual:
                 return Ending(status, exact or at, info, "")
@@ -120,7 +126,7 @@ def _advance(
     """Return the next iterate, the step length and the number of centrality correctors that helped."""
     system = NewtonSystem(problem, kkt, at, found, settings)
     affine = system.predictor.move
-    ignored = int(settings.ignored * problem.cone.degree) if last > _BLOCKED else 0
+    ignored = int(settings.ignored * problem.cone.degree) if last > _BLOCKED or not settings.balanced else 0
     reach = min(1.0, at.longest_step(problem, affine, ignored))
     mean = at.mean_product(problem)
     centring = min((1.0 - reach) ** 3, _MOST_CENTRING)
@@ -142,7 +148,7 @@ def _advance(
         step, length = step.corrected(corrector, weight), longer
         helped += 1
     move = system.refined(step)
-    at, length = at.stepped(problem, move, settings.fraction, ignored)
+    at, length = at.stepped(problem, move, settings.fraction, ignored, slack=not settings.balanced)
     return at, length, helped
 
 

@@ -15,7 +15,8 @@ class Settings:
     correctors: centrality correctors tried at an iteration (Gondzio 1996); ignored: share of the cones, those that
     would end a step first, that are left out of account when directions are judged; fraction: share of the way to the boundary;
     regularisation: of the normal matrix, relative to its diagonal; refinements: of each linear solve, at most;
-    balanced: whether the forces are wanted in balance, or the multipliers alone;
+    balanced: whether the forces are wanted in balance, or the multipliers alone; overlap: the fastest rate
+    at which these may close a point that cannot close, over the fastest rate at all, where they are wanted alone;
     force, rate: size of the starting forces (in the load of a body that each touches) and of the multipliers (in those
     that earn the reward).
     """
@@ -31,11 +32,12 @@ class Settings:
     regularisation: float = 1e-14
     refinements: int = 3
     balanced: bool = True
+    overlap: float = 0.01
     force: float = 10.0
     rate: float = 0.01
 
     def __post_init__(self) -> None:
-        positive = ("duality_gap", "acceptable", "residual", "certificate", "fraction", "force", "rate", "iterations")
+        positive = ("duality_gap", "acceptable", "residual", "certificate", "fraction", "force", "rate", "iterations", "overlap")
         for name in positive:
             _check(name, getattr(self, name), getattr(self, name) > 0, "> 0")
         for name in ("correctors", "ignored", "refinements", "regularisation"):
@@ -52,7 +54,7 @@ def _check(name: str, value: float, good: bool, expected: str) -> None:
 
 # For programs whose forces and velocities are wanted, not only their value: iterates that keep to the central path.
 CENTRAL = Settings(acceptable=2e-7, correctors=12, ignored=0.0, rate=1.0)
-# For programs of which the velocities alone are wanted, begun near their solution: the balance of the forces may lag behind.
-VELOCITIES = replace(CENTRAL, residual=0.03, balanced=False, correctors=4, ignored=1e-3)
+# For programs of which the velocities alone are wanted: the balance of the forces may lag behind.
+VELOCITIES = replace(CENTRAL, residual=0.03, balanced=False, correctors=2, ignored=2e-3)
 # A solve that was begun near a solution is given up after so many iterations.
 WARM_ITERATIONS = 30

@@ -98,20 +98,25 @@ class InteriorPointSolver:
         # With a cap, which the load reaches, joints carry what stands on them. Without one they may carry as little as the
         # lighter body.
         heavy = problem.capped
+
+        def enough(at: Iterate) -> bool:
+            rates = problem.spread(at.y) + at.theta * problem.linear + problem.quadratic(at.x)
+            return local.overlap(problem.local_view(rates)) <= settings.overlap
+
         ending = None
         if near is not None and not local.bounded and not problem.capped:
             x, y = near.x.T / force, _pad(near.y * (force * reward), len(growth))
             start = warm_start(problem, local, x, near.tau, y, near.error)
             brief = replace(settings, iterations=min(settings.iterations, WARM_ITERATIONS))
-            ending = solve_coupled(problem, self._normal, self._cholesky, start, brief, progress)
+            ending = solve_coupled(problem, self._normal, self._cholesky, start, brief, progress, enough)
         if ending is None or ending.status != "solved" or ending.message:
             start = interior_start(problem, settings, heavy=heavy)
-            ending = solve_coupled(problem, self._normal, self._cholesky, start, settings, progress)
+            ending = solve_coupled(problem, self._normal, self._cholesky, start, settings, progress, enough)
         if ending.message:
             # From the other size of forces; and the few multipliers that stop short save iterations, but now and then leave
             # residuals that no later step removes.
             start, patient = interior_start(problem, settings, heavy=not heavy), replace(settings, ignored=0.0)
-            second = solve_coupled(problem, self._normal, self._cholesky, start, patient, progress)
+            second = solve_coupled(problem, self._normal, self._cholesky, start, patient, progress, enough)
             ending = second if ending.status == "failed" or not second.message else ending
         answer = self._solution(ending, local, force, reward)
         return replace(answer, seconds=perf_counter() - begin)

@@ -17,6 +17,8 @@ from churchpipe.model.arrays import BoolArray, FloatArray
 
 # How much rather forces are kept than multipliers, both measured by their own size.
 _FORCES = 10.0
+# A point that may close presses by this share of the mean at the least: one that hardly pressed may well press now.
+_LEAST = 0.03
 # Halvings of the interval in which the shear of a point lies.
 _HALVINGS = 50
 _TINY = 1e-12
@@ -46,6 +48,9 @@ def centred(points: CoulombPoints, x: FloatArray, pull: FloatArray, product: flo
     slack = points.limit[cones] + points.slope[cones] * out[0, cones]
     multiplier = np.abs(pull[0, cones]) / points.slope[cones]
     weight = float(multiplier.sum()) / max(float(slack.sum()), _TINY) or 1.0
+    if (guarded := points.guarded).any():
+        pressing = np.maximum(out[0, guarded], 0.0)
+        out[0, guarded] = np.maximum(pressing, _LEAST * float(pressing.mean()))
     _centre(points.limit, points.slope, points.guarded, points.active, pull, product, weight, out)
     return out
 

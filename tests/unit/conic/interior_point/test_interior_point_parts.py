@@ -97,9 +97,13 @@ def test_multipliers_that_block_first_stop_short_alone() -> None:
     assert went[:, 9] == pytest.approx(0.8 * 0.4)
     assert np.delete(went, [7, 9], axis=1) == pytest.approx(1.0)
     assert cone.margin(new.z) > 0
-    # Slacks are never spared.
+    # Slacks are spared only where they are asked to be, and then it is they that stop, not the forces.
     step.s.reshape(3, -1)[:, 5] = -4.0 * s.reshape(3, -1)[:, 5]
     assert at.stepped(problem, step, 0.99, 2)[1] == pytest.approx(0.99 * 0.25)
+    new, length = at.stepped(problem, step, 0.99, 2, slack=True)
+    assert length == 1.0
+    assert ((new.s - s) / step.s).reshape(3, -1)[:, 5] == pytest.approx(0.8 * 0.25)
+    np.testing.assert_array_equal(new.x, at.x + step.x)
 
 
 def test_rates_of_a_product_are_those_of_its_parts() -> None:

@@ -7,14 +7,16 @@ import pytest
 
 from churchpipe.conic.interior_point import InteriorPointSolver
 from churchpipe.conic.interior_point.coulomb import CoulombPoints
+from churchpipe.conic.interior_point.settings import VELOCITIES
 from churchpipe.conic.interior_point.warm import centred
-from churchpipe.conic.program import WarmStart
+from churchpipe.conic.program import ConeProgram, WarmStart
 from churchpipe.conic.solve import Solve, solver_for
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.loads import LoadCase
 from churchpipe.rigid_blocks.certificate import Strength
 from churchpipe.rigid_blocks.coulomb import nearest_forces, sliding_program, sliding_velocities
 from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
+from churchpipe.rigid_blocks.iterations import SolveCount
 from churchpipe.rigid_blocks.limit import point_strength
 from cone_programs import KINDS_OF_POINTS, stated, three_stones
 from models import tilting_test
@@ -74,15 +76,40 @@ def test_forces_that_go_on_from_others_take_fewer_iterations() -> None:
     assert warm_ones <= 0.85 * cold_ones
 
 
+def dissipation(program: ConeProgram, y: FloatArray) -> float:
+    """Return the value that velocities y (m,) give their program, per unit work."""
+    rates = program.rates(y / float(program.growth @ y))
+    value = -float(program.constant @ y) / float(program.growth @ y)
+    return value + float(program.limit @ np.hypot(rates[:, 1], rates[:, 2]))
+
+
 def test_velocities_alone() -> None:
     # The value of their program is that of the whole one; the forces beside them are not asked for.
     balance, strength, solve, n = s22()
     program = sliding_program(balance, strength, strength.shear(n))
     whole, alone = solve(program, duality_gap=1e-5), solve(program, duality_gap=1e-5, velocities=True)
     rates = program.rates(alone.y / float(program.growth @ alone.y))
-    value = -float(program.constant @ alone.y) + float(program.limit @ np.hypot(rates[:, 1], rates[:, 2]))
-    assert float(rates[:, 0].min()) > -1e-6 * float(np.abs(rates).max())
-    assert value == pytest.approx(whole.tau, rel=2e-5)
+    # Multipliers that stop short leave a motion of their point that closes it, no faster than they may.
+    assert float(rates[:, 0].min()) > -VELOCITIES.overlap * float(np.abs(rates).max())
+    assert dissipation(program, alone.y) == pytest.approx(whole.tau, rel=2e-5)
+
+
+def test_velocities_that_go_on_from_others_take_half_the_iterations() -> None:
+    # The mechanism of normal forces that have changed by a hundredth, from those of before. Other random changes (seeds 4 to 8)
+    # take 4 to 7 iterations instead of 13 to 15.
+    balance, strength, solve, n = s22()
+    before = solve(sliding_program(balance, strength, strength.shear(n)), duality_gap=1e-3)
+    changed = n * (1.0 + 0.01 * np.random.default_rng(3).uniform(-1, 1, len(n)))
+    count = SolveCount(solve)
+    cold = sliding_velocities(balance, strength, changed, count, duality_gap=1e-3, alone=True)
+    first = count.iterations
+    near = before.x, before.y
+    warm = sliding_velocities(balance, strength, changed, count, duality_gap=1e-3, alone=True, near=near)
+    assert cold is not None
+    assert warm is not None
+    program = sliding_program(balance, strength, strength.shear(changed))
+    assert dissipation(program, warm) == pytest.approx(dissipation(program, cold), rel=2e-3)
+    assert count.iterations - first <= first / 2
 
 
 @pytest.mark.parametrize("kind", KINDS_OF_POINTS, ids=str)
