@@ -1,5 +1,6 @@
 """Models that tests and benchmarks share: walls of Ferris and Tin-Loi, tilting tests, box buildings."""
 
+from dataclasses import replace
 from typing import Any
 
 from churchpipe.generators import prototype, wall
@@ -90,7 +91,9 @@ def tilting_test(test: str, brick_length: float = 0.08, **options: Any) -> tuple
 def box_building(name: str) -> tuple[Assemblage, Contacts]:
     """Stones and contacts of four walls around a room, by a name of `BOXES`."""
     length, width, courses = BOXES[name]
-    stones = derive_blocks(box_walls(length=length, width=width, courses=courses, brick=(1.0, 0.5, 0.4)))
+    building = box_walls(length=length, width=width, courses=courses, brick=(1.0, 0.5, 0.4))
+    # The largest box is above what a case file may ask for unless it says so.
+    stones = derive_blocks(replace(building, most_stones=200_000))
     return stones, find_contacts(stones)
 
 
