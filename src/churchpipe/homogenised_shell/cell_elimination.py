@@ -20,6 +20,7 @@ import numba
 import numpy as np
 
 from churchpipe.conic.interior_point.coulomb import CoulombCompliance
+from churchpipe.conic.threads import bounds_of, in_shares
 from churchpipe.homogenised_shell.cell_forces import CellForces
 from churchpipe.model.arrays import FloatArray, IntArray
 
@@ -39,30 +40,31 @@ class CellElimination:
         sizes = np.diff(forces.first)
         start = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(sizes * width**2)])
         table = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(3 * forces.corners * width)])
-        self._kinds = (forces.points, forces.first, forces.corners, forces.still, forces.corner, forces.row, start, table)
         columns = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(sizes * width)])
         strain_triangle = np.empty((nq if self.elastic else 0, 6, 6))
-        self._column = columns
+        sizes_of = (forces.points, forces.first, forces.corners, forces.still, forces.corner, forces.row)
+        self._kinds = (*sizes_of, start, table, columns)
         self._state = (np.empty(int(start[-1])), np.empty(int(columns[-1]), dtype=np.int64), strain_triangle)
 
     def factor(self, corners: CoulombCompliance) -> FloatArray:
         """Factorise at the compliances of the corners and return D (6, 6, nq)."""
         parts = (corners.normal, corners.lean, corners.along, corners.across, corners.direction)
         out = np.empty((6, 6, len(self._forces.points)))
-        _factor(self._kinds, self._column, self._forces.table, parts, self._root, self._state, out)
+        in_shares(_factor, self._forces.count, self._kinds, self._forces.table, parts, self._root, self._state, out)
         return out
 
     def reduce(self, strain: FloatArray, still: FloatArray) -> "Reduced":
         """Return what right sides for e (6, nq; empty in a limit analysis) and for the stones (rows,) leave to the shell."""
         pushed, stress = np.empty_like(still), np.empty((6, len(self._forces.points)))
-        _reduce(self._kinds, self._column, self._state, self._root, strain, still, pushed, stress)
+        in_shares(_reduce, self._forces.count, self._kinds, self._state, self._root, strain, still, pushed, stress)
         return Reduced(pushed, strain, stress)
 
     def recover(self, reduced: "Reduced", strain: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return e (6, nq; empty in a limit analysis) and the motions of the stones (rows,) for strains of the shell (6, nq)."""
         e = np.empty((6, len(self._forces.points) if self.elastic else 0))
         still = np.empty_like(reduced.pushed)
-        _recover(self._kinds, self._column, self._state, self._root, reduced.strain, reduced.pushed, strain, e, still)
+        right = (reduced.strain, reduced.pushed, strain)
+        in_shares(_recover, self._forces.count, self._kinds, self._state, self._root, *right, e, still)
         return e, still
 
 
@@ -75,7 +77,7 @@ class Reduced:
     stress: FloatArray
 
 
-_Kinds = tuple[IntArray, IntArray, IntArray, IntArray, IntArray, IntArray, IntArray, IntArray]
+_Kinds = tuple[IntArray, IntArray, IntArray, IntArray, IntArray, IntArray, IntArray, IntArray, IntArray]
 _Corners = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
 _State = tuple[FloatArray, IntArray, FloatArray]
 
@@ -207,17 +209,18 @@ def _in_series(a: FloatArray, m: int, order: IntArray, root: FloatArray, both: F
         _reflect(both, j, 12)
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", nogil=True)
 def _factor(
+    share: int,
+    shares: int,
     kinds: _Kinds,
-    columns: IntArray,
     table: FloatArray,
     corners: _Corners,
     root: FloatArray,
     state: _State,
     out: FloatArray,
 ) -> None:
-    points, first, cell_corners, still, corner, _, start, at_table = kinds
+    points, first, cell_corners, still, corner, _, start, at_table, columns = kinds
     triangle, orders, strain_triangle = state
     both = np.empty((12, 12))
     for g in range(len(first) - 1):
@@ -228,7 +231,8 @@ def _factor(
         left, known = np.empty(width), np.empty(width)
         size, rank = np.empty(rows), np.empty(rows, dtype=np.int64)
         at = np.empty(cell_corners[g], dtype=np.int64)
-        for j in range(n):
+        begin, end = bounds_of(n, share, shares)
+        for j in range(begin, end):
             q = points[first[g] + j]
             order = orders[columns[g] + j * width : columns[g] + (j + 1) * width]
             for s in range(width):
@@ -294,10 +298,11 @@ def _elastic(root: FloatArray, v: FloatArray, half: FloatArray) -> None:
         v[s] = value
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", nogil=True)
 def _reduce(
+    share: int,
+    shares: int,
     kinds: _Kinds,
-    columns: IntArray,
     state: _State,
     root: FloatArray,
     strain: FloatArray,
@@ -306,14 +311,15 @@ def _reduce(
     stress: FloatArray,
 ) -> None:
     """Write u = R_m^-T right, and the stress: E e in a step, with e what the right sides alone would make, else -R_me^T u."""
-    points, first, _, stills, _, row, start, _ = kinds
+    points, first, _, stills, _, row, start, _, columns = kinds
     triangle, orders, strain_triangle = state
     e, v, half = np.empty(6), np.empty(6), np.empty(6)
     for g in range(len(first) - 1):
         n, m = first[g + 1] - first[g], stills[g]
         width = m + 6
         u = np.empty(m)
-        for j in range(n):
+        begin, end = bounds_of(n, share, shares)
+        for j in range(begin, end):
             q = points[first[g] + j]
             kept = triangle[start[g] + j * width**2 : start[g] + (j + 1) * width**2].reshape(width, width)
             order = orders[columns[g] + j * width : columns[g] + (j + 1) * width]
@@ -340,10 +346,11 @@ def _reduce(
                 stress[s, q] = v[s]
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", nogil=True)
 def _recover(
+    share: int,
+    shares: int,
     kinds: _Kinds,
-    columns: IntArray,
     state: _State,
     root: FloatArray,
     right: FloatArray,
@@ -353,14 +360,15 @@ def _recover(
     still: FloatArray,
 ) -> None:
     """Write e, from its own right side and from E eps, and the motions of the stones."""
-    points, first, _, stills, _, row, start, _ = kinds
+    points, first, _, stills, _, row, start, _, columns = kinds
     triangle, orders, strain_triangle = state
     e, v, half = np.empty(6), np.empty(6), np.empty(6)
     for g in range(len(first) - 1):
         n, m = first[g + 1] - first[g], stills[g]
         width = m + 6
         u = np.empty(m)
-        for j in range(n):
+        begin, end = bounds_of(n, share, shares)
+        for j in range(begin, end):
             q = points[first[g] + j]
             kept = triangle[start[g] + j * width**2 : start[g] + (j + 1) * width**2].reshape(width, width)
             order = orders[columns[g] + j * width : columns[g] + (j + 1) * width]

@@ -12,6 +12,7 @@ import numba
 import numpy as np
 import scipy.sparse as sp
 
+from churchpipe.conic.threads import bounds_of, in_shares
 from churchpipe.model.arrays import FloatArray, IntArray
 
 # So many points are summed at a time: their forces stay in the cache.
@@ -72,13 +73,13 @@ class CellForces:
     def add_up(self, force: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the stresses (6, nq) and the sums on the stones (rows,) of the forces (3, corners)."""
         stress, still = np.empty((6, len(self.points))), np.empty(self.rows)
-        _add_up(self._kinds, self._entries, force, stress, still)
+        in_shares(_add_up, self.count, self._kinds, self._entries, force, stress, still)
         return stress, still
 
     def spread(self, stress: FloatArray, still: FloatArray) -> FloatArray:
         """Return the transpose: forces (3, corners) from (6, nq) and (rows,)."""
         out = np.zeros((3, self.count))
-        _spread(self._kinds, self._entries, np.ascontiguousarray(stress), still, out)
+        in_shares(_spread, self.count, self._kinds, self._entries, np.ascontiguousarray(stress), still, out)
         return out
 
     def matrix(self) -> tuple[sp.csr_matrix[np.float64], sp.csr_matrix[np.float64]]:
@@ -139,15 +140,18 @@ _Kinds = tuple[IntArray, IntArray, IntArray, IntArray]
 _Entries = tuple[IntArray, IntArray, IntArray, IntArray, FloatArray]
 
 
-@numba.njit(cache=True, error_model="numpy")
-def _add_up(kinds: _Kinds, entries: _Entries, force: FloatArray, stress: FloatArray, still: FloatArray) -> None:
+@numba.njit(cache=True, error_model="numpy", nogil=True)
+def _add_up(
+    share: int, shares: int, kinds: _Kinds, entries: _Entries, force: FloatArray, stress: FloatArray, still: FloatArray
+) -> None:
     points, first, corner, row = kinds
     entry, sums, components, of_corner, values = entries
     buffer = np.zeros(_CHUNK)
     for g in range(len(first) - 1):
         n = first[g + 1] - first[g]
-        for start in range(0, n, _CHUNK):
-            size = min(_CHUNK, n - start)
+        begun, end = bounds_of(n, share, shares)
+        for start in range(begun, end, _CHUNK):
+            size = min(_CHUNK, end - start)
             at = entry[g]
             while at < entry[g + 1]:
                 s = sums[at]
@@ -165,15 +169,18 @@ def _add_up(kinds: _Kinds, entries: _Entries, force: FloatArray, stress: FloatAr
                         still[row[g] + (s - 6) * n + start + j] = buffer[j]
 
 
-@numba.njit(cache=True, error_model="numpy")
-def _spread(kinds: _Kinds, entries: _Entries, stress: FloatArray, still: FloatArray, force: FloatArray) -> None:
+@numba.njit(cache=True, error_model="numpy", nogil=True)
+def _spread(
+    share: int, shares: int, kinds: _Kinds, entries: _Entries, stress: FloatArray, still: FloatArray, force: FloatArray
+) -> None:
     points, first, corner, row = kinds
     entry, sums, components, of_corner, values = entries
     buffer = np.zeros(_CHUNK)
     for g in range(len(first) - 1):
         n = first[g + 1] - first[g]
-        for start in range(0, n, _CHUNK):
-            size = min(_CHUNK, n - start)
+        begun, end = bounds_of(n, share, shares)
+        for start in range(begun, end, _CHUNK):
+            size = min(_CHUNK, end - start)
             at = entry[g]
             while at < entry[g + 1]:
                 s = sums[at]

@@ -6,7 +6,8 @@ Nesterov-Todd scaling, and L = W^-1 s = W z. Where a motion opens the corners by
     z by dz = F^-1 V   and   s by ds = aim - s - W^2 dz,
 
 with aim = 0 for products of zero, or mu z^-1 and corrections. Each loop passes over the corners once and finds the scaling anew,
-because reading it from memory would take longer.
+because reading it from memory would take longer. Their counters have no sign: one that might be negative keeps the compiler from
+vector instructions.
 """
 
 from collections.abc import Callable
@@ -16,11 +17,12 @@ import numba
 import numpy as np
 
 from churchpipe.conic.interior_point.coulomb import CoulombCompliance
+from churchpipe.conic.threads import bounds_of, in_shares
 from churchpipe.model.arrays import FloatArray
 
 _Vector: TypeAlias = tuple[float, float, float]
 _Scaling: TypeAlias = tuple[float, float, float, float]
-_loop: Callable[[Any], Any] = numba.njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract"})
+_loop: Callable[[Any], Any] = numba.njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract"})
 _inline: Callable[[Any], Any] = numba.njit(cache=True, error_model="numpy", inline="always")
 
 
@@ -38,18 +40,18 @@ class CornerCones:
     def compliance(self) -> CoulombCompliance:
         """Return F^-1 W^2 F^-1."""
         parts, direction = np.empty((4, self.x.shape[1])), np.empty((2, self.x.shape[1]))
-        _comply(self.x, self.z, self.slope, parts, direction)
+        in_shares(_comply, self.x.shape[1], self.x, self.z, self.slope, parts, direction)
         return CoulombCompliance(parts[0], parts[1], parts[2], parts[3], direction)
 
     def push(self, aim: FloatArray, opening: FloatArray) -> FloatArray:
         """Return x + dx of corners that open by no more than this."""
         out = np.empty_like(self.x)
-        _push(self.x, self.z, self.slope, aim, opening, out)
+        in_shares(_push, self.x.shape[1], self.x, self.z, self.slope, aim, opening, out)
         return out
 
     def answer(self, aim: FloatArray, opening: FloatArray) -> float:
         """Find ds and dz of corners that open by so much, and return the rate at which the first cone is left."""
-        _answer(self.x, self.z, self.slope, aim, opening, *self._tried, self._rates)
+        in_shares(_answer, self.x.shape[1], self.x, self.z, self.slope, aim, opening, *self._tried, self._rates)
         return float(self._rates.max())
 
     def keep(self) -> None:
@@ -59,18 +61,32 @@ class CornerCones:
     def second_order(self, target: float) -> FloatArray:
         """Return the aim for products of `target`, less the product of the answer kept, which a linear step neglects."""
         out = np.empty_like(self.x)
-        _second_order(self.x, self.z, self.slope, self._ds, self._dz, target, out)
+        in_shares(_second_order, self.x.shape[1], self.x, self.z, self.slope, self._ds, self._dz, target, out)
         return out
 
     def recentred(self, aim: FloatArray, length: float, target: float) -> FloatArray:
         """Return an aim that brings the products at `length` along the answer kept into [.1, 10] target (Gondzio 1996)."""
         out = np.empty_like(self.x)
-        _recentred(self.x, self.z, self.slope, self._ds, self._dz, length, 0.1 * target, 10.0 * target, aim, out)
+        in_shares(
+            _recentred,
+            self.x.shape[1],
+            self.x,
+            self.z,
+            self.slope,
+            self._ds,
+            self._dz,
+            length,
+            0.1 * target,
+            10.0 * target,
+            aim,
+            out,
+        )
         return out
 
     def move(self, length: float) -> float:
         """Go so far along the answer kept, and return the sum of the products s z."""
-        return float(_moved(self.x, self.z, self.slope, self._ds, self._dz, length))
+        in_shares(_moved, self.x.shape[1], self.x, self.z, self.slope, self._ds, self._dz, length, self._rates)
+        return float(self._rates.sum())
 
 
 def central_pair(x: FloatArray, z: FloatArray, slope: FloatArray, margin: float, product: float) -> tuple[FloatArray, FloatArray]:
@@ -80,7 +96,7 @@ def central_pair(x: FloatArray, z: FloatArray, slope: FloatArray, margin: float,
     that both vanish become `margin` and product / margin.
     """
     s, near = np.empty_like(x), np.empty_like(x)
-    _central(x, z, slope, margin**2 / product, product, s, near)
+    in_shares(_central, x.shape[1], x, z, slope, margin**2 / product, product, s, near)
     return s, near
 
 
@@ -151,8 +167,11 @@ def _eigenvalue(v: float, square: float) -> float:
 
 
 @_loop
-def _comply(x: FloatArray, z: FloatArray, slope: FloatArray, parts: FloatArray, direction: FloatArray) -> None:
-    for k in range(x.shape[1]):
+def _comply(
+    share: int, shares: int, x: FloatArray, z: FloatArray, slope: FloatArray, parts: FloatArray, direction: FloatArray
+) -> None:
+    first, end = bounds_of(x.shape[1], share, shares)
+    for k in range(np.uint64(first), np.uint64(end)):
         eta, w0, w1, w2 = _scaling(slope[k] * x[0, k], x[1, k], x[2, k], z[0, k], z[1, k], z[2, k])
         square = w1 * w1 + w2 * w2
         length = np.sqrt(square)
@@ -168,8 +187,11 @@ def _comply(x: FloatArray, z: FloatArray, slope: FloatArray, parts: FloatArray, 
 
 
 @_loop
-def _push(x: FloatArray, z: FloatArray, slope: FloatArray, aim: FloatArray, lack: FloatArray, out: FloatArray) -> None:
-    for k in range(x.shape[1]):
+def _push(
+    share: int, shares: int, x: FloatArray, z: FloatArray, slope: FloatArray, aim: FloatArray, lack: FloatArray, out: FloatArray
+) -> None:
+    first, end = bounds_of(x.shape[1], share, shares)
+    for k in range(np.uint64(first), np.uint64(end)):
         eta, w0, w1, w2 = _scaling(slope[k] * x[0, k], x[1, k], x[2, k], z[0, k], z[1, k], z[2, k])
         a, b, c = _stretched(eta, w0, w1, w2, lack[0, k] / slope[k], lack[1, k], lack[2, k])
         out[0, k] = (aim[0, k] - a) / slope[k]
@@ -179,6 +201,8 @@ def _push(x: FloatArray, z: FloatArray, slope: FloatArray, aim: FloatArray, lack
 
 @_loop
 def _answer(
+    share: int,
+    shares: int,
     x: FloatArray,
     z: FloatArray,
     slope: FloatArray,
@@ -188,7 +212,8 @@ def _answer(
     dz: FloatArray,
     rates: FloatArray,
 ) -> None:
-    for k in range(x.shape[1]):
+    first, end = bounds_of(x.shape[1], share, shares)
+    for k in range(np.uint64(first), np.uint64(end)):
         s0, s1, s2, z0, z1, z2 = slope[k] * x[0, k], x[1, k], x[2, k], z[0, k], z[1, k], z[2, k]
         eta, w0, w1, w2 = _scaling(s0, s1, s2, z0, z1, z2)
         e0, e1, e2 = opening[0, k] / slope[k], opening[1, k], opening[2, k]
@@ -201,9 +226,18 @@ def _answer(
 
 @_loop
 def _second_order(
-    x: FloatArray, z: FloatArray, slope: FloatArray, ds: FloatArray, dz: FloatArray, target: float, out: FloatArray
+    share: int,
+    shares: int,
+    x: FloatArray,
+    z: FloatArray,
+    slope: FloatArray,
+    ds: FloatArray,
+    dz: FloatArray,
+    target: float,
+    out: FloatArray,
 ) -> None:
-    for k in range(x.shape[1]):
+    first, end = bounds_of(x.shape[1], share, shares)
+    for k in range(np.uint64(first), np.uint64(end)):
         s0, s1, s2, z0, z1, z2 = slope[k] * x[0, k], x[1, k], x[2, k], z[0, k], z[1, k], z[2, k]
         eta, w0, w1, w2 = _scaling(s0, s1, s2, z0, z1, z2)
         l0, l1, l2 = _scaled(eta, w0, w1, w2, z0, z1, z2)
@@ -216,6 +250,8 @@ def _second_order(
 
 @_loop
 def _recentred(
+    share: int,
+    shares: int,
     x: FloatArray,
     z: FloatArray,
     slope: FloatArray,
@@ -227,7 +263,8 @@ def _recentred(
     aim: FloatArray,
     out: FloatArray,
 ) -> None:
-    for k in range(x.shape[1]):
+    first, end = bounds_of(x.shape[1], share, shares)
+    for k in range(np.uint64(first), np.uint64(end)):
         s0, s1, s2, z0, z1, z2 = slope[k] * x[0, k], x[1, k], x[2, k], z[0, k], z[1, k], z[2, k]
         eta, w0, w1, w2 = _scaling(s0, s1, s2, z0, z1, z2)
         l0, l1, l2 = _scaled(eta, w0, w1, w2, z0, z1, z2)
@@ -247,24 +284,43 @@ def _recentred(
 
 
 @_loop
-def _moved(x: FloatArray, z: FloatArray, slope: FloatArray, ds: FloatArray, dz: FloatArray, length: float) -> float:
-    total = 0.0
-    for k in range(x.shape[1]):
+def _moved(
+    share: int,
+    shares: int,
+    x: FloatArray,
+    z: FloatArray,
+    slope: FloatArray,
+    ds: FloatArray,
+    dz: FloatArray,
+    length: float,
+    products: FloatArray,
+) -> None:
+    first, end = bounds_of(x.shape[1], share, shares)
+    for k in range(np.uint64(first), np.uint64(end)):
         x[0, k] += length * ds[0, k] / slope[k]
         z[0, k] += length * dz[0, k]
-        total += slope[k] * x[0, k] * z[0, k]
+        total = slope[k] * x[0, k] * z[0, k]
         for i in range(1, 3):
             x[i, k] += length * ds[i, k]
             z[i, k] += length * dz[i, k]
             total += x[i, k] * z[i, k]
-    return total
+        products[k] = total
 
 
 @_loop
 def _central(
-    x: FloatArray, z: FloatArray, slope: FloatArray, weight: float, product: float, out: FloatArray, near: FloatArray
+    share: int,
+    shares: int,
+    x: FloatArray,
+    z: FloatArray,
+    slope: FloatArray,
+    weight: float,
+    product: float,
+    out: FloatArray,
+    near: FloatArray,
 ) -> None:
-    for k in range(x.shape[1]):
+    first, end = bounds_of(x.shape[1], share, shares)
+    for k in range(np.uint64(first), np.uint64(end)):
         v0, v1, v2 = slope[k] * x[0, k] - weight * z[0, k], x[1, k] - weight * z[1, k], x[2, k] - weight * z[2, k]
         length = np.sqrt(v1 * v1 + v2 * v2)
         large, small = _eigenvalue(v0 + length, weight * product), _eigenvalue(v0 - length, weight * product)

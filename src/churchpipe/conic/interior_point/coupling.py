@@ -1,5 +1,6 @@
 """The coupling of local problems: a dense block for every local problem and every block of rows that it touches."""
 
+from collections.abc import Callable
 from functools import lru_cache
 from typing import NamedTuple, Protocol, TypeAlias
 
@@ -8,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
+from churchpipe.conic.threads import bounds_of, in_shares
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 
 _Indices: TypeAlias = npt.NDArray[np.int32] | npt.NDArray[np.int64]
@@ -22,7 +24,7 @@ class _Product(Protocol):
 
 class _Kernels(NamedTuple):
     couple: _Product
-    spread: _Product
+    spread: Callable[..., None]
 
 
 class Touches(NamedTuple):
@@ -119,7 +121,7 @@ class Coupling:
     def spread(self, y: FloatArray) -> FloatArray:
         """Return B^T y."""
         out = np.empty(self.dimension * self.count)
-        self._kernels.spread(self.pointer, self.blocks, self.values, y, out)
+        in_shares(self._kernels.spread, self.count, self.pointer, self.blocks, self.values, y, out)
         return out
 
 
@@ -139,11 +141,14 @@ def _kernels(dimension: int, block: int) -> _Kernels:
                         total += values[touch, i, j] * x[i * count + k]
                     out[first + j] += total
 
-    @numba.njit(cache=True, fastmath={"reassoc", "contract"})
-    def spread(pointer: IntArray, blocks: IntArray, values: FloatArray, y: FloatArray, out: FloatArray) -> None:
+    @numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+    def spread(
+        share: int, shares: int, pointer: IntArray, blocks: IntArray, values: FloatArray, y: FloatArray, out: FloatArray
+    ) -> None:
         count = len(pointer) - 1
         total = np.empty(dimension)
-        for k in range(count):
+        begin, end = bounds_of(count, share, shares)
+        for k in range(begin, end):
             total[:] = 0.0
             for touch in range(pointer[k], pointer[k + 1]):
                 first = block * blocks[touch]
