@@ -172,11 +172,15 @@ def _solved(model: MovingModel, state: PathState, programs: int, pairs: int) -> 
     search = StepSearch(program, gap, solve, longest, state.length, model.step, model.fitting)
     # Where forces and motion fitted each other in pairs of programs only, the forces of the last step are the best to begin with:
     # they keep the path on its way where others branch off.
-    attempt = Attempt(StepAnswer("failed", forces, np.nan, _last_velocities(model, state, free, program)), state.length)
+    attempt = Attempt(StepAnswer("failed", forces, np.nan, np.zeros(0)), state.length)
     if pairs and forces.any() and not program.softness.any():
         # A large program that has no solution need not be shown twice to have none: the search below shows it once more.
         own = solver_for(program.balance, "interior-point") if model.large and model.solver == "auto" else solve
-        attempt = search.by_pairs(attempt, pairs, own)
+        begin, last = attempt, _last_velocities(model, state, free, program) if model.large else np.zeros(0)
+        attempt = search.by_pairs(begin._replace(answer=replace(begin.answer, y=last)), pairs, own)
+        if len(last) and not attempt.fits(model.enough):
+            # Where the motion turns into another, the last one leads astray.
+            attempt = _better(attempt, search.by_pairs(begin, pairs, own))
     if not attempt.fits(model.enough):
         attempt = _better(attempt, search.by_programs(sliding, programs, pairs))
     answer, way, joints = attempt.answer, 0.0, state.joints

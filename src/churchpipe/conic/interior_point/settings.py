@@ -32,7 +32,7 @@ class Settings:
     regularisation: float = 1e-14
     refinements: int = 3
     balanced: bool = True
-    overlap: float = 0.01
+    overlap: float = 0.001
     force: float = 10.0
     rate: float = 0.01
 
