@@ -170,8 +170,8 @@ def _eigenvalue(v: float, square: float) -> float:
 def _comply(
     share: int, shares: int, x: FloatArray, z: FloatArray, slope: FloatArray, parts: FloatArray, direction: FloatArray
 ) -> None:
-    first, end = bounds_of(x.shape[1], share, shares)
-    for k in range(np.uint64(first), np.uint64(end)):
+    begin, end = bounds_of(x.shape[1], share, shares)
+    for k in range(np.uint64(begin), np.uint64(end)):
         eta, w0, w1, w2 = _scaling(slope[k] * x[0, k], x[1, k], x[2, k], z[0, k], z[1, k], z[2, k])
         square = w1 * w1 + w2 * w2
         length = np.sqrt(square)
@@ -190,8 +190,8 @@ def _comply(
 def _push(
     share: int, shares: int, x: FloatArray, z: FloatArray, slope: FloatArray, aim: FloatArray, lack: FloatArray, out: FloatArray
 ) -> None:
-    first, end = bounds_of(x.shape[1], share, shares)
-    for k in range(np.uint64(first), np.uint64(end)):
+    begin, end = bounds_of(x.shape[1], share, shares)
+    for k in range(np.uint64(begin), np.uint64(end)):
         eta, w0, w1, w2 = _scaling(slope[k] * x[0, k], x[1, k], x[2, k], z[0, k], z[1, k], z[2, k])
         a, b, c = _stretched(eta, w0, w1, w2, lack[0, k] / slope[k], lack[1, k], lack[2, k])
         out[0, k] = (aim[0, k] - a) / slope[k]
@@ -212,8 +212,8 @@ def _answer(
     dz: FloatArray,
     rates: FloatArray,
 ) -> None:
-    first, end = bounds_of(x.shape[1], share, shares)
-    for k in range(np.uint64(first), np.uint64(end)):
+    begin, end = bounds_of(x.shape[1], share, shares)
+    for k in range(np.uint64(begin), np.uint64(end)):
         s0, s1, s2, z0, z1, z2 = slope[k] * x[0, k], x[1, k], x[2, k], z[0, k], z[1, k], z[2, k]
         eta, w0, w1, w2 = _scaling(s0, s1, s2, z0, z1, z2)
         e0, e1, e2 = opening[0, k] / slope[k], opening[1, k], opening[2, k]
@@ -236,8 +236,8 @@ def _second_order(
     target: float,
     out: FloatArray,
 ) -> None:
-    first, end = bounds_of(x.shape[1], share, shares)
-    for k in range(np.uint64(first), np.uint64(end)):
+    begin, end = bounds_of(x.shape[1], share, shares)
+    for k in range(np.uint64(begin), np.uint64(end)):
         s0, s1, s2, z0, z1, z2 = slope[k] * x[0, k], x[1, k], x[2, k], z[0, k], z[1, k], z[2, k]
         eta, w0, w1, w2 = _scaling(s0, s1, s2, z0, z1, z2)
         l0, l1, l2 = _scaled(eta, w0, w1, w2, z0, z1, z2)
@@ -263,8 +263,8 @@ def _recentred(
     aim: FloatArray,
     out: FloatArray,
 ) -> None:
-    first, end = bounds_of(x.shape[1], share, shares)
-    for k in range(np.uint64(first), np.uint64(end)):
+    begin, end = bounds_of(x.shape[1], share, shares)
+    for k in range(np.uint64(begin), np.uint64(end)):
         s0, s1, s2, z0, z1, z2 = slope[k] * x[0, k], x[1, k], x[2, k], z[0, k], z[1, k], z[2, k]
         eta, w0, w1, w2 = _scaling(s0, s1, s2, z0, z1, z2)
         l0, l1, l2 = _scaled(eta, w0, w1, w2, z0, z1, z2)
@@ -277,8 +277,8 @@ def _recentred(
         small, large = p0 - size, p0 + size
         fix_small = max(min(max(small, low), high) - small, -high)
         fix_large = max(min(max(large, low), high) - large, -high)
-        share = 0.5 * (fix_large - fix_small) / max(size, 1e-300)
-        u0, u1, u2 = _divided(l0, l1, l2, 0.5 * (fix_large + fix_small), share * p1, share * p2)
+        lean = 0.5 * (fix_large - fix_small) / max(size, 1e-300)
+        u0, u1, u2 = _divided(l0, l1, l2, 0.5 * (fix_large + fix_small), lean * p1, lean * p2)
         u0, u1, u2 = _scaled(eta, w0, w1, w2, u0, u1, u2)
         out[0, k], out[1, k], out[2, k] = aim[0, k] + u0, aim[1, k] + u1, aim[2, k] + u2
 
@@ -295,8 +295,8 @@ def _moved(
     length: float,
     products: FloatArray,
 ) -> None:
-    first, end = bounds_of(x.shape[1], share, shares)
-    for k in range(np.uint64(first), np.uint64(end)):
+    begin, end = bounds_of(x.shape[1], share, shares)
+    for k in range(np.uint64(begin), np.uint64(end)):
         x[0, k] += length * ds[0, k] / slope[k]
         z[0, k] += length * dz[0, k]
         total = slope[k] * x[0, k] * z[0, k]
@@ -319,12 +319,12 @@ def _central(
     out: FloatArray,
     near: FloatArray,
 ) -> None:
-    first, end = bounds_of(x.shape[1], share, shares)
-    for k in range(np.uint64(first), np.uint64(end)):
+    begin, end = bounds_of(x.shape[1], share, shares)
+    for k in range(np.uint64(begin), np.uint64(end)):
         v0, v1, v2 = slope[k] * x[0, k] - weight * z[0, k], x[1, k] - weight * z[1, k], x[2, k] - weight * z[2, k]
         length = np.sqrt(v1 * v1 + v2 * v2)
         large, small = _eigenvalue(v0 + length, weight * product), _eigenvalue(v0 - length, weight * product)
-        first, share = 0.5 * (large + small), 0.5 * (large - small) / max(length, 1e-300)
+        axis, lean = 0.5 * (large + small), 0.5 * (large - small) / max(length, 1e-300)
         inverse = product / (large * small)
-        out[0, k], out[1, k], out[2, k] = first / slope[k], share * v1, share * v2
-        near[0, k], near[1, k], near[2, k] = inverse * first, -inverse * share * v1, -inverse * share * v2
+        out[0, k], out[1, k], out[2, k] = axis / slope[k], lean * v1, lean * v2
+        near[0, k], near[1, k], near[2, k] = inverse * axis, -inverse * lean * v1, -inverse * lean * v2

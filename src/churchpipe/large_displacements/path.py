@@ -172,11 +172,11 @@ def _solved(model: MovingModel, state: PathState, programs: int, pairs: int) -> 
     search = StepSearch(program, gap, solve, longest, state.length, model.step, model.fitting)
     # Where forces and motion fitted each other in pairs of programs only, the forces of the last step are the best to begin with:
     # they keep the path on its way where others branch off.
-    attempt = Attempt(StepAnswer("failed", forces, np.nan, np.zeros(0)), state.length)
+    attempt = begin = Attempt(StepAnswer("failed", forces, np.nan, np.zeros(0)), state.length)
     if pairs and forces.any() and not program.softness.any():
         # A large program that has no solution need not be shown twice to have none: the search below shows it once more.
         own = solver_for(program.balance, "interior-point") if model.large and model.solver == "auto" else solve
-        begin, last = attempt, _last_velocities(model, state, free, program) if model.large else np.zeros(0)
+        last = _last_velocities(model, state, free, program)
         attempt = search.by_pairs(begin._replace(answer=replace(begin.answer, y=last)), pairs, own)
         if len(last) and not attempt.fits(model.enough):
             # Where the motion turns into another, the last one leads astray.
@@ -375,8 +375,9 @@ def _velocities(model: MovingModel, state: PathState, free: IntArray, y: FloatAr
 
 
 def _last_velocities(model: MovingModel, state: PathState, free: IntArray, program: StepProgram) -> FloatArray:
-    """Return the multipliers of the last motion where the stones are now, none where the load is no load on stones alone."""
-    if state.before is None or not isinstance(model.driven, TravellingLoads) or len(program.dead) != 6 * len(free):
+    """Return the multipliers of the last motion where the stones are now, for a large model with the rows of its stones alone."""
+    stones_alone = isinstance(model.driven, TravellingLoads) and len(program.dead) == 6 * len(free)
+    if state.before is None or not model.large or not stones_alone:
         return np.zeros(0)
     velocity = state.before[free]
     there = velocity[:, :3] + np.cross(velocity[:, 3:], state.poses.centroid[free])

@@ -147,7 +147,7 @@ def without_dilatancy(program: StepProgram, answer: StepAnswer, solve: Solve, mi
 
     Of each pair one finds the velocities that fit the forces, the other the forces that fit the velocities, see `closed_gap`.
     It ends where the misfit is as small as wanted; where it grows instead, or none are found, the answer given is returned, which
-    need not have a motion ("failed"), or have one of which nothing is known but that it is near.
+    need not have a motion ("failed"). Its multipliers, where it has any, are where the search begins.
     """
     first = answer.outcome != "solved"
     known = 1.0 if first else abs(answer.load_factor)

@@ -73,9 +73,8 @@ def sliding_velocities(
     of the largest. That does not spoil the result: any velocities are allowed, and the gap is computed from the arrays.
 
     alone: whether the program may stop before its forces balance. near: a pair, forces (nc, 3) and velocities (m,) near those
-    sought. stressed: a pair, excess (nc,) >= 0 and forces x (nc, 3). What
-    x adds to the gap at each point counts `excess` times more. It is linear in the openings, the closing and the slip, so the
-    program is P with larger limits and another dead load.
+    sought. stressed: a pair, excess (nc,) >= 0 and forces x (nc, 3). What x adds to the gap at each point counts `excess` times
+    more. It is linear in the openings, the closing and the slip, so the program is P with larger limits and another dead load.
     """
     program = sliding_program(balance, strength, strength.shear(n))
     if stressed is not None:

@@ -47,6 +47,13 @@ class SlidingRun(CoulombState):
     balanced: float | None = None
 
 
+class _Known(NamedTuple):
+    """Forces (nc, 3) near those sought, and velocities (m,) if any are known."""
+
+    forces: FloatArray
+    velocities: FloatArray | None
+
+
 def paper_iteration(
     balance: Equilibrium,
     strength: Strength,
@@ -229,13 +236,6 @@ def sliding_run(state: CoulombState, history: list[Iteration], solves: int, iter
     return SlidingRun(state.x, state.load_factor, state.y, state.gap, converged, tuple(history), solves, iterations)
 
 
-class _Known(NamedTuple):
-    """Forces (nc, 3) near those sought, and velocities (m,) if any are known."""
-
-    forces: FloatArray
-    velocities: FloatArray | None
-
-
 class SolveCount:
     """A solver that counts the programs it has solved and its iterations."""
 
@@ -269,7 +269,7 @@ def _stage_b(
     excess: FloatArray,
     solve: Solve,
     settings: SchemeSettings,
-    known: "_Known | None",
+    known: _Known | None,
 ) -> CoulombState | None:
     """Return the next state: velocities from P(n), then the forces that do the least work against them."""
     gap = np.inf if last is None else last.relative_gap

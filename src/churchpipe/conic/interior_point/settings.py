@@ -15,8 +15,8 @@ class Settings:
     correctors: centrality correctors tried at an iteration (Gondzio 1996); ignored: share of the cones, those that
     would end a step first, that are left out of account when directions are judged; fraction: share of the way to the boundary;
     regularisation: of the normal matrix, relative to its diagonal; refinements: of each linear solve, at most;
-    balanced: whether the forces are wanted in balance, or the multipliers alone; overlap: the fastest rate
-    at which these may close a point that cannot close, over the fastest rate at all, where they are wanted alone;
+    balanced: whether the forces are wanted in balance, or the multipliers alone, which then close no point that cannot close
+    faster than `duality_gap` times the fastest rate;
     force, rate: size of the starting forces (in the load of a body that each touches) and of the multipliers (in those
     that earn the reward).
     """
@@ -32,12 +32,11 @@ class Settings:
     regularisation: float = 1e-14
     refinements: int = 3
     balanced: bool = True
-    overlap: float = 0.001
     force: float = 10.0
     rate: float = 0.01
 
     def __post_init__(self) -> None:
-        positive = ("duality_gap", "acceptable", "residual", "certificate", "fraction", "force", "rate", "iterations", "overlap")
+        positive = ("duality_gap", "acceptable", "residual", "certificate", "fraction", "force", "rate", "iterations")
         for name in positive:
             _check(name, getattr(self, name), getattr(self, name) > 0, "> 0")
         for name in ("correctors", "ignored", "refinements", "regularisation"):

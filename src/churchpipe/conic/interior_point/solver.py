@@ -101,7 +101,7 @@ class InteriorPointSolver:
 
         def enough(at: Iterate) -> bool:
             rates = problem.spread(at.y) + at.theta * problem.linear + problem.quadratic(at.x)
-            return local.overlap(problem.local_view(rates)) <= settings.overlap
+            return local.overlap(problem.local_view(rates)) <= settings.duality_gap
 
         ending = None
         if near is not None and not local.bounded and not problem.capped:
