@@ -13,10 +13,15 @@ def falling_stones(answer: StepAnswer, speed: FloatArray, before: float, weight:
     speed (nb,): of the fastest vertex of each stone; before: the fastest of the last step, infinite at the first.
     weight (nb,) N; spared N: what may fall out without ending the curve.
     """
-    fastest = float(speed.max(initial=0.0))
     if answer.outcome == "infeasible":
-        return speed > PATH.falling * fastest
-    ahead = speed > PATH.ahead * fastest
-    if answer.outcome == "solved" and fastest > PATH.faster * before and float(weight[ahead].sum()) < spared:
-        return ahead
+        return speed > PATH.falling * float(speed.max(initial=0.0))
+    if answer.outcome == "solved":
+        return stones_ahead(speed, before, weight, spared)
     return np.zeros(len(speed), dtype=bool)
+
+
+def stones_ahead(speed: FloatArray, before: float, weight: FloatArray, spared: float) -> BoolArray:
+    """Return which stones (nb,) leave all others behind: none where they are no few light ones; see `falling_stones`."""
+    fastest = float(speed.max(initial=0.0))
+    ahead = speed > PATH.ahead * fastest
+    return ahead & (fastest > PATH.faster * before and float(weight[ahead].sum()) < spared)

@@ -5,14 +5,8 @@ from typing import Literal, Protocol
 
 from churchpipe.large_displacements.halo import grown
 from churchpipe.large_displacements.moving_model import MovingModel
-from churchpipe.large_displacements.path import (
-    PathState,
-    PathStep,
-    may_go_on,
-    next_state,
-    solve_state,
-    without,
-)
+from churchpipe.large_displacements.path import PathStep, may_go_on, next_state, solve_state, without
+from churchpipe.large_displacements.path_state import PathState
 from churchpipe.wording import counted
 
 EndingName = Literal["vanished", "free", "collapsed", "unfinished", "unbounded", "not-converged"]
@@ -60,7 +54,7 @@ def follow(model: MovingModel, state: PathState, steps: int, record: Steps, ring
                 many = "stones that cannot be spared fall"
                 return Ending("collapsed", counted(number, "stone that cannot be spared falls", many))
             record.fall(step)
-            state = without(model, step)
+            state = without(model, state, step)
             step = solve_state(model, state)
         if step.answer.outcome == "unbounded":
             return Ending("unbounded", "the stones have locked: nothing of this kind moves them on")

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial import cKDTree
 
-from churchpipe.large_displacements.path import PathState
+from churchpipe.large_displacements.path_state import PathState
 from churchpipe.model.stone_path import LastStep
 
 

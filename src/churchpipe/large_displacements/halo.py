@@ -1,17 +1,27 @@
 """The stones that a path follows: those that move, and a halo of still ones around them that grows when its rim moves."""
 
+from collections.abc import Callable
 from dataclasses import replace
+from time import perf_counter
 
 import numpy as np
 import scipy.sparse as sp
 
+from churchpipe.conic.solve import solver_for
 from churchpipe.large_displacements.joints import joined
 from churchpipe.large_displacements.moving_model import MovingModel, bearing
-from churchpipe.large_displacements.path import PathState, PathStep
+from churchpipe.large_displacements.path import PathStep
+from churchpipe.large_displacements.path_state import PathState
+from churchpipe.large_displacements.poses import start_poses
 from churchpipe.large_displacements.settings import PATH
-from churchpipe.mechanism import reference_speed
+from churchpipe.large_displacements.travelling import TravellingLoads
+from churchpipe.mechanism import reference_speed, stone_speed
 from churchpipe.model.arrays import BoolArray, IntArray
 from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.results import LimitState
+from churchpipe.rigid_blocks.associative import associative_state
+from churchpipe.rigid_blocks.certificate import Strength
+from churchpipe.rigid_blocks.equilibrium import Equilibrium
 
 
 def held_around(stones: Assemblage, blocks: IntArray, moving: BoolArray, rings: int) -> BoolArray:
@@ -31,6 +41,39 @@ def held_around(stones: Assemblage, blocks: IntArray, moving: BoolArray, rings: 
     return held if moving.any() and held.sum() > PATH.worth * free.sum() else np.zeros(count, dtype=bool)
 
 
+def held_at_first(
+    model: MovingModel,
+    blocks: IntArray,
+    program: Callable[[BoolArray], tuple[Equilibrium, Strength]],
+    state: LimitState,
+    rings: int,
+) -> BoolArray:
+    """Return the stones to hold still (nb,): without them the first load factor, that of `state`, is kept to `PATH.kept`.
+
+    Where it is not, slower stones are let go as well, and then those further away. blocks (ni, 2): the stones of each contact.
+    program: of the limit analysis in which these stones (nb,), fixed ones among them, stand still.
+    """
+    stones = model.stones
+    speed = stone_speed(stones, state.velocities)
+    slow, reference = PATH.moving, reference_speed(speed)
+    while True:
+        moving = speed > slow * reference
+        moving[model.ties.stone] = True
+        held = held_around(stones, blocks, moving, rings)
+        if not held.any():
+            return held
+        balance, strength = program(stones.fixed | held)
+        if isinstance(model.driven, TravellingLoads):
+            # A profile over the height shares out the weight of all stones, those that are held among them.
+            live = model.driven.rows(start_poses(stones).rotation, balance.free, balance.force, balance.length)
+            balance = replace(balance, live=np.append(live, balance.live[len(live) :]))
+        # What carries its dead load does so with stones held.
+        followed = associative_state(balance, strength, solver_for(balance.balance, model.solver), perf_counter())
+        if followed.status == "optimal" and followed.load_factor <= (1 + PATH.kept) * state.load_factor:
+            return held
+        slow, rings = (PATH.still, rings) if slow > PATH.still else (slow, 2 * rings)
+
+
 def grown(model: MovingModel, step: PathStep, rings: int) -> tuple[MovingModel, PathState] | None:
     """Return the model with a wider halo, and the state at which to solve the step again; None where its rim stands still."""
     if not model.held.any() or step.answer.outcome != "solved":
@@ -43,7 +86,7 @@ def grown(model: MovingModel, step: PathStep, rings: int) -> tuple[MovingModel, 
     reference = reference_speed(step.speed)
     if not (step.speed[rim] > PATH.rim * reference).any():
         return None
-    held = model.held & held_around(model.stones, blocks, step.speed > PATH.still * reference, rings)
+    held = model.held & held_around(model.stones, blocks, step.speed > PATH.moving * reference, rings)
     # Where neither stone could move before, nothing has moved since the drawing.
     still = model.held | model.stones.fixed
     freed = ~bearing(still, model.drawn.blocks) & bearing(held | model.stones.fixed, model.drawn.blocks)

@@ -69,6 +69,11 @@ class MovingModel:
         """The same of a motion that goes on from the last step's, so that no other one is looked for."""
         return PATH.enough_large if self.large else PATH.fitting
 
+    @property
+    def shorter(self) -> float:
+        """How many times less far a motion may go than the length that its programs charge the gaps for."""
+        return PATH.shorter_large if self.large else PATH.right
+
 
 def moving_model(
     stones: Assemblage,

@@ -1,51 +1,23 @@
 """The motion of an assemblage step by step: programs in the displaced geometry, and where each takes the stones."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy.sparse as sp
 
-from churchpipe.conic.pressed import pressed_joints
 from churchpipe.conic.solve import Solve, solver_for
-from churchpipe.conic.wrenches import Balance, apply
-from churchpipe.large_displacements.falling import falling_stones
-from churchpipe.large_displacements.joints import Joints
-from churchpipe.large_displacements.moving_model import MovingModel, bearing
-from churchpipe.large_displacements.poses import Poses, displaced, start_poses
-from churchpipe.large_displacements.renewal import renewed
+from churchpipe.conic.wrenches import apply
+from churchpipe.large_displacements.falling import falling_stones, stones_ahead
+from churchpipe.large_displacements.moving_model import MovingModel
+from churchpipe.large_displacements.path_state import PathState, renewed_state, standing
 from churchpipe.large_displacements.search import Attempt, StepSearch
 from churchpipe.large_displacements.settings import PATH
+from churchpipe.large_displacements.state_program import last_velocities, state_program, velocities_of
 from churchpipe.large_displacements.step import StepAnswer, StepProgram, solve_step
 from churchpipe.large_displacements.travelling import TravellingLoads
 from churchpipe.large_displacements.twisted import friction_shift
 from churchpipe.mechanism import reference_speed, stone_speed
-from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
+from churchpipe.model.arrays import BoolArray, FloatArray
 from churchpipe.model.assemblage import Assemblage
-from churchpipe.model.stone_path import FallenStones
-from churchpipe.rigid_blocks.certificate import Strength
-from churchpipe.rigid_blocks.equilibrium import contact_wrenches
-from churchpipe.rigid_blocks.iterations import approached_forces
-from churchpipe.rigid_blocks.pressed import with_further
-from churchpipe.rigid_blocks.settings import SchemeSettings
-
-
-@dataclass(frozen=True, slots=True)
-class PathState:
-    """Where a path has got to: poses, joints, which stones have fallen (nb,), length of the step, m per unit of work.
-
-    fastest: speed of the fastest stone in the last step whose motion was credible. before (nb, 6): velocities of the last step
-    at the origin, way (m per unit of work) how far it went; None as drawn. rest (nt,) m: what ties have been pulled to.
-    """
-
-    poses: Poses
-    joints: Joints
-    fallen: BoolArray
-    length: float
-    fastest: float = np.inf
-    before: FloatArray | None = None
-    way: float = 0.0
-    rest: FloatArray = field(default_factory=lambda: np.zeros(0))
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,57 +36,6 @@ class PathStep:
     way: float
     friction_power: float
     falling: BoolArray
-
-
-def first_state(model: MovingModel) -> PathState:
-    """Return the state as drawn."""
-    still = model.stones.fixed | model.held
-    joints = model.drawn.selected(bearing(still, model.drawn.blocks))
-    none = np.zeros(len(still), dtype=bool)
-    return PathState(start_poses(model.stones), joints, none, model.step, rest=model.ties.first_rest)
-
-
-def state_at(model: MovingModel, every: Sequence[Poses], fallen: Sequence[FallenStones]) -> PathState:
-    """Return the state at the last of all poses of a path so far, without the stones that have fallen: to go on from there.
-
-    What the joints slid by and how fast the stones were is not known any more: the next program finds it again.
-    """
-    gone = np.zeros(model.stones.count, dtype=bool)
-    for part in fallen:
-        gone[part.stones] = True
-    first = first_state(model)
-    rest = first.rest
-    for poses in every:
-        rest = model.ties.yielded(rest, poses)
-    return _renewed(model, replace(first, poses=every[-1], fallen=gone, rest=rest))
-
-
-def as_in(model: MovingModel, state: PathState, normal: FloatArray, velocities: FloatArray) -> PathState:
-    """Return a state whose points press and slide as in an analysis without dilatancy: its normal forces (nc,) N and velocities
-    (nb, 6)."""
-    _, program, free, _ = _program(model, state)
-    y = velocities[free]
-    y = np.concatenate([y[:, :3], model.length * y[:, 3:]], axis=1).ravel()
-    power = float(program.live @ y)
-    slip = program.slip(y / power)[: len(normal)] if power > 0 else state.joints.sliding
-    pressing, shear = np.maximum(normal, 0.0) / model.force, np.zeros_like(state.joints.shear)
-    return replace(state, joints=replace(state.joints, sliding=slip, pressing=pressing, shear=shear))
-
-
-def approached(model: MovingModel, state: PathState) -> PathState:
-    """Return a state whose points press as in forces that hardly exceed friction, sought from those that it has."""
-    program, points = step_program(model, state), len(state.joints.pressing)
-    forces = np.zeros(len(program.closing))
-    forces[:points] = state.joints.pressing
-    solve = solver_for(program.balance, model.solver)
-    forces, _ = approached_forces(program, program.strength, forces, solve, SchemeSettings(), rough=True)
-    return replace(state, joints=replace(state.joints, pressing=forces[:points]))
-
-
-def step_program(model: MovingModel, state: PathState) -> StepProgram:
-    """Return the program of a step from a state, of the length of the last one."""
-    _, program, _, gap = _program(model, state)
-    return program.within(gap, program.softness, state.length)
 
 
 def solve_state(
@@ -157,7 +78,7 @@ def _levers(model: MovingModel, step: PathStep) -> tuple[FloatArray, float]:
 
 def _solved(model: MovingModel, state: PathState, programs: int, pairs: int) -> PathStep:
     """Return the step that a state takes with friction acting where its joints say."""
-    stones, program, free, gap = _program(model, state)
+    stones, program, free, gap = state_program(model, state)
     solve, points = solver_for(program.balance, model.solver), len(state.joints.sliding)
     tangents = state.joints.at(state.poses)[0].frame[state.joints.interface, 1:]
     sliding, forces = np.zeros(len(gap)), np.zeros((len(gap), 3))
@@ -167,27 +88,35 @@ def _solved(model: MovingModel, state: PathState, programs: int, pairs: int) -> 
         forces[:points, 1:] = np.einsum("kac,kc->ka", tangents, state.joints.shear)
 
     def longest(y: FloatArray) -> float:
-        return _length(model, stones, _velocities(model, state, free, y))
+        return _length(model, stones, velocities_of(model, state, free, y))
 
-    search = StepSearch(program, gap, solve, longest, state.length, model.step, model.fitting)
+    def fall(y: FloatArray, misfit: float) -> bool:
+        # Of a few stones that fall no more is needed than which they are.
+        velocity = velocities_of(model, state, free, y)
+        if misfit > PATH.credible * max(1.0, _mean_speed(model, velocity)):
+            return False
+        speed = stone_speed(stones, velocity)
+        return bool(stones_ahead(speed, state.fastest, model.stones.weight, _expendable(model, state)).any())
+
+    search = StepSearch(program, gap, solve, longest, fall, state.length, model.step, model.fitting, model.shorter)
     # Where forces and motion fitted each other in pairs of programs only, the forces of the last step are the best to begin with:
     # they keep the path on its way where others branch off.
     attempt = begin = Attempt(StepAnswer("failed", forces, np.nan, np.zeros(0)), state.length)
     if pairs and forces.any() and not program.softness.any():
         # A large program that has no solution need not be shown twice to have none: the search below shows it once more.
         own = solver_for(program.balance, "interior-point") if model.large and model.solver == "auto" else solve
-        last = _last_velocities(model, state, free, program)
+        last = last_velocities(model, state, free, program)
         attempt = search.by_pairs(begin._replace(answer=replace(begin.answer, y=last)), pairs, own)
-        if len(last) and not attempt.fits(model.enough):
+        if len(last) and attempt.answer.outcome == "solved" and not attempt.will_do(model.enough):
             # Where the motion turns into another, the last one leads astray.
             attempt = _better(attempt, search.by_pairs(begin, pairs, own))
-    if not attempt.fits(model.enough):
+    if not attempt.will_do(model.enough):
         attempt = _better(attempt, search.by_programs(sliding, programs, pairs))
-    answer, way, joints = attempt.answer, 0.0, state.joints
+    answer, way, length, joints = attempt.answer, 0.0, attempt.length, state.joints
     if answer.outcome == "solved":
         at = search.within(attempt.length)
         sliding = at.slip(answer.y)
-        way = min(attempt.length, search.way(attempt))
+        way, length = min(attempt.length, search.way(attempt)), search.next_length(attempt)
         if attempt.paired or not attempt.fits(model.fitting):
             if answer.misfit < PATH.credible:
                 shear = np.einsum("kac,ka->kc", tangents, answer.forces[:points, 1:])
@@ -196,13 +125,13 @@ def _solved(model: MovingModel, state: PathState, programs: int, pairs: int) -> 
             joints = replace(joints, pressing=np.zeros(points), shear=np.zeros((points, 3)))
         joints = replace(joints, sliding=sliding[:points])
         answer = _with_present_tensions(model, state, at, answer, sliding, solve)
-    velocity = _velocities(model, state, free, answer.y)
+    velocity = velocities_of(model, state, free, answer.y)
     # Where the load does hardly any work, as in a fall, rates are measured by the mean speed of the weight.
     answer = replace(answer, gap=answer.gap / max(1.0, _mean_speed(model, velocity)))
     speed = stone_speed(stones, velocity)
     rate = program.motion(answer.y)
     return PathStep(
-        state=replace(state, joints=joints, length=attempt.length),
+        state=replace(state, joints=joints, length=length),
         answer=answer,
         speed=speed,
         velocity=velocity,
@@ -270,13 +199,13 @@ def next_state(model: MovingModel, step: PathStep, furthest: float = np.inf) -> 
         change = there - state.before
         at_stone = change.copy()
         at_stone[:, :3] += np.cross(change[:, 3:], centre)
-        if float(stone_speed(_standing(model, state), at_stone).max()) < PATH.steady * float(step.speed.max(initial=0.0)):
+        if float(stone_speed(standing(model, state), at_stone).max()) < PATH.steady * float(step.speed.max(initial=0.0)):
             motion = there + 0.5 * way / state.way * change
     twist = motion.copy()
     twist[:, :3] += np.cross(motion[:, 3:], centre)
     # A stone that settles into a gap turns as far however short the step is: a step that it made short is made longer again.
     short = 4 * state.length * reference_speed(step.speed) < model.step
-    return _renewed(
+    return renewed_state(
         model,
         replace(
             state,
@@ -289,9 +218,12 @@ def next_state(model: MovingModel, step: PathStep, furthest: float = np.inf) -> 
     )
 
 
-def without(model: MovingModel, step: PathStep) -> PathState:
-    """Return the state of a step without the stones that fall."""
-    return _renewed(model, replace(step.state, fallen=step.state.fallen | step.falling))
+def without(model: MovingModel, state: PathState, step: PathStep) -> PathState:
+    """Return the state that a step began at without the stones that fall in it.
+
+    Its length and its forces are those of the step before: the motion of a few stones tells nothing of the others.
+    """
+    return renewed_state(model, replace(state, fallen=state.fallen | step.falling))
 
 
 def may_go_on(model: MovingModel, step: PathStep) -> bool:
@@ -307,91 +239,15 @@ def _expendable(model: MovingModel, state: PathState) -> float:
     return PATH.expendable * model.moving - float(model.stones.weight[state.fallen].sum())
 
 
-def _renewed(model: MovingModel, state: PathState) -> PathState:
-    stones = _standing(model, state)
-    crushing = model.strength is not None
-    joints = renewed(state.joints, stones, state.poses, state.fallen, model.reach, crushing=crushing)
-    return replace(state, joints=joints, rest=model.ties.yielded(state.rest, state.poses))
-
-
-def _free(model: MovingModel, state: PathState) -> BoolArray:
-    return ~(model.stones.fixed | model.held | state.fallen)
-
-
-def _standing(model: MovingModel, state: PathState) -> Assemblage:
-    return displaced(model.stones, state.poses, ~_free(model, state))
-
-
-def _program(model: MovingModel, state: PathState) -> tuple[Assemblage, StepProgram, IntArray, FloatArray]:
-    """Return the stones, the program of a state, the free stones, and the gaps of its points; slack of its ties."""
-    stones = _standing(model, state)
-    contacts, gap = state.joints.at(state.poses)
-    free = np.flatnonzero(~stones.fixed)
-    rotation = state.poses.rotation
-    dead = model.dead.rows(rotation, free, model.force, model.length)
-    friction = model.friction.of(contacts.blocks, stones.count)[contacts.interface_of_point]
-    bound, softness = np.full(len(gap), np.inf), np.zeros(len(gap))
-    at = contacts.point + state.joints.lever if model.contact_model == "torsion" else None
-    if isinstance(model.driven, TravellingLoads):
-        balance: Balance = contact_wrenches(stones, contacts, free, model.length, at)
-        live = model.driven.rows(rotation, free, model.force, model.length)
-        if model.ties.name:
-            balance = balance.joined(model.ties.wrenches(state.poses, free, model.length))
-            broken = model.ties.broken(state.rest, state.fallen)
-            bound = np.append(bound, np.where(broken, 0.0, model.ties.strength / model.force))
-            gap = np.append(gap, np.where(broken, 0.0, state.rest - model.ties.lengths(state.poses)))
-            softness = np.append(softness, np.where(broken, 0.0, model.force / model.ties.stiffness))
-            friction = np.append(friction, np.zeros(len(broken)))
-    else:
-        twist = model.driven.twist(state.poses)
-        twist[:, 3:] *= model.length
-        wrenches = contact_wrenches(stones, contacts, np.append(free, model.driven.stones), model.length, at)
-        # Of the balance of the support only that along its movement is left.
-        along = sp.block_diag([sp.identity(6 * len(free)), twist.reshape(1, -1)], format="csr")
-        balance = sp.csc_matrix(along @ wrenches.tocsc())
-        dead, live = np.append(dead, 0.0), np.append(np.zeros_like(dead), 1.0)
-    strength, points, rows = Strength(friction, np.zeros_like(bound), bound), len(bound), len(dead)
-    if model.strength is not None:
-        joints = state.joints
-        capacity = model.strength.of(joints.blocks, stones.count) * joints.rectangle / model.force
-        crush = np.isfinite(capacity)
-        bear = np.flatnonzero(crush[joints.interface])
-        number = (np.cumsum(crush) - 1)[joints.interface[bear]]
-        if len(bear):
-            pressed = pressed_joints(bear, number, joints.place[bear], capacity[crush], 1.0 / int(crush.sum()), points)
-            balance, strength = pressed.below(balance), with_further(strength, pressed)
-            dead, live = np.append(dead, pressed.constant), np.append(live, np.zeros_like(pressed.constant))
-            gap, softness = (np.append(each, np.zeros(len(strength.bound) - points)) for each in (gap, softness))
-    return stones, StepProgram(balance, dead, live, strength, np.zeros_like(gap), points, rows, softness), free, gap
-
-
-def _velocities(model: MovingModel, state: PathState, free: IntArray, y: FloatArray) -> FloatArray:
-    out = np.zeros((model.stones.count, 6))
-    out[free] = y[: 6 * len(free)].reshape(-1, 6)
-    out[:, 3:] /= model.length
-    if not isinstance(model.driven, TravellingLoads):
-        out[model.driven.stones] = y[6 * len(free)] * model.driven.twist(state.poses)
-    return out
-
-
-def _last_velocities(model: MovingModel, state: PathState, free: IntArray, program: StepProgram) -> FloatArray:
-    """Return the multipliers of the last motion where the stones are now, for a large model with the rows of its stones alone."""
-    stones_alone = isinstance(model.driven, TravellingLoads) and len(program.dead) == 6 * len(free)
-    if state.before is None or not model.large or not stones_alone:
-        return np.zeros(0)
-    velocity = state.before[free]
-    there = velocity[:, :3] + np.cross(velocity[:, 3:], state.poses.centroid[free])
-    y = np.concatenate([there, model.length * velocity[:, 3:]], axis=1).ravel()
-    power = float(program.live @ y)
-    return y / power if power > 0 else np.zeros(0)
-
-
 def _mean_speed(model: MovingModel, velocity: FloatArray) -> float:
     return float(np.linalg.norm(velocity[:, :3], axis=1) @ model.stones.weight) / model.force
 
 
 def _length(model: MovingModel, stones: Assemblage, velocity: FloatArray) -> float:
-    """Return the length of the step, m per unit of work, in which no stone goes or turns further than it may."""
-    reference = reference_speed(stone_speed(stones, velocity))
-    turn = float(np.linalg.norm(velocity[:, 3:], axis=1).max(initial=0.0))
-    return min(model.step / max(reference, 1e-300), PATH.turn / max(turn, 1e-300))
+    """Return the length of the step, m per unit of work, in which stones go and turn no further than they may.
+
+    In a large model the turn that stands for the mechanism counts: a single stone that spins does not hold up all others.
+    """
+    speed, turn = stone_speed(stones, velocity), np.linalg.norm(velocity[:, 3:], axis=1)
+    steepest = reference_speed(turn) if model.large else float(turn.max(initial=0.0))
+    return min(model.step / max(reference_speed(speed), 1e-300), PATH.turn / max(steepest, 1e-300))

@@ -9,16 +9,17 @@ from typing import Any, cast, get_args
 import numpy as np
 import numpy.typing as npt
 
-from churchpipe.conic.solve import solver_for
 from churchpipe.large_displacements.control import Control, control_of
 from churchpipe.large_displacements.following import Ending, follow
-from churchpipe.large_displacements.halo import held_around
+from churchpipe.large_displacements.halo import held_at_first
 from churchpipe.large_displacements.moving_model import MovingModel, bearing, moving_model
-from churchpipe.large_displacements.path import PathState, PathStep, approached, as_in, first_state, solve_state
+from churchpipe.large_displacements.path import PathStep, solve_state
+from churchpipe.large_displacements.path_state import PathState, first_state
 from churchpipe.large_displacements.record import Progress, Record
 from churchpipe.large_displacements.settings import PATH
+from churchpipe.large_displacements.state_program import approached, as_in
 from churchpipe.large_displacements.travelling import live_loads
-from churchpipe.mechanism import moving_stones, reference_speed, stone_speed
+from churchpipe.mechanism import moving_stones, stone_speed
 from churchpipe.model.arguments import listed, one_of, positive, whole
 from churchpipe.model.arrays import BoolArray, FloatArray
 from churchpipe.model.assemblage import Assemblage
@@ -29,7 +30,6 @@ from churchpipe.model.names import ContactModel
 from churchpipe.model.results import LimitState
 from churchpipe.model.stone_path import HALO, no_step
 from churchpipe.model.ties import Tie
-from churchpipe.rigid_blocks.associative import associative_state
 from churchpipe.rigid_blocks.certificate import Strength
 from churchpipe.rigid_blocks.coulomb import dead_load_start
 from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
@@ -134,7 +134,7 @@ def block_pushover(
         balance, strength, _ = programmed(replace(stones, fixed=still), contacts.selected(bears), **strengths(bears))
         return balance, strength
 
-    model = replace(model, held=_held(model, contacts, held_program, state, halo)) if halo else model
+    model = replace(model, held=held_at_first(model, contacts.blocks, held_program, state, halo)) if halo else model
     record = _Curve(model, measure, furthest, progress, keep)
     if resume is not None and len(resume.position):
         start = record.go_on_from(resume, resume.displacement, resume.load_factor)
@@ -170,32 +170,6 @@ def _started(
     if found.status not in ("converged", "not-converged"):
         return model, step.state
     return model, as_in(model, first, found.forces[bears, 0], found.velocities)
-
-
-def _held(
-    model: MovingModel,
-    contacts: Contacts,
-    program: Callable[[BoolArray], tuple[Equilibrium, Strength]],
-    state: LimitState,
-    rings: int,
-) -> BoolArray:
-    """Return the stones to hold still (nb,): without them the first load factor `state` is kept to `PATH.kept`.
-
-    program: of the limit analysis in which these stones (nb,), fixed ones among them, stand still.
-    """
-    speed = stone_speed(model.stones, state.velocities)
-    moving = speed > PATH.still * reference_speed(speed)
-    moving[model.ties.stone] = True
-    while True:
-        held = held_around(model.stones, contacts.blocks, moving, rings)
-        if not held.any():
-            return held
-        # What carries its dead load does so with stones held.
-        balance, strength = program(model.stones.fixed | held)
-        followed = associative_state(balance, strength, solver_for(balance.balance, model.solver), perf_counter())
-        if followed.status == "optimal" and followed.load_factor <= (1 + PATH.kept) * state.load_factor:
-            return held
-        rings *= 2
 
 
 class _Curve(Record):

@@ -9,7 +9,8 @@ from churchpipe.errors import InputError
 from churchpipe.large_displacements.control import Control
 from churchpipe.large_displacements.going_on import gone_on, last_step
 from churchpipe.large_displacements.moving_model import MovingModel
-from churchpipe.large_displacements.path import PathState, PathStep, state_at
+from churchpipe.large_displacements.path import PathStep
+from churchpipe.large_displacements.path_state import PathState, state_at
 from churchpipe.large_displacements.poses import Poses, rotation_vectors, screw
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.stone_path import FallenStones, LastStep, StepArrays, StonePath

@@ -7,31 +7,38 @@ import numpy as np
 
 from churchpipe.conic.solve import Solve
 from churchpipe.large_displacements.settings import PATH
-from churchpipe.large_displacements.step import StepAnswer, StepProgram, solve_step, without_dilatancy
+from churchpipe.large_displacements.step import Fall, StepAnswer, StepProgram, solve_step, without_dilatancy
 from churchpipe.model.arrays import FloatArray
 
 
 class Attempt(NamedTuple):
     """An answer and the length of the step that it charges the gaps for, m per unit of work.
 
-    blocked: it may go no further. paired: sought in pairs of programs.
+    blocked: it may go no further. paired: sought in pairs of programs. falls: a few stones fall in it.
     """
 
     answer: StepAnswer
     length: float
     blocked: bool = False
     paired: bool = False
+    falls: bool = False
 
     def fits(self, misfit: float) -> bool:
         """True where forces and motion fit each other to a share of the load factor."""
         return self.answer.outcome == "solved" and self.answer.misfit <= misfit
+
+    def will_do(self, misfit: float) -> bool:
+        """True where it fits so well, or tells which stones fall, which need not be known as well."""
+        return self.falls or self.fits(misfit)
 
 
 class StepSearch:
     """The programs of one step.
 
     program: of the step, of any length. gap (nc,) m of its points. longest: what a motion y (m,) may last, m per unit of work.
-    begin: the length of the last step, and most the largest displacement of one. fitting: the misfit that will do.
+    fall: whether a motion y (m,) with this misfit is that of a few stones that fall. begin: the length of the last step, and most
+    the largest displacement of one. fitting: the misfit that will do. shorter: a motion that fits may go so many times less far
+    than the length that its pairs of programs charge the gaps for.
     """
 
     def __init__(
@@ -40,12 +47,15 @@ class StepSearch:
         gap: FloatArray,
         solve: Solve,
         longest: Callable[[FloatArray], float],
+        fall: Fall,
         begin: float,
         most: float,
-        fitting: float = PATH.fitting,
+        fitting: float,
+        shorter: float,
     ) -> None:
-        self._program, self._gap, self._solve, self._longest = program, gap, solve, longest
+        self._program, self._gap, self._solve, self._longest, self._fall = program, gap, solve, longest, fall
         self._begin, self._least, self._most, self._fitting = begin, PATH.least_charge * begin, most, fitting
+        self._shorter = shorter
 
     def within(self, length: float) -> StepProgram:
         """Return the program of a step of this length."""
@@ -55,6 +65,14 @@ class StepSearch:
         """Return how far a motion may go, m per unit of work."""
         longest = self._longest(attempt.answer.y)
         return min(attempt.length, longest) if attempt.blocked else longest
+
+    def next_length(self, attempt: Attempt) -> float:
+        """Return the length that the next step should begin with, m per unit of work."""
+        near, length = self._next(attempt)
+        return attempt.length if near or attempt.falls else length
+
+    def _falls(self, answer: StepAnswer) -> bool:
+        return answer.outcome == "solved" and self._fall(answer.y, answer.misfit)
 
     def _next(self, attempt: Attempt) -> tuple[bool, float]:
         """Return whether the length of an attempt suits its motion, and the one that does."""
@@ -68,12 +86,13 @@ class StepSearch:
         """
         for _ in range(PATH.lengths):
             program = self.within(attempt.length).stretched(attempt.answer.forces)
-            answer = without_dilatancy(program, attempt.answer, solve or self._solve, self._fitting, pairs)
-            attempt = attempt._replace(answer=answer, paired=True)
-            if attempt.answer.outcome != "solved":
+            answer = without_dilatancy(program, attempt.answer, solve or self._solve, self._fitting, pairs, self._fall)
+            attempt = attempt._replace(answer=answer, paired=True, falls=self._falls(answer))
+            if attempt.answer.outcome != "solved" or attempt.falls:
                 break
             near, length = self._next(attempt)
-            if near:
+            # What points may close by within the step keeps stones apart on every shorter way as well.
+            if near or (attempt.fits(self._fitting) and 1.0 < attempt.length / length < self._shorter):
                 break
             attempt = attempt._replace(length=length)
         return attempt
@@ -87,12 +106,13 @@ class StepSearch:
         before: Attempt | None = None
         count = 0
         while count < programs:
-            attempt = attempt._replace(answer=solve_step(self.within(attempt.length), sliding, self._solve))
+            answer = solve_step(self.within(attempt.length), sliding, self._solve)
+            attempt = attempt._replace(answer=answer, falls=self._falls(answer))
             if attempt.answer.outcome == "unbounded" and attempt.length > PATH.shortest * self._most:
                 # It comes up against a stone within this step: it may go no further than that.
                 attempt = attempt._replace(length=0.25 * attempt.length, blocked=True)
                 continue
-            if attempt.answer.outcome != "solved":
+            if attempt.answer.outcome != "solved" or attempt.falls:
                 return attempt
             count += 1
             near, length = self._next(attempt)
@@ -104,4 +124,4 @@ class StepSearch:
             if count < programs:
                 before, sliding = attempt, self.within(attempt.length).slip(attempt.answer.y)
                 attempt = attempt._replace(length=length)
-        return self.by_pairs(attempt, pairs) if pairs and attempt.answer.misfit > self._fitting else attempt
+        return self.by_pairs(attempt, pairs) if pairs and not attempt.will_do(self._fitting) else attempt

@@ -15,7 +15,8 @@ class PathSettings:
         kept; shortest: one shorter than this share of the largest ends the path. least_charge: a step may charge its gaps as if
         it were this much shorter than the last one, however short it is then: where a few stones run ahead of all others, every
         sliding joint would else count as open. lengths: times that pairs of programs are begun, each with the length of step of
-        the last motion.
+        the last motion. shorter_large: in a large model a motion may go so many times less far than the length that it was sought
+        for.
 
     Programs of a step:
         first_programs, programs: as drawn, where the sliding is unknown, and later. pairs: of programs that make forces and
@@ -31,8 +32,10 @@ class PathSettings:
         did when no stone's speed has changed by more than this share of the fastest.
 
     Stones that move, by shares of the fastest speed:
-        still: slower ones stand still. rim: a stone at the rim of the halo that is faster moves. worth: a halo that leaves no
-        more than this share of the stones out is not worth having. kept: a halo keeps the first load factor within this share.
+        moving, still: a halo is put around stones faster than the first share, or, where that changes the first load factor too
+        much, around all but those slower than the second. rim: a stone at the rim of the halo that is faster moves. worth: a
+        halo that leaves no more than this share of the stones out is not worth having. kept: a halo keeps the first load factor
+        within this share.
         large: with more points of contact the certified analysis takes many minutes. falling, ahead: those that take part in a
         fall, or in a motion that has gone local. faster: a motion so many times faster than that of the last step is one of a
         few stones. expendable: stones that weigh no more than this share of what moved at the start may fall out without ending
@@ -62,6 +65,7 @@ class PathSettings:
     shortest: float = 1e-3
     least_charge: float = 0.04
     lengths: int = 3
+    shorter_large: float = 4.0
     first_programs: int = 12
     programs: int = 4
     pairs: int = 6
@@ -76,10 +80,11 @@ class PathSettings:
     started: float = 0.01
     credible: float = 0.1
     steady: float = 0.3
+    moving: float = 1e-2
     still: float = 1e-3
     rim: float = 1e-2
     worth: float = 0.2
-    kept: float = 0.01
+    kept: float = 5e-3
     large: int = 20_000
     falling: float = 0.02
     ahead: float = 0.1
@@ -104,7 +109,7 @@ class PathSettings:
             value = getattr(self, field.name)
             if not value > 0:
                 raise InputError(f"PathSettings.{field.name}", "out of range", found=value, expected="> 0")
-            if field.name in ("right", "faster", "deeper", "further"):
+            if field.name in ("right", "shorter_large", "faster", "deeper", "further"):
                 if not value > 1:
                     raise InputError(f"PathSettings.{field.name}", "out of range", found=value, expected="> 1")
             elif field.name not in no_shares and not value < 1:

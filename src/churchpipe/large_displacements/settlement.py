@@ -8,7 +8,8 @@ import numpy.typing as npt
 
 from churchpipe.conic.solve import solver_for
 from churchpipe.large_displacements.moving_model import MovingModel, bearing, moving_model
-from churchpipe.large_displacements.path import PathState, PathStep, first_state, solve_state
+from churchpipe.large_displacements.path import PathStep, solve_state
+from churchpipe.large_displacements.path_state import PathState, first_state
 from churchpipe.large_displacements.settings import PATH
 from churchpipe.large_displacements.supports import support_movement
 from churchpipe.model.arguments import check_kind, one_of

@@ -12,7 +12,8 @@ from churchpipe.large_displacements.control import SupportTravel
 from churchpipe.large_displacements.following import Ending, follow
 from churchpipe.large_displacements.halo import held_around
 from churchpipe.large_displacements.moving_model import MovingModel
-from churchpipe.large_displacements.path import PathStep, first_state
+from churchpipe.large_displacements.path import PathStep
+from churchpipe.large_displacements.path_state import first_state
 from churchpipe.large_displacements.record import Progress, Record
 from churchpipe.large_displacements.settings import PATH
 from churchpipe.large_displacements.settlement import resistance, settlement_analysis, settlement_model

@@ -1,6 +1,8 @@
 """One program of a path: the load factor and the velocities of stones where they are now."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import numpy as np
 
@@ -10,9 +12,12 @@ from churchpipe.conic.wrenches import Balance, apply, transpose
 from churchpipe.large_displacements.settings import PATH
 from churchpipe.model.arrays import FloatArray
 from churchpipe.rigid_blocks.certificate import Strength, cone_violation
-from churchpipe.rigid_blocks.coulomb import bipotential_gap
+from churchpipe.rigid_blocks.coulomb import CoulombState, bipotential_gap
 from churchpipe.rigid_blocks.iterations import closed_gap
 from churchpipe.rigid_blocks.settings import SchemeSettings
+
+# Whether a motion y (m,) with this misfit is that of a few stones that fall.
+Fall: TypeAlias = Callable[[FloatArray, float], bool]
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,12 +147,14 @@ def falls(program: StepProgram, y: FloatArray) -> bool:
     return PATH.strongest * (max(float(against.max(initial=0.0)), 0.0) + abs(live)) < dead
 
 
-def without_dilatancy(program: StepProgram, answer: StepAnswer, solve: Solve, misfit: float, pairs: int) -> StepAnswer:
+def without_dilatancy(
+    program: StepProgram, answer: StepAnswer, solve: Solve, misfit: float, pairs: int, fall: Fall
+) -> StepAnswer:
     """Return forces and motion without dilatancy, sought from the forces of an answer in pairs of programs, so many at the most.
 
     Of each pair one finds the velocities that fit the forces, the other the forces that fit the velocities, see `closed_gap`.
-    It ends where the misfit is as small as wanted; where it grows instead, or none are found, the answer given is returned, which
-    need not have a motion ("failed"). Its multipliers, where it has any, are where the search begins.
+    It ends where the misfit is as small as wanted, or a few stones fall; where it grows instead, or none are found, the answer
+    given is returned, which need not have a motion ("failed"). Its multipliers, where it has any, are where the search begins.
     """
     first = answer.outcome != "solved"
     known = 1.0 if first else abs(answer.load_factor)
@@ -156,7 +163,11 @@ def without_dilatancy(program: StepProgram, answer: StepAnswer, solve: Solve, mi
     n = np.maximum(answer.forces[:, 0], 0.0)
     whole = answer.forces if answer.forces[:, 1:].any() else None
     velocities = answer.y if whole is not None and len(answer.y) else None
-    run = closed_gap(program, program.strength, n, solve, settings, forces=whole, velocities=velocities)
+
+    def local(state: CoulombState) -> bool:
+        return fall(state.y / float(program.live @ state.y), state.gap / max(abs(state.load_factor), PATH.least))
+
+    run = closed_gap(program, program.strength, n, solve, settings, forces=whole, velocities=velocities, enough=local)
     if run is None:
         return answer
     y = run.y / float(program.live @ run.y)

@@ -72,7 +72,8 @@ def sliding_velocities(
     If the forces barely carry the dead load, P(n) has no interior, or no solution. Shear may then exceed its limit by `_SLACK`
     of the largest. That does not spoil the result: any velocities are allowed, and the gap is computed from the arrays.
 
-    alone: whether the program may stop before its forces balance. near: a pair, forces (nc, 3) and velocities (m,) near those
+    alone: whether the program may stop before its forces balance; shear then never exceeds its limit, because on a path forces
+    that do not carry the dead load are those of another motion. near: a pair, forces (nc, 3) and velocities (m,) near those
     sought. stressed: a pair, excess (nc,) >= 0 and forces x (nc, 3). What x adds to the gap at each point counts `excess` times
     more. It is linear in the openings, the closing and the slip, so the program is P with larger limits and another dead load.
     """
@@ -87,7 +88,7 @@ def sliding_velocities(
         )
     size = max(float(program.limit.max(initial=0.0)), program.force)
     start = None if near is None else _near(program, *near)
-    for slack in _SLACK:
+    for slack in _SLACK[: 1 if alone else None]:
         limited = replace(program, limit=program.limit + slack * size)
         answer = solve(limited, duality_gap=duality_gap, velocities=alone, near=start)
         if answer.outcome == "solved":

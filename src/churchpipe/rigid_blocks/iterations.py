@@ -161,6 +161,7 @@ def closed_gap(
     forces: FloatArray | None = None,
     velocities: FloatArray | None = None,
     below: float = np.inf,
+    enough: Callable[[CoulombState], bool] | None = None,
 ) -> SlidingRun | None:
     """Close the gap of normal forces n (nc,) that hardly exceed friction: stage B.
 
@@ -177,7 +178,7 @@ def closed_gap(
     these joints in the gap is given a larger weight from then on (breakout, Morris 1993). The programs lower this weighted gap,
     so steps are judged by it; a step that frees a joint may raise the gap itself. A gap of zero is zero with any such weights.
 
-    below: see `certified_iteration`.
+    below: see `certified_iteration`. enough: whether a state will do although its gap is not closed; it is then returned.
     """
     count = SolveCount(solve)
     history: list[Iteration] = []
@@ -205,6 +206,9 @@ def closed_gap(
             ahead, momentum = n, 0.5 * momentum
             continue
         history.append(Iteration(state.load_factor, 0.0, state.relative_gap))
+        if enough is not None and enough(state):
+            best = state
+            break
         if best is None or state.gap < best.gap:
             best = state
         if state.gap < 0.5 * mark:

@@ -1,15 +1,21 @@
-"""A motion that nothing can hold is known by its work, though the solver that found it did not quite prove it."""
+"""Stones that nothing holds: known by their work, though a solver did not quite prove it, or as they run ahead of all others."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import churchpipe as cp
 from churchpipe.conic.solve import solver_for
-from churchpipe.large_displacements.moving_model import moving_model
-from churchpipe.large_displacements.path import first_state, step_program
-from churchpipe.large_displacements.step import StepProgram, falls, solve_step
+from churchpipe.large_displacements.moving_model import MovingModel, moving_model
+from churchpipe.large_displacements.path import may_go_on, solve_state, without
+from churchpipe.large_displacements.path_state import PathState, first_state
+from churchpipe.large_displacements.search import Attempt, StepSearch
+from churchpipe.large_displacements.state_program import step_program
+from churchpipe.large_displacements.step import StepAnswer, StepProgram, falls, solve_step
 from churchpipe.large_displacements.travelling import live_loads
 from churchpipe.rigid_blocks.equilibrium import equilibrium
+from churchpipe.rigid_blocks.iterations import SolveCount
 from solids import box, on_ground
 
 
@@ -40,3 +46,45 @@ def test_a_block_beyond_the_edge_falls() -> None:
 def test_no_motion_of_a_block_that_stands_is_a_fall(seed: int) -> None:
     program = overhanging(0.3)
     assert not falls(program, np.random.default_rng(seed).normal(size=len(program.dead)))
+
+
+def pebble() -> tuple[MovingModel, PathState]:
+    """A block of .5 x 1 m that tips at .5, with a pebble of some thousandth of its weight on top that slides at .05."""
+    stones = on_ground(box((0, 0.5), (0, 1), (0, 1)), box((0.2, 0.3), (0.45, 0.55), (1, 1.1)))
+    contacts, load = cp.find_contacts(stones), cp.LoadCase((1, 0, 0))
+    friction = np.where(contacts.blocks.max(axis=1) == 2, 0.05, 0.6)
+    balance, moving = equilibrium(stones, contacts, load), np.array([False, True, True])
+    model = moving_model(stones, contacts, load, live_loads(stones, load), friction, balance, moving, 0.02, "auto")
+    # As after a step of the whole: the block tipped, its fastest vertex at some 2.8 times the speed of its centroid.
+    return model, replace(first_state(model), length=0.01, fastest=2.8)
+
+
+def test_a_stone_that_runs_ahead_falls_and_the_others_go_on_as_they_did() -> None:
+    model, state = pebble()
+    step = solve_state(model, state)
+    assert np.flatnonzero(step.falling).tolist() == [2]
+    assert may_go_on(model, step)
+    left = without(model, state, step)
+    assert np.flatnonzero(left.fallen).tolist() == [2]
+    # The pebble is some hundred times faster: a length that suited it would be far too short for the block.
+    assert left.length == state.length
+    assert left.fastest == state.fastest
+    again = solve_state(model, left)
+    assert again.answer.load_factor == pytest.approx(0.5, abs=1e-6)
+    assert not again.falling.any()
+
+
+@pytest.mark.parametrize(("falls", "programs"), [(True, 2), (False, 12)])
+def test_no_more_is_asked_of_a_fall_than_which_stones_fall(falls: bool, programs: int) -> None:
+    """Stones that slide are sought in pairs of programs until they fit; a fall ends the search with the first pair."""
+    model, state = pebble()
+    program = step_program(model, state)
+    solve = SolveCount(solver_for(program.balance))
+    gap = np.zeros(len(program.closing))
+    search = StepSearch(program, gap, solve, lambda _: 0.01, lambda *_: falls, 0.01, 0.02, 1e-300, 1.6)
+    forces = np.zeros((len(gap), 3))
+    forces[:, 0] = 0.25 * np.where(np.arange(len(gap)) < 4, 1.0, 1e-3)
+    attempt = search.by_pairs(Attempt(StepAnswer("failed", forces, np.nan, np.zeros(0)), 0.01), 6)
+    assert attempt.falls is falls
+    assert attempt.will_do(0.0) is falls
+    assert solve.solves == programs

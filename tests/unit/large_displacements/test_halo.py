@@ -6,12 +6,16 @@ import numpy as np
 import pytest
 
 import churchpipe as cp
-from churchpipe.large_displacements.halo import grown, held_around
+from churchpipe.large_displacements.halo import grown, held_around, held_at_first
 from churchpipe.large_displacements.moving_model import MovingModel, moving_model
-from churchpipe.large_displacements.path import first_state, next_state, solve_state
+from churchpipe.large_displacements.path import next_state, solve_state
+from churchpipe.large_displacements.path_state import first_state
 from churchpipe.large_displacements.travelling import live_loads
+from churchpipe.model.arrays import BoolArray
 from churchpipe.model.contacts import Contacts
-from churchpipe.rigid_blocks.equilibrium import equilibrium
+from churchpipe.rigid_blocks.certificate import Strength
+from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
+from churchpipe.rigid_blocks.limit import limit_program
 from solids import box, on_ground
 
 PUSH = cp.LoadCase((1, 0, 0), panels=["column"])
@@ -48,6 +52,25 @@ def test_the_curve_is_that_of_the_full_model(halo: int) -> None:
     assert part.load_factor == pytest.approx(full.load_factor, abs=1e-6)
     assert part.d0 == pytest.approx(full.d0, rel=1e-6)
     assert part.proved
+
+
+def test_a_load_that_grows_with_the_height_is_that_of_all_stones() -> None:
+    """What is held weighs as much in the profile of the load as what moves."""
+    stones, contacts = row(20, 4)
+    load = cp.LoadCase((1, 0, 0), profile="linear")
+    friction = np.where(contacts.blocks.min(axis=1) == 0, 0.9, 0.2)
+    state = cp.limit_analysis(stones, contacts, load, friction)
+    balance = equilibrium(stones, contacts, load)
+    moving = stones.panel == "column"
+    model = moving_model(stones, contacts, load, live_loads(stones, load), friction, balance, moving, None, "auto")
+
+    def program(still: BoolArray) -> tuple[Equilibrium, Strength]:
+        bears = ~still[contacts.blocks].all(axis=1)
+        return limit_program(replace(stones, fixed=still), contacts.selected(bears), load, friction[bears])[:2]
+
+    held = held_at_first(model, contacts.blocks, program, state, 2)
+    # The top of the column slides off; two stones below it are near.
+    assert np.flatnonzero(~held).tolist() == [0, 22, 23, 24]
 
 
 def sliding_top() -> tuple[MovingModel, Contacts]:
