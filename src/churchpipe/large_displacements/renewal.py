@@ -72,7 +72,8 @@ def renewed(
     np.logical_or.at(seen, new.interface, known)
     keep = (least <= reach) & (seen | (least >= -PATH.depth * reach))
     sliding, lever = np.where(known, joints.sliding[origin], 0.0), np.where(known[:, None], joints.lever[origin], 0.0)
-    share = np.where(known, 1.0 / np.bincount(origin[known], minlength=len(joints.pressing))[origin], 0.0)
+    heirs = np.bincount(origin[known], minlength=len(joints.pressing))[origin]
+    share = np.where(known, 1.0 / np.maximum(heirs, 1), 0.0)
     pressing, shear = share * joints.pressing[origin], share[:, None] * joints.shear[origin]
     return replace(new, sliding=sliding, rest=rest, lever=lever, pressing=pressing, shear=shear).selected(keep)
 
