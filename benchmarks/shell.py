@@ -75,6 +75,7 @@ def run(
             progress=lambda _: ends.append(process_time()),  # pyright: ignore[reportArgumentType]
         )
         out["processor s a step, dead load first"] = np.diff(ends).round(1).tolist()
+        out["iterations a step, dead load first"] = [step.iterations for step in curve.steps]
         proved = len(curve.steps) == 2 if what == "step" else curve.status == "converged"
         out |= {"outcome": "proved" if proved else curve.message, "iterations": sum(step.iterations for step in curve.steps)}
         out["result"] = f"{len(curve.steps) - 1} steps, {curve.plateau:.7f}"

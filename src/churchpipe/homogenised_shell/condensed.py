@@ -191,7 +191,8 @@ class CondensedShell:
             live=live,
             reward=reward,
         )
-        found = solve_step(step, *central_pair(x, z, law.friction, SOLVER.step_margin, SOLVER.step_work * reward / x.shape[1]))
+        work = reward * max(SOLVER.step_work / x.shape[1], SOLVER.step_corner_work)
+        found = solve_step(step, *central_pair(x, z, law.friction, SOLVER.step_margin, work))
         if found is None:
             return None
         at = found.x.ravel()

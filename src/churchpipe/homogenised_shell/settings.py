@@ -43,8 +43,9 @@ class SolverSettings:
         inside the strength. The nearer the start, the fewer iterations; but on the boundary itself the solver cannot move.
         correctors: centrality correctors in an iteration of a step with the exact cell, where linear solves cost more than the
         factorisation. step_gap, step_residual, step_iterations: tolerances and limit of the method for these steps alone
-        (`elastic_step`), whose errors add up to less than 1e-6 of the load factor. step_margin, step_work: where it begins: slack
-        of the corners that neither open nor bear, in units of force, and work of all corners together as a share of the reward.
+        (`elastic_step`), whose errors add up to less than 1e-6 of the load factor. step_margin, step_work, step_corner_work:
+        where it begins: slack of the corners that neither open nor bear, in units of force; work of all corners together, as a
+        share of the reward; the least work of one corner, likewise, which is more than its part of that where there are many.
         tie_rounds: at most so many solutions of a step with ties; tie_tension: how far a tension may be from what its elongation
         says, as a share of the largest strength.
 
@@ -76,11 +77,12 @@ class SolverSettings:
     shortest: float = 1e-4
     start_margin: float = 0.03
     correctors: int = 2
-    step_gap: float = 3e-8
+    step_gap: float = 1e-8
     step_residual: float = 1e-10
     step_iterations: int = 60
     step_margin: float = 0.005
     step_work: float = 0.25
+    step_corner_work: float = 4e-6
     tie_rounds: int = 12
     tie_tension: float = 1e-4
     flow_sweeps: int = 50

@@ -10,6 +10,7 @@ from churchpipe.conic.interior_point.second_order import SecondOrder
 from churchpipe.homogenised_shell import condensed as module
 from churchpipe.homogenised_shell.condensed import CondensedShell, StressState
 from churchpipe.homogenised_shell.corner_cones import CornerCones, central_pair
+from churchpipe.homogenised_shell.elastic_step import ElasticStep, StepSolution, solve_step
 from churchpipe.homogenised_shell.element import shell_elements
 from churchpipe.homogenised_shell.stiffness import facet_stiffness
 from churchpipe.model.loads import LoadCase
@@ -130,6 +131,32 @@ def test_steps_agree_with_the_method_that_decides(bond: str, crushes: bool, monk
         assert mine.load == pytest.approx(theirs.load, rel=1e-6)
         np.testing.assert_allclose(mine.stress, theirs.stress, atol=1e-4 * np.abs(theirs.stress).max())
         np.testing.assert_allclose(mine.motion, theirs.motion, atol=1e-3 * np.abs(theirs.motion).max())
+
+
+def test_corners_begin_with_their_part_of_the_work_and_no_less_than_the_least(monkeypatch: pytest.MonkeyPatch) -> None:
+    points, triangles = grid(3, 3, 0.63, 0.63)
+    model = shell(wall_points(points), triangles, surface_weight=1144.0, supported=lambda p: p[:, 2] < 1e-9)
+    materials = [Material("default", 28.6e3, 0.7, 0.0, ELASTIC)]
+    begun: list[np.ndarray] = []
+
+    def noted(step: ElasticStep, x: np.ndarray, z: np.ndarray) -> StepSolution | None:
+        slack = np.vstack([x[:1] * step.law.friction, x[1:]])
+        begun.append((slack * z).sum(axis=0) / step.reward)
+        return solve_step(step, x, z)
+
+    monkeypatch.setattr(module, "solve_step", noted)
+    shared = steps(model, materials)
+    monkeypatch.setattr(module, "SOLVER", replace(module.SOLVER, step_corner_work=1e-2))
+    least = steps(model, materials)
+    count = len(begun[0])
+    for k in range(3):
+        np.testing.assert_allclose(begun[k], module.SOLVER.step_work / count, rtol=1e-6)
+        np.testing.assert_allclose(begun[3 + k], 1e-2, rtol=1e-6)
+    assert [state.iterations for state in shared] != [state.iterations for state in least]
+    for one, other in zip(shared, least, strict=True):
+        assert one.holds
+        assert other.holds
+        assert one.load == pytest.approx(other.load, rel=1e-6)
 
 
 def test_a_shell_that_falls_is_left_to_the_method_that_decides() -> None:
