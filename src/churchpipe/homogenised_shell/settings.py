@@ -43,7 +43,7 @@ class SolverSettings:
         inside the strength. The nearer the start, the fewer iterations; but on the boundary itself the solver cannot move.
         correctors: centrality correctors in an iteration of a step with the exact cell, where linear solves cost more than the
         factorisation. step_gap, step_residual, step_iterations: tolerances and limit of the method for these steps alone
-        (`elastic_step`), whose errors add up to less than 1e-6 of the load factor. step_margin, step_work, step_corner_work:
+        (`elastic_step`), whose errors add up to some 1e-6 of the load factor. step_margin, step_work, step_corner_work:
         where it begins: slack of the corners that neither open nor bear, in units of force; work of all corners together, as a
         share of the reward; the least work of one corner, likewise, which is more than its part of that where there are many.
         tie_rounds: at most so many solutions of a step with ties; tie_tension: how far a tension may be from what its elongation
