@@ -40,7 +40,10 @@ _SWEEPS = 2
 
 @dataclass(frozen=True, slots=True)
 class ContactState:
-    """Forces X and rates R of the points, both (3, nc), the load factor and the velocities y (6 nf,); or a step of all these."""
+    """Forces X and rates R of the points, both (3, nc), the load factor and the velocities y (6 nf,); or a step of all these.
+
+    The rates are those of y, but at points that stopped short on the way.
+    """
 
     forces: FloatArray
     load_factor: float
@@ -98,7 +101,11 @@ class ContactSystem:
 
     def reach(self, u: FloatArray, step: FloatArray) -> float:
         """Return 1 / t for the largest t with u + t step in the cones."""
-        return float(self.cone.rates(u[:, None], step[:, None], step[:, None], np.zeros(1)).max(initial=0.0))
+        return float(self.reaches(u, step).max(initial=0.0))
+
+    def reaches(self, u: FloatArray, step: FloatArray) -> FloatArray:
+        """Return the same of each cone alone (nc,), at most 0 where there is no such t."""
+        return self.cone.rates(u[:, None], step[:, None], step[:, None], np.zeros(1))[0]
 
     def scaling(self, forces: FloatArray, multipliers: FloatArray) -> SecondOrderScaling:
         """Return the Nesterov-Todd scaling W of forces and multipliers, both (3, nc)."""
@@ -173,11 +180,17 @@ class Linearisation:
         forces = wanted - self._apply(self._mixed, rates) - self._apply(self._plain, u)
         load_factor = -gain
         for _ in range(_SWEEPS):
-            left = self._solve(0, system.couple(forces) + live * load_factor + residual)
-            share = float(live @ left) / self._stiffness
-            forces = forces - self._apply(self._plain, system.rates(left - self._lever * share))
-            load_factor -= share
+            more = self.balancing(system.couple(forces) + live * load_factor + residual)
+            forces, load_factor = forces + more.forces, load_factor + more.load_factor
         return ContactState(forces, load_factor, y, rates)
+
+    def balancing(self, residual: FloatArray) -> ContactState:
+        """Return the change of forces and load, smallest in the scaling, that removes a residual (6 nf,) of the balance."""
+        system = self._system
+        left = self._solve(0, residual)
+        share = float(system.live @ left) / self._stiffness
+        forces = -self._apply(self._plain, system.rates(left - self._lever * share))
+        return ContactState(forces, -share, np.zeros_like(residual), np.zeros_like(forces))
 
     def _velocities(self, right: FloatArray, excess: float) -> FloatArray:
         """Return dy with H dy = right, f_L . dy = -excess, by conjugate gradients."""

@@ -50,7 +50,13 @@ class CentralSettings:
     the products. correctors: of centrality, at most. inner, inner_steps: error and steps of the conjugate gradients.
     clip: a correction of the second order counts at most this share of the mean product. fraction: of the way to the boundary
     of the cones that a step goes. steps: at most; patience: steps without half the gap after which a run stops,
-    less patient once the gap is below `near`: then stage B may close it from there, in at most `polish` steps.
+    less patient once the gap is below `near`: then stage B may close it from there, in at most `polish` steps, whose proximal
+    weight is `nearness` times the gap, which go on by `momentum` and whose programs are solved to `duality_gap` at most
+    (`SchemeSettings`). The gap is concave in the forces, so that a step that nothing holds back lowers it most; larger weights
+    make up for forces that are far from a state.
+
+    blocked, ignored: after a step shorter than this, so many of the points are left out of account when directions are judged.
+    They stop short and leave errors, so that such a run is handed on to stage B where its gap falls below `handed_on`.
 
     roundness, damping and clip were chosen on the walls of Ferris and Tin-Loi, S5 and S22, pull on these for the lowest load
     factors, with the facade of one storey at friction .7 as a check.
@@ -68,13 +74,19 @@ class CentralSettings:
     clip: float = 0.5
     fraction: float = 0.95
     steps: int = 120
-    patience: tuple[int, int] = (25, 8)
+    patience: tuple[int, int] = (25, 5)
+    blocked: float = 0.25
+    ignored: float = 1e-3
+    handed_on: float = 3e-3
     near: float = 1e-2
     polish: int = 12
+    nearness: float = 0.02
+    momentum: float = 0.1
+    duality_gap: float = 1e-7
 
     def __post_init__(self) -> None:
         _check_positive(self)
-        _check_below_one(self, "pull", "inner", "clip", "fraction", "near")
+        _check_below_one(self, "pull", "inner", "clip", "fraction", "blocked", "ignored", "handed_on", "near", "momentum")
 
 
 @dataclass(frozen=True, slots=True)

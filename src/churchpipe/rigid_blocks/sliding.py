@@ -12,7 +12,7 @@ from churchpipe.model.arguments import finite, listed
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.results import Iteration, LimitState, StartRun
 from churchpipe.rigid_blocks.central import from_centre, runs_from_centre
-from churchpipe.rigid_blocks.certificate import Strength, cone_violation
+from churchpipe.rigid_blocks.certificate import Strength
 from churchpipe.rigid_blocks.coulomb import (
     CoulombState,
     admissible,
@@ -20,7 +20,6 @@ from churchpipe.rigid_blocks.coulomb import (
     coulomb_state,
     coulomb_step,
     dead_load_start,
-    friction_violation,
     sliding_velocities,
 )
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
@@ -28,7 +27,8 @@ from churchpipe.rigid_blocks.interval import mechanism_ends
 from churchpipe.rigid_blocks.iterations import SlidingRun, certified_iteration, paper_iteration
 from churchpipe.rigid_blocks.selection import fits_any_load, led_by
 from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP, SEARCH_SPREAD, CentralSettings, SchemeSettings
-from churchpipe.rigid_blocks.ties import all_forces, point_forces, with_tensions
+from churchpipe.rigid_blocks.sliding_state import End, nothing_found, sliding_state
+from churchpipe.rigid_blocks.ties import all_forces, with_tensions
 
 Method = Literal["default", "paper"]
 Start = Literal["centre", "dead-load", "uniform", "associative", "scattered"]
@@ -40,6 +40,9 @@ _PATIENCE = 8
 # Where the run from the centre cannot begin, or stops short of a state, the search is tried from these.
 _OTHERS: tuple[Start, ...] = ("dead-load", "associative")
 _LAST: tuple[Start, ...] = ("uniform", "scattered")
+# A search leads only where so many others, whose forces differ by the first share, end in a mechanism whose lowest load factor
+# differs by no more than the second.
+_AGAIN, _ROUNDING, _SAME = 1, 1e-7, 1e-3
 # Factors of the scattered forces, and how often they are drawn at most, until a state is certified.
 _SCATTER, _DRAWS = (0.3, 3.0), 3
 
@@ -114,27 +117,46 @@ def sliding_analysis(
         search.begin(start)
     if options.starts == _STARTS["default"]:
         for start in (*_OTHERS, *_LAST):
-            if start not in starts and not any(end[0].converged for end in search.ends):
+            if start not in starts and not any(end.record.converged for end in search.ends):
                 search.begin(start)
     if not search.ends:
         if associative.status != "optimal":
-            return _nothing(associative)
+            return nothing_found(associative)
         # The associative forces are within friction as well: an estimate from above, with the gap that it leaves.
         search.keep("associative", [_associative_run(balance, strength, associative, solve)], "default")
     # Of states that were not certified the nearest is the result. Eq. (3) has no measure of nearness.
-    settled = [end for end in search.ends if end[0].converged]
+    settled = [end for end in search.ends if end.record.converged]
     if not settled:
-        settled = [min(search.ends, key=lambda end: end[1].load_factor if options.method == "paper" else end[1].relative_gap)]
-    first, intervals = led_by([end[0] for end in settled], lambda number: search.interval(settled[number]))
-    lead = search.lowest_of_mechanism(settled[first]) if options.starts == _STARTS["default"] else settled[first]
-    known = {end[0].start: replace(end[0], interval=search.known_interval(end)) for end in search.ends}
-    lead = replace(lead[0], interval=known[lead[0].start].interval), *lead[1:]
-    known[lead[0].start] = lead[0]
-    passed_over = [known[settled[number][0].start] for number in intervals if number != first]
-    return _state(balance, strength, associative, lead, list(known.values()), search.found, passed_over)
+        settled = [min(search.ends, key=lambda end: end.run.load_factor if options.method == "paper" else end.run.relative_gap)]
+    lead, passed_over = _lead(search, settled, default=options.starts == _STARTS["default"])
+    known = {end.record.start: replace(end.record, interval=search.known_interval(end)) for end in search.ends}
+    lead = lead._replace(record=replace(lead.record, interval=known[lead.record.start].interval))
+    known[lead.record.start] = lead.record
+    return sliding_state(balance, strength, associative, lead, list(known.values()), search.found, passed_over)
 
 
-_End = tuple[StartRun, SlidingRun, CoulombState | None]
+def _lead(search: "_Search", settled: list[End], *, default: bool) -> tuple[End, list[str]]:
+    """Return the end that is reported, and why others that are lower are not.
+
+    A search that rounding leads elsewhere does not lead before the run from the centre, however low the state that it found.
+    """
+    first, intervals = led_by([end.record for end in settled], lambda number: search.interval(settled[number]))
+    said = [
+        f"the state at {run.load_factor:.4f} from the start {run.start} does not lead: it fits any load factor"
+        f" from {max(low, 0.0):.4f} to {high:.4f}"
+        for run, (low, high) in ((settled[number].record, interval) for number, interval in intervals.items() if number != first)
+    ]
+    lead = settled[first]
+    if not default:
+        return lead, said
+    stable = [end for end in settled if end.record.start == "centre" and not fits_any_load(end.record, search.interval(end))]
+    if stable and lead is not stable[0] and not search.found_again(lead, stable[0]):
+        said.append(
+            f"the state at {lead.record.load_factor:.4f} from the start {lead.record.start} does not lead: a search from forces"
+            " that differ by a ten-millionth ends elsewhere"
+        )
+        lead = stable[0]
+    return search.lowest_of_mechanism(lead), said
 
 
 class _Search:
@@ -152,7 +174,7 @@ class _Search:
         self._balance, self._strength, self._associative = balance, strength, associative
         self._options, self._solve, self._progress = options, solve, progress
         self.found: list[SlidingRun] = []
-        self.ends: list[_End] = []
+        self.ends: list[End] = []
         self._mechanisms: dict[str, tuple[CoulombState, CoulombState]] = {}
 
     def begin(self, start: Start) -> None:
@@ -165,34 +187,49 @@ class _Search:
         else:
             n = self._first_forces(start)
             if options.method == "default":
-                settings = SchemeSettings(bipotential_gap=options.bipotential_gap)
-                below = self._worth_finding()
-                if np.isfinite(below):
-                    settings = replace(settings, patience=_PATIENCE)
-                runs = [certified_iteration(balance, strength, n, solve, settings, self._progress, below=below)]
+                runs = [self._searched(n, self._worth_finding())]
                 for draw in range(2, _DRAWS + 1 if start == "scattered" else 2):
                     if runs[-1] is not None and runs[-1].converged:
                         break
-                    n = self._first_forces(start, draw)
-                    runs.append(certified_iteration(balance, strength, n, solve, settings, self._progress))
+                    runs.append(self._searched(self._first_forces(start, draw), np.inf))
             else:
                 before = np.zeros_like(n), n
                 runs = [paper_iteration(balance, strength, n, each, solve, progress=self._progress) for each in before]
         self.keep(start, [run for run in runs if run is not None], options.method)
 
-    def interval(self, end: _End) -> tuple[float, float]:
+    def found_again(self, end: End, centre: End) -> bool:
+        """Say whether searches from forces that differ by a ten-millionth end in the same mechanism, by its lowest state."""
+        n, low = self._first_forces(end.record.start), self.interval(end)[0]
+        for draw in range(1, _AGAIN + 1):
+            noise = np.random.default_rng(draw).normal(scale=_ROUNDING, size=len(n))
+            run = self._searched(n * (1.0 + noise), centre.record.load_factor / (1.0 + SEARCH_SPREAD))
+            if run is None or not run.converged:
+                return False
+            self.found.append(run)
+            if abs(mechanism_ends(self._balance, self._strength, run)[0].load_factor - low) > _SAME * low:
+                return False
+        return True
+
+    def _searched(self, n: FloatArray, below: float) -> SlidingRun | None:
+        """Return the search from normal forces n (nc,) for a state below a load factor that is known, if any is."""
+        settings = SchemeSettings(bipotential_gap=self._options.bipotential_gap)
+        if np.isfinite(below):
+            settings = replace(settings, patience=_PATIENCE)
+        return certified_iteration(self._balance, self._strength, n, self._solve, settings, self._progress, below=below)
+
+    def interval(self, end: End) -> tuple[float, float]:
         """Return the interval of the mechanism of an end."""
-        state, start = end[2], end[0].start
+        state, start = end.state, end.record.start
         if state is not None and start not in self._mechanisms:
             self._mechanisms[start] = mechanism_ends(self._balance, self._strength, state)
         return self.known_interval(end)
 
-    def known_interval(self, end: _End) -> tuple[float, float]:
+    def known_interval(self, end: End) -> tuple[float, float]:
         """Return the interval of an end if it was looked for."""
-        found = self._mechanisms.get(end[0].start)
+        found = self._mechanisms.get(end.record.start)
         return (np.nan, np.nan) if found is None else (found[0].load_factor, found[1].load_factor)
 
-    def lowest_of_mechanism(self, end: _End) -> _End:
+    def lowest_of_mechanism(self, end: End) -> End:
         """Return the lowest certified state of the mechanism that a search found.
 
         Which state of its mechanism a search ends at hangs on rounding; which of them is the lowest does not. Nor does it where
@@ -208,15 +245,15 @@ class _Search:
         history = (*run.history, Iteration(low.load_factor, 0.0, low.relative_gap))
         lowest = replace(run, x=low.x, load_factor=low.load_factor, gap=low.gap, history=history)
         self.found = [lowest if each is run else each for each in self.found]
-        return replace(record, load_factor=low.load_factor, gap=low.gap, history=history), lowest, low
+        return End(replace(record, load_factor=low.load_factor, gap=low.gap, history=history), lowest, low)
 
     def _worth_finding(self) -> float:
         """Return the load factor below which a further start of an analysis that names none would lead, infinite if any would."""
-        known = [end for end in self.ends if end[0].converged] if self._options.starts == _STARTS["default"] else []
-        useful = [end[0].load_factor for end in known if not fits_any_load(end[0], self.interval(end))]
+        known = [end for end in self.ends if end.record.converged] if self._options.starts == _STARTS["default"] else []
+        useful = [end.record.load_factor for end in known if not fits_any_load(end.record, self.interval(end))]
         return min(useful, default=np.inf) / (1.0 + SEARCH_SPREAD)
 
-    def _first_forces(self, start: Start, draw: int = 1) -> FloatArray:
+    def _first_forces(self, start: str, draw: int = 1) -> FloatArray:
         """Return the normal forces (nc,) over the weight from which a search begins; draw: which of the scattered ones."""
         balance = self._balance
         normal = self._associative.forces[:, 0] / balance.force
@@ -254,7 +291,7 @@ class _Search:
         self.found += runs
         gap = np.nan if state is None else state.gap
         record = StartRun(start, run.load_factor, run.converged, gap, (np.nan, np.nan), run.history)
-        self.ends.append((record, run, state))
+        self.ends.append(End(record, run, state))
 
 
 def _held(balance: Equilibrium, strength: Strength, associative: LimitState) -> tuple[Equilibrium, Strength]:
@@ -280,99 +317,3 @@ def _certificate(balance: Equilibrium, strength: Strength, run: SlidingRun, meth
     n = np.maximum(run.x[:, 0], 0.0)
     y = sliding_velocities(balance, strength, n, solve)
     return None if y is None else coulomb_step(balance, strength, n, y, solve, nearness=SchemeSettings().weight_b)
-
-
-def _state(
-    balance: Equilibrium,
-    strength: Strength,
-    associative: LimitState,
-    end: _End,
-    starts: list[StartRun],
-    found: list[SlidingRun],
-    passed_over: list[StartRun],
-) -> LimitState:
-    reported, chosen, certified = end
-    slack = 1e-3 * max(abs(associative.load_factor), 1e-3)
-    proven = (
-        chosen.converged
-        and certified is not None
-        and certified.relative_gap <= BIPOTENTIAL_GAP
-        and abs(certified.load_factor - chosen.load_factor) <= slack
-        and admissible(balance, strength, certified)
-        and chosen.load_factor <= associative.load_factor + slack
-    )
-    # What is called converged is the certified state itself, not the iterate beside it that still overdraws friction.
-    state = certified if proven and certified is not None else chosen
-    x, y, load_factor = state.x, state.y, state.load_factor
-    balanced = chosen.balanced if state is chosen else None
-    residual = balance.residual(x, load_factor if balanced is None else balanced)
-    overdrawn = friction_violation(strength, x)
-    forces = point_forces(balance, x, y)
-    return LimitState(
-        load_factor=load_factor,
-        status="converged" if proven else "not-converged",
-        lower_bound=np.nan,
-        upper_bound=np.nan,
-        forces=forces.contacts,
-        tie_forces=forces.ties,
-        tie_sensitivity=forces.sensitivity,
-        velocities=balance.velocities(y / max(float(balance.live @ y), 1e-300)),
-        equilibrium_residual=float(np.abs(residual).max()),
-        cone_violation=cone_violation(x, strength),
-        iterations=sum(run.iterations for run in found),
-        solver=associative.solver,
-        flow="non-associative",
-        history=chosen.history,
-        gap=reported.gap,
-        interval=reported.interval,
-        friction_violation=overdrawn,
-        fixed_points=tuple(run.load_factor for run in found if run.converged),
-        starts=tuple(starts),
-        message=_cost(found, associative.iterations, passed_over) if proven else _why(chosen, certified, overdrawn),
-    )
-
-
-def _cost(found: list[SlidingRun], associative: int, passed_over: list[StartRun]) -> str:
-    """Say what each start cost, in convex programs and in solves of the associative problem with as many factorisations."""
-    others = (
-        f"the state at {run.load_factor:.4f} from the start {run.start} does not lead: it fits any load factor"
-        f" from {max(run.interval[0], 0.0):.4f} to {run.interval[1]:.4f}"
-        for run in passed_over
-    )
-    costs = (
-        (f"{run.solves} convex programs, " if run.solves else "")
-        + f"{run.iterations} factorisations"
-        + (f" = {run.iterations / associative:.1f} associative solves" if associative else "")
-        for run in found
-    )
-    return "; ".join((*others, *costs))
-
-
-def _why(chosen: SlidingRun, certified: CoulombState | None, violation: float) -> str:
-    if not chosen.iterations:
-        return f"no start gave a feasible step; the associative forces, with gap g {chosen.gap:.1e}, are an estimate from above"
-    settled = "the iteration settled" if chosen.converged else "the iteration did not settle"
-    if certified is None:
-        return f"{settled}; no forces within friction were found near its last iterate"
-    if certified.relative_gap > BIPOTENTIAL_GAP:
-        return f"{settled}; gap g/alpha {certified.relative_gap:.1e}, wanted {BIPOTENTIAL_GAP:.0e}"
-    return (
-        f"{settled} with {100 * violation:.2g} % of friction overdrawn; the nearest state within friction"
-        f" has load factor {certified.load_factor:.4f} and gap g/alpha {certified.relative_gap:.1e}"
-    )
-
-
-def _nothing(associative: LimitState) -> LimitState:
-    return LimitState(
-        load_factor=np.nan,
-        status="failed",
-        lower_bound=np.nan,
-        upper_bound=np.nan,
-        forces=associative.forces,
-        velocities=associative.velocities,
-        tie_forces=associative.tie_forces,
-        tie_sensitivity=associative.tie_sensitivity,
-        flow="non-associative",
-        solver=associative.solver,
-        message="no start of the non-associative iteration gave a feasible step",
-    )

@@ -1,5 +1,6 @@
 """Where the search without dilatancy begins from forces that carry nothing, and where no start leads anywhere."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,11 +10,12 @@ from churchpipe.conic.program import ConeProgram, ConeSolution
 from churchpipe.conic.solve import Solve, solver_for
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
+from churchpipe.rigid_blocks import sliding
 from churchpipe.rigid_blocks.associative import associative_state
 from churchpipe.rigid_blocks.certificate import Strength
 from churchpipe.rigid_blocks.coulomb import dead_load_start
 from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
-from churchpipe.rigid_blocks.iterations import certified_iteration, closed_gap
+from churchpipe.rigid_blocks.iterations import SlidingRun, certified_iteration, closed_gap
 from churchpipe.rigid_blocks.limit import point_strength
 from churchpipe.rigid_blocks.settings import SchemeSettings
 from churchpipe.rigid_blocks.sliding import SlidingOptions, sliding_analysis
@@ -104,3 +106,37 @@ def test_the_canonical_start_is_the_same_for_equal_models(kind: str) -> None:
     }[kind]
     first, second = (np.sort(dead_load_start(equilibrium(each, find_contacts(each), PUSH))) for each in (stones, same))
     np.testing.assert_allclose(second, first, rtol=0, atol=1e-8 * first.max())
+
+
+class FoundByRounding:
+    """A search of which every further attempt ends where it is told to."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, lower: SlidingRun, again: SlidingRun | None) -> None:
+        self._ends = [lower, again]
+        monkeypatch.setattr(sliding, "certified_iteration", self)
+
+    def __call__(self, *_: Any, **__: Any) -> SlidingRun | None:
+        return self._ends.pop(0)
+
+
+@pytest.mark.parametrize(("again", "leads"), [(0.9, "dead-load"), (0.95, "centre"), (None, "centre")])
+def test_a_search_leads_where_rounding_does_not_move_it(monkeypatch: pytest.MonkeyPatch, again: float | None, leads: str) -> None:
+    """A state lower than that from the centre, found once more or not: of the apse pushed outwards two in twelve are."""
+    balance, strength, _ = wall()
+    solve = solver_for(balance.wrenches)
+    associative = associative_state(balance, strength, solve, 0.0)
+    options = SlidingOptions()
+    centre = sliding_analysis(balance, strength, associative, SlidingOptions(starts=("centre",)), solve)
+    run = certified_iteration(balance, strength, dead_load_start(balance), solve)
+    assert run is not None
+
+    def at(share: float) -> SlidingRun:
+        return replace(run, load_factor=share * centre.load_factor, gap=0.0, converged=True)
+
+    # Intervals of one point: the lower states are of mechanisms of their own.
+    monkeypatch.setattr(sliding, "mechanism_ends", lambda *given: (given[2], given[2]))
+    FoundByRounding(monkeypatch, at(0.9), None if again is None else at(again))
+    state = sliding_analysis(balance, strength, associative, options, solve)
+    assert state.load_factor == pytest.approx((0.9 if leads == "dead-load" else 1.0) * centre.load_factor, rel=1e-6)
+    assert 0.9 * centre.load_factor in state.fixed_points
+    assert ("a ten-millionth ends elsewhere" in state.message) == (leads == "centre")
