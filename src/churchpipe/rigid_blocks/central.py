@@ -147,7 +147,7 @@ def _lowered(
             with np.errstate(all="ignore"):
                 move = advance(system, at, damping, ignored)
             damping = min(max(damping * move.stiffer, settings.damping[0]), settings.damping[1])
-            if move.length < settings.blocked:
+            if move.length < settings.blocked and not near:
                 ignored = int(settings.ignored * system.points)
             at = move.at
             if not (np.isfinite(at.forces).all() and np.isfinite(at.rates).all()):

@@ -55,8 +55,9 @@ class CentralSettings:
     (`SchemeSettings`). The gap is concave in the forces, so that a step that nothing holds back lowers it most; larger weights
     make up for forces that are far from a state.
 
-    blocked, ignored: after a step shorter than this, so many of the points are left out of account when directions are judged.
-    They stop short and leave errors, so that such a run is handed on to stage B where its gap falls below `handed_on`.
+    blocked, ignored: after a step shorter than this, far from a state as yet, so many of the points are left out of account when
+    directions are judged. They stop short and leave errors, so that such a run is handed on to stage B where its gap falls below
+    `handed_on`.
 
     roundness, damping and clip were chosen on the walls of Ferris and Tin-Loi, S5 and S22, pull on these for the lowest load
     factors, with the facade of one storey at friction .7 as a check.
