@@ -26,6 +26,8 @@ from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP, CentralSettings, S
 _FIRST_STEPS, _WORKS = 40, 0.1
 # The first steps lower the products to the first share, or to the second, and start again where one is shorter than the third.
 _LOWER, _CENTRE, _TINY = 0.2, 0.9, 0.1
+# No step is as short: no point stops short.
+_NEVER = 1e-12
 
 
 def runs_from_centre(balance: Equilibrium, strength: Strength) -> bool:
@@ -37,16 +39,21 @@ def runs_from_centre(balance: Equilibrium, strength: Strength) -> bool:
 def from_centre(
     balance: Equilibrium, strength: Strength, bipotential_gap: float, solve: Solve, progress: Progress | None = None
 ) -> SlidingRun | None:
-    """Return the run from the centre, closed by stage B where it stops near a state, or a second one where it does not."""
+    """Return the run from the centre, closed by stage B where it stops near a state.
+
+    Where that is not certified another run follows, in which no point stops short, and whose programs do not begin near each
+    other: they find the most central forces, which a joint that holds the gap may need. A third one has other multipliers.
+    """
     settings = CentralSettings()
+    whole = replace(settings, blocked=_NEVER, patience=settings.whole_patience)
     best: SlidingRun | None = None
     solves = spent = 0
-    for roundness in (settings.roundness, settings.other_roundness):
-        run, nearest, iterations = _lowered(balance, strength, bipotential_gap, replace(settings, roundness=roundness), progress)
+    for each in (settings, whole, replace(whole, roundness=settings.other_roundness)):
+        run, nearest, iterations = _lowered(balance, strength, bipotential_gap, each, progress)
         spent += iterations
         certified = run is not None and run.relative_gap <= bipotential_gap
         if nearest is not None and not certified and nearest.relative_gap <= settings.near:
-            closed = _closed(balance, strength, nearest, bipotential_gap, settings, solve, progress)
+            closed = _closed(balance, strength, nearest, bipotential_gap, each, solve, progress)
             if closed is not None:
                 solves, spent = solves + closed.solves, spent + closed.iterations
                 history = (*(run.history if run else ()), *closed.history)
@@ -67,27 +74,25 @@ def _closed(
     solve: Solve,
     progress: Progress | None,
 ) -> SlidingRun | None:
-    """Return the run that stage B makes of a state that is near, its programs begun near each other.
+    """Return the run that stage B makes of a state that is near.
 
-    Its programs of velocities end where stones overlap by no more than the gap that was left. Last ones may have to do better.
+    After a run whose points may stop short, its programs begin near each other and have small proximal weights.
     """
     count = SolveCount(solve)
-    scheme = SchemeSettings(
-        bipotential_gap=bipotential_gap,
-        stage_b=settings.polish,
-        nearness=settings.nearness,
-        momentum=settings.momentum,
-        duality_gap=settings.duality_gap,
-    )
     n = np.maximum(near.x[:, 0], 0.0)
-    run = closed_gap(balance, strength, n, count, scheme, progress, forces=near.x, velocities=near.y)
+    usual = SchemeSettings(bipotential_gap=bipotential_gap, stage_b=settings.polish)
+    if settings.blocked == _NEVER:
+        return closed_gap(balance, strength, n, count, usual, progress)
+    light = replace(usual, nearness=settings.nearness, momentum=settings.momentum, patience=settings.light_patience)
+    light = replace(light, duality_gap=settings.duality_gap)
+    run = closed_gap(balance, strength, n, count, light, progress, forces=near.x, velocities=near.y)
+    # Velocities of programs that began near may overlap by the gap that was left.
     if run is not None and run.relative_gap <= bipotential_gap and not admissible(balance, strength, run):
         n, exactly = np.maximum(run.x[:, 0], 0.0), 0.5 * FLOW_TOLERANCE
         y = sliding_velocities(balance, strength, n, count, duality_gap=exactly, alone=True, near=(run.x, run.y))
         if y is not None:
-            state = _state(balance, strength, run.x, run.load_factor, y)
-            return sliding_run(state, [*run.history], count.solves, count.iterations)
-    return run
+            run = sliding_run(_state(balance, strength, run.x, run.load_factor, y), [*run.history], 0, 0)
+    return None if run is None else replace(run, solves=count.solves, iterations=count.iterations)
 
 
 def central_run(

@@ -45,16 +45,16 @@ class CentralSettings:
     """Constants of the run from the centre of the cones (`central.py`, `contact_newton.py`).
 
     force: the first normal force of a point, over the mean weight that a point would carry alone. roundness: how round the
-    multipliers are where a point neither opens nor slides; other_roundness: that of a second run, where the first stops short.
+    multipliers are where a point neither opens nor slides; other_roundness: that of the last run.
     damping: of the steps, least and most, and while unit work is not yet done. pull: towards low load factors, over the sum of
     the products. correctors: of centrality, at most. inner, inner_steps: error and steps of the conjugate gradients.
     clip: a correction of the second order counts at most this share of the mean product. fraction: of the way to the boundary
     of the cones that a step goes. steps: at most; patience: steps without half the gap after which a run stops,
-    less patient once the gap is below `near`: then stage B may close it from there, in at most `polish` steps, whose proximal
-    weight is `nearness` times the gap, which go on by `momentum` and whose programs are solved to `duality_gap` at most
-    (`SchemeSettings`). The gap is concave in the forces, so that a step that nothing holds back lowers it most; larger weights
-    make up for forces that are far from a state.
-
+    less patient once the gap is below `near`: then stage B may close it from there, its programs solved to `duality_gap` at
+    most, with a proximal weight `nearness` times the gap and a `momentum` of its own (`SchemeSettings`), for at most `polish`
+    steps, and until `light_patience` steps have not halved the gap. The gap is concave in the forces, so that a step that nothing
+    holds back lowers it most. whole_patience: of the runs that follow where that is not certified, in which no point stops short
+    and stage B has the constants of other searches.
     blocked, ignored: after a step shorter than this, far from a state as yet, so many of the points are left out of account when
     directions are judged. They stop short and leave errors, so that such a run is handed on to stage B where its gap falls below
     `handed_on`.
@@ -76,6 +76,7 @@ class CentralSettings:
     fraction: float = 0.95
     steps: int = 120
     patience: tuple[int, int] = (25, 5)
+    whole_patience: tuple[int, int] = (25, 8)
     blocked: float = 0.25
     ignored: float = 1e-3
     handed_on: float = 3e-3
@@ -83,6 +84,7 @@ class CentralSettings:
     polish: int = 12
     nearness: float = 0.02
     momentum: float = 0.1
+    light_patience: int = 4
     duality_gap: float = 1e-7
 
     def __post_init__(self) -> None:
