@@ -57,7 +57,8 @@ class SlidingOptions:
     a sequence of programs searches: "dead-load" (the least-squares forces of the dead load), "uniform" (their mean at every
     point), "associative" (those of the associative solution), "scattered" (those of the dead load times factors between .3 and
     3, drawn up to three times). None given, the centre and the dead load, with method "paper" the associative forces; where
-    neither ends in a state the search is tried from the others. Of several that end in one, `leading` says which is reported.
+    neither ends in a state the search is tried from the others. Of several that end in one, `leading` says which is reported;
+    a search that leads must end in the same mechanism when it is made again from forces that differ by rounding.
     bipotential_gap: g / alpha at which the analysis stops looking. More than 1e-5 saves time on large models, but only
     1e-5 is called "converged".
     """
