@@ -50,15 +50,13 @@ def held_at_first(
 ) -> BoolArray:
     """Return the stones to hold still (nb,): without them the first load factor, that of `state`, is kept to `PATH.kept`.
 
-    Where it is not, slower stones are let go as well, and then those further away. blocks (ni, 2): the stones of each contact.
-    program: of the limit analysis in which these stones (nb,), fixed ones among them, stand still.
+    Where it is not, stones further away are let go as well. blocks (ni, 2): the stones of each contact. program: of the limit analysis in which these stones (nb,), fixed ones among them, stand still.
     """
     stones = model.stones
     speed = stone_speed(stones, state.velocities)
-    slow, reference = PATH.moving, reference_speed(speed)
+    moving = speed > PATH.still * reference_speed(speed)
+    moving[model.ties.stone] = True
     while True:
-        moving = speed > slow * reference
-        moving[model.ties.stone] = True
         held = held_around(stones, blocks, moving, rings)
         if not held.any():
             return held
@@ -71,7 +69,7 @@ def held_at_first(
         followed = associative_state(balance, strength, solver_for(balance.balance, model.solver), perf_counter())
         if followed.status == "optimal" and followed.load_factor <= (1 + PATH.kept) * state.load_factor:
             return held
-        slow, rings = (PATH.still, rings) if slow > PATH.still else (slow, 2 * rings)
+        rings *= 2
 
 
 def grown(model: MovingModel, step: PathStep, rings: int) -> tuple[MovingModel, PathState] | None:
@@ -86,7 +84,7 @@ def grown(model: MovingModel, step: PathStep, rings: int) -> tuple[MovingModel, 
     reference = reference_speed(step.speed)
     if not (step.speed[rim] > PATH.rim * reference).any():
         return None
-    held = model.held & held_around(model.stones, blocks, step.speed > PATH.moving * reference, rings)
+    held = model.held & held_around(model.stones, blocks, step.speed > PATH.still * reference, rings)
     # Where neither stone could move before, nothing has moved since the drawing.
     still = model.held | model.stones.fixed
     freed = ~bearing(still, model.drawn.blocks) & bearing(held | model.stones.fixed, model.drawn.blocks)

@@ -32,10 +32,8 @@ class PathSettings:
         did when no stone's speed has changed by more than this share of the fastest.
 
     Stones that move, by shares of the fastest speed:
-        moving, still: a halo is put around stones faster than the first share, or, where that changes the first load factor too
-        much, around all but those slower than the second. rim: a stone at the rim of the halo that is faster moves. worth: a
-        halo that leaves no more than this share of the stones out is not worth having. kept: a halo keeps the first load factor
-        within this share.
+        still: slower ones stand still. rim: a stone at the rim of the halo that is faster moves. worth: a halo that leaves no
+        more than this share of the stones out is not worth having. kept: a halo keeps the first load factor within this share.
         large: with more points of contact the certified analysis takes many minutes. falling, ahead: those that take part in a
         fall, or in a motion that has gone local. faster: a motion so many times faster than that of the last step is one of a
         few stones. expendable: stones that weigh no more than this share of what moved at the start may fall out without ending
@@ -80,11 +78,10 @@ class PathSettings:
     started: float = 0.01
     credible: float = 0.1
     steady: float = 0.3
-    moving: float = 1e-2
     still: float = 1e-3
     rim: float = 1e-2
     worth: float = 0.2
-    kept: float = 5e-3
+    kept: float = 0.01
     large: int = 20_000
     falling: float = 0.02
     ahead: float = 0.1
