@@ -50,7 +50,8 @@ def held_at_first(
 ) -> BoolArray:
     """Return the stones to hold still (nb,): without them the first load factor, that of `state`, is kept to `PATH.kept`.
 
-    Where it is not, stones further away are let go as well. blocks (ni, 2): the stones of each contact. program: of the limit analysis in which these stones (nb,), fixed ones among them, stand still.
+    Where it is not, stones further away are let go as well. blocks (ni, 2): the stones of each contact. program: of the limit
+    analysis in which these stones (nb,), fixed ones among them, stand still.
     """
     stones = model.stones
     speed = stone_speed(stones, state.velocities)
