@@ -86,6 +86,8 @@ def _solved(model: MovingModel, state: PathState, programs: int, pairs: int) -> 
     # Whole forces let the programs begin near them: quicker, and a little less exact, which only a large model is worth.
     if model.large:
         forces[:points, 1:] = np.einsum("kac,kc->ka", tangents, state.joints.shear)
+        # Where a stone has lost its hold, friction in the joint that opened would keep it up.
+        forces[gap > PATH.open * model.step] = 0.0
 
     def longest(y: FloatArray) -> float:
         return _length(model, stones, velocities_of(model, state, free, y))

@@ -16,7 +16,7 @@ class PathSettings:
         it were this much shorter than the last one, however short it is then: where a few stones run ahead of all others, every
         sliding joint would else count as open. lengths: times that pairs of programs are begun, each with the length of step of
         the last motion. shorter_large: in a large model a motion may go so many times less far than the length that it was sought
-        for.
+        for. open: a joint of a large model that is wider than this share of the step holds nothing as the step begins.
 
     Programs of a step:
         first_programs, programs: as drawn, where the sliding is unknown, and later. pairs: of programs that make forces and
@@ -62,6 +62,7 @@ class PathSettings:
     right: float = 1.6
     shortest: float = 1e-3
     least_charge: float = 0.04
+    open: float = 0.25
     lengths: int = 3
     shorter_large: float = 4.0
     first_programs: int = 12
