@@ -26,8 +26,6 @@ from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP, CentralSettings, S
 _FIRST_STEPS, _WORKS = 40, 0.1
 # The first steps lower the products to the first share, or to the second, and start again where one is shorter than the third.
 _LOWER, _CENTRE, _TINY = 0.2, 0.9, 0.1
-# No step is as short: no point stops short.
-_NEVER = 1e-12
 
 
 def runs_from_centre(balance: Equilibrium, strength: Strength) -> bool:
@@ -45,15 +43,16 @@ def from_centre(
     other: they find the most central forces, which a joint that holds the gap may need. A third one has other multipliers.
     """
     settings = CentralSettings()
-    whole = replace(settings, blocked=_NEVER, patience=settings.whole_patience)
+    whole = replace(settings, patience=settings.whole_patience)
+    other = replace(whole, roundness=settings.other_roundness)
     best: SlidingRun | None = None
     solves = spent = 0
-    for each in (settings, whole, replace(whole, roundness=settings.other_roundness)):
-        run, nearest, iterations = _lowered(balance, strength, bipotential_gap, each, progress)
+    for each, short in ((settings, True), (whole, False), (other, False)):
+        run, nearest, iterations = _lowered(balance, strength, bipotential_gap, each, progress, short=short)
         spent += iterations
         certified = run is not None and run.relative_gap <= bipotential_gap
         if nearest is not None and not certified and nearest.relative_gap <= settings.near:
-            closed = _closed(balance, strength, nearest, bipotential_gap, each, solve, progress)
+            closed = _closed(balance, strength, nearest, bipotential_gap, each, solve, progress, light=short)
             if closed is not None:
                 solves, spent = solves + closed.solves, spent + closed.iterations
                 history = (*(run.history if run else ()), *closed.history)
@@ -73,19 +72,26 @@ def _closed(
     settings: CentralSettings,
     solve: Solve,
     progress: Progress | None,
+    *,
+    light: bool,
 ) -> SlidingRun | None:
     """Return the run that stage B makes of a state that is near.
 
-    After a run whose points may stop short, its programs begin near each other and have small proximal weights.
+    light: whether its programs begin near each other and have small proximal weights, as after a run whose points may stop short.
     """
     count = SolveCount(solve)
     n = np.maximum(near.x[:, 0], 0.0)
     usual = SchemeSettings(bipotential_gap=bipotential_gap, stage_b=settings.polish)
-    if settings.blocked == _NEVER:
+    if not light:
         return closed_gap(balance, strength, n, count, usual, progress)
-    light = replace(usual, nearness=settings.nearness, momentum=settings.momentum, patience=settings.light_patience)
-    light = replace(light, duality_gap=settings.duality_gap)
-    run = closed_gap(balance, strength, n, count, light, progress, forces=near.x, velocities=near.y)
+    own = replace(
+        usual,
+        nearness=settings.nearness,
+        momentum=settings.momentum,
+        patience=settings.light_patience,
+        duality_gap=settings.duality_gap,
+    )
+    run = closed_gap(balance, strength, n, count, own, progress, forces=near.x, velocities=near.y)
     # Velocities of programs that began near may overlap by the gap that was left.
     if run is not None and run.relative_gap <= bipotential_gap and not admissible(balance, strength, run):
         n, exactly = np.maximum(run.x[:, 0], 0.0), 0.5 * FLOW_TOLERANCE
@@ -109,7 +115,7 @@ def central_run(
 
     The gap is that of the arrays: the forces balance and lie inside their cones, all points open.
     """
-    return _lowered(balance, strength, bipotential_gap, settings or CentralSettings(), progress).run
+    return _lowered(balance, strength, bipotential_gap, settings or CentralSettings(), progress, short=True).run
 
 
 class _Lowered(NamedTuple):
@@ -121,8 +127,15 @@ class _Lowered(NamedTuple):
 
 
 def _lowered(
-    balance: Equilibrium, strength: Strength, bipotential_gap: float, settings: CentralSettings, progress: Progress | None
+    balance: Equilibrium,
+    strength: Strength,
+    bipotential_gap: float,
+    settings: CentralSettings,
+    progress: Progress | None,
+    *,
+    short: bool,
 ) -> _Lowered:
+    """Lower the products as in `central_run`; short: whether a few points may stop short where they hold the steps."""
     system = ContactSystem(balance, strength, settings)
     history: list[Iteration] = []
     best: CoulombState | None = None
@@ -152,7 +165,7 @@ def _lowered(
             with np.errstate(all="ignore"):
                 move = advance(system, at, damping, ignored)
             damping = min(max(damping * move.stiffer, settings.damping[0]), settings.damping[1])
-            if move.length < settings.blocked and not near:
+            if short and move.length < settings.blocked and not near:
                 ignored = int(settings.ignored * system.points)
             at = move.at
             if not (np.isfinite(at.forces).all() and np.isfinite(at.rates).all()):
