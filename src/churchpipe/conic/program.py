@@ -81,13 +81,15 @@ class ConeProgram:
 class WarmStart:
     """Forces x (c, 3), tau and multipliers y (m,) near those of a solution, in the units of the program, to begin with.
 
-    error: how far from the solution they are thought to be, a share of the objective.
+    error: how far from the solution they are thought to be, a share of the objective. only: whether the program counts as not
+    solved where nothing comes of this start, instead of being begun anew without it.
     """
 
     x: FloatArray
     tau: float
     y: FloatArray
     error: float = 3.0
+    only: bool = False
 
 
 @dataclass(frozen=True, slots=True)

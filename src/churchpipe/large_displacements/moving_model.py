@@ -9,7 +9,7 @@ import numpy.typing as npt
 from churchpipe.large_displacements.joints import Joints
 from churchpipe.large_displacements.poses import start_poses
 from churchpipe.large_displacements.renewal import PairValues, first_joints, pair_values
-from churchpipe.large_displacements.settings import PATH
+from churchpipe.large_displacements.settings import EXACTING, PATH, THRIFTY, Demands
 from churchpipe.large_displacements.supports import SupportMovement
 from churchpipe.large_displacements.travelling import TravellingLoads, dead_loads
 from churchpipe.large_displacements.travelling_ties import TravellingTies, travelling_ties
@@ -60,19 +60,9 @@ class MovingModel:
         return bool(self.held.any()) or len(self.drawn.sliding) > PATH.large
 
     @property
-    def fitting(self) -> float:
-        """What a motion may lack of one without dilatancy and still fit its forces, a share of the load factor."""
-        return PATH.fitting_large if self.large else PATH.fitting
-
-    @property
-    def enough(self) -> float:
-        """The same of a motion that goes on from the last step's, so that no other one is looked for."""
-        return PATH.enough_large if self.large else PATH.fitting
-
-    @property
-    def shorter(self) -> float:
-        """How many times less far a motion may go than the length that its programs charge the gaps for."""
-        return PATH.shorter_large if self.large else PATH.right
+    def demands(self) -> Demands:
+        """What the programs of a step must reach."""
+        return THRIFTY if self.large else EXACTING
 
 
 def moving_model(

@@ -79,7 +79,7 @@ def _levers(model: MovingModel, step: PathStep) -> tuple[FloatArray, float]:
 def _solved(model: MovingModel, state: PathState, programs: int, pairs: int) -> PathStep:
     """Return the step that a state takes with friction acting where its joints say."""
     stones, program, free, gap = state_program(model, state)
-    solve, points = solver_for(program.balance, model.solver), len(state.joints.sliding)
+    solve, points, demands = solver_for(program.balance, model.solver), len(state.joints.sliding), model.demands
     tangents = state.joints.at(state.poses)[0].frame[state.joints.interface, 1:]
     sliding, forces = np.zeros(len(gap)), np.zeros((len(gap), 3))
     sliding[:points], forces[:points, 0] = state.joints.sliding, state.joints.pressing
@@ -100,26 +100,23 @@ def _solved(model: MovingModel, state: PathState, programs: int, pairs: int) -> 
         speed = stone_speed(stones, velocity)
         return bool(stones_ahead(speed, state.fastest, model.stones.weight, _expendable(model, state)).any())
 
-    search = StepSearch(program, gap, solve, longest, fall, state.length, model.step, model.fitting, model.shorter)
+    search = StepSearch(program, gap, solve, longest, fall, state.length, model.step, demands)
     # Where forces and motion fitted each other in pairs of programs only, the forces of the last step are the best to begin with:
     # they keep the path on its way where others branch off.
-    attempt = begin = Attempt(StepAnswer("failed", forces, np.nan, np.zeros(0)), state.length)
+    attempt = Attempt(StepAnswer("failed", forces, np.nan, np.zeros(0)), state.length)
     if pairs and forces.any() and not program.softness.any():
         # A large program that has no solution need not be shown twice to have none: the search below shows it once more.
         own = solver_for(program.balance, "interior-point") if model.large and model.solver == "auto" else solve
         last = last_velocities(model, state, free, program)
-        attempt = search.by_pairs(begin._replace(answer=replace(begin.answer, y=last)), pairs, own)
-        if len(last) and attempt.answer.outcome == "solved" and not attempt.will_do(model.enough):
-            # Where the motion turns into another, the last one leads astray.
-            attempt = _better(attempt, search.by_pairs(begin, pairs, own))
-    if not attempt.will_do(model.enough):
+        attempt = search.by_pairs(attempt._replace(answer=replace(attempt.answer, y=last)), pairs, own, demands.astray)
+    if not attempt.will_do(demands.enough):
         attempt = _better(attempt, search.by_programs(sliding, programs, pairs))
     answer, way, length, joints = attempt.answer, 0.0, attempt.length, state.joints
     if answer.outcome == "solved":
         at = search.within(attempt.length)
         sliding = at.slip(answer.y)
-        way, length = min(attempt.length, search.way(attempt)), search.next_length(attempt)
-        if attempt.paired or not attempt.fits(model.fitting):
+        way, length = search.way(attempt), search.next_length(attempt)
+        if attempt.paired or not attempt.fits(demands.fitting):
             if answer.misfit < PATH.credible:
                 shear = np.einsum("kac,ka->kc", tangents, answer.forces[:points, 1:])
                 joints = replace(joints, pressing=np.maximum(answer.forces[:points, 0], 0.0), shear=shear)
@@ -171,7 +168,7 @@ def _with_present_tensions(
     strength = replace(program.strength, bound=np.where(known, 0.0, program.strength.bound))
     dead = program.dead + apply(program.balance, pull)
     held = replace(program, dead=dead, strength=strength, softness=np.zeros_like(program.softness))
-    found = solve_step(held, sliding, solve)
+    found = solve_step(held, sliding, solve, model.demands.duality_gap)
     if found.outcome != "solved":
         return answer
     forces = found.forces + pull
@@ -223,8 +220,12 @@ def next_state(model: MovingModel, step: PathStep, furthest: float = np.inf) -> 
 def without(model: MovingModel, state: PathState, step: PathStep) -> PathState:
     """Return the state that a step began at without the stones that fall in it.
 
-    Its length and its forces are those of the step before: the motion of a few stones tells nothing of the others.
+    Its length is that of the step before: the motion of a few stones tells nothing of the others. Its forces, in a large model,
+    are those of the fall, where there are any: these are in balance where the stones are now.
     """
+    joints = step.state.joints
+    if step.answer.outcome == "solved" and model.large:
+        state = replace(state, joints=replace(state.joints, pressing=joints.pressing, shear=joints.shear))
     return renewed_state(model, replace(state, fallen=state.fallen | step.falling))
 
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from churchpipe.conic.solve import Solve
-from churchpipe.large_displacements.settings import PATH
+from churchpipe.large_displacements.settings import PATH, Demands
 from churchpipe.large_displacements.step import Fall, StepAnswer, StepProgram, solve_step, without_dilatancy
 from churchpipe.model.arrays import FloatArray
 
@@ -37,8 +37,7 @@ class StepSearch:
 
     program: of the step, of any length. gap (nc,) m of its points. longest: what a motion y (m,) may last, m per unit of work.
     fall: whether a motion y (m,) with this misfit is that of a few stones that fall. begin: the length of the last step, and most
-    the largest displacement of one. fitting: the misfit that will do. shorter: a motion that fits may go so many times less far
-    than the length that its pairs of programs charge the gaps for.
+    the largest displacement of one. demands: what the programs must reach.
     """
 
     def __init__(
@@ -50,49 +49,56 @@ class StepSearch:
         fall: Fall,
         begin: float,
         most: float,
-        fitting: float,
-        shorter: float,
+        demands: Demands,
     ) -> None:
         self._program, self._gap, self._solve, self._longest, self._fall = program, gap, solve, longest, fall
-        self._begin, self._least, self._most, self._fitting = begin, PATH.least_charge * begin, most, fitting
-        self._shorter = shorter
+        self._begin, self._most, self._demands = begin, most, demands
+        # As drawn no gap has to close, and a step of any length has the same program.
+        self._of_any_length = not ((gap > 0.0) | (program.softness > 0.0)).any()
+        self._least = 0.0 if self._of_any_length else PATH.least_charge * begin
 
     def within(self, length: float) -> StepProgram:
         """Return the program of a step of this length."""
         return self._program.within(self._gap, self._program.softness, length)
 
     def way(self, attempt: Attempt) -> float:
-        """Return how far a motion may go, m per unit of work."""
+        """Return how far a motion goes, m per unit of work: no further than its program charged the gaps for."""
+        way = self._may_go(attempt)
+        return way if self._of_any_length else min(attempt.length, way)
+
+    def _may_go(self, attempt: Attempt) -> float:
         longest = self._longest(attempt.answer.y)
         return min(attempt.length, longest) if attempt.blocked else longest
 
     def next_length(self, attempt: Attempt) -> float:
         """Return the length that the next step should begin with, m per unit of work."""
         near, length = self._next(attempt)
-        return attempt.length if near or attempt.falls else length
+        return attempt.length if (near and not self._of_any_length) or attempt.falls else length
 
     def _falls(self, answer: StepAnswer) -> bool:
         return answer.outcome == "solved" and self._fall(answer.y, answer.misfit)
 
     def _next(self, attempt: Attempt) -> tuple[bool, float]:
         """Return whether the length of an attempt suits its motion, and the one that does."""
-        suited = max(self.way(attempt), min(self._least, attempt.length))
-        return attempt.blocked or max(suited / attempt.length, attempt.length / suited) < PATH.right, suited
+        suited = max(self._may_go(attempt), min(self._least, attempt.length))
+        right = self._of_any_length or max(suited / attempt.length, attempt.length / suited) < PATH.right
+        return attempt.blocked or right, suited
 
-    def by_pairs(self, attempt: Attempt, pairs: int, solve: Solve | None = None) -> Attempt:
+    def by_pairs(self, attempt: Attempt, pairs: int, solve: Solve | None = None, astray: float = np.inf) -> Attempt:
         """Return an attempt that fits, sought from the forces of another one in so many pairs of programs at the most.
 
-        solve: of these programs, None: as of all others.
+        solve: of these programs, None: as of all others. astray: a misfit with which the search is given up.
         """
+        fitting = self._demands.fitting
         for _ in range(PATH.lengths):
             program = self.within(attempt.length).stretched(attempt.answer.forces)
-            answer = without_dilatancy(program, attempt.answer, solve or self._solve, self._fitting, pairs, self._fall)
+            answer = without_dilatancy(program, attempt.answer, solve or self._solve, fitting, pairs, self._fall, astray)
             attempt = attempt._replace(answer=answer, paired=True, falls=self._falls(answer))
-            if attempt.answer.outcome != "solved" or attempt.falls:
+            if attempt.answer.outcome != "solved" or attempt.falls or attempt.answer.misfit > astray:
                 break
             near, length = self._next(attempt)
             # What points may close by within the step keeps stones apart on every shorter way as well.
-            if near or (attempt.fits(self._fitting) and 1.0 < attempt.length / length < self._shorter):
+            if near or (attempt.fits(fitting) and 1.0 < attempt.length / length < self._demands.shorter):
                 break
             attempt = attempt._replace(length=length)
         return attempt
@@ -106,7 +112,7 @@ class StepSearch:
         before: Attempt | None = None
         count = 0
         while count < programs:
-            answer = solve_step(self.within(attempt.length), sliding, self._solve)
+            answer = solve_step(self.within(attempt.length), sliding, self._solve, self._demands.duality_gap)
             attempt = attempt._replace(answer=answer, falls=self._falls(answer))
             if attempt.answer.outcome == "unbounded" and attempt.length > PATH.shortest * self._most:
                 # It comes up against a stone within this step: it may go no further than that.
@@ -116,12 +122,12 @@ class StepSearch:
                 return attempt
             count += 1
             near, length = self._next(attempt)
-            if near and attempt.fits(self._fitting):
+            if near and attempt.fits(self._demands.fitting):
                 return attempt
-            if before and pairs and attempt.answer.misfit > max(self._fitting, 0.5 * before.answer.misfit):
+            if before and pairs and attempt.answer.misfit > max(self._demands.fitting, 0.5 * before.answer.misfit):
                 attempt = attempt if attempt.answer.misfit < before.answer.misfit else before
                 break
             if count < programs:
                 before, sliding = attempt, self.within(attempt.length).slip(attempt.answer.y)
                 attempt = attempt._replace(length=length)
-        return self.by_pairs(attempt, pairs) if pairs and not attempt.will_do(self._fitting) else attempt
+        return self.by_pairs(attempt, pairs) if pairs and not attempt.will_do(self._demands.fitting) else attempt

@@ -2,7 +2,26 @@
 
 from dataclasses import dataclass, fields
 
+import numpy as np
+
 from churchpipe.errors import InputError
+
+
+@dataclass(frozen=True, slots=True)
+class Demands:
+    """What the programs of a step must reach. Misfits, by what a motion is not one without dilatancy, are over the load factor.
+
+    fitting: a motion that misses its forces by no more fits them. enough: the same of a motion that goes on from the last one,
+    which is then kept rather than looked for by other ways. astray: where the forces of the last step miss a motion by more, they
+    do not lead on, and no more programs are spent on them. shorter: a motion may go so many times less far than the length that
+    its programs charge the gaps for. duality_gap: error of the associative programs, whose velocities may move the stones.
+    """
+
+    fitting: float
+    enough: float
+    astray: float
+    shorter: float
+    duality_gap: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -15,8 +34,7 @@ class PathSettings:
         kept; shortest: one shorter than this share of the largest ends the path. least_charge: a step may charge its gaps as if
         it were this much shorter than the last one, however short it is then: where a few stones run ahead of all others, every
         sliding joint would else count as open. lengths: times that pairs of programs are begun, each with the length of step of
-        the last motion. shorter_large: in a large model a motion may go so many times less far than the length that it was sought
-        for. open: a joint of a large model that is wider than this share of the step holds nothing as the step begins.
+        the last motion. open: a joint of a large model that is wider than this share of the step holds nothing as it begins.
 
     Programs of a step:
         first_programs, programs: as drawn, where the sliding is unknown, and later. pairs: of programs that make forces and
@@ -25,9 +43,7 @@ class PathSettings:
         fro. duality_gap: error of the programs, whose velocities move the stones. least: a load factor nearer to zero than this
         counts as this much where errors are measured by it.
 
-    What a motion is worth, by what it lacks of one without dilatancy, a share of the load factor:
-        fitting: it fits its forces; fitting_large: in a large model, where a program takes seconds. enough_large: in a large
-        model a motion that goes on from the last one is kept, rather than looked for by other ways; within it a curve is proved.
+    What a motion is worth, by what it lacks of one without dilatancy, a share of the load factor (and see `Demands`):
         started: a start further away is not good enough. credible: it tells how the stones go on. steady: a motion goes on as it
         did when no stone's speed has changed by more than this share of the fastest.
 
@@ -64,18 +80,13 @@ class PathSettings:
     least_charge: float = 0.04
     open: float = 0.25
     lengths: int = 3
-    shorter_large: float = 4.0
     first_programs: int = 12
     programs: int = 4
     pairs: int = 6
     rounds: int = 8
     at_rest: float = 1e-3
     whole_way: int = 2
-    duality_gap: float = 1e-7
     least: float = 0.01
-    fitting: float = 2e-3
-    fitting_large: float = 5e-3
-    enough_large: float = 0.01
     started: float = 0.01
     credible: float = 0.1
     steady: float = 0.3
@@ -107,7 +118,7 @@ class PathSettings:
             value = getattr(self, field.name)
             if not value > 0:
                 raise InputError(f"PathSettings.{field.name}", "out of range", found=value, expected="> 0")
-            if field.name in ("right", "shorter_large", "faster", "deeper", "further"):
+            if field.name in ("right", "faster", "deeper", "further"):
                 if not value > 1:
                     raise InputError(f"PathSettings.{field.name}", "out of range", found=value, expected="> 1")
             elif field.name not in no_shares and not value < 1:
@@ -115,3 +126,6 @@ class PathSettings:
 
 
 PATH = PathSettings()
+EXACTING = Demands(fitting=2e-3, enough=2e-3, astray=np.inf, shorter=PATH.right, duality_gap=1e-7)
+# In a large model a program takes seconds.
+THRIFTY = Demands(fitting=5e-3, enough=0.01, astray=0.1, shorter=4.0, duality_gap=1e-5)

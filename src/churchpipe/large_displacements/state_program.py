@@ -20,11 +20,16 @@ from churchpipe.rigid_blocks.iterations import approached_forces
 from churchpipe.rigid_blocks.pressed import with_further
 from churchpipe.rigid_blocks.settings import SchemeSettings
 
+# Gaps below this share of the size of the model are those of rounding.
+ROUNDING = 1e-12
+
 
 def state_program(model: MovingModel, state: PathState) -> tuple[Assemblage, StepProgram, IntArray, FloatArray]:
     """Return the stones, the program of a state, the free stones, and the gaps of its points; slack of its ties."""
     stones = standing(model, state)
     contacts, gap = state.joints.at(state.poses)
+    # What rounding opens is no gap: where many motions are possible, it would tell which of them is found.
+    gap = np.where(np.abs(gap) < ROUNDING * model.length, 0.0, gap)
     free = np.flatnonzero(~stones.fixed)
     rotation = state.poses.rotation
     dead = model.dead.rows(rotation, free, model.force, model.length)

@@ -12,7 +12,7 @@ from churchpipe.conic.wrenches import Balance, apply, transpose
 from churchpipe.large_displacements.settings import PATH
 from churchpipe.model.arrays import FloatArray
 from churchpipe.rigid_blocks.certificate import Strength, cone_violation
-from churchpipe.rigid_blocks.coulomb import CoulombState, bipotential_gap
+from churchpipe.rigid_blocks.coulomb import CoulombState, Near, bipotential_gap
 from churchpipe.rigid_blocks.iterations import closed_gap
 from churchpipe.rigid_blocks.settings import SchemeSettings
 
@@ -113,7 +113,7 @@ class StepAnswer:
         return self.gap / max(abs(self.load_factor), PATH.least)
 
 
-def solve_step(program: StepProgram, sliding: FloatArray, solve: Solve) -> StepAnswer:
+def solve_step(program: StepProgram, sliding: FloatArray, solve: Solve, duality_gap: float) -> StepAnswer:
     """Return the largest load factor less the work of the normal forces against gaps and sliding, with its motion.
 
         maximise    tau - sum n_k (closing_k + sliding_k)
@@ -124,7 +124,7 @@ def solve_step(program: StepProgram, sliding: FloatArray, solve: Solve) -> StepA
     """
     strength, zero = program.strength, np.zeros_like(sliding)
     cone = program.program(zero, strength.friction, strength.bound, sliding)
-    answer = solve(cone, duality_gap=PATH.duality_gap)
+    answer = solve(cone, duality_gap=duality_gap)
     if answer.outcome != "solved":
         outcome = "infeasible" if answer.outcome == "failed" and falls(program, answer.y) else answer.outcome
         return StepAnswer(outcome, answer.x, np.nan, answer.y, message=answer.message)
@@ -148,26 +148,30 @@ def falls(program: StepProgram, y: FloatArray) -> bool:
 
 
 def without_dilatancy(
-    program: StepProgram, answer: StepAnswer, solve: Solve, misfit: float, pairs: int, fall: Fall
+    program: StepProgram, answer: StepAnswer, solve: Solve, misfit: float, pairs: int, fall: Fall, astray: float = np.inf
 ) -> StepAnswer:
     """Return forces and motion without dilatancy, sought from the forces of an answer in pairs of programs, so many at the most.
 
     Of each pair one finds the velocities that fit the forces, the other the forces that fit the velocities, see `closed_gap`.
-    It ends where the misfit is as small as wanted, or a few stones fall; where it grows instead, or none are found, the answer
-    given is returned, which need not have a motion ("failed"). Its multipliers, where it has any, are where the search begins.
+    It ends where the misfit is as small as wanted, or larger than `astray`, or a few stones fall; where it grows instead, or
+    none are found, the answer given is returned, which need not have a motion ("failed"). Its multipliers, where it has any, are
+    where the search begins.
     """
     first = answer.outcome != "solved"
     known = 1.0 if first else abs(answer.load_factor)
     share = misfit * max(known, PATH.least) / max(known, 1e-3)
     settings = SchemeSettings(bipotential_gap=share, stage_b=pairs)
     n = np.maximum(answer.forces[:, 0], 0.0)
-    whole = answer.forces if answer.forces[:, 1:].any() else None
-    velocities = answer.y if whole is not None and len(answer.y) else None
+    near = None
+    if answer.forces[:, 1:].any():
+        # A motion that goes on from the last one is found from there, or it turns into another.
+        near = Near(answer.forces, answer.y if len(answer.y) else None, only=first)
 
-    def local(state: CoulombState) -> bool:
-        return fall(state.y / float(program.live @ state.y), state.gap / max(abs(state.load_factor), PATH.least))
+    def enough(state: CoulombState) -> bool:
+        y, gap = state.y / float(program.live @ state.y), state.gap / max(abs(state.load_factor), PATH.least)
+        return gap > astray or fall(y, gap)
 
-    run = closed_gap(program, program.strength, n, solve, settings, forces=whole, velocities=velocities, enough=local)
+    run = closed_gap(program, program.strength, n, solve, settings, near=near, enough=enough)
     if run is None:
         return answer
     y = run.y / float(program.live @ run.y)

@@ -16,7 +16,7 @@ from churchpipe.model.results import Iteration
 from churchpipe.rigid_blocks.central_steps import LEAST, MODEST, SHORTER, SHORTEST, advance, least_product
 from churchpipe.rigid_blocks.certificate import FLOW_TOLERANCE, RESIDUAL_TOLERANCE, Strength
 from churchpipe.rigid_blocks.contact_newton import ContactState, ContactSystem, Linearisation
-from churchpipe.rigid_blocks.coulomb import CoulombState, admissible, bipotential_gap, sliding_velocities
+from churchpipe.rigid_blocks.coulomb import CoulombState, Near, admissible, bipotential_gap, sliding_velocities
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
 from churchpipe.rigid_blocks.iterations import Progress, SlidingRun, SolveCount, closed_gap, sliding_run
 from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP, CentralSettings, SchemeSettings
@@ -91,11 +91,11 @@ def _closed(
         patience=settings.light_patience,
         duality_gap=settings.duality_gap,
     )
-    run = closed_gap(balance, strength, n, count, own, progress, forces=near.x, velocities=near.y)
+    run = closed_gap(balance, strength, n, count, own, progress, near=Near(near.x, near.y))
     # Velocities of programs that began near may overlap by the gap that was left.
     if run is not None and run.relative_gap <= bipotential_gap and not admissible(balance, strength, run):
         n, exactly = np.maximum(run.x[:, 0], 0.0), 0.5 * FLOW_TOLERANCE
-        y = sliding_velocities(balance, strength, n, count, duality_gap=exactly, alone=True, near=(run.x, run.y))
+        y = sliding_velocities(balance, strength, n, count, duality_gap=exactly, alone=True, near=Near(run.x, run.y))
         if y is not None:
             run = sliding_run(_state(balance, strength, run.x, run.load_factor, y), [*run.history], 0, 0)
     return None if run is None else replace(run, solves=count.solves, iterations=count.iterations)

@@ -18,6 +18,7 @@ dissipates b |w| then: g gains sum b max(0, -w), and its share (b - n) |w| there
 """
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -34,6 +35,17 @@ EXACT = 1e-7
 LEAST_FACTOR = 1e-3
 # Excess of shear over its limit, as shares of the largest limit or load, with which P(n) is tried one after another.
 _SLACK = (0.0, 1e-6, 1e-4, 1e-2)
+
+
+class Near(NamedTuple):
+    """Forces (nc, 3) near those sought, and velocities (m,) if any are known.
+
+    only: whether velocities that cannot be reached from there count as not found.
+    """
+
+    forces: FloatArray
+    velocities: FloatArray | None
+    only: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +77,7 @@ def sliding_velocities(
     duality_gap: float = EXACT,
     stressed: tuple[FloatArray, FloatArray] | None = None,
     alone: bool = False,
-    near: tuple[FloatArray, FloatArray] | None = None,
+    near: Near | None = None,
 ) -> FloatArray | None:
     """Return the velocities (6 nf,) of P(n), or None when it is not solved.
 
@@ -73,9 +85,9 @@ def sliding_velocities(
     of the largest. That does not spoil the result: any velocities are allowed, and the gap is computed from the arrays.
 
     alone: whether the program may stop before its forces balance; shear then never exceeds its limit, because on a path forces
-    that do not carry the dead load are those of another motion. near: a pair, forces (nc, 3) and velocities (m,) near those
-    sought. stressed: a pair, excess (nc,) >= 0 and forces x (nc, 3). What x adds to the gap at each point counts `excess` times
-    more. It is linear in the openings, the closing and the slip, so the program is P with larger limits and another dead load.
+    that do not carry the dead load are those of another motion. near: forces and velocities near those sought. stressed: a
+    pair, excess (nc,) >= 0 and forces x (nc, 3). What x adds to the gap at each point counts `excess` times more. It is linear
+    in the openings, the closing and the slip, so the program is P with larger limits and another dead load.
     """
     program = sliding_program(balance, strength, strength.shear(n))
     if stressed is not None:
@@ -87,7 +99,9 @@ def sliding_velocities(
             bound=program.bound * (1.0 + excess),
         )
     size = max(float(program.limit.max(initial=0.0)), program.force)
-    start = None if near is None else _near(program, *near)
+    start = None
+    if near is not None and near.velocities is not None:
+        start = _near(program, near.forces, near.velocities, only=near.only)
     for slack in _SLACK[: 1 if alone else None]:
         limited = replace(program, limit=program.limit + slack * size)
         answer = solve(limited, duality_gap=duality_gap, velocities=alone, near=start)
@@ -176,10 +190,10 @@ def nearest_forces(
     return answer if answer.outcome == "solved" else None
 
 
-def _near(program: ConeProgram, x: FloatArray, y: FloatArray) -> WarmStart:
+def _near(program: ConeProgram, x: FloatArray, y: FloatArray, *, only: bool = False) -> WarmStart:
     """Return forces x (nc, 3) and velocities y (m,) as a start, with the load that they balance best."""
     load = -float(program.growth @ program.residual(x, 0.0)) / float(program.growth @ program.growth)
-    return WarmStart(x, load, y / float(program.growth @ y))
+    return WarmStart(x, load, y / float(program.growth @ y), only=only)
 
 
 def dead_load_start(balance: Equilibrium) -> FloatArray:

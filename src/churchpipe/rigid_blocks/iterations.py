@@ -6,7 +6,6 @@ proves it. Symbols are those of `coulomb`.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -18,6 +17,7 @@ from churchpipe.rigid_blocks.certificate import Strength
 from churchpipe.rigid_blocks.coulomb import (
     EXACT,
     CoulombState,
+    Near,
     bipotential_gap,
     friction_violation,
     gap_shares,
@@ -45,13 +45,6 @@ class SlidingRun(CoulombState):
     solves: int = 0
     iterations: int = 0
     balanced: float | None = None
-
-
-class _Known(NamedTuple):
-    """Forces (nc, 3) near those sought, and velocities (m,) if any are known."""
-
-    forces: FloatArray
-    velocities: FloatArray | None
 
 
 def paper_iteration(
@@ -158,8 +151,7 @@ def closed_gap(
     settings: SchemeSettings,
     progress: Progress | None = None,
     *,
-    forces: FloatArray | None = None,
-    velocities: FloatArray | None = None,
+    near: Near | None = None,
     below: float = np.inf,
     enough: Callable[[CoulombState], bool] | None = None,
 ) -> SlidingRun | None:
@@ -169,7 +161,7 @@ def closed_gap(
     steps alone converge slowly, so each is extended by a share of the one before (heavy ball, Polyak 1964). After a slow step the
     next is not extended. The share is halved when the gap grows, and doubled, up to its first value, when it falls.
 
-    forces (nc, 3), velocities (m,): near those sought, if any are known. Programs then begin near the last ones, and those of
+    near: forces and velocities near those sought, if any are known. Programs then begin near the last ones, and those of
     velocities stop before their own forces balance: quicker, and exact to the misfit of a path, not to that of a certified load
     factor.
 
@@ -186,7 +178,6 @@ def closed_gap(
     last: CoulombState | None = None
     # The state with the least weighted gap. The search returns to it.
     base: CoulombState | None = None
-    known: _Known | None = None
     ahead, excess, momentum = n, np.zeros_like(n), settings.momentum
     # The step at which the gap was last halved, and the gap then.
     halved, mark = 0, np.inf
@@ -196,9 +187,9 @@ def closed_gap(
         if progress:
             progress("non-associative", pair / settings.stage_b)
         plain = ahead is n
-        if forces is not None:
-            known = _Known(forces, velocities) if last is None else _Known(last.x, last.y)
-        state = _stage_b(balance, strength, ahead, last, excess, count, settings, known)
+        if near is not None and last is not None:
+            near = Near(last.x, last.y)
+        state = _stage_b(balance, strength, ahead, last, excess, count, settings, near)
         if state is None and plain:
             break
         if state is None:
@@ -273,19 +264,18 @@ def _stage_b(
     excess: FloatArray,
     solve: Solve,
     settings: SchemeSettings,
-    known: _Known | None,
+    near: Near | None,
 ) -> CoulombState | None:
     """Return the next state: velocities from P(n), then the forces that do the least work against them."""
     gap = np.inf if last is None else last.relative_gap
     duality_gap = min(max(settings.duality_gap, settings.share * gap), settings.roughest)
     stressed = None if last is None or not excess.any() else (excess, last.x)
-    alone = known is not None
-    near = None if known is None or known.velocities is None else (known.forces, known.velocities)
+    alone = near is not None
     y = sliding_velocities(balance, strength, n, solve, duality_gap=duality_gap, stressed=stressed, alone=alone, near=near)
     if y is None:
         return None
     nearness = min(settings.weight_b, settings.nearness * gap)
-    x = None if known is None else known.forces
+    x = None if near is None else near.forces
     found = nearest_forces(balance, strength, n, y, solve, nearness=nearness, duality_gap=duality_gap, excess=excess, x=x)
     if found is None:
         return None

@@ -54,7 +54,8 @@ class InteriorPointSolver:
     ) -> ConeSolution:
         """Solve a program with the balance of this solver.
 
-        near: where to begin, for a program without cap and bounds; without success there, the solve begins anew.
+        near: where to begin, for a program without cap and bounds; without success there, the solve begins anew, unless it
+        is to be begun there only.
 
         Returns
         -------
@@ -109,6 +110,8 @@ class InteriorPointSolver:
             start = warm_start(problem, local, x, near.tau, y, near.error)
             brief = replace(settings, iterations=min(settings.iterations, WARM_ITERATIONS))
             ending = solve_coupled(problem, self._normal, self._cholesky, start, brief, progress, enough)
+            if near.only and (ending.status != "solved" or ending.message):
+                return replace(self._solution(ending, local, force, reward), outcome="failed", seconds=perf_counter() - begin)
         if ending is None or ending.status != "solved" or ending.message:
             start = interior_start(problem, settings, heavy=heavy)
             ending = solve_coupled(problem, self._normal, self._cholesky, start, settings, progress, enough)

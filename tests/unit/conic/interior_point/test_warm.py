@@ -13,7 +13,7 @@ from churchpipe.conic.solve import Solve, solver_for
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.loads import LoadCase
 from churchpipe.rigid_blocks.certificate import Strength
-from churchpipe.rigid_blocks.coulomb import nearest_forces, sliding_program, sliding_velocities
+from churchpipe.rigid_blocks.coulomb import Near, nearest_forces, sliding_program, sliding_velocities
 from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
 from churchpipe.rigid_blocks.iterations import SolveCount
 from churchpipe.rigid_blocks.limit import point_strength
@@ -101,7 +101,7 @@ def test_velocities_that_go_on_from_others_take_half_the_iterations() -> None:
     count = SolveCount(solve)
     cold = sliding_velocities(balance, strength, changed, count, duality_gap=1e-3, alone=True)
     first = count.iterations
-    near = before.x, before.y
+    near = Near(before.x, before.y)
     warm = sliding_velocities(balance, strength, changed, count, duality_gap=1e-3, alone=True, near=near)
     assert cold is not None
     assert warm is not None
@@ -121,3 +121,12 @@ def test_a_start_far_away_changes_nothing(kind: dict[str, float]) -> None:
     assert warm.outcome == cold.outcome
     if cold.outcome == "solved":
         assert warm.tau == pytest.approx(cold.tau, rel=2e-6)
+
+
+@pytest.mark.parametrize(("only", "outcome"), [(False, "solved"), (True, "failed")])
+def test_a_start_that_leads_nowhere_is_left_unless_nothing_else_is_to_be_tried(only: bool, outcome: str) -> None:
+    program = stated(three_stones())
+    rng = np.random.default_rng(7)
+    x, y = rng.normal(size=(program.points, 3)), rng.normal(size=len(program.constant))
+    near = WarmStart(1e6 * x, 50.0, y, only=only)
+    assert InteriorPointSolver(program.balance).solve(program, near=near).outcome == outcome
