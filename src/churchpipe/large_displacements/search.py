@@ -97,6 +97,7 @@ class StepSearch:
             if attempt.answer.outcome != "solved" or attempt.falls or attempt.answer.misfit > astray:
                 break
             near, length = self._next(attempt)
+            near = near or not attempt.fits(self._demands.again)
             # What points may close by within the step keeps stones apart on every shorter way as well.
             if near or (attempt.fits(fitting) and 1.0 < attempt.length / length < self._demands.shorter):
                 break
