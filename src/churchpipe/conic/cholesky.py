@@ -1,4 +1,7 @@
-"""Sparse Cholesky factorisation of many matrices with one pattern, by CHOLMOD. The order is found on the graph of blocks."""
+"""Sparse Cholesky factorisation of many matrices with one pattern. The order is found on the graph of blocks.
+
+Small ones are CHOLMOD's, which knows one thread only; large ones are shared out to threads (`multifrontal`).
+"""
 
 from importlib.util import find_spec
 
@@ -6,7 +9,11 @@ import numpy as np
 import scipy.sparse as sp
 from cvxopt import amd, cholmod, matrix, spmatrix
 
+from churchpipe.conic.multifrontal import Multifrontal
 from churchpipe.model.arrays import FloatArray, IntArray
+
+# From so many rows on the solves of `multifrontal` are the faster ones on one thread, and its factor takes hardly longer.
+_LARGE = 30_000
 
 
 class NotDefiniteError(ArithmeticError):
@@ -21,9 +28,8 @@ class Cholesky:
         n = pattern.shape[0]
         columns = np.repeat(np.arange(n), np.diff(pattern.indptr))
         rows = np.asarray(pattern.indices, dtype=np.int64)
-        self._matrix = spmatrix(1.0, rows, columns, (n, n))
-        self._symbolic = cholmod.symbolic(self._matrix, p=matrix(_block_order(rows, columns, n, block)))
-        self._factor = self._symbolic
+        order = _block_order(rows, columns, n, block)
+        self._engine = Multifrontal(pattern, order) if n >= _LARGE else _Cholmod(rows, columns, order)
 
     def factor(self, values: FloatArray) -> None:
         """Factorise the matrix with these nonzeros, in the order of the pattern.
@@ -32,24 +38,44 @@ class Cholesky:
         ------
         NotDefiniteError
         """
-        self._matrix.V = matrix(values)
+        self._engine.take(values)
         self.factor_again()
 
     def factor_again(self) -> None:
         """Factorise the last matrix once more, as a benchmark does."""
         try:
-            cholmod.numeric(self._matrix, self._factor)
+            self._engine.factor()
         except ArithmeticError as error:
             raise NotDefiniteError(f"at column {error.args[0]}") from error
 
     def solve(self, right: FloatArray) -> FloatArray:
         """Return N^-1 right, right (n,) or (n, k)."""
+        return self._engine.solve(right)
+
+    def nonzeros(self) -> int:
+        """Number of stored entries of the factor."""
+        return self._engine.nonzeros()
+
+
+class _Cholmod:
+    """Supernodal factor by CHOLMOD of a lower triangle with entries at these rows and columns."""
+
+    def __init__(self, rows: IntArray, columns: IntArray, order: IntArray) -> None:
+        self._matrix = spmatrix(1.0, rows, columns, (len(order), len(order)))
+        self._factor = cholmod.symbolic(self._matrix, p=matrix(order))
+
+    def take(self, values: FloatArray) -> None:
+        self._matrix.V = matrix(values)
+
+    def factor(self) -> None:
+        cholmod.numeric(self._matrix, self._factor)
+
+    def solve(self, right: FloatArray) -> FloatArray:
         solved = matrix(np.asfortranarray(right))
         cholmod.solve(self._factor, solved)
         return np.array(solved).reshape(right.shape)
 
     def nonzeros(self) -> int:
-        """Number of stored entries of the factor."""
         return len(cholmod.getfactor(self._factor))
 
 

@@ -36,7 +36,7 @@ def in_shares(loop: Callable[..., Any], places: int, *arguments: Any) -> None:
 def together(*calls: tuple[Any, ...]) -> None:
     """Make calls (function, arguments ...) that release the interpreter, at once where there are threads for it."""
     count = threads()
-    if count == 1 or len(calls) == 1:
+    if count == 1 or len(calls) <= 1:
         for function, *arguments in calls:
             function(*arguments)
         return
