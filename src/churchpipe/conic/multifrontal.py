@@ -50,21 +50,18 @@ class Multifrontal:
             raise ArithmeticError(int(tree.order[failed[failed > 0].min() - 1]))
 
     def solve(self, right: FloatArray) -> FloatArray:
-        """Return N^-1 right, right (n,) or (n, k)."""
-        out = np.empty_like(right)
-        for column, solved in zip(np.atleast_2d(right.T), np.atleast_2d(out.T), strict=True):
-            solved[self._tree.order] = self._solved(column[self._tree.order])
-        return out
-
-    def _solved(self, x: FloatArray) -> FloatArray:
+        """Return N^-1 right, right (n,) or (n, k). Each panel is read once for all k."""
         tree, shares = self._tree, self._shares()
-        carried, beyond = np.empty(len(tree.reached)), np.zeros((len(shares), len(x)))
+        x = np.ascontiguousarray(np.atleast_2d(right.T)[:, tree.order])
+        carried, beyond = np.empty((len(x), len(tree.reached))), np.zeros((len(shares), *x.shape))
         work = (tree, self._panels, x)
         together(*((_forward_parts, parts, *work, beyond[k], carried) for k, parts in enumerate(shares)))
         _forward_top(*work, carried)
         _backward(tree.top, *work)
         together(*((_backward_parts, parts, *work) for parts in shares))
-        return x
+        out = np.empty_like(x)
+        out[:, tree.order] = x
+        return out.T.reshape(right.shape)
 
     def nonzeros(self) -> int:
         """Number of stored entries of the factor."""
@@ -254,46 +251,50 @@ def _subtract(
 def _forward_parts(
     parts: IntArray, tree: Supernodes, panels: FloatArray, x: FloatArray, beyond: FloatArray, carried: FloatArray
 ) -> None:
-    """Solve L y = x in these parts, and write into `carried` what they add to the rows above; beyond (n,) is left zero."""
+    """Solve L y = x in these parts, and write into `carried` what they add to the rows above; beyond (k, n) is left zero."""
     for k in range(len(parts)):
         part = int(parts[k])
         last = int(tree.part_last[part])
         mine = np.arange(int(tree.part_first[part]), last + 1)
         _forward(mine, tree, panels, x, beyond, tree.start[last] + tree.width[last])
         for at in range(tree.reach[part], tree.reach[part + 1]):
-            carried[at] = beyond[tree.reached[at]]
-            beyond[tree.reached[at]] = 0.0
+            for c in range(len(x)):
+                carried[c, at] = beyond[c, tree.reached[at]]
+                beyond[c, tree.reached[at]] = 0.0
 
 
 @numba.njit(cache=True, error_model="numpy", nogil=True)
 def _forward_top(tree: Supernodes, panels: FloatArray, x: FloatArray, carried: FloatArray) -> None:
-    for k in range(len(carried)):
-        x[tree.reached[k]] += carried[k]
-    _forward(tree.top, tree, panels, x, x, len(x))
+    for at in range(len(tree.reached)):
+        for c in range(len(x)):
+            x[c, tree.reached[at]] += carried[c, at]
+    _forward(tree.top, tree, panels, x, x, x.shape[1])
 
 
 @numba.njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract"})
 def _forward(fronts: IntArray, tree: Supernodes, panels: FloatArray, x: FloatArray, beyond: FloatArray, end: int) -> None:
-    """Solve L y = x in these fronts; what rows from `end` on lose is added to `beyond`."""
+    """Solve L y = x (k, n) in these fronts; what rows from `end` on lose is added to `beyond`."""
     for k in range(len(fronts)):
         s = int(fronts[k])
         width, rows, start = tree.width[s], tree.rows[s], tree.start[s]
         below = tree.below[tree.at[s] : tree.at[s + 1]]
-        own = x[start : start + width]
         panel = panels[tree.panel[s] : tree.panel[s + 1]].reshape(rows, width)
-        for i in range(width):
-            row, value = panel[i], 0.0
-            for j in range(np.uint64(i)):
-                value += row[j] * own[j]
-            own[i] = (own[i] - value) / row[i]
-        for i in range(len(below)):
-            row, value = panel[width + i], 0.0
-            for j in range(np.uint64(width)):
-                value += row[j] * own[j]
-            if below[i] < end:
-                x[below[i]] -= value
-            else:
-                beyond[below[i]] -= value
+        for c in range(len(x)):
+            column, other = x[c], beyond[c]
+            own = column[start : start + width]
+            for i in range(width):
+                row, value = panel[i], 0.0
+                for j in range(np.uint64(i)):
+                    value += row[j] * own[j]
+                own[i] = (own[i] - value) / row[i]
+            for i in range(len(below)):
+                row, value = panel[width + i], 0.0
+                for j in range(np.uint64(width)):
+                    value += row[j] * own[j]
+                if below[i] < end:
+                    column[below[i]] -= value
+                else:
+                    other[below[i]] -= value
 
 
 @numba.njit(cache=True, error_model="numpy", nogil=True)
@@ -311,14 +312,16 @@ def _backward(fronts: IntArray, tree: Supernodes, panels: FloatArray, x: FloatAr
         s = int(fronts[k])
         width, rows, start = tree.width[s], tree.rows[s], tree.start[s]
         below = tree.below[tree.at[s] : tree.at[s + 1]]
-        own = x[start : start + width]
         panel = panels[tree.panel[s] : tree.panel[s + 1]].reshape(rows, width)
-        for i in range(len(below)):
-            row, value = panel[width + i], x[below[i]]
-            for j in range(np.uint64(width)):
-                own[j] -= value * row[j]
-        for i in range(width - 1, -1, -1):
-            row = panel[i]
-            own[i] /= row[i]
-            for j in range(np.uint64(i)):
-                own[j] -= own[i] * row[j]
+        for c in range(len(x)):
+            column = x[c]
+            own = column[start : start + width]
+            for i in range(len(below)):
+                row, value = panel[width + i], column[below[i]]
+                for j in range(np.uint64(width)):
+                    own[j] -= value * row[j]
+            for i in range(width - 1, -1, -1):
+                row = panel[i]
+                own[i] /= row[i]
+                for j in range(np.uint64(i)):
+                    own[j] -= own[i] * row[j]
