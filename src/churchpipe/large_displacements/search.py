@@ -89,22 +89,18 @@ class StepSearch:
 
         solve: of these programs, None: as of all others. astray: a misfit with which the search is given up.
         """
-        fitting, before = self._demands.fitting, attempt
+        fitting = self._demands.fitting
         for _ in range(PATH.lengths):
             program = self.within(attempt.length).stretched(attempt.answer.forces)
             answer = without_dilatancy(program, attempt.answer, solve or self._solve, fitting, pairs, self._fall, astray)
             attempt = attempt._replace(answer=answer, paired=True, falls=self._falls(answer))
-            if before.fits(self._demands.enough) and not attempt.will_do(fitting):
-                # The length suits it better, and the forces perhaps do not.
-                return attempt if attempt.fits(before.answer.misfit) else before
             if attempt.answer.outcome != "solved" or attempt.falls or attempt.answer.misfit > astray:
                 break
             near, length = self._next(attempt)
-            near = near or not attempt.fits(self._demands.again)
             # What points may close by within the step keeps stones apart on every shorter way as well.
             if near or (attempt.fits(fitting) and 1.0 < attempt.length / length < self._demands.shorter):
                 break
-            before, attempt = attempt, attempt._replace(length=length)
+            attempt = attempt._replace(length=length)
         return attempt
 
     def by_programs(self, sliding: FloatArray, programs: int, pairs: int) -> Attempt:

@@ -13,15 +13,13 @@ class Demands:
 
     fitting: a motion that misses its forces by no more fits them. enough: the same of a motion that goes on from the last one,
     which is then kept rather than looked for by other ways. astray: where the forces of the last step miss a motion by more, they
-    do not lead on, and no more programs are spent on them. again: a motion that misses by more is not sought anew where another
-    length of the step would suit it. shorter: a motion may go so many times less far than the length that its programs charge
-    the gaps for. duality_gap: error of the associative programs, whose velocities may move the stones.
+    do not lead on, and no more programs are spent on them. shorter: a motion may go so many times less far than the length that
+    its programs charge the gaps for. duality_gap: error of the associative programs, whose velocities may move the stones.
     """
 
     fitting: float
     enough: float
     astray: float
-    again: float
     shorter: float
     duality_gap: float
 
@@ -128,6 +126,6 @@ class PathSettings:
 
 
 PATH = PathSettings()
-EXACTING = Demands(fitting=2e-3, enough=2e-3, astray=np.inf, again=np.inf, shorter=PATH.right, duality_gap=1e-7)
+EXACTING = Demands(fitting=2e-3, enough=2e-3, astray=np.inf, shorter=PATH.right, duality_gap=1e-7)
 # In a large model a program takes seconds.
-THRIFTY = Demands(fitting=5e-3, enough=0.01, astray=0.1, again=0.01, shorter=4.0, duality_gap=1e-5)
+THRIFTY = Demands(fitting=5e-3, enough=0.01, astray=0.1, shorter=4.0, duality_gap=1e-5)

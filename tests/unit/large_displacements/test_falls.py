@@ -12,7 +12,7 @@ from churchpipe.large_displacements.moving_model import MovingModel, moving_mode
 from churchpipe.large_displacements.path import may_go_on, solve_state, without
 from churchpipe.large_displacements.path_state import PathState, first_state
 from churchpipe.large_displacements.search import Attempt, StepSearch
-from churchpipe.large_displacements.settings import EXACTING, THRIFTY, Demands
+from churchpipe.large_displacements.settings import EXACTING
 from churchpipe.large_displacements.state_program import step_program
 from churchpipe.large_displacements.step import StepAnswer, StepProgram, falls, solve_step
 from churchpipe.large_displacements.travelling import live_loads
@@ -106,34 +106,3 @@ def test_what_rounding_opens_is_no_gap_and_as_drawn_a_step_may_have_any_length()
     long, short = (solve_state(model, replace(state, length=length)) for length in (1.0, 1e-5))
     assert long.answer.load_factor == short.answer.load_factor
     assert long.way == short.way == long.state.length == short.state.length
-
-
-@pytest.mark.parametrize(
-    ("demands", "misfits", "kept"),
-    [
-        (THRIFTY, [0.006, 0.003], 0.003),
-        (THRIFTY, [0.006, 0.02], 0.006),
-        (THRIFTY, [0.008, 0.006], 0.006),
-        (THRIFTY, [0.02], 0.02),
-        (EXACTING, [0.02, 0.001, 0.002], 0.002),
-        (EXACTING, [0.001, 0.02], 0.001),
-    ],
-)
-def test_another_length_is_tried_where_that_may_help_and_kept_where_it_does(
-    demands: Demands, misfits: list[float], kept: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    model, state = pebble()
-    program = step_program(model, state)
-    forces, left = np.zeros((len(program.closing), 3)), list(misfits)
-
-    def found(*_: object) -> StepAnswer:
-        return StepAnswer("solved", forces, 1.0, np.zeros(0), gap=left.pop(0))
-
-    monkeypatch.setattr("churchpipe.large_displacements.search.without_dilatancy", found)
-    # Each motion may last a tenth of the length that it is sought for.
-    lengths = iter([1e-3, 1e-4, 1e-5, 1e-6])
-    gap = np.full(len(program.closing), 1e-3)
-    search = StepSearch(program, gap, solver_for(program.balance), lambda _: next(lengths), lambda *_: False, 0.01, 0.02, demands)
-    attempt = search.by_pairs(Attempt(StepAnswer("failed", forces, np.nan, np.zeros(0)), 0.01), 6)
-    assert attempt.answer.misfit == pytest.approx(kept)
-    assert not left
