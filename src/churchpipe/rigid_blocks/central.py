@@ -166,7 +166,7 @@ def _lowered(
                 move = advance(system, at, damping, ignored)
             damping = min(max(damping * move.stiffer, settings.damping[0]), settings.damping[1])
             if short and move.length < settings.blocked and not near:
-                ignored = int(settings.ignored * system.points)
+                ignored = min(int(settings.ignored * system.points), settings.most_ignored)
             at = move.at
             if not (np.isfinite(at.forces).all() and np.isfinite(at.rates).all()):
                 break
@@ -182,9 +182,7 @@ def first_rates(system: ContactSystem, *, held: bool = False) -> ContactState:
     held: every step keeps the products together, and lowers them little after a short one. That takes more steps where the others
     would do, and arrives where a short step shows that they would not.
     """
-    settings, points, live = system.settings, system.points, system.live
-    unit = np.zeros((3, points))
-    unit[0] = 1.0
+    settings, points, live, unit = system.settings, system.points, system.live, system.unit
     at = ContactState(settings.force / points * unit, 0.0, np.zeros_like(live), np.zeros((3, points)))
     z, length = unit, 1.0
     for _ in range(_FIRST_STEPS):

@@ -56,8 +56,7 @@ def advance(system: ContactSystem, at: ContactState, damping: float, ignored: in
     affine = towards(linear.divide(-products))
     reach = _longest(system, at, affine, ignored)
     centring = min(max((1.0 - reach) ** 3, _CENTRING[0]), _CENTRING[1])
-    target = np.zeros((3, points))
-    target[0] = centring * mean
+    target = centring * mean * system.unit
     second = _second_order(system, linear, at, z, affine, 0.999 * _longest(system, at, affine, 0))
     size = np.sqrt((second**2).sum(axis=0))
     second *= np.minimum(1.0, settings.clip * mean / np.maximum(size, 1e-300))

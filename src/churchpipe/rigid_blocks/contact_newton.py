@@ -71,6 +71,7 @@ class ContactSystem:
         self.normal = NormalMatrix(self.coupling)
         self.factors = Cholesky(self.normal.pattern, BODY), Cholesky(self.normal.pattern, BODY)
         self.cone = SecondOrder(3, 1, self.points)
+        self.unit = self.cone.identity()[:, 0]
         self.factorisations = 0
 
     def couple(self, forces: FloatArray) -> FloatArray:

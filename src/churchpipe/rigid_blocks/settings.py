@@ -55,9 +55,9 @@ class CentralSettings:
     steps, and until `light_patience` steps have not halved the gap. The gap is concave in the forces, so that a step that nothing
     holds back lowers it most. whole_patience: of the runs that follow where that is not certified, in which no point stops short
     and stage B has the constants of other searches.
-    blocked, ignored: after a step shorter than this, far from a state as yet, so many of the points are left out of account when
-    directions are judged. They stop short and leave errors, so that such a run is handed on to stage B where its gap falls below
-    `handed_on`.
+    blocked, ignored: after a step shorter than this, far from a state as yet, this share of the points is left out of account
+    when directions are judged, most_ignored points at most, since a few joints hold a step however large the model. They stop
+    short and leave errors, so that such a run is handed on to stage B where its gap falls below `handed_on`.
 
     roundness, damping and clip were chosen on the walls of Ferris and Tin-Loi, S5 and S22, pull on these for the lowest load
     factors, with the facade of one storey at friction .7 as a check.
@@ -79,6 +79,7 @@ class CentralSettings:
     whole_patience: tuple[int, int] = (25, 8)
     blocked: float = 0.25
     ignored: float = 1e-3
+    most_ignored: int = 16
     handed_on: float = 3e-3
     near: float = 1e-2
     polish: int = 12

@@ -55,5 +55,13 @@ def _check(name: str, value: float, good: bool, expected: str) -> None:
 CENTRAL = Settings(acceptable=2e-7, correctors=12, ignored=0.0, rate=1.0)
 # For programs of which the velocities alone are wanted: the balance of the forces may lag behind.
 VELOCITIES = replace(CENTRAL, residual=0.03, balanced=False, correctors=2, ignored=2e-3)
+# Points that stop short leave errors of the multipliers that later steps hardly remove: no more such points than this share, over
+# the duality gap wanted.
+_ERROR_LEFT = 20.0
 # A solve that was begun near a solution is given up after so many iterations.
 WARM_ITERATIONS = 30
+
+
+def wanted_so_well(central: Settings, duality_gap: float) -> Settings:
+    """Return the settings of a program of which this duality gap is wanted."""
+    return replace(central, duality_gap=duality_gap, ignored=min(central.ignored, _ERROR_LEFT * duality_gap))

@@ -19,7 +19,7 @@ from churchpipe.conic.interior_point.normal import NormalMatrix
 from churchpipe.conic.interior_point.problem import CoupledProblem
 from churchpipe.conic.interior_point.second_order import SecondOrder
 from churchpipe.conic.interior_point.second_order_kernels import kernels
-from churchpipe.conic.interior_point.settings import Settings
+from churchpipe.conic.interior_point.settings import VELOCITIES, Settings, wanted_so_well
 from churchpipe.conic.interior_point.wrenches import WrenchCoupling
 from churchpipe.generators import arch_piers
 from churchpipe.homogenised_shell.planes import PlanePoints
@@ -72,6 +72,13 @@ def test_longest_step_ends_on_the_boundary() -> None:
     s, step = interior(product), rng.normal(size=product.size)
     length = 1.0 / float(product.rates(s, step, step, np.zeros(1)).max())
     assert product.margin(s + 0.999 * length * step) > 0 > product.margin(s + 1.001 * length * step)
+
+
+def test_fewer_multipliers_stop_short_where_the_gap_wanted_is_small() -> None:
+    rough, exact = wanted_so_well(VELOCITIES, 1e-3), wanted_so_well(VELOCITIES, 1e-6)
+    assert (rough.duality_gap, rough.ignored) == (1e-3, VELOCITIES.ignored)
+    assert exact.duality_gap == 1e-6
+    assert 1e-6 < exact.ignored < 1e-4
 
 
 def test_multipliers_that_block_first_stop_short_alone() -> None:
