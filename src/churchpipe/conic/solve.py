@@ -123,13 +123,13 @@ def _interior_point(balance: Balance) -> _Solver:
     """Return our own solver, which stops as early as it may."""
     from churchpipe.conic.interior_point import InteriorPointSolver
     from churchpipe.conic.interior_point.info import as_share
-    from churchpipe.conic.interior_point.settings import CENTRAL, VELOCITIES, Settings, wanted_so_well
+    from churchpipe.conic.interior_point.settings import CENTRAL, VELOCITIES, Settings, with_duality_gap
 
     solver = InteriorPointSolver(balance)
 
     def solve(program: ConeProgram, wanted: _Wanted) -> ConeSolution:
         central = VELOCITIES if wanted.velocities else CENTRAL
-        settings = Settings() if wanted.duality_gap is None else wanted_so_well(central, wanted.duality_gap)
+        settings = Settings() if wanted.duality_gap is None else with_duality_gap(central, wanted.duality_gap)
         report = as_share(wanted.progress, settings.duality_gap, settings.residual)
         return solver.solve(program, settings, report, wanted.near)
 

@@ -9,7 +9,7 @@ from churchpipe.errors import InputError
 
 @dataclass(frozen=True, slots=True)
 class Demands:
-    """What the programs of a step must reach. Misfits, by what a motion is not one without dilatancy, are over the load factor.
+    """What the programs of a step must reach; a misfit is what a motion lacks of one without dilatancy, over the load factor.
 
     fitting: a motion that misses its forces by no more fits them. enough: the same of a motion that goes on from the last one,
     which is then kept rather than looked for by other ways. astray: where the forces of the last step miss a motion by more, they

@@ -106,3 +106,15 @@ def test_what_rounding_opens_is_no_gap_and_as_drawn_a_step_may_have_any_length()
     long, short = (solve_state(model, replace(state, length=length)) for length in (1.0, 1e-5))
     assert long.answer.load_factor == short.answer.load_factor
     assert long.way == short.way == long.state.length == short.state.length
+
+
+@pytest.mark.parametrize("large", [False, True])
+def test_after_a_fall_a_large_model_goes_on_from_the_forces_found_in_it(large: bool) -> None:
+    model, state = pebble()
+    model = replace(model, held=np.array([large, False, False]))
+    step = solve_state(model, state)
+    joints = step.state.joints
+    found = replace(step, state=replace(step.state, joints=replace(joints, pressing=np.full_like(joints.pressing, 0.125))))
+    left = without(model, replace(state, joints=replace(state.joints, pressing=np.zeros_like(joints.pressing))), found)
+    assert np.all(left.joints.pressing == (0.125 if large else 0.0))
+    assert len(left.joints.pressing) == 4

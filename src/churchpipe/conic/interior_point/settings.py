@@ -62,6 +62,6 @@ _ERROR_LEFT = 20.0
 WARM_ITERATIONS = 30
 
 
-def wanted_so_well(central: Settings, duality_gap: float) -> Settings:
-    """Return the settings of a program of which this duality gap is wanted."""
-    return replace(central, duality_gap=duality_gap, ignored=min(central.ignored, _ERROR_LEFT * duality_gap))
+def with_duality_gap(settings: Settings, duality_gap: float) -> Settings:
+    """Return settings with this duality gap, where a small one lets fewer points stop short."""
+    return replace(settings, duality_gap=duality_gap, ignored=min(settings.ignored, _ERROR_LEFT * duality_gap))

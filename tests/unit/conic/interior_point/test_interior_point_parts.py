@@ -19,7 +19,7 @@ from churchpipe.conic.interior_point.normal import NormalMatrix
 from churchpipe.conic.interior_point.problem import CoupledProblem
 from churchpipe.conic.interior_point.second_order import SecondOrder
 from churchpipe.conic.interior_point.second_order_kernels import kernels
-from churchpipe.conic.interior_point.settings import VELOCITIES, Settings, wanted_so_well
+from churchpipe.conic.interior_point.settings import VELOCITIES, Settings, with_duality_gap
 from churchpipe.conic.interior_point.wrenches import WrenchCoupling
 from churchpipe.generators import arch_piers
 from churchpipe.homogenised_shell.planes import PlanePoints
@@ -75,7 +75,7 @@ def test_longest_step_ends_on_the_boundary() -> None:
 
 
 def test_fewer_multipliers_stop_short_where_the_gap_wanted_is_small() -> None:
-    rough, exact = wanted_so_well(VELOCITIES, 1e-3), wanted_so_well(VELOCITIES, 1e-6)
+    rough, exact = with_duality_gap(VELOCITIES, 1e-3), with_duality_gap(VELOCITIES, 1e-6)
     assert (rough.duality_gap, rough.ignored) == (1e-3, VELOCITIES.ignored)
     assert exact.duality_gap == 1e-6
     assert 1e-6 < exact.ignored < 1e-4
