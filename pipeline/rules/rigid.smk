@@ -27,6 +27,7 @@ rule curve:
         settings="curve/{analysis}/settings.json",
         assemblage=lambda wildcards: f"geometry/{GEOMETRY_OF[wildcards.analysis]}/assemblage.npz",
         contacts=lambda wildcards: f"geometry/{GEOMETRY_OF[wildcards.analysis]}/contacts.npz",
+        first=lambda wildcards: [f"rigid/{name}/rigid.npz" for name in [FIRST_OF.get(wildcards.analysis)] if name],
     output:
         state="curve/{analysis}/curve.npz",
         record="curve/{analysis}/curve.json",
@@ -37,7 +38,7 @@ rule curve:
         mem_mb=memory_by("fixed", 0.07),
     shell:
         STAGE + " curve {wildcards.analysis:q} {input.settings:q} {input.assemblage:q} {input.contacts:q}"
-        " {output.state:q} {output.record:q}" + LOG
+        " {output.state:q} {output.record:q} {input.first:q}" + LOG
 
 
 rule movement:

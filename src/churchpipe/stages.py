@@ -35,7 +35,7 @@ from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength
 from churchpipe.model.names import CONTACT_MODEL
-from churchpipe.model.results import CapacityCurve, CapacityStep, ShellLimitState
+from churchpipe.model.results import CapacityCurve, CapacityStep, LimitState, ShellLimitState
 from churchpipe.model.shell import ShellModel
 from churchpipe.model.ties import Tie
 
@@ -254,25 +254,27 @@ def rigid(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
     write_record(record, record_of(found, load, used, model, applied.ties, ranked, rates, joints_of(table)))
 
 
-def curve(settings: Path, assemblage: Path, contacts: Path, state: Path, record: Path, progress: Progress | None = None) -> None:
-    """One capacity curve of the stones -> the curve and its record for the summary; an interrupted run goes on from its steps."""
+def curve(
+    settings: Path, assemblage: Path, contacts: Path, state: Path, record: Path, *first: Path, progress: Progress | None = None
+) -> None:
+    """A curve of the stones, from their first analysis if made -> curve and record; a killed run goes on from its steps."""
     from churchpipe.io.kept_steps import KeptSteps
     from churchpipe.large_displacements.pushover import block_pushover
     from churchpipe.model.block_curve import BlockCapacityCurve
     from churchpipe.stones.joints import crushing_strength, joint_strength
 
-    table = read_json(settings)
-    stones, joints = read_npz(assemblage, Assemblage), read_npz(contacts, Contacts)
+    table, stones, joints = read_json(settings), read_npz(assemblage, Assemblage), read_npz(contacts, Contacts)
     load, materials = load_of(table), strengths_of(table)
     friction, _ = joint_strength(stones, joints, materials, joints_of(table))
     keys = ("solver", "control", "step", "steps", "furthest", "halo", "contact_model")
-    crushing = crushing_strength(stones, joints, materials)
-    options = {"compressive_strength": crushing} | {key: table[key] for key in keys if key in table}
+    options = {key: table[key] for key in keys if key in table}
+    options |= {"compressive_strength": crushing_strength(stones, joints, materials)}
     applied = placed(carries_of(table), stones)
     pushed = loaded(load, stones, applied.loads)
     kept = KeptSteps(BlockCapacityCurve, state.parent, (settings, assemblage, contacts), code_of("curve"))
-    more = {"progress": progress, "resume": kept.found(), "keep": kept.keep}
-    found = block_pushover(stones, joints, pushed, friction, applied.ties, **options, **more)
+    options |= {"progress": progress, "resume": kept.found(), "keep": kept.keep}
+    options |= {"state": read_npz(file, LimitState) for file in first}
+    found = block_pushover(stones, joints, pushed, friction, applied.ties, **options)
     write_npz(state, found)
     kept.clear()
     words = (load, used_by(stones, materials), joints_of(table), table.get("contact_model"))

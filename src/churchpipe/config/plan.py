@@ -80,12 +80,13 @@ def plan(cases: Sequence[Case]) -> Plan:
     variants: dict[str | None, dict[str, Any]] = {}
     carried: dict[str, list[dict[str, Any]]] = {}
 
-    def add(kind: str, words: list[str], case: Case, swept: dict[str, Any], settings: dict[str, Any], **place: Any) -> None:
+    def add(kind: str, words: list[str], case: Case, swept: dict[str, Any], settings: dict[str, Any], **place: Any) -> str:
         check = place.get("check")
         name = _same(case, {key: (table, entries[key].get("check")) for key, table in analyses.items()}, (settings, check))
         name = name or _keep(analyses, [*words, *_words(swept, case)], settings)
         entries.setdefault(name, {"name": name, "kind": kind, **place, "variant": _name(case), "swept": swept})
         variants[_name(case)]["analyses"].append(name)
+        return name
 
     for case in cases:
         shape = {key: value for key, value in case.swept.items() if swept.changes_stones(key)}
@@ -99,13 +100,17 @@ def plan(cases: Sequence[Case]) -> Plan:
         of_shell = {key: value for key, value in case.swept.items() if not swept.of_rigid_blocks(key)}
         check = {"check": asdict(case.check)} if case.check else {}
         for load in case.loads:
+            made: dict[tuple[str, str], str] = {}
             for flow, contact_model in product(case.rigid.flow, case.rigid.contact_model):
                 settings = _rigid_settings(case, geometry, load, flow, contact_model)
                 words = [load.name, flow, *([contact_model] if "contact_model" in settings else [])]
-                add("rigid", words, case, of_stones, settings, geometry=geometry, **check)
+                made[flow, contact_model] = add("rigid", words, case, of_stones, settings, geometry=geometry, **check)
             if case.rigid.curve:
                 settings = _curve_settings(case, geometry, load)
-                add("curve", [load.name, "curve"], case, of_stones, settings, geometry=geometry, **check)
+                # A curve begins with the associative analysis, and need not make it again.
+                first = made.get(("associative", case.rigid.contact_model[0]))
+                begins = {"begins_from": first} if first and "crushing_parts" not in analyses[first] else {}
+                add("curve", [load.name, "curve"], case, of_stones, settings, geometry=geometry, **begins, **check)
         for movement in case.movements:
             settings = {"geometry": geometry, **_strengths(case), "solver": case.rigid.solver, **asdict(movement)}
             settings |= case.carries.settings(*LOADS)

@@ -100,6 +100,11 @@ def _solved(model: MovingModel, state: PathState, programs: int, pairs: int) -> 
         speed = stone_speed(stones, velocity)
         return bool(stones_ahead(speed, state.fastest, model.stones.weight, _expendable(model, state)).any())
 
+    def may_fall(answer: StepAnswer) -> bool:
+        speed = stone_speed(stones, velocities_of(model, state, free, answer.y))
+        falling = falling_stones(answer, speed, state.fastest, model.stones.weight, _expendable(model, state))
+        return float(model.stones.weight[falling].sum()) <= _expendable(model, state)
+
     search = StepSearch(program, gap, solve, longest, fall, state.length, model.step, demands)
     # Where forces and motion fitted each other in pairs of programs only, the forces of the last step are the best to begin with:
     # they keep the path on its way where others branch off.
@@ -109,7 +114,11 @@ def _solved(model: MovingModel, state: PathState, programs: int, pairs: int) -> 
         own = solver_for(program.balance, "interior-point") if model.large and model.solver == "auto" else solve
         last = last_velocities(model, state, free, program)
         attempt = search.by_pairs(attempt._replace(answer=replace(attempt.answer, y=last)), pairs, own, demands.astray)
-    if not attempt.will_do(demands.enough):
+        if model.large and attempt.answer.outcome == "failed":
+            # Mostly because stones fall. The search below would show it too, but at many times the price.
+            attempt = search.under_dead_load()
+    fallen = attempt.answer.outcome == "infeasible" and may_fall(attempt.answer)
+    if not (fallen or attempt.will_do(demands.enough)):
         attempt = _better(attempt, search.by_programs(sliding, programs, pairs))
     answer, way, length, joints = attempt.answer, 0.0, attempt.length, state.joints
     if answer.outcome == "solved":

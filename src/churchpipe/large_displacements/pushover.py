@@ -30,10 +30,12 @@ from churchpipe.model.names import ContactModel
 from churchpipe.model.results import LimitState
 from churchpipe.model.stone_path import HALO, no_step
 from churchpipe.model.ties import Tie
-from churchpipe.rigid_blocks.certificate import Strength
+from churchpipe.rigid_blocks.certificate import Strength, certify
 from churchpipe.rigid_blocks.coulomb import dead_load_start
+from churchpipe.rigid_blocks.crushing import JointParts
 from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
 from churchpipe.rigid_blocks.limit import limit_analysis, limit_program
+from churchpipe.rigid_blocks.ties import all_forces
 
 
 def block_pushover(
@@ -51,6 +53,7 @@ def block_pushover(
     furthest: float | None = None,
     halo: int = HALO,
     solver: str = "auto",
+    state: LimitState | None = None,
     progress: Progress | None = None,
     resume: BlockCapacityCurve | None = None,
     keep: Callable[[BlockCapacityCurve], None] | None = None,
@@ -92,6 +95,9 @@ def block_pushover(
         0: no stone is held, the full model.
     solver
         As in `limit_analysis`.
+    state
+        The associative `limit_analysis` of the stones as drawn, from which the curve begins, where it has been made. One that
+        does not prove a load factor of these stones, strengths and load is made again, and so is that of joints that crush.
     progress
         Called with a text and the share done.
     resume
@@ -116,7 +122,8 @@ def block_pushover(
     programmed = partial(limit_program, load=load, ties=ties, contact_model=contact_model)
     strengths = partial(_strengths, friction, compressive_strength)
     analysed = partial(limit_analysis, contacts=contacts, **programmed.keywords, **strengths(None), solver=solver)
-    state = analysed(stones)
+    if state is None or not _proves(state, *programmed(stones, contacts, **strengths(None))):
+        state = analysed(stones)
     if state.status != "optimal":
         return _nothing(stones, state, perf_counter() - begin)
     measure = control_of(stones, load, control)
@@ -146,6 +153,16 @@ def block_pushover(
     return record.curve(follow(model, start, int(steps), record, halo), perf_counter() - begin)
 
 
+def _proves(state: LimitState, balance: Equilibrium, strength: Strength, parts: JointParts | None) -> bool:
+    """True where the bounds of an associative state hold for joints of this strength that do not crush."""
+    if parts is not None or state.flow != "associative" or state.status != "optimal":
+        return False
+    if len(state.forces) != balance.contacts or len(state.tie_forces) != balance.ties or len(state.velocities) != balance.count:
+        return False
+    x, y = all_forces(balance, state), balance.multipliers(state.velocities)
+    return certify(balance, strength, x, state.load_factor, y).holds
+
+
 def _started(
     model: MovingModel, contacts: Contacts, analysed: Callable[..., LimitState], balance: Equilibrium
 ) -> tuple[MovingModel, PathState]:
@@ -159,7 +176,7 @@ def _started(
     """
     large = model.large
     first = first_state(model)
-    step = solve_state(model, first, 2 if large else PATH.first_programs, 0)
+    step = solve_state(model, first, 1 if large else PATH.first_programs, 0)
     if step.answer.outcome != "solved" or step.answer.misfit < PATH.started or not model.plain:
         return model, step.state
     bears = bearing(model.stones.fixed, contacts.blocks)[contacts.interface_of_point]

@@ -1,13 +1,14 @@
 """Forces and motion of a step, sought in programs until they fit each other."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from churchpipe.conic.solve import Solve
 from churchpipe.large_displacements.settings import PATH, Demands
-from churchpipe.large_displacements.step import Fall, StepAnswer, StepProgram, solve_step, without_dilatancy
+from churchpipe.large_displacements.step import Fall, StepAnswer, StepProgram, fallen_alone, solve_step, without_dilatancy
 from churchpipe.model.arrays import FloatArray
 
 
@@ -87,21 +88,25 @@ class StepSearch:
     def by_pairs(self, attempt: Attempt, pairs: int, solve: Solve | None = None, astray: float = np.inf) -> Attempt:
         """Return an attempt that fits, sought from the forces of another one in so many pairs of programs at the most.
 
-        solve: of these programs, None: as of all others. astray: a misfit with which the search is given up.
+        solve: of these programs, None: as of all others. astray: a misfit of the first pair with which the search is given up.
         """
-        fitting = self._demands.fitting
+        demands = replace(self._demands, astray=astray)
         for _ in range(PATH.lengths):
             program = self.within(attempt.length).stretched(attempt.answer.forces)
-            answer = without_dilatancy(program, attempt.answer, solve or self._solve, fitting, pairs, self._fall, astray)
+            answer = without_dilatancy(program, attempt.answer, solve or self._solve, demands, pairs, self._fall)
             attempt = attempt._replace(answer=answer, paired=True, falls=self._falls(answer))
             if attempt.answer.outcome != "solved" or attempt.falls or attempt.answer.misfit > astray:
                 break
             near, length = self._next(attempt)
             # What points may close by within the step keeps stones apart on every shorter way as well.
-            if near or (attempt.fits(fitting) and 1.0 < attempt.length / length < self._demands.shorter):
+            if near or (attempt.fits(demands.enough) and 1.0 < attempt.length / length < demands.shorter):
                 break
             attempt = attempt._replace(length=length)
         return attempt
+
+    def under_dead_load(self) -> Attempt:
+        """Return the attempt in which stones fall that the dead load alone brings down, or one without motion."""
+        return Attempt(fallen_alone(self.within(self._begin), self._solve), self._begin)
 
     def by_programs(self, sliding: FloatArray, programs: int, pairs: int) -> Attempt:
         """Return an attempt that fits, sought in so many programs at the most: each charges the sliding of the one before.

@@ -40,8 +40,7 @@ class PathSettings:
         first_programs, programs: as drawn, where the sliding is unknown, and later. pairs: of programs that make forces and
         motion fit, at most. rounds: friction follows the pressure for so many rounds at most, or until it acts elsewhere by no
         more than `at_rest`, a share of a stone. whole_way: after so many rounds it goes half of the way, or it would go to and
-        fro. duality_gap: error of the programs, whose velocities move the stones. least: a load factor nearer to zero than this
-        counts as this much where errors are measured by it.
+        fro. least: a load factor nearer to zero than this counts as this much where errors are measured by it.
 
     What a motion is worth, by what it lacks of one without dilatancy, a share of the load factor (and see `Demands`):
         started: a start further away is not good enough. credible: it tells how the stones go on. steady: a motion goes on as it
@@ -128,4 +127,4 @@ class PathSettings:
 PATH = PathSettings()
 EXACTING = Demands(fitting=2e-3, enough=2e-3, astray=np.inf, shorter=PATH.right, duality_gap=1e-7)
 # In a large model a program takes seconds.
-THRIFTY = Demands(fitting=5e-3, enough=0.01, astray=0.1, shorter=4.0, duality_gap=1e-5)
+THRIFTY = Demands(fitting=5e-3, enough=0.01, astray=0.1, shorter=25.0, duality_gap=1e-5)

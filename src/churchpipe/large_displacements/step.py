@@ -9,7 +9,7 @@ import numpy as np
 from churchpipe.conic.program import ConeProgram, Outcome
 from churchpipe.conic.solve import Solve
 from churchpipe.conic.wrenches import Balance, apply, transpose
-from churchpipe.large_displacements.settings import PATH
+from churchpipe.large_displacements.settings import PATH, Demands
 from churchpipe.model.arrays import FloatArray
 from churchpipe.rigid_blocks.certificate import Strength, cone_violation
 from churchpipe.rigid_blocks.coulomb import CoulombState, Near, bipotential_gap
@@ -147,19 +147,33 @@ def falls(program: StepProgram, y: FloatArray) -> bool:
     return PATH.strongest * (max(float(against.max(initial=0.0)), 0.0) + abs(live)) < dead
 
 
+def fallen_alone(program: StepProgram, solve: Solve) -> StepAnswer:
+    """Return how stones fall that the dead load alone brings down ("infeasible"), or that none do ("failed").
+
+    That program always has a solution, which the one for the load factor has not where stones fall. Without bounds of strength
+    all forces that carry a share of the dead load carry all of it, once multiplied: the share is none or all.
+    """
+    zero, strength = np.zeros_like(program.closing), program.strength
+    share = program.program(zero, strength.friction, strength.bound)
+    share = replace(share, constant=np.zeros_like(program.dead), growth=program.dead, linear=zero, quadratic=zero, cap=1.0)
+    answer = solve(share)
+    falling = answer.outcome == "solved" and answer.tau < 0.5
+    return StepAnswer("infeasible" if falling else "failed", answer.x, np.nan, answer.y, message=answer.message)
+
+
 def without_dilatancy(
-    program: StepProgram, answer: StepAnswer, solve: Solve, misfit: float, pairs: int, fall: Fall, astray: float = np.inf
+    program: StepProgram, answer: StepAnswer, solve: Solve, demands: Demands, pairs: int, fall: Fall
 ) -> StepAnswer:
     """Return forces and motion without dilatancy, sought from the forces of an answer in pairs of programs, so many at the most.
 
     Of each pair one finds the velocities that fit the forces, the other the forces that fit the velocities, see `closed_gap`.
-    It ends where the misfit is as small as wanted, or larger than `astray`, or a few stones fall; where it grows instead, or
-    none are found, the answer given is returned, which need not have a motion ("failed"). Its multipliers, where it has any, are
-    where the search begins.
+    It ends where the misfit is as small as wanted, or a few stones fall, or the first pair goes astray; where the misfit grows
+    instead, or no velocities are found, the answer given is returned, which need not have a motion ("failed"). Its multipliers,
+    where it has any, are where the search begins.
     """
     first = answer.outcome != "solved"
     known = 1.0 if first else abs(answer.load_factor)
-    share = misfit * max(known, PATH.least) / max(known, 1e-3)
+    share = demands.fitting * max(known, PATH.least) / max(known, 1e-3)
     settings = SchemeSettings(bipotential_gap=share, stage_b=pairs)
     n = np.maximum(answer.forces[:, 0], 0.0)
     near = None
@@ -167,9 +181,12 @@ def without_dilatancy(
         # A motion that goes on from the last one is found from there, or it turns into another.
         near = Near(answer.forces, answer.y if len(answer.y) else None, only=first)
 
+    gaps: list[float] = []
+
     def enough(state: CoulombState) -> bool:
         y, gap = state.y / float(program.live @ state.y), state.gap / max(abs(state.load_factor), PATH.least)
-        return gap > astray or fall(y, gap)
+        gaps.append(gap)
+        return (len(gaps) == 1 and gap > demands.astray) or fall(y, gap)
 
     run = closed_gap(program, program.strength, n, solve, settings, near=near, enough=enough)
     if run is None:

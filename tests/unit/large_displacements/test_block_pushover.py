@@ -1,5 +1,6 @@
 """Capacity curves: what may be asked, and what is answered when there is none."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,7 @@ import pytest
 import churchpipe as cp
 from churchpipe.errors import InputError
 from churchpipe.io.npz import read_npz, write_npz
+from churchpipe.large_displacements import pushover
 from models import ferris_tin_loi_wall
 from solids import box, on_ground
 
@@ -35,6 +37,29 @@ def test_bad_arguments(options: dict[str, Any], said: str) -> None:
     given = {"stones": BLOCK, "contacts": cp.find_contacts(BLOCK), "load": PUSH} | options
     with pytest.raises(InputError, match=said):
         cp.block_pushover(**given)
+
+
+def test_a_known_limit_state_is_not_made_again_and_that_of_other_stones_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    contacts, made = cp.find_contacts(BLOCK), list[float]()
+
+    def analysed(*args: Any, **options: Any) -> cp.LimitState:
+        state = cp.limit_analysis(*args, **options)
+        made.append(state.load_factor)
+        return state
+
+    known = cp.limit_analysis(BLOCK, contacts, PUSH, 0.6)
+    other = cp.limit_analysis(BLOCK, contacts, cp.LoadCase((0, 1, 0)), 0.6)
+    monkeypatch.setattr(pushover, "limit_analysis", analysed)
+    expected = cp.block_pushover(BLOCK, contacts, PUSH, 0.6, step=0.1)
+    assert made == [known.load_factor]
+    found = cp.block_pushover(BLOCK, contacts, PUSH, 0.6, step=0.1, state=known)
+    assert len(made) == 1
+    np.testing.assert_allclose(found.load_factor, expected.load_factor, rtol=1e-9)
+    for wrong in (other, replace(known, load_factor=0.9 * known.load_factor), replace(known, forces=known.forces[1:])):
+        cp.block_pushover(BLOCK, contacts, PUSH, 0.6, step=0.1, state=wrong)
+    assert made == [known.load_factor] * 4
+    # Friction below that of the state: its forces leave their cones, and the block slides.
+    assert cp.block_pushover(BLOCK, contacts, PUSH, 0.1, step=0.1, state=known).initial == pytest.approx(0.1, abs=1e-6)
 
 
 def test_unstable_stones_have_no_curve() -> None:

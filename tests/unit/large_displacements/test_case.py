@@ -70,6 +70,8 @@ def test_a_case_asks_for_a_curve_of_each_load(tmp_path: Path) -> None:
     assert (settings["step"], settings["steps"], settings["control"]) == (0.02, 400, (0.0, 0.0, 1.8))
     assert "furthest" not in settings
     assert settings["halo"] == 5
+    begins = [entry["begins_from"] for entry in todo.index["analyses"] if entry["kind"] == "curve"]
+    assert [todo.analyses[name]["flow"] for name in begins] == ["associative", "associative"]
     assert not any(entry["kind"] == "curve" for entry in plan([read(tmp_path, "")]).index["analyses"])
 
 

@@ -14,7 +14,7 @@ from churchpipe.large_displacements.path_state import PathState, first_state
 from churchpipe.large_displacements.search import Attempt, StepSearch
 from churchpipe.large_displacements.settings import EXACTING
 from churchpipe.large_displacements.state_program import step_program
-from churchpipe.large_displacements.step import StepAnswer, StepProgram, falls, solve_step
+from churchpipe.large_displacements.step import StepAnswer, StepProgram, fallen_alone, falls, solve_step
 from churchpipe.large_displacements.travelling import live_loads
 from churchpipe.rigid_blocks.equilibrium import equilibrium
 from churchpipe.rigid_blocks.iterations import SolveCount
@@ -42,6 +42,19 @@ def test_a_block_beyond_the_edge_falls() -> None:
     assert not falls(program, y + 0.1 * noise)
     assert not falls(program, -y)
     assert not falls(program, 0.0 * y)
+
+
+def test_what_falls_under_the_dead_load_is_found_where_the_load_factor_has_no_program() -> None:
+    program = overhanging(0.6)
+    answer = fallen_alone(program, solver_for(program.balance, "interior-point"))
+    assert answer.outcome == "infeasible"
+    # The upper block tips over the edge. The lower one, the first of the free ones, may move a little: any motion falls on which
+    # the dead load does work.
+    below, above = np.abs(answer.y.reshape(2, 6)).max(axis=1)
+    assert below < 0.05 * above
+    assert program.dead @ answer.y > 0
+    program = overhanging(0.3)
+    assert fallen_alone(program, solver_for(program.balance, "interior-point")).outcome == "failed"
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -84,13 +97,28 @@ def test_no_more_is_asked_of_a_fall_than_which_stones_fall(falls: bool, astray: 
     program = step_program(model, state)
     solve = SolveCount(solver_for(program.balance))
     gap = np.zeros(len(program.closing))
-    search = StepSearch(program, gap, solve, lambda _: 0.01, lambda *_: falls, 0.01, 0.02, replace(EXACTING, fitting=1e-300))
+    unending = replace(EXACTING, fitting=1e-300, enough=1e-300)
+    search = StepSearch(program, gap, solve, lambda _: 0.01, lambda *_: falls, 0.01, 0.02, unending)
     forces = np.zeros((len(gap), 3))
     forces[:, 0] = 0.25 * np.where(np.arange(len(gap)) < 4, 1.0, 1e-3)
     attempt = search.by_pairs(Attempt(StepAnswer("failed", forces, np.nan, np.zeros(0)), 0.01), 6, astray=astray)
     assert attempt.falls is falls
     assert attempt.will_do(0.0) is falls
     assert solve.solves == programs
+
+
+def test_a_motion_that_fits_well_enough_is_kept_however_much_less_far_it_goes() -> None:
+    model, state = pebble()
+    program = step_program(model, state)
+    solve = SolveCount(solver_for(program.balance))
+    forces = np.zeros((len(program.closing), 3))
+    forces[:, 0] = 0.25 * np.where(np.arange(len(forces)) < 4, 1.0, 1e-3)
+    gap = np.full(len(forces), 1e-9)
+    for demands, kept in ((replace(EXACTING, enough=10.0, shorter=25.0), True), (EXACTING, False)):
+        search = StepSearch(program, gap, solve, lambda _: 0.001, lambda *_: False, 0.01, 0.02, replace(demands, fitting=1e-300))
+        attempt = search.by_pairs(Attempt(StepAnswer("failed", forces, np.nan, np.zeros(0)), 0.01), 1)
+        assert (attempt.length == 0.01) is kept
+        assert search.way(attempt) == pytest.approx(0.001)
 
 
 def test_what_rounding_opens_is_no_gap_and_as_drawn_a_step_may_have_any_length() -> None:
