@@ -273,7 +273,7 @@ def curve(
     pushed = loaded(load, stones, applied.loads)
     kept = KeptSteps(BlockCapacityCurve, state.parent, (settings, assemblage, contacts), code_of("curve"))
     options |= {"progress": progress, "resume": kept.found(), "keep": kept.keep}
-    options |= {"state": read_npz(file, LimitState) for file in first}
+    options["state"] = read_npz(first[0], LimitState) if first else None
     found = block_pushover(stones, joints, pushed, friction, applied.ties, **options)
     write_npz(state, found)
     kept.clear()
