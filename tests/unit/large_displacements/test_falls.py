@@ -107,7 +107,7 @@ def test_no_more_is_asked_of_a_fall_than_which_stones_fall(falls: bool, astray: 
     assert solve.solves == programs
 
 
-def test_a_motion_that_fits_well_enough_is_kept_however_much_less_far_it_goes() -> None:
+def test_a_motion_that_fits_well_enough_is_kept_although_it_goes_ten_times_less_far() -> None:
     model, state = pebble()
     program = step_program(model, state)
     solve = SolveCount(solver_for(program.balance))
