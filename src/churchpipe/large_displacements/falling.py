@@ -10,7 +10,7 @@ from churchpipe.model.arrays import BoolArray, FloatArray
 def falling_stones(answer: StepAnswer, speed: FloatArray, before: float, weight: FloatArray, spared: float) -> BoolArray:
     """Return which stones (nb,) fall: those of an infeasible program, or a few light ones that leave all others behind.
 
-    speed (nb,): of the fastest vertex of each stone; before: the fastest of the last step, infinite at the first.
+    speed (nb,): of the fastest vertex of each stone; before: the `usual_speed` of the last step, infinite at the first.
     weight (nb,) N; spared N: what may fall out without ending the curve.
     """
     if answer.outcome == "infeasible":
@@ -22,6 +22,21 @@ def falling_stones(answer: StepAnswer, speed: FloatArray, before: float, weight:
 
 def stones_ahead(speed: FloatArray, before: float, weight: FloatArray, spared: float) -> BoolArray:
     """Return which stones (nb,) leave all others behind: none where they are no few light ones; see `falling_stones`."""
-    fastest = float(speed.max(initial=0.0))
-    ahead = speed > PATH.ahead * fastest
-    return ahead & (fastest > PATH.faster * before and float(weight[ahead].sum()) < spared)
+    ahead, light = _fast(speed, weight, spared)
+    return ahead & (light and float(speed.max(initial=0.0)) > PATH.faster * before)
+
+
+def usual_speed(speed: FloatArray, before: float, weight: FloatArray, spared: float) -> float:
+    """Return the speed that falls are measured by: of the fastest stone, while its motion is not that of a few light stones.
+
+    A stone that loses its hold gets faster from step to step, and each step is as much shorter. It would not be known to fall
+    if it were measured by the step before.
+    """
+    light = _fast(speed, weight, spared)[1]
+    return before if light and np.isfinite(before) else float(speed.max(initial=0.0))
+
+
+def _fast(speed: FloatArray, weight: FloatArray, spared: float) -> tuple[BoolArray, bool]:
+    """Return the stones (nb,) that are nearly as fast as the fastest one, and whether they are a few light ones."""
+    ahead = speed > PATH.ahead * float(speed.max(initial=0.0))
+    return ahead, float(weight[ahead].sum()) < spared

@@ -5,13 +5,14 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial import cKDTree
 
+from churchpipe.large_displacements.path import PathStep
 from churchpipe.large_displacements.path_state import PathState
 from churchpipe.model.stone_path import LastStep
 
 
-def last_step(state: PathState) -> LastStep:
-    """Return what a state that was solved leaves to the next one."""
-    joints = state.joints
+def last_step(step: PathStep, power: float) -> LastStep:
+    """Return what a step leaves to the next one; power: N m per unit of work, what friction takes."""
+    state, joints = step.state, step.state.joints
     contacts, _ = joints.at(state.poses)
     return LastStep(
         pair=joints.pair,
@@ -23,6 +24,9 @@ def last_step(state: PathState) -> LastStep:
         way=state.way,
         length=state.length,
         fastest=state.fastest,
+        velocity=step.velocity,
+        onward=step.way,
+        power=power,
     )
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from churchpipe.conic.solve import Solve, solver_for
 from churchpipe.conic.wrenches import apply
-from churchpipe.large_displacements.falling import falling_stones, stones_ahead
+from churchpipe.large_displacements.falling import falling_stones, stones_ahead, usual_speed
 from churchpipe.large_displacements.moving_model import MovingModel
 from churchpipe.large_displacements.path_state import PathState, renewed_state, standing
 from churchpipe.large_displacements.search import Attempt, StepSearch
@@ -193,33 +193,44 @@ def _work(model: MovingModel, answer: StepAnswer, rate: FloatArray) -> float:
 
 
 def next_state(model: MovingModel, step: PathStep, furthest: float = np.inf) -> PathState:
-    """Return the state after a step, its contacts found anew; furthest: m per unit of work, the longest way that it may go.
+    """Return the state after a step, its contacts found anew; furthest: m per unit of work, the longest way that it may go."""
+    return onward(model, step.state, step.velocity, step.way, step.answer.misfit, furthest)
+
+
+def onward(
+    model: MovingModel, state: PathState, velocity: FloatArray, way: float, misfit: float, furthest: float = np.inf
+) -> PathState:
+    """Return the state to which a motion of a state leads; see `next_state` and `PathStep`.
 
     While the motion changes little it goes on as it did since the last step (Adams and Bashforth, second order): a linkage
     keeps its hinges. The velocities are those at the origin, which do not change where a stone turns about an axis at rest.
     """
-    state, way = step.state, min(step.way, furthest)
-    centre = state.poses.centroid
-    there = step.velocity.copy()
+    way = min(way, furthest)
+    stones, centre = standing(model, state), state.poses.centroid
+    speed = stone_speed(stones, velocity)
+    there = velocity.copy()
     there[:, :3] -= np.cross(there[:, 3:], centre)
     motion = there
     if state.before is not None:
         change = there - state.before
         at_stone = change.copy()
         at_stone[:, :3] += np.cross(change[:, 3:], centre)
-        if float(stone_speed(standing(model, state), at_stone).max()) < PATH.steady * float(step.speed.max(initial=0.0)):
+        if float(stone_speed(stones, at_stone).max()) < PATH.steady * float(speed.max(initial=0.0)):
             motion = there + 0.5 * way / state.way * change
     twist = motion.copy()
     twist[:, :3] += np.cross(motion[:, 3:], centre)
     # A stone that settles into a gap turns as far however short the step is: a step that it made short is made longer again.
-    short = 4 * state.length * reference_speed(step.speed) < model.step
+    short = 4 * state.length * reference_speed(speed) < model.step
+    fastest = state.fastest
+    if misfit < PATH.credible:
+        fastest = usual_speed(speed, fastest, model.stones.weight, _expendable(model, state))
     return renewed_state(
         model,
         replace(
             state,
             poses=state.poses.moved(way * twist),
             length=2 * state.length if short else state.length,
-            fastest=float(step.speed.max(initial=0.0)) if step.answer.misfit < PATH.credible else state.fastest,
+            fastest=fastest,
             before=there,
             way=way,
         ),

@@ -18,7 +18,7 @@ from churchpipe.model.stone_path import FallenStones
 class PathState:
     """Where a path has got to: poses, joints, which stones have fallen (nb,), length of the step, m per unit of work.
 
-    fastest: speed of the fastest stone in the last step whose motion was credible. before (nb, 6): velocities of the last step
+    fastest: `falling.usual_speed` of the last step whose motion was credible. before (nb, 6): velocities of the last step
     at the origin, way (m per unit of work) how far it went; None as drawn. rest (nt,) m: what ties have been pulled to.
     """
 
@@ -43,16 +43,16 @@ def first_state(model: MovingModel) -> PathState:
 def state_at(model: MovingModel, every: Sequence[Poses], fallen: Sequence[FallenStones]) -> PathState:
     """Return the state at the last of all poses of a path so far, without the stones that have fallen: to go on from there.
 
-    What the joints slid by and how fast the stones were is not known any more: the next program finds it again.
+    The stones are taken through all poses: which of them came to bear on each other, and how deep they may have sunk in, is not
+    told by the last one. What the joints slid by and how fast the stones were is not known any more: the next program finds it.
     """
     gone = np.zeros(model.stones.count, dtype=bool)
     for part in fallen:
         gone[part.stones] = True
-    first = first_state(model)
-    rest = first.rest
+    state = replace(first_state(model), fallen=gone)
     for poses in every:
-        rest = model.ties.yielded(rest, poses)
-    return renewed_state(model, replace(first, poses=every[-1], fallen=gone, rest=rest))
+        state = renewed_state(model, replace(state, poses=poses))
+    return state
 
 
 def renewed_state(model: MovingModel, state: PathState) -> PathState:

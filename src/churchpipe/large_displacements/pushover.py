@@ -147,7 +147,7 @@ def block_pushover(
         start = record.go_on_from(resume, resume.displacement, resume.load_factor)
         model = record.model
         record.tensions = list(resume.tie_forces[: len(record.poses)])
-        steps -= len(resume.position) - 1
+        steps -= len(record.poses)
     else:
         model, start = _started(model, contacts, analysed, balance)
     return record.curve(follow(model, start, int(steps), record, halo), perf_counter() - begin)
@@ -207,18 +207,24 @@ class _Curve(Record):
         self.broken: dict[str, float] = {}
         self.tensions: list[FloatArray] = []
 
+    def reached(self) -> Ending | None:
+        """Return how the curve ends: the load factor has vanished, or a stone has gone far enough."""
+        if self.load_factor[-1] <= 0:
+            return Ending("vanished")
+        if self.furthest is not None and self.largest[-1] >= self.furthest:
+            return Ending("unfinished", f"the largest displacement asked for, {self.furthest:g} m, was reached")
+        return None
+
     def add(self, step: PathStep) -> Ending | None:
-        """Take down a step; it ends the curve when the load factor has vanished or a stone has gone far enough."""
+        """Take down a step, and return how the curve ends with it."""
         self.note(step)
         ties, state = self.model.ties, step.state
         if ties.name:
             self.tensions.append(step.answer.forces[len(step.rate) - len(ties.name) : len(step.rate), 0] * self.model.force)
         for name in np.array(ties.name)[ties.broken(state.rest, state.fallen)]:
             self.broken.setdefault(str(name), self.displacement[-1])
-        if step.answer.load_factor <= 0:
-            return Ending("vanished")
-        if self.furthest is not None and self.largest[-1] >= self.furthest:
-            return Ending("unfinished", f"the largest displacement asked for, {self.furthest:g} m, was reached")
+        if (ending := self.reached()) is not None:
+            return ending
         if self.keep:
             self.keep(self.curve(Ending("unfinished", "interrupted"), 0.0))
         if self.progress:

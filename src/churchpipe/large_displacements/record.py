@@ -7,9 +7,10 @@ import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.large_displacements.control import Control
+from churchpipe.large_displacements.following import Ending
 from churchpipe.large_displacements.going_on import gone_on, last_step
 from churchpipe.large_displacements.moving_model import MovingModel
-from churchpipe.large_displacements.path import PathStep
+from churchpipe.large_displacements.path import PathStep, onward
 from churchpipe.large_displacements.path_state import PathState, state_at
 from churchpipe.large_displacements.poses import Poses, rotation_vectors, screw
 from churchpipe.model.arrays import FloatArray
@@ -36,8 +37,7 @@ class Record:
         self.work: list[float] = []
         self.fallen: list[FallenStones] = []
         self.resumed = ""
-        # That of the last step.
-        self.state: PathState | None = None
+        self.step: PathStep | None = None
 
     @property
     def left(self) -> float:
@@ -54,7 +54,7 @@ class Record:
         if self.work_known is not None:
             done, self.work_known = self.work_known, None
         self.friction_power = power
-        self.state = step.state
+        self.step = step
         self.poses.append(poses)
         self.proofs.append((answer.residual, answer.violation, answer.misfit))
         self.displacement.append(gone)
@@ -63,10 +63,16 @@ class Record:
         self.largest.append(float(away.max(initial=0.0)))
         self.work.append(done)
 
-    def go_on_from(self, path: StonePath, displacement: FloatArray, load_factor: FloatArray) -> PathState:
-        """Take over the steps of a path but for the last one, and return the state of that, from which to go on.
+    def reached(self) -> Ending | None:
+        """Return how the path ends with the steps so far, None where it goes on."""
+        raise NotImplementedError
 
-        Stones that have moved are held no more. Raises InputError where the path is that of other stones.
+    def go_on_from(self, path: StonePath, displacement: FloatArray, load_factor: FloatArray) -> PathState:
+        """Take over the steps of a path, and return the state from which to go on.
+
+        It is that after the last step, as if the path had not been interrupted. Where the motion of that step is not known, or
+        another end is asked for, it is that of the last step, which is left out here and solved again. Stones that have moved
+        are held no more. Raises InputError where the path is that of other stones.
         """
         count, last = self.model.stones.count, len(path.position) - 1
         if path.position.shape[1] != count:
@@ -76,13 +82,19 @@ class Record:
         model = self.model = replace(self.model, held=self.model.held & ~moved.any(axis=1))
         self.resumed = f"continued from step {last}"
         every = [Poses(centroid, screw(rotation)[0]) for centroid, rotation in zip(path.position, path.rotation, strict=True)]
-        self.poses, self.displacement, self.load_factor = every[:last], displacement[:last].tolist(), load_factor[:last].tolist()
-        self.largest, self.work = path.largest[:last].tolist(), path.dissipation[:last].tolist()
+        self.poses, self.displacement, self.load_factor = list(every), displacement.tolist(), load_factor.tolist()
+        self.largest, self.work = path.largest.tolist(), path.dissipation.tolist()
         proofs = path.residual, path.violation, path.misfit
-        self.proofs = [(float(a), float(b), float(c)) for a, b, c in zip(*(array[:last] for array in proofs), strict=True)]
+        self.proofs = [(float(a), float(b), float(c)) for a, b, c in zip(*proofs, strict=True)]
         self.fallen = list(path.fallen)
+        state = gone_on(state_at(model, every, path.fallen), path.last, model.reach)
+        if len(path.last.velocity) == count and self.reached() is None:
+            self.friction_power = path.last.power
+            return onward(model, state, path.last.velocity, path.last.onward, self.proofs[-1][2], self.left)
+        for each in (self.poses, self.displacement, self.load_factor, self.largest, self.work, self.proofs):
+            each.pop()
         self.work_known = float(path.dissipation[last])
-        return gone_on(state_at(model, every, path.fallen), path.last, model.reach)
+        return state
 
     def fall(self, step: PathStep) -> None:
         """Note the stones that fall in a step."""
@@ -101,5 +113,5 @@ class Record:
             violation=violation,
             misfit=misfit,
             dissipation=np.array(self.work),
-            last=LastStep() if self.state is None else last_step(self.state),
+            last=LastStep() if self.step is None else last_step(self.step, self.friction_power),
         )

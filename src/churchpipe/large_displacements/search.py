@@ -91,6 +91,7 @@ class StepSearch:
         solve: of these programs, None: as of all others. astray: a misfit of the first pair with which the search is given up.
         """
         demands = replace(self._demands, astray=astray)
+        good: Attempt | None = None
         for _ in range(PATH.lengths):
             program = self.within(attempt.length).stretched(attempt.answer.forces)
             answer = without_dilatancy(program, attempt.answer, solve or self._solve, demands, pairs, self._fall)
@@ -98,11 +99,14 @@ class StepSearch:
             if attempt.answer.outcome != "solved" or attempt.falls or attempt.answer.misfit > astray:
                 break
             near, length = self._next(attempt)
-            # What points may close by within the step keeps stones apart on every shorter way as well.
-            if near or (attempt.fits(demands.enough) and 1.0 < attempt.length / length < demands.shorter):
+            fits = attempt.fits(demands.enough)
+            # What points may close by within the step keeps stones apart on every shorter way as well. A motion that may go
+            # further goes on in the next step.
+            if near or (fits and attempt.length / length < demands.shorter):
                 break
+            good = attempt if fits else good
             attempt = attempt._replace(length=length)
-        return attempt
+        return good if good and not attempt.will_do(demands.enough) else attempt
 
     def under_dead_load(self) -> Attempt:
         """Return the attempt in which stones fall that the dead load alone brings down, or one without motion."""

@@ -114,7 +114,7 @@ def settlement_path(
     start = first_state(model)
     if resume is not None and len(resume.position):
         start = record.go_on_from(resume, resume.movement, -resume.reaction / model.force)
-        steps -= len(resume.position) - 1
+        steps -= len(record.poses)
     return record.path(follow(record.model, start, int(steps), record, halo), perf_counter() - begin)
 
 
@@ -148,11 +148,17 @@ class _Movement(Record):
         """How far the support may still go: its movement is the work of a unit force."""
         return np.inf if self.furthest is None else self.furthest - self.displacement[-1]
 
+    def reached(self) -> Ending | None:
+        """Return that the support has gone far enough."""
+        if self.furthest is not None and self.displacement[-1] >= self.furthest * (1 - 1e-9):
+            return Ending("unfinished", f"the largest movement asked for, {self.furthest:g}, was reached")
+        return None
+
     def add(self, step: PathStep) -> Ending | None:
         """Take down a step; it ends the path when the support has gone far enough, or nothing rests on it any more."""
         self.note(step)
-        if self.furthest is not None and self.displacement[-1] >= self.furthest * (1 - 1e-9):
-            return Ending("unfinished", f"the largest movement asked for, {self.furthest:g}, was reached")
+        if (ending := self.reached()) is not None:
+            return ending
         free = ~self.model.stones.fixed
         driven = np.isin(np.arange(len(free)), cast(SupportMovement, self.model.driven).stones)
         still = float(step.speed[free].max(initial=0.0)) < PATH.left_behind * float(step.speed[driven].max())

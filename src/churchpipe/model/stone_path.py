@@ -31,7 +31,8 @@ class LastStep:
     pair (k, 2): the stones of each point of contact; point (k, 3) m: where it lies, displaced. pressing (k,) and shear (k, 3), in
     the axes of the drawing: its force over the weight; sliding (k,): its rate of sliding times the friction, per unit of work.
     before (nb, 6): velocities of the step before at the origin, no rows where there was none; way: how far it went, and length:
-    what steps charge their gaps for, m per unit of work; fastest: speed of the fastest stone. Empty where nothing is known.
+    what steps charge their gaps for, m per unit of work; fastest: speed of the fastest stone. velocity (nb, 6): of the step
+    itself, onward how far it goes, and power, N m per unit of work, what friction takes. Empty where nothing is known.
     """
 
     pair: IntArray = field(default_factory=lambda: np.zeros((0, 2), dtype=np.int64))
@@ -43,13 +44,17 @@ class LastStep:
     way: float = 0.0
     length: float = 0.0
     fastest: float = np.inf
+    velocity: FloatArray = field(default_factory=lambda: np.zeros((0, 6)))
+    onward: float = 0.0
+    power: float = 0.0
 
     def __post_init__(self) -> None:
         count = rows_of("LastStep.pair", self.pair)
         store(self, pair=indices("LastStep.pair", self.pair, (count, 2)))
         for name, shape in (("point", (count, 3)), ("pressing", (count,)), ("shear", (count, 3)), ("sliding", (count,))):
             store(self, **{name: floats(f"LastStep.{name}", getattr(self, name), shape)})
-        store(self, before=floats("LastStep.before", self.before, (None, 6)))
+        for name in ("before", "velocity"):
+            store(self, **{name: floats(f"LastStep.{name}", getattr(self, name), (None, 6))})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

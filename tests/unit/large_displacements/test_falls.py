@@ -8,6 +8,8 @@ from scipy.spatial.transform import Rotation
 
 import churchpipe as cp
 from churchpipe.conic.solve import solver_for
+from churchpipe.large_displacements import search as search_module
+from churchpipe.large_displacements.falling import stones_ahead, usual_speed
 from churchpipe.large_displacements.moving_model import MovingModel, moving_model
 from churchpipe.large_displacements.path import may_go_on, solve_state, without
 from churchpipe.large_displacements.path_state import PathState, first_state
@@ -89,6 +91,21 @@ def test_a_stone_that_runs_ahead_falls_and_the_others_go_on_as_they_did() -> Non
     assert not again.falling.any()
 
 
+def test_a_stone_that_gets_faster_from_step_to_step_is_measured_by_the_motion_of_the_whole() -> None:
+    weight, spared = np.array([1000.0, 1000.0, 1.0]), 50.0
+    whole = usual_speed(np.array([1.0, 2.0, 2.5]), np.inf, weight, spared)
+    assert whole == 2.5
+    # Eight times faster than the step before, twice.
+    for fast, away in ((20.0, False), (160.0, True)):
+        speed = np.array([0.2, 0.1, fast])
+        assert stones_ahead(speed, whole, weight, spared).tolist() == [False, False, away]
+        whole = usual_speed(speed, whole, weight, spared)
+    assert whole == 2.5
+    # Another motion of the whole is a measure again, and so is that of a few stones with which a path begins.
+    assert usual_speed(np.array([8.0, 0.0, 8.0]), whole, weight, spared) == 8.0
+    assert usual_speed(np.array([0.0, 0.0, 8.0]), np.inf, weight, spared) == 8.0
+
+
 @pytest.mark.parametrize(("falls", "astray", "programs"), [(True, np.inf, 2), (False, 1e-9, 2), (False, np.inf, 12)])
 def test_no_more_is_asked_of_a_fall_than_which_stones_fall(falls: bool, astray: float, programs: int) -> None:
     """Stones that slide are sought in pairs of programs until they fit. A fall ends the search with the first pair, and so do
@@ -119,6 +136,28 @@ def test_a_motion_that_fits_well_enough_is_kept_although_it_goes_ten_times_less_
         attempt = search.by_pairs(Attempt(StepAnswer("failed", forces, np.nan, np.zeros(0)), 0.01), 1)
         assert (attempt.length == 0.01) is kept
         assert search.way(attempt) == pytest.approx(0.001)
+
+
+def test_a_motion_that_fits_is_not_given_up_for_one_of_another_length_that_does_not(monkeypatch: pytest.MonkeyPatch) -> None:
+    model, state = pebble()
+    program = step_program(model, state)
+    y = np.ones(len(program.dead))
+    none = np.zeros((len(program.closing), 3))
+    misfits = iter([0.005, 0.0002, 0.06])
+
+    def answered(*_: object) -> StepAnswer:
+        return StepAnswer("solved", none, 1.0, y, gap=next(misfits))
+
+    monkeypatch.setattr(search_module, "without_dilatancy", answered)
+    demands = replace(EXACTING, enough=0.01)
+    gap, solve = np.full(len(none), 1e-9), solver_for(program.balance)
+    search = StepSearch(program, gap, solve, lambda _: next(ways), lambda *_: False, 1.0, 1.0, demands)
+    ways = iter([0.1, 0.01, 0.001, 0.001, 0.001])
+    attempt = search.by_pairs(Attempt(StepAnswer("failed", none, np.nan, np.zeros(0)), 1.0), 6)
+    assert (attempt.answer.misfit, attempt.length) == (0.0002, 0.1)
+    # A motion that may go further than it was thought to goes on in the next step.
+    misfits, ways = iter([0.005]), iter([10.0])
+    assert search.by_pairs(Attempt(StepAnswer("failed", none, np.nan, np.zeros(0)), 1.0), 6).length == 1.0
 
 
 def test_what_rounding_opens_is_no_gap_and_as_drawn_a_step_may_have_any_length() -> None:

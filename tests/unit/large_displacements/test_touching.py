@@ -7,11 +7,16 @@ from hypothesis import strategies as st
 
 from bad_faces import FIRST, SECOND
 from churchpipe.generators import wall
-from churchpipe.large_displacements.poses import displaced, start_poses
+from churchpipe.large_displacements.moving_model import moving_model
+from churchpipe.large_displacements.path_state import state_at
+from churchpipe.large_displacements.poses import Poses, displaced, start_poses
 from churchpipe.large_displacements.renewal import first_joints, renewed
 from churchpipe.large_displacements.touching import touching
+from churchpipe.large_displacements.travelling import live_loads
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.loads import LoadCase
+from churchpipe.rigid_blocks.equilibrium import equilibrium
 from churchpipe.stones.blocks import derive_blocks
 from churchpipe.stones.contacts import find_contacts
 from solids import box, on_ground, prism
@@ -83,3 +88,21 @@ def test_what_a_drawing_leaves_open_counts_as_closed_and_goes_with_the_stones() 
     again = renewed(joints, displaced(stones, slid), slid, np.zeros(3, dtype=bool), 0.05)
     assert len(again.first) == 8
     assert again.at(slid)[1] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_stones_that_came_to_bear_on_each_other_on_the_way_still_do_where_a_path_goes_on() -> None:
+    """They may have sunk deeper into each other than stones that were not seen to touch."""
+    stones = on_ground(box((0, 1), (0, 1), (0, 1)), box((1.05, 2.05), (0, 1), (0, 1)))
+    contacts, load = find_contacts(stones), LoadCase((1, 0, 0))
+    model = moving_model(
+        stones, contacts, load, live_loads(stones, load), 0.6, equilibrium(stones, contacts, load), ~stones.fixed, 0.05, "auto"
+    )
+
+    def nearer(by: float) -> Poses:
+        twist = np.zeros((3, 6))
+        twist[1, 0] = by
+        return start_poses(stones).moved(twist)
+
+    touch, sunk = nearer(0.05), nearer(0.05 + 0.75 * model.reach)
+    pairs = [state_at(model, way, ()).joints.pair.tolist() for way in ([sunk], [touch, sunk])]
+    assert [[1, 2] in pair or [2, 1] in pair for pair in pairs] == [False, True]
