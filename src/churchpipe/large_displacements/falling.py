@@ -7,23 +7,25 @@ from churchpipe.large_displacements.step import StepAnswer
 from churchpipe.model.arrays import BoolArray, FloatArray
 
 
-def falling_stones(answer: StepAnswer, speed: FloatArray, before: float, weight: FloatArray, spared: float) -> BoolArray:
+def falling_stones(
+    answer: StepAnswer, speed: FloatArray, before: float, weight: FloatArray, spared: float, faster: float
+) -> BoolArray:
     """Return which stones (nb,) fall: those of an infeasible program, or a few light ones that leave all others behind.
 
     speed (nb,): of the fastest vertex of each stone; before: the `usual_speed` of the last step, infinite at the first.
-    weight (nb,) N; spared N: what may fall out without ending the curve.
+    weight (nb,) N; spared N: what may fall out without ending the curve. faster: so many times faster than `before` is ahead.
     """
     if answer.outcome == "infeasible":
         return speed > PATH.falling * float(speed.max(initial=0.0))
     if answer.outcome == "solved":
-        return stones_ahead(speed, before, weight, spared)
+        return stones_ahead(speed, before, weight, spared, faster)
     return np.zeros(len(speed), dtype=bool)
 
 
-def stones_ahead(speed: FloatArray, before: float, weight: FloatArray, spared: float) -> BoolArray:
+def stones_ahead(speed: FloatArray, before: float, weight: FloatArray, spared: float, faster: float) -> BoolArray:
     """Return which stones (nb,) leave all others behind: none where they are no few light ones; see `falling_stones`."""
     ahead, light = _fast(speed, weight, spared)
-    return ahead & (light and float(speed.max(initial=0.0)) > PATH.faster * before)
+    return ahead & (light and float(speed.max(initial=0.0)) > faster * before)
 
 
 def usual_speed(speed: FloatArray, before: float, weight: FloatArray, spared: float) -> float:

@@ -92,17 +92,18 @@ def _solved(model: MovingModel, state: PathState, programs: int, pairs: int) -> 
     def longest(y: FloatArray) -> float:
         return _length(model, stones, velocities_of(model, state, free, y))
 
-    def fall(y: FloatArray, misfit: float) -> bool:
+    def fall(y: FloatArray, misfit: float, rests: bool) -> bool:
         # Of a few stones that fall no more is needed than which they are.
         velocity = velocities_of(model, state, free, y)
         if misfit > PATH.credible * max(1.0, _mean_speed(model, velocity)):
             return False
         speed = stone_speed(stones, velocity)
-        return bool(stones_ahead(speed, state.fastest, model.stones.weight, _expendable(model, state)).any())
+        faster = demands.faster if rests else PATH.faster
+        return bool(stones_ahead(speed, state.fastest, model.stones.weight, _expendable(model, state), faster).any())
 
     def may_fall(answer: StepAnswer) -> bool:
         speed = stone_speed(stones, velocities_of(model, state, free, answer.y))
-        falling = falling_stones(answer, speed, state.fastest, model.stones.weight, _expendable(model, state))
+        falling = falling_stones(answer, speed, state.fastest, model.stones.weight, _expendable(model, state), PATH.faster)
         return float(model.stones.weight[falling].sum()) <= _expendable(model, state)
 
     search = StepSearch(program, gap, solve, longest, fall, state.length, model.step, demands)
@@ -138,6 +139,7 @@ def _solved(model: MovingModel, state: PathState, programs: int, pairs: int) -> 
     answer = replace(answer, gap=answer.gap / max(1.0, _mean_speed(model, velocity)))
     speed = stone_speed(stones, velocity)
     rate = program.motion(answer.y)
+    faster = demands.faster if attempt.falls else PATH.faster
     return PathStep(
         state=replace(state, joints=joints, length=length),
         answer=answer,
@@ -146,7 +148,7 @@ def _solved(model: MovingModel, state: PathState, programs: int, pairs: int) -> 
         rate=rate,
         way=way,
         friction_power=-_work(model, answer, rate),
-        falling=falling_stones(answer, speed, state.fastest, model.stones.weight, _expendable(model, state)),
+        falling=falling_stones(answer, speed, state.fastest, model.stones.weight, _expendable(model, state), faster),
     )
 
 

@@ -76,14 +76,22 @@ class StepSearch:
         near, length = self._next(attempt)
         return attempt.length if (near and not self._of_any_length) or attempt.falls else length
 
-    def _falls(self, answer: StepAnswer) -> bool:
-        return answer.outcome == "solved" and self._fall(answer.y, answer.misfit)
+    def _falls(self, answer: StepAnswer, *, rests: bool = False) -> bool:
+        return answer.outcome == "solved" and self._fall(answer.y, answer.misfit, rests)
 
     def _next(self, attempt: Attempt) -> tuple[bool, float]:
         """Return whether the length of an attempt suits its motion, and the one that does."""
         suited = max(self._may_go(attempt), min(self._least, attempt.length))
         right = self._of_any_length or max(suited / attempt.length, attempt.length / suited) < PATH.right
         return attempt.blocked or right, suited
+
+    def _settled(self, further: float) -> Fall:
+        """Return what ends pairs of programs: a fall, or a motion that does not fit and may go further, m per unit of work."""
+
+        def settled(y: FloatArray, misfit: float, rests: bool) -> bool:
+            return self._fall(y, misfit, rests) or (misfit > self._demands.enough and self._longest(y) > further)
+
+        return settled
 
     def by_pairs(self, attempt: Attempt, pairs: int, solve: Solve | None = None, astray: float = np.inf) -> Attempt:
         """Return an attempt that fits, sought from the forces of another one in so many pairs of programs at the most.
@@ -92,10 +100,12 @@ class StepSearch:
         """
         demands = replace(self._demands, astray=astray)
         good: Attempt | None = None
-        for _ in range(PATH.lengths):
+        for left in reversed(range(PATH.lengths)):
+            settled = self._settled(self._demands.further * attempt.length if left and not self._of_any_length else np.inf)
             program = self.within(attempt.length).stretched(attempt.answer.forces)
-            answer = without_dilatancy(program, attempt.answer, solve or self._solve, demands, pairs, self._fall)
-            attempt = attempt._replace(answer=answer, paired=True, falls=self._falls(answer))
+            answer = without_dilatancy(program, attempt.answer, solve or self._solve, demands, pairs, settled)
+            attempt = attempt._replace(answer=answer, paired=True)
+            attempt = attempt._replace(falls=self._falls(answer, rests=not attempt.fits(demands.enough)))
             if attempt.answer.outcome != "solved" or attempt.falls or attempt.answer.misfit > astray:
                 break
             near, length = self._next(attempt)

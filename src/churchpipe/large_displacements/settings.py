@@ -14,13 +14,19 @@ class Demands:
     fitting: a motion that misses its forces by no more fits them. enough: the same of a motion that goes on from the last one,
     which is then kept rather than looked for by other ways. astray: where the forces of the last step miss a motion by more, they
     do not lead on, and no more programs are spent on them. shorter: a motion may go so many times less far than the length that
-    its programs charge the gaps for. duality_gap: error of the associative programs, whose velocities may move the stones.
+    its programs charge the gaps for. further: one that does not fit and may go so many times further is sought anew with that
+    length. faster: stones fall whose motion does not come to fit when they are so many times faster than usual, see
+    `falling.usual_speed`. onward: whether pairs begin near the pair before them where no motion is known. duality_gap: error of
+    the associative programs, whose velocities may move the stones.
     """
 
     fitting: float
     enough: float
     astray: float
     shorter: float
+    further: float
+    faster: float
+    onward: bool
     duality_gap: float
 
 
@@ -83,6 +89,7 @@ class PathSettings:
     programs: int = 4
     pairs: int = 6
     rounds: int = 8
+    rests: float = 0.8
     at_rest: float = 1e-3
     whole_way: int = 2
     least: float = 0.01
@@ -125,6 +132,15 @@ class PathSettings:
 
 
 PATH = PathSettings()
-EXACTING = Demands(fitting=2e-3, enough=2e-3, astray=np.inf, shorter=PATH.right, duality_gap=1e-7)
+EXACTING = Demands(
+    fitting=2e-3,
+    enough=2e-3,
+    astray=np.inf,
+    shorter=PATH.right,
+    further=np.inf,
+    faster=PATH.faster,
+    onward=False,
+    duality_gap=1e-7,
+)
 # In a large model a program takes seconds.
-THRIFTY = Demands(fitting=5e-3, enough=0.01, astray=0.1, shorter=25.0, duality_gap=1e-5)
+THRIFTY = Demands(fitting=5e-3, enough=0.01, astray=0.1, shorter=25.0, further=4.0, faster=5.0, onward=True, duality_gap=1e-5)

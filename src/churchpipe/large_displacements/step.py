@@ -16,8 +16,8 @@ from churchpipe.rigid_blocks.coulomb import CoulombState, Near, bipotential_gap
 from churchpipe.rigid_blocks.iterations import closed_gap
 from churchpipe.rigid_blocks.settings import SchemeSettings
 
-# Whether a motion y (m,) with this misfit is that of a few stones that fall.
-Fall: TypeAlias = Callable[[FloatArray, float], bool]
+# Whether a motion y (m,) with this misfit is that of a few stones that fall; and whether it has come to rest at this misfit.
+Fall: TypeAlias = Callable[[FloatArray, float, bool], bool]
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,7 +167,8 @@ def without_dilatancy(
     """Return forces and motion without dilatancy, sought from the forces of an answer in pairs of programs, so many at the most.
 
     Of each pair one finds the velocities that fit the forces, the other the forces that fit the velocities, see `closed_gap`.
-    It ends where the misfit is as small as wanted, or a few stones fall, or the first pair goes astray; where the misfit grows
+    It ends where the misfit is as small as wanted, or hardly falls any more though it is small enough, or a few stones fall, or
+    the first pair goes astray; where the misfit grows
     instead, or no velocities are found, the answer given is returned, which need not have a motion ("failed"). Its multipliers,
     where it has any, are where the search begins.
     """
@@ -185,10 +186,11 @@ def without_dilatancy(
 
     def enough(state: CoulombState) -> bool:
         y, gap = state.y / float(program.live @ state.y), state.gap / max(abs(state.load_factor), PATH.least)
+        rests = bool(gaps) and gap > PATH.rests * gaps[-1]
         gaps.append(gap)
-        return (len(gaps) == 1 and gap > demands.astray) or fall(y, gap)
+        return (len(gaps) == 1 and gap > demands.astray) or (rests and gap <= demands.enough) or fall(y, gap, rests)
 
-    run = closed_gap(program, program.strength, n, solve, settings, near=near, enough=enough)
+    run = closed_gap(program, program.strength, n, solve, settings, near=near, onward=demands.onward, enough=enough)
     if run is None:
         return answer
     y = run.y / float(program.live @ run.y)

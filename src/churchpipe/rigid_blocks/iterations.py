@@ -152,6 +152,7 @@ def closed_gap(
     progress: Progress | None = None,
     *,
     near: Near | None = None,
+    onward: bool = False,
     below: float = np.inf,
     enough: Callable[[CoulombState], bool] | None = None,
 ) -> SlidingRun | None:
@@ -163,7 +164,7 @@ def closed_gap(
 
     near: forces and velocities near those sought, if any are known. Programs then begin near the last ones, and those of
     velocities stop before their own forces balance: quicker, and exact to the misfit of a path, not to that of a certified load
-    factor.
+    factor. onward: where none are known, all programs but the first two do so.
 
     The gap is concave in the forces alone, so that stage B can come to rest at a local minimum where a few joints keep what is
     left of it: a hinge, for instance, whose force cannot reach its edge. When a step without extension is slow, the share of
@@ -187,7 +188,7 @@ def closed_gap(
         if progress:
             progress("non-associative", pair / settings.stage_b)
         plain = ahead is n
-        if near is not None and last is not None:
+        if (near is not None or onward) and last is not None:
             near = Near(last.x, last.y)
         state = _stage_b(balance, strength, ahead, last, excess, count, settings, near)
         if state is None and plain:

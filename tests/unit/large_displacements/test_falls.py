@@ -1,6 +1,8 @@
 """Stones that nothing holds: known by their work, though a solver did not quite prove it, or as they run ahead of all others."""
 
+from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,17 +11,20 @@ from scipy.spatial.transform import Rotation
 import churchpipe as cp
 from churchpipe.conic.solve import solver_for
 from churchpipe.large_displacements import search as search_module
+from churchpipe.large_displacements import step as step_module
 from churchpipe.large_displacements.falling import stones_ahead, usual_speed
 from churchpipe.large_displacements.moving_model import MovingModel, moving_model
 from churchpipe.large_displacements.path import may_go_on, solve_state, without
 from churchpipe.large_displacements.path_state import PathState, first_state
 from churchpipe.large_displacements.search import Attempt, StepSearch
-from churchpipe.large_displacements.settings import EXACTING
+from churchpipe.large_displacements.settings import EXACTING, PATH, THRIFTY, Demands
 from churchpipe.large_displacements.state_program import step_program
-from churchpipe.large_displacements.step import StepAnswer, StepProgram, fallen_alone, falls, solve_step
+from churchpipe.large_displacements.step import StepAnswer, StepProgram, fallen_alone, falls, solve_step, without_dilatancy
 from churchpipe.large_displacements.travelling import live_loads
+from churchpipe.model.arrays import FloatArray
+from churchpipe.rigid_blocks.coulomb import CoulombState
 from churchpipe.rigid_blocks.equilibrium import equilibrium
-from churchpipe.rigid_blocks.iterations import SolveCount
+from churchpipe.rigid_blocks.iterations import SlidingRun, SolveCount, sliding_run
 from solids import box, moved, on_ground
 
 
@@ -98,7 +103,7 @@ def test_a_stone_that_gets_faster_from_step_to_step_is_measured_by_the_motion_of
     # Eight times faster than the step before, twice.
     for fast, away in ((20.0, False), (160.0, True)):
         speed = np.array([0.2, 0.1, fast])
-        assert stones_ahead(speed, whole, weight, spared).tolist() == [False, False, away]
+        assert stones_ahead(speed, whole, weight, spared, PATH.faster).tolist() == [False, False, away]
         whole = usual_speed(speed, whole, weight, spared)
     assert whole == 2.5
     # Another motion of the whole is a measure again, and so is that of a few stones with which a path begins.
@@ -136,6 +141,64 @@ def test_a_motion_that_fits_well_enough_is_kept_although_it_goes_ten_times_less_
         attempt = search.by_pairs(Attempt(StepAnswer("failed", forces, np.nan, np.zeros(0)), 0.01), 1)
         assert (attempt.length == 0.01) is kept
         assert search.way(attempt) == pytest.approx(0.001)
+
+
+@pytest.mark.parametrize(("demands", "tried"), [(THRIFTY, 3), (EXACTING, 4)])
+def test_pairs_end_where_the_misfit_is_small_enough_and_hardly_falls(
+    monkeypatch: pytest.MonkeyPatch, demands: Demands, tried: int
+) -> None:
+    model, state = pebble()
+    program = step_program(model, state)
+    y = program.live / float(program.live @ program.live)
+    none = np.zeros((len(program.closing), 3))
+    told: list[bool] = []
+
+    def closed(*_: object, enough: Callable[[CoulombState], bool], **__: object) -> SlidingRun:
+        found = [CoulombState(none, 1.0, y, gap) for gap in (0.04, 0.009, 0.0085, 0.004)]
+        last = next((each for each in found if enough(each)), found[-1])
+        return sliding_run(last, [], 0, 0)
+
+    def fall(_: FloatArray, __: float, rests: bool) -> bool:
+        told.append(rests)
+        return False
+
+    monkeypatch.setattr(step_module, "closed_gap", closed)
+    without_dilatancy(program, StepAnswer("failed", none, np.nan, np.zeros(0)), solver_for(program.balance), demands, 6, fall)
+    # Of the last one it is not asked whether stones fall in it: it will do.
+    assert told == ([False, False] if tried == 3 else [False, False, True, False])
+
+
+def test_a_motion_that_does_not_fit_and_may_go_further_is_sought_with_that_length(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    model, state = pebble()
+    program = step_program(model, state)
+    y, none = np.ones(len(program.dead)), np.zeros((len(program.closing), 3))
+    lengths: list[float] = []
+
+    def answered(*given: Any) -> StepAnswer:
+        lengths.append(attempts[-1])
+        settled = given[-1]
+        # Six times further: at once where it does not fit, and not with the last length that is tried.
+        assert settled(y, 0.05, False) is (len(lengths) < PATH.lengths)
+        assert not settled(y, 0.005, False)
+        return StepAnswer("solved", none, 1.0, y, gap=0.05)
+
+    attempts = [1.0]
+
+    def longest(_: FloatArray) -> float:
+        return 6.0 * attempts[-1]
+
+    class Followed(StepSearch):
+        def within(self, length: float) -> StepProgram:
+            attempts.append(length)
+            return super().within(length)
+
+    monkeypatch.setattr(search_module, "without_dilatancy", answered)
+    gap = np.full(len(none), 1e-9)
+    search = Followed(program, gap, solver_for(program.balance), longest, lambda *_: False, 1.0, 1.0, THRIFTY)
+    search.by_pairs(Attempt(StepAnswer("failed", none, np.nan, np.zeros(0)), 1.0), 6)
+    assert lengths == [1.0, 6.0, 36.0]
 
 
 def test_a_motion_that_fits_is_not_given_up_for_one_of_another_length_that_does_not(monkeypatch: pytest.MonkeyPatch) -> None:

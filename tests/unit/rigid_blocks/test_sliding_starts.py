@@ -91,6 +91,27 @@ def test_a_search_without_patience_gives_up_where_the_gap_falls_no_more() -> Non
     assert all(min(gaps[:k]) < 0.5 * min(gaps[: k - 3]) for k in range(4, len(gaps) - 1))
 
 
+@pytest.mark.parametrize("onward", [False, True])
+def test_onward_programs_begin_near_the_ones_before_them(onward: bool) -> None:
+    balance, strength, _ = wall()
+    solve, near = solver_for(balance.wrenches), list[bool]()
+
+    def counted(program: ConeProgram, /, **options: Any) -> ConeSolution:
+        near.append(options["near"] is not None)
+        return solve(program, **options)
+
+    # A gap below rounding is never reached.
+    settings = SchemeSettings(bipotential_gap=1e-14, stage_b=3)
+    run = closed_gap(balance, strength, dead_load_start(balance), counted, settings, onward=onward)
+    assert run is not None
+    assert run.relative_gap < 1e-4
+    assert len(near) >= 6
+    # The first program is one for velocities from nothing, the second for forces from nothing.
+    assert not any(near[:2])
+    assert all(near[2:]) is onward
+    assert any(near) is onward
+
+
 @pytest.mark.parametrize("kind", ["turned", "shuffled", "thin", "enlarged"])
 def test_the_canonical_start_is_the_same_for_equal_models(kind: str) -> None:
     """The least-squares dead-load forces of the points at one edge of a joint, sorted: to 1e-8 of the largest."""
