@@ -46,7 +46,8 @@ class PathSettings:
         first_programs, programs: as drawn, where the sliding is unknown, and later. pairs: of programs that make forces and
         motion fit, at most. rounds: friction follows the pressure for so many rounds at most, or until it acts elsewhere by no
         more than `at_rest`, a share of a stone. whole_way: after so many rounds it goes half of the way, or it would go to and
-        fro. least: a load factor nearer to zero than this counts as this much where errors are measured by it.
+        fro. rests: a misfit above this share of the one before hardly falls any more. least: a load factor nearer to zero than
+        this counts as this much where errors are measured by it.
 
     What a motion is worth, by what it lacks of one without dilatancy, a share of the load factor (and see `Demands`):
         started: a start further away is not good enough. credible: it tells how the stones go on. steady: a motion goes on as it
