@@ -6,18 +6,19 @@ import numpy as np
 
 from churchpipe.conic.solve import Solve, solver_for
 from churchpipe.conic.wrenches import apply
-from churchpipe.large_displacements.falling import falling_stones, stones_ahead, usual_speed
+from churchpipe.large_displacements.falling import usual_speed
+from churchpipe.large_displacements.joints import Joints
+from churchpipe.large_displacements.motions import Motions, expendable
 from churchpipe.large_displacements.moving_model import MovingModel
 from churchpipe.large_displacements.path_state import PathState, renewed_state, standing
 from churchpipe.large_displacements.search import Attempt, StepSearch
 from churchpipe.large_displacements.settings import PATH
-from churchpipe.large_displacements.state_program import last_velocities, state_program, velocities_of
+from churchpipe.large_displacements.state_program import last_velocities, state_program
 from churchpipe.large_displacements.step import StepAnswer, StepProgram, solve_step
 from churchpipe.large_displacements.travelling import TravellingLoads
 from churchpipe.large_displacements.twisted import friction_shift
 from churchpipe.mechanism import reference_speed, stone_speed
 from churchpipe.model.arrays import BoolArray, FloatArray
-from churchpipe.model.assemblage import Assemblage
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,77 +80,86 @@ def _levers(model: MovingModel, step: PathStep) -> tuple[FloatArray, float]:
 def _solved(model: MovingModel, state: PathState, programs: int, pairs: int) -> PathStep:
     """Return the step that a state takes with friction acting where its joints say."""
     stones, program, free, gap = state_program(model, state)
-    solve, points, demands = solver_for(program.balance, model.solver), len(state.joints.sliding), model.demands
-    tangents = state.joints.at(state.poses)[0].frame[state.joints.interface, 1:]
-    sliding, forces = np.zeros(len(gap)), np.zeros((len(gap), 3))
-    sliding[:points], forces[:points, 0] = state.joints.sliding, state.joints.pressing
-    # Whole forces let the programs begin near them: quicker, and a little less exact, which only a large model is worth.
-    if model.large:
-        forces[:points, 1:] = np.einsum("kac,kc->ka", tangents, state.joints.shear)
-        # Where a stone has lost its hold, friction in the joint that opened would keep it up.
-        forces[gap > PATH.open * model.step] = 0.0
-
-    def longest(y: FloatArray) -> float:
-        return _length(model, stones, velocities_of(model, state, free, y))
-
-    def fall(y: FloatArray, misfit: float, rests: bool) -> bool:
-        # Of a few stones that fall no more is needed than which they are.
-        velocity = velocities_of(model, state, free, y)
-        if misfit > PATH.credible * max(1.0, _mean_speed(model, velocity)):
-            return False
-        speed = stone_speed(stones, velocity)
-        faster = demands.faster if rests else PATH.faster
-        return bool(stones_ahead(speed, state.fastest, model.stones.weight, _expendable(model, state), faster).any())
-
-    def may_fall(answer: StepAnswer) -> bool:
-        speed = stone_speed(stones, velocities_of(model, state, free, answer.y))
-        falling = falling_stones(answer, speed, state.fastest, model.stones.weight, _expendable(model, state), PATH.faster)
-        return float(model.stones.weight[falling].sum()) <= _expendable(model, state)
-
-    search = StepSearch(program, gap, solve, longest, fall, state.length, model.step, demands)
-    # Where forces and motion fitted each other in pairs of programs only, the forces of the last step are the best to begin with:
-    # they keep the path on its way where others branch off.
-    attempt = Attempt(StepAnswer("failed", forces, np.nan, np.zeros(0)), state.length)
-    if pairs and forces.any() and not program.softness.any():
-        # A large program that has no solution need not be shown twice to have none: the search below shows it once more.
-        own = solver_for(program.balance, "interior-point") if model.large and model.solver == "auto" else solve
-        last = last_velocities(model, state, free, program)
-        attempt = search.by_pairs(attempt._replace(answer=replace(attempt.answer, y=last)), pairs, own, demands.astray)
-        if model.large and attempt.answer.outcome == "failed":
-            # Mostly because stones fall. The search below would show it too, but at many times the price.
-            attempt = search.under_dead_load()
-    fallen = attempt.answer.outcome == "infeasible" and may_fall(attempt.answer)
-    if not (fallen or attempt.will_do(demands.enough)):
-        attempt = _better(attempt, search.by_programs(sliding, programs, pairs))
+    solve, motions = solver_for(program.balance, model.solver), Motions(model, state, stones, free)
+    search = StepSearch(program, gap, solve, motions.longest, motions.falls, state.length, model.step, model.demands)
+    attempt = _sought(motions, search, program, gap, programs, pairs)
     answer, way, length, joints = attempt.answer, 0.0, attempt.length, state.joints
     if answer.outcome == "solved":
         at = search.within(attempt.length)
         sliding = at.slip(answer.y)
         way, length = search.way(attempt), search.next_length(attempt)
-        if attempt.paired or not attempt.fits(demands.fitting):
-            if answer.misfit < PATH.credible:
-                shear = np.einsum("kac,ka->kc", tangents, answer.forces[:points, 1:])
-                joints = replace(joints, pressing=np.maximum(answer.forces[:points, 0], 0.0), shear=shear)
-        else:
-            joints = replace(joints, pressing=np.zeros(points), shear=np.zeros((points, 3)))
-        joints = replace(joints, sliding=sliding[:points])
+        joints = replace(_pressed(model, state, attempt), sliding=sliding[: len(joints.sliding)])
         answer = _with_present_tensions(model, state, at, answer, sliding, solve)
-    velocity = velocities_of(model, state, free, answer.y)
+    velocity, rate = motions.velocities(answer.y), program.motion(answer.y)
     # Where the load does hardly any work, as in a fall, rates are measured by the mean speed of the weight.
-    answer = replace(answer, gap=answer.gap / max(1.0, _mean_speed(model, velocity)))
-    speed = stone_speed(stones, velocity)
-    rate = program.motion(answer.y)
-    faster = demands.faster if attempt.falls else PATH.faster
+    answer = replace(answer, gap=answer.gap / max(1.0, motions.mean_speed(answer.y)))
     return PathStep(
         state=replace(state, joints=joints, length=length),
         answer=answer,
-        speed=speed,
+        speed=stone_speed(stones, velocity),
         velocity=velocity,
         rate=rate,
         way=way,
         friction_power=-_work(model, answer, rate),
-        falling=falling_stones(answer, speed, state.fastest, model.stones.weight, _expendable(model, state), faster),
+        falling=motions.falling(answer, rests=attempt.falls),
     )
+
+
+def _sought(motions: Motions, search: StepSearch, program: StepProgram, gap: FloatArray, programs: int, pairs: int) -> Attempt:
+    """Return the best attempt at a step: from the forces of the last one, or from what its joints slid by.
+
+    Where forces and motion fitted each other in pairs of programs only, the forces of the last step are the best to begin with:
+    they keep the path on its way where others branch off.
+    """
+    model, state = motions.model, motions.state
+    forces = _last_forces(model, state, gap)
+    attempt = Attempt(StepAnswer("failed", forces, np.nan, np.zeros(0)), state.length)
+    if pairs and forces.any() and not program.softness.any():
+        # A large program that has no solution need not be shown twice to have none: the search below shows it once more.
+        own = solver_for(program.balance, "interior-point") if model.large and model.solver == "auto" else None
+        last = last_velocities(model, state, motions.free, program)
+        attempt = search.by_pairs(attempt._replace(answer=replace(attempt.answer, y=last)), pairs, own, model.demands.astray)
+        if model.large and attempt.answer.outcome == "failed":
+            # Mostly because stones fall. The search below would show it too, but at many times the price.
+            attempt = search.under_dead_load()
+    if attempt.will_do(model.demands.enough):
+        return attempt
+    if attempt.answer.outcome == "infeasible" and _light(model, state, motions.falling(attempt.answer)):
+        return attempt
+    sliding = np.zeros(len(gap))
+    sliding[: len(state.joints.sliding)] = state.joints.sliding
+    return _better(attempt, search.by_programs(sliding, programs, pairs))
+
+
+def _last_forces(model: MovingModel, state: PathState, gap: FloatArray) -> FloatArray:
+    """Return the forces (nc, 3) of the last step, where they may help to find those of this one; gap (nc,) m.
+
+    Whole forces let the programs begin near them: quicker, and a little less exact, which only a large model is worth.
+    """
+    points, forces = len(state.joints.pressing), np.zeros((len(gap), 3))
+    forces[:points, 0] = state.joints.pressing
+    if model.large:
+        forces[:points, 1:] = np.einsum("kac,kc->ka", _tangents(state), state.joints.shear)
+        # Where a stone has lost its hold, friction in the joint that opened would keep it up.
+        forces[gap > PATH.open * model.step] = 0.0
+    return forces
+
+
+def _pressed(model: MovingModel, state: PathState, attempt: Attempt) -> Joints:
+    """Return the joints of a state with the forces that the next step begins with: none where it does so by programs alone."""
+    joints, points = state.joints, len(state.joints.pressing)
+    if not attempt.paired and attempt.fits(model.demands.fitting):
+        return replace(joints, pressing=np.zeros(points), shear=np.zeros((points, 3)))
+    if attempt.answer.misfit >= PATH.credible:
+        return joints
+    forces = attempt.answer.forces[:points]
+    shear = np.einsum("kac,ka->kc", _tangents(state), forces[:, 1:])
+    return replace(joints, pressing=np.maximum(forces[:, 0], 0.0), shear=shear)
+
+
+def _tangents(state: PathState) -> FloatArray:
+    """Return the tangents t1, t2 of each point: k point, a which of them, c axis of the drawing."""
+    return state.joints.at(state.poses)[0].frame[state.joints.interface, 1:]
 
 
 def _better(one: Attempt, other: Attempt) -> Attempt:
@@ -225,7 +235,7 @@ def onward(
     short = 4 * state.length * reference_speed(speed) < model.step
     fastest = state.fastest
     if misfit < PATH.credible:
-        fastest = usual_speed(speed, fastest, model.stones.weight, _expendable(model, state))
+        fastest = usual_speed(speed, fastest, model.stones.weight, expendable(model, state))
     return renewed_state(
         model,
         replace(
@@ -256,23 +266,8 @@ def may_go_on(model: MovingModel, step: PathStep) -> bool:
     left = ~(step.state.fallen | step.falling)
     if isinstance(model.driven, TravellingLoads) and not model.driven.on(left):
         return False
-    return float(model.stones.weight[step.falling].sum()) <= _expendable(model, step.state)
+    return _light(model, step.state, step.falling)
 
 
-def _expendable(model: MovingModel, state: PathState) -> float:
-    """Return the weight, N, that may still fall out without ending the curve."""
-    return PATH.expendable * model.moving - float(model.stones.weight[state.fallen].sum())
-
-
-def _mean_speed(model: MovingModel, velocity: FloatArray) -> float:
-    return float(np.linalg.norm(velocity[:, :3], axis=1) @ model.stones.weight) / model.force
-
-
-def _length(model: MovingModel, stones: Assemblage, velocity: FloatArray) -> float:
-    """Return the length of the step, m per unit of work, in which stones go and turn no further than they may.
-
-    In a large model the turn that stands for the mechanism counts: a single stone that spins does not hold up all others.
-    """
-    speed, turn = stone_speed(stones, velocity), np.linalg.norm(velocity[:, 3:], axis=1)
-    steepest = reference_speed(turn) if model.large else float(turn.max(initial=0.0))
-    return min(model.step / max(reference_speed(speed), 1e-300), PATH.turn / max(steepest, 1e-300))
+def _light(model: MovingModel, state: PathState, falling: BoolArray) -> bool:
+    return float(model.stones.weight[falling].sum()) <= expendable(model, state)

@@ -1,0 +1,71 @@
+"""What is asked of a motion of displaced stones: how long it may last, and which of them fall in it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from churchpipe.large_displacements.falling import falling_stones, stones_ahead
+from churchpipe.large_displacements.moving_model import MovingModel
+from churchpipe.large_displacements.path_state import PathState
+from churchpipe.large_displacements.settings import PATH
+from churchpipe.large_displacements.state_program import velocities_of
+from churchpipe.large_displacements.step import StepAnswer
+from churchpipe.mechanism import reference_speed, stone_speed
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
+from churchpipe.model.assemblage import Assemblage
+
+
+@dataclass(frozen=True, slots=True)
+class Motions:
+    """The motions of a state, by the multipliers y (m,) of its program; stones: where they are, free: those that may move."""
+
+    model: MovingModel
+    state: PathState
+    stones: Assemblage
+    free: IntArray
+
+    def velocities(self, y: FloatArray) -> FloatArray:
+        """Return the velocities (nb, 6) of all stones."""
+        return velocities_of(self.model, self.state, self.free, y)
+
+    def mean_speed(self, y: FloatArray) -> float:
+        """Return the speed of the weight in the mean, over that at which the load does its work."""
+        return float(np.linalg.norm(self.velocities(y)[:, :3], axis=1) @ self.model.stones.weight) / self.model.force
+
+    def longest(self, y: FloatArray) -> float:
+        """Return the length of the step, m per unit of work, in which stones go and turn no further than they may.
+
+        In a large model the turn that stands for the mechanism counts: a single stone that spins does not hold up all others.
+        """
+        velocity = self.velocities(y)
+        speed, turn = stone_speed(self.stones, velocity), np.linalg.norm(velocity[:, 3:], axis=1)
+        steepest = reference_speed(turn) if self.model.large else float(turn.max(initial=0.0))
+        return min(self.model.step / max(reference_speed(speed), 1e-300), PATH.turn / max(steepest, 1e-300))
+
+    def falls(self, y: FloatArray, misfit: float, rests: bool) -> bool:
+        """True where a few stones fall; rests: in a motion that does not come to fit better than this.
+
+        Of a fall no more is needed than which stones take part.
+        """
+        if misfit > PATH.credible * max(1.0, self.mean_speed(y)):
+            return False
+        speed = stone_speed(self.stones, self.velocities(y))
+        return bool(stones_ahead(speed, self.state.fastest, self.model.stones.weight, self.spared, self._faster(rests)).any())
+
+    def falling(self, answer: StepAnswer, *, rests: bool = False) -> BoolArray:
+        """Return which stones (nb,) fall; see `falls` and `falling_stones`."""
+        speed = stone_speed(self.stones, self.velocities(answer.y))
+        return falling_stones(answer, speed, self.state.fastest, self.model.stones.weight, self.spared, self._faster(rests))
+
+    def _faster(self, rests: bool) -> float:
+        return self.model.demands.faster if rests else PATH.faster
+
+    @property
+    def spared(self) -> float:
+        """What may still fall out without ending the curve, N."""
+        return expendable(self.model, self.state)
+
+
+def expendable(model: MovingModel, state: PathState) -> float:
+    """Return the weight, N, that may still fall out without ending the curve."""
+    return PATH.expendable * model.moving - float(model.stones.weight[state.fallen].sum())
