@@ -7,8 +7,8 @@ Read from the sources, so that imports inside functions count, and code that the
 import ast
 import hashlib
 import re
-from collections.abc import Iterator
-from functools import lru_cache
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from symtable import SymbolTable, symtable
 
@@ -21,25 +21,78 @@ _HINTS = re.compile(r"^if TYPE_CHECKING:\n(?:[ \t]+.*\n|\n)*", re.MULTILINE)
 
 def code_of(stage: str, package: Path = PACKAGE) -> str:
     """Return what a stage's results depend on besides its inputs, as text: a line for each source, with its SHA-256."""
-    own, modules = _used(stage, package)
-    lines = [f"{_digest(own.encode())}  {STAGES}: {stage}\n"]
-    reached = _reached(modules, package)
-    data = {path for folder in {path.parent for path in reached} - {package} for path in folder.rglob("*") if _is_data(path)}
-    lines += [f"{_digest(path.read_bytes())}  {path.relative_to(package).as_posix()}\n" for path in sorted(reached | data)]
-    return "".join(lines)
+    return codes_of([stage], package)[stage]
 
 
-def _is_data(path: Path) -> bool:
-    # Python and Numba keep what they compiled beside the sources.
-    return path.is_file() and path.suffix != ".py" and "__pycache__" not in path.parts
-
-
-def _used(stage: str, package: Path) -> tuple[str, set[Path]]:
-    """Return a function of the stages with what it uses of its module, and the modules that these import."""
+def codes_of(stages: Iterable[str], package: Path = PACKAGE) -> dict[str, str]:
+    """Return `code_of` of several stages. Each source is read once: a person waits for it."""
     defined: dict[str, list[ast.stmt]] = {}
     for node in ast.parse((package / STAGES).read_text(encoding="utf-8")).body:
         for name in _names(node):
             defined.setdefault(name, []).append(node)
+    sources = Sources(package)
+    return {stage: sources.lines(stage, *_used(stage, defined, sources)) for stage in stages}
+
+
+@dataclass
+class Sources:
+    """The sources of a package, each read when it is first reached."""
+
+    package: Path
+    imports: dict[Path, tuple[Path, ...]] = field(default_factory=dict[Path, tuple[Path, ...]])
+    # The line of a file.
+    digests: dict[Path, str] = field(default_factory=dict[Path, str])
+    # Of each folder the files that are not Python.
+    data: dict[Path, list[Path]] = field(default_factory=dict[Path, list[Path]])
+    places: dict[tuple[str | None, str], list[Path]] = field(default_factory=dict[tuple[str | None, str], list[Path]])
+
+    def lines(self, stage: str, own: str, modules: set[Path]) -> str:
+        reached = self.reached(modules)
+        data = {path for folder in {path.parent for path in reached} - {self.package} for path in self.data_of(folder)}
+        return f"{_digest(own.encode())}  {STAGES}: {stage}\n" + "".join(map(self.line, sorted(reached | data)))
+
+    def reached(self, modules: set[Path]) -> set[Path]:
+        """Return these modules and all that they import."""
+        todo, out = list(modules), set[Path]()
+        while todo:
+            path = todo.pop()
+            if path not in out:
+                out.add(path)
+                todo += self.imports_of(path)
+        return out
+
+    def imports_of(self, path: Path) -> tuple[Path, ...]:
+        if path not in self.imports:
+            self.imports[path] = tuple(imports_in(path.read_text(encoding="utf-8"), self))
+        return self.imports[path]
+
+    def line(self, path: Path) -> str:
+        if path not in self.digests:
+            self.digests[path] = f"{_digest(path.read_bytes())}  {path.relative_to(self.package).as_posix()}\n"
+        return self.digests[path]
+
+    def data_of(self, folder: Path) -> list[Path]:
+        if folder not in self.data:
+            self.data[folder] = [path for path in folder.rglob("*") if _is_data(path)]
+        return self.data[folder]
+
+    def module(self, module: str | None, name: str) -> list[Path]:
+        """Return the file from which a name is imported; none for modules of others."""
+        if (module, name) not in self.places:
+            self.places[module, name] = _module(module, name, self.package)
+        return self.places[module, name]
+
+
+def _is_data(path: Path) -> bool:
+    # Python and Numba keep what they compiled beside the sources.
+    return path.suffix != ".py" and "__pycache__" not in path.parts and path.is_file()
+
+
+def _used(stage: str, defined: Mapping[str, Sequence[ast.stmt]], sources: Sources) -> tuple[str, set[Path]]:
+    """Return a function of the stages with what it uses of its module, and the modules that these import.
+
+    defined: the statements of the module of the stages, by the names that they define.
+    """
     todo, own, modules = [stage], dict[str, str](), set[Path]()
     while todo:
         name = todo.pop()
@@ -49,9 +102,9 @@ def _used(stage: str, package: Path) -> tuple[str, set[Path]]:
         for node in defined[name]:
             if isinstance(node, ast.ImportFrom):
                 imported = [alias.name for alias in node.names if _bound(alias) == name]
-                modules |= {path for other in imported for path in _module(node.module, other, package)}
+                modules |= {path for other in imported for path in sources.module(node.module, other)}
                 continue
-            modules |= set(_imports(node, package))
+            modules |= set(_imports(node, sources))
             if not isinstance(node, ast.Import):
                 own[name] += ast.unparse(node)
                 todo += _globals(symtable(own[name], STAGES, "exec"))
@@ -79,26 +132,14 @@ def _bound(alias: ast.alias) -> str:
     return alias.asname or alias.name.partition(".")[0]
 
 
-def _reached(modules: set[Path], package: Path) -> set[Path]:
-    """Return these modules and all that they import."""
-    todo, out = list(modules), set[Path]()
-    while todo:
-        path = todo.pop()
-        if path not in out:
-            out.add(path)
-            todo += _imports_of(path.read_text(encoding="utf-8"), package)
-    return out
-
-
-# Most modules are reached by several stages.
-@lru_cache(maxsize=1024)
-def _imports_of(text: str, package: Path) -> tuple[Path, ...]:
-    # To parse all modules whole takes a second, which a person waits for.
+def imports_in(text: str, sources: Sources) -> Iterator[Path]:
+    """Yield the modules of a package that the text of one of them imports."""
+    # To parse all modules whole takes a second.
     try:
         found = ast.parse(import_lines(text))
     except SyntaxError:
         found = ast.parse(text)
-    return tuple(_imports(found, package))
+    return _imports(found, sources)
 
 
 def import_lines(text: str) -> str:
@@ -109,19 +150,19 @@ def import_lines(text: str) -> str:
     return "\n".join(found.strip() for found in _IMPORT.findall(_HINTS.sub("", text)))
 
 
-def _imports(node: ast.AST, package: Path) -> Iterator[Path]:
-    """Yield the modules of this package that a piece of code imports, but for those that only type checkers read."""
+def _imports(node: ast.AST, sources: Sources) -> Iterator[Path]:
+    """Yield the modules of a package that a piece of code imports, but for those that only type checkers read."""
     if isinstance(node, ast.If) and isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING":
         return
     if isinstance(node, ast.Import):
         for alias in node.names:
-            yield from _module(alias.name, "", package)
+            yield from sources.module(alias.name, "")
     elif isinstance(node, ast.ImportFrom):
         for alias in node.names:
-            yield from _module(node.module, alias.name, package)
+            yield from sources.module(node.module, alias.name)
     for child in ast.iter_child_nodes(node):
         if not isinstance(child, ast.expr):
-            yield from _imports(child, package)
+            yield from _imports(child, sources)
 
 
 def _module(module: str | None, name: str, package: Path) -> list[Path]:

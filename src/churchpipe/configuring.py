@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from churchpipe.closure import code_of
+from churchpipe.closure import codes_of
 from churchpipe.config.asrun import as_run
 from churchpipe.config.samples import plan_with_samples
 from churchpipe.config.selection import ALL, Selection
@@ -22,9 +22,9 @@ def configure(case: str | Path, out: str | Path, overrides: Sequence[str] = (), 
     todo, samples = plan_with_samples(case, overrides, selection)
     for name, table in (todo.files | {f"sample/{name}/settings": table for name, table in samples.items()}).items():
         write_if_changed(out / f"{name}.json", canonical_json(table))
-    for stage in STAGES:
+    for stage, code in codes_of(STAGES).items():
         # The rules take it as an input: an edited module runs again what depends on it.
-        write_if_changed(out / "code" / f"{stage}.txt", code_of(stage))
+        write_if_changed(out / "code" / f"{stage}.txt", code)
     write_if_changed(out / "as-run.toml", as_run(Path(case), overrides))
     write_if_changed(out / "plan.json", canonical_json(todo.index))
     return out / "plan.json"

@@ -5,11 +5,12 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 import churchpipe
-from churchpipe.closure import PACKAGE, _imports, _imports_of, code_of
+from churchpipe.closure import PACKAGE, Sources, _imports, code_of, codes_of, imports_in
 from churchpipe.stages import STAGES
 
 SOURCES = {
@@ -85,6 +86,21 @@ def test_an_edit_changes_what_depends_on_it_alone(name: str, old: str, new: str,
     assert [stage for stage, text in before.items() if code_of(stage, package) != text] == changed
 
 
+def test_several_stages_read_each_source_once(package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    alone = {stage: code_of(stage, package) for stage in ("cut", "glue")}
+    read: list[str] = []
+    originals = {name: getattr(Path, name) for name in ("read_text", "read_bytes")}
+    for name, original in originals.items():
+
+        def noted(path: Path, *arguments: Any, original: Any = original, name: str = name, **options: Any) -> Any:
+            read.append(f"{name} {path}")
+            return original(path, *arguments, **options)
+
+        monkeypatch.setattr(Path, name, noted)
+    assert codes_of(("cut", "glue", "cut"), package) == alone
+    assert len(read) == len(set(read)) > 0
+
+
 def modules(stage: str) -> Iterator[str]:
     return (name for name in names(code_of(stage)) if name.endswith(".py"))
 
@@ -116,7 +132,8 @@ def test_a_stage_is_loaded_without_the_reader_of_cases_and_without_solvers() -> 
 
 def test_the_lines_that_import_say_all_that_the_modules_do() -> None:
     texts = [path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.py")]
-    found = [(set(_imports_of(text, PACKAGE)), set(_imports(ast.parse(text), PACKAGE))) for text in texts]
+    sources = Sources(PACKAGE)
+    found = [(set(imports_in(text, sources)), set(_imports(ast.parse(text), sources))) for text in texts]
     assert all(lines >= tree for lines, tree in found)
     # A program within a text, which another process runs, is all that they find besides.
     assert sum(lines != tree for lines, tree in found) <= 1
@@ -124,4 +141,4 @@ def test_the_lines_that_import_say_all_that_the_modules_do() -> None:
 
 def test_lines_that_cannot_be_parsed_alone_are_read_with_their_module(package: Path) -> None:
     tricky = '"""Words\nimport nothing, they say.\n"""\nfrom pack.deep import (\n    tool,  # (here)\n)\nimport pack.plain\n'
-    assert {path.name for path in _imports_of(tricky, package)} == {"__init__.py", "plain.py"}
+    assert {path.name for path in imports_in(tricky, Sources(package))} == {"__init__.py", "plain.py"}
