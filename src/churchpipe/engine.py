@@ -6,13 +6,15 @@ import json
 import os
 import re
 import signal
+import socket
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import IO, Any
 
 from churchpipe import standby
@@ -26,9 +28,8 @@ MARK = "@churchpipe "
 UNFINISHED = "unfinished.txt"
 # The profile of one machine.
 LOCAL = "local"
-# The engine loads its libraries while the plan of the run is made, and begins at this word.
-_BEGIN = "begin"
-_HELD = f"import sys; from snakemake.cli import main; sys.stdin.read() == '{_BEGIN}' and sys.exit(main())"
+# Loads its libraries while the plan of the run is made, and waits for its orders.
+_WAITING = "churchpipe.waiting_engine"
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,27 +57,64 @@ def heard(line: str) -> Event | None:
     return Event(*json.JSONDecoder().raw_decode(news)[0]) if mark else None
 
 
+@dataclass(frozen=True, slots=True)
+class Engine:
+    """An engine that loads its libraries, or has: its process, the line on which its orders come, and the profile of its jobs."""
+
+    process: "subprocess.Popen[str]"
+    line: socket.socket
+    profile: str
+
+
+@contextmanager
+def started(profile: str = LOCAL) -> Iterator[Engine]:
+    """Yield an engine that waits for its orders, see `run`; it does not outlive the block."""
+    with Extra("churchpipe run"):
+        if importlib.util.find_spec("snakemake") is None:
+            raise ModuleNotFoundError(name="snakemake")
+    with TemporaryDirectory(prefix="churchpipe-") as scratch, ExitStack() as opened:
+        words = [sys.executable, "-m", _WAITING, profile]
+        if profile == LOCAL and standby.available():
+            words = [sys.executable, "-m", standby.__name__, str(Path(scratch, "standby")), *words]
+        ours, theirs = (opened.enter_context(end) for end in socket.socketpair())
+        # A session of its own: an interrupt reaches engine and jobs through here alone, once, from whatever cause.
+        process = opened.enter_context(
+            subprocess.Popen(
+                words,
+                stdin=theirs.fileno(),
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
+                text=True,
+                encoding="utf-8",
+                errors="replace",
+                start_new_session=True,
+            )
+        )
+        theirs.close()
+        try:
+            yield Engine(process, ours, profile)
+        finally:
+            if process.poll() is None:
+                os.killpg(process.pid, signal.SIGKILL)
+
+
 def run(
+    engine: Engine,
     folder: str | Path,
     jobs: int,
     watch: Callable[[Event], None],
     prepare: Callable[[], object] | None = None,
     until: str = "",
-    profile: str = LOCAL,
 ) -> int:
     """Make everything that is missing or stale in a run folder; return Snakemake's exit code.
 
-    `prepare` writes the plan, once no other run can be at work on it. until: the last stage to make, all where it is empty.
-    profile: where its jobs run, "local", "slurm" or a folder with a profile of Snakemake. All output goes to run.log. An
-    interrupt stops the engine and its jobs; what was finished stays.
+    engine: of `started`. `prepare` writes the plan, once no other run can be at work on it. until: the last stage to make, all
+    where it is empty. All output goes to run.log. An interrupt stops the engine and its jobs; what was finished stays.
 
     Raises
     ------
     InputError: another run is at work in this folder.
     """
-    with Extra("churchpipe run"):
-        if importlib.util.find_spec("snakemake") is None:
-            raise ModuleNotFoundError(name="snakemake")
     folder = Path(folder).resolve()
     errors: list[str] = []
 
@@ -85,7 +123,7 @@ def run(
             errors.append(event.text)
         watch(event)
 
-    with _only_run(folder) as lock, _started(folder, jobs, lock, until, profile) as process:
+    with _only_run(folder) as lock, _stopped(engine.process):
         if prepare:
             prepare()
         # Until the run has ended well, what lies here may be of an older case.
@@ -95,9 +133,9 @@ def run(
             part.unlink(missing_ok=True)
         with (folder / "run.log").open("w", encoding="utf-8") as log:
             begin = time.time()
-            news = heard if profile == LOCAL else _finished
-            code = _follow(process, log, follow, news)
-        if code and profile != LOCAL:
+            _order(engine, command(folder, jobs, until, engine.profile)[3:], lock)
+            code = _follow(engine.process, log, follow, heard if engine.profile == LOCAL else _finished)
+        if code and engine.profile != LOCAL:
             # What jobs on other machines said did not pass here.
             errors += _errors(folder, begin, watch)
         if not code and until:
@@ -150,32 +188,22 @@ def memory() -> int:
     return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 2**20
 
 
-@contextmanager
-def _started(folder: Path, jobs: int, lock: IO[str], until: str, profile: str) -> Iterator["subprocess.Popen[str]"]:
-    """Yield the engine, which loads its libraries, and waits for a word to begin; stop it if it still runs at the end."""
-    python, *snakemake = command(folder, jobs, until, profile)
-    words = [python, "-c", _HELD, *snakemake[2:]]
-    if profile == LOCAL and standby.available():
-        words = [python, "-m", standby.__name__, *words]
-    # A session of its own: an interrupt reaches engine and jobs through here alone, once, from whatever cause.
-    process = subprocess.Popen(
-        words,
-        cwd=folder,
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        encoding="utf-8",
-        errors="replace",
-        start_new_session=True,
-        pass_fds=(lock.fileno(),),
-    )
+def _order(engine: Engine, arguments: Sequence[str], lock: IO[str]) -> None:
+    """Let the engine begin, which inherits the lock of its folder."""
     lock.seek(0)
     lock.truncate()
-    lock.write(str(process.pid))
+    lock.write(str(engine.process.pid))
     lock.flush()
+    # An engine that has died says why, where it is followed.
+    with suppress(BrokenPipeError):
+        socket.send_fds(engine.line, [json.dumps(arguments).encode()], [lock.fileno()])
+
+
+@contextmanager
+def _stopped(process: "subprocess.Popen[str]") -> Iterator[None]:
+    """Stop an engine with its jobs if it still runs at the end, before its folder is free for others."""
     try:
-        yield process
+        yield
     finally:
         if process.poll() is None:
             os.killpg(process.pid, signal.SIGINT)
@@ -189,10 +217,7 @@ def _started(folder: Path, jobs: int, lock: IO[str], until: str, profile: str) -
 def _follow(
     process: "subprocess.Popen[str]", log: IO[str], watch: Callable[[Event], None], news: Callable[[str], Event | None]
 ) -> int:
-    """Let the engine begin; return its exit code."""
-    if process.stdin:
-        process.stdin.write(_BEGIN)
-        process.stdin.close()
+    """Keep what the engine says; return its exit code."""
     for line in process.stdout or ():
         log.write(line)
         log.flush()

@@ -3,9 +3,9 @@
 To load Python, its libraries and the compiled loops takes longer than most stages work. A fork has them at once, and is otherwise
 a process like any other: it ends with its stage, and what it does is seen by nobody else.
 
-    python -m churchpipe.standby COMMAND ...
+    python -m churchpipe.standby PLACE COMMAND ...
 
-runs the engine's command, ends with its exit code, and serves `call_standby.py` meanwhile.
+runs the engine's command, ends with its exit code, and serves `call_standby.py` meanwhile at a socket of this path.
 """
 
 import gc
@@ -23,13 +23,10 @@ import traceback
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import NoReturn
 
 from churchpipe.call_standby import PLACE, THREADS
 
-# Where it is reached, from the folder of a run: the path of a socket must be short.
-SOCKET = Path(".snakemake", "standby.lock")
 # In the order in which a run comes to need them.
 MODULES = (
     *("churchpipe.cli.entry", "churchpipe.stages", "churchpipe.generators", "churchpipe.stones.blocks", "churchpipe.dxf.writer"),
@@ -47,28 +44,23 @@ def available() -> bool:
     return sys.platform == "linux"
 
 
-def main(command: Sequence[str]) -> int:
-    """Run a command in the folder of a run, and stand by as long as it lasts; return its exit code."""
+def main(place: str, *command: str) -> int:
+    """Run a command, and stand by as long as it lasts; return its exit code. place: path of the socket, which must be short."""
     # The system's default would end this process before the engine and the stages, which share its group, have ended.
     signal.signal(signal.SIGINT, lambda *_: None)
     os.environ.update(dict.fromkeys(_THREADS, THREADS))
-    SOCKET.unlink(missing_ok=True)
     with socket.socket(socket.AF_UNIX) as door, selectors.DefaultSelector() as events:
         try:
-            door.bind(str(SOCKET))
+            door.bind(place)
             door.listen(socket.SOMAXCONN)
-            environment = os.environ | {PLACE: str(SOCKET)}
+            environment = os.environ | {PLACE: place}
         except OSError:
             # Not every file system has sockets.
             environment = None
-        # The engine inherits the lock of the folder, too.
-        engine = subprocess.Popen(command, env=environment, close_fds=False)
+        engine = subprocess.Popen(command, env=environment)
         if environment is None:
             return engine.wait()
-        try:
-            return _Standby(door, events, engine).serve()
-        finally:
-            SOCKET.unlink(missing_ok=True)
+        return _Standby(door, events, engine).serve()
 
 
 @dataclass
@@ -164,4 +156,4 @@ def _run(files: Sequence[int], arguments: Sequence[str], folder: str, environmen
 
 
 if __name__ == "__main__":
-    raise SystemExit(main(sys.argv[1:]))
+    raise SystemExit(main(*sys.argv[1:]))

@@ -1,4 +1,12 @@
-"""News of the stages in the output of the engine."""
+"""The engine that waits for its orders, and the news of the stages in its output."""
+
+import json
+import os
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
 
 import pytest
 
@@ -15,3 +23,65 @@ def test_news_behind_the_words_of_the_engine_are_heard(before: str) -> None:
 
 def test_a_line_of_the_engine_alone_has_no_news() -> None:
     assert engine.heard("Finished jobid: 3 (Rule: blocks)\n") is None
+
+
+def test_an_engine_without_orders_ends_with_what_it_was_started_for() -> None:
+    with engine.started() as ready:
+        assert ready.process.poll() is None
+        # It leads a group of its own, with all that it started.
+        assert group_lives(ready.process.pid)
+    assert ready.process.poll() is not None
+    stop = time.monotonic() + 30
+    while group_lives(ready.process.pid):
+        assert time.monotonic() < stop
+        time.sleep(0.02)
+
+
+def group_lives(number: int) -> bool:
+    try:
+        os.killpg(number, 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+def test_an_engine_whose_run_has_died_does_nothing() -> None:
+    ours, theirs = socket.socketpair()
+    with ours, theirs:
+        ours.shutdown(socket.SHUT_WR)
+        words = [sys.executable, "-m", "churchpipe.waiting_engine", engine.LOCAL]
+        done = subprocess.run(words, stdin=theirs.fileno(), capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+def test_orders_are_arguments_of_snakemake_and_a_lock(tmp_path: Path) -> None:
+    ours, theirs = socket.socketpair()
+    with (tmp_path / "lock").open("w") as lock, ours, theirs:
+        code = """
+import json, os, sys
+import snakemake.cli
+from churchpipe import waiting_engine
+def cli(arguments):
+    same = [os.path.samefile(f"/proc/self/fd/{number}", sys.argv[1]) for number in range(3, 64)
+            if os.path.exists(f"/proc/self/fd/{number}")]
+    print(json.dumps([arguments, any(same), sys.stdin.read()]))
+snakemake.cli.main = cli
+waiting_engine.LATER = ()
+waiting_engine.main(["local"])
+"""
+        words = [sys.executable, "-c", code, lock.name]
+        with subprocess.Popen(words, stdin=theirs.fileno(), stdout=subprocess.PIPE, text=True) as process:
+            socket.send_fds(ours, [json.dumps(["--cores", "2"]).encode()], [lock.fileno()])
+            said, _ = process.communicate(timeout=60)
+    assert json.loads(said) == [["--cores", "2"], True, ""]
+
+
+def test_the_local_profile_loads_no_plugins_of_clusters() -> None:
+    ours, theirs = socket.socketpair()
+    with ours, theirs:
+        ours.shutdown(socket.SHUT_WR)
+        code = "import sys; from churchpipe import waiting_engine; waiting_engine.main(['local']); print(*sys.modules)"
+        done = subprocess.run([sys.executable, "-c", code], stdin=theirs.fileno(), capture_output=True, text=True, check=True)
+    known = done.stdout.split()
+    assert {"snakemake.cli", "snakemake.report.html_reporter"} <= set(known)
+    assert not [name for name in known if name.startswith("snakemake_executor_plugin_") or name == "pandas"]

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from churchpipe import call_standby, standby
+from churchpipe import call_standby
 from churchpipe.cli.app import USAGE
 
 CLIENT = call_standby.__file__
@@ -27,8 +27,17 @@ sys.exit(7)
 
 def stand_by(folder: Path, *commands: list[str], ask: str = ASK) -> "subprocess.CompletedProcess[str]":
     """Let a program call commands of a process that stands by in a folder."""
-    (folder / ".snakemake").mkdir(exist_ok=True)
-    words = [sys.executable, "-m", "churchpipe.standby", sys.executable, "-I", "-c", ask, json.dumps(commands)]
+    words = [
+        sys.executable,
+        "-m",
+        "churchpipe.standby",
+        str(folder / "door"),
+        sys.executable,
+        "-I",
+        "-c",
+        ask,
+        json.dumps(commands),
+    ]
     return subprocess.run(words, cwd=folder, capture_output=True, text=True, timeout=120)
 
 
@@ -38,7 +47,6 @@ def test_a_fork_writes_where_its_caller_would_and_ends_as_it_would(tmp_path: Pat
     assert json.loads(done.stderr.splitlines()[-1]) == [0, USAGE]
     # The end of the whole is that of the command for which it stands by.
     assert done.returncode == 7
-    assert not (tmp_path / standby.SOCKET).exists()
 
 
 def test_a_fork_that_a_signal_ends_is_told_as_shells_do(tmp_path: Path) -> None:

@@ -1,9 +1,10 @@
 """Commands of runs: run, show, report."""
 
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from contextlib import nullcontext
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -12,6 +13,9 @@ from churchpipe.cli.cases import read_sound
 from churchpipe.errors import InputError, UsageError
 from churchpipe.options import CaseFile, Changes, RunFolder
 from churchpipe.wording import counted
+
+if TYPE_CHECKING:
+    from churchpipe.engine import Engine
 
 
 @app.command()
@@ -39,7 +43,7 @@ def run(
 ) -> None:
     """Run a case: stones, contacts, load factors, report. What is up to date is not done again."""
     from churchpipe import engine
-    from churchpipe.finished import finished, note_finished, run_name
+    from churchpipe.finished import finished, run_name
 
     engine.profile_folder(profile)
     picked = [*(f"--load {name}" for name in load or ()), *([f"--model {model}"] if model else [])]
@@ -52,6 +56,31 @@ def run(
         err.print("Nothing has changed since the last run.")
         _print_run(named, good=good)
         return
+    try:
+        # It loads its libraries while the case is read.
+        with nullcontext() if dry_run else engine.started(profile) as ready:
+            _run(case, out_dir, jobs or os.cpu_count() or 1, changes or (), tuple(load or ()), model, only, asked, ready)
+    except KeyboardInterrupt:
+        err.print("Stopped. What was finished stays; run it again to go on.")
+        raise typer.Exit(INTERRUPTED) from None
+
+
+def _run(
+    case: Path,
+    out_dir: Path | None,
+    jobs: int,
+    changes: Sequence[str],
+    loads: tuple[str, ...],
+    model: str,
+    only: str,
+    asked: Sequence[str],
+    ready: "Engine | None",
+) -> None:
+    """Let an engine make the results of a case, and print them; where there is none, say what it would do.
+
+    asked: what the results are to be noted under, with the case.
+    """
+    from churchpipe import engine
     from churchpipe.compilation import compiled
     from churchpipe.config.asrun import claim
     from churchpipe.config.case import Generated
@@ -59,11 +88,12 @@ def run(
     from churchpipe.config.plausible import work_questions
     from churchpipe.config.selection import Selection, selected
     from churchpipe.configuring import configure
+    from churchpipe.finished import note_finished
     from churchpipe.terminal import Display
 
     # A case with mistakes is refused before anything is written.
-    cases = read_sound(case, changes or ())
-    selection = Selection(tuple(load or ()), model)
+    cases = read_sound(case, changes)
+    selection = Selection(loads, model)
     chosen = selected(cases, selection)
     known = plan(chosen).stages
     if only and only not in known:
@@ -74,22 +104,18 @@ def run(
     folder = _folder_of(case, cases[0].name, out_dir)
 
     def prepare(place: Path = folder) -> None:
-        configure(case, place, changes or (), selection)
+        configure(case, place, changes, selection)
         claim(place, case)
 
-    if dry_run:
+    if ready is None:
         from churchpipe.pending import pending
 
         _print_pending(pending(folder, prepare, until))
         return
     if not compiled():
         err.print("First start: the solvers are compiled once, which takes some 10 to 20 s a model.", soft_wrap=True)
-    try:
-        with Display(err) as display:
-            code = engine.run(folder, jobs or os.cpu_count() or 1, display.show, prepare, until, profile)
-    except KeyboardInterrupt:
-        err.print("Stopped. What was finished stays; run it again to go on.")
-        raise typer.Exit(INTERRUPTED) from None
+    with Display(err) as display:
+        code = engine.run(ready, folder, jobs, display.show, prepare, until)
     if display.errors:
         _check_walls(chosen)
         # The jobs of several analyses meet the same fault.
