@@ -83,58 +83,69 @@ class _Layout:
         self.plain = np.flatnonzero(~general & ~smooth)
         self.smooth = np.flatnonzero(smooth)
         self.general = np.flatnonzero(general)
-        capped = np.isfinite(program.cap)
+        capped = bool(np.isfinite(program.cap))
+        count = int(general.sum())
         r = _columns(self.rows, general)
-        p = _columns(self.rows + general.sum(), damped)
-        q = _columns(self.rows + general.sum() + damped.sum(), bounded)
-        width = int(self.rows + general.sum() + damped.sum() + bounded.sum() + capped)
-        rate = sp.csr_matrix(program.matrix().T)
+        p = _columns(self.rows + count, damped)
+        q = _columns(self.rows + count + damped.sum(), bounded)
+        width = int(self.rows + count + damped.sum() + bounded.sum() + capped)
         self._slope = program.slope
+        # First row of each kind: growth . y + k = 1, k and q >= 0, smooth points, normal rates, plain points, r and v_t.
+        signs = int(capped) + int(bounded.sum())
+        kinds = [1, signs, len(self.smooth), count, 3 * len(self.plain), 3 * count]
+        _, _, smooth_row, normal_row, plain_row, tangent_row, height = (int(end) for end in np.cumsum([0, *kinds]))
+        smooth_rows, normal_rows = _columns(smooth_row, smooth), _columns(normal_row, general)
 
-        growth = sp.csr_matrix(program.growth[None, :])
-        balance_row = [growth, sp.csr_matrix((1, width - self.rows - capped)), sp.csr_matrix(np.ones((1, 1)))]
-        equality = sp.hstack(balance_row if capped else balance_row[:2], format="csr")
-        signs = [_at(np.array([width - 1]), width)] if capped else []
-        signs += [_at(q[bounded], width)] if bounded.any() else []
-        smooth_rows = _pad(rate[3 * self.smooth], width) + _at(q[smooth], width, bounded[smooth])
-        normal_rows = _pad(rate[3 * self.general], width) - sp.diags(program.slope[general]) @ _at(r[general], width)
-        normal_rows = normal_rows + _at(p[general], width, damped[general]) + _at(q[general], width, bounded[general])
-        plain_rows = sp.diags(np.repeat(program.slope[self.plain], 3) ** np.tile([0, 1, 1], len(self.plain))) @ _pad(
-            rate[_triples(self.plain)], width
-        )
-        # Rows r, v_t1, v_t2 of each general point.
-        tangent_rows = sp.diags(np.tile([0.0, 1.0, 1.0], len(self.general))) @ _pad(rate[_triples(self.general)], width)
-        tangent_rows = tangent_rows + sp.kron(_at(r[general], width), sp.csr_matrix([[1.0], [0.0], [0.0]]))
+        rate = sp.coo_matrix(program.matrix())
+        point, component = rate.col // 3, rate.col % 3
+        normal, plain = component == 0, _columns(0, ~general & ~smooth)[point]
+        # Of a plain point the tangential rates count as much as its slope says.
+        weight = np.where(normal, 1.0, program.slope[point])
+        tangent = tangent_row + 3 * _columns(0, general)[point] + component
+        entries = [
+            (np.zeros(self.rows, dtype=np.int64), np.arange(self.rows, dtype=np.int64), program.growth),
+            _rates(rate, np.where(normal, smooth_rows[point], -1)),
+            _rates(rate, np.where(normal, normal_rows[point], -1)),
+            _rates(rate, np.where(plain >= 0, plain_row + 3 * plain + component, -1), weight),
+            _rates(rate, np.where(general[point] & ~normal, tangent, -1)),
+            _ones(1 + int(capped) + np.arange(signs - capped), q[bounded]),
+            _ones(smooth_rows[smooth & bounded], q[smooth & bounded]),
+            _ones(normal_rows[general & damped], p[general & damped]),
+            _ones(normal_rows[general & bounded], q[general & bounded]),
+            (normal_rows[general], r[general], program.slope[general]),
+            _ones(tangent_row + 3 * np.arange(count), r[general]),
+        ]
+        if capped:
+            last = np.array([width - 1])
+            entries += [(0 * last, last, np.ones(1)), _ones(0 * last + 1, last)]
+        place, column, value = (np.concatenate(part) for part in zip(*entries, strict=True))
+        kept = value != 0
+        self.matrix = sp.csc_matrix((value[kept], (place[kept], column[kept])), shape=(height, width))
         zeros = np.zeros
-        self.matrix = sp.csc_matrix(
-            sp.vstack([equality, *(-m for m in (*signs, smooth_rows, normal_rows, plain_rows, tangent_rows))])
-        )
         self.right = np.concatenate(
             [
                 [1.0],
-                zeros(int(capped) + int(bounded.sum())),
+                zeros(signs),
                 program.linear[self.smooth],
                 program.linear[self.general],
                 np.kron(program.linear[self.plain], [1.0, 0.0, 0.0]),
-                zeros(3 * len(self.general)),
+                zeros(3 * count),
             ]
         )
-        nonnegative = int(capped) + int(bounded.sum()) + len(self.smooth) + len(self.general)
+        nonnegative = signs + len(self.smooth) + count
         self.cones: list[clarabel.Cone] = [clarabel.ZeroConeT(1)]
         if nonnegative:
             self.cones.append(clarabel.NonnegativeConeT(nonnegative))
-        self.cones += [clarabel.SecondOrderConeT(3) for _ in range(len(self.plain) + len(self.general))]
-        self._first_normal = 1 + int(capped) + int(bounded.sum())
+        self.cones += [clarabel.SecondOrderConeT(3) for _ in range(len(self.plain) + count)]
+        self._first_normal = 1 + signs
         self.cost = zeros(width)
         self.cost[: self.rows] = -program.constant
         self.cost[r[general]] = program.limit[general]
         self.cost[q[bounded]] = program.bound[bounded]
         if capped:
             self.cost[-1] = program.cap
-        diagonal = zeros(width)
-        diagonal[p[damped]] = 1.0 / program.quadratic[damped]
-        self.quadratic = sp.csc_matrix(sp.diags(diagonal))
-        self.quadratic.eliminate_zeros()
+        found = p[damped]
+        self.quadratic = sp.csc_matrix((1.0 / program.quadratic[damped], (found, found)), shape=(width, width))
 
     def forces(self, z: FloatArray) -> tuple[FloatArray, float]:
         """Return the forces x (c, 3) and tau from the multipliers of all rows."""
@@ -158,16 +169,15 @@ def _columns(start: int, chosen: BoolArray) -> IntArray:
     return out
 
 
-def _triples(points: IntArray) -> IntArray:
-    return (3 * points[:, None] + np.arange(3)).ravel()
+def _rates(rate: sp.coo_matrix, place: IntArray, weight: FloatArray | float = 1.0) -> tuple[IntArray, IntArray, FloatArray]:
+    """Return rows, columns and values of minus these rates of points, in these rows; row -1: left out.
+
+    rate: of the balance matrix, whose columns are the components of the points.
+    """
+    chosen = place >= 0
+    return place[chosen], rate.row[chosen].astype(np.int64), (-rate.data * weight)[chosen]
 
 
-def _pad(matrix: sp.csr_matrix, width: int) -> sp.csr_matrix:
-    rows, columns = matrix.shape
-    return sp.csr_matrix((matrix.data, matrix.indices, matrix.indptr), shape=(rows, width)) if columns <= width else matrix
-
-
-def _at(columns: IntArray, width: int, chosen: BoolArray | None = None) -> sp.csr_matrix:
-    """One row for each column number, with a one there (only where chosen)."""
-    row = np.arange(len(columns)) if chosen is None else np.flatnonzero(chosen)
-    return sp.csr_matrix((np.ones(len(row)), (row, columns[row])), shape=(len(columns), width))
+def _ones(place: IntArray, column: IntArray) -> tuple[IntArray, IntArray, FloatArray]:
+    """Return rows, columns and values of what is added to rates, or must not be negative by itself."""
+    return place, column, np.full(len(column), -1.0)
