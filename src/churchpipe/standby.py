@@ -27,13 +27,16 @@ from typing import NoReturn
 
 from churchpipe.call_standby import PLACE, THREADS
 
-# In the order in which a run comes to need them.
+# In the order in which a run comes to need them: those of the stages up to the analyses, and those of the report.
 MODULES = (
     *("churchpipe.cli.entry", "churchpipe.stages", "churchpipe.generators", "churchpipe.stones.blocks", "churchpipe.dxf.writer"),
     *("churchpipe.stones.contacts", "churchpipe.stones.soundness", "churchpipe.shell_mesh.shell", "churchpipe.match"),
     *("churchpipe.rigid_blocks.limit", "churchpipe.rigid_blocks.ranking", "churchpipe.rigid_blocks.sensitivity"),
-    *("churchpipe.homogenised_shell.limit", "churchpipe.homogenised_shell.pushover", "churchpipe.run_folder"),
-    *("churchpipe.report.html", "matplotlib.figure", "matplotlib.backends.backend_svg"),
+    *("churchpipe.homogenised_shell.limit", "churchpipe.homogenised_shell.pushover"),
+)
+RESULTS = (
+    *("churchpipe.run_folder", "churchpipe.report.html", "churchpipe.report.powers", "matplotlib.backends.backend_svg"),
+    "pyvista.plotting",
 )
 # Of what sets the number of threads of BLAS.
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
@@ -74,17 +77,21 @@ class _Standby:
     def serve(self) -> int:
         self.events.register(self.door, selectors.EVENT_READ)
         self.events.register(os.pidfd_open(self.engine.pid), selectors.EVENT_READ, self.engine.pid)
-        for module in MODULES:
-            # What is missing is said by the stage that needs it.
-            with suppress(ImportError):
-                importlib.import_module(module)
-            self.answer(0)
+        self.load(MODULES)
         _call_a_loop()
+        self.load(RESULTS)
         while self.engine.returncode is None:
             self.answer(None)
         for process in self.lines:
             os.kill(process, signal.SIGTERM)
         return self.engine.returncode
+
+    def load(self, modules: Sequence[str]) -> None:
+        for module in modules:
+            # What is missing is said by the stage that needs it.
+            with suppress(ImportError):
+                importlib.import_module(module)
+            self.answer(0)
 
     def answer(self, patience: float | None) -> None:
         """Start what is asked for, and say what has ended; wait for either, at most so many seconds."""

@@ -91,12 +91,22 @@ def test_a_job_of_several_threads_does_not_ask_for_a_fork_of_one(tmp_path: Path)
             door.accept()
 
 
-def test_what_stands_by_has_the_modules_that_the_stages_need() -> None:
-    code = "import sys; from churchpipe import standby; [__import__(name) for name in standby.MODULES]; print(*sys.modules)"
-    known = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
-    assert {"numba", "scipy.sparse", "shapely", "ezdxf", "jinja2"} <= set(known)
-    # A fork of a process with threads of these would hang or crash.
-    assert not {"gmsh", "pyvista", "vtkmodules", "snakemake"} & set(known)
+def test_what_stands_by_has_the_modules_that_the_stages_need_and_no_threads() -> None:
+    code = """
+import importlib, os, sys
+from churchpipe import standby
+os.environ.update(dict.fromkeys(standby._THREADS, standby.THREADS))
+for name in (*standby.MODULES, *standby.RESULTS):
+    importlib.import_module(name)
+standby._call_a_loop()
+print(len(os.listdir("/proc/self/task")), *sys.modules)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    threads, *known = done.stdout.split()
+    assert {"numba", "scipy.sparse", "shapely", "ezdxf", "jinja2", "matplotlib.figure", "pyvista.plotting"} <= set(known)
+    # A fork of a process with threads would hang or crash.
+    assert threads == "1"
+    assert not {"gmsh", "snakemake"} & set(known)
 
 
 def test_blas_is_not_loaded_before_its_threads_are_set() -> None:

@@ -5,10 +5,11 @@ import pickle
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
+from multiprocessing import get_context
 from pathlib import Path
 from tempfile import TemporaryFile
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 
@@ -150,22 +151,67 @@ def mechanism_pictures(jobs: Sequence[Job]) -> Iterator[Callable[[], str]]:
 
 @contextmanager
 def _drawing_process(jobs: Sequence[Job]) -> Iterator[Callable[[], str]]:
-    with TemporaryFile() as orders, TemporaryFile() as errors:
-        pickle.dump(list(jobs), orders)
-        orders.seek(0)
-        command = [sys.executable, "-c", "from churchpipe.report import figures; figures.draw_from_stdin()"]
-        child = subprocess.Popen(command, stdin=orders, stdout=subprocess.DEVNULL, stderr=errors)
+    with TemporaryFile() as errors, (_forked if _alone() else _fresh)(jobs, errors) as wait:
 
-        def wait() -> str:
-            try:
-                code = child.wait(PICTURE_SECONDS)
-            except subprocess.TimeoutExpired:
+        def problem() -> str:
+            code = wait()
+            if code is None:
                 return f"no picture after {PICTURE_SECONDS} s"
             if code < 0:
                 return f"the graphics library crashed, signal {-code}"
             errors.seek(0)
             lines = errors.read().decode(errors="replace").strip().splitlines()
             return "" if code == 0 else lines[-1] if lines else f"the drawing process ended with code {code}"
+
+        yield problem
+
+
+def _alone() -> bool:
+    """Return whether this process has no other threads, of the graphics library for example: a fork of it lacks them."""
+    tasks = Path("/proc/self/task")
+    return tasks.is_dir() and len(list(tasks.iterdir())) == 1
+
+
+@contextmanager
+def _forked(jobs: Sequence[Job], errors: IO[bytes]) -> Iterator[Callable[[], int | None]]:
+    """Draw in a fork, which has the libraries at once; yield what waits for its exit code: None where it lasts too long."""
+    child = get_context("fork").Process(target=_draw_apart, args=(jobs, errors.fileno()))
+    child.start()
+
+    def wait() -> int | None:
+        child.join(PICTURE_SECONDS)
+        return child.exitcode
+
+    try:
+        yield wait
+    finally:
+        child.kill()
+        child.join()
+
+
+def _draw_apart(jobs: Sequence[Job], errors: int) -> None:
+    """Draw, silently; what goes wrong is written to a file, by its number."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+    os.dup2(errors, 2)
+    # Whoever tests or runs this may have put others in their place.
+    sys.stdout, sys.stderr = (os.fdopen(number, "w", encoding="utf-8", closefd=False) for number in (1, 2))
+    for draw, arguments in jobs:
+        draw(*arguments)
+
+
+@contextmanager
+def _fresh(jobs: Sequence[Job], errors: IO[bytes]) -> Iterator[Callable[[], int | None]]:
+    """Draw in a process of its own; as `_forked`."""
+    with TemporaryFile() as orders:
+        pickle.dump(list(jobs), orders)
+        orders.seek(0)
+        command = [sys.executable, "-c", "from churchpipe.report import figures; figures.draw_from_stdin()"]
+        child = subprocess.Popen(command, stdin=orders, stdout=subprocess.DEVNULL, stderr=errors)
+
+        def wait() -> int | None:
+            with suppress(subprocess.TimeoutExpired):
+                child.wait(PICTURE_SECONDS)
+            return child.returncode
 
         try:
             yield wait
@@ -175,7 +221,7 @@ def _drawing_process(jobs: Sequence[Job]) -> Iterator[Callable[[], str]]:
 
 
 def draw_from_stdin() -> None:
-    """Draw the pickled jobs of `mechanism_pictures`: what its child process runs."""
+    """Draw the pickled jobs of `_fresh`: what its child process runs."""
     for draw, arguments in pickle.load(sys.stdin.buffer):
         draw(*arguments)
 

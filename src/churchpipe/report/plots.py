@@ -30,6 +30,8 @@ def convergence_svg(state: LimitState, associative: float | None = None) -> str:
     runs = state.starts or (
         StartRun("", state.load_factor, state.status == "converged", state.gap, state.interval, state.history),
     )
+    from churchpipe.report.powers import label_powers
+
     figure, (upper, lower) = new_plot(2, (WIDTH, 4.2))
     if associative is not None and np.isfinite(associative):
         upper.axhline(associative, color=colours.INK, lw=1, ls="--", label=f"associative, {associative:.4f}")
@@ -52,6 +54,8 @@ def convergence_svg(state: LimitState, associative: float | None = None) -> str:
             if seen.any():
                 label = words + start
                 lower.semilogy(steps[seen], values[seen], ls=line, marker=marker, ms=3.2, lw=1.2, color=colour, label=label)
+    if lower.get_yscale() == "log":
+        label_powers(lower.yaxis)
     if any(np.isfinite(step.gap) for run in runs for step in run.history):
         lower.axhline(_CERTIFIED, color=colours.INK, lw=0.8, ls="--", label="gap of a certified state")
     upper.set_ylabel("load factor")
@@ -82,6 +86,8 @@ def gaps_svg(contacts: Contacts) -> str:
     gaps, angles = gap_histogram(contacts), angle_histogram(contacts)
     if not len(contacts.near_misses) and not gaps.joints[1:].any() and not angles.joints[1:].any():
         return ""
+    from churchpipe.report.powers import Powers, label_powers
+
     left, right = new_panels(2, (3.8, 2.8))
     panels = (
         (left, gaps, 1e3, given.contact_gap, "gap, mm", "contact gap"),
@@ -94,6 +100,8 @@ def gaps_svg(contacts: Contacts) -> str:
         axes.axvline(unit * limit, color=colours.INK, lw=1, ls="--", label=f"{name}, {unit * limit:.3g}")
         axes.set_xscale("log")
         axes.set_yscale("symlog", linthresh=1)
+        label_powers(axes.xaxis)
+        axes.yaxis.set_major_formatter(Powers())
         axes.set_xlabel(words)
         axes.set_ylabel("pairs of faces")
         axes.legend(fontsize=7, frameon=False)

@@ -1,6 +1,8 @@
 """The processes in which pictures are drawn: all are drawn, by as many as are worth it, and a failure is told."""
 
-import subprocess
+import os
+import threading
+import time
 from pathlib import Path
 from typing import Any
 
@@ -9,17 +11,19 @@ import pytest
 from churchpipe.report import figures
 
 
-@pytest.fixture
-def started(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
-    """The processes that are started, on a machine of three cores."""
+@pytest.fixture(params=["fork", "fresh process"])
+def started(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> list[Any]:
+    """The jobs of the processes that are started, on a machine of three cores, as forks or anew."""
     processes: list[Any] = []
-    start = subprocess.Popen
+    way = {"fork": "_forked", "fresh process": "_fresh"}[request.param]
+    start = getattr(figures, way)
 
-    def follow(*arguments: Any, **options: Any) -> Any:
-        processes.append(start(*arguments, **options))
-        return processes[-1]
+    def follow(jobs: Any, errors: Any) -> Any:
+        processes.append(jobs)
+        return start(jobs, errors)
 
-    monkeypatch.setattr(figures.subprocess, "Popen", follow)
+    monkeypatch.setattr(figures, way, follow)
+    monkeypatch.setattr(figures, "_alone", lambda: request.param == "fork")
     monkeypatch.setattr(figures.os, "cpu_count", lambda: 3)
     return processes
 
@@ -43,3 +47,29 @@ def test_one_that_fails_leaves_those_of_the_others(started: list[Any], tmp_path:
         assert "FileNotFoundError" in wait()
     assert len(started) == 3
     assert {f"{number}.png" for number in (0, 3, 6, 9, 2, 5, 8, 11)} <= {path.name for path in tmp_path.iterdir()}
+
+
+def test_a_crash_is_told_by_its_signal(started: list[Any]) -> None:
+    with figures.mechanism_pictures([(os.abort, ())]) as wait:
+        assert wait() == "the graphics library crashed, signal 6"
+    assert len(started) == 1
+
+
+def test_one_that_hangs_is_ended(started: list[Any], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(figures, "PICTURE_SECONDS", 0.2)
+    begin = time.monotonic()
+    with figures.mechanism_pictures([(time.sleep, (300,))]) as wait:
+        assert wait() == "no picture after 0.2 s"
+    assert len(started) == 1
+    assert time.monotonic() - begin < 60
+
+
+def test_a_process_with_other_threads_is_not_forked() -> None:
+    end = threading.Event()
+    other = threading.Thread(target=end.wait)
+    other.start()
+    try:
+        assert not figures._alone()
+    finally:
+        end.set()
+        other.join()

@@ -327,7 +327,9 @@ def test_pictures_are_inlined_and_kept(tmp_path: Path) -> None:
 
 
 def test_report_without_graphics_is_still_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # Neither in a process of its own nor in a fork.
     monkeypatch.setattr(sys, "executable", "/bin/false")
+    monkeypatch.setitem(sys.modules, "pyvista", None)
     stones = tower()
     state = state_of(stones)
     results = [(record_of(state), state)]
