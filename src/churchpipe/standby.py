@@ -29,14 +29,15 @@ from churchpipe.call_standby import PLACE, THREADS
 
 # In the order in which a run comes to need them: those of the stages up to the analyses, and those of the report.
 MODULES = (
-    *("churchpipe.cli.entry", "churchpipe.stages", "churchpipe.generators", "churchpipe.stones.blocks", "churchpipe.dxf.writer"),
+    *("churchpipe.cli.entry", "churchpipe.stages", "churchpipe.generators", "churchpipe.stones.blocks"),
     *("churchpipe.stones.contacts", "churchpipe.stones.soundness", "churchpipe.shell_mesh.shell", "churchpipe.match"),
     *("churchpipe.rigid_blocks.limit", "churchpipe.rigid_blocks.ranking", "churchpipe.rigid_blocks.sensitivity"),
     *("churchpipe.homogenised_shell.limit", "churchpipe.homogenised_shell.pushover"),
 )
 RESULTS = (
     *("churchpipe.run_folder", "churchpipe.report.html", "churchpipe.report.powers", "matplotlib.backends.backend_svg"),
-    "pyvista.plotting",
+    # A stage that writes a drawing first loads it by itself, beside the others.
+    *("pyvista.plotting", "churchpipe.dxf.writer"),
 )
 # Of what sets the number of threads of BLAS.
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
@@ -139,7 +140,7 @@ def _call_a_loop() -> None:
 
 def _run(files: Sequence[int], arguments: Sequence[str], folder: str, environment: dict[str, str]) -> NoReturn:
     """Become what `python -m churchpipe ARGUMENTS` would be, and end."""
-    code = 1
+    code: object = 1
     try:
         for number, file in enumerate(files):
             os.dup2(file, number)
@@ -152,15 +153,20 @@ def _run(files: Sequence[int], arguments: Sequence[str], folder: str, environmen
         sys.argv = ["churchpipe", *arguments]
         runpy.run_module("churchpipe", run_name="__main__")
     except SystemExit as end:
-        code = end.code if isinstance(end.code, int) else int(end.code is not None)
+        code = end.code
     except BaseException:
         traceback.print_exc()
     finally:
-        for stream in (sys.stdout, sys.stderr):
-            with suppress(OSError):
-                stream.flush()
-        os._exit(code)
+        leave(code)
+
+
+def leave(code: object) -> NoReturn:
+    """End this process as SystemExit would, but at once: to take its libraries down takes longer than many stages."""
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(OSError):
+            stream.flush()
+    os._exit(code if isinstance(code, int) else int(code is not None))
 
 
 if __name__ == "__main__":
-    raise SystemExit(main(*sys.argv[1:]))
+    leave(main(*sys.argv[1:]))

@@ -85,3 +85,24 @@ def test_the_local_profile_loads_no_plugins_of_clusters() -> None:
     known = done.stdout.split()
     assert {"snakemake.cli", "snakemake.report.html_reporter"} <= set(known)
     assert not [name for name in known if name.startswith("snakemake_executor_plugin_") or name == "pandas"]
+
+
+@pytest.mark.parametrize(("code", "seen"), [("0", 0), ("1", 1), ("None", 0), ("'no such file'", 1)])
+def test_an_engine_leaves_with_the_code_of_snakemake_and_all_it_said(code: str, seen: int) -> None:
+    ours, theirs = socket.socketpair()
+    with ours, theirs:
+        ours.sendall(b"[]")
+        program = f"""
+import atexit, sys
+import snakemake.cli
+from churchpipe import waiting_engine
+def cli(arguments):
+    print("said", end="")
+    atexit.register(print, "taken down")
+    sys.exit({code})
+snakemake.cli.main = cli
+waiting_engine.LATER = ()
+waiting_engine.main(["local"])
+"""
+        done = subprocess.run([sys.executable, "-c", program], stdin=theirs.fileno(), capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stdout) == (seen, "said")
