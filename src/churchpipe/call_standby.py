@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 # Says to all that belongs to a run where the process that stands by can be reached.
 PLACE = "CHURCHPIPE_STANDBY"
-# Of BLAS, in the process that stands by and so in its forks: where a job is given more, it starts by itself.
+# Of BLAS, in the process that stands by and so in its forks: where a job is given more, its fork starts Python anew.
 THREADS = "1"
 
 
@@ -31,10 +31,17 @@ def ask(place: str, arguments: Sequence[str]) -> int | None:
         return int(line.recv(16) or 1)
 
 
+def entrust(place: str, file: int) -> None:
+    """Let the process that stands by, and with it all its forks from now on, hold a file open as long as they live."""
+    with socket.socket(socket.AF_UNIX) as line:
+        line.connect(place)
+        socket.send_fds(line, [b"null"], [file])
+
+
 def main() -> int:
     """Do what the command line says."""
     place = os.environ.get(PLACE)
-    code = ask(place, sys.argv[1:]) if place and os.environ.get("OMP_NUM_THREADS", THREADS) == THREADS else None
+    code = ask(place, sys.argv[1:]) if place else None
     if code is None:
         os.execv(sys.executable, [sys.executable, "-m", "churchpipe", *sys.argv[1:]])
     return code

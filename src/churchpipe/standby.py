@@ -115,13 +115,18 @@ class _Standby:
         order, files, _, _ = socket.recv_fds(line, 2**16, 3)
         while part := line.recv(2**16):
             order += part
+        if (asked := json.loads(order)) is None:
+            # The lock of the run, which stays open from here on: no stage outlives it, be it a fork or started anew.
+            os.set_inheritable(files[0], True)
+            line.close()
+            return
         # A collection in the fork would touch, and so copy, all that is shared.
         gc.freeze()
         process = os.fork()
         if process == 0:
             for other in (self.door, *self.lines.values(), line):
                 other.close()
-            _run(files, *json.loads(order))
+            _run(files, *asked)
         for file in files:
             os.close(file)
         self.lines[process] = line
@@ -148,6 +153,8 @@ def _run(files: Sequence[int], arguments: Sequence[str], folder: str, environmen
         os.chdir(folder)
         os.environ.clear()
         os.environ.update(environment)
+        if environment.get(_THREADS[0], THREADS) != THREADS:
+            os.execv(sys.executable, [sys.executable, "-m", "churchpipe", *arguments])
         tempfile.tempdir = None
         signal.signal(signal.SIGINT, signal.default_int_handler)
         sys.argv = ["churchpipe", *arguments]

@@ -3,7 +3,8 @@
     python -m churchpipe.waiting_engine PROFILE
 
 Orders come over the socket that is its standard input: the arguments of Snakemake as JSON, and with them the lock of the run's
-folder, which the engine holds as long as it lives. If the socket closes before, nothing is done.
+folder. The engine holds it as long as it lives, and so do the process that stands by and all its forks. If the socket closes
+before, nothing is done.
 """
 
 import importlib
@@ -16,6 +17,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from typing import Any
 
+from churchpipe.call_standby import PLACE, entrust
 from churchpipe.engine import LOCAL
 from churchpipe.standby import leave
 
@@ -35,7 +37,10 @@ def main(arguments: Sequence[str]) -> None:
         with suppress(ImportError):
             importlib.import_module(module)
     with socket.socket(fileno=os.dup(sys.stdin.fileno())) as line:
-        order, _, _, _ = socket.recv_fds(line, 2**16, 1)
+        order, locks, _, _ = socket.recv_fds(line, 2**16, 1)
+    if locks and (place := os.environ.get(PLACE)):
+        # Before any stage is asked for, so that all of them hold it, and none outlives it.
+        entrust(place, locks[0])
     nothing = os.open(os.devnull, os.O_RDONLY)
     os.dup2(nothing, sys.stdin.fileno())
     os.close(nothing)

@@ -437,23 +437,30 @@ def test_a_kill_in_the_middle_loses_nothing_finished(pristine: Copy, tmp_path: P
         log = out / "run.log"
         return log.exists() and f'"start", "{rule}"' in log.read_text()
 
+    def signal_engine(number: signal.Signals) -> None:
+        os.killpg(int((out / ".snakemake" / "engine.lock").read_text()), number)
+
     process = pristine.start(*command)
     wait_for(lambda: started("contacts"))
-    # While it runs, nobody else may work in the same folder.
+    # While it is at work, held here so that it cannot end before, nobody else may work in the same folder.
+    signal_engine(signal.SIGSTOP)
     code, _, err = pristine.call(*command)
     assert code == 1
     assert "another run is at work" in err
+    signal_engine(signal.SIGCONT)
     wait_for(lambda: started("rigid"))
     # First the command alone is killed: its engine lives on. Then the engine with all its jobs.
+    signal_engine(signal.SIGSTOP)
     process.kill()
     process.communicate()
+    (out / "run.log").unlink()
     finished = [out / "geometry" / "base" / name for name in ("building.json", "assemblage.npz", "contacts.npz")]
     before = [path.stat().st_mtime_ns for path in finished]
     (out / "rigid" / ".part-1-left.npz").touch()
     process = pristine.start(*command)
     wait_for(lambda: started("rigid") or process.poll() is not None)
     assert process.poll() is None
-    os.killpg(int((out / ".snakemake" / "engine.lock").read_text()), signal.SIGKILL)
+    signal_engine(signal.SIGKILL)
     process.kill()
     process.communicate()
     code, text, err = pristine.call(*command)

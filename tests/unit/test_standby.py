@@ -1,8 +1,9 @@
 """The process that stands by: a fork of it is the command that was asked for, with its own output, folder and end."""
 
+import fcntl
 import json
 import os
-import socket
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -77,18 +78,48 @@ def test_a_command_runs_by_itself_where_nobody_stands_by(tmp_path: Path) -> None
     assert (done.returncode, done.stdout[:11]) == (0, "churchpipe ")
 
 
-def test_a_job_of_several_threads_does_not_ask_for_a_fork_of_one(tmp_path: Path) -> None:
-    with socket.socket(socket.AF_UNIX) as door:
-        place = tmp_path / "door"
-        door.bind(str(place))
-        door.listen()
-        door.setblocking(False)
-        environment = os.environ | {call_standby.PLACE: str(place), "OMP_NUM_THREADS": "2"}
-        words = [sys.executable, "-I", "-S", CLIENT, "--version"]
-        done = subprocess.run(words, env=environment, cwd=tmp_path, capture_output=True, text=True, timeout=60)
-        assert (done.returncode, done.stdout[:11]) == (0, "churchpipe ")
+# An engine that hands on the lock it holds, has a stage started that waits for ever, says its number, and dies with its parent.
+DIE = f"""
+import fcntl, os, signal, sys, threading, time
+sys.path.insert(0, {str(Path(CLIENT).parent)!r})
+from call_standby import PLACE, ask, entrust
+parent = os.getppid()
+with open("lock", "w") as lock:
+    fcntl.flock(lock, fcntl.LOCK_EX)
+    entrust(os.environ[PLACE], lock.fileno())
+os.environ["OMP_NUM_THREADS"] = sys.argv[1]
+words = ["stage", "source", "base", "settings.json", "building.json"]
+threading.Thread(target=ask, args=(os.environ[PLACE], words), daemon=True).start()
+children = []
+while not children or b"standby" in open(f"/proc/{{children[0]}}/cmdline", "rb").read() and sys.argv[1] != "1":
+    time.sleep(0.05)
+    forks = open(f"/proc/{{parent}}/task/{{parent}}/children").read().split()
+    children = [number for number in forks if number != str(os.getpid())]
+print(*children, flush=True)
+os.kill(parent, signal.SIGKILL)
+os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+@pytest.mark.parametrize("threads", ["1", "2"])
+def test_a_stage_that_outlives_its_engine_holds_the_lock_of_the_run(threads: str, tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "settings.json")
+    place = str(tmp_path / "door")
+    words = [sys.executable, "-m", "churchpipe.standby", place, sys.executable, "-I", "-c", DIE, threads]
+    with (
+        subprocess.Popen(words, cwd=tmp_path, stdout=subprocess.PIPE, text=True) as process,
+        (tmp_path / "lock").open("w") as lock,
+    ):
+        assert process.stdout
+        stage = int(process.stdout.readline())
+        process.wait(timeout=60)
+        own = b"-m\0churchpipe\0stage" in Path(f"/proc/{stage}/cmdline").read_bytes()
         with pytest.raises(BlockingIOError):
-            door.accept()
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        os.kill(stage, signal.SIGKILL)
+        fcntl.flock(lock, fcntl.LOCK_EX)
+    # BLAS reads the number of its threads as it is loaded, so a fork has those of the process that stands by.
+    assert own == (threads != call_standby.THREADS)
 
 
 def test_what_stands_by_has_the_modules_that_the_stages_need_and_no_threads() -> None:
