@@ -6,6 +6,7 @@ import logging
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,18 @@ logging.getLogger("ezdxf").addHandler(logging.NullHandler())
 BINARY = b"AutoCAD Binary DXF"
 _END = re.compile(rb"\n[ \t]*0[ \t]*\r?\n[ \t]*EOF\s*$")
 _START = re.compile(rb"^[ \t]*0[ \t]*\r?\n[ \t]*SECTION[ \t]*\r?$", re.MULTILINE)
+
+
+@contextmanager
+def without_collecting() -> Iterator[None]:
+    """Make many small objects that all stay: to look for garbage among them again and again takes a third of the time."""
+    collecting = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if collecting:
+            gc.enable()
 
 
 def open_document(path: Path, findings: list[Finding]) -> Any | None:
@@ -51,19 +64,13 @@ def open_document(path: Path, findings: list[Finding]) -> Any | None:
 def _load(path: Path, drawn: list[Entity], findings: list[Finding]) -> Any | None:
     # A parser of foreign files may fail in any way; whatever it is, the file is at fault and the user gets a finding.
     # ezdxf could recover more, but it turns numbers it does not understand into 0 and says so to nobody.
-    # Its many small objects all stay: looking for garbage among them again and again would take a third of the time.
     foreign: list[str] = []
     codecs.register_error(WESTERN, lambda error: _western(error, foreign))
-    collecting = gc.isenabled()
-    gc.disable()
     try:
         document = filemanagement.readfile(path, errors=WESTERN)
     except Exception as error:
         remedy = "Run AUDIT in the CAD program and export the drawing again."
         return _fail(findings, "E03", f"the file is damaged ({_first_line(error)})", remedy)
-    finally:
-        if collecting:
-            gc.enable()
     if foreign:
         among = ", ".join(sorted(set(foreign))[:8])
         found = f"{len(foreign)} bytes are no text in {document.encoding}, the encoding of the file; taken as Western European"

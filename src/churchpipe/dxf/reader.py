@@ -13,7 +13,7 @@ from churchpipe.dxf.duplicates import distinct_stones
 from churchpipe.dxf.elevation import stones_of_traces
 from churchpipe.dxf.jointing import jointed, unnamed_joints
 from churchpipe.dxf.laying import laid_stones
-from churchpipe.dxf.opening import open_document
+from churchpipe.dxf.opening import open_document, without_collecting
 from churchpipe.dxf.properties import decode_properties
 from churchpipe.dxf.reading import Reading
 from churchpipe.dxf.stones import Stone, Survey, summary, survey
@@ -72,6 +72,7 @@ def read_dxf(
     return drawing.stones, drawing.findings
 
 
+@without_collecting()
 def read_drawing(
     path: str | os.PathLike[str], *, unit_weight: float | Mapping[str, float] | None = None, **options: Any
 ) -> Drawing:

@@ -35,7 +35,7 @@ class Entity:
 def entities(data: bytes) -> list[Entity]:
     """Return the entities of a text drawing whose kind is counted, and `OTHERS`, wherever they stand in it."""
     lines = data.splitlines()
-    codes, values = [code.strip() for code in lines[::2]], lines[1::2]
+    codes, values = list(map(bytes.strip, lines[::2])), lines[1::2]
     starts = [index for index, code in enumerate(codes[: len(values)]) if code == b"0"]
     return [
         Entity(kind.decode(), codes[start + 1 : end], values[start + 1 : end])

@@ -49,7 +49,8 @@ def coincident(points: FloatArray, owner: IntArray) -> IntArray:
     """Return the owners, sorted, of which two points (n, 3) or more lie at one place; owner (n,)."""
     order = np.lexsort((points[:, 2], points[:, 1], points[:, 0], owner))
     same = (points[order[1:]] == points[order[:-1]]).all(axis=1) & (owner[order[1:]] == owner[order[:-1]])
-    return np.unique(owner[order[1:]][same])
+    # To find what is unique among nothing takes as long as all else for one stone.
+    return np.unique(owner[order[1:]][same]) if same.any() else owner[:0]
 
 
 def surface_fault(faces: Sequence[Face]) -> SurfaceFault | None:

@@ -1,6 +1,8 @@
 """Assemblage -> DXF -> Assemblage: the same stones to 1e-12 m."""
 
+import gc
 import math
+from contextlib import suppress
 
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from scipy.spatial.transform import Rotation
 from churchpipe.dxf.reader import read_drawing, read_dxf
 from churchpipe.dxf.recurrence import find_recurrence
 from churchpipe.dxf.writer import write_dxf
+from churchpipe.findings import FindingsError
 from churchpipe.generators import arch, prototype, wall
 from churchpipe.generators import box as box_building
 from churchpipe.model.assemblage import Assemblage
@@ -137,6 +140,24 @@ def test_s22_is_drawn_with_four_definitions() -> None:
     recurrence = find_recurrence(derive_blocks(prototype(**S22)))
     assert len(recurrence.shapes) == 4
     assert set(np.abs(recurrence.turn)) == {0.0, 90.0}
+
+
+@pytest.mark.parametrize("collecting", [True, False])
+def test_reading_leaves_the_collection_of_garbage_as_it_was(collecting: bool, tmp_path) -> None:
+    path = tmp_path / "wall.dxf"
+    write_dxf(derive_blocks(BUILDINGS["wall"]()), path)
+    (tmp_path / "no.dxf").write_text("no drawing")
+    seen: list[bool] = []
+    before = gc.isenabled()
+    (gc.enable if collecting else gc.disable)()
+    try:
+        for file in (path, tmp_path / "no.dxf"):
+            with suppress(FindingsError):
+                read_dxf(file)
+            seen.append(gc.isenabled())
+    finally:
+        (gc.enable if before else gc.disable)()
+    assert seen == [collecting] * 2
 
 
 def test_five_thousand_stones_make_a_drawing_of_a_few_megabytes(tmp_path) -> None:

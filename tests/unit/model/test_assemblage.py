@@ -1,5 +1,8 @@
 """Assemblage.from_polyhedra: exact volumes and centroids, and refusals that say what is wrong."""
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -72,6 +75,21 @@ WARPED[7, 0] = 1.2
 def test_bad_solids_are_refused(polyhedra: list, message: str) -> None:
     with pytest.raises(InputError, match=message):
         Assemblage.from_polyhedra(polyhedra, 1.0)
+
+
+@pytest.mark.parametrize(
+    "kind", [tuple, list, np.array, lambda face: list(np.array(face)), lambda face: np.array(face, np.uint8)]
+)
+def test_faces_may_be_any_sequences_of_whole_numbers(kind: Callable[[list[int]], Any]) -> None:
+    stones = Assemblage.from_polyhedra([(CUBE, list(map(kind, BOX_FACES)))], 1.0)
+    assert stones.face_nodes.tolist() == [node for face in BOX_FACES for node in face]
+
+
+@pytest.mark.parametrize("face", [(-1, 2, 3), (1, 2, 8), (1, 2), (), (1, 2, 3.0), ((1, 2), (3, 4)), [1, 2, 10**30]])
+@pytest.mark.parametrize("kind", [lambda face: face, lambda face: list(face)])
+def test_bad_faces_are_refused(face: Any, kind: Callable[[Any], Any]) -> None:
+    with pytest.raises(InputError, match="bad face"):
+        Assemblage.from_polyhedra([(CUBE, [*BOX_FACES, kind(face)])], 1.0)
 
 
 def test_bad_arguments_are_refused() -> None:
