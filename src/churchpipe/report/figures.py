@@ -34,6 +34,8 @@ from churchpipe.report.surface import edges, triangles
 
 PICTURE_SECONDS = 300
 PICTURE_SIZE = (1500, 1100)
+# A pixel is the mean of so many by so many: more than four are not worth their time.
+SAMPLES = 2
 # A process more costs a second, and a quarter of a gigabyte: so many at least are worth a process.
 FEW_PICTURES, MOST_PROCESSES = 4, 4
 # What to draw: a function of this package and its arguments.
@@ -80,9 +82,7 @@ def mechanism_picture(
     mesh.cell_data["colour"] = (stone_colour[owner[faces[:, 0]]] * 255).astype(np.uint8)
     lines = pv.PolyData(points, lines=np.insert(edges(stones, ~plate), 0, 2, axis=1).ravel())
 
-    plotter = pv.Plotter(off_screen=True, window_size=list(size), lighting="none")
-    try:
-        plotter.renderer.set_background("white")
+    with scene(path, size) as plotter:
         # Faces that look away are behind others of their stone.
         look = {"ambient": 0.5, "diffuse": 0.75, "specular": 0.0, "culling": "back"}
         solid = plotter.add_mesh(mesh, scalars="colour", rgb=True, **look)
@@ -97,11 +97,6 @@ def mechanism_picture(
         if arrow is not None:
             framed = np.concatenate([framed, push_arrow_start(stones, arrow)[None, :]])
         frame_camera(plotter, framed, viewpoint(stones, motion) if toward is None else toward)
-        plotter.enable_anti_aliasing("ssaa")
-        pixels = plotter.screenshot(return_img=True)
-    finally:
-        plotter.close()
-    save_screenshot(pixels, path)
 
 
 def joints_picture(contacts: Contacts, path: str | Path, toward: FloatArray, *, size: tuple[int, int] = PICTURE_SIZE) -> None:
@@ -113,17 +108,29 @@ def joints_picture(contacts: Contacts, path: str | Path, toward: FloatArray, *, 
     mesh = pv.PolyData(contacts.point, np.concatenate([np.insert(joint, 0, len(joint)) for joint in corners]))
     shown = {kind: colours.PANELS[number] for number, kind in enumerate(KINDS) if (contacts.kind == kind).any()}
     mesh.cell_data["colour"] = (np.array([to_rgb(shown[kind]) for kind in contacts.kind]) * 255).astype(np.uint8)
-    plotter = pv.Plotter(off_screen=True, window_size=list(size), lighting="none")
-    try:
-        plotter.renderer.set_background("white")
+    with scene(path, size) as plotter:
         plotter.add_mesh(mesh, scalars="colour", rgb=True, lighting=False, show_edges=True, edge_color=colours.EDGE)
         plotter.renderer.add_legend([[kind, colour] for kind, colour in shown.items()], bcolor=None, face="rectangle")
         frame_camera(plotter, contacts.point, toward)
-        plotter.enable_anti_aliasing("ssaa")
+
+
+@contextmanager
+def scene(path: str | Path, size: tuple[int, int]) -> Iterator[Any]:
+    """Yield an empty scene, a plotter without lights on white; what is in it at the end becomes a PNG of this size."""
+    import pyvista as pv
+    from PIL import Image
+
+    plotter = pv.Plotter(off_screen=True, window_size=[SAMPLES * side for side in size], lighting="none")
+    try:
+        plotter.renderer.set_background("white")
+        plotter.disable_anti_aliasing()
+        # Translucent things are blended in the order in which they were added: in any order takes longer than all the rest.
+        plotter.renderer.SetUseOIT(False)
+        yield plotter
         pixels = plotter.screenshot(return_img=True)
     finally:
         plotter.close()
-    save_screenshot(pixels, path)
+    save_screenshot(Image.fromarray(np.asarray(pixels)).reduce(SAMPLES), path)
 
 
 def save_screenshot(pixels: Any, path: str | Path) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.shell import ShellModel
 from churchpipe.report import colours
-from churchpipe.report.figures import PICTURE_SIZE, frame_camera, save_screenshot
+from churchpipe.report.figures import PICTURE_SIZE, frame_camera, scene
 from churchpipe.report.motion import plastic_size, reference_strain, shell_amplitude
 from churchpipe.report.shell_view import borders
 
@@ -40,9 +40,7 @@ def shell_picture(
     surface = pv.PolyData.from_regular_faces(points, shell.triangles)
     surface.cell_data["colour"] = (ramp(np.sqrt(np.clip(strain / reference, 0, 1)))[:, :3] * 255).astype(np.uint8)
     edge = borders(shell)
-    plotter = pv.Plotter(off_screen=True, window_size=list(size), lighting="none")
-    try:
-        plotter.renderer.set_background("white")
+    with scene(path, size) as plotter:
         solid = plotter.add_mesh(surface, scalars="colour", rgb=True, ambient=0.6, diffuse=0.6, specular=0.0)
         solid.mapper.SetResolveCoincidentTopologyToPolygonOffset()
         solid.mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(1.0, 1.0)
@@ -59,8 +57,3 @@ def shell_picture(
         for position, strength in (((0.25, 0.55, 1.0), 0.6), ((-1.0, 0.0, 1.0), 0.3)):
             plotter.add_light(pv.Light(position=position, light_type="camera light", intensity=strength))
         frame_camera(plotter, points, toward)
-        plotter.enable_anti_aliasing("ssaa")
-        pixels = plotter.screenshot(return_img=True)
-    finally:
-        plotter.close()
-    save_screenshot(pixels, path)
