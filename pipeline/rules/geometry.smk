@@ -62,6 +62,7 @@ rule contacts:
         contacts="geometry/{geometry}/contacts.npz",
     log:
         "log/contacts/{geometry}.txt",
+    priority: WAITED_FOR
     threads: 1
     resources:
         mem_mb=memory_by("fixed", 0.07),

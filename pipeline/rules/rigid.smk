@@ -13,6 +13,7 @@ rule rigid:
         record="rigid/{analysis}/rigid.json",
     log:
         "log/rigid/{analysis}.txt",
+    priority: priority_of
     threads: SHARE
     resources:
         mem_mb=memory_by("fixed", 0.07),
@@ -33,6 +34,7 @@ rule curve:
         record="curve/{analysis}/curve.json",
     log:
         "log/curve/{analysis}.txt",
+    priority: LONGEST
     threads: SHARE
     resources:
         mem_mb=memory_by("fixed", 0.07),
@@ -55,6 +57,7 @@ rule movement:
         record="movement/{movement}/movement.json",
     log:
         "log/movement/{movement}.txt",
+    priority: LONGEST
     threads: SHARE
     resources:
         mem_mb=memory_by("fixed", 0.07),

@@ -31,6 +31,7 @@ rule shell:
         shell="shell/{mesh}/shell.npz",
     log:
         "log/shell/{mesh}.txt",
+    priority: WAITED_FOR
     threads: 1
     resources:
         mem_mb=MEMORY,
@@ -49,6 +50,7 @@ rule match:
         match="shell/{mesh}/match.json",
     log:
         "log/match/{mesh}.txt",
+    priority: WAITED_FOR
     threads: 1
     resources:
         mem_mb=memory_by("triangles", 0.035),
@@ -68,6 +70,7 @@ rule limit:
         record="limit/{analysis}/limit.json",
     log:
         "log/limit/{analysis}.txt",
+    priority: LONG
     threads: SHARE
     resources:
         mem_mb=memory_by("triangles", 0.035),
@@ -88,6 +91,7 @@ rule pushover:
         record="pushover/{analysis}/pushover.json",
     log:
         "log/pushover/{analysis}.txt",
+    priority: LONGEST
     threads: SHARE
     resources:
         mem_mb=memory_by("triangles", 0.035),

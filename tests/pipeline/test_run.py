@@ -323,6 +323,17 @@ def test_what_was_deleted_is_made_again(pristine: Copy) -> None:
     assert pristine.stale() == {}
 
 
+def test_what_takes_longest_begins_first(pristine: Copy, tmp_path: Path) -> None:
+    elastic = "elastic = { block_E_GPa = 3, block_nu = 0.2, joint_E_GPa = 0.3, joint_nu = 0.3, joint_thickness_mm = 1 }"
+    case = CASE.replace("friction = 0.6", f"friction = 0.6\n{elastic}")
+    (tmp_path / "both.toml").write_text(f'{case}[shell]\nelement_size_mm = 400\nanalyses = ["limit", "pushover"]\n')
+    code, out, err = pristine.call("churchpipe", "run", tmp_path / "both.toml", "--out", tmp_path / "run", "--jobs", 1)
+    assert code == 0, out + err
+    begun = [event.name for event in Copy(tmp_path).events() if event.kind == "start" and event.name.startswith("-x_")]
+    assert set(begun[:2]) == {"-x_non-associative", "-x_pushover"}
+    assert begun[2:] == ["-x_limit", "-x_associative"]
+
+
 def test_a_case_with_a_shell_makes_its_artifacts_once(with_shell: Copy) -> None:
     made = {str(path.relative_to(with_shell.out)) for path in with_shell.out.rglob("*") if ".snakemake" not in path.parts}
     assert made >= {f"shell/base/{name}" for name in ("shell.npz", "shell.msh", "shell.vtu", "match.json")}
