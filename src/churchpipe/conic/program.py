@@ -97,7 +97,8 @@ class ConeSolution:
     """A solver's answer, in the units of the program.
 
     x (c, 3) forces; tau; y (m,) multipliers of the balance. outcome "infeasible": y is a certificate, balance^T y in the
-    dual cone with constant . y > 0 and growth . y = 0. "unbounded": x is a ray, balance x + growth = 0.
+    dual cone with constant . y > 0 and growth . y = 0. "unbounded": x is a ray, balance x + growth = 0. iterations: of all
+    starts and solvers that were tried, one factorisation each.
     """
 
     x: FloatArray

@@ -106,15 +106,17 @@ def _in_turn(*solvers: _Solver) -> Solve:
         wanted = _Wanted(duality_gap, progress, near, velocities)
         *others, last = solvers
         failures: list[str] = []
+        spent = 0
         for solver in others:
             answer = _checked(program, solver(program, wanted), wanted)
+            spent += answer.iterations
             if answer.outcome != "failed" and (proves is None or proves(answer)):
-                return answer
+                return replace(answer, iterations=spent)
             why = answer.message if answer.outcome == "failed" else "its answer proves nothing"
             failures.append(f"{answer.solver} failed ({why})")
         answer = _checked(program, last(program, wanted), wanted)
         said = f"{answer.solver}: {answer.message}" if failures else answer.message
-        return replace(answer, message="; ".join([*failures, said]))
+        return replace(answer, iterations=spent + answer.iterations, message="; ".join([*failures, said]))
 
     return solve
 

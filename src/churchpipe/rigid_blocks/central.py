@@ -46,22 +46,21 @@ def from_centre(
     whole = replace(settings, patience=settings.whole_patience)
     other = replace(whole, roundness=settings.other_roundness)
     best: SlidingRun | None = None
-    solves = spent = 0
+    count, spent = SolveCount(solve), 0
     for each, short in ((settings, True), (whole, False), (other, False)):
         run, nearest, iterations = _lowered(balance, strength, bipotential_gap, each, progress, short=short)
         spent += iterations
         certified = run is not None and run.relative_gap <= bipotential_gap
         if nearest is not None and not certified and nearest.relative_gap <= settings.near:
-            closed = _closed(balance, strength, nearest, bipotential_gap, each, solve, progress, light=short)
+            closed = _closed(balance, strength, nearest, bipotential_gap, each, count, progress, light=short)
             if closed is not None:
-                solves, spent = solves + closed.solves, spent + closed.iterations
                 history = (*(run.history if run else ()), *closed.history)
                 run = replace(closed if run is None or closed.relative_gap < run.relative_gap else run, history=history)
         if run is not None and (best is None or run.relative_gap < best.relative_gap):
             best = run
         if best is not None and best.relative_gap <= bipotential_gap:
             break
-    return None if best is None else replace(best, solves=solves, iterations=spent)
+    return None if best is None else replace(best, solves=count.solves, iterations=spent + count.iterations)
 
 
 def _closed(
@@ -79,11 +78,10 @@ def _closed(
 
     light: whether its programs begin near each other and have small proximal weights, as after a run whose points may stop short.
     """
-    count = SolveCount(solve)
     n = np.maximum(near.x[:, 0], 0.0)
     usual = SchemeSettings(bipotential_gap=bipotential_gap, stage_b=settings.polish)
     if not light:
-        return closed_gap(balance, strength, n, count, usual, progress)
+        return closed_gap(balance, strength, n, solve, usual, progress)
     own = replace(
         usual,
         nearness=settings.nearness,
@@ -91,14 +89,14 @@ def _closed(
         patience=settings.light_patience,
         duality_gap=settings.duality_gap,
     )
-    run = closed_gap(balance, strength, n, count, own, progress, near=Near(near.x, near.y))
+    run = closed_gap(balance, strength, n, solve, own, progress, near=Near(near.x, near.y))
     # Velocities of programs that began near may overlap by the gap that was left.
     if run is not None and run.relative_gap <= bipotential_gap and not admissible(balance, strength, run):
         n, exactly = np.maximum(run.x[:, 0], 0.0), 0.5 * FLOW_TOLERANCE
-        y = sliding_velocities(balance, strength, n, count, duality_gap=exactly, alone=True, near=Near(run.x, run.y))
+        y = sliding_velocities(balance, strength, n, solve, duality_gap=exactly, alone=True, near=Near(run.x, run.y))
         if y is not None:
             run = sliding_run(_state(balance, strength, run.x, run.load_factor, y), [*run.history], 0, 0)
-    return None if run is None else replace(run, solves=count.solves, iterations=count.iterations)
+    return run
 
 
 def central_run(

@@ -1,8 +1,11 @@
 """Clarabel's kinematic form against the plain statement in cvxpy, for every kind of point."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from churchpipe.conic import solve as choice
 from churchpipe.conic.clarabel import solve_clarabel
 from churchpipe.conic.cvxpy import solve_cvxpy
 from churchpipe.conic.polish import restore_balance
@@ -62,3 +65,11 @@ def test_unknown_solver_is_refused() -> None:
         solve(stated(three_stones()), "simplex")
     with pytest.raises(InputError, match="not installed"):
         solve(stated(three_stones()), "cvxpy:NOSUCH")
+
+
+def test_a_solver_that_fails_is_paid_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    program = stated(three_stones())
+    reference = solve_clarabel(program)
+    failed = replace(reference, outcome="failed", iterations=7)
+    monkeypatch.setattr(choice, "_interior_point", lambda _: lambda *_: failed)
+    assert solve(program).iterations == 7 + reference.iterations

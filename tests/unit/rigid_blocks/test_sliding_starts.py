@@ -10,7 +10,7 @@ from churchpipe.conic.program import ConeProgram, ConeSolution
 from churchpipe.conic.solve import Solve, solver_for
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
-from churchpipe.rigid_blocks import sliding
+from churchpipe.rigid_blocks import central, sliding
 from churchpipe.rigid_blocks.associative import associative_state
 from churchpipe.rigid_blocks.certificate import Strength
 from churchpipe.rigid_blocks.coulomb import dead_load_start
@@ -161,3 +161,20 @@ def test_a_search_leads_where_rounding_does_not_move_it(monkeypatch: pytest.Monk
     assert state.load_factor == pytest.approx((0.9 if leads == "dead-load" else 1.0) * centre.load_factor, rel=1e-6)
     assert 0.9 * centre.load_factor in state.fixed_points
     assert ("a ten-millionth ends elsewhere" in state.message) == (leads == "centre")
+
+
+def test_programs_that_come_to_nothing_are_paid_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Runs that stop near a state, which no programs close."""
+    balance, strength, _ = wall()
+    solve = solver_for(balance.wrenches)
+    costs: list[int] = []
+
+    def nothing(*arguments: Any, **_: Any) -> None:
+        answer = arguments[3](balance.program(strength.cohesion, strength.friction, strength.bound))
+        costs.append(answer.iterations)
+
+    monkeypatch.setattr(central, "closed_gap", nothing)
+    run = central.from_centre(balance, strength, 1e-20, solve)
+    assert run is not None
+    assert run.solves == len(costs) > 0
+    assert run.iterations > sum(costs) > 0

@@ -57,6 +57,7 @@ class KktSystem:
 
     def __init__(self, problem: CoupledProblem, normal: NormalMatrix, cholesky: Cholesky) -> None:
         self._problem, self._normal, self._cholesky = problem, normal, cholesky
+        self.factorisations = 0
 
     def update(self, scaling: ProductScaling, regularisation: float) -> None:
         """Assemble and factorise at a new scaling.
@@ -79,6 +80,7 @@ class KktSystem:
         shift = regularisation * (diagonal + 1e-8 * np.repeat(body, problem.coupling.block))
         for attempt in range(4):
             values[self._normal.diagonal] = diagonal + 100.0**attempt * shift
+            self.factorisations += 1
             try:
                 self._cholesky.factor(values)
                 break

@@ -52,12 +52,13 @@ _ROUGH = 1e-4
 
 @dataclass(frozen=True, slots=True)
 class Ending:
-    """How a loop ended: the best iterate, its status and errors, and why it went no further."""
+    """How a loop ended: the best iterate, its status and errors, why it went no further, and what it cost."""
 
     status: Status
     at: Iterate
     info: Info
     message: str
+    factorisations: int
 
 
 def solve_coupled(
@@ -92,13 +93,13 @@ def solve_coupled(
         status = _status(problem, at, found, info, settings)
         if status == "solved" and not settings.balanced:
             if enough is None or enough(at):
-                return Ending(status, at, info, "")
+                return Ending(status, at, info, "", kkt.factorisations)
         elif status == "solved" and iteration:
             exact = _balanced(problem, kkt, at)
             if exact is not None or info.residual <= _COMPETING * settings.residual:
-                return Ending(status, exact or at, info, "")
+                return Ending(status, exact or at, info, "", kkt.factorisations)
         elif status != "running":
-            return Ending(status, at, info, "")
+            return Ending(status, at, info, "", kkt.factorisations)
         stalled = stalled + 1 if iteration > _FIRST_STEPS and step_length < _STALLED_STEP else 0
         if stalled >= 3 or iteration - progressed > _PATIENCE:
             message = "no further progress"
@@ -117,7 +118,7 @@ def solve_coupled(
     accepted = info.error <= max(settings.duality_gap, settings.acceptable) and info.residual <= max(
         settings.residual, settings.acceptable
     )
-    return Ending("solved" if accepted else "failed", at, info, f"{message}; error {info.error:.1e}")
+    return Ending("solved" if accepted else "failed", at, info, f"{message}; error {info.error:.1e}", kkt.factorisations)
 
 
 def _advance(

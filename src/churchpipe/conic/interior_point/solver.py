@@ -104,25 +104,29 @@ class InteriorPointSolver:
             rates = problem.spread(at.y) + at.theta * problem.linear + problem.quadratic(at.x)
             return local.overlap(problem.local_view(rates)) <= settings.duality_gap
 
-        ending = None
+        spent, ending = 0, None
         if near is not None and not local.bounded and not problem.capped:
             x, y = near.x.T / force, _pad(near.y * (force * reward), len(growth))
             start = warm_start(problem, local, x, near.tau, y, near.error)
             brief = replace(settings, iterations=min(settings.iterations, WARM_ITERATIONS))
             ending = solve_coupled(problem, self._normal, self._cholesky, start, brief, progress, enough)
+            spent = ending.factorisations
             if near.only and (ending.status != "solved" or ending.message):
-                return replace(self._solution(ending, local, force, reward), outcome="failed", seconds=perf_counter() - begin)
+                answer = self._solution(ending, local, force, reward)
+                return replace(answer, outcome="failed", iterations=spent, seconds=perf_counter() - begin)
         if ending is None or ending.status != "solved" or ending.message:
             start = interior_start(problem, settings, heavy=heavy)
             ending = solve_coupled(problem, self._normal, self._cholesky, start, settings, progress, enough)
+            spent += ending.factorisations
         if ending.message:
             # From the other size of forces; and the few multipliers that stop short save iterations, but now and then leave
             # residuals that no later step removes.
             start, patient = interior_start(problem, settings, heavy=not heavy), replace(settings, ignored=0.0)
             second = solve_coupled(problem, self._normal, self._cholesky, start, patient, progress, enough)
+            spent += second.factorisations
             ending = second if ending.status == "failed" or not second.message else ending
         answer = self._solution(ending, local, force, reward)
-        return replace(answer, seconds=perf_counter() - begin)
+        return replace(answer, iterations=spent, seconds=perf_counter() - begin)
 
     def _row_unit(self, program: ConeProgram) -> FloatArray:
         """Return the largest load on each body times the largest lever of each of its rows (m,).
@@ -156,7 +160,7 @@ class InteriorPointSolver:
             tau=load,
             y=at.y[: self._rows] / (force * unit if ending.status == "infeasible" else force * unit * reward),
             outcome="failed" if ending.status == "running" else ending.status,
-            iterations=ending.info.iteration,
+            iterations=ending.factorisations,
             seconds=0.0,
             solver="interior-point",
             message=ending.message,

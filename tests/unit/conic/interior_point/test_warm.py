@@ -5,6 +5,7 @@ from functools import partial
 import numpy as np
 import pytest
 
+from churchpipe.conic.cholesky import Cholesky
 from churchpipe.conic.interior_point import InteriorPointSolver
 from churchpipe.conic.interior_point.coulomb import CoulombPoints
 from churchpipe.conic.interior_point.warm import centred
@@ -130,3 +131,18 @@ def test_a_start_that_leads_nowhere_is_left_unless_nothing_else_is_to_be_tried(o
     x, y = rng.normal(size=(program.points, 3)), rng.normal(size=len(program.constant))
     near = WarmStart(1e6 * x, 50.0, y, only=only)
     assert InteriorPointSolver(program.balance).solve(program, near=near).outcome == outcome
+
+
+@pytest.mark.parametrize("only", [False, True])
+def test_a_start_that_leads_nowhere_is_paid_for(only: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    program = stated(three_stones())
+    rng = np.random.default_rng(7)
+    near = WarmStart(1e6 * rng.normal(size=(program.points, 3)), 50.0, rng.normal(size=len(program.constant)), only=only)
+    solver = InteriorPointSolver(program.balance)
+    cold = solver.solve(program)
+    factorised: list[int] = []
+    factor = Cholesky.factor_again
+    monkeypatch.setattr(Cholesky, "factor_again", lambda matrix: (factorised.append(1), factor(matrix))[1])
+    warm = solver.solve(program, near=near)
+    assert warm.iterations == len(factorised)
+    assert only or warm.iterations > cold.iterations
