@@ -16,11 +16,13 @@ from churchpipe.model.results import Iteration
 from churchpipe.rigid_blocks.central_steps import LEAST, MODEST, SHORTER, SHORTEST, advance, least_product
 from churchpipe.rigid_blocks.certificate import FLOW_TOLERANCE, RESIDUAL_TOLERANCE, Strength
 from churchpipe.rigid_blocks.contact_newton import ContactState, ContactSystem, Linearisation
-from churchpipe.rigid_blocks.coulomb import CoulombState, Near, admissible, bipotential_gap, sliding_velocities
+from churchpipe.rigid_blocks.coulomb import CoulombState, Near, bipotential_gap
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
 from churchpipe.rigid_blocks.iterations import Progress, SlidingRun, SolveCount, closed_gap, sliding_run
 from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP, CentralSettings, SchemeSettings
 
+# Steps whose mean tells how fast the gap falls.
+_LAST_STEPS = 3
 # Steps in which the points begin to open and the load does unit work, at most, and the error of that work after which the
 # products follow from the rates.
 _FIRST_STEPS, _WORKS = 40, 0.1
@@ -88,15 +90,9 @@ def _closed(
         momentum=settings.momentum,
         patience=settings.light_patience,
         duality_gap=settings.duality_gap,
+        roughest=settings.duality_gap,
     )
-    run = closed_gap(balance, strength, n, solve, own, progress, near=Near(near.x, near.y))
-    # Velocities of programs that began near may overlap by the gap that was left.
-    if run is not None and run.relative_gap <= bipotential_gap and not admissible(balance, strength, run):
-        n, exactly = np.maximum(run.x[:, 0], 0.0), 0.5 * FLOW_TOLERANCE
-        y = sliding_velocities(balance, strength, n, solve, duality_gap=exactly, alone=True, near=Near(run.x, run.y))
-        if y is not None:
-            run = sliding_run(_state(balance, strength, run.x, run.load_factor, y), [*run.history], 0, 0)
-    return run
+    return closed_gap(balance, strength, n, solve, own, progress, near=Near(near.x, near.y), gap=near.relative_gap)
 
 
 def central_run(
@@ -140,11 +136,13 @@ def _lowered(
     nearest: CoulombState | None = None
     # The step at which the gap was last halved, and the gap then.
     halved, mark = 0, np.inf
+    gaps: list[float] = []
     try:
         at = first_rates(system)
         damping, ignored = settings.damping[0], 0
         for step in range(settings.steps):
             state = _coulomb_state(balance, strength, at)
+            gaps.append(state.relative_gap)
             if ignored or _exact(system, at):
                 history.append(Iteration(state.load_factor, 0.0, state.relative_gap))
                 halved, mark = (step, state.gap) if state.gap < 0.5 * mark else (halved, mark)
@@ -157,6 +155,8 @@ def _lowered(
             if step - halved > settings.patience[near]:
                 break
             if ignored and nearest is not None and nearest.relative_gap <= max(settings.handed_on, bipotential_gap):
+                break
+            if short and falls_too_slowly(gaps, bipotential_gap, settings):
                 break
             if progress:
                 progress("non-associative", step / settings.steps)
@@ -172,6 +172,14 @@ def _lowered(
         pass
     run = None if best is None else sliding_run(best, history, 0, system.factorisations)
     return _Lowered(run, nearest, system.factorisations)
+
+
+def falls_too_slowly(gaps: list[float], wanted: float, settings: CentralSettings) -> bool:
+    """Say whether at the rate of the last steps the gap would be closed later than a pair of programs closes it."""
+    if len(gaps) <= _LAST_STEPS or not wanted < gaps[-1] <= settings.foreseen:
+        return False
+    fall = np.log(gaps[-1 - _LAST_STEPS] / gaps[-1]) / _LAST_STEPS
+    return bool(np.log(gaps[-1] / wanted) > settings.outlook * fall)
 
 
 def first_rates(system: ContactSystem, *, held: bool = False) -> ContactState:

@@ -153,6 +153,7 @@ def closed_gap(
     *,
     near: Near | None = None,
     onward: bool = False,
+    gap: float = np.inf,
     below: float = np.inf,
     enough: Callable[[CoulombState], bool] | None = None,
 ) -> SlidingRun | None:
@@ -171,7 +172,8 @@ def closed_gap(
     these joints in the gap is given a larger weight from then on (breakout, Morris 1993). The programs lower this weighted gap,
     so steps are judged by it; a step that frees a joint may raise the gap itself. A gap of zero is zero with any such weights.
 
-    below: see `certified_iteration`. enough: whether a state will do although its gap is not closed; it is then returned.
+    gap: that of the state that it begins near, where one is known. below: see `certified_iteration`. enough: whether a state will
+    do although its gap is not closed; it is then returned.
     """
     count = SolveCount(solve)
     history: list[Iteration] = []
@@ -190,7 +192,10 @@ def closed_gap(
         plain = ahead is n
         if (near is not None or onward) and last is not None:
             near = Near(last.x, last.y)
-        state = _stage_b(balance, strength, ahead, last, excess, count, settings, near)
+        gap = gap if last is None else last.relative_gap
+        state = pair_of_programs(
+            balance, strength, ahead, last, excess, count, settings, near, gap, closes=near is not None and enough is None
+        )
         if state is None and plain:
             break
         if state is None:
@@ -257,7 +262,7 @@ class SolveCount:
         return answer
 
 
-def _stage_b(
+def pair_of_programs(
     balance: Balanced,
     strength: Strength,
     n: FloatArray,
@@ -266,15 +271,25 @@ def _stage_b(
     solve: Solve,
     settings: SchemeSettings,
     near: Near | None,
+    gap: float,
+    *,
+    closes: bool,
 ) -> CoulombState | None:
-    """Return the next state: velocities from P(n), then the forces that do the least work against them."""
-    gap = np.inf if last is None else last.relative_gap
+    """Return the next state: velocities from P(n), then the forces that do the least work against them.
+
+    closes: whether the last forces are kept where the velocities alone close the gap.
+    """
     duality_gap = min(max(settings.duality_gap, settings.share * gap), settings.roughest)
     stressed = None if last is None or not excess.any() else (excess, last.x)
     alone = near is not None
     y = sliding_velocities(balance, strength, n, solve, duality_gap=duality_gap, stressed=stressed, alone=alone, near=near)
     if y is None:
         return None
+    if last is not None and closes:
+        # Often the last forces will do.
+        moved = CoulombState(last.x, last.load_factor, y, bipotential_gap(balance, strength, last.x, y))
+        if moved.relative_gap <= settings.bipotential_gap:
+            return moved
     nearness = min(settings.weight_b, settings.nearness * gap)
     x = None if near is None else near.forces
     found = nearest_forces(balance, strength, n, y, solve, nearness=nearness, duality_gap=duality_gap, excess=excess, x=x)

@@ -50,11 +50,13 @@ class CentralSettings:
     the products. correctors: of centrality, at most. inner, inner_steps: error and steps of the conjugate gradients.
     clip: a correction of the second order counts at most this share of the mean product. fraction: of the way to the boundary
     of the cones that a step goes. steps: at most; patience: steps without half the gap after which a run stops,
-    less patient once the gap is below `near`: then stage B may close it from there, its programs solved to `duality_gap` at
-    most, with a proximal weight `nearness` times the gap and a `momentum` of its own (`SchemeSettings`), for at most `polish`
-    steps, and until `light_patience` steps have not halved the gap. The gap is concave in the forces, so that a step that nothing
-    holds back lowers it most. whole_patience: of the runs that follow where that is not certified, in which no point stops short
-    and stage B has the constants of other searches.
+    less patient once the gap is below `near`: then stage B may close it from there, its programs solved to `duality_gap`, so
+    that velocities overlap nowhere, with a proximal weight `nearness` times the gap and a `momentum` of its own
+    (`SchemeSettings`), for at most `polish` steps, and until `light_patience` steps have not halved the gap. The gap is concave
+    in the forces, so that a step that nothing holds back lowers it most. A run whose gap is below `foreseen` is left where at the
+    rate of its last steps it would need more than `outlook` others, which cost what a pair of programs costs that closes it from
+    there. whole_patience: of the runs that follow where that is not certified, in which no point stops short and stage B has the
+    constants of other searches.
     blocked, ignored: after a step shorter than this, far from a state as yet, this share of the points is left out of account
     when directions are judged, most_ignored points at most, since a few joints hold a step however large the model. They stop
     short and leave errors, so that such a run is handed on to stage B where its gap falls below `handed_on`.
@@ -81,16 +83,19 @@ class CentralSettings:
     ignored: float = 1e-3
     most_ignored: int = 16
     handed_on: float = 3e-3
+    outlook: float = 10.0
+    foreseen: float = 1e-3
     near: float = 1e-2
     polish: int = 12
     nearness: float = 0.02
     momentum: float = 0.1
     light_patience: int = 4
-    duality_gap: float = 1e-7
+    duality_gap: float = 5e-7
 
     def __post_init__(self) -> None:
         _check_positive(self)
-        _check_below_one(self, "pull", "inner", "clip", "fraction", "blocked", "ignored", "handed_on", "near", "momentum")
+        shares = ("pull", "inner", "clip", "fraction", "blocked", "ignored", "handed_on", "foreseen", "near", "momentum")
+        _check_below_one(self, *shares)
 
 
 @dataclass(frozen=True, slots=True)

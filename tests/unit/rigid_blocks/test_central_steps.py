@@ -9,7 +9,7 @@ from churchpipe.conic.interior_point.second_order import SecondOrder
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.loads import LoadCase
 from churchpipe.rigid_blocks import central
-from churchpipe.rigid_blocks.central import central_run, first_rates
+from churchpipe.rigid_blocks.central import central_run, falls_too_slowly, first_rates
 from churchpipe.rigid_blocks.central_steps import Move, advance, least_product
 from churchpipe.rigid_blocks.contact_newton import ContactState, ContactSystem, Linearisation
 from churchpipe.rigid_blocks.equilibrium import equilibrium
@@ -97,3 +97,15 @@ def test_a_share_of_the_points_stops_short_but_no_more_than_a_few(
     central_run(balance, strength, settings=CentralSettings(ignored=share, most_ignored=most, steps=3))
     few = 3 if most == 3 else len(strength.friction) // 100
     assert found == [0, few, few]
+
+
+@pytest.mark.parametrize(("fall", "left"), [(0.4, False), (0.8, True)])
+def test_a_run_is_left_where_programs_would_close_it_sooner(fall: float, left: bool) -> None:
+    """At gaps below a thousandth, from which one pair of programs closes it."""
+    settings = CentralSettings()
+    gaps = [2e-3 * fall**step for step in range(-4, 2)]
+    assert not falls_too_slowly(gaps[:-2], 1e-5, settings)
+    near = [0.5 * gap for gap in gaps]
+    assert falls_too_slowly(near, 1e-5, settings) is left
+    assert not falls_too_slowly(near, 0.9 * near[-1] / fall, settings)
+    assert not falls_too_slowly(near[-2:], 1e-5, settings)

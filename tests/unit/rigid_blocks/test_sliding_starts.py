@@ -13,9 +13,9 @@ from churchpipe.model.loads import LoadCase
 from churchpipe.rigid_blocks import central, sliding
 from churchpipe.rigid_blocks.associative import associative_state
 from churchpipe.rigid_blocks.certificate import Strength
-from churchpipe.rigid_blocks.coulomb import dead_load_start
+from churchpipe.rigid_blocks.coulomb import Near, bipotential_gap, dead_load_start
 from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
-from churchpipe.rigid_blocks.iterations import SlidingRun, certified_iteration, closed_gap
+from churchpipe.rigid_blocks.iterations import SlidingRun, certified_iteration, closed_gap, pair_of_programs
 from churchpipe.rigid_blocks.limit import point_strength
 from churchpipe.rigid_blocks.settings import SchemeSettings
 from churchpipe.rigid_blocks.sliding import SlidingOptions, sliding_analysis
@@ -178,3 +178,20 @@ def test_programs_that_come_to_nothing_are_paid_for(monkeypatch: pytest.MonkeyPa
     assert run is not None
     assert run.solves == len(costs) > 0
     assert run.iterations > sum(costs) > 0
+
+
+@pytest.mark.parametrize("closes", [True, False])
+def test_forces_are_kept_where_velocities_alone_close_the_gap(closes: bool) -> None:
+    balance, strength, contacts = wall()
+    solve = solver_for(balance.wrenches)
+    last = certified_iteration(balance, strength, dead_load_start(balance), solve)
+    assert last is not None
+    assert last.converged
+    n, near = np.maximum(last.x[:, 0], 0.0), Near(last.x, last.y)
+    settings = SchemeSettings(duality_gap=5e-7, roughest=5e-7)
+    nothing = np.zeros(len(contacts.point))
+    state = pair_of_programs(balance, strength, n, last, nothing, solve, settings, near, 0.0, closes=closes)
+    assert state is not None
+    assert bool((state.x == last.x).all()) is closes
+    assert state.gap == pytest.approx(bipotential_gap(balance, strength, state.x, state.y))
+    assert state.relative_gap <= 1e-5

@@ -19,7 +19,7 @@ from churchpipe.conic.interior_point.newton import NewtonSystem, centrality_targ
 from churchpipe.conic.interior_point.normal import NormalMatrix
 from churchpipe.conic.interior_point.problem import CoupledProblem, largest
 from churchpipe.conic.interior_point.residuals import Residuals, residuals
-from churchpipe.conic.interior_point.settings import Settings
+from churchpipe.conic.interior_point.settings import CLOSE, Settings
 
 # Centrality correctors aim at a step this much longer, and count when they win this share of it (Gondzio 1996).
 _REACH = 0.5
@@ -94,6 +94,9 @@ def solve_coupled(
         if status == "solved" and not settings.balanced:
             if enough is None or enough(at):
                 return Ending(status, at, info, "", kkt.factorisations)
+            if settings.duality_gap <= CLOSE:
+                # What is left is what points that stopped short lack.
+                settings = replace(settings, ignored=0.0)
         elif status == "solved" and iteration:
             exact = _balanced(problem, kkt, at)
             if exact is not None or info.residual <= _COMPETING * settings.residual:
@@ -103,6 +106,8 @@ def solve_coupled(
         stalled = stalled + 1 if iteration > _FIRST_STEPS and step_length < _STALLED_STEP else 0
         if stalled >= 3 or iteration - progressed > _PATIENCE:
             message = "no further progress"
+            break
+        if iteration == settings.iterations:
             break
         try:
             # Overflow ends the loop below, so no warning is needed.

@@ -56,12 +56,16 @@ CENTRAL = Settings(acceptable=2e-7, correctors=12, ignored=0.0, rate=1.0)
 # For programs of which the velocities alone are wanted: the balance of the forces may lag behind.
 VELOCITIES = replace(CENTRAL, residual=0.03, balanced=False, correctors=2, ignored=2e-3)
 # Points that stop short leave errors of the multipliers that later steps hardly remove: no more such points than this share, over
-# the duality gap wanted.
-_ERROR_LEFT = 20.0
-# A solve that was begun near a solution is given up after so many iterations.
+# the duality gap wanted. Where they are fewer, centrality correctors have to lengthen the steps.
+_ERROR_LEFT = 200.0
+# A solve that was begun near a solution is given up after so many iterations, unless it is to be exact and nearly is.
 WARM_ITERATIONS = 30
+# The duality gap of an exact solve, at most.
+CLOSE = 1e-5
 
 
 def with_duality_gap(settings: Settings, duality_gap: float) -> Settings:
-    """Return settings with this duality gap, where a small one lets fewer points stop short."""
-    return replace(settings, duality_gap=duality_gap, ignored=min(settings.ignored, _ERROR_LEFT * duality_gap))
+    """Return settings with this duality gap, where a small one lets fewer points stop short and has more correctors."""
+    ignored = min(settings.ignored, _ERROR_LEFT * duality_gap)
+    correctors = settings.correctors if ignored == settings.ignored else CENTRAL.correctors
+    return replace(settings, duality_gap=duality_gap, ignored=ignored, correctors=correctors)

@@ -13,7 +13,7 @@ from churchpipe.conic.interior_point.iterate import Iterate
 from churchpipe.conic.interior_point.loop import Ending, interior_start, solve_coupled
 from churchpipe.conic.interior_point.normal import NormalMatrix
 from churchpipe.conic.interior_point.problem import CoupledProblem
-from churchpipe.conic.interior_point.settings import WARM_ITERATIONS, Settings
+from churchpipe.conic.interior_point.settings import CLOSE, WARM_ITERATIONS, Settings
 from churchpipe.conic.interior_point.warm import warm_start
 from churchpipe.conic.interior_point.wrenches import WrenchCoupling
 from churchpipe.conic.program import ConeProgram, ConeSolution, WarmStart
@@ -111,6 +111,11 @@ class InteriorPointSolver:
             brief = replace(settings, iterations=min(settings.iterations, WARM_ITERATIONS))
             ending = solve_coupled(problem, self._normal, self._cholesky, start, brief, progress, enough)
             spent = ending.factorisations
+            if ending.message and max(ending.info.error, settings.duality_gap) <= CLOSE:
+                # Near the solution, and held up by what points that stopped short still lack, or by the limit alone.
+                patient = replace(settings, ignored=0.0)
+                ending = solve_coupled(problem, self._normal, self._cholesky, ending.at, patient, progress, enough)
+                spent += ending.factorisations
             if near.only and (ending.status != "solved" or ending.message):
                 answer = self._solution(ending, local, force, reward)
                 return replace(answer, outcome="failed", iterations=spent, seconds=perf_counter() - begin)

@@ -74,11 +74,12 @@ def test_longest_step_ends_on_the_boundary() -> None:
     assert product.margin(s + 0.999 * length * step) > 0 > product.margin(s + 1.001 * length * step)
 
 
-def test_fewer_multipliers_stop_short_where_the_gap_wanted_is_small() -> None:
+def test_fewer_multipliers_stop_short_where_the_gap_wanted_is_small_and_correctors_lengthen_the_steps() -> None:
     rough, exact = with_duality_gap(VELOCITIES, 1e-3), with_duality_gap(VELOCITIES, 1e-6)
     assert (rough.duality_gap, rough.ignored) == (1e-3, VELOCITIES.ignored)
     assert exact.duality_gap == 1e-6
-    assert 1e-6 < exact.ignored < 1e-4
+    assert 1e-6 < exact.ignored < 1e-3
+    assert rough.correctors < exact.correctors
 
 
 def test_multipliers_that_block_first_stop_short_alone() -> None:

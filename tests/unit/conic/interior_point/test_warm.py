@@ -7,6 +7,7 @@ import pytest
 
 from churchpipe.conic.cholesky import Cholesky
 from churchpipe.conic.interior_point import InteriorPointSolver
+from churchpipe.conic.interior_point import solver as solver_module
 from churchpipe.conic.interior_point.coulomb import CoulombPoints
 from churchpipe.conic.interior_point.warm import centred
 from churchpipe.conic.program import ConeProgram, WarmStart
@@ -146,3 +147,30 @@ def test_a_start_that_leads_nowhere_is_paid_for(only: bool, monkeypatch: pytest.
     warm = solver.solve(program, near=near)
     assert warm.iterations == len(factorised)
     assert only or warm.iterations > cold.iterations
+
+
+def test_a_start_that_has_come_near_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    # From the iterate at which it stopped, where another one is begun anew.
+    balance, strength, solve, n = s22()
+    before = solve(sliding_program(balance, strength, strength.shear(n)), duality_gap=1e-3)
+    changed = n * (1.0 + 0.01 * np.random.default_rng(3).uniform(-1, 1, len(n)))
+    monkeypatch.setattr(solver_module, "WARM_ITERATIONS", 8)
+    costs: list[int] = []
+    for close in (0.0, 1.0):
+        monkeypatch.setattr(solver_module, "CLOSE", close)
+        count = SolveCount(solve)
+        near = Near(before.x, before.y)
+        assert sliding_velocities(balance, strength, changed, count, duality_gap=5e-7, alone=True, near=near) is not None
+        costs.append(count.iterations)
+    assert costs[0] > 8 + 1
+    assert costs[1] <= costs[0] - 5
+
+
+def test_a_loop_factorises_no_more_often_than_it_may(monkeypatch: pytest.MonkeyPatch) -> None:
+    balance, strength, solve, n = s22()
+    before = solve(sliding_program(balance, strength, strength.shear(n)), duality_gap=1e-3)
+    monkeypatch.setattr(solver_module, "WARM_ITERATIONS", 3)
+    count = SolveCount(solve)
+    near = Near(before.x, before.y, only=True)
+    assert sliding_velocities(balance, strength, n, count, duality_gap=1e-6, alone=True, near=near) is None
+    assert count.iterations == 3
