@@ -70,9 +70,9 @@ def test_no_motion_of_a_block_that_stands_is_a_fall(seed: int) -> None:
     assert not falls(program, np.random.default_rng(seed).normal(size=len(program.dead)))
 
 
-def pebble() -> tuple[MovingModel, PathState]:
+def pebble(at: float = 0.2) -> tuple[MovingModel, PathState]:
     """A block of .5 x 1 m that tips at .5, with a pebble of some thousandth of its weight on top that slides at .05."""
-    stones = on_ground(box((0, 0.5), (0, 1), (0, 1)), box((0.2, 0.3), (0.45, 0.55), (1, 1.1)))
+    stones = on_ground(box((0, 0.5), (0, 1), (0, 1)), box((at, at + 0.1), (0.45, 0.55), (1, 1.1)))
     contacts, load = cp.find_contacts(stones), cp.LoadCase((1, 0, 0))
     friction = np.where(contacts.blocks.max(axis=1) == 2, 0.05, 0.6)
     balance, moving = equilibrium(stones, contacts, load), np.array([False, True, True])
@@ -141,6 +141,26 @@ def test_a_motion_that_fits_well_enough_is_kept_although_it_goes_ten_times_less_
         attempt = search.by_pairs(Attempt(StepAnswer("failed", forces, np.nan, np.zeros(0)), 0.01), 1)
         assert (attempt.length == 0.01) is kept
         assert search.way(attempt) == pytest.approx(0.001)
+
+
+def test_a_large_model_asks_first_what_the_dead_load_brings_down(monkeypatch: pytest.MonkeyPatch) -> None:
+    # More than half of the pebble hangs over the edge.
+    model, state = pebble(0.46)
+    pressing = np.full_like(state.joints.pressing, 0.125)
+    state = replace(state, joints=replace(state.joints, pressing=pressing))
+    asked: list[str] = []
+    by_programs = StepSearch.by_programs
+
+    def programs(*given: Any) -> Attempt:
+        asked.append("programs")
+        return by_programs(*given)
+
+    monkeypatch.setattr(StepSearch, "by_programs", programs)
+    for held, others in ((True, []), (False, ["programs"])):
+        step = solve_state(replace(model, held=np.array([held, False, False])), state)
+        assert step.answer.outcome == "infeasible"
+        assert np.flatnonzero(step.falling).tolist() == [2]
+        assert asked == others
 
 
 @pytest.mark.parametrize(("demands", "tried"), [(THRIFTY, 3), (EXACTING, 4)])
