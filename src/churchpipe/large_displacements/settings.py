@@ -12,7 +12,8 @@ class Demands:
     """What the programs of a step must reach; a misfit is what a motion lacks of one without dilatancy, over the load factor.
 
     fitting: a motion that misses its forces by no more fits them. enough: the same of a motion that goes on from the last one,
-    which is then kept rather than looked for by other ways. astray: where the forces of the last step miss a motion by more, they
+    on which no more pairs are spent that hardly gain; resting: nor on any other when so many in a row do. kept: one that misses
+    by no more is kept rather than looked for by other ways. astray: where the forces of the last step miss a motion by more, they
     do not lead on, and no more programs are spent on them. shorter: a motion may go so many times less far than the length that
     its programs charge the gaps for. further: one that does not fit and may go so many times further is sought anew with that
     length. faster: stones fall whose motion does not come to fit when they are so many times faster than usual, see
@@ -22,6 +23,8 @@ class Demands:
 
     fitting: float
     enough: float
+    resting: float
+    kept: float
     astray: float
     shorter: float
     further: float
@@ -90,7 +93,7 @@ class PathSettings:
     programs: int = 4
     pairs: int = 6
     rounds: int = 8
-    rests: float = 0.8
+    rests: float = 0.9
     at_rest: float = 1e-3
     whole_way: int = 2
     least: float = 0.01
@@ -136,6 +139,8 @@ PATH = PathSettings()
 EXACTING = Demands(
     fitting=2e-3,
     enough=2e-3,
+    resting=np.inf,
+    kept=2e-3,
     astray=np.inf,
     shorter=PATH.right,
     further=np.inf,
@@ -144,4 +149,15 @@ EXACTING = Demands(
     duality_gap=1e-7,
 )
 # In a large model a program takes seconds.
-THRIFTY = Demands(fitting=5e-3, enough=0.01, astray=0.1, shorter=25.0, further=4.0, faster=5.0, onward=True, duality_gap=1e-5)
+THRIFTY = Demands(
+    fitting=5e-3,
+    enough=0.01,
+    resting=2,
+    kept=0.1,
+    astray=0.1,
+    shorter=25.0,
+    further=4.0,
+    faster=5.0,
+    onward=True,
+    duality_gap=1e-5,
+)

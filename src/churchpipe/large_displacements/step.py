@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from operator import itemgetter
 from typing import TypeAlias
 
 import numpy as np
@@ -167,8 +168,8 @@ def without_dilatancy(
     """Return forces and motion without dilatancy, sought from the forces of an answer in pairs of programs, so many at the most.
 
     Of each pair one finds the velocities that fit the forces, the other the forces that fit the velocities, see `closed_gap`.
-    It ends where the misfit is as small as wanted, or hardly falls any more though it is small enough, or a few stones fall, or
-    the first pair goes astray; where the misfit grows
+    It ends where the misfit is as small as wanted, or small enough and hardly falls any more, or has come to rest, or a few
+    stones fall, or the first pair goes astray; where the misfit grows
     instead, or no velocities are found, the answer given is returned, which need not have a motion ("failed"). Its multipliers,
     where it has any, are where the search begins.
     """
@@ -182,19 +183,26 @@ def without_dilatancy(
         # A motion that goes on from the last one is found from there, or it turns into another.
         near = Near(answer.forces, answer.y if len(answer.y) else None, only=first)
 
-    gaps: list[float] = []
+    seen: list[tuple[float, CoulombState]] = []
+    resting, fallen = 0, False
 
     def enough(state: CoulombState) -> bool:
+        nonlocal resting, fallen
         y, gap = state.y / float(program.live @ state.y), state.gap / max(abs(state.load_factor), PATH.least)
-        rests = bool(gaps) and gap > PATH.rests * gaps[-1]
-        gaps.append(gap)
-        return (len(gaps) == 1 and gap > demands.astray) or (rests and gap <= demands.enough) or fall(y, gap, rests)
+        rests = bool(seen) and gap > PATH.rests * seen[-1][0]
+        resting = resting + 1 if rests else 0
+        seen.append((gap, state))
+        fallen = fall(y, gap, rests)
+        return (
+            fallen or (len(seen) == 1 and gap > demands.astray) or (rests and gap <= demands.enough) or resting >= demands.resting
+        )
 
     run = closed_gap(program, program.strength, n, solve, settings, near=near, onward=demands.onward, enough=enough)
     if run is None:
         return answer
-    y = run.y / float(program.live @ run.y)
-    found = _answer(program, program.slip(y), run.x, run.load_factor, y, answer.message)
+    best = run if fallen else min(seen, key=itemgetter(0))[1]
+    y = best.y / float(program.live @ best.y)
+    found = _answer(program, program.slip(y), best.x, best.load_factor, y, answer.message)
     if first:
         return found
     given = bipotential_gap(program, program.strength, answer.forces, answer.y)

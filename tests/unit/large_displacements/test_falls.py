@@ -163,9 +163,20 @@ def test_a_large_model_asks_first_what_the_dead_load_brings_down(monkeypatch: py
         assert asked == others
 
 
-@pytest.mark.parametrize(("demands", "tried"), [(THRIFTY, 3), (EXACTING, 4)])
-def test_pairs_end_where_the_misfit_is_small_enough_and_hardly_falls(
-    monkeypatch: pytest.MonkeyPatch, demands: Demands, tried: int
+@pytest.mark.parametrize(
+    ("demands", "gaps", "rests", "kept"),
+    [
+        # Small enough, and it hardly falls any more.
+        (THRIFTY, (0.04, 0.009, 0.0085, 0.004), [False, False, True], 0.0085),
+        (EXACTING, (0.04, 0.009, 0.0085, 0.004), [False, False, True, False], 0.004),
+        # Not small enough: twice in a row ends it, with the best.
+        (THRIFTY, (0.04, 0.0118, 0.0117, 0.0155, 0.008), [False, False, True, True], 0.0117),
+        (THRIFTY, (0.04, 0.0118, 0.0117, 0.009, 0.004), [False, False, True, False, False], 0.004),
+        (EXACTING, (0.04, 0.0118, 0.0117, 0.0155, 0.008), [False, False, True, True, False], 0.008),
+    ],
+)
+def test_pairs_end_where_they_hardly_gain(
+    monkeypatch: pytest.MonkeyPatch, demands: Demands, gaps: tuple[float, ...], rests: list[bool], kept: float
 ) -> None:
     model, state = pebble()
     program = step_program(model, state)
@@ -174,18 +185,18 @@ def test_pairs_end_where_the_misfit_is_small_enough_and_hardly_falls(
     told: list[bool] = []
 
     def closed(*_: object, enough: Callable[[CoulombState], bool], **__: object) -> SlidingRun:
-        found = [CoulombState(none, 1.0, y, gap) for gap in (0.04, 0.009, 0.0085, 0.004)]
-        last = next((each for each in found if enough(each)), found[-1])
-        return sliding_run(last, [], 0, 0)
+        found = [CoulombState(np.full_like(none, gap), 1.0, y, gap) for gap in gaps]
+        return sliding_run(next((each for each in found if enough(each)), found[-1]), [], 0, 0)
 
     def fall(_: FloatArray, __: float, rests: bool) -> bool:
         told.append(rests)
         return False
 
     monkeypatch.setattr(step_module, "closed_gap", closed)
-    without_dilatancy(program, StepAnswer("failed", none, np.nan, np.zeros(0)), solver_for(program.balance), demands, 6, fall)
-    # Of the last one it is not asked whether stones fall in it: it will do.
-    assert told == ([False, False] if tried == 3 else [False, False, True, False])
+    given = StepAnswer("failed", none, np.nan, np.zeros(0))
+    answer = without_dilatancy(program, given, solver_for(program.balance), demands, 6, fall)
+    assert told == rests
+    assert answer.forces == pytest.approx(kept)
 
 
 def test_a_motion_that_does_not_fit_and_may_go_further_is_sought_with_that_length(
