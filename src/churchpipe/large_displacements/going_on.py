@@ -7,7 +7,11 @@ from scipy.spatial import cKDTree
 
 from churchpipe.large_displacements.path import PathStep
 from churchpipe.large_displacements.path_state import PathState
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.stone_path import LastStep
+
+# Points nearer to each other than this share of the reach of joints are the same ones.
+SAME = 1e-6
 
 
 def last_step(step: PathStep, power: float) -> LastStep:
@@ -36,13 +40,7 @@ def gone_on(state: PathState, last: LastStep, near: float) -> PathState:
         return state
     joints = state.joints
     point = joints.at(state.poses)[0].point
-    _, ours = np.unique(np.concatenate([last.pair, joints.pair]), axis=0, return_inverse=True)
-    # A fourth coordinate holds points of different pairs apart.
-    apart = 4.0 * near * ours.reshape(-1)
-    tree = cKDTree(np.column_stack([last.point, apart[: len(last.pair)]]))
-    distance, origin = tree.query(np.column_stack([point, apart[len(last.pair) :]]))
-    known = distance <= near
-    origin = np.where(known, origin, 0)
+    origin, known = _origin(last, joints.pair, point, near)
     share = np.where(known, 1.0 / np.maximum(np.bincount(origin[known], minlength=len(last.pair)), 1)[origin], 0.0)
     joints = replace(
         joints,
@@ -52,3 +50,17 @@ def gone_on(state: PathState, last: LastStep, near: float) -> PathState:
     )
     before = last.before if len(last.before) else None
     return replace(state, joints=joints, before=before, way=last.way, length=last.length, fastest=last.fastest)
+
+
+def _origin(last: LastStep, pair: IntArray, point: FloatArray, near: float) -> tuple[IntArray, BoolArray]:
+    """Return the point of the last step that each point (nc, 3) between a pair of stones (nc, 2) is, and whether there is one."""
+    if np.array_equal(last.pair, pair) and float(np.abs(last.point - point).max()) < SAME * near:
+        # Two points of a pair may lie at one place, which the nearest one would not tell apart.
+        return np.arange(len(pair)), np.ones(len(pair), dtype=bool)
+    _, ours = np.unique(np.concatenate([last.pair, pair]), axis=0, return_inverse=True)
+    # A fourth coordinate holds points of different pairs apart.
+    apart = 4.0 * near * ours.reshape(-1)
+    tree = cKDTree(np.column_stack([last.point, apart[: len(last.pair)]]))
+    distance, origin = tree.query(np.column_stack([point, apart[len(last.pair) :]]))
+    known = np.asarray(distance <= near)
+    return np.where(known, origin, 0), known
