@@ -122,7 +122,7 @@ def _sought(motions: Motions, search: StepSearch, program: StepProgram, gap: Flo
         if model.large and attempt.answer.outcome == "failed":
             # Mostly because stones fall. The search below would show it too, but at many times the price.
             attempt = search.under_dead_load()
-    if attempt.will_do(model.demands.kept):
+    if attempt.will_do(model.demands.enough):
         return attempt
     if attempt.answer.outcome == "infeasible" and _light(model, state, motions.falling(attempt.answer)):
         return attempt

@@ -12,11 +12,11 @@ class Demands:
     """What the programs of a step must reach; a misfit is what a motion lacks of one without dilatancy, over the load factor.
 
     fitting: a motion that misses its forces by no more fits them. enough: the same of a motion that goes on from the last one,
-    on which no more pairs are spent that hardly gain; resting: nor on any other when so many in a row do. kept: one that misses
-    by no more is kept rather than looked for by other ways. astray: where the forces of the last step miss a motion by more, they
-    do not lead on, and no more programs are spent on them. shorter: a motion may go so many times less far than the length that
-    its programs charge the gaps for. further: one that does not fit and may go so many times further is sought anew with that
-    length. faster: stones fall whose motion does not come to fit when they are so many times faster than usual, see
+    on which no more pairs are spent that hardly gain, and which is kept rather than looked for by other ways; resting: so many
+    pairs in a row that hardly gain end every search. astray: where the forces of the last step miss a motion by more, they do not
+    lead on, and no more programs are spent on them. shorter: a motion may go so many times less far than the length that its
+    programs charge the gaps for. further: one that does not fit and may go so many times further is sought anew with that length.
+    faster: stones fall whose motion does not come to fit when they are so many times faster than usual, see
     `falling.usual_speed`. onward: whether pairs begin near the pair before them where no motion is known. duality_gap: error of
     the associative programs, whose velocities may move the stones.
     """
@@ -24,7 +24,6 @@ class Demands:
     fitting: float
     enough: float
     resting: float
-    kept: float
     astray: float
     shorter: float
     further: float
@@ -140,7 +139,6 @@ EXACTING = Demands(
     fitting=2e-3,
     enough=2e-3,
     resting=np.inf,
-    kept=2e-3,
     astray=np.inf,
     shorter=PATH.right,
     further=np.inf,
@@ -153,7 +151,6 @@ THRIFTY = Demands(
     fitting=5e-3,
     enough=0.01,
     resting=2,
-    kept=0.1,
     astray=0.1,
     shorter=25.0,
     further=4.0,
