@@ -99,7 +99,7 @@ class StepSearch:
         solve: of these programs, None: as of all others. astray: a misfit of the first pair with which the search is given up.
         """
         demands = replace(self._demands, astray=astray)
-        good: Attempt | None = None
+        best: Attempt | None = None
         for left in reversed(range(PATH.lengths)):
             settled = self._settled(self._demands.further * attempt.length if left and not self._of_any_length else np.inf)
             program = self.within(attempt.length).stretched(attempt.answer.forces)
@@ -108,15 +108,15 @@ class StepSearch:
             attempt = attempt._replace(falls=self._falls(answer, rests=not attempt.fits(demands.enough)))
             if attempt.answer.outcome != "solved" or attempt.falls or attempt.answer.misfit > astray:
                 break
+            best = attempt if best is None or attempt.answer.misfit < best.answer.misfit else best
             near, length = self._next(attempt)
             fits = attempt.fits(demands.enough)
             # What points may close by within the step keeps stones apart on every shorter way as well. A motion that may go
             # further goes on in the next step.
             if near or (fits and attempt.length / length < demands.shorter):
                 break
-            good = attempt if fits else good
             attempt = attempt._replace(length=length)
-        return good if good and not attempt.will_do(demands.enough) else attempt
+        return best if best and not attempt.will_do(demands.enough) else attempt
 
     def under_dead_load(self) -> Attempt:
         """Return the attempt in which stones fall that the dead load alone brings down, or one without motion."""

@@ -249,6 +249,10 @@ def test_a_motion_that_fits_is_not_given_up_for_one_of_another_length_that_does_
     ways = iter([0.1, 0.01, 0.001, 0.001, 0.001])
     attempt = search.by_pairs(Attempt(StepAnswer("failed", none, np.nan, np.zeros(0)), 1.0), 6)
     assert (attempt.answer.misfit, attempt.length) == (0.0002, 0.1)
+    # Where none fits, the one that misses least is what is known.
+    misfits, ways = iter([0.07, 0.02, 0.5]), iter([0.1, 0.01, 0.001, 0.001, 0.001])
+    attempt = search.by_pairs(Attempt(StepAnswer("failed", none, np.nan, np.zeros(0)), 1.0), 6)
+    assert (attempt.answer.misfit, attempt.length) == (0.02, 0.1)
     # A motion that may go further than it was thought to goes on in the next step.
     misfits, ways = iter([0.005]), iter([10.0])
     assert search.by_pairs(Attempt(StepAnswer("failed", none, np.nan, np.zeros(0)), 1.0), 6).length == 1.0
