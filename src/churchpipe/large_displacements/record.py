@@ -1,5 +1,6 @@
 """The steps of a path as they are taken."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -19,7 +20,7 @@ from churchpipe.model.stone_path import FallenStones, LastStep, StepArrays, Ston
 Progress = Callable[[str, float], None]
 
 
-class Record:
+class Record(ABC):
     """The steps of a path as they are taken; where: the analysis, for what is said of it."""
 
     where = ""
@@ -63,9 +64,9 @@ class Record:
         self.largest.append(float(away.max(initial=0.0)))
         self.work.append(done)
 
+    @abstractmethod
     def reached(self) -> Ending | None:
         """Return how the path ends with the steps so far, None where it goes on."""
-        raise NotImplementedError
 
     def go_on_from(self, path: StonePath, displacement: FloatArray, load_factor: FloatArray) -> PathState:
         """Take over the steps of a path, and return the state from which to go on.
