@@ -31,8 +31,9 @@ class LastStep:
     pair (k, 2): the stones of each point of contact; point (k, 3) m: where it lies, displaced. pressing (k,) and shear (k, 3), in
     the axes of the drawing: its force over the weight; sliding (k,): its rate of sliding times the friction, per unit of work.
     before (nb, 6): velocities of the step before at the origin, no rows where there was none; way: how far it went, and length:
-    what steps charge their gaps for, m per unit of work; fastest: speed of the fastest stone. velocity (nb, 6): of the step
-    itself, onward how far it goes, and power, N m per unit of work, what friction takes. Empty where nothing is known.
+    what steps charge their gaps for, m per unit of work; fastest: the speed by which falls are measured (`falling.usual_speed`).
+    velocity (nb, 6): of the step itself, onward: how far it goes, and power: what friction takes, N m per unit of work. Empty
+    where nothing is known.
     """
 
     pair: IntArray = field(default_factory=lambda: np.zeros((0, 2), dtype=np.int64))
