@@ -34,8 +34,13 @@ def usual_speed(speed: FloatArray, before: float, weight: FloatArray, spared: fl
     A stone that loses its hold gets faster from step to step, and each step is as much shorter. It would not be known to fall
     if it were measured by the step before.
     """
-    light = _fast(speed, weight, spared)[1]
+    light = of_few(speed, weight, spared)
     return before if light and np.isfinite(before) else float(speed.max(initial=0.0))
+
+
+def of_few(speed: FloatArray, weight: FloatArray, spared: float) -> bool:
+    """Return whether a motion is that of a few light stones; see `falling_stones`."""
+    return _fast(speed, weight, spared)[1]
 
 
 def _fast(speed: FloatArray, weight: FloatArray, spared: float) -> tuple[BoolArray, bool]:

@@ -3,10 +3,11 @@
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
-from churchpipe.large_displacements.halo import grown
+from churchpipe.large_displacements.halo import grown, shrunk
 from churchpipe.large_displacements.moving_model import MovingModel
 from churchpipe.large_displacements.path import PathStep, may_go_on, next_state, solve_state, without
 from churchpipe.large_displacements.path_state import PathState
+from churchpipe.large_displacements.settings import PATH
 from churchpipe.wording import counted
 
 EndingName = Literal["vanished", "free", "collapsed", "unfinished", "unbounded", "not-converged"]
@@ -40,10 +41,12 @@ class Steps(Protocol):
 def follow(model: MovingModel, state: PathState, steps: int, record: Steps, rings: int) -> Ending:
     """Solve and keep at most so many steps of a path, and return how it ended.
 
-    A step is solved on the stones that move and those near to them, so many contacts away (`rings`). Where it moves others, it is
-    solved again with more. Where stones fall in it, it is solved again without them, unless the structure cannot spare them.
+    A step is solved on the stones that move and those near to them, so many contacts away (`rings`). Stones that stand still by
+    now are held; where a step moves others, it is solved again with more. Where stones fall in it, it is solved again without
+    them, unless the structure cannot spare them. A motion that misses its forces by more than `PATH.credible` leads nowhere.
     """
     for _ in range(steps):
+        model, state = shrunk(model, state, rings)
         step = solve_state(model, state)
         while (wider := grown(model, step, rings)) is not None:
             model, state = wider
@@ -60,6 +63,11 @@ def follow(model: MovingModel, state: PathState, steps: int, record: Steps, ring
             return Ending("unbounded", "the stones have locked: nothing of this kind moves them on")
         if step.answer.outcome != "solved":
             return Ending("not-converged", f"the program of a step was not solved: {step.answer.message}")
+        if step.answer.misfit > PATH.credible:
+            share = f"{step.answer.misfit:.0%}"
+            return Ending(
+                "not-converged", f"no motion was found that fits its forces: they miss each other by {share} of the load factor"
+            )
         ending = record.add(step)
         if ending is not None:
             return ending

@@ -31,6 +31,7 @@ def last_step(step: PathStep, power: float) -> LastStep:
         velocity=step.velocity,
         onward=step.way,
         power=power,
+        held=step.held,
     )
 
 

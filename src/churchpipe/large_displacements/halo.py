@@ -8,10 +8,12 @@ import numpy as np
 import scipy.sparse as sp
 
 from churchpipe.conic.solve import solver_for
+from churchpipe.large_displacements.falling import of_few
 from churchpipe.large_displacements.joints import joined
+from churchpipe.large_displacements.motions import expendable
 from churchpipe.large_displacements.moving_model import MovingModel, bearing
 from churchpipe.large_displacements.path import PathStep
-from churchpipe.large_displacements.path_state import PathState
+from churchpipe.large_displacements.path_state import PathState, renewed_state, standing
 from churchpipe.large_displacements.poses import start_poses
 from churchpipe.large_displacements.settings import PATH
 from churchpipe.large_displacements.travelling import TravellingLoads
@@ -73,6 +75,30 @@ def held_at_first(
         rings *= 2
 
 
+def shrunk(model: MovingModel, state: PathState, rings: int) -> tuple[MovingModel, PathState]:
+    """Return the model and the state with those stones held that stand still by now, in a large model.
+
+    They are slower than `PATH.rim` of the mechanism of the last step, and so many contacts (`rings`) from faster ones. Where that
+    is a motion of a few light stones, or hardly any would be held, all are followed as before.
+    """
+    if not (rings and model.large and state.before is not None and isinstance(model.driven, TravellingLoads)):
+        return model, state
+    velocity = state.before.copy()
+    velocity[:, :3] += np.cross(velocity[:, 3:], state.poses.centroid)
+    speed = stone_speed(standing(model, state), velocity)
+    if of_few(speed, model.stones.weight, expendable(model, state)):
+        return model, state
+    moving = speed > PATH.rim * reference_speed(speed)
+    moving[model.ties.stone] = True
+    still = held_around(model.stones, np.concatenate([model.drawn.blocks, state.joints.blocks]), moving, rings)
+    free = ~(model.stones.fixed | model.held | state.fallen)
+    if (still & free).sum() <= PATH.worth * free.sum():
+        return model, state
+    model = replace(model, held=model.held | (still & free))
+    bears = bearing(model.stones.fixed | model.held, state.joints.blocks)
+    return model, replace(state, joints=state.joints.selected(bears))
+
+
 def grown(model: MovingModel, step: PathStep, rings: int) -> tuple[MovingModel, PathState] | None:
     """Return the model with a wider halo, and the state at which to solve the step again; None where its rim stands still."""
     if not model.held.any() or step.answer.outcome != "solved":
@@ -86,8 +112,10 @@ def grown(model: MovingModel, step: PathStep, rings: int) -> tuple[MovingModel, 
     if not (step.speed[rim] > PATH.rim * reference).any():
         return None
     held = model.held & held_around(model.stones, blocks, step.speed > PATH.still * reference, rings)
-    # Where neither stone could move before, nothing has moved since the drawing.
+    # Where neither stone could move before, they stand to each other as drawn, unless they moved before they were held.
     still = model.held | model.stones.fixed
     freed = ~bearing(still, model.drawn.blocks) & bearing(held | model.stones.fixed, model.drawn.blocks)
     state = replace(step.state, joints=joined(step.state.joints, model.drawn.selected(freed)))
-    return replace(model, held=held), state
+    away = (step.state.poses.centroid != model.stones.centroid).any(axis=1)
+    wider = replace(model, held=held)
+    return wider, renewed_state(wider, state) if (away & model.held & ~held).any() else state

@@ -17,6 +17,7 @@ from churchpipe.large_displacements.state_program import last_velocities, state_
 from churchpipe.large_displacements.step import StepAnswer, StepProgram, solve_step
 from churchpipe.large_displacements.travelling import TravellingLoads
 from churchpipe.large_displacements.twisted import friction_shift
+from churchpipe.large_displacements.unsupported import unsupported
 from churchpipe.mechanism import reference_speed, stone_speed
 from churchpipe.model.arrays import BoolArray, FloatArray
 
@@ -26,7 +27,7 @@ class PathStep:
     """A program solved at a state: its answer, velocities (nb, 6), speeds (nb,) and rates (nc, 3) n, t1, t2 of the points.
 
     state: that at which it was solved, sliding and length of step as they became. way: to the next state, m per unit of work.
-    friction_power: work of friction over the weight per unit of work. falling (nb,): stones that fall.
+    friction_power: work of friction over the weight per unit of work. falling (nb,): stones that fall, held (nb,): those held.
     """
 
     state: PathState
@@ -37,6 +38,7 @@ class PathStep:
     way: float
     friction_power: float
     falling: BoolArray
+    held: BoolArray
 
 
 def solve_state(
@@ -102,6 +104,7 @@ def _solved(model: MovingModel, state: PathState, programs: int, pairs: int) -> 
         way=way,
         friction_power=-_work(model, answer, rate),
         falling=motions.falling(answer, rests=attempt.falls),
+        held=model.held,
     )
 
 
@@ -113,8 +116,12 @@ def _sought(motions: Motions, search: StepSearch, program: StepProgram, gap: Flo
     """
     model, state = motions.model, motions.state
     forces = _last_forces(model, state, gap)
+    sliding = np.zeros(len(gap))
+    sliding[: len(state.joints.sliding)] = state.joints.sliding
     attempt = Attempt(StepAnswer("failed", forces, np.nan, np.zeros(0)), state.length)
     if pairs and forces.any() and not program.softness.any():
+        if model.large and (fall := _unsupported(motions, program)) is not None:
+            return Attempt(fall, state.length)
         # A large program that has no solution need not be shown twice to have none: the search below shows it once more.
         own = solver_for(program.balance, "interior-point") if model.large and model.solver == "auto" else None
         last = last_velocities(model, state, motions.free, program)
@@ -122,13 +129,26 @@ def _sought(motions: Motions, search: StepSearch, program: StepProgram, gap: Flo
         if model.large and attempt.answer.outcome == "failed":
             # Mostly because stones fall. The search below would show it too, but at many times the price.
             attempt = search.under_dead_load()
+        if model.large and not attempt.will_do(model.demands.enough) and attempt.answer.outcome != "infeasible":
+            attempt = _better(attempt, search.onward(sliding, last, pairs, own))
     if attempt.will_do(model.demands.enough):
         return attempt
     if attempt.answer.outcome == "infeasible" and _light(model, state, motions.falling(attempt.answer)):
         return attempt
-    sliding = np.zeros(len(gap))
-    sliding[: len(state.joints.sliding)] = state.joints.sliding
     return _better(attempt, search.by_programs(sliding, programs, pairs))
+
+
+def _unsupported(motions: Motions, program: StepProgram) -> StepAnswer | None:
+    """Return the fall of a few light stones that their neighbours cannot carry, None where there are none such."""
+    falling = unsupported(program)
+    fallen = np.zeros(len(motions.stones.weight), dtype=bool)
+    fallen[motions.free] = falling
+    if not falling.any() or not _light(motions.model, motions.state, fallen):
+        return None
+    dead = program.dead[: 6 * len(falling)].reshape(-1, 6)
+    y = np.zeros_like(program.dead)
+    y[: dead.size].reshape(-1, 6)[falling] = dead[falling] / np.linalg.norm(dead[falling], axis=1)[:, None]
+    return StepAnswer("infeasible", np.zeros((len(program.closing), 3)), np.nan, y)
 
 
 def _last_forces(model: MovingModel, state: PathState, gap: FloatArray) -> FloatArray:

@@ -144,7 +144,7 @@ def block_pushover(
     model = replace(model, held=held_at_first(model, contacts.blocks, held_program, state, halo)) if halo else model
     record = _Curve(model, measure, furthest, progress, keep)
     if resume is not None and len(resume.position):
-        start = record.go_on_from(resume, resume.displacement, resume.load_factor)
+        start = record.go_on_from(resume, resume.displacement, resume.load_factor, halo=halo > 0)
         model = record.model
         record.tensions = list(resume.tie_forces[: len(record.poses)])
         steps -= len(record.poses)

@@ -68,19 +68,21 @@ class Record(ABC):
     def reached(self) -> Ending | None:
         """Return how the path ends with the steps so far, None where it goes on."""
 
-    def go_on_from(self, path: StonePath, displacement: FloatArray, load_factor: FloatArray) -> PathState:
+    def go_on_from(self, path: StonePath, displacement: FloatArray, load_factor: FloatArray, *, halo: bool) -> PathState:
         """Take over the steps of a path, and return the state from which to go on.
 
         It is that after the last step, as if the path had not been interrupted. Where the motion of that step is not known, or
-        another end is asked for, it is that of the last step, which is left out here and solved again. Stones that have moved
-        are held no more. Raises InputError where the path is that of other stones.
+        another end is asked for, it is that of the last step, which is left out here and solved again. halo: whether stones are
+        held at all; where it is not known which of them the last step held, those that have moved are held no more. Raises
+        InputError where the path is that of other stones.
         """
         count, last = self.model.stones.count, len(path.position) - 1
         if path.position.shape[1] != count:
             found, expected = f"{path.position.shape[1]} stones", f"{count} stones"
             raise InputError(f"{self.where}: resume", "steps of other stones", found=found, expected=expected)
         moved = (path.position[-1] != path.position[0]) | (path.rotation[-1] != path.rotation[0])
-        model = self.model = replace(self.model, held=self.model.held & ~moved.any(axis=1))
+        held = path.last.held if halo and len(path.last.held) == count else self.model.held & ~moved.any(axis=1)
+        model = self.model = replace(self.model, held=held)
         self.resumed = f"continued from step {last}"
         every = [Poses(centroid, screw(rotation)[0]) for centroid, rotation in zip(path.position, path.rotation, strict=True)]
         self.poses, self.displacement, self.load_factor = list(every), displacement.tolist(), load_factor.tolist()

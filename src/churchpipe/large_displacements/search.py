@@ -122,16 +122,28 @@ class StepSearch:
         """Return the attempt in which stones fall that the dead load alone brings down, or one without motion."""
         return Attempt(fallen_alone(self.within(self._begin), self._solve), self._begin)
 
-    def by_programs(self, sliding: FloatArray, programs: int, pairs: int) -> Attempt:
+    def onward(self, sliding: FloatArray, last: FloatArray, pairs: int, solve: Solve | None) -> Attempt:
+        """Return an attempt sought in pairs of programs near the last motion (m,), from the forces of one associative program.
+
+        sliding (nc,) is what that program charges; solve: as in `by_pairs`.
+        """
+        begun = self.by_programs(sliding, 1, 0, solve)
+        if begun.answer.outcome != "solved" or begun.falls:
+            return begun
+        begun = begun._replace(answer=replace(begun.answer, outcome="failed", y=last))
+        return self.by_pairs(begun, pairs, solve, self._demands.astray)
+
+    def by_programs(self, sliding: FloatArray, programs: int, pairs: int, solve: Solve | None = None) -> Attempt:
         """Return an attempt that fits, sought in so many programs at the most: each charges the sliding of the one before.
 
         sliding (nc,) is that of the first one. Where the programs go round in circles the search goes on by pairs.
+        solve: as in `by_pairs`, of the programs before these.
         """
         attempt = Attempt(StepAnswer("failed", np.zeros((0, 3)), np.nan, np.zeros(0)), self._begin)
         before: Attempt | None = None
         count = 0
         while count < programs:
-            answer = solve_step(self.within(attempt.length), sliding, self._solve, self._demands.duality_gap)
+            answer = solve_step(self.within(attempt.length), sliding, solve or self._solve, self._demands.duality_gap)
             attempt = attempt._replace(answer=answer, falls=self._falls(answer))
             if attempt.answer.outcome == "unbounded" and attempt.length > PATH.shortest * self._most:
                 # It comes up against a stone within this step: it may go no further than that.

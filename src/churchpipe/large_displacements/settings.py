@@ -148,7 +148,7 @@ EXACTING = Demands(
 )
 # In a large model a program takes seconds.
 THRIFTY = Demands(
-    fitting=5e-3,
+    fitting=8e-3,
     enough=0.01,
     resting=2,
     astray=0.1,

@@ -113,7 +113,7 @@ def settlement_path(
     record = _Movement(model, furthest, int(steps), progress, keep, least.reaction)
     start = first_state(model)
     if resume is not None and len(resume.position):
-        start = record.go_on_from(resume, resume.movement, -resume.reaction / model.force)
+        start = record.go_on_from(resume, resume.movement, -resume.reaction / model.force, halo=halo > 0)
         steps -= len(record.poses)
     return record.path(follow(record.model, start, int(steps), record, halo), perf_counter() - begin)
 

@@ -5,7 +5,7 @@ from typing import Any, Self, TypedDict
 
 import numpy as np
 
-from churchpipe.model.arrays import FloatArray, IntArray, floats, indices, rows_of, store
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, flags, floats, indices, rows_of, store
 
 # A path is proved when forces balance and keep to their friction cones to the first, and motions fit forces to the second.
 _EXACT, _FITS = 1e-8, 1e-2
@@ -32,8 +32,8 @@ class LastStep:
     the axes of the drawing: its force over the weight; sliding (k,): its rate of sliding times the friction, per unit of work.
     before (nb, 6): velocities of the step before at the origin, no rows where there was none; way: how far it went, and length:
     what steps charge their gaps for, m per unit of work; fastest: the speed by which falls are measured (`falling.usual_speed`).
-    velocity (nb, 6): of the step itself, onward: how far it goes, and power: what friction takes, N m per unit of work. Empty
-    where nothing is known.
+    velocity (nb, 6): of the step itself, onward: how far it goes, and power: what friction takes, N m per unit of work. held
+    (nb,): stones that were held still in it. Empty where nothing is known.
     """
 
     pair: IntArray = field(default_factory=lambda: np.zeros((0, 2), dtype=np.int64))
@@ -48,6 +48,7 @@ class LastStep:
     velocity: FloatArray = field(default_factory=lambda: np.zeros((0, 6)))
     onward: float = 0.0
     power: float = 0.0
+    held: BoolArray = field(default_factory=lambda: np.zeros(0, dtype=bool))
 
     def __post_init__(self) -> None:
         count = rows_of("LastStep.pair", self.pair)
@@ -56,6 +57,7 @@ class LastStep:
             store(self, **{name: floats(f"LastStep.{name}", getattr(self, name), shape)})
         for name in ("before", "velocity"):
             store(self, **{name: floats(f"LastStep.{name}", getattr(self, name), (None, 6))})
+        store(self, held=flags("LastStep.held", self.held, (None,)))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

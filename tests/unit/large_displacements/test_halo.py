@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import churchpipe as cp
-from churchpipe.large_displacements.halo import grown, held_around, held_at_first
+from churchpipe.large_displacements.halo import grown, held_around, held_at_first, shrunk
 from churchpipe.large_displacements.moving_model import MovingModel, moving_model
 from churchpipe.large_displacements.path import next_state, solve_state
-from churchpipe.large_displacements.path_state import first_state
+from churchpipe.large_displacements.path_state import PathState, first_state, renewed_state
 from churchpipe.large_displacements.travelling import live_loads
 from churchpipe.model.arrays import BoolArray
 from churchpipe.model.contacts import Contacts
@@ -101,3 +101,55 @@ def test_the_halo_grows_until_its_rim_stands_still() -> None:
     assert np.flatnonzero(model.held).tolist() in ([], [1])
     # The joints that were left out are those of the drawing.
     assert len(next_state(model, step).joints.blocks) >= 7
+
+
+def moving_with(model: MovingModel, stones: list[int]) -> PathState:
+    """The state of a model as drawn after a step in which these stones went along the x axis, and all others stood still."""
+    before = np.zeros((model.stones.count, 6))
+    before[stones, 0] = 1.0
+    return replace(first_state(model), before=before, way=0.01)
+
+
+def test_stones_that_stand_still_by_now_are_held() -> None:
+    stones, contacts = row(20, 4)
+    balance, pushed = equilibrium(stones, contacts, PUSH), stones.panel == "column"
+    column = np.flatnonzero(pushed).tolist()
+    model = moving_model(stones, contacts, PUSH, live_loads(stones, PUSH), 0.6, balance, pushed, None, "auto")
+    followed = replace(model, held=np.arange(stones.count) == 20)
+    state = moving_with(followed, column)
+    less, left = shrunk(followed, state, 2)
+    assert np.flatnonzero(~less.held[1:21]).tolist() == [1, 2, 3]
+    assert not less.held[column].any()
+    kept = left.joints.blocks
+    assert not (less.held | stones.fixed)[kept].all(axis=1).any()
+    assert len(kept) < len(state.joints.blocks)
+    step, full = solve_state(less, left), solve_state(followed, state)
+    assert step.answer.load_factor == pytest.approx(full.answer.load_factor, abs=1e-6)
+    # Nothing is held in a small model, without a halo, before the first step, where a few light stones move alone, or for the
+    # sake of few stones.
+    assert shrunk(model, state, 2)[0] is model
+    assert shrunk(followed, state, 0)[0] is followed
+    assert shrunk(followed, first_state(followed), 2)[0] is followed
+    heavy = replace(followed, moving=100 * model.moving)
+    assert shrunk(heavy, state, 2)[0] is heavy
+    assert shrunk(followed, moving_with(followed, [*column, *range(5, 20)]), 2)[0] is followed
+
+
+def test_stones_that_moved_before_they_were_held_are_let_go_where_they_stand() -> None:
+    model, _ = sliding_top()
+    free = replace(model, held=np.isin(np.arange(9), [1]))
+    state = moving_with(free, list(range(3, 9)))
+    shift = np.zeros((9, 6))
+    shift[3:, 0] = 0.05
+    there = renewed_state(free, replace(state, poses=state.poses.moved(shift)))
+    less, left = shrunk(free, replace(there, before=moving_with(free, [8]).before), 1)
+    assert np.flatnonzero(less.held).tolist() == [1, 2, 3, 4, 5, 6]
+    step = solve_state(less, left)
+    while (wider := grown(less, step, 2)) is not None:
+        less, left = wider
+        step = solve_state(less, left)
+    assert step.answer.load_factor == pytest.approx(0.2, abs=1e-6)
+    # The third bed is that of two stones that have slid by .05 m.
+    joints = step.state.joints
+    bed = joints.at(step.state.poses)[0].point[(joints.pair == [2, 3]).all(axis=1), 0]
+    assert (bed.min(), bed.max()) == pytest.approx((0.05, 1.0))

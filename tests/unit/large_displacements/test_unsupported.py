@@ -1,0 +1,91 @@
+"""Stones that their neighbours cannot carry, found one by one."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import churchpipe as cp
+from churchpipe.conic.solve import solver_for
+from churchpipe.conic.wrenches import pair_wrenches
+from churchpipe.large_displacements.moving_model import moving_model
+from churchpipe.large_displacements.path_state import first_state
+from churchpipe.large_displacements.state_program import step_program
+from churchpipe.large_displacements.step import StepProgram, fallen_alone
+from churchpipe.large_displacements.travelling import live_loads
+from churchpipe.large_displacements.unsupported import unsupported
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.rigid_blocks.certificate import Strength
+from churchpipe.rigid_blocks.equilibrium import equilibrium
+from solids import box, moved, on_ground
+
+
+def program_of(stones: Assemblage, friction: float = 0.6) -> StepProgram:
+    contacts, load = cp.find_contacts(stones), cp.LoadCase((1, 0, 0))
+    balance = equilibrium(stones, contacts, load)
+    model = moving_model(stones, contacts, load, live_loads(stones, load), friction, balance, ~stones.fixed, None, "auto")
+    return step_program(model, first_state(model))
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.4, 2.0])
+@pytest.mark.parametrize(("out", "falls"), [(0.3, False), (0.499, False), (0.501, True), (0.8, True)])
+def test_a_block_falls_when_its_centroid_lies_beyond_the_edge(out: float, falls: bool, turn: float) -> None:
+    stones = on_ground(box((0, 1), (0, 1), (0, 1)), box((0, 1), (out, out + 1), (1, 1.5)))
+    stones = moved(stones, Rotation.from_euler("z", turn).as_matrix(), np.zeros(3))
+    assert unsupported(program_of(stones)).tolist() == [False, falls]
+
+
+def test_a_stone_falls_after_the_one_that_it_rests_on() -> None:
+    # The third rests on the second, which lies more than half beyond the edge, the fourth on the first.
+    stones = on_ground(
+        box((0, 1), (0, 1), (0, 1)),
+        box((0, 1), (0.6, 1.6), (1, 1.5)),
+        box((0, 1), (1.2, 1.6), (1.5, 2)),
+        box((0, 1), (0, 0.4), (1, 1.5)),
+    )
+    assert unsupported(program_of(stones, 0.3)).tolist() == [False, True, True, False]
+    # A third stone that stood fast would hold the second by friction: they fall together, which is not seen stone by stone.
+    assert not unsupported(program_of(stones, 0.6)).any()
+
+
+@pytest.mark.parametrize(("friction", "falls"), [(0.5, False), (0.0, True)])
+def test_a_stone_between_two_others_is_held_by_friction_alone(friction: float, falls: bool) -> None:
+    beside = box((0, 1), (0, 1), (0, 2)), box((0, 1), (1.5, 2.5), (0, 2))
+    stones = on_ground(*beside, box((0, 1), (1, 1.5), (1, 2)))
+    assert unsupported(program_of(stones, friction)).tolist() == [False, False, falls]
+
+
+def random_body(random: np.random.Generator, friction: float) -> StepProgram:
+    """A body of a weight on two to six points of a support, their normals up to 60 degrees from the vertical."""
+    count = int(random.integers(2, 7))
+    tilt = random.uniform(0, np.pi / 3, count)
+    turns = np.stack([random.uniform(0, 2 * np.pi, count), tilt, random.uniform(0, 2 * np.pi, count)], axis=1)
+    # Rows n, t1, t2: the vertical turned away from itself.
+    frames = Rotation.from_euler("ZYZ", turns).as_matrix().transpose(0, 2, 1)[:, [2, 0, 1]]
+    arms = random.uniform(-1, 1, (count, 1, 3)) * np.array([1.0, 1.0, 0.5]) - np.array([0, 0, 0.7])
+    balance = pair_wrenches(1, np.tile([-1, 0], (count, 1)), np.repeat(arms, 2, axis=1), frames, np.arange(count))
+    dead, live = np.array([0, 0, -1.0, 0, 0, 0]), np.array([1.0, 0, 0, 0, 0, 0])
+    zero = np.zeros(count)
+    strength = Strength(np.full(count, friction), zero, np.full(count, np.inf))
+    return StepProgram(balance, dead, live, strength, zero, count, 6, zero)
+
+
+def test_what_falls_is_what_a_program_of_the_dead_load_brings_down() -> None:
+    random = np.random.default_rng(3)
+    seen = {True: 0, False: 0}
+
+    def alone(program: StepProgram) -> bool:
+        return fallen_alone(program, solver_for(program.balance, "clarabel")).outcome == "infeasible"
+
+    for _ in range(60):
+        program = random_body(random, 0.5)
+        found = bool(unsupported(program)[0])
+        seen[found] += 1
+        if found:
+            assert alone(program)
+        else:
+            # The pyramid holds what a cone of as many per cent more would.
+            wider = replace(program, strength=replace(program.strength, friction=program.strength.friction / np.cos(np.pi / 16)))
+            assert not alone(wider)
+    assert min(seen.values()) > 10
