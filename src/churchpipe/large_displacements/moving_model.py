@@ -55,6 +55,11 @@ class MovingModel:
         return self.strength is None and self.contact_model == "corners"
 
     @property
+    def rest(self) -> float:
+        """The largest gap or overlap of a joint as drawn, m. It is that of all joints, whichever stones are followed."""
+        return float(np.abs(self.drawn.rest).max(initial=0.0))
+
+    @property
     def large(self) -> bool:
         """True where most stones are held, or there are so many points that the certified analysis takes many minutes."""
         return bool(self.held.any()) or len(self.drawn.sliding) > PATH.large

@@ -92,6 +92,7 @@ def _solved(model: MovingModel, state: PathState, programs: int, pairs: int) -> 
         way, length = search.way(attempt), search.next_length(attempt)
         joints = replace(_pressed(model, state, attempt), sliding=sliding[: len(joints.sliding)])
         answer = _with_present_tensions(model, state, at, answer, sliding, solve)
+        state = replace(state, load_factor=answer.load_factor)
     velocity, rate = motions.velocities(answer.y), program.motion(answer.y)
     # Where the load does hardly any work, as in a fall, rates are measured by the mean speed of the weight.
     answer = replace(answer, gap=answer.gap / max(1.0, motions.mean_speed(answer.y)))
@@ -140,7 +141,7 @@ def _sought(motions: Motions, search: StepSearch, program: StepProgram, gap: Flo
 
 def _unsupported(motions: Motions, program: StepProgram) -> StepAnswer | None:
     """Return the fall of a few light stones that their neighbours cannot carry, None where there are none such."""
-    falling = unsupported(program)
+    falling = unsupported(program, PATH.withstood * motions.state.load_factor)
     fallen = np.zeros(len(motions.stones.weight), dtype=bool)
     fallen[motions.free] = falling
     if not falling.any() or not _light(motions.model, motions.state, fallen):

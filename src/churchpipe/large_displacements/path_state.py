@@ -18,8 +18,9 @@ from churchpipe.model.stone_path import FallenStones
 class PathState:
     """Where a path has got to: poses, joints, which stones have fallen (nb,), length of the step, m per unit of work.
 
-    fastest: `falling.usual_speed` of the last step whose motion was credible. before (nb, 6): velocities of the last step
-    at the origin, way (m per unit of work) how far it went; None as drawn. rest (nt,) m: what ties have been pulled to.
+    fastest: `falling.usual_speed` of the last step whose motion was credible. before (nb, 6): velocities of the last step at the
+    origin, None as drawn; way (m per unit of work): how far it went; load_factor: its own. rest (nt,) m: what ties have been
+    pulled to.
     """
 
     poses: Poses
@@ -29,6 +30,7 @@ class PathState:
     fastest: float = np.inf
     before: FloatArray | None = None
     way: float = 0.0
+    load_factor: float = 0.0
     rest: FloatArray = field(default_factory=lambda: np.zeros(0))
 
 
@@ -59,7 +61,7 @@ def renewed_state(model: MovingModel, state: PathState) -> PathState:
     """Return the state with its contacts found anew where its stones are, and what its ties have been pulled to."""
     stones = standing(model, state)
     crushing = model.strength is not None
-    joints = renewed(state.joints, stones, state.poses, state.fallen, model.reach, crushing=crushing)
+    joints = renewed(state.joints, stones, state.poses, state.fallen, model.reach, model.rest, crushing=crushing)
     return replace(state, joints=joints, rest=model.ties.yielded(state.rest, state.poses))
 
 

@@ -61,8 +61,9 @@ class PathSettings:
         large: with more points of contact the certified analysis takes many minutes. falling, ahead: those that take part in a
         fall, or in a motion that has gone local. faster: a motion so many times faster than that of the last step is one of a
         few stones. expendable: stones that weigh no more than this share of what moved at the start may fall out without ending
-        the curve. strongest: what normal forces of so many weights in all cannot hold falls. left_behind: stones slower than this
-        share of a support stand still while it moves.
+        the curve. strongest: what normal forces of so many weights in all cannot hold falls. withstood: in a large model
+        a light stone falls that cannot stand this share of the last load factor, were all others fast. left_behind: stones slower
+        than this share of a support stand still while it moves.
 
     Contacts found anew:
         depth, deeper: shares of the reach: how deep new neighbours may have sunk into each other, and stones that bore on each
@@ -109,6 +110,7 @@ class PathSettings:
     faster: float = 20.0
     expendable: float = 0.05
     strongest: float = 100.0
+    withstood: float = 0.8
     left_behind: float = 1e-4
     depth: float = 0.5
     deeper: float = 2.0

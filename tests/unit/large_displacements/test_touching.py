@@ -85,7 +85,7 @@ def test_what_a_drawing_leaves_open_counts_as_closed_and_goes_with_the_stones() 
     twist = np.zeros((3, 6))
     twist[1:, 0] = 0.1
     slid = poses.moved(twist)
-    again = renewed(joints, displaced(stones, slid), slid, np.zeros(3, dtype=bool), 0.05)
+    again = renewed(joints, displaced(stones, slid), slid, np.zeros(3, dtype=bool), 0.05, 0.0)
     assert len(again.first) == 8
     assert again.at(slid)[1] == pytest.approx(0.0, abs=1e-9)
 
