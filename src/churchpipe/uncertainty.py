@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from churchpipe.errors import InputError
-from churchpipe.model.arrays import FloatArray
+from churchpipe.model.arrays import FloatArray, floats
 
 LEVELS = (0.05, 0.16, 0.5, 0.84, 0.95)
 # Of the band about an estimated probability.
@@ -77,12 +77,13 @@ def assess_uncertainty(points: FloatArray, load_factors: FloatArray) -> Uncertai
 
     Raises
     ------
-    InputError: not as many load factors as points.
+    InputError: not as many load factors as points, points that are not finite numbers.
     """
-    points, factors = np.asarray(points, dtype=float), np.asarray(load_factors, dtype=float)
-    if points.ndim != 2 or factors.shape != (len(points),):
-        found = f"{factors.shape} and {points.shape}"
-        raise InputError("assess_uncertainty: load_factors", "wrong shape", found=found, expected="as many as points (n, np)")
+    points = floats("assess_uncertainty: points", points, (None, None))
+    factors = floats("assess_uncertainty: load_factors", load_factors, (None,), finite=False)
+    if len(factors) != len(points):
+        found, expected = f"{factors.shape} and {points.shape}", "as many as points (n, np)"
+        raise InputError("assess_uncertainty: load_factors", "wrong shape", found=found, expected=expected)
     known = ~np.isnan(factors)
     points, factors = points[known], factors[known]
     unlimited = np.isinf(factors).any()

@@ -3,13 +3,14 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args
 
 import numpy as np
 from pydantic import BeforeValidator, Field
 
-from churchpipe.config.tables import listed
+from churchpipe.config.tables import listed as listed_keys
 from churchpipe.errors import InputError
+from churchpipe.model.arguments import finite, listed, one_of, whole
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.quantities import Quantity
 
@@ -18,7 +19,7 @@ Kind = Literal["normal", "lognormal", "uniform", "beta"]
 _Keys = Annotated[
     tuple[str, ...],
     Field(min_length=1),
-    BeforeValidator(listed, json_schema_input_type=list[str] | str),
+    BeforeValidator(listed_keys, json_schema_input_type=list[str] | str),
     "Dotted key of the case, or several that have one value.",
 ]
 # Fewer lie between the bounds of a distribution than this share: they are a mistake.
@@ -54,6 +55,10 @@ class SampledParameter:
     high: Annotated[float | None, Quantity(), "No value is above."] = None
 
     def __post_init__(self) -> None:
+        one_of("parameter: distribution", self.distribution, *get_args(Kind))
+        for name in ("mean", "standard_deviation", "low", "high"):
+            if getattr(self, name) is not None:
+                finite(f"parameter: {name}", getattr(self, name))
         for name in _NEEDED[self.distribution]:
             if getattr(self, name) is None:
                 raise InputError(f"parameter: {name}", "missing", expected=f"a number, for a {self.distribution} distribution")
@@ -134,9 +139,20 @@ def sample_points(parameters: Sequence[SampledParameter], number: int, *, seed: 
         Another one draws other values.
     method
         "sobol", a scrambled Sobol sequence, or "latin-hypercube", one hypercube of 20 samples after the other.
+
+    Raises
+    ------
+    InputError: nothing that varies, arguments of the wrong kind or out of range.
     """
     from scipy.stats import qmc
 
+    parameters = listed("sample_points: parameters", parameters, SampledParameter)
+    if not parameters:
+        raise InputError("sample_points: parameters", "nothing varies", expected="one SampledParameter or more")
+    whole("sample_points: number", number, least=1)
+    whole("sample_points: seed", seed, least=0)
+    one_of("sample_points: method", method, *get_args(Method))
+    number = int(number)
     if method == "sobol":
         sequence = qmc.Sobol(len(parameters), rng=np.random.default_rng(seed))
         levels = sequence.random_base2(max(number - 1, 1).bit_length())

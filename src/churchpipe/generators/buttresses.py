@@ -7,6 +7,7 @@ import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.geometry import planar
+from churchpipe.model.arguments import check_kind, listed
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, Building, Junction, Panel, PlaneChart
 from churchpipe.model.buttress import Buttress
@@ -36,7 +37,8 @@ def with_buttresses(building: Building, buttresses: Iterable[Buttress]) -> Build
         A wall that is not there, is curved, or has no such side; a place beyond it or in an opening; a height that is no whole
         number of courses.
     """
-    for buttress in buttresses:
+    check_kind("with_buttresses: building", building, Building)
+    for buttress in listed("with_buttresses: buttresses", buttresses, Buttress):
         where = f"buttress of {buttress.wall}"
         panels = {panel.name: panel for panel in building.panels}
         wall = panels.get(buttress.wall)

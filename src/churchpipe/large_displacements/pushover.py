@@ -20,7 +20,7 @@ from churchpipe.large_displacements.settings import PATH
 from churchpipe.large_displacements.state_program import approached, as_in
 from churchpipe.large_displacements.travelling import live_loads
 from churchpipe.mechanism import moving_stones, stone_speed
-from churchpipe.model.arguments import listed, one_of, positive, whole
+from churchpipe.model.arguments import check_kind, listed, one_of, positive, whole
 from churchpipe.model.arrays import BoolArray, FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.block_curve import BlockCapacityCurve, CurveStatus
@@ -117,6 +117,9 @@ def block_pushover(
     """
     begin = perf_counter()
     _check(step, steps, furthest, halo)
+    for name, given, kind in (("state", state, LimitState), ("resume", resume, BlockCapacityCurve)):
+        if given is not None:
+            check_kind(f"block_pushover: {name}", given, kind)
     listed("block_pushover: ties", ties, Tie)
     one_of("block_pushover: contact_model", contact_model, *get_args(ContactModel))
     programmed = partial(limit_program, load=load, ties=ties, contact_model=contact_model)

@@ -18,6 +18,8 @@ from churchpipe.model.arrays import FloatArray
 from churchpipe.model.stone_path import FallenStones, LastStep, StepArrays, StonePath
 
 Progress = Callable[[str, float], None]
+# A path begins where its stones are, to this share of their size: what a file of coordinates rounds away.
+_SAME = 1e-6
 
 
 class Record(ABC):
@@ -80,6 +82,12 @@ class Record(ABC):
         if path.position.shape[1] != count:
             found, expected = f"{path.position.shape[1]} stones", f"{count} stones"
             raise InputError(f"{self.where}: resume", "steps of other stones", found=found, expected=expected)
+        stones = self.model.stones
+        apart = np.linalg.norm(path.position[0] - stones.centroid, axis=1)
+        far = int(apart.argmax())
+        if apart[far] > _SAME * stones.size:
+            found = f"{1e3 * apart[far]:.3g} mm from where stone {stones.block_id[far]} is"
+            raise InputError(f"{self.where}: resume", "steps of other stones", found=found, expected="those of these stones")
         moved = (path.position[-1] != path.position[0]) | (path.rotation[-1] != path.rotation[0])
         held = path.last.held if halo and len(path.last.held) == count else self.model.held & ~moved.any(axis=1)
         model = self.model = replace(self.model, held=held)

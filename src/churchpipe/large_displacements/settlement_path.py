@@ -19,7 +19,7 @@ from churchpipe.large_displacements.settings import PATH
 from churchpipe.large_displacements.settlement import resistance, settlement_analysis, settlement_model
 from churchpipe.large_displacements.supports import SupportMovement
 from churchpipe.mechanism import reference_speed, stone_speed
-from churchpipe.model.arguments import positive, whole
+from churchpipe.model.arguments import check_kind, positive, whole
 from churchpipe.model.arrays import BoolArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
@@ -89,6 +89,8 @@ def settlement_path(
     for name, value in (("step", step), ("furthest", furthest)):
         if value is not None:
             positive(f"settlement_path: {name}", value)
+    if resume is not None:
+        check_kind("settlement_path: resume", resume, SettlementPath)
     least = settlement_analysis(
         stones,
         contacts,

@@ -7,6 +7,7 @@ import numpy.typing as npt
 
 from churchpipe.errors import InputError
 from churchpipe.large_displacements.settlement import least_step, settlement_model
+from churchpipe.model.arrays import floats
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
@@ -64,7 +65,7 @@ def thrust_range(
         A support that is not there, not fixed or bears nothing, no direction; a structure that does not stand; a solver that
         finds nothing.
     """
-    along = np.asarray(direction, dtype=np.float64)
+    along = floats("thrust_range: direction", direction, (3,))
     found: list[float] = []
     gaps: list[float] = []
     for sign in (1.0, -1.0):

@@ -7,7 +7,7 @@ import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.geometry.polygons import below
-from churchpipe.model.arguments import check_kind, positive
+from churchpipe.model.arguments import check_kind, listed, positive
 from churchpipe.model.arrays import BoolArray, FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts, check_contacts_of
@@ -57,7 +57,8 @@ def with_fill(
     """
     check_kind("with_fill: load", load, LoadCase)
     positive("with_fill: unit_weight", unit_weight)
-    names = (panels,) if isinstance(panels, str) else tuple(panels)
+    check_kind("with_fill: body", body, Assemblage, ShellModel)
+    names = (panels,) if isinstance(panels, str) else tuple(listed("with_fill: panels", panels, str))
     missing = sorted(set(names) - set(body.panel.tolist()))
     if missing:
         raise InputError(

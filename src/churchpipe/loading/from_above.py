@@ -4,7 +4,7 @@ import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import check_kind, positive
-from churchpipe.model.arrays import FloatArray
+from churchpipe.model.arrays import FloatArray, floats
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.polyhedra import face_normals
@@ -31,9 +31,7 @@ def load_from_above(stones: Assemblage, place: tuple[float, float], force: float
     """
     check_kind("load_from_above: stones", stones, Assemblage)
     positive("load_from_above: force", force)
-    at = np.asarray(place, dtype=np.float64)
-    if at.shape != (2,) or not np.isfinite(at).all():
-        raise InputError("load_from_above: place", "no place in plan", found=place, expected="x and y, m")
+    at = floats("load_from_above: place", place, (2,))
     stone, height = _uppermost(stones, at)
     live = np.zeros((stones.count, 6))
     down = np.array([0.0, 0.0, -force])

@@ -4,6 +4,7 @@ import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import check_kind
+from churchpipe.model.arrays import floats
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.loads import LoadCase
 
@@ -27,10 +28,10 @@ def outward_load(stones: Assemblage, axis: tuple[float, float] = (0.0, 0.0), nam
     Raises
     ------
     InputError
-        No stone lies beside the axis.
+        No stone lies beside the axis, an axis that is no place in plan.
     """
     check_kind("outward_load: stones", stones, Assemblage)
-    reach = stones.centroid[:, :2] - np.asarray(axis, dtype=np.float64)
+    reach = stones.centroid[:, :2] - floats("outward_load: axis", axis, (2,))
     distance = np.linalg.norm(reach, axis=1, keepdims=True)
     # A stone on the axis, the key, is pushed nowhere.
     beside = distance > 1e-6 * stones.size

@@ -27,12 +27,20 @@ def listed(where: str, value: Any, *kinds: type) -> list[Any]:
     InputError: no sequence, or one of other things.
     """
     if isinstance(value, (*kinds, str, bytes)) or not isinstance(value, Iterable):
-        expected = f"a list of {' or '.join(kind.__name__ for kind in kinds)}"
-        raise InputError(where, "wrong kind", found=describe(cast("object", value)), expected=expected)
-    items = list(cast("Iterable[Any]", value))
+        raise _no_list(where, cast("object", value), *kinds)
+    try:
+        items = list(cast("Iterable[Any]", value))
+    except TypeError:
+        # An array without a dimension calls itself iterable.
+        raise _no_list(where, cast("object", value), *kinds) from None
     for number, item in enumerate(items):
         check_kind(f"{where}[{number}]", item, *kinds)
     return items
+
+
+def _no_list(where: str, value: object, *kinds: type) -> InputError:
+    expected = f"a list of {' or '.join(kind.__name__ for kind in kinds)}"
+    return InputError(where, "wrong kind", found=describe(value), expected=expected)
 
 
 def finite(where: str, value: object) -> float:

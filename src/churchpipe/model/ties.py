@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from churchpipe.errors import InputError
-from churchpipe.model.arguments import check_kind, finite, text
+from churchpipe.model.arguments import finite, listed, text
 from churchpipe.model.arrays import FloatArray, IntArray, NameArray, floats, indices, rows_of, store, store_arrays
 
 
@@ -122,10 +122,11 @@ class Tie:
                 found=f"{pretension / 1e3:g} kN",
                 expected=f"0 to its strength, {strength / 1e3:g} kN",
             )
-        if not ultimate > 0:
+        # Infinite: it never breaks.
+        if ultimate != np.inf and not finite(f"{where}: ultimate elongation", ultimate) > 0:
             raise InputError(f"{where}: ultimate elongation", "out of range", found=ultimate, expected="> 0 m")
-        for anchor in anchors or ():
-            check_kind(f"{where}: anchors", anchor, Anchor)
+        if anchors is not None:
+            listed(f"{where}: anchors", anchors, Anchor)
         store(self, name=name, start=first, end=second, stones=pair, strength=float(strength), anchors=anchors)
         store(self, stiffness=stiffness, pretension=float(pretension), ultimate=float(ultimate), governs=governs)
 

@@ -111,8 +111,7 @@ def limit_analysis(
     """
     for name, value, kind in (("stones", stones, Assemblage), ("contacts", contacts, Contacts), ("load", load, LoadCase)):
         check_kind(f"limit_analysis: {name}", value, kind)
-    if flow not in ("associative", "non-associative"):
-        raise InputError("limit_analysis: flow", "unknown flow rule", found=flow, expected='"associative" or "non-associative"')
+    one_of("limit_analysis: flow", flow, *get_args(Flow))
     starts: list[Start] = [start] if isinstance(start, str) else []
     if not starts and start is not None:
         starts = listed("limit_analysis: start", start, str)

@@ -7,7 +7,7 @@ import numpy as np
 
 from churchpipe.conic.solve import Solve, solver_for
 from churchpipe.errors import InputError
-from churchpipe.model.arguments import check_kind, positive
+from churchpipe.model.arguments import check_kind, finite, positive
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
@@ -83,7 +83,7 @@ def minimum_thickness(
     """
     positive("minimum_thickness: low", low)
     positive("minimum_thickness: tolerance", tolerance)
-    if not high > low:
+    if not finite("minimum_thickness: high", high) > low:
         raise InputError("minimum_thickness: high", "not above low", found=high, expected=f"> {low:g} m")
     tried = 0
 

@@ -1,0 +1,93 @@
+"""The Python interface: what is drawn, followed or gone on from is of the right kind, and of the right stones."""
+
+from collections.abc import Callable
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+import churchpipe as cp
+from churchpipe.errors import InputError
+from solids import box, on_ground
+
+
+def column(width: float) -> cp.Assemblage:
+    """Return a stone .5 m high on the ground and a stone 1 m high on it."""
+    return on_ground(box((0, width), (0, 1), (0, 0.5)), box((0, width), (0, 1), (0.5, 1.5)), unit_weight=2e4, reach=3)
+
+
+STONES = column(0.5)
+CONTACTS = cp.find_contacts(STONES)
+PUSH = cp.LoadCase([1, 0, 0])
+WIDTH = cp.SampledParameter(("width",), "normal", mean=0.5, standard_deviation=0.05)
+POINTS = cp.sample_points([WIDTH], 4)
+
+
+def curve(stones: cp.Assemblage = STONES, contacts: cp.Contacts = CONTACTS, **options: Any) -> cp.BlockCapacityCurve:
+    return cp.block_pushover(stones, contacts, PUSH, 0.6, **options)
+
+
+def parameter(**numbers: Any) -> cp.SampledParameter:
+    return cp.SampledParameter(("width",), **({"distribution": "normal", "mean": 0.5, "standard_deviation": 0.1} | numbers))
+
+
+def tie(**changed: Any) -> cp.Tie:
+    return cp.Tie("t", (0, 0, 1), (1, 0, 1), strength=1e3, **changed)
+
+
+CALLS: list[tuple[Callable[[], Any], str]] = [
+    (lambda: parameter(distribution="nromal"), r"parameter: distribution: unknown value; found nromal; expected \"normal\" or"),
+    (lambda: parameter(distribution=None), r"parameter: distribution: unknown value; found None"),
+    (lambda: parameter(mean="0.5"), r"parameter: mean: not a number; found '0\.5'"),
+    (lambda: parameter(standard_deviation=np.nan), r"parameter: standard_deviation: out of range; found nan"),
+    (lambda: parameter(low=-np.inf), r"parameter: low: out of range; found -inf; expected a finite number"),
+    (lambda: cp.sample_points([WIDTH], 4, method=cast("Any", "latin")), r"sample_points: method: unknown value; found latin"),
+    (lambda: cp.sample_points([WIDTH], -1), r"sample_points: number: out of range; found -1; expected a whole number >= 1"),
+    (lambda: cp.sample_points([WIDTH], cast("Any", "4")), r"sample_points: number: not a number; found '4'"),
+    (lambda: cp.sample_points([WIDTH], 4, seed=-1), r"sample_points: seed: out of range; found -1"),
+    (lambda: cp.sample_points([], 4), r"sample_points: parameters: nothing varies"),
+    (lambda: cp.sample_points(cast("Any", WIDTH), 4), r"sample_points: parameters: wrong kind; found SampledParameter"),
+    (lambda: cp.sample_points(cast("Any", ["width"]), 4), r"sample_points: parameters\[0\]: wrong kind; found 'width'"),
+    (lambda: cp.assess_uncertainty(cast("Any", "x"), np.ones(4)), r"assess_uncertainty: points: not numbers; found 'x'"),
+    (lambda: cp.assess_uncertainty(POINTS * np.nan, np.ones(4)), r"assess_uncertainty: points: not a finite number at index"),
+    (lambda: cp.assess_uncertainty(POINTS, cast("Any", [1j] * 4)), r"assess_uncertainty: load_factors: not numbers"),
+    (lambda: cp.assess_uncertainty(POINTS, np.ones(3)), r"assess_uncertainty: load_factors: wrong shape; found \(3,\)"),
+    (lambda: cp.thrust_range(STONES, CONTACTS, [0], cast("Any", "x")), r"thrust_range: direction: not numbers; found 'x'"),
+    (lambda: cp.outward_load(STONES, cast("Any", (0, 0, 0))), r"outward_load: axis: wrong shape; found \(3,\)"),
+    (lambda: cp.outward_load(STONES, (np.inf, 0)), r"outward_load: axis: not a finite number"),
+    (lambda: cp.load_from_above(STONES, cast("Any", "x"), 1.0), r"load_from_above: place: not numbers; found 'x'"),
+    (lambda: cp.minimum_thickness(column, cast("Any", 0.1), cast("Any", None)), r"minimum_thickness: high: not a number"),
+    (lambda: tie(ultimate=None), r"tie t: ultimate elongation: not a number; found None"),
+    (lambda: tie(ultimate=np.nan), r"tie t: ultimate elongation: out of range; found nan"),
+    (lambda: tie(anchors=3), r"tie t: anchors: wrong kind; found 3; expected a list of Anchor"),
+    (lambda: cp.limit_analysis(STONES, CONTACTS, PUSH, ties=cast("Any", np.array(0.5))), r"ties: wrong kind; found ndarray"),
+    (lambda: cp.limit_analysis(STONES, CONTACTS, PUSH, flow=cast("Any", np.ones(2))), r"flow: unknown value; found ndarray"),
+    (lambda: curve(state=3), r"block_pushover: state: wrong kind; found 3; expected a LimitState"),
+    (lambda: curve(resume="x"), r"block_pushover: resume: wrong kind; found 'x'; expected a BlockCapacityCurve"),
+    (
+        lambda: cp.settlement_path(STONES, CONTACTS, [0], (0, 0, -1), resume=cast("Any", 3)),
+        r"settlement_path: resume: wrong kind; found 3; expected a SettlementPath",
+    ),
+    (lambda: cp.with_fill(PUSH, STONES, cast("Any", 3), 1.0, 1e4), r"with_fill: panels: wrong kind; found 3"),
+    (lambda: cp.with_buttresses(cast("Any", None), ()), r"with_buttresses: building: wrong kind; found None"),
+]
+
+
+@pytest.mark.parametrize(("call", "said"), CALLS)
+def test_what_is_wrong_is_named(call: Callable[[], Any], said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        call()
+
+
+def test_a_tie_without_end_of_its_elongation_never_breaks() -> None:
+    assert tie(ultimate=np.inf).ultimate == np.inf
+
+
+def test_the_steps_of_other_stones_are_not_gone_on_from() -> None:
+    """As many stones, in other places: their motion says nothing of these."""
+    other = column(0.6)
+    begun = curve(other, cp.find_contacts(other), steps=3)
+    with pytest.raises(InputError, match=r"block_pushover: resume: steps of other stones; .* from where stone B1 is"):
+        curve(resume=begun)
+    again = curve(other, cp.find_contacts(other), resume=begun, steps=4)
+    assert len(again.load_factor) == 4
