@@ -18,6 +18,7 @@ from churchpipe.model.loads import LoadCase
 from churchpipe.model.quantities import GRAVITY
 from churchpipe.rigid_blocks.equilibrium import lateral_weight
 from churchpipe.spectrum import Demand, spectral_displacement
+from churchpipe.wording import counted
 
 LimitName = Literal["SLV", "SLC"]
 
@@ -38,6 +39,7 @@ LIMIT_STATES: dict[LimitName, LimitStateRule] = {
 # A load factor that falls by more than this share within a step, or within the second share of d0 however short the steps, is a
 # loss of connections.
 _LOSS, _WITHIN = 0.5, 0.05
+_FOLLOW = "Follow the curve further: more steps, or a larger furthest_mm, in [rigid.curve]."
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,7 +125,13 @@ def oscillator(
     motion = floats("oscillator: motion", motion, (len(weight),))
     load = weight if pushed is None else floats("oscillator: pushed", pushed, (len(weight),))
     if not (math.isfinite(d0) and d0 > 0):
-        raise InputError("oscillator: d0", "the curve does not come to its end", found=d0, expected="a displacement > 0")
+        raise InputError(
+            "oscillator: d0",
+            "the curve does not come to its end",
+            found=f"a load factor of {load_factor[-1]:.4g} where it was left" if len(load_factor) else "no steps",
+            expected="a load factor that comes down to zero",
+            remedy=_FOLLOW,
+        )
     if not float(load @ motion) > 0:
         raise InputError("oscillator: motion", "the mechanism does not go along its load", found=float(load @ motion))
     first, second, all_moving = float(weight @ motion), float(weight @ motion**2), float(weight[motion != 0].sum())
@@ -240,7 +248,8 @@ def _mechanism(
 ) -> tuple[list[Oscillator], SafetyCheck]:
     """Return the oscillator of a curve, before it that of its proved steps if some are not, and what starts the motion."""
     if len(curve.displacement) < 2:
-        raise InputError("check", "no mechanism", found=f"{len(curve.displacement)} steps of the curve", expected="two or more")
+        found, expected = f"{counted(len(curve.displacement), 'step')} of the curve", "two or more"
+        raise InputError("check", "no mechanism", found=found, expected=expected, remedy=_FOLLOW)
     first = np.concatenate([np.diff(part[:2], axis=0)[0] for part in (curve.position, curve.rotation)], axis=1)
     moving = moving_stones(stone_speed(stones, first)) & ~stones.fixed
     motion = np.where(moving, along(load.direction, first), 0.0)

@@ -303,7 +303,7 @@ def movement(
         write_npz(file, part)
     kept.clear()
     cracks = widest_cracks(moved.stones, moved.contacts, moved.opening, moved.slip)
-    write_record(made[-1], movement_record(moved.path, table, moved.stones, used_by(stones, materials), cracks))
+    write_record(made[-1], movement_record(moved.path, table, moved.stones, used_by(stones, materials), cracks, joints_of(table)))
 
 
 def sample(settings: Path, file: Path, record: Path, *shared: Path) -> None:

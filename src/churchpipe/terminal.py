@@ -16,7 +16,7 @@ from rich.text import Text
 from churchpipe.doctor import Finding
 from churchpipe.engine import Event, say, unfinished
 from churchpipe.errors import InputError
-from churchpipe.io.movement_record import Movement
+from churchpipe.io.movement_record import ENDINGS, Movement
 from churchpipe.io.records import Analysis
 from churchpipe.io.summary import Summary, read_summary
 from churchpipe.model.checks import DisplacementCheck, SafetyCheck
@@ -254,11 +254,13 @@ def remarks(summary: Summary) -> list[str]:
     from churchpipe.report.uncertainty import uncertainty_lines
 
     analyses = summary.analyses
+    checked = any(one.check and one.check.satisfied is not None for one in analyses)
     return [
         *uncertainty_lines(summary.uncertainty, [Row(record) for record in analyses]),
         *account_of_joints(summary),
         *gate_lines(summary),
         *_few([_failure(one) for one in analyses if one.status not in GOOD and one.message]),
+        *_few([line for one in analyses if one.status in GOOD and one.method == "curve" for line in _of_curve(one, checked)]),
         *(_movement(one) for one in summary.movements),
         *summary.guidance,
         *(
@@ -276,8 +278,23 @@ def _few(lines: list[str]) -> list[str]:
 
 
 def _failure(record: Analysis) -> str:
+    return f"{_named(record)}: {record.status}, {record.message.rstrip('.')}."
+
+
+def _of_curve(record: Analysis, checked: bool) -> list[str]:
+    """Return what a capacity curve leaves out or where it was left, and why it has no check where the others have."""
+    told = [f"{_named(record)}: {record.message}."] if record.message else []
+    refused = record.check.message if checked and record.check else ""
+    return told + (
+        [f"{_named(record)}: no safety check, {refused.removeprefix('check: ').removeprefix('oscillator: d0: ')}"]
+        if refused
+        else []
+    )
+
+
+def _named(record: Analysis) -> str:
     words = [record.variant, f"load {record.load}", record.model_words, record.kind]
-    return f"{', '.join(word for word in words if word)}: {record.status}. {record.message}"
+    return ", ".join(word for word in words if word)
 
 
 def _movement(record: Movement) -> str:
@@ -288,7 +305,8 @@ def _movement(record: Movement) -> str:
     far = ultimate if math.isfinite(ultimate) else next(iter(places[-1:]), 0.0)
     widest = "".join(f"{1e3 * crack.opening:.3g} mm in {crack.wall}" for crack in record.cracks[:1])
     name = named_of(record.movement, record.variant, record.swept)
-    return f"Support {name}: {far:.4g} {unit}, {record.ending}; widest crack {widest or 'none'}"
+    end = ENDINGS.get(record.ending, record.ending)
+    return f"Support {name}: at {far:.4g} {unit} {end}; widest crack {widest or 'none'}"
 
 
 def findings_table(findings: Sequence[Finding]) -> Table:

@@ -207,7 +207,9 @@ def test_what_is_missing_is_named(curve: BlockCapacityCurve) -> None:
     assert record.force_based is not None
     assert record.force_based.floor_demand == pytest.approx(floor.acceleration / 2)
     short = cp.block_pushover(LEANING, cp.find_contacts(LEANING), PUSH, 0.7, step=0.025, steps=3)
-    assert "does not come to its end" in displacement_check(short, LEANING, PUSH, None).message
+    said = displacement_check(short, LEANING, PUSH, None).message
+    assert "does not come to its end; found a load factor of 0." in said
+    assert "more steps, or a larger furthest_mm, in [rigid.curve]" in said
     one = cp.block_pushover(LEANING, cp.find_contacts(LEANING), PUSH, 0.7, step=0.025, steps=1)
     assert "no mechanism" in displacement_check(one, LEANING, PUSH, None).message
 

@@ -10,10 +10,20 @@ from churchpipe.io.records import Strength, common
 from churchpipe.model.arrays import FloatArray, NameArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
+from churchpipe.model.joint_group import JointGroup
 from churchpipe.model.materials import JointStrength
 from churchpipe.model.quantities import Quantity
 from churchpipe.model.results import Status
 from churchpipe.model.settlement import SettlementPath
+
+# How the path of a support ends, after the place where it does.
+ENDINGS = {
+    "collapsed": "the structure collapses",
+    "free": "nothing rests on the support any more and the structure stands without it",
+    "unfinished": "it was not followed further",
+    "unbounded": "the stones hold the support fast",
+    "not-converged": "a step was not solved",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,10 +96,11 @@ def movement_record(
     stones: Assemblage,
     materials: Sequence[JointStrength],
     cracks: Sequence[Crack],
+    joints: Sequence[JointGroup] = (),
 ) -> Shift | Turn:
     """Return the record of a movement; settings: those of its stage. cracks: see `widest_cracks`."""
     turns = settings["about"] is not None
-    remarks = ["cohesion, which opening joints lose, is left out"] if any(material.cohesion for material in materials) else []
+    remarks = ["cohesion, which opening joints lose, is left out"] if any(one.cohesion for one in (*materials, *joints)) else []
     remarks += ["ties are left out"] if settings["without_ties"] else []
     if any(material.compressive_strength is not None for material in materials):
         remarks.append("joints crush")

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from churchpipe.io.movement_record import Movement
+from churchpipe.io.movement_record import ENDINGS, Movement
 from churchpipe.large_displacements.cracks import joint_cracks
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
@@ -17,13 +17,6 @@ from churchpipe.report.plots import WIDTH, new_plot, svg_of
 from churchpipe.report.table import figure, named_of
 
 Moved = tuple[Movement, Assemblage, Contacts, SettlementPath]
-_ENDINGS = {
-    "collapsed": "the structure collapses",
-    "free": "nothing rests on the support any more and the structure stands without it",
-    "unfinished": "it was not followed further",
-    "unbounded": "the stones hold the support fast",
-    "not-converged": "a step was not solved",
-}
 # Walls with cracks of this share of the widest have a map, and so many of them.
 _SHOWN, _MAPS = 0.05, 8
 
@@ -68,9 +61,10 @@ def _sentence(record: Movement, path: SettlementPath) -> str:
             f"As it begins to move the support must be pushed along with {-least:.4g} {force} at most "
             f"({abs(reaction[0]):.4g} {force} without dilatancy)"
         )
-    end = f". At {movement[-1]:.4g} {length} {_ENDINGS[path.status]}"
+    end = f". At {movement[-1]:.4g} {length} {ENDINGS[path.status]}"
     fallen = f". Stones that fell on the way: {', '.join(record.fallen_stones)}" if record.fallen_stones else ""
-    return f"{words}{end}{fallen}." + (" Ties are left out." if "ties are left out" in record.message else "")
+    lost = [remark for remark in record.message.split("; ") if remark.endswith("left out")]
+    return " ".join([f"{words}{end}{fallen}.", *(f"{remark[0].upper()}{remark[1:]}." for remark in lost)])
 
 
 def _reaction_svg(record: Movement) -> str:

@@ -37,7 +37,8 @@ def status_note(stones: Assemblage, row: Row) -> str:
             return "The iteration did not reach a certified state without dilatancy. " + _unfinished(row)
         case "failed":
             return f"No certified answer was found, and an uncertified number would be worse than none. {_missing_proof(row)}"
-    return ""
+    told = row.record.message if row.record.method == "curve" else ""
+    return f"{told[0].upper()}{told[1:]}." if told else ""
 
 
 def convergence_note(row: Row) -> str:

@@ -179,6 +179,8 @@ def _model(row: Row) -> str:
 
 
 def _cohesion(row: Row) -> str:
+    if row.record.cohesion and row.record.method == "curve" and not row.of_shell:
+        return "left out"
     return by_material(row.record.cohesion, 1e3) if row.record.cohesion else ""
 
 

@@ -472,7 +472,7 @@ def test_show_says_why_an_analysis_has_no_load_factor(capsys: pytest.CaptureFixt
     summary = EMPTY | {"analyses": [fell, shell | {"status": "optimal"}]}
     write_json(tmp_path / "summary.json", summary)
     out = call(capsys, "show", tmp_path)[1]
-    assert out.count("load +x, shell, limit load: unstable. the dead load alone brings it down\n") == 1
+    assert out.count("load +x, shell, limit load: unstable, the dead load alone brings it down.\n") == 1
     many = [fell | {"variant": f"v{number}"} for number in range(10)]
     write_json(tmp_path / "summary.json", summary | {"analyses": many})
     out = call(capsys, "show", tmp_path)[1]
@@ -524,18 +524,34 @@ def test_show_tells_what_moves_and_what_the_check_finds(capsys: pytest.CaptureFi
     _, out, _ = call(capsys, "show", tmp_path)
     for text in ("facade 90 %, nave 10 %", "123.4", "1.937", "0.4368", "not satisfied"):
         assert text in out
-    assert "Support pier: 87.2 mm, unbounded; widest crack 12 mm in nave" in out
+    assert "Support pier: at 87.2 mm the stones hold the support fast; widest crack 12 mm in nave" in out
     # One that is not followed to its end says how far it went.
     unfinished = movement | {"ultimate_mm": None, "movement_mm": [0.0, 61.5], "ending": "unfinished"}
     write_json(tmp_path / "summary.json", summary | {"movements": [unfinished, unfinished | {"movement_mm": []}]})
     _, out, _ = call(capsys, "show", tmp_path)
-    assert "Support pier: 61.5 mm, unfinished" in out
-    assert "Support pier: 0 mm, unfinished" in out
+    assert "Support pier: at 61.5 mm it was not followed further" in out
+    assert "Support pier: at 0 mm it was not followed further" in out
     # One support of several buildings or strengths says of which it is.
     other = unfinished | {"variant": "tied", "swept": {"material.default.friction": 0.5}}
     write_json(tmp_path / "summary.json", summary | {"movements": [other]})
     _, out, _ = call(capsys, "show", tmp_path)
-    assert "Support pier, tied, friction 0.5: 61.5 mm, unfinished" in out
+    assert "Support pier, tied, friction 0.5: at 61.5 mm it was not followed further" in out
+
+
+def test_what_a_curve_leaves_out_is_said(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    """A curve without cohesion starts far below the limit analysis beside it; one that was left early has no check."""
+    check = {"alpha0": 0.1, "confidence_factor": 1.35, "a_g_slv_m_s2": 1.0, "zeta_e": 0.8, "satisfied": False}
+    limit = WORDS | {"flow": "associative", "load_factor": 0.4, "cohesion_kPa": 50.0}
+    lost, left = "cohesion, which opening joints lose, is left out", "all steps asked for were used up"
+    curve = limit | {"flow": None, "method": "curve", "status": "converged", "message": f"{left}; {lost}"}
+    refused = curve | {"check": {"message": "check: no mechanism; found 1 step of the curve; expected two or more."}}
+    write_json(tmp_path / "summary.json", EMPTY | {"analyses": [limit, refused]})
+    _, out, _ = call(capsys, "show", tmp_path)
+    assert f"load +x, rigid blocks, capacity curve of the stones: {left}; {lost}." in out
+    assert "no safety check" not in out  # nobody asked for one
+    write_json(tmp_path / "summary.json", EMPTY | {"analyses": [limit | {"check": check}, refused]})
+    _, out, _ = call(capsys, "show", tmp_path)
+    assert "capacity curve of the stones: no safety check, no mechanism; found 1 step of the curve; expected two" in out
 
 
 def test_long_lists_are_folded(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

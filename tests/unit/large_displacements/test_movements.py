@@ -192,3 +192,8 @@ def test_ties_that_are_left_out_are_told(tmp_path: Path) -> None:
     soft = cp.Material("default", 18e3, 0.6, compressive_strength=2e6)
     told = movement_record(moved, words | {"without_ties": False}, stones, [soft], []).message
     assert told.endswith("; joints crush")
+    # Cohesion that stands in [[joints]] alone is left out all the same, and the report says so.
+    grouped = movement_record(moved, words, stones, [], [], [cp.JointGroup("mortar", kind="bed", cohesion=5e4)])
+    assert "cohesion, which opening joints lose, is left out" in grouped.message
+    (shown,) = movements_shown([(grouped, stones, cp.find_contacts(stones), moved)])
+    assert shown.sentence.endswith("Cohesion, which opening joints lose, is left out. Ties are left out.")

@@ -27,7 +27,7 @@ from churchpipe.report.notes import status_note
 from churchpipe.report.page import breakable
 from churchpipe.report.plots import WIDTH, convergence_svg, gaps_svg, legend_below, new_plot
 from churchpipe.report.surface import edges, triangles
-from churchpipe.report.table import Row, amount, figure, small
+from churchpipe.report.table import COLUMNS, Row, amount, figure, small
 from churchpipe.report.title_block import material_rows, title_block
 from churchpipe.report.viewer import joint_values
 from churchpipe.stones.contacts import find_contacts
@@ -261,6 +261,15 @@ def test_a_failed_analysis_says_what_it_lacks(lower: float, upper: float, words:
     assert words in note
     assert note.endswith("The solver says: short steps.")
     assert ("did not meet" in note) == (lower == 0.396)
+
+
+def test_a_curve_says_what_it_leaves_out() -> None:
+    """Its load factor is that of joints without the cohesion that stands in the case: the table must not claim it."""
+    told = analysis(method="curve", status="converged", cohesion_kPa=50.0, message="cohesion is left out")
+    assert status_note(tower(), Row(told)) == "Cohesion is left out."
+    cells = {column.title: column.text(Row(told)) for column in COLUMNS}
+    assert cells["Cohesion, kPa"] == "left out"
+    assert {column.title: column.text(Row(replace(told, method=None))) for column in COLUMNS}["Cohesion, kPa"] == "50"
 
 
 def test_non_associative_result_is_explained(page: Page) -> None:
