@@ -15,6 +15,7 @@ from churchpipe.config.case import Case
 from churchpipe.config.case import Drawing as DrawingSource
 from churchpipe.config.imported import imported_case, material_names
 from churchpipe.config.json_schema import write_case
+from churchpipe.config.picked import check_picked
 from churchpipe.config.shell_table import ShellTable, shell_table
 from churchpipe.dxf.annotated import write_findings
 from churchpipe.dxf.reader import Drawing
@@ -94,7 +95,7 @@ def check_drawing(
 def check_carried(case: Case, stones: Assemblage, contacts: Contacts | None = None) -> None:
     """Look for the walls of a drawing that a case names: those pushed alone, and those that bear loads, ties and beams.
 
-    contacts: of the stones, where they are known, to look for joints that the case gives a strength of their own.
+    contacts: of the stones, where they are known, to look for the joints, the ground and the point that the case names.
 
     Raises
     ------
@@ -105,7 +106,7 @@ def check_carried(case: Case, stones: Assemblage, contacts: Contacts | None = No
     case.check_named(sorted({*named.panel[~named.fixed].tolist()} - {""}))
     case.check_applied(named)
     if contacts is not None and not case.ring_beams:
-        case.check_joints(named, contacts)
+        check_picked(case, named, contacts)
 
 
 def import_drawing(

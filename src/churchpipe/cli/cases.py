@@ -115,6 +115,7 @@ def _check_there(path: Path, case: Any) -> None:
 
 
 def _check_laid(path: Path, case: Any, building: Any) -> None:
+    from churchpipe.config.picked import check_picked
     from churchpipe.stones.blocks import derive_blocks
     from churchpipe.stones.contacts import find_contacts
     from churchpipe.stones.soundness import check_soundness
@@ -125,7 +126,7 @@ def _check_laid(path: Path, case: Any, building: Any) -> None:
         check_soundness(stones, contacts)
     except InputError as error:
         raise case.located(error) from error
-    case.check_joints(stones, contacts)
+    check_picked(case, stones, contacts)
     name = f"{path}, {case.variant.name}" if case.variant else str(path)
     free = counted(int((~stones.fixed).sum()), "stone")
     out.print(f"{name}: {free}, {counted(len(contacts.area), 'joint')}.", markup=False, soft_wrap=True)

@@ -142,6 +142,7 @@ def _check_walls(cases: Iterable[Any]) -> None:
     from dataclasses import asdict
 
     from churchpipe.config.case import Drawing
+    from churchpipe.config.picked import check_picked, picks
     from churchpipe.importing import check_carried
     from churchpipe.meshes.reader import read_file
     from churchpipe.stones.blocks import derive_blocks
@@ -150,12 +151,13 @@ def _check_walls(cases: Iterable[Any]) -> None:
     for case in cases:
         if isinstance(case.source, Drawing):
             weights = {material.name: material.unit_weight for material in case.materials}
-            check_carried(case, read_file(case.source.path, unit_weight=weights, **asdict(case.source.reading)).stones)
+            stones = read_file(case.source.path, unit_weight=weights, **asdict(case.source.reading)).stones
+            check_carried(case, stones, find_contacts(stones, **case.tolerances) if picks(case) else None)
             continue
         building = case.building()
-        if case.joints:
+        if picks(case):
             stones = derive_blocks(building)
-            case.check_joints(stones, find_contacts(stones, **case.tolerances))
+            check_picked(case, stones, find_contacts(stones, **case.tolerances))
 
 
 def _folder_of(case: Path, name: str, out_dir: Path | None) -> Path:

@@ -31,7 +31,7 @@ from churchpipe.model.arguments import path_of
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import MOST_STONES, Building
 from churchpipe.model.buttress import Buttress
-from churchpipe.model.contacts import TOLERANCES, Contacts
+from churchpipe.model.contacts import TOLERANCES
 from churchpipe.model.joint_group import JointGroup
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
@@ -188,16 +188,6 @@ class Case:
                 tried(f"joints.{number}", partial(check_group, whole, group))
             if self.carries:
                 placed(self.carries, whole)
-        except InputError as error:
-            raise self.located(error.at(f"{self.path}: {error.where}")) from error
-
-    def check_joints(self, stones: Assemblage, contacts: Contacts) -> None:
-        """Raise InputError, with the table at fault, for a group that picks none of the joints of the whole building."""
-        from churchpipe.stones.joints import joints_of
-
-        try:
-            for number, group in enumerate(self.joints):
-                tried(f"joints.{number}", partial(joints_of, stones, contacts, group))
         except InputError as error:
             raise self.located(error.at(f"{self.path}: {error.where}")) from error
 

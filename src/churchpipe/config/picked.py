@@ -1,0 +1,46 @@
+"""What a case names of the whole building: joints by where they lie, ground that moves, a point to watch."""
+
+from functools import partial
+
+from churchpipe.config.carries import tried
+from churchpipe.config.case import Case
+from churchpipe.errors import InputError
+from churchpipe.large_displacements.control import control_of
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.contacts import Contacts
+from churchpipe.model.loads import LoadCase
+from churchpipe.model.quantities import Place
+from churchpipe.stones.footing import footing
+from churchpipe.stones.joints import joints_of
+
+
+def picks(case: Case) -> bool:
+    """Return whether a case names any of it."""
+    return bool(case.joints or case.movements or (case.rigid.curve and case.rigid.curve.control))
+
+
+def check_picked(case: Case, stones: Assemblage, contacts: Contacts) -> None:
+    """Look for the joints of its groups, the ground of its movements and the point of its curves in the whole building.
+
+    Raises
+    ------
+    InputError: with the line of the case, what is not there.
+    """
+    control = case.rigid.curve.control if case.rigid.curve else None
+    try:
+        for number, group in enumerate(case.joints):
+            tried(f"joints.{number}", partial(joints_of, stones, contacts, group))
+        for number, movement in enumerate(case.movements):
+            if place := movement.support or movement.within:
+                tried(f"movements.{number}", partial(footing, stones, contacts, place))
+        for load in case.loads if control else ():
+            _check_control(stones, load, control)
+    except InputError as error:
+        raise case.located(error.at(f"{case.path}: {error.where}")) from error
+
+
+def _check_control(stones: Assemblage, load: LoadCase, control: Place | None) -> None:
+    try:
+        control_of(stones, load, control)
+    except InputError as error:
+        raise error.at("rigid.curve.control") from error

@@ -1,0 +1,48 @@
+"""What a case names of the whole building, its ground and a point to watch: `check` finds what is not there, with the line."""
+
+from pathlib import Path
+
+import pytest
+
+from case_texts import case_file
+from command_line import call
+
+CASE = """
+[source]
+generator = "wall"
+length_m = 1.6
+brick_mm = [400, 250, 200]
+courses = 5
+[material.default]
+unit_weight_kN_m3 = 18
+friction = 0.6
+[[load]]
+direction = [1, 0, 0]
+"""
+
+
+@pytest.mark.parametrize(
+    ("lines", "said"),
+    [
+        ('[[movements]]\nsupport = "nave"\n', "movements.0: support: no wall or stone of this name on the ground; found nave"),
+        (
+            '[[movements]]\nsupport = "wall"\n[[movements]]\nwithin_mm = [[9000, 0], [9500, 100]]\n',
+            "movements.1: support: nothing stands on the ground there; found from [9.0, 0.0] to [9.5, 0.1] m",
+        ),
+        (
+            "[rigid.curve]\ncontrol_mm = [0, 0, 9000]\n",
+            "rigid.curve.control_mm: a point outside the free stones; found [0.0, 0.0, 9.0]",
+        ),
+    ],
+)
+def test_places_that_are_not_there(capsys: pytest.CaptureFixture[str], tmp_path: Path, lines: str, said: str) -> None:
+    path = case_file(tmp_path, f"{CASE}{lines}")
+    code, _, err = call(capsys, "check", path)
+    assert code == 1
+    last = len(path.read_text().splitlines())
+    assert f"line {last if 'curve' in lines else last - 1}, {said}" in err
+
+
+def test_places_that_are_there(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    lines = '[[movements]]\nsupport = "wall"\n[rigid.curve]\ncontrol_mm = [0, 0, 1000]\n'
+    assert call(capsys, "check", case_file(tmp_path, f"{CASE}{lines}"))[0] == 0
