@@ -171,6 +171,10 @@ def _kind(record: Analysis) -> str:
 
 def _reasons(records: Sequence[Analysis]) -> str:
     keys = {"shell" if record.of_shell else str(record.flow) for record in records}
+    flows = {"associative", "non-associative"}
+    if flows <= keys and len({f"{record.load_factor:.4f}" for record in records if not record.of_shell}) == 1:
+        # Stones that agree under both differ from the shell for other reasons.
+        keys -= flows
     keys |= {"planes" for record in records if record.planes in OUTER}
     keys |= {"torsion"} if len({record.contact_model for record in records if record.contact_model}) > 1 else set()
     keys |= {"crushing"} if len({record.crushes for record in records}) > 1 else set()

@@ -1,5 +1,6 @@
 """What the command line shows: progress of a run, tables; and the news that stages send it."""
 
+import errno
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -29,6 +30,8 @@ from churchpipe.wording import counted
 PAUSE, PATIENCE = 0.25, 30.0
 # Longer lists are folded.
 MOST_ROWS, MOST_LINES = 40, 8
+# What a disk says that takes no more: no defect of a stage.
+_NO_PLACE = {errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EFBIG, errno.EIO}
 STATUS_STYLES = {"optimal": "green", "converged": "green", "unbounded": "cyan"}
 
 
@@ -108,6 +111,12 @@ class Reporter:
             work(*arguments, **({"progress": self.progress} if takes_progress else {}))
         except InputError as error:
             self._send("error", str(error))
+            return 1
+        except OSError as error:
+            if error.errno not in _NO_PLACE:
+                raise
+            place = f"{error.filename}: " if error.filename else "A file cannot be written: "
+            self._send("error", f"{place}{error.strerror}. Make room there, or choose another folder with --out.")
             return 1
         self._send("done", share=time.perf_counter() - begin)
         return 0

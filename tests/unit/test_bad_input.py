@@ -1,5 +1,7 @@
 """Files and options as they come: what is refused is named, and nothing is left half done."""
 
+import errno
+import io
 import os
 from pathlib import Path
 
@@ -19,6 +21,7 @@ from churchpipe.io.atomic import write_text
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
 from churchpipe.resources import sample_case
+from churchpipe.terminal import Reporter
 from command_line import call
 from solids import box, on_ground
 
@@ -57,6 +60,30 @@ def test_what_editors_make_of_a_case_is_read(data: str | bytes, tmp_path: Path) 
 def test_files_of_another_kind(data: str | bytes, said: str, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=said):
         read_case(written(tmp_path, data))
+
+
+def test_a_file_whose_name_cannot_name_its_run(tmp_path: Path) -> None:
+    path = written(tmp_path, ARCH.replace('name = "arch"\n', ""), "Stoß [1].toml")
+    with pytest.raises(InputError, match=r"Stoß \[1\]\.toml: a file's name that cannot .*; found Stoß \[1\]; .*name = \"nave\""):
+        read_case(path)
+    assert read_case(written(tmp_path, ARCH, "Stoß [2].toml")).name == "arch"
+
+
+def test_a_disk_that_is_full_is_said() -> None:
+    """It is no defect of the stage, whose trace nobody can use."""
+
+    def work() -> None:
+        raise OSError(errno.ENOSPC, "No space left on device", "runs/x/state.npz")
+
+    stream = io.StringIO()
+    assert Reporter("rigid", "+x", stream).run(work, takes_progress=False) == 1
+    assert "runs/x/state.npz: No space left on device. Make room there, or choose another folder" in stream.getvalue()
+
+    def broken() -> None:
+        raise OSError(errno.ENOENT, "No such file or directory", "runs/x/state.npz")
+
+    with pytest.raises(OSError, match="No such file"):
+        Reporter("rigid", "+x", stream).run(broken, takes_progress=False)
 
 
 def test_a_folder_and_a_pipe_are_no_cases(tmp_path: Path) -> None:

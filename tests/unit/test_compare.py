@@ -92,6 +92,9 @@ def test_a_sentence_says_which_load_factor_to_use_and_why_they_differ() -> None:
     assert guidance([associative, analysed(0.206501, flow="non-associative")]) == [
         "Load -y: use 0.2065 (rigid blocks, associative; rigid blocks, non-associative), in which all analyses agree."
     ]
+    # Where the stones agree under both flow rules, dilatancy is not why the shell differs.
+    [sentence] = guidance([associative, analysed(0.206501, flow="non-associative"), shell])
+    assert "they differ because the shell is associative" in sentence
     [sentence] = guidance([associative, analysed(0.15, method="limit", planes="paper")])
     assert sentence.startswith("Load -y: use 0.2065 (rigid blocks, associative)")
     assert "planes of the paper are an outer approximation" in sentence

@@ -99,7 +99,7 @@ def _error(sliver: Polygons, cell: UnitCell, where: str, problem: str) -> InputE
     return InputError(
         where,
         problem,
-        found=f"{high_s - low_s:.4g} x {high_t - low_t:.4g} m at s = {low_s:.4g}, t = {low_t:.4g} m",
+        found=f"{high_s - low_s:.4g} x {high_t - low_t:.4g} m, {low_s:.4g} m along the wall and {low_t:.4g} m up",
         expected=f"at least {LEAST_WIDTH * cell.b:.4g} x {LEAST_HEIGHT * cell.a:.4g} m",
         remedy="Move the openings or joints, or use shorter stones.",
     )

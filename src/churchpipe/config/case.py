@@ -1,6 +1,7 @@
 """A case: one source, materials, loads, analyses. Plain dataclasses, in SI."""
 
 import copy
+import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -21,8 +22,8 @@ from churchpipe.config.places import located
 from churchpipe.config.project import Project
 from churchpipe.config.published import Published, check_published
 from churchpipe.config.ready import farthest_number
-from churchpipe.config.schema import check
-from churchpipe.config.section import GatheredError, Section, Table, nearest
+from churchpipe.config.schema import NAME_PATTERN, check
+from churchpipe.config.section import LETTERS, GatheredError, Section, Table, nearest
 from churchpipe.config.tables import record
 from churchpipe.config.variants import Variant, applied, variants_of
 from churchpipe.dxf.reading import AS_DRAWN, Reading
@@ -222,6 +223,11 @@ def read_variants(path: str | Path, overrides: Sequence[str] = ()) -> tuple[Case
     """Read a case file: one case for the building as it is and one for each variant, for each combination of swept values."""
     path = path_of("read_case: path", path)
     table = changes.apply_overrides(read_table(path), overrides)
+    if "name" not in table and not re.match(NAME_PATTERN, path.stem):
+        remedy = 'Give the case a name of its own, such as name = "nave" in its first line, or rename the file.'
+        raise InputError(
+            str(path), "a file's name that cannot be that of a run", found=path.stem, expected=LETTERS, remedy=remedy
+        )
     table.setdefault("name", path.stem)
     cases = cases_of(table, path, overrides)
     if cases[0].sample:

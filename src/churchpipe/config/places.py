@@ -51,7 +51,9 @@ def located(
     try:
         text = path.read_text(encoding="utf-8-sig")
         table = asked = apply_overrides(tomllib.loads(text), overrides)
-        number = next((n for n, one in enumerate(asked.get("variants", [])) if variant and one["name"] == variant.name), None)
+        # They may be what is wrong: no tables, or of no name.
+        listed = asked["variants"] if variant and isinstance(asked.get("variants"), list) else []
+        number = next((n for n, one in enumerate(listed) if variant and one["name"] == variant.name), None)
         if variant and number is not None and not in_itself:
             table = applied(asked, number, variant)
         distribution = _distributions(asked) if drawn else {}

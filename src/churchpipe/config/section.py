@@ -20,6 +20,7 @@ class Section(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True)
 
 
+LETTERS = "letters, digits, blanks and . + - _, beginning with a letter or a digit"
 _WANTED = {
     "model_type": "a table",
     "model_attributes_type": "a table",
@@ -30,7 +31,7 @@ _WANTED = {
     "int_type": "a whole number",
     "bool_type": "true or false",
     # The only pattern is that of names of files.
-    "string_pattern_mismatch": "letters, digits, blanks and . + - _, beginning with a letter or a digit",
+    "string_pattern_mismatch": LETTERS,
 }
 WRONG = "wrong value"
 MISSING = "missing key"

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Annotated, Any
 
 from churchpipe.config.overrides import flatten, not_swept
-from churchpipe.config.section import Table, nearest
+from churchpipe.config.section import Number, Table, nearest
 from churchpipe.config.tables import record
 from churchpipe.errors import InputError
 from churchpipe.model.names import AS_IT_IS
@@ -23,7 +23,7 @@ class Variant:
         default_factory=dict
     )
     remove: Annotated[tuple[str, ...], "Dotted keys that are taken away; an entry of a list by its number or name."] = ()
-    cost: Annotated[dict[str, float | str], "Figures for the report, such as EUR = 12000."] = field(default_factory=dict)
+    cost: Annotated[dict[str, Number | str], "Figures for the report, such as EUR = 12000."] = field(default_factory=dict)
 
 
 def variants_of(tables: Sequence[Mapping[str, Any]]) -> tuple[Variant, ...]:

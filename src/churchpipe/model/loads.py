@@ -52,7 +52,7 @@ class LoadCase:
         unit = np.zeros(3) if direction is None else _unit(direction)
         pushed = None if panels is None else tuple(listed("LoadCase.panels", panels, str))
         if pushed is not None and not pushed:
-            raise InputError("LoadCase.panels", "nothing is pushed", expected="names of panels, or None for all")
+            raise InputError("LoadCase.panels", "nothing is pushed", expected="names of panels; left out, all are pushed")
         one_of("LoadCase.profile", profile, "uniform", "linear")
         grows = None if live is None else floats("LoadCase.live", live, (None, 6))
         if direction is None and (grows is None or not grows.any()):

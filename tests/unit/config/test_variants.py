@@ -89,6 +89,7 @@ def test_variants_are_swept_too_but_for_what_they_change(tmp_path: Path) -> None
     [
         ("chnage = {}", r'line \d+, variants\.0\.chnage: unknown key; .*Did you mean "change"\?'),
         ("cost = { EUR = [1] }", r"variants\.0\.cost\.EUR"),
+        ("cost = { EUR = inf }", r"line {cost}, variants\.0\.cost\.EUR.*: wrong value; found inf; expected a finite number"),
         ('change."material.defualt.friction" = 0.7', r'the case has no material\.defualt\.friction.*Did you mean "default"\?'),
         ('change."material.default.frictoin" = 0.7', r'line {change}, variant "v", material\.default\.frictoin: unknown key'),
         (
@@ -106,9 +107,16 @@ def test_variants_are_swept_too_but_for_what_they_change(tmp_path: Path) -> None
 )
 def test_a_variant_that_cannot_be_made(text: str, said: str, tmp_path: Path) -> None:
     whole = f'{WALL}[[variants]]\nname = "v"\n{text}\n'
-    places = {word: line(whole, word) if f"\n{word}" in whole else 0 for word in ("change", "remove", "add")}
+    places = {word: line(whole, word) if f"\n{word}" in whole else 0 for word in ("change", "remove", "add", "cost")}
     with pytest.raises(InputError, match=said.format(**places)):
         read_variants(case_file(tmp_path, whole))
+
+
+@pytest.mark.parametrize("value", ["1.5", "nan", "true", '"x"', "[1]", "[{ name = 3 }]", "{ name = 3 }"])
+def test_variants_that_are_no_tables_hide_no_other_mistake(value: str, tmp_path: Path) -> None:
+    """Where a mistake stands is looked for among the variants, too: `source` is missing here, or they are refused."""
+    with pytest.raises(InputError, match=r"line \d+, (source|variants)"):
+        read_variants(case_file(tmp_path, f"variants = {value}\n" + WALL.replace("1.2", '"1.2"')))
 
 
 def test_what_a_generator_refuses_of_a_variant_is_said_of_it(tmp_path: Path) -> None:
