@@ -37,7 +37,8 @@ def read_table(path: Path) -> dict[str, Any]:
         raise
     except ValueError as error:
         # TOMLDecodeError is one; a number of thousands of digits is refused by Python itself.
-        remedy = "Text needs quotes, a number a decimal point; a table has [brackets], each of several of one name [[two]]."
+        remedy = "Text needs quotes, a number digits on both sides of its point (0.5, not .5 or 0,5); a table has [brackets], "
+        remedy += "each of several of one name [[two]]."
         if path.suffix.lower() != ".toml":
             remedy = "Of a drawing or a mesh, churchpipe import makes a case."
         found = str(error).replace("Cannot overwrite a value", "a key given twice")

@@ -214,6 +214,7 @@ def test_what_an_import_left_out_is_listed(tmp_path: Path) -> None:
     ("text", "said"),
     [
         ("a = = 1", "not TOML.*line 1"),
+        ("a = .5", r"not TOML.*line 1.*digits on both sides of its point \(0\.5, not \.5 or 0,5\)"),
         ("[load]\n[load]\n", r"not TOML; found a table given twice, 'load' \(.*name \[\[two\]\]"),
         ("[source]\ngenerator = 'wall'\nlength = 3.2\n", r"source\.length_m+: missing key"),
         ("a = 1\na = 2\n\n", r"not TOML; found a key given twice \(at line 2"),
