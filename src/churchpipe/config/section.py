@@ -71,8 +71,8 @@ def gathered(file: str, problems: Sequence[InputError]) -> InputError:
 def nearest(key: str, known: Iterable[str]) -> str:
     """Return the remedy for an unknown word."""
     # Their units make no two words alike.
-    words = {bare(word): word for word in known}
-    close = difflib.get_close_matches(bare(key), list(words), n=1, cutoff=0.52)
+    words = {bare(word).casefold(): word for word in known}
+    close = difflib.get_close_matches(bare(key).casefold(), list(words), n=1, cutoff=0.52)
     return f'Did you mean "{words[close[0]]}"?' if close else ""
 
 

@@ -23,7 +23,7 @@ from churchpipe.stones.prisms import thicken
 
 @dataclass(frozen=True, slots=True)
 class ArchParameters:
-    """A circular arch in the x-z plane about the origin, y from 0 to its width."""
+    """A circular arch in the x-z plane about the origin, y from 0 to its width. It is called arch."""
 
     mean_radius: Annotated[Length, "Radius half way between intrados and extrados."]
     thickness: Annotated[Length, "Depth of the voussoirs, in the plane of the arch."]

@@ -21,7 +21,8 @@ from churchpipe.model.quantities import Count, Length
 
 @dataclass(frozen=True, slots=True)
 class ArchPiersParameters:
-    """An arch along x about the origin on two piers, with its spandrels or a backfill."""
+    """An arch along x about the origin on two piers, with its spandrels or a backfill; y is 0 in its middle. All of it is one
+    wall, called arch."""
 
     course: Course
     stone_length: StoneLength

@@ -26,7 +26,8 @@ from churchpipe.model.quantities import Coordinate, Count, Length
 
 @dataclass(frozen=True, slots=True)
 class BoxParameters:
-    """A box of four walls, toothed at the corners."""
+    """A box of four walls, toothed at the corners, x and y from 0: south and north run along x, south at y = 0; west and east
+    along y, west at x = 0."""
 
     length: Annotated[Length, "Along x, over all."]
     width: Annotated[Length, "Along y, over all."]

@@ -19,7 +19,8 @@ from churchpipe.model.quantities import Coordinate, Count, Length, Ratio
 
 @dataclass(frozen=True, slots=True)
 class PrototypeParameters:
-    """A main wall along x with its outer face at y = 0, and partitions along y behind it, all as thick as the brick."""
+    """A main wall along x with its outer face at y = 0, and partitions along y behind it, all as thick as the brick. They are
+    called main, partition-1, partition-2 and so on."""
 
     brick: Annotated[Brick, "Length, thickness and height of a stone."]
     partitions_x: Annotated[Sequence[Coordinate], "x of the left face of each partition."]

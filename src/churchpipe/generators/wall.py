@@ -18,7 +18,7 @@ from churchpipe.model.quantities import Coordinate, Count, Length
 
 @dataclass(frozen=True, slots=True)
 class WallParameters:
-    """A wall along x from 0 to its length, y from 0 to its thickness."""
+    """A wall along x from 0 to its length, y from 0 to its thickness. It is called wall."""
 
     length: Annotated[Length, "Length."]
     brick: Annotated[Brick, "Length, thickness and height of a stone."]

@@ -138,6 +138,7 @@ def test_the_cases_of_the_church_lay_the_same_church() -> None:
 MISTAKES = [
     ("source.lenght_m=3", r'source\.lenght_m: unknown key.*Did you mean "length_m"\?'),
     ('source={generator="wall", thickness_m=0.2}', r"source\.length_m: missing key; expected a number"),
+    ("rigid.FLOW=1", r'rigid\.FLOW: unknown key.*Did you mean "flow"\?'),
     ("rigid.frow=1", r'rigid\.frow: unknown key.*flow, solver, method, start.*Did you mean "flow"\?'),
     ('ties=[{name="t", diameter_mm=25}]', r"ties\.0\.diameter_mm: unknown key; expected [^?]*ultimate_strain\.(?! Did)"),
     ("materail.default.friction=1", r'materail: unknown key.*Did you mean "material"\?'),
