@@ -14,7 +14,7 @@ from churchpipe.io.records import Analysis
 from churchpipe.loading.placing import place_loads
 from churchpipe.match import match_models
 from churchpipe.model.arguments import check_kind, describe, listed, path_of
-from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.assemblage import Assemblage, checked_sequence
 from churchpipe.model.carried import Carried
 from churchpipe.model.contacts import Contacts, check_contacts_of
 from churchpipe.model.fill import Fill
@@ -27,6 +27,7 @@ from churchpipe.model.results import CapacityCurve, LimitState, ShellLimitState
 from churchpipe.model.shell import ShellModel
 from churchpipe.model.ties import Tie
 from churchpipe.run_folder import versions
+from churchpipe.wording import counted
 
 Result = LimitState | ShellLimitState | CapacityCurve
 _MESH = "shell"
@@ -84,7 +85,12 @@ def write_report(
     applied = Applied(place_loads(stones, loads), tuple(listed("write_report: ties", ties, Tie)))
     of_blocks: list[tuple[Analysis, LimitState]] = []
     of_shell: list[tuple[Analysis, str, ShellLimitState | CapacityCurve]] = []
-    for number, (load, result) in enumerate(results, 1):
+    for number, pair in enumerate(checked_sequence("write_report: results", results, "pairs of a load case and its result"), 1):
+        check_kind(f"write_report: results[{number - 1}]", pair, tuple, list)
+        if len(pair) != 2:
+            found, expected = counted(len(pair), "entry", "entries"), "a load case and its result"
+            raise InputError(f"write_report: results[{number - 1}]", "not a pair", found=found, expected=expected)
+        load, result = pair
         check_kind("write_report: load", load, LoadCase)
         name_of = f"{number} {load.name}"
         if isinstance(result, LimitState) and len(result.velocities) == stones.count:

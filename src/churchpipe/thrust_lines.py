@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from churchpipe.errors import InputError
-from churchpipe.model.arguments import check_kind, positive
+from churchpipe.model.arguments import check_kind, listed, positive
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, floats
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts, check_contacts_of
@@ -206,7 +206,7 @@ def _checked(
     check_kind("contacts", contacts, Contacts)
     check_contacts_of(stones, contacts)
     force = floats("forces", forces, (len(contacts.point), 3))
-    names = (panels,) if isinstance(panels, str) else tuple(panels)
+    names = (panels,) if isinstance(panels, str) else tuple(listed("panels", panels, str))
     known = np.unique(stones.panel[~stones.fixed]).tolist()
     for name in names:
         if name not in known:

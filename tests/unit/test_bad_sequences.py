@@ -20,11 +20,16 @@ STONES = column(0.5)
 CONTACTS = cp.find_contacts(STONES)
 PUSH = cp.LoadCase([1, 0, 0])
 WIDTH = cp.SampledParameter(("width",), "normal", mean=0.5, standard_deviation=0.05)
+FORCES = np.zeros((len(CONTACTS.point), 3))
 POINTS = cp.sample_points([WIDTH], 4)
 
 
 def curve(stones: cp.Assemblage = STONES, contacts: cp.Contacts = CONTACTS, **options: Any) -> cp.BlockCapacityCurve:
     return cp.block_pushover(stones, contacts, PUSH, 0.6, **options)
+
+
+def report(results: list[Any]) -> None:
+    cp.write_report("never.html", STONES, CONTACTS, results, materials=[])
 
 
 def parameter(**numbers: Any) -> cp.SampledParameter:
@@ -69,6 +74,13 @@ CALLS: list[tuple[Callable[[], Any], str]] = [
         r"settlement_path: resume: wrong kind; found 3; expected a SettlementPath",
     ),
     (lambda: cp.with_fill(PUSH, STONES, cast("Any", 3), 1.0, 1e4), r"with_fill: panels: wrong kind; found 3"),
+    (lambda: cp.place_loads(STONES, cast("Any", np.array(0.5))), r"place_loads: loads: not a list; found ndarray"),
+    (lambda: cp.Buttress("w", [1.0], cast("Any", []), 0.5, 0.5), r"buttress of w: toward: no side; found \[\]; expected \+x"),
+    (lambda: cp.save(STONES, cast("Any", None)), r"save: path: not a path; found None"),
+    (lambda: cp.thrust_line(STONES, CONTACTS, FORCES, cast("Any", 3)), r"panels: wrong kind; found 3; expected a list of str"),
+    (lambda: report(cast("Any", 3)), r"write_report: results: not a list; found 3; expected a list of pairs"),
+    (lambda: report([cast("Any", (PUSH,))]), r"write_report: results\[0\]: not a pair; found 1 entry; expected a load case and"),
+    (lambda: report([cast("Any", PUSH)]), r"write_report: results\[0\]: wrong kind; found LoadCase"),
     (lambda: cp.with_buttresses(cast("Any", None), ()), r"with_buttresses: building: wrong kind; found None"),
 ]
 

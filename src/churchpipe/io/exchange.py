@@ -10,7 +10,7 @@ from churchpipe.errors import Extra, InputError
 from churchpipe.io.npz import SCHEMAS, Absent, read_any, write_npz
 from churchpipe.io.shell_vtu import shell_mesh
 from churchpipe.io.vtu import stones_mesh
-from churchpipe.model.arguments import check_kind
+from churchpipe.model.arguments import check_kind, path_of
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.block_curve import BlockCapacityCurve
 from churchpipe.model.contacts import Contacts
@@ -36,7 +36,7 @@ def save(value: Any, path: str | Path) -> None:
     if type(value) not in SCHEMAS or isinstance(value, Absent):
         expected = ", ".join(sorted(kind.__name__ for kind in SCHEMAS if kind is not Absent))
         raise InputError("save: value", "not a model or a result", found=type(value).__name__, expected=expected)
-    if Path(path).suffix != ".npz":
+    if path_of("save: path", path).suffix != ".npz":
         raise InputError(f"save: {path}", "another ending", expected="a name that ends in .npz")
     write_npz(path, value)
 

@@ -243,7 +243,12 @@ def assemble(
 
 
 def checked_sequence(where: str, value: Any, of: str) -> Iterable[Any]:
-    if isinstance(value, str | bytes | Mapping) or not isinstance(value, Iterable):
+    # An array without a dimension calls itself iterable.
+    if (
+        isinstance(value, str | bytes | Mapping)
+        or not isinstance(value, Iterable)
+        or getattr(cast("object", value), "shape", None) == ()
+    ):
         raise InputError(where, "not a list", found=describe(cast("object", value)), expected=f"a list of {of}")
     return cast("Iterable[Any]", value)
 

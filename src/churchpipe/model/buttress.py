@@ -1,7 +1,7 @@
 """Buttresses and pilasters of straight walls."""
 
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, cast
 
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import positive, text
@@ -39,7 +39,7 @@ class Buttress:
         along = tuple(floats(f"{where}: along", self.along, (None,)).tolist())
         if not along:
             raise InputError(f"{where}: along", "nowhere", found="no places", expected="one or several, m")
-        if self.toward not in TOWARD:
+        if not isinstance(cast("object", self.toward), str) or self.toward not in TOWARD:
             raise InputError(f"{where}: toward", "no side", found=self.toward, expected=", ".join(TOWARD))
         for key in ("width", "depth", "height"):
             if getattr(self, key) is not None:
