@@ -88,7 +88,7 @@ def check_drawing(
         contacts = find_contacts(drawing.stones, **reading.tolerances(tolerances))
         check_soundness(drawing.stones, contacts)
     except InputError as error:
-        raise UnsoundError(error, drawing) from error
+        raise UnsoundError(error.at(f"{path}: {error.where}"), drawing) from error
     return drawing, contacts
 
 

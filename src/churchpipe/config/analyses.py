@@ -9,7 +9,7 @@ from pydantic import AfterValidator, BeforeValidator, Field
 from churchpipe.config.tables import listed
 from churchpipe.errors import InputError
 from churchpipe.model.names import CONTACT_MODEL, STRENGTH, ContactModel, Flow, Planes
-from churchpipe.model.quantities import Coordinate, Count, Length, Place, Quantity, Whole
+from churchpipe.model.quantities import Coordinate, Count, Length, Place, Quantity, Usual, Whole
 from churchpipe.model.stone_path import HALO
 from churchpipe.rigid_blocks.crushing import PARTS
 from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP
@@ -17,6 +17,8 @@ from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP
 Method = Literal["limit", "pushover"]
 Start = Literal["centre", "dead-load", "uniform", "associative", "scattered"]
 _Corner = tuple[Coordinate, Coordinate]
+_GAP = Quantity("_mm", 0.0, above=True, usual=Usual(1e-6, 50, "joints of mortar are some 10 wide, those of drawn stones below 1"))
+_OVERLAP = Quantity("_mm", 0.0, above=True, usual=Usual(1e-6, 50, "stones that are drawn or scanned overlap by some mm"))
 _FURTHEST = Quantity("_deg", 0.0, above=True, key="furthest_deg")
 _Part = Annotated[float, Quantity()]
 _OneOrMore = BeforeValidator(listed, json_schema_input_type=list[Start] | Start)
@@ -69,7 +71,9 @@ class RigidSettings:
     bipotential_gap: Annotated[float, Quantity("", 0.0, above=True, high=1, below=True), "Error at which its iteration ends."] = (
         BIPOTENTIAL_GAP
     )
-    contact_gap: Annotated[Length | None, "Largest gap between two faces of a joint; by default proposed from the stones."] = None
+    contact_gap: Annotated[
+        float | None, _GAP, "Largest gap between two faces of a joint; by default proposed from the stones."
+    ] = None
     contact_angle: Annotated[
         float | None, Quantity("_deg", 0.0, above=True, high=90, below=True), "Largest angle between two faces of a joint."
     ] = None
@@ -78,7 +82,7 @@ class RigidSettings:
         "How many walls are analysed again, each alone, with 10 kPa more cohesion, and how many with 10 kN more weight, however "
         "small the building is: those that it would help most.",
     ] = 0
-    overlap: Annotated[Length | None, "Largest depth to which two stones may overlap."] = None
+    overlap: Annotated[float | None, _OVERLAP, "Largest depth to which two stones may overlap."] = None
     curve: Annotated[CurveSettings | None, "The capacity curve of the stones, where it is asked for."] = None
 
 

@@ -95,8 +95,8 @@ class DisplacementCheck(Check):
     a0: _Acceleration = math.nan
     d0: _Length = math.nan
     d0_stones: _Length = math.nan
-    displacement: _Lengths = ()
-    acceleration: _Accelerations = ()
+    displacement: _Lengths = field(default=(), repr=False)
+    acceleration: _Accelerations = field(default=(), repr=False)
     idealised_d0: _Length = math.nan
     missing: str = ""
     unproved: str = ""
@@ -106,4 +106,4 @@ class DisplacementCheck(Check):
     a_g_slv_idealised: _Acceleration = math.nan
     force_based: SafetyCheck | None = None
     governs: str = ""
-    demand: dict[str, DemandCurve] = field(default_factory=dict[str, DemandCurve])
+    demand: dict[str, DemandCurve] = field(default_factory=dict[str, DemandCurve], repr=False)

@@ -29,7 +29,7 @@ def test_findings_are_listed_and_drawn_where_stones_are_unsound(capsys: pytest.C
     for command in (("check", path, "-o", tmp_path / "found"), ("import", path, "-o", tmp_path / "out")):
         code, _, err = call(capsys, *command, *OPTIONS)
         assert code == 1
-        assert "1 without a path to a support" in err
+        assert f"{path}: stones: 1 without a path to a support" in err
         assert "dxf/W18 a.dxf: left out: 1 lines that close nothing." in err
         assert err.index("without a path") < err.index("W18")
     assert not (tmp_path / "out").exists()

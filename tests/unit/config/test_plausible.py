@@ -32,6 +32,16 @@ soil_factor = 1.2
 SOUND = {"weight": 18, "friction": 0.6, "cohesion": 0, "ground": 0.15}
 
 
+@pytest.mark.parametrize("key", ["contact_gap_mm", "overlap_mm"])
+def test_tolerances_larger_than_any_joint_are_questioned(key: str, tmp_path: Path) -> None:
+    """With them stones of a drawing in another unit meet, or lie in each other, and nothing is said."""
+    path = tmp_path / "w.toml"
+    path.write_text(CASE.format(**SOUND))
+    assert questions([read_case(path, [f"rigid.{key}=12"])]) == []
+    [question] = questions([read_case(path, [f"rigid.{key}=400"])])
+    assert question.startswith(f"rigid.{key} is 400 mm, usual are 1e-06 to 50 mm")
+
+
 @pytest.mark.parametrize(
     ("change", "words"),
     [
