@@ -143,7 +143,7 @@ def view(
 
 # Tables of a case that a drawing has no place for.
 _UNDRAWN = (
-    *("project", "check", "published", "sample"),
+    *("project", "rigid", "shell", "check", "published", "sample"),
     *("point_loads", "area_loads", "diaphragms", "pressures", "fills", "tie_candidates", "joints", "movements", "variants"),
 )
 
@@ -174,7 +174,7 @@ def export_dxf(
     write_dxf(stones, drawing, materials=read.materials, loads=read.loads, ties=carried.ties, line_loads=carried.line_loads)
     out.print(f"{counted(int((~stones.fixed).sum()), 'stone')}: {drawing}", soft_wrap=True)
     beams = () if isinstance(read.source, Generated) else ("ring_beams",)
-    left = [key for key in (*_UNDRAWN, *beams) if read.table.get(key)]
+    left = [key for key in (*_UNDRAWN, *beams) if read.table.get(key)] + (["sweep"] if read.swept else [])
     if left:
         err.print(f"Not in the drawing, and the case's alone: {', '.join(left)}.", soft_wrap=True)
 

@@ -195,11 +195,11 @@ def test_an_imported_case_is_exported_as_it_was_drawn(capsys: pytest.CaptureFixt
 def test_what_a_drawing_has_no_place_for_is_said(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     call(capsys, "generate", "wall", "-o", tmp_path / "w.toml")
     more = '[[joints]]\nname = "damp"\nkind = "base"\nfriction = 0.3\n[[variants]]\nname = "dry"\nremove = ["joints.damp"]\n'
-    more += "[check]\nag_g = 0.1\nsoil_factor = 1.2\n"
+    more += '[check]\nag_g = 0.1\nsoil_factor = 1.2\n[sweep]\n"check.q" = [1.5, 2.0]\n'
     (tmp_path / "w.toml").write_text((tmp_path / "w.toml").read_text() + more)
     code, _, err = call(capsys, "export-dxf", tmp_path / "w.toml", "-o", tmp_path / "w.dxf")
     assert code == 0
-    assert err == "Not in the drawing, and the case's alone: check, joints, variants.\n"
+    assert err == "Not in the drawing, and the case's alone: rigid, check, joints, variants, sweep.\n"
 
 
 def test_export_and_import_give_the_same_case(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
