@@ -78,7 +78,7 @@ def held_at_first(
 def shrunk(model: MovingModel, state: PathState, rings: int) -> tuple[MovingModel, PathState]:
     """Return the model and the state with those stones held that stand still by now, in a large model.
 
-    They are slower than `PATH.rim` of the mechanism of the last step, and so many contacts (`rings`) from faster ones. Where that
+    They are slower than `PATH.still` of the mechanism of the last step, and so many contacts (`rings`) from faster ones. Where that
     is a motion of a few light stones, or hardly any would be held, all are followed as before.
     """
     if not (rings and model.large and state.before is not None and isinstance(model.driven, TravellingLoads)):
@@ -88,7 +88,7 @@ def shrunk(model: MovingModel, state: PathState, rings: int) -> tuple[MovingMode
     speed = stone_speed(standing(model, state), velocity)
     if of_few(speed, model.stones.weight, expendable(model, state)):
         return model, state
-    moving = speed > PATH.rim * reference_speed(speed)
+    moving = speed > PATH.still * reference_speed(speed)
     moving[model.ties.stone] = True
     still = held_around(model.stones, np.concatenate([model.drawn.blocks, state.joints.blocks]), moving, rings)
     free = ~(model.stones.fixed | model.held | state.fallen)

@@ -83,7 +83,8 @@ def _solved(model: MovingModel, state: PathState, programs: int, pairs: int) -> 
     """Return the step that a state takes with friction acting where its joints say."""
     stones, program, free, gap = state_program(model, state)
     solve, motions = solver_for(program.balance, model.solver), Motions(model, state, stones, free)
-    search = StepSearch(program, gap, solve, motions.longest, motions.falls, state.length, model.step, model.demands)
+    demands = model.demands if state.before is not None else replace(model.demands, fitting=model.demands.begins)
+    search = StepSearch(program, gap, solve, motions.longest, motions.falls, state.length, model.step, demands)
     attempt = _sought(motions, search, program, gap, programs, pairs)
     answer, way, length, joints = attempt.answer, 0.0, attempt.length, state.joints
     if answer.outcome == "solved":

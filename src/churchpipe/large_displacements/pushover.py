@@ -149,10 +149,12 @@ def block_pushover(
     if resume is not None and len(resume.position):
         start = record.go_on_from(resume, resume.displacement, resume.load_factor, halo=halo > 0)
         model = record.model
+        if model.large and model.plain:
+            model = _with_dead_load(model, contacts, balance)
         record.tensions = list(resume.tie_forces[: len(record.poses)])
         steps -= len(record.poses)
     else:
-        model, start = _started(model, contacts, analysed, balance)
+        model, start = _started(model, contacts, analysed, balance, state.velocities)
     return record.curve(follow(model, start, int(steps), record, halo), perf_counter() - begin)
 
 
@@ -167,29 +169,38 @@ def _proves(state: LimitState, balance: Equilibrium, strength: Strength, parts: 
 
 
 def _started(
-    model: MovingModel, contacts: Contacts, analysed: Callable[..., LimitState], balance: Equilibrium
+    model: MovingModel, contacts: Contacts, analysed: Callable[..., LimitState], balance: Equilibrium, velocities: FloatArray
 ) -> tuple[MovingModel, PathState]:
     """Return the model and the state as drawn, with the sliding of a motion without dilatancy.
 
     It is that of the model's own programs. Where these come near it too slowly, it is that of the certified analysis. In a large
     model this takes many minutes: there the first step begins as that analysis does, with the forces of the dead load in all
-    stones, which do not depend on which are held, and with forces near them that hardly exceed friction. The model keeps those
-    of the dead load for stones that are freed later. With joints that crush, and with friction that follows the pressure, the
-    first step makes forces and motion fit as all others do.
+    stones, which do not depend on which are held, and with forces near them that hardly exceed friction. Loose stones are known
+    by the motion of the limit analysis, with velocities (nb, 6). With joints that crush, and with friction that follows the
+    pressure, the first step makes forces and motion fit as all others do.
     """
     large = model.large
     first = first_state(model)
+    if large:
+        power = float(balance.live @ balance.multipliers(velocities))
+        first = replace(first, fastest=float(stone_speed(model.stones, velocities).max()) / power)
     step = solve_state(model, first, 1 if large else PATH.first_programs, 0)
     if step.answer.outcome != "solved" or step.answer.misfit < PATH.started or not model.plain:
         return model, step.state
-    bears = bearing(model.stones.fixed, contacts.blocks)[contacts.interface_of_point]
     if large:
-        model = replace(model, drawn=replace(model.drawn, pressing=dead_load_start(balance)[bears]))
-        return model, approached(model, first_state(model))
+        model = _with_dead_load(model, contacts, balance)
+        return model, approached(model, replace(first_state(model), fastest=first.fastest))
+    bears = bearing(model.stones.fixed, contacts.blocks)[contacts.interface_of_point]
     found = analysed(model.stones, flow="non-associative")
     if found.status not in ("converged", "not-converged"):
         return model, step.state
     return model, as_in(model, first, found.forces[bears, 0], found.velocities)
+
+
+def _with_dead_load(model: MovingModel, contacts: Contacts, balance: Equilibrium) -> MovingModel:
+    """Return the model that keeps the forces of the dead load in all stones, for those that are freed on the way."""
+    bears = bearing(model.stones.fixed, contacts.blocks)[contacts.interface_of_point]
+    return replace(model, drawn=replace(model.drawn, pressing=dead_load_start(balance)[bears]))
 
 
 class _Curve(Record):

@@ -11,17 +11,19 @@ from churchpipe.errors import InputError
 class Demands:
     """What the programs of a step must reach; a misfit is what a motion lacks of one without dilatancy, over the load factor.
 
-    fitting: a motion that misses its forces by no more fits them. enough: the same of a motion that goes on from the last one,
-    on which no more pairs are spent that hardly gain, and which is kept rather than looked for by other ways; resting: so many
-    pairs in a row that hardly gain end every search. astray: where the forces of the last step miss a motion by more, they do not
-    lead on, and no more programs are spent on them. shorter: a motion may go so many times less far than the length that its
-    programs charge the gaps for. further: one that does not fit and may go so many times further is sought anew with that length.
+    fitting: a motion that misses its forces by no more fits them; begins: the same of the first step, which decides on which of
+    several ways a path goes. enough: the same of a motion that goes on from the last one, on which no more pairs are spent that
+    hardly gain, and which is kept rather than looked for by other ways; resting: so many pairs in a row that hardly gain end
+    every search. astray: where the forces of the last step miss a motion by more, they do not lead on, and no more programs are
+    spent on them. shorter: a motion may go so many times less far than the length that its programs charge the gaps for.
+    further: one that does not fit and may go so many times further is sought anew with that length.
     faster: stones fall whose motion does not come to fit when they are so many times faster than usual, see
     `falling.usual_speed`. onward: whether pairs begin near the pair before them where no motion is known. duality_gap: error of
     the associative programs, whose velocities may move the stones.
     """
 
     fitting: float
+    begins: float
     enough: float
     resting: float
     astray: float
@@ -139,6 +141,7 @@ class PathSettings:
 PATH = PathSettings()
 EXACTING = Demands(
     fitting=2e-3,
+    begins=2e-3,
     enough=2e-3,
     resting=np.inf,
     astray=np.inf,
@@ -151,6 +154,7 @@ EXACTING = Demands(
 # In a large model a program takes seconds.
 THRIFTY = Demands(
     fitting=8e-3,
+    begins=5e-3,
     enough=0.01,
     resting=2,
     astray=0.1,
