@@ -531,6 +531,9 @@ def test_show_tells_what_moves_and_what_the_check_finds(capsys: pytest.CaptureFi
     _, out, _ = call(capsys, "show", tmp_path)
     assert "Support pier: at 61.5 mm it was not followed further" in out
     assert "Support pier: at 0 mm it was not followed further" in out
+    shut = movement | {"cracks": [{"wall": "nave", "opening_mm": 6e-6, "slip_mm": 0.0}]}
+    write_json(tmp_path / "summary.json", summary | {"movements": [shut]})
+    assert "widest crack none" in call(capsys, "show", tmp_path)[1]
     # One support of several buildings or strengths says of which it is.
     other = unfinished | {"variant": "tied", "swept": {"material.default.friction": 0.5}}
     write_json(tmp_path / "summary.json", summary | {"movements": [other]})
