@@ -27,9 +27,14 @@ def threads() -> int:
     return max(1, int(given)) if given.isdecimal() else _cores()
 
 
+def shares_of(places: int) -> int:
+    """Return into how many shares a loop over so many places is divided."""
+    return threads() if places >= _LEAST else 1
+
+
 def in_shares(loop: Callable[..., Any], places: int, *arguments: Any) -> None:
     """Call loop(share, shares, *arguments) for each share of so many places; what they write must not overlap."""
-    shares = threads() if places >= _LEAST else 1
+    shares = shares_of(places)
     together(*((loop, share, shares, *arguments) for share in range(shares)))
 
 

@@ -49,9 +49,9 @@ class CellElimination:
     def factor(self, corners: CoulombCompliance) -> FloatArray:
         """Factorise at the compliances of the corners and return D (6, 6, nq)."""
         parts = (corners.normal, corners.lean, corners.along, corners.across, corners.direction)
-        out = np.empty((6, 6, len(self._forces.points)))
+        out = np.empty((len(self._forces.points), 6, 6))
         in_shares(_factor, self._forces.count, self._kinds, self._forces.table, parts, self._root, self._state, out)
-        return out
+        return out.T
 
     def reduce(self, strain: FloatArray, still: FloatArray) -> "Reduced":
         """Return what right sides for e (6, nq; empty in a limit analysis) and for the stones (rows,) leave to the shell."""
@@ -243,13 +243,15 @@ def _factor(
             _triangle(a, m, order, left, known)
             kept = triangle[start[g] + j * width**2 : start[g] + (j + 1) * width**2].reshape(width, width)
             for s in range(width):
-                for r in range(s + 1):
+                for r in range(s):
                     kept[s, r] = a[s, r]
+                kept[s, s] = 1.0 / a[s, s]
             if len(root):
                 _in_series(a, m, order, root[q], both)
                 for s in range(6):
-                    for r in range(s + 1):
+                    for r in range(s):
                         strain_triangle[q, s, r] = both[s, r]
+                    strain_triangle[q, s, s] = 1.0 / both[s, s]
             for s in range(6):
                 for t in range(s + 1):
                     value = 0.0
@@ -260,17 +262,17 @@ def _factor(
                         for r in range(t + 1):
                             value += a[m + s, m + r] * a[m + t, m + r]
                     x, y = order[m + s], order[m + t]
-                    out[x, y, q], out[y, x, q] = value, value
+                    out[q, x, y], out[q, y, x] = value, value
 
 
 @numba.njit(cache=True, error_model="numpy", inline="always")
 def _forward(triangle: FloatArray, u: FloatArray, size: int) -> None:
-    """Solve R^T u = u; triangle_sr = R_rs."""
+    """Solve R^T u = u; triangle_sr = R_rs, with 1 / R_ss on the diagonal."""
     for s in range(size):
         value = u[s]
         for r in range(s):
             value -= triangle[s, r] * u[r]
-        u[s] = value / triangle[s, s]
+        u[s] = value * triangle[s, s]
 
 
 @numba.njit(cache=True, error_model="numpy", inline="always")
@@ -280,7 +282,7 @@ def _backward(triangle: FloatArray, u: FloatArray, size: int) -> None:
         value = u[s]
         for r in range(s + 1, size):
             value -= triangle[r, s] * u[r]
-        u[s] = value / triangle[s, s]
+        u[s] = value * triangle[s, s]
 
 
 @numba.njit(cache=True, error_model="numpy", inline="always")
@@ -336,12 +338,10 @@ def _reduce(
             if len(root):
                 _forward(strain_triangle[q], e, 6)
                 _backward(strain_triangle[q], e, 6)
-                for s in range(6):
-                    v[order[m + s]] = e[s]
+            for s in range(6):
+                v[order[m + s]] = e[s]
+            if len(root):
                 _elastic(root[q], v, half)
-            else:
-                for s in range(6):
-                    v[order[m + s]] = e[s]
             for s in range(6):
                 stress[s, q] = v[s]
 

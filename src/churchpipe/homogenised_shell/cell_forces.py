@@ -7,6 +7,7 @@ kind by kind, in each corner by corner, in each point by point.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numba
 import numpy as np
@@ -73,13 +74,13 @@ class CellForces:
     def add_up(self, force: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the stresses (6, nq) and the sums on the stones (rows,) of the forces (3, corners)."""
         stress, still = np.empty((6, len(self.points))), np.empty(self.rows)
-        in_shares(_add_up, self.count, self._kinds, self._entries, force, stress, still)
+        in_shares(_add_up, self.count, self.kinds, self.entries, force, stress, still)
         return stress, still
 
     def spread(self, stress: FloatArray, still: FloatArray) -> FloatArray:
         """Return the transpose: forces (3, corners) from (6, nq) and (rows,)."""
         out = np.zeros((3, self.count))
-        in_shares(_spread, self.count, self._kinds, self._entries, np.ascontiguousarray(stress), still, out)
+        in_shares(_spread, self.count, self.kinds, self.entries, np.ascontiguousarray(stress), still, out)
         return out
 
     def matrix(self) -> tuple[sp.csr_matrix[np.float64], sp.csr_matrix[np.float64]]:
@@ -100,11 +101,13 @@ class CellForces:
         return self.points[self.first[kind] : self.first[kind + 1]]
 
     @property
-    def _kinds(self) -> tuple[IntArray, IntArray, IntArray, IntArray]:
+    def kinds(self) -> "Kinds":
+        """Points, and where points, corners and sums of each kind start."""
         return self.points, self.first, self.corner, self.row
 
     @property
-    def _entries(self) -> tuple[IntArray, IntArray, IntArray, IntArray, FloatArray]:
+    def entries(self) -> "Entries":
+        """The coefficients that are not zero."""
         return self.entry, self.sums, self.components, self.of_corner, self.values
 
 
@@ -136,13 +139,13 @@ def cell_forces(closings: Sequence[FloatArray], kind: IntArray) -> CellForces:
     )
 
 
-_Kinds = tuple[IntArray, IntArray, IntArray, IntArray]
-_Entries = tuple[IntArray, IntArray, IntArray, IntArray, FloatArray]
+Kinds: TypeAlias = tuple[IntArray, IntArray, IntArray, IntArray]
+Entries: TypeAlias = tuple[IntArray, IntArray, IntArray, IntArray, FloatArray]
 
 
 @numba.njit(cache=True, error_model="numpy", nogil=True)
 def _add_up(
-    share: int, shares: int, kinds: _Kinds, entries: _Entries, force: FloatArray, stress: FloatArray, still: FloatArray
+    share: int, shares: int, kinds: Kinds, entries: Entries, force: FloatArray, stress: FloatArray, still: FloatArray
 ) -> None:
     points, first, corner, row = kinds
     entry, sums, components, of_corner, values = entries
@@ -171,7 +174,7 @@ def _add_up(
 
 @numba.njit(cache=True, error_model="numpy", nogil=True)
 def _spread(
-    share: int, shares: int, kinds: _Kinds, entries: _Entries, stress: FloatArray, still: FloatArray, force: FloatArray
+    share: int, shares: int, kinds: Kinds, entries: Entries, stress: FloatArray, still: FloatArray, force: FloatArray
 ) -> None:
     points, first, corner, row = kinds
     entry, sums, components, of_corner, values = entries

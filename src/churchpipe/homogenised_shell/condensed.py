@@ -27,7 +27,7 @@ from churchpipe.homogenised_shell.corner_cones import central_pair
 from churchpipe.homogenised_shell.direct import solve_directly
 from churchpipe.homogenised_shell.elastic_step import ElasticStep, solve_step
 from churchpipe.homogenised_shell.element import ShellElements
-from churchpipe.homogenised_shell.energy import elastic_energy
+from churchpipe.homogenised_shell.energy import Energy, elastic_energy
 from churchpipe.homogenised_shell.loads import load_vectors
 from churchpipe.homogenised_shell.planes import plane_points
 from churchpipe.homogenised_shell.points import CellStrength, PlaneStrength, local_strength
@@ -100,6 +100,9 @@ class CondensedShell:
         self._coupling = Coupling(self._touches)
         self._normal = NormalMatrix(self._coupling)
         self._cholesky = Cholesky(self._normal.pattern, 1)
+        self._energy: Energy | None = None
+        law = self.strength
+        self._elastic = CellCoupling(self._touches, law.forces, elastic=True) if isinstance(law, CellStrength) else None
 
     def solve(
         self,
@@ -164,8 +167,8 @@ class CondensedShell:
         reward: float,
     ) -> StressState | None:
         """Return the state of an elastic step with the exact cell, or None where it needs the method that decides."""
-        law = self.strength
-        if not isinstance(law, CellStrength):
+        law, coupling = self.strength, self._elastic
+        if not isinstance(law, CellStrength) or coupling is None:
             return None
         nothing = np.zeros(self.loads.equilibrium.shape[0])
         dead, live = (nothing if part is None else part for part in (dead, live))
@@ -177,8 +180,8 @@ class CondensedShell:
             x = before.x.reshape(3, -1)
             if before.reward:
                 z = before.multipliers.reshape(3, -1) * (reward / before.reward)
-        energy = elastic_energy(compliance, (0.0 if before is None else before.stress) - law.offset)
-        coupling = CellCoupling(self._touches, law.forces, elastic=True)
+        energy = elastic_energy(compliance, (0.0 if before is None else before.stress) - law.offset, self._energy)
+        self._energy = energy
         step = ElasticStep(
             law=law,
             coupling=coupling,

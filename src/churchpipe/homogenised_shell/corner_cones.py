@@ -22,20 +22,21 @@ from churchpipe.model.arrays import FloatArray
 
 _Vector: TypeAlias = tuple[float, float, float]
 _Scaling: TypeAlias = tuple[float, float, float, float]
-_loop: Callable[[Any], Any] = numba.njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract"})
+loop: Callable[[Any], Any] = numba.njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract"})
 _inline: Callable[[Any], Any] = numba.njit(cache=True, error_model="numpy", inline="always")
 
 
 class CornerCones:
     """Forces and multipliers of all corners, both inside their cones, and the last direction that they answered.
 
-    slope (corners,): friction. ds, dz: of the last answer that was `kept`.
+    slope (corners,): friction. tried: ds and dz of the last answer. An aim is good until the next but one.
     """
 
     def __init__(self, x: FloatArray, z: FloatArray, slope: FloatArray) -> None:
         self.x, self.z, self.slope = x, z, slope
-        self._ds, self._dz, self._tried = np.empty_like(x), np.empty_like(x), (np.empty_like(x), np.empty_like(x))
-        self._rates = np.empty(x.shape[1])
+        self._ds, self._dz, self.tried = np.empty_like(x), np.empty_like(x), (np.empty_like(x), np.empty_like(x))
+        self._aims = np.empty_like(x), np.empty_like(x)
+        self._products = np.empty(x.shape[1])
 
     def compliance(self) -> CoulombCompliance:
         """Return F^-1 W^2 F^-1."""
@@ -43,30 +44,19 @@ class CornerCones:
         in_shares(_comply, self.x.shape[1], self.x, self.z, self.slope, parts, direction)
         return CoulombCompliance(parts[0], parts[1], parts[2], parts[3], direction)
 
-    def push(self, aim: FloatArray, opening: FloatArray) -> FloatArray:
-        """Return x + dx of corners that open by no more than this."""
-        out = np.empty_like(self.x)
-        in_shares(_push, self.x.shape[1], self.x, self.z, self.slope, aim, opening, out)
-        return out
-
-    def answer(self, aim: FloatArray, opening: FloatArray) -> float:
-        """Find ds and dz of corners that open by so much, and return the rate at which the first cone is left."""
-        in_shares(_answer, self.x.shape[1], self.x, self.z, self.slope, aim, opening, *self._tried, self._rates)
-        return float(self._rates.max())
-
     def keep(self) -> None:
         """Keep the last answer."""
-        (self._ds, self._dz), self._tried = self._tried, (self._ds, self._dz)
+        (self._ds, self._dz), self.tried = self.tried, (self._ds, self._dz)
 
     def second_order(self, target: float) -> FloatArray:
         """Return the aim for products of `target`, less the product of the answer kept, which a linear step neglects."""
-        out = np.empty_like(self.x)
+        out = self._aims[0]
         in_shares(_second_order, self.x.shape[1], self.x, self.z, self.slope, self._ds, self._dz, target, out)
         return out
 
     def recentred(self, aim: FloatArray, length: float, target: float) -> FloatArray:
         """Return an aim that brings the products at `length` along the answer kept into [.1, 10] target (Gondzio 1996)."""
-        out = np.empty_like(self.x)
+        out = self._aims[1] if aim is self._aims[0] else self._aims[0]
         in_shares(
             _recentred,
             self.x.shape[1],
@@ -85,8 +75,8 @@ class CornerCones:
 
     def move(self, length: float) -> float:
         """Go so far along the answer kept, and return the sum of the products s z."""
-        in_shares(_moved, self.x.shape[1], self.x, self.z, self.slope, self._ds, self._dz, length, self._rates)
-        return float(self._rates.sum())
+        in_shares(_moved, self.x.shape[1], self.x, self.z, self.slope, self._ds, self._dz, length, self._products)
+        return float(self._products.sum())
 
 
 def central_pair(x: FloatArray, z: FloatArray, slope: FloatArray, margin: float, product: float) -> tuple[FloatArray, FloatArray]:
@@ -166,7 +156,7 @@ def _eigenvalue(v: float, square: float) -> float:
     return 0.5 * (v + root) if v > 0.0 else 2.0 * square / (root - v)
 
 
-@_loop
+@loop
 def _comply(
     share: int, shares: int, x: FloatArray, z: FloatArray, slope: FloatArray, parts: FloatArray, direction: FloatArray
 ) -> None:
@@ -186,45 +176,61 @@ def _comply(
         parts[3, k] = eta
 
 
-@_loop
-def _push(
-    share: int, shares: int, x: FloatArray, z: FloatArray, slope: FloatArray, aim: FloatArray, lack: FloatArray, out: FloatArray
+@loop
+def pushed(
+    x: FloatArray,
+    z: FloatArray,
+    slope: FloatArray,
+    aim: FloatArray,
+    lack: FloatArray,
+    begin: int,
+    size: int,
+    out: FloatArray,
+    to: int,
 ) -> None:
-    begin, end = bounds_of(x.shape[1], share, shares)
-    for k in range(np.uint64(begin), np.uint64(end)):
+    """Write x + dx of `size` corners from `begin` on, which open by `lack` and no more, into `out` from `to` on."""
+    for k in range(np.uint64(begin), np.uint64(begin + size)):
+        at = k + np.uint64(to) - np.uint64(begin)
         eta, w0, w1, w2 = _scaling(slope[k] * x[0, k], x[1, k], x[2, k], z[0, k], z[1, k], z[2, k])
         a, b, c = _stretched(eta, w0, w1, w2, lack[0, k] / slope[k], lack[1, k], lack[2, k])
-        out[0, k] = (aim[0, k] - a) / slope[k]
-        out[1, k] = aim[1, k] - b
-        out[2, k] = aim[2, k] - c
+        out[0, at] = (aim[0, k] - a) / slope[k]
+        out[1, at] = aim[1, k] - b
+        out[2, at] = aim[2, k] - c
 
 
-@_loop
-def _answer(
-    share: int,
-    shares: int,
+@loop
+def answered(
     x: FloatArray,
     z: FloatArray,
     slope: FloatArray,
     aim: FloatArray,
     opening: FloatArray,
+    at: int,
+    begin: int,
+    size: int,
     ds: FloatArray,
     dz: FloatArray,
     rates: FloatArray,
 ) -> None:
-    begin, end = bounds_of(x.shape[1], share, shares)
-    for k in range(np.uint64(begin), np.uint64(end)):
+    """Write ds, dz and the rate at which the nearer cone is left, of `size` corners from `begin` on.
+
+    Their `opening` stands there from `at` on. With one array more the compiler would need so many proofs that none overlap
+    that it gives up vector instructions.
+    """
+    for k in range(np.uint64(begin), np.uint64(begin + size)):
+        near = k - np.uint64(begin)
         s0, s1, s2, z0, z1, z2 = slope[k] * x[0, k], x[1, k], x[2, k], z[0, k], z[1, k], z[2, k]
         eta, w0, w1, w2 = _scaling(s0, s1, s2, z0, z1, z2)
-        e0, e1, e2 = opening[0, k] / slope[k], opening[1, k], opening[2, k]
+        e0 = opening[0, near + np.uint64(at)] / slope[k]
+        e1, e2 = opening[1, near + np.uint64(at)], opening[2, near + np.uint64(at)]
         a, b, c = _stretched(eta, w0, w1, w2, e0, e1, e2)
         d0, d1, d2 = aim[0, k] - s0 - a, aim[1, k] - s1 - b, aim[2, k] - s2 - c
-        rates[k] = max(_rate(s0, s1, s2, d0, d1, d2), _rate(z0, z1, z2, e0, e1, e2))
+        rates[near] = max(_rate(s0, s1, s2, d0, d1, d2), _rate(z0, z1, z2, e0, e1, e2))
         ds[0, k], ds[1, k], ds[2, k] = d0, d1, d2
         dz[0, k], dz[1, k], dz[2, k] = e0, e1, e2
 
 
-@_loop
+@loop
 def _second_order(
     share: int,
     shares: int,
@@ -248,7 +254,7 @@ def _second_order(
         out[0, k], out[1, k], out[2, k] = _scaled(eta, w0, w1, w2, u0, u1, u2)
 
 
-@_loop
+@loop
 def _recentred(
     share: int,
     shares: int,
@@ -283,7 +289,7 @@ def _recentred(
         out[0, k], out[1, k], out[2, k] = aim[0, k] + u0, aim[1, k] + u1, aim[2, k] + u2
 
 
-@_loop
+@loop
 def _moved(
     share: int,
     shares: int,
@@ -307,7 +313,7 @@ def _moved(
         products[k] = total
 
 
-@_loop
+@loop
 def _central(
     share: int,
     shares: int,

@@ -19,6 +19,7 @@ from churchpipe.conic.cholesky import Cholesky, NotDefiniteError
 from churchpipe.conic.interior_point.coulomb import CoulombCompliance
 from churchpipe.conic.interior_point.normal import NormalMatrix
 from churchpipe.homogenised_shell.cell_elimination import CellElimination
+from churchpipe.homogenised_shell.cell_passes import answer_cells, push_cells
 from churchpipe.homogenised_shell.cells import CellCoupling
 from churchpipe.homogenised_shell.corner_cones import CornerCones
 from churchpipe.homogenised_shell.energy import Energy
@@ -108,15 +109,17 @@ class _Run:
         law = step.law
         self._motion, self._load = np.zeros(len(step.dead)), 1.0
         self._strain, self._stones = np.zeros_like(step.before), np.zeros(law.forces.rows)
-        self._stress = step.before
+        self._stress, self._deformation = step.before, np.zeros_like(step.before)
         self._lack = -cones.z * np.stack([law.friction, np.ones_like(law.friction), np.ones_like(law.friction)])
+        self._nothing = np.zeros_like(cones.x)
         self._products = float(np.einsum("ik,ik->", self._lack, -cones.x))
         self._moves = bool(step.live.any())
         if self._moves:
             left = step.coupling.equilibrate(step.before) - step.dead
             self._load = float(step.live @ left) / float(step.live @ step.live)
         self._compliance: CoulombCompliance | None = None
-        self._lever = step.live
+        # Motion under the load that grows, by the last factor; None until it is needed.
+        self._lever: FloatArray | None = None
 
     def measure(self) -> float:
         """Find the residuals, and return the gap and the work of the residuals over the objective."""
@@ -126,8 +129,7 @@ class _Run:
         self._rows = step.coupling.equilibrate(self._stress) - step.dead - self._load * step.live
         self._short = step.reward - float(step.live @ self._motion) if self._moves else 0.0
         self.residual = float(np.abs(self._rows).max(initial=0.0))
-        change = self._stress - step.before
-        energy = 0.5 * float((change * np.einsum("abq,bq->aq", step.energy.compliance, change)).sum())
+        energy = 0.5 * float(np.vdot(self._stress - step.before, self._deformation))
         work = abs(float((self._joints * self._strain).sum())) + abs(float(self._unbalanced @ self._stones))
         work += abs(float(self._rows @ self._motion)) + abs(self._short * self._load)
         work += abs(float(np.einsum("ik,ik->", self._lack, self._cones.x)))
@@ -144,20 +146,17 @@ class _Run:
         step, cones = self._step, self._cones
         self._factor()
         mean = self._products / cones.x.shape[1]
-        nothing = np.zeros_like(cones.x)
-        rate = cones.answer(nothing, self._opening(self._way(nothing)))
+        _, rate = self._try(self._nothing)
         cones.keep()
         target = min((1.0 - min(1.0, 1.0 / max(rate, 1e-300))) ** 3, _MOST_CENTRING) * mean
         aim = cones.second_order(target)
-        way = self._way(aim)
-        rate = cones.answer(aim, self._opening(way))
+        way, rate = self._try(aim)
         cones.keep()
         for _ in range(SOLVER.correctors):
             if rate <= _FRACTION:
                 break
             other = cones.recentred(aim, min(1.0, 1.0 / rate + _REACH), max(target, _TARGET * mean))
-            corrected = self._way(other)
-            better = cones.answer(other, self._opening(corrected))
+            corrected, better = self._try(other)
             if 1.0 / better < 1.0 / rate + _WIN * _REACH:
                 break
             cones.keep()
@@ -168,7 +167,8 @@ class _Run:
         self._load += length * way.load
         self._strain, self._stones = self._strain + length * way.strain, self._stones + length * way.stones
         self._lack *= 1.0 - length
-        self._stress = step.before + self._elastic(step.coupling.strain(self._motion) + self._strain)
+        self._deformation = step.coupling.strain(self._motion) + self._strain
+        self._stress = step.before + self._elastic(self._deformation)
         return length
 
     def solution(self, error: float, iterations: int) -> StepSolution:
@@ -191,25 +191,26 @@ class _Run:
         values = step.normal.assemble(step.elimination.factor(self._compliance))
         values[step.normal.diagonal] *= 1.0 + _REGULARISATION
         step.cholesky.factor(values)
-        if self._moves:
-            self._lever = step.cholesky.solve(step.live)
+        self._lever = None
 
-    def _way(self, aim: FloatArray) -> _Way:
-        """Return the direction whose products aim there."""
+    def _try(self, aim: FloatArray) -> tuple[_Way, float]:
+        """Return the direction whose products aim there, and the rate at which the first cone is left along it."""
         law = self._step.law
-        stress, still = law.forces.add_up(self._cones.push(aim, self._lack))
-        return self._solved(self._rows, stress - self._stress, still - law.total, self._short)
-
-    def _opening(self, way: _Way) -> FloatArray:
-        """Return the opening F dz of the corners."""
-        return self._step.law.forces.spread(way.strain, way.stones) + self._lack
+        stress, still = push_cells(self._cones, law.forces, aim, self._lack)
+        way = self._solved(self._rows, stress - self._stress, still - law.total, self._short)
+        return way, answer_cells(self._cones, law.forces, aim, self._lack, way.strain, way.stones)
 
     def _solved(self, rows: FloatArray, joints: FloatArray, stones: FloatArray, short: float) -> _Way:
         step = self._step
         reduced = step.elimination.reduce(joints, stones)
-        motion = step.cholesky.solve(rows + step.coupling.equilibrate(reduced.stress))
+        right = rows + step.coupling.equilibrate(reduced.stress)
         load = 0.0
-        if self._moves:
+        if self._moves and self._lever is None:
+            # Both at once take less time than one after the other.
+            motion, self._lever = np.ascontiguousarray(step.cholesky.solve(np.column_stack([right, step.live])).T)
+        else:
+            motion = step.cholesky.solve(right)
+        if self._lever is not None:
             load = (short + float(step.live @ motion)) / float(step.live @ self._lever)
             motion = motion - load * self._lever
         strain, moved = step.elimination.recover(reduced, step.coupling.strain(motion))

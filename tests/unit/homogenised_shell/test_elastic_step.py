@@ -8,6 +8,8 @@ import pytest
 import churchpipe as cp
 from churchpipe.conic.interior_point.second_order import SecondOrder
 from churchpipe.homogenised_shell import condensed as module
+from churchpipe.homogenised_shell.cell_forces import CellForces, cell_forces
+from churchpipe.homogenised_shell.cell_passes import answer_cells, push_cells
 from churchpipe.homogenised_shell.condensed import CondensedShell, StressState
 from churchpipe.homogenised_shell.corner_cones import CornerCones, central_pair
 from churchpipe.homogenised_shell.elastic_step import ElasticStep, StepSolution, solve_step
@@ -32,6 +34,12 @@ def corners(seed: int) -> tuple[CornerCones, np.ndarray, np.ndarray, np.ndarray]
     return CornerCones(np.vstack([s[:1] / slope, s[1:]]), z.copy(), slope), s, z, slope
 
 
+def cells(seed: int) -> CellForces:
+    """Return the sums of forces at the corners of eight cells, of four corners or of six."""
+    rng = np.random.default_rng(seed)
+    return cell_forces([rng.normal(size=(4, 3, 9)), rng.normal(size=(6, 3, 12))], np.array([1, 0, 0, 1, 0, 0, 1, 1]))
+
+
 def product(u: np.ndarray, v: np.ndarray) -> np.ndarray:
     return np.vstack([(u * v).sum(axis=0)[None], u[:1] * v[1:] + v[:1] * u[1:]])
 
@@ -39,8 +47,11 @@ def product(u: np.ndarray, v: np.ndarray) -> np.ndarray:
 def test_corners_answer_by_the_scaling_of_their_cones() -> None:
     cones, s, z, slope = corners(1)
     scaling = SecondOrder(3, 1, CORNERS).scaling(s[:, None], z[:, None])
-    aim, opening = np.random.default_rng(2).normal(size=(2, 3, CORNERS))
-    rate = cones.answer(aim, opening)
+    forces, rng = cells(7), np.random.default_rng(2)
+    aim, lack = rng.normal(size=(2, 3, CORNERS))
+    strain, stones = rng.normal(size=(6, 8)), rng.normal(size=forces.rows)
+    opening = lack + forces.spread(strain, stones)
+    rate = answer_cells(cones, forces, aim, lack, strain, stones)
     cones.keep()
     dz = np.vstack([opening[:1] / slope, opening[1:]])
     # W^-2 (aim - s - ds) = dz, and the rates of both cones.
@@ -57,10 +68,11 @@ def test_corners_answer_by_the_scaling_of_their_cones() -> None:
     assert total == pytest.approx((moved * (z + length * dz)).sum(), rel=1e-10)
     # The compliance, and forces that answer: x + dx = F^-1 aim - F^-1 W^2 F^-1 opening.
     again, *_ = corners(1)
-    forces = again.push(aim, opening)
-    np.testing.assert_allclose(forces, before + (cones.x - before) / length, rtol=1e-6, atol=1e-9 * np.abs(forces).max())
+    reached = before + (cones.x - before) / length
     expected = np.vstack([aim[:1] / slope, aim[1:]]) - again.compliance().apply(opening)
-    np.testing.assert_allclose(forces, expected, rtol=1e-6, atol=1e-9 * np.abs(forces).max())
+    np.testing.assert_allclose(reached, expected, rtol=1e-6, atol=1e-9 * np.abs(expected).max())
+    for found, sums in zip(push_cells(again, forces, aim, opening), forces.add_up(expected), strict=True):
+        np.testing.assert_allclose(found, sums, rtol=1e-6, atol=1e-8 * np.abs(sums).max())
 
 
 def test_aims_of_corrections() -> None:
@@ -68,7 +80,8 @@ def test_aims_of_corrections() -> None:
     scaling = SecondOrder(3, 1, CORNERS).scaling(s[:, None], z[:, None])
     opening = 0.1 * np.random.default_rng(4).normal(size=(3, CORNERS))
     aim = np.zeros((3, CORNERS))
-    cones.answer(aim, opening)
+    forces = cells(8)
+    answer_cells(cones, forces, aim, opening, np.zeros((6, 8)), np.zeros(forces.rows))
     cones.keep()
     dz = np.vstack([opening[:1] / slope, opening[1:]])
     ds = aim - s - scaling.apply(scaling.apply(dz[:, None]))[:, 0]

@@ -2,28 +2,23 @@
 
 from collections.abc import Callable
 from functools import lru_cache
-from typing import NamedTuple, Protocol, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numba
 import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-from churchpipe.conic.threads import bounds_of, in_shares
+from churchpipe.conic.interior_point.division import Division, divided
+from churchpipe.conic.threads import bounds_of, in_shares, shares_of
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 
 _Indices: TypeAlias = npt.NDArray[np.int32] | npt.NDArray[np.int64]
 _Entries: TypeAlias = tuple[_Indices, _Indices, FloatArray]
 
 
-class _Product(Protocol):
-    def __call__(
-        self, pointer: IntArray, blocks: IntArray, values: FloatArray, factor: FloatArray, out: FloatArray, /
-    ) -> None: ...
-
-
 class _Kernels(NamedTuple):
-    couple: _Product
+    couple: Callable[..., None]
     spread: Callable[..., None]
 
 
@@ -66,6 +61,7 @@ class Coupling:
         _, self.dimension, self.block = self.values.shape
         self.count = len(self.pointer) - 1
         self._kernels = _kernels(self.dimension, self.block)
+        self._division: Division | None = None
 
     def masked(self, active: BoolArray) -> "Coupling":
         """Return the coupling without the columns that are not active (dimension, count), in the same pattern."""
@@ -114,8 +110,11 @@ class Coupling:
 
     def couple(self, x: FloatArray) -> FloatArray:
         """Return B x."""
+        shares = shares_of(self.count)
+        if self._division is None or self._division.shares != shares:
+            self._division = divided(self.pointer[:-1], np.diff(self.pointer), self.blocks, self.rows // self.block, shares)
         out = np.zeros(self.rows)
-        self._kernels.couple(self.pointer, self.blocks, self.values, x, out)
+        in_shares(self._kernels.couple, self.count, *self._division, self.pointer, self.blocks, self.values, x, out)
         return out
 
     def spread(self, y: FloatArray) -> FloatArray:
@@ -129,17 +128,34 @@ class Coupling:
 def _kernels(dimension: int, block: int) -> _Kernels:
     """Compile the products for one size of block: loops of known length are three times as fast."""
 
-    @numba.njit(cache=True, fastmath={"reassoc", "contract"})
-    def couple(pointer: IntArray, blocks: IntArray, values: FloatArray, x: FloatArray, out: FloatArray) -> None:
+    @numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+    def couple(
+        share: int,
+        _: int,
+        members: IntArray,
+        first: IntArray,
+        owner: IntArray,
+        pointer: IntArray,
+        blocks: IntArray,
+        values: FloatArray,
+        x: FloatArray,
+        out: FloatArray,
+    ) -> None:
         count = len(pointer) - 1
-        for k in range(count):
+        own = np.empty(dimension)
+        for member in range(first[share], first[share + 1]):
+            k = members[member]
+            for i in range(dimension):
+                own[i] = x[i * count + k]
             for touch in range(pointer[k], pointer[k + 1]):
-                first = block * blocks[touch]
+                if owner[blocks[touch]] != share:
+                    continue
+                begin = block * blocks[touch]
                 for j in range(block):
                     total = 0.0
                     for i in range(dimension):
-                        total += values[touch, i, j] * x[i * count + k]
-                    out[first + j] += total
+                        total += values[touch, i, j] * own[i]
+                    out[begin + j] += total
 
     @numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
     def spread(

@@ -1,25 +1,17 @@
 """The normal matrix sum_k B_k S_k B_k^T, assembled straight into the nonzeros of its lower triangle."""
 
+from collections.abc import Callable
 from functools import lru_cache
-from typing import Protocol
+from typing import Any
 
 import numba
 import numpy as np
 import scipy.sparse as sp
 
 from churchpipe.conic.interior_point.coupling import Coupling
+from churchpipe.conic.interior_point.division import Division, divided
+from churchpipe.conic.threads import in_shares, shares_of
 from churchpipe.model.arrays import FloatArray, IntArray, ragged_indices
-
-
-class _Assemble(Protocol):
-    def __call__(
-        self,
-        elements: tuple[IntArray, IntArray, IntArray, IntArray, IntArray, IntArray, IntArray],
-        coupled: FloatArray,
-        compliance: FloatArray,
-        out: FloatArray,
-        /,
-    ) -> None: ...
 
 
 class NormalMatrix:
@@ -37,23 +29,35 @@ class NormalMatrix:
         self.pattern, columns = _pattern(graph, coupling.block)
         rank, rank_pointer = _ranks(coupling, first, width, graph)
         self._order = (order, ends, coupling.pointer, coupling.blocks, rank_pointer, rank, columns)
+        self._first, self._width = first, width
+        self._division: Division | None = None
         self._widest = int(width.max(initial=0))
         self._assemble = _kernel(coupling.dimension, coupling.block, self._widest)
         self.diagonal: IntArray = self.pattern.indptr[:-1].astype(np.int64)
 
     def assemble(self, compliance: FloatArray) -> FloatArray:
         """Return the values of the lower triangle, in the order of the pattern; compliance_ijk (d, d, count)."""
+        places = self._coupling.count
+        shares = shares_of(places)
+        if self._division is None or self._division.shares != shares:
+            count = self._coupling.rows // self._coupling.block
+            self._division = divided(self._first, self._width, self._coupling.blocks, count, shares)
         values = np.zeros(self.pattern.nnz)
-        self._assemble(self._order, self._coupling.values, compliance, values)
+        in_shares(self._assemble, places, *self._division, self._order, self._coupling.values, compliance, values)
         return values
 
 
 @lru_cache
-def _kernel(dimension: int, block: int, widest: int) -> _Assemble:
+def _kernel(dimension: int, block: int, widest: int) -> Callable[..., Any]:
     """Compile the assembly for one size of block."""
 
-    @numba.njit(cache=True, fastmath={"reassoc", "contract"})
+    @numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
     def assemble(
+        share: int,
+        _: int,
+        members: IntArray,
+        first: IntArray,
+        owner: IntArray,
         elements: tuple[IntArray, IntArray, IntArray, IntArray, IntArray, IntArray, IntArray],
         coupled: FloatArray,
         compliance: FloatArray,
@@ -62,7 +66,8 @@ def _kernel(dimension: int, block: int, widest: int) -> _Assemble:
         order, ends, pointer, blocks, rank_pointer, rank, columns = elements
         total = np.empty((widest, widest, block, block))
         flexed = np.empty((widest, dimension, block))
-        for element in range(len(ends) - 1):
+        for looked in range(first[share], first[share + 1]):
+            element = members[looked]
             total[:] = 0.0
             start = pointer[order[ends[element]]]
             width = pointer[order[ends[element]] + 1] - start
@@ -78,6 +83,8 @@ def _kernel(dimension: int, block: int, widest: int) -> _Assemble:
                             flexed[p, a, c] = value
                 for p in range(width):
                     for q in range(p + 1):
+                        if owner[blocks[start + q]] != share:
+                            continue
                         for c in range(block):
                             for r in range(block):
                                 value = 0.0
@@ -89,6 +96,8 @@ def _kernel(dimension: int, block: int, widest: int) -> _Assemble:
                 for q in range(p + 1):
                     place = rank[pair] * block
                     pair += 1
+                    if owner[blocks[start + q]] != share:
+                        continue
                     for c in range(block):
                         at = columns[blocks[start + q] * block + c] + place - c
                         for r in range(c if p == q else 0, block):
