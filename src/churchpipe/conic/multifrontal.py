@@ -99,7 +99,7 @@ def _factor_fronts(
         deep = rows - width
         panel = panels[tree.panel[s] : tree.panel[s + 1]].reshape(rows, width)
         update = updates[tree.update[s] : tree.update[s] + deep * deep].reshape(deep, deep)
-        _assemble(s, tree, values, panel, update, updates)
+        _assemble(s, tree, values, panel, updates)
         column = _eliminate(panel)
         if column > 0:
             failed[0] = tree.start[s] + column
@@ -108,35 +108,51 @@ def _factor_fronts(
         flat = update.ravel()
         for i in range(0, deep, _TILE):
             for j in range(0, i + 1, _TILE):
-                _subtract(under, width, deep, i, j, width, flat, deep, j, min(_TILE, deep - j))
+                _subtract(under, width, deep, i, j, width, flat, deep, j, min(_TILE, deep - j), True)
+        _extend(s, tree, update, updates)
 
 
 @numba.njit(cache=True, error_model="numpy", nogil=True)
-def _assemble(s: int, tree: Supernodes, values: FloatArray, panel: FloatArray, update: FloatArray, updates: FloatArray) -> None:
-    """Add up a front: its panel, and the lower triangle of its update matrix."""
+def _assemble(s: int, tree: Supernodes, values: FloatArray, panel: FloatArray, updates: FloatArray) -> None:
+    """Add up the panel of a front, of the matrix and of the update matrices of its children."""
     width = tree.width[s]
     flat = panel.reshape(panel.size)
     flat[:] = 0.0
-    for i in range(len(update)):
-        update[i, : i + 1] = 0.0
     for p in range(tree.entry[s], tree.entry[s + 1]):
         flat[tree.put[p]] = values[tree.taken[p]]
     for k in range(tree.child[s], tree.child[s + 1]):
         c = tree.children[k]
         place = tree.place[tree.at[c] : tree.at[c + 1]]
-        deep = len(place)
-        in_panel = 0
-        while in_panel < deep and place[in_panel] < width:
-            in_panel += 1
+        deep, inside = len(place), _inside(place, width)
         for i in range(deep):
             source = updates[tree.update[c] + i * deep : tree.update[c] + i * deep + i + 1]
             row = panel[place[i]]
-            for j in range(np.uint64(min(in_panel, i + 1))):
+            for j in range(np.uint64(min(inside, i + 1))):
                 row[np.uint64(place[j])] += source[j]
-            if i >= in_panel:
-                row = update[place[i] - width]
-                for j in range(np.uint64(in_panel), np.uint64(i + 1)):
-                    row[np.uint64(place[j] - width)] += source[j]
+
+
+@numba.njit(cache=True, error_model="numpy", nogil=True)
+def _extend(s: int, tree: Supernodes, update: FloatArray, updates: FloatArray) -> None:
+    """Add to the lower triangle of the update matrix of a front what its children leave to it."""
+    width = tree.width[s]
+    for k in range(tree.child[s], tree.child[s + 1]):
+        c = tree.children[k]
+        place = tree.place[tree.at[c] : tree.at[c + 1]]
+        deep, inside = len(place), _inside(place, width)
+        for i in range(inside, deep):
+            source = updates[tree.update[c] + i * deep : tree.update[c] + i * deep + i + 1]
+            row = update[place[i] - width]
+            for j in range(np.uint64(inside), np.uint64(i + 1)):
+                row[np.uint64(place[j] - width)] += source[j]
+
+
+@numba.njit(cache=True, error_model="numpy", nogil=True)
+def _inside(place: IntArray, width: int) -> int:
+    """Return how many of the rows of a child are columns of its parent."""
+    inside = 0
+    while inside < len(place) and place[inside] < width:
+        inside += 1
+    return inside
 
 
 @numba.njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract"})
@@ -148,7 +164,7 @@ def _eliminate(panel: FloatArray) -> int:
         last = min(first + _TILE, width)
         if first > 0:
             for i in range(first, rows, _TILE):
-                _subtract(flat, width, rows, i, first, first, flat, width, first, last - first)
+                _subtract(flat, width, rows, i, first, first, flat, width, first, last - first, False)
         for j in range(first, last):
             # A number that is none fails here as well.
             if not panel[j, j] > 0.0:
@@ -187,9 +203,21 @@ def _substitute(block: FloatArray, width: int, rows: int, wide: int) -> None:
 
 @numba.njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract"})
 def _subtract(
-    panel: FloatArray, width: int, rows: int, i: int, j: int, length: int, out: FloatArray, across: int, column: int, wide: int
+    panel: FloatArray,
+    width: int,
+    rows: int,
+    i: int,
+    j: int,
+    length: int,
+    out: FloatArray,
+    across: int,
+    column: int,
+    wide: int,
+    fresh: bool,
 ) -> None:
     """Subtract the products of four rows from i on with `wide` rows from j on, of this length, from out[i:, column:].
+
+    `fresh`: from nothing, whatever stands there.
 
     panel (rows, width) and out (rows, across) are flat. All sixteen at once, so that they stay in registers. Where i is
     j nothing is written above the diagonal.
@@ -221,30 +249,26 @@ def _subtract(
         c33 += a3[k] * s
     row = out[i * across + column :]
     if wide == _TILE and high == _TILE and i != j:
-        row[0] -= c00
-        row[1] -= c01
-        row[2] -= c02
-        row[3] -= c03
-        row = row[across:]
-        row[0] -= c10
-        row[1] -= c11
-        row[2] -= c12
-        row[3] -= c13
-        row = row[across:]
-        row[0] -= c20
-        row[1] -= c21
-        row[2] -= c22
-        row[3] -= c23
-        row = row[across:]
-        row[0] -= c30
-        row[1] -= c31
-        row[2] -= c32
-        row[3] -= c33
+        _take(row, c00, c01, c02, c03, fresh)
+        _take(row[across:], c10, c11, c12, c13, fresh)
+        _take(row[2 * across :], c20, c21, c22, c23, fresh)
+        _take(row[3 * across :], c30, c31, c32, c33, fresh)
     else:
         tile = ((c00, c01, c02, c03), (c10, c11, c12, c13), (c20, c21, c22, c23), (c30, c31, c32, c33))
         for r in range(high):
             for c in range(min(wide, i + r - j + 1)):
-                row[r * across + c] -= tile[r][c]
+                row[r * across + c] = -tile[r][c] if fresh else row[r * across + c] - tile[r][c]
+
+
+@numba.njit(cache=True, error_model="numpy", nogil=True, inline="always")
+def _take(row: FloatArray, a: float, b: float, c: float, d: float, fresh: bool) -> None:
+    if fresh:
+        row[0], row[1], row[2], row[3] = -a, -b, -c, -d
+    else:
+        row[0] -= a
+        row[1] -= b
+        row[2] -= c
+        row[3] -= d
 
 
 @numba.njit(cache=True, error_model="numpy", nogil=True)

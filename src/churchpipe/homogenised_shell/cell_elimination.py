@@ -38,9 +38,8 @@ class CellElimination:
         self._root = np.zeros((0, 6, 6)) if root is None else root
         width = 6 + forces.still
         sizes = np.diff(forces.first)
-        start = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(sizes * width**2)])
-        table = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(3 * forces.corners * width)])
-        columns = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(sizes * width)])
+        counts = (sizes * width**2, 3 * forces.corners * width, sizes * width)
+        start, table, columns = (np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(count)]) for count in counts)
         strain_triangle = np.empty((nq if self.elastic else 0, 6, 6))
         sizes_of = (forces.points, forces.first, forces.corners, forces.still, forces.corner, forces.row)
         self._kinds = (*sizes_of, start, table, columns)
@@ -84,7 +83,7 @@ _State = tuple[FloatArray, IntArray, FloatArray]
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract"})
 def _images(
-    corners: _Corners, at: IntArray, closing: FloatArray, rows: FloatArray, size: FloatArray, order: IntArray, a: FloatArray
+    corners: _Corners, at: IntArray, closing: FloatArray, rows: FloatArray, size: FloatArray, rank: IntArray, a: FloatArray
 ) -> None:
     """Write Y^T into a (columns, rows): columns of the stones first, the largest rows first; the rest is work space."""
     normal, lean, along, across, direction = corners
@@ -100,18 +99,19 @@ def _images(
             rows[3 * c + 1, s] = t * slide
             rows[3 * c + 2, s] = b * (u * z - v * y)
     for r in range(rows.shape[0]):
-        most = 0.0
+        most, place = 0.0, 0
         for s in range(width):
             most = max(most, abs(rows[r, s]))
-        place = r
-        while place > 0 and size[place - 1] < most:
-            size[place], order[place] = size[place - 1], order[place - 1]
-            place -= 1
-        size[place], order[place] = most, r
+        # A count of the larger ones takes half as long as moving them: it is a loop of vector instructions.
+        for k in range(np.uint64(r)):
+            ahead = np.int64(size[k] >= most)
+            place += ahead
+            rank[k] += 1 - ahead
+        size[r], rank[r] = most, place
     for s in range(width):
-        column = s + width - 6 if s < 6 else s - 6
+        column = a[s + width - 6 if s < 6 else s - 6]
         for r in range(rows.shape[0]):
-            a[column, r] = rows[order[r], s]
+            column[rank[r]] = rows[r, s]
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract"})

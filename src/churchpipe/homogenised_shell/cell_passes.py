@@ -15,22 +15,30 @@ from churchpipe.model.arrays import FloatArray
 _CHUNK = 128
 
 
-def push_cells(cones: CornerCones, forces: CellForces, aim: FloatArray, lack: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the stresses (6, nq) and the sums on the stones (rows,) of x + dx, of corners that open by `lack` and no more."""
+def push_cells(
+    cones: CornerCones, forces: CellForces, aim: FloatArray, lack: FloatArray, left: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return the stresses (6, nq) and the sums on the stones (rows,) of x + dx, of corners that open by left lack and no more."""
     stress, still = np.empty((6, len(forces.points))), np.empty(forces.rows)
-    in_shares(_push, forces.count, forces.kinds, forces.entries, cones.x, cones.z, cones.slope, aim, lack, stress, still)
+    in_shares(_push, forces.count, forces.kinds, forces.entries, cones.x, cones.z, cones.slope, aim, lack, left, stress, still)
     return stress, still
 
 
 def answer_cells(
-    cones: CornerCones, forces: CellForces, aim: FloatArray, lack: FloatArray, strain: FloatArray, stones: FloatArray
+    cones: CornerCones,
+    forces: CellForces,
+    aim: FloatArray,
+    lack: FloatArray,
+    left: float,
+    strain: FloatArray,
+    stones: FloatArray,
 ) -> float:
-    """Find ds and dz of corners that open by `lack` and as cells do whose joints strain (6, nq) and stones move (rows,) so.
+    """Find ds and dz of corners that open by left lack and as cells do whose joints strain (6, nq) and stones move (rows,) so.
 
     Return the rate at which the first cone is left.
     """
     rates = np.zeros(shares_of(forces.count))
-    tried = (cones.x, cones.z, cones.slope, aim, lack, *cones.tried)
+    tried = (cones.x, cones.z, cones.slope, aim, lack, left, *cones.tried)
     in_shares(_answer, forces.count, forces.kinds, forces.entries, np.ascontiguousarray(strain), stones, *tried, rates)
     return float(rates.max())
 
@@ -46,6 +54,7 @@ def _push(
     slope: FloatArray,
     aim: FloatArray,
     lack: FloatArray,
+    left: float,
     stress: FloatArray,
     still: FloatArray,
 ) -> None:
@@ -60,7 +69,7 @@ def _push(
         for start in range(begun, end, _CHUNK):
             size = min(_CHUNK, end - start)
             for c in range(count):
-                pushed(x, z, slope, aim, lack, corner[g] + c * n + start, size, force, c * _CHUNK)
+                pushed(x, z, slope, aim, lack, left, corner[g] + c * n + start, size, force, c * _CHUNK)
             at = entry[g]
             while at < entry[g + 1]:
                 s = sums[at]
@@ -93,6 +102,7 @@ def _answer(
     slope: FloatArray,
     aim: FloatArray,
     lack: FloatArray,
+    left: float,
     ds: FloatArray,
     dz: FloatArray,
     rates: FloatArray,
@@ -113,7 +123,7 @@ def _answer(
                 for i in range(3):
                     part, missing = opening[i, c * _CHUNK : c * _CHUNK + size], lack[i, begin : begin + size]
                     for j in range(np.uint64(size)):
-                        part[j] = missing[j]
+                        part[j] = left * missing[j]
             at = entry[g]
             while at < entry[g + 1]:
                 s = sums[at]

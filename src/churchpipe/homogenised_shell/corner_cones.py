@@ -183,16 +183,17 @@ def pushed(
     slope: FloatArray,
     aim: FloatArray,
     lack: FloatArray,
+    left: float,
     begin: int,
     size: int,
     out: FloatArray,
     to: int,
 ) -> None:
-    """Write x + dx of `size` corners from `begin` on, which open by `lack` and no more, into `out` from `to` on."""
+    """Write x + dx of `size` corners from `begin` on, which open by left lack and no more, into `out` from `to` on."""
     for k in range(np.uint64(begin), np.uint64(begin + size)):
         at = k + np.uint64(to) - np.uint64(begin)
         eta, w0, w1, w2 = _scaling(slope[k] * x[0, k], x[1, k], x[2, k], z[0, k], z[1, k], z[2, k])
-        a, b, c = _stretched(eta, w0, w1, w2, lack[0, k] / slope[k], lack[1, k], lack[2, k])
+        a, b, c = _stretched(eta, w0, w1, w2, left * lack[0, k] / slope[k], left * lack[1, k], left * lack[2, k])
         out[0, at] = (aim[0, k] - a) / slope[k]
         out[1, at] = aim[1, k] - b
         out[2, at] = aim[2, k] - c

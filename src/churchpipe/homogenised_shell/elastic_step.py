@@ -111,8 +111,10 @@ class _Run:
         self._strain, self._stones = np.zeros_like(step.before), np.zeros(law.forces.rows)
         self._stress, self._deformation = step.before, np.zeros_like(step.before)
         self._lack = -cones.z * np.stack([law.friction, np.ones_like(law.friction), np.ones_like(law.friction)])
+        # The share of what was missing at the start, `lack`, that still is.
+        self._left = 1.0
         self._nothing = np.zeros_like(cones.x)
-        self._products = float(np.einsum("ik,ik->", self._lack, -cones.x))
+        self._products = -float(np.vdot(self._lack, cones.x))
         self._moves = bool(step.live.any())
         if self._moves:
             left = step.coupling.equilibrate(step.before) - step.dead
@@ -132,7 +134,7 @@ class _Run:
         energy = 0.5 * float(np.vdot(self._stress - step.before, self._deformation))
         work = abs(float((self._joints * self._strain).sum())) + abs(float(self._unbalanced @ self._stones))
         work += abs(float(self._rows @ self._motion)) + abs(self._short * self._load)
-        work += abs(float(np.einsum("ik,ik->", self._lack, self._cones.x)))
+        work += abs(self._left * float(np.vdot(self._lack, self._cones.x)))
         # Relative to the objective, or to a thousandth of its unit if that is larger.
         return (self._products + work) / max(abs(step.reward * self._load - energy), 1e-3 * step.reward)
 
@@ -166,7 +168,7 @@ class _Run:
         self._motion = self._motion - length * way.motion
         self._load += length * way.load
         self._strain, self._stones = self._strain + length * way.strain, self._stones + length * way.stones
-        self._lack *= 1.0 - length
+        self._left *= 1.0 - length
         self._deformation = step.coupling.strain(self._motion) + self._strain
         self._stress = step.before + self._elastic(self._deformation)
         return length
@@ -196,9 +198,9 @@ class _Run:
     def _try(self, aim: FloatArray) -> tuple[_Way, float]:
         """Return the direction whose products aim there, and the rate at which the first cone is left along it."""
         law = self._step.law
-        stress, still = push_cells(self._cones, law.forces, aim, self._lack)
+        stress, still = push_cells(self._cones, law.forces, aim, self._lack, self._left)
         way = self._solved(self._rows, stress - self._stress, still - law.total, self._short)
-        return way, answer_cells(self._cones, law.forces, aim, self._lack, way.strain, way.stones)
+        return way, answer_cells(self._cones, law.forces, aim, self._lack, self._left, way.strain, way.stones)
 
     def _solved(self, rows: FloatArray, joints: FloatArray, stones: FloatArray, short: float) -> _Way:
         step = self._step

@@ -50,8 +50,8 @@ def test_corners_answer_by_the_scaling_of_their_cones() -> None:
     forces, rng = cells(7), np.random.default_rng(2)
     aim, lack = rng.normal(size=(2, 3, CORNERS))
     strain, stones = rng.normal(size=(6, 8)), rng.normal(size=forces.rows)
-    opening = lack + forces.spread(strain, stones)
-    rate = answer_cells(cones, forces, aim, lack, strain, stones)
+    opening = 0.3 * lack + forces.spread(strain, stones)
+    rate = answer_cells(cones, forces, aim, lack, 0.3, strain, stones)
     cones.keep()
     dz = np.vstack([opening[:1] / slope, opening[1:]])
     # W^-2 (aim - s - ds) = dz, and the rates of both cones.
@@ -71,7 +71,7 @@ def test_corners_answer_by_the_scaling_of_their_cones() -> None:
     reached = before + (cones.x - before) / length
     expected = np.vstack([aim[:1] / slope, aim[1:]]) - again.compliance().apply(opening)
     np.testing.assert_allclose(reached, expected, rtol=1e-6, atol=1e-9 * np.abs(expected).max())
-    for found, sums in zip(push_cells(again, forces, aim, opening), forces.add_up(expected), strict=True):
+    for found, sums in zip(push_cells(again, forces, aim, 2.0 * opening, 0.5), forces.add_up(expected), strict=True):
         np.testing.assert_allclose(found, sums, rtol=1e-6, atol=1e-8 * np.abs(sums).max())
 
 
@@ -81,7 +81,7 @@ def test_aims_of_corrections() -> None:
     opening = 0.1 * np.random.default_rng(4).normal(size=(3, CORNERS))
     aim = np.zeros((3, CORNERS))
     forces = cells(8)
-    answer_cells(cones, forces, aim, opening, np.zeros((6, 8)), np.zeros(forces.rows))
+    answer_cells(cones, forces, aim, opening, 1.0, np.zeros((6, 8)), np.zeros(forces.rows))
     cones.keep()
     dz = np.vstack([opening[:1] / slope, opening[1:]])
     ds = aim - s - scaling.apply(scaling.apply(dz[:, None]))[:, 0]
