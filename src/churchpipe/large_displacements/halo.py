@@ -78,8 +78,8 @@ def held_at_first(
 def shrunk(model: MovingModel, state: PathState, rings: int) -> tuple[MovingModel, PathState]:
     """Return the model and the state with those stones held that stand still by now, in a large model.
 
-    They are slower than `PATH.still` of the mechanism of the last step, and so many contacts (`rings`) from faster ones. Where that
-    is a motion of a few light stones, or hardly any would be held, all are followed as before.
+    They are slower than `PATH.still` of the mechanism of the last step, and so many contacts (`rings`) from faster ones. Where
+    that is a motion of a few light stones, or hardly any would be held, all are followed as before.
     """
     if not (rings and model.large and state.before is not None and isinstance(model.driven, TravellingLoads)):
         return model, state

@@ -31,7 +31,7 @@ from churchpipe.model.results import LimitState
 from churchpipe.model.stone_path import HALO, no_step
 from churchpipe.model.ties import Tie
 from churchpipe.rigid_blocks.certificate import Strength, certify
-from churchpipe.rigid_blocks.coulomb import dead_load_start
+from churchpipe.rigid_blocks.coulomb import bipotential_gap, dead_load_start
 from churchpipe.rigid_blocks.crushing import JointParts
 from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
 from churchpipe.rigid_blocks.limit import limit_analysis, limit_program
@@ -117,16 +117,18 @@ def block_pushover(
     """
     begin = perf_counter()
     _check(step, steps, furthest, halo)
-    for name, given, kind in (("state", state, LimitState), ("resume", resume, BlockCapacityCurve)):
-        if given is not None:
+    needed = ("stones", stones, Assemblage), ("contacts", contacts, Contacts), ("load", load, LoadCase)
+    for name, given, kind in (*needed, ("state", state, LimitState), ("resume", resume, BlockCapacityCurve)):
+        if given is not None or name in ("stones", "contacts", "load"):
             check_kind(f"block_pushover: {name}", given, kind)
     listed("block_pushover: ties", ties, Tie)
     one_of("block_pushover: contact_model", contact_model, *get_args(ContactModel))
     programmed = partial(limit_program, load=load, ties=ties, contact_model=contact_model)
     strengths = partial(_strengths, friction, compressive_strength)
     analysed = partial(limit_analysis, contacts=contacts, **programmed.keywords, **strengths(None), solver=solver)
-    if state is None or not _proves(state, *programmed(stones, contacts, **strengths(None))):
-        state = analysed(stones)
+    found = analysed(stones) if state is None else state
+    whole = programmed(stones, contacts, **strengths(None))
+    state = analysed(stones) if found is state and not _proves(found, *whole) else found
     if state.status != "optimal":
         return _nothing(stones, state, perf_counter() - begin)
     measure = control_of(stones, load, control)
@@ -154,7 +156,7 @@ def block_pushover(
         record.tensions = list(resume.tie_forces[: len(record.poses)])
         steps -= len(record.poses)
     else:
-        model, start = _started(model, contacts, analysed, balance, state.velocities)
+        model, start = _started(model, contacts, analysed, whole[:2], state)
     return record.curve(follow(model, start, int(steps), record, halo), perf_counter() - begin)
 
 
@@ -169,27 +171,32 @@ def _proves(state: LimitState, balance: Equilibrium, strength: Strength, parts: 
 
 
 def _started(
-    model: MovingModel, contacts: Contacts, analysed: Callable[..., LimitState], balance: Equilibrium, velocities: FloatArray
+    model: MovingModel,
+    contacts: Contacts,
+    analysed: Callable[..., LimitState],
+    program: tuple[Equilibrium, Strength],
+    state: LimitState,
 ) -> tuple[MovingModel, PathState]:
     """Return the model and the state as drawn, with the sliding of a motion without dilatancy.
 
     It is that of the model's own programs. Where these come near it too slowly, it is that of the certified analysis. In a large
     model this takes many minutes: there the first step begins as that analysis does, with the forces of the dead load in all
     stones, which do not depend on which are held, and with forces near them that hardly exceed friction. Loose stones are known
-    by the motion of the limit analysis, with velocities (nb, 6). With joints that crush, and with friction that follows the
+    by the motion of the limit analysis, of this program and state. With joints that crush, and with friction that follows the
     pressure, the first step makes forces and motion fit as all others do.
     """
-    large = model.large
     first = first_state(model)
-    if large:
-        power = float(balance.live @ balance.multipliers(velocities))
-        first = replace(first, fastest=float(stone_speed(model.stones, velocities).max()) / power)
-    step = solve_state(model, first, 1 if large else PATH.first_programs, 0)
-    if step.answer.outcome != "solved" or step.answer.misfit < PATH.started or not model.plain:
+    if model.large:
+        y = program[0].multipliers(state.velocities)
+        fastest = float(stone_speed(model.stones, state.velocities).max()) / float(program[0].live @ y)
+        first = replace(first, fastest=fastest)
+        gap = bipotential_gap(*program, all_forces(program[0], state), y) if model.plain else 0.0
+        if gap > PATH.started * max(abs(state.load_factor), PATH.least):
+            model = _with_dead_load(model, contacts, program[0])
+            return model, approached(model, replace(first_state(model), fastest=fastest))
+    step = solve_state(model, first, 1 if model.large else PATH.first_programs, 0)
+    if model.large or step.answer.outcome != "solved" or step.answer.misfit < PATH.started or not model.plain:
         return model, step.state
-    if large:
-        model = _with_dead_load(model, contacts, balance)
-        return model, approached(model, replace(first_state(model), fastest=first.fastest))
     bears = bearing(model.stones.fixed, contacts.blocks)[contacts.interface_of_point]
     found = analysed(model.stones, flow="non-associative")
     if found.status not in ("converged", "not-converged"):
