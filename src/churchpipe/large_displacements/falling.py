@@ -3,27 +3,15 @@
 import numpy as np
 
 from churchpipe.large_displacements.settings import PATH
-from churchpipe.large_displacements.step import StepAnswer
 from churchpipe.model.arrays import BoolArray, FloatArray
 
 
-def falling_stones(
-    answer: StepAnswer, speed: FloatArray, before: float, weight: FloatArray, spared: float, faster: float
-) -> BoolArray:
-    """Return which stones (nb,) fall: those of an infeasible program, or a few light ones that leave all others behind.
+def stones_ahead(speed: FloatArray, before: float, weight: FloatArray, spared: float, faster: float) -> BoolArray:
+    """Return which stones (nb,) leave all others behind: none where they are no few light ones.
 
     speed (nb,): of the fastest vertex of each stone; before: the `usual_speed` of the last step, infinite at the first.
-    weight (nb,) N; spared N: what may fall out without ending the curve. faster: so many times faster than `before` is ahead.
+    weight (nb,) N; spared N: the weight of a few light stones. faster: so many times faster than `before` is ahead.
     """
-    if answer.outcome == "infeasible":
-        return speed > PATH.falling * float(speed.max(initial=0.0))
-    if answer.outcome == "solved":
-        return stones_ahead(speed, before, weight, spared, faster)
-    return np.zeros(len(speed), dtype=bool)
-
-
-def stones_ahead(speed: FloatArray, before: float, weight: FloatArray, spared: float, faster: float) -> BoolArray:
-    """Return which stones (nb,) leave all others behind: none where they are no few light ones; see `falling_stones`."""
     ahead, light = _fast(speed, weight, spared)
     return ahead & (light and float(speed.max(initial=0.0)) > faster * before)
 
@@ -39,7 +27,7 @@ def usual_speed(speed: FloatArray, before: float, weight: FloatArray, spared: fl
 
 
 def of_few(speed: FloatArray, weight: FloatArray, spared: float) -> bool:
-    """Return whether a motion is that of a few light stones; see `falling_stones`."""
+    """Return whether a motion is that of a few light stones; see `stones_ahead`."""
     return _fast(speed, weight, spared)[1]
 
 

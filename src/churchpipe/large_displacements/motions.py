@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from churchpipe.large_displacements.falling import falling_stones, stones_ahead
+from churchpipe.large_displacements.falling import stones_ahead
 from churchpipe.large_displacements.moving_model import MovingModel
 from churchpipe.large_displacements.path_state import PathState
 from churchpipe.large_displacements.settings import PATH
@@ -49,16 +49,21 @@ class Motions:
         """
         if misfit > PATH.credible * max(1.0, self.mean_speed(y)):
             return False
-        speed = stone_speed(self.stones, self.velocities(y))
-        return bool(stones_ahead(speed, self.state.fastest, self.model.stones.weight, self.spared, self._faster(rests)).any())
+        return bool(self._ahead(y, rests).any())
 
     def falling(self, answer: StepAnswer, *, rests: bool = False) -> BoolArray:
-        """Return which stones (nb,) fall; see `falls` and `falling_stones`."""
-        speed = stone_speed(self.stones, self.velocities(answer.y))
-        return falling_stones(answer, speed, self.state.fastest, self.model.stones.weight, self.spared, self._faster(rests))
+        """Return which stones (nb,) fall: those of an infeasible program, or a few of a motion, see `falls`."""
+        if answer.outcome == "infeasible":
+            speed = stone_speed(self.stones, self.velocities(answer.y))
+            return speed > PATH.falling * float(speed.max(initial=0.0))
+        return self._ahead(answer.y, rests) if answer.outcome == "solved" else np.zeros(self.stones.count, dtype=bool)
 
-    def _faster(self, rests: bool) -> float:
-        return self.model.demands.faster if rests else PATH.faster
+    def _ahead(self, y: FloatArray, rests: bool) -> BoolArray:
+        """Return the few light stones (nb,) that leave all others behind; by less very few, in a motion that does not fit."""
+        speed, before, weight = stone_speed(self.stones, self.velocities(y)), self.state.fastest, self.model.stones.weight
+        ahead = stones_ahead(speed, before, weight, self.spared, PATH.faster)
+        few = PATH.few * self.spared
+        return ahead | stones_ahead(speed, before, weight, few, self.model.demands.faster) if rests else ahead
 
     @property
     def spared(self) -> float:

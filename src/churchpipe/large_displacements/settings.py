@@ -17,9 +17,9 @@ class Demands:
     every search. astray: where the forces of the last step miss a motion by more, they do not lead on, and no more programs are
     spent on them. shorter: a motion may go so many times less far than the length that its programs charge the gaps for.
     further: one that does not fit and may go so many times further is sought anew with that length.
-    faster: stones fall whose motion does not come to fit when they are so many times faster than usual, see
-    `falling.usual_speed`. onward: whether pairs begin near the pair before them where no motion is known. duality_gap: error of
-    the associative programs, whose velocities may move the stones.
+    faster: very few stones, whose motion does not come to fit, fall when they are so many times faster than usual, see
+    `PathSettings.few` and `falling.usual_speed`. onward: whether pairs begin near the pair before them where no motion is known.
+    duality_gap: error of the associative programs, whose velocities may move the stones.
     """
 
     fitting: float
@@ -63,9 +63,9 @@ class PathSettings:
         large: with more points of contact the certified analysis takes many minutes. falling, ahead: those that take part in a
         fall, or in a motion that has gone local. faster: a motion so many times faster than that of the last step is one of a
         few stones. expendable: stones that weigh no more than this share of what moved at the start may fall out without ending
-        the curve. strongest: what normal forces of so many weights in all cannot hold falls. withstood: in a large model
-        a light stone falls that cannot stand this share of the last load factor, were all others fast. left_behind: stones slower
-        than this share of a support stand still while it moves.
+        the curve; few: a share of what may fall out, see `Demands.faster`. strongest: what normal forces of so many weights in
+        all cannot hold falls. withstood: in a large model a light stone falls that cannot stand this share of the last load
+        factor, were all others fast. left_behind: stones slower than this share of a support stand still while it moves.
 
     Contacts found anew:
         depth, deeper: shares of the reach: how deep new neighbours may have sunk into each other, and stones that bore on each
@@ -111,6 +111,7 @@ class PathSettings:
     ahead: float = 0.1
     faster: float = 20.0
     expendable: float = 0.05
+    few: float = 0.1
     strongest: float = 100.0
     withstood: float = 0.8
     left_behind: float = 1e-4

@@ -10,11 +10,13 @@ from scipy.spatial.transform import Rotation
 
 import churchpipe as cp
 from churchpipe.conic.solve import solver_for
+from churchpipe.large_displacements import following
 from churchpipe.large_displacements import search as search_module
 from churchpipe.large_displacements import step as step_module
 from churchpipe.large_displacements.falling import stones_ahead, usual_speed
+from churchpipe.large_displacements.motions import Motions
 from churchpipe.large_displacements.moving_model import MovingModel, moving_model
-from churchpipe.large_displacements.path import may_go_on, solve_state, without
+from churchpipe.large_displacements.path import PathStep, may_go_on, solve_state, without
 from churchpipe.large_displacements.path_state import PathState, first_state
 from churchpipe.large_displacements.search import Attempt, StepSearch
 from churchpipe.large_displacements.settings import EXACTING, PATH, THRIFTY, Demands
@@ -109,6 +111,21 @@ def test_a_stone_that_gets_faster_from_step_to_step_is_measured_by_the_motion_of
     # Another motion of the whole is a measure again, and so is that of a few stones with which a path begins.
     assert usual_speed(np.array([8.0, 0.0, 8.0]), whole, weight, spared) == 8.0
     assert usual_speed(np.array([0.0, 0.0, 8.0]), np.inf, weight, spared) == 8.0
+
+
+def test_very_few_stones_are_known_to_fall_by_less_where_a_motion_does_not_fit() -> None:
+    """Six times faster than usual is a fall of very few stones alone, in a motion that has come to rest without fitting."""
+    model, state = pebble()
+    model = replace(model, held=np.array([True, False, False]))
+    stones, weight = model.stones, model.stones.weight
+    y = np.zeros(12)
+    y[6] = 6.0 * state.fastest
+    for share, rests, away in ((2.0, True, True), (2.0, False, False), (0.5, True, False)):
+        # A tenth of what may fall out weighs so many times as much as the pebble.
+        moving = weight[2] * share / (PATH.few * PATH.expendable)
+        motions = Motions(replace(model, moving=moving), state, stones, np.array([1, 2]))
+        assert motions.falls(y, 0.02, rests) is away
+        assert motions.falling(StepAnswer("solved", np.zeros((0, 3)), 1.0, y), rests=rests).tolist() == [False, False, away]
 
 
 @pytest.mark.parametrize(("falls", "astray", "programs"), [(True, np.inf, 2), (False, 1e-9, 2), (False, np.inf, 12)])
@@ -283,3 +300,22 @@ def test_after_a_fall_a_large_model_goes_on_from_the_forces_found_in_it(large: b
     left = without(model, replace(state, joints=replace(state.joints, pressing=np.zeros_like(joints.pressing))), found)
     assert np.all(left.joints.pressing == (0.125 if large else 0.0))
     assert len(left.joints.pressing) == 4
+
+
+def test_a_motion_that_misses_its_forces_by_far_ends_the_curve(monkeypatch: pytest.MonkeyPatch) -> None:
+    stones = on_ground(box((0, 0.5), (0, 1), (0, 2)))
+    contacts = cp.find_contacts(stones)
+    steps: list[int] = []
+
+    def astray(model: MovingModel, state: PathState) -> PathStep:
+        steps.append(0)
+        step = solve_state(model, state)
+        gap = 0.2 * step.answer.load_factor if len(steps) == 4 else step.answer.gap
+        return replace(step, answer=replace(step.answer, gap=gap))
+
+    monkeypatch.setattr(following, "solve_state", astray)
+    curve = cp.block_pushover(stones, contacts, cp.LoadCase((1, 0, 0)), 0.6, step=0.02)
+    assert curve.status == "not-converged"
+    assert "miss each other by 20%" in curve.message
+    assert len(curve.load_factor) == 3
+    assert curve.misfit.max() < 1e-6

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 import churchpipe as cp
+from churchpipe.large_displacements import pushover
+from churchpipe.large_displacements.following import Ending
 from churchpipe.large_displacements.halo import grown, held_around, held_at_first, shrunk
 from churchpipe.large_displacements.moving_model import MovingModel, moving_model
 from churchpipe.large_displacements.path import next_state, solve_state
@@ -153,3 +155,23 @@ def test_stones_that_moved_before_they_were_held_are_let_go_where_they_stand() -
     joints = step.state.joints
     bed = joints.at(step.state.poses)[0].point[(joints.pair == [2, 3]).all(axis=1), 0]
     assert (bed.min(), bed.max()) == pytest.approx((0.05, 1.0))
+
+
+def test_loose_stones_are_told_by_the_motion_of_the_limit_analysis(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A large model begins with its fastest speed, a small one with none."""
+    stones, contacts = row(20, 4)
+    state = cp.limit_analysis(stones, contacts, PUSH, 0.6)
+    begun: list[float] = []
+
+    def followed(_: MovingModel, start: PathState, *__: object) -> Ending:
+        begun.append(start.fastest)
+        return Ending("unfinished")
+
+    monkeypatch.setattr(pushover, "follow", followed)
+    for halo in (1, 0):
+        cp.block_pushover(stones, contacts, PUSH, 0.6, halo=halo, state=state)
+    # The column of .4 x 2 m tips about its foot; per unit of its work on the weight of all stones.
+    weight = stones.weight / stones.weight.sum()
+    turn = 1.0 / float(weight[21:] @ (stones.centroid[21:, 2] - 1.0))
+    assert begun[0] == pytest.approx(turn * np.hypot(0.4, 2.0), rel=1e-6)
+    assert begun[1] == np.inf
