@@ -47,18 +47,19 @@ def follow(model: MovingModel, state: PathState, steps: int, record: Steps, ring
     """
     for _ in range(steps):
         model, state = shrunk(model, state, rings)
-        step = solve_state(model, state)
-        while (wider := grown(model, step, rings)) is not None:
-            model, state = wider
+        while True:
             step = solve_state(model, state)
-        while step.falling.any():
-            if not may_go_on(model, step):
-                number = int(step.falling.sum())
-                many = "stones that cannot be spared fall"
-                return Ending("collapsed", counted(number, "stone that cannot be spared falls", many))
-            record.fall(step)
-            state = without(model, state, step)
-            step = solve_state(model, state)
+            if step.falling.any():
+                if not may_go_on(model, step):
+                    number = int(step.falling.sum())
+                    many = "stones that cannot be spared fall"
+                    return Ending("collapsed", counted(number, "stone that cannot be spared falls", many))
+                record.fall(step)
+                state = without(model, state, step)
+            elif (wider := grown(model, step, rings)) is not None:
+                model, state = wider
+            else:
+                break
         if step.answer.outcome == "unbounded":
             return Ending("unbounded", "the stones have locked: nothing of this kind moves them on")
         if step.answer.outcome != "solved":
