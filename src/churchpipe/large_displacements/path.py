@@ -114,7 +114,9 @@ def _sought(motions: Motions, search: StepSearch, program: StepProgram, gap: Flo
     """Return the best attempt at a step: from the forces of the last one, or from what its joints slid by.
 
     Where forces and motion fitted each other in pairs of programs only, the forces of the last step are the best to begin with:
-    they keep the path on its way where others branch off.
+    they keep the path on its way where others branch off. In a large model, in this order until one will do: stones that their
+    neighbours cannot carry, the last forces, stones that the dead load brings down, the forces of one associative program near
+    the last motion, those of several.
     """
     model, state = motions.model, motions.state
     forces = _last_forces(model, state, gap)
