@@ -13,7 +13,7 @@ from churchpipe.large_displacements.joints import joined
 from churchpipe.large_displacements.motions import expendable
 from churchpipe.large_displacements.moving_model import MovingModel, bearing
 from churchpipe.large_displacements.path import PathStep
-from churchpipe.large_displacements.path_state import PathState, renewed_state, standing
+from churchpipe.large_displacements.path_state import PathState, last_motion, renewed_state, standing
 from churchpipe.large_displacements.poses import start_poses
 from churchpipe.large_displacements.settings import PATH
 from churchpipe.large_displacements.travelling import TravellingLoads
@@ -83,9 +83,7 @@ def shrunk(model: MovingModel, state: PathState, rings: int) -> tuple[MovingMode
     """
     if not (rings and model.large and state.before is not None and isinstance(model.driven, TravellingLoads)):
         return model, state
-    velocity = state.before.copy()
-    velocity[:, :3] += np.cross(velocity[:, 3:], state.poses.centroid)
-    speed = stone_speed(standing(model, state), velocity)
+    speed = stone_speed(standing(model, state), last_motion(state))
     if of_few(speed, model.stones.weight, expendable(model, state)):
         return model, state
     moving = speed > PATH.still * reference_speed(speed)

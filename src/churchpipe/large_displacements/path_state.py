@@ -65,6 +65,15 @@ def renewed_state(model: MovingModel, state: PathState) -> PathState:
     return replace(state, joints=joints, rest=model.ties.yielded(state.rest, state.poses))
 
 
+def last_motion(state: PathState) -> FloatArray:
+    """Return the velocities (nb, 6) of the last step, at the centroids where the stones are now; zero as drawn."""
+    if state.before is None:
+        return np.zeros((len(state.fallen), 6))
+    velocity = state.before.copy()
+    velocity[:, :3] += np.cross(velocity[:, 3:], state.poses.centroid)
+    return velocity
+
+
 def standing(model: MovingModel, state: PathState) -> Assemblage:
     """Return the stones where they are, with those that are held or have fallen as fixed ones."""
     return displaced(model.stones, state.poses, model.stones.fixed | model.held | state.fallen)

@@ -117,9 +117,10 @@ def block_pushover(
     """
     begin = perf_counter()
     _check(step, steps, furthest, halo)
-    needed = ("stones", stones, Assemblage), ("contacts", contacts, Contacts), ("load", load, LoadCase)
-    for name, given, kind in (*needed, ("state", state, LimitState), ("resume", resume, BlockCapacityCurve)):
-        if given is not None or name in ("stones", "contacts", "load"):
+    for name, given, kind in (("stones", stones, Assemblage), ("contacts", contacts, Contacts), ("load", load, LoadCase)):
+        check_kind(f"block_pushover: {name}", given, kind)
+    for name, given, kind in (("state", state, LimitState), ("resume", resume, BlockCapacityCurve)):
+        if given is not None:
             check_kind(f"block_pushover: {name}", given, kind)
     listed("block_pushover: ties", ties, Tie)
     one_of("block_pushover: contact_model", contact_model, *get_args(ContactModel))

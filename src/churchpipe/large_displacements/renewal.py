@@ -56,13 +56,20 @@ def first_joints(contacts: Contacts, stones: Assemblage, poses: Poses, reach: fl
 
 
 def renewed(
-    joints: Joints, stones: Assemblage, poses: Poses, left_out: BoolArray, reach: float, drawn: float, *, crushing: bool = False
+    joints: Joints,
+    stones: Assemblage,
+    poses: Poses,
+    left_out: BoolArray,
+    reach: float,
+    as_drawn: float,
+    *,
+    crushing: bool = False,
 ) -> Joints:
     """Return the joints of displaced stones (nb) that come within reach, m; what points carried goes to the nearest new ones.
 
-    drawn m: the largest gap or overlap that any joint has as drawn.
+    as_drawn m: the largest gap or overlap that any joint has as drawn.
     """
-    wide = reach + drawn
+    wide = reach + as_drawn
     contacts, gap, *crushed = touching(stones, left_out, wide, PATH.deeper * wide, PATH.narrow * reach, crushing=crushing)
     new = joints_of(contacts, poses, gap, *crushed)
     before, _ = joints.at(poses)

@@ -65,7 +65,7 @@ class PathSettings:
         few stones. expendable: stones that weigh no more than this share of what moved at the start may fall out without ending
         the curve; few: a share of what may fall out, see `Demands.faster`. strongest: what normal forces of so many weights in
         all cannot hold falls. withstood: in a large model a light stone falls that cannot stand this share of the last load
-        factor, were all others fast. left_behind: stones slower than this share of a support stand still while it moves.
+        factor, even if all others stood fast. left_behind: stones slower than this share of a support stand still while it moves.
 
     Contacts found anew:
         depth, deeper: shares of the reach: how deep new neighbours may have sunk into each other, and stones that bore on each

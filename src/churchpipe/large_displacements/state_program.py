@@ -9,7 +9,7 @@ from churchpipe.conic.pressed import pressed_joints
 from churchpipe.conic.solve import solver_for
 from churchpipe.conic.wrenches import Balance
 from churchpipe.large_displacements.moving_model import MovingModel
-from churchpipe.large_displacements.path_state import PathState, standing
+from churchpipe.large_displacements.path_state import PathState, last_motion, standing
 from churchpipe.large_displacements.step import StepProgram
 from churchpipe.large_displacements.travelling import TravellingLoads
 from churchpipe.model.arrays import FloatArray, IntArray
@@ -84,9 +84,8 @@ def last_velocities(model: MovingModel, state: PathState, free: IntArray, progra
     stones_alone = isinstance(model.driven, TravellingLoads) and len(program.dead) == 6 * len(free)
     if state.before is None or not model.large or not stones_alone:
         return np.zeros(0)
-    velocity = state.before[free]
-    there = velocity[:, :3] + np.cross(velocity[:, 3:], state.poses.centroid[free])
-    y = np.concatenate([there, model.length * velocity[:, 3:]], axis=1).ravel()
+    velocity = last_motion(state)[free]
+    y = np.concatenate([velocity[:, :3], model.length * velocity[:, 3:]], axis=1).ravel()
     power = float(program.live @ y)
     return y / power if power > 0 else np.zeros(0)
 
