@@ -299,12 +299,18 @@ def test_s22_in_half_the_step() -> None:
     assert half.proved
     # Within one step the bricks at the top of a partition slide off what they lay on, and the load factor drops.
     drop = [int(np.argmin(np.diff(curve.load_factor))) for curve in (whole, half)]
-    begins, ends = ([curve.displacement[k + more] for curve, k in zip((whole, half), drop, strict=True)] for more in (0, 1))
-    assert begins[0] - 1e-4 <= begins[1] < ends[1] <= ends[0] + 2e-4
-    alike = (half.displacement <= begins[0]) | (half.displacement >= ends[0])
+    begins, ends = (
+        np.array([curve.displacement[k + more] for curve, k in zip((whole, half), drop, strict=True)]) for more in (0, 1)
+    )
+    # The place of the drop is known to a tenth of a step of some .9 mm, and both curves agree on it.
+    assert (ends - begins).max() < 1e-4
+    assert abs(begins[0] - begins[1]) < 1e-4
     same = np.interp(half.displacement, whole.displacement, whole.load_factor)
-    assert np.abs(half.load_factor - same)[alike].max() <= 2e-2 * whole.load_factor[0]
-    assert np.abs(half.load_factor - same)[half.displacement <= begins[0]].max() <= 2e-3 * whole.load_factor[0]
+    apart = np.abs(half.load_factor - same) / whole.load_factor[0]
+    assert apart[half.displacement <= begins.min()].max() <= 2e-3
+    # Which bricks carry the others is decided anew then: for half a millimetre the curves are further apart.
+    assert apart[half.displacement >= ends.max()].max() <= 6e-2
+    assert apart[half.displacement >= ends.max() + 5e-4].max() <= 2e-2
 
 
 @pytest.mark.slow("docs/capacity_curve.md: S5")

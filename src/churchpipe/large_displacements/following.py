@@ -37,16 +37,23 @@ class Steps(Protocol):
         """Keep which stones fall in a step."""
         ...
 
+    def drops(self, step: PathStep, /) -> bool:
+        """True where so much is lost on the way to a step that it should be known better where."""
+        ...
+
 
 def follow(model: MovingModel, state: PathState, steps: int, record: Steps, rings: int) -> Ending:
     """Solve and keep at most so many steps of a path, and return how it ended.
 
     A step is solved on the stones that move and those near to them, so many contacts away (`rings`). Stones that stand still by
     now are held; where a step moves others, it is solved again with more. Where stones fall in it, it is solved again without
-    them, unless the structure cannot spare them. A motion that misses its forces by more than `PATH.credible` leads nowhere.
+    them, unless the structure cannot spare them. Where much is lost on the way to it, it goes half as far, until that place is
+    known to `PATH.located` of a step. A motion that misses its forces by more than `PATH.credible` leads nowhere.
     """
+    last: tuple[MovingModel, PathStep] | None = None
     for _ in range(steps):
         model, state = shrunk(model, state, rings)
+        whole = True
         while True:
             step = solve_state(model, state)
             if step.falling.any():
@@ -55,9 +62,11 @@ def follow(model: MovingModel, state: PathState, steps: int, record: Steps, ring
                     many = "stones that cannot be spared fall"
                     return Ending("collapsed", counted(number, "stone that cannot be spared falls", many))
                 record.fall(step)
-                state = without(model, state, step)
+                state, whole = without(model, state, step), False
             elif (wider := grown(model, step, rings)) is not None:
                 model, state = wider
+            elif last and whole and state.way > PATH.located * last[1].way and record.drops(step):
+                model, state = shrunk(last[0], next_state(*last, 0.5 * state.way), rings)
             else:
                 break
         if step.answer.outcome == "unbounded":
@@ -72,5 +81,6 @@ def follow(model: MovingModel, state: PathState, steps: int, record: Steps, ring
         ending = record.add(step)
         if ending is not None:
             return ending
+        last = model, step
         state = next_state(model, step, record.left)
     return Ending("unfinished", "all steps asked for were used up")

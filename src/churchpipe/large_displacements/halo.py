@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from time import perf_counter
 
 import numpy as np
 import scipy.sparse as sp
@@ -21,9 +20,12 @@ from churchpipe.mechanism import reference_speed, stone_speed
 from churchpipe.model.arrays import BoolArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.results import LimitState
-from churchpipe.rigid_blocks.associative import associative_state
+from churchpipe.rigid_blocks.associative import associative_program
 from churchpipe.rigid_blocks.certificate import Strength
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
+
+# Error of the load factor that a halo keeps, over what it may change.
+HALO_GAP = 0.1
 
 
 def held_around(stones: Assemblage, blocks: IntArray, moving: BoolArray, rings: int) -> BoolArray:
@@ -46,14 +48,14 @@ def held_around(stones: Assemblage, blocks: IntArray, moving: BoolArray, rings: 
 def held_at_first(
     model: MovingModel,
     blocks: IntArray,
-    program: Callable[[BoolArray], tuple[Equilibrium, Strength]],
+    held_program: Callable[[BoolArray], tuple[Equilibrium, Strength]],
     state: LimitState,
     rings: int,
 ) -> BoolArray:
     """Return the stones to hold still (nb,): without them the first load factor, that of `state`, is kept to `PATH.kept`.
 
-    Where it is not, stones further away are let go as well. blocks (ni, 2): the stones of each contact. program: of the limit
-    analysis in which these stones (nb,), fixed ones among them, stand still.
+    Where it is not, stones further away are let go as well. blocks (ni, 2): the stones of each contact. held_program: that of the
+    limit analysis in which these stones (nb,), fixed ones among them, stand still.
     """
     stones = model.stones
     speed = stone_speed(stones, state.velocities)
@@ -63,14 +65,15 @@ def held_at_first(
         held = held_around(stones, blocks, moving, rings)
         if not held.any():
             return held
-        balance, strength = program(stones.fixed | held)
+        balance, strength = held_program(stones.fixed | held)
         if isinstance(model.driven, TravellingLoads):
             # A profile over the height shares out the weight of all stones, those that are held among them.
             live = model.driven.rows(start_poses(stones).rotation, balance.free, balance.force, balance.length)
             balance = replace(balance, live=np.append(live, balance.live[len(live) :]))
         # What carries its dead load does so with stones held.
-        followed = associative_state(balance, strength, solver_for(balance.balance, model.solver), perf_counter())
-        if followed.status == "optimal" and followed.load_factor <= (1 + PATH.kept) * state.load_factor:
+        program, solve = associative_program(balance, strength), solver_for(balance.balance, model.solver)
+        followed = solve(program, duality_gap=HALO_GAP * PATH.kept)
+        if followed.outcome == "solved" and followed.tau <= (1 + PATH.kept) * state.load_factor:
             return held
         rings *= 2
 

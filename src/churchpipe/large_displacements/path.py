@@ -133,11 +133,11 @@ def _sought(motions: Motions, search: StepSearch, program: StepProgram, gap: Flo
         if model.large and attempt.answer.outcome == "failed":
             # Mostly because stones fall. The search below would show it too, but at many times the price.
             attempt = search.under_dead_load()
-        if model.large and not attempt.will_do(model.demands.enough) and attempt.answer.outcome != "infeasible":
+        if model.large and not attempt.will_do(PATH.credible) and attempt.answer.outcome != "infeasible":
             attempt = _better(attempt, search.onward(sliding, last, pairs, own))
-            if attempt.fits(PATH.credible):
-                # From more programs the same motion is found, with the same misfit.
-                return attempt
+        if model.large and attempt.will_do(PATH.credible):
+            # From other forces the same motion is found, with the same misfit.
+            return attempt
     if attempt.will_do(model.demands.enough):
         return attempt
     if attempt.answer.outcome == "infeasible" and _light(model, state, motions.falling(attempt.answer)):

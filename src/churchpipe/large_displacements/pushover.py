@@ -253,6 +253,11 @@ class _Curve(Record):
             self.progress("capacity curve", 1.0 - step.answer.load_factor / self.load_factor[0])
         return None
 
+    def drops(self, step: PathStep, /) -> bool:
+        """True where the load factor drops on the way to a step."""
+        answer = step.answer
+        return answer.outcome == "solved" and self.load_factor[-1] - answer.load_factor > PATH.drop * abs(self.load_factor[0])
+
     def curve(self, ending: Ending, seconds: float) -> BlockCapacityCurve:
         """Return the curve."""
         gone, factor = self.displacement, self.load_factor

@@ -108,6 +108,10 @@ class Record(ABC):
         self.work_known = float(path.dissipation[last])
         return state
 
+    def drops(self, _: PathStep, /) -> bool:
+        """False: where something is lost on the way is not sought."""
+        return False
+
     def fall(self, step: PathStep) -> None:
         """Note the stones that fall in a step."""
         at = self.displacement[-1] if self.displacement else 0.0

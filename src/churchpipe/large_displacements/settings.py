@@ -19,7 +19,8 @@ class Demands:
     further: one that does not fit and may go so many times further is sought anew with that length.
     faster: very few stones, whose motion does not come to fit, fall when they are so many times faster than usual, see
     `PathSettings.few` and `falling.usual_speed`. onward: whether pairs begin near the pair before them where no motion is known.
-    duality_gap: error of the associative programs, whose velocities may move the stones.
+    duality_gap: error of the associative programs, whose velocities may move the stones. closed: gaps narrower than this share of
+    the step are closed: programs that are solved roughly open joints by as much while they bear.
     """
 
     fitting: float
@@ -32,6 +33,7 @@ class Demands:
     faster: float
     onward: bool
     duality_gap: float
+    closed: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,8 +45,10 @@ class PathSettings:
         thinnest side of the stones that move. turn: largest rotation, rad. right: a length that is right within this factor is
         kept; shortest: one shorter than this share of the largest ends the path. least_charge: a step may charge its gaps as if
         it were this much shorter than the last one, however short it is then: where a few stones run ahead of all others, every
-        sliding joint would else count as open. lengths: times that pairs of programs are begun, each with the length of step of
-        the last motion. open: a joint of a large model that is wider than this share of the step holds nothing as it begins.
+        sliding joint would else count as open. drop: where the load factor falls by more than this share of the first one within
+        a step, the place is sought to `located` of it. lengths: times that pairs of programs are begun, each with the length of
+        step of the last motion. open: a joint of a large model that is wider than this share of the step holds nothing as it
+        begins.
 
     Programs of a step:
         first_programs, programs: as drawn, where the sliding is unknown, and later. pairs: of programs that make forces and
@@ -89,6 +93,8 @@ class PathSettings:
     right: float = 1.6
     shortest: float = 1e-3
     least_charge: float = 0.04
+    drop: float = 0.1
+    located: float = 0.1
     open: float = 0.25
     lengths: int = 3
     first_programs: int = 12
@@ -151,6 +157,7 @@ EXACTING = Demands(
     faster=PATH.faster,
     onward=False,
     duality_gap=1e-7,
+    closed=0.0,
 )
 # In a large model a program takes seconds.
 THRIFTY = Demands(
@@ -164,4 +171,5 @@ THRIFTY = Demands(
     faster=5.0,
     onward=True,
     duality_gap=1e-5,
+    closed=1e-3,
 )

@@ -29,7 +29,7 @@ def state_program(model: MovingModel, state: PathState) -> tuple[Assemblage, Ste
     stones = standing(model, state)
     contacts, gap = state.joints.at(state.poses)
     # What rounding opens is no gap: where many motions are possible, it would tell which of them is found.
-    gap = np.where(np.abs(gap) < ROUNDING * model.length, 0.0, gap)
+    gap = np.where(np.abs(gap) < max(ROUNDING * model.length, model.demands.closed * model.step), 0.0, gap)
     free = np.flatnonzero(~stones.fixed)
     rotation = state.poses.rotation
     dead = model.dead.rows(rotation, free, model.force, model.length)

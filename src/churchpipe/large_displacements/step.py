@@ -13,7 +13,7 @@ from churchpipe.conic.wrenches import Balance, apply, transpose
 from churchpipe.large_displacements.settings import PATH, Demands
 from churchpipe.model.arrays import FloatArray
 from churchpipe.rigid_blocks.certificate import Strength, cone_violation
-from churchpipe.rigid_blocks.coulomb import CoulombState, Near, bipotential_gap
+from churchpipe.rigid_blocks.coulomb import CoulombState, Near, bipotential_gap, nearest_forces
 from churchpipe.rigid_blocks.iterations import closed_gap
 from churchpipe.rigid_blocks.settings import SchemeSettings
 
@@ -168,6 +168,9 @@ def without_dilatancy(
     """Return forces and motion without dilatancy, sought from the forces of an answer in pairs of programs, so many at the most.
 
     Of each pair one finds the velocities that fit the forces, the other the forces that fit the velocities, see `closed_gap`.
+    Where the last motion is known and the forces are those of the last step, not in balance any more, forces that fit that motion
+    come first: the loads of the displaced stones are balanced by them, which those of the last step need not be able to.
+
     It ends where the misfit is as small as wanted, or small enough and hardly falls any more, or has come to rest, or a few
     stones fall, or the first pair goes astray; where the misfit grows
     instead, or no velocities are found, the answer given is returned, which need not have a motion ("failed"). Its multipliers,
@@ -178,10 +181,15 @@ def without_dilatancy(
     share = demands.fitting * max(known, PATH.least) / max(known, 1e-3)
     settings = SchemeSettings(bipotential_gap=share, stage_b=pairs)
     n = np.maximum(answer.forces[:, 0], 0.0)
-    near = None
+    near, begun = None, None
     if answer.forces[:, 1:].any():
         # A motion that goes on from the last one is found from there, or it turns into another.
         near = Near(answer.forces, answer.y if len(answer.y) else None, only=first)
+    if near is not None and len(answer.y):
+        begun = _fitting(program, answer, solve, settings)
+        if begun is None:
+            return answer
+        n, near = np.maximum(begun.x[:, 0], 0.0), near._replace(forces=begun.x)
 
     seen: list[tuple[float, CoulombState]] = []
     resting, fallen = 0, False
@@ -197,7 +205,7 @@ def without_dilatancy(
             fallen or (len(seen) == 1 and gap > demands.astray) or (rests and gap <= demands.enough) or resting >= demands.resting
         )
 
-    run = closed_gap(program, program.strength, n, solve, settings, near=near, onward=demands.onward, enough=enough)
+    run = closed_gap(program, program.strength, n, solve, settings, near=near, begun=begun, onward=demands.onward, enough=enough)
     if run is None:
         return answer
     best = run if fallen else min(seen, key=itemgetter(0))[1]
@@ -207,6 +215,19 @@ def without_dilatancy(
         return found
     given = bipotential_gap(program, program.strength, answer.forces, answer.y)
     return found if found.gap <= given else replace(answer, gap=given)
+
+
+def _fitting(program: StepProgram, answer: StepAnswer, solve: Solve, settings: SchemeSettings) -> CoulombState | None:
+    """Return forces in balance that fit the motion of an answer: its own, or near them where they have no load factor here."""
+    strength, x, load_factor, y = program.strength, answer.forces, answer.load_factor, answer.y
+    if not np.isfinite(load_factor):
+        n = np.maximum(x[:, 0], 0.0)
+        nearness, duality_gap = settings.weight_b, settings.roughest
+        found = nearest_forces(program, strength, n, y, solve, nearness=nearness, duality_gap=duality_gap, x=x, only=True)
+        if found is None:
+            return None
+        x, load_factor = found.x, found.tau
+    return CoulombState(x, load_factor, y, bipotential_gap(program, strength, x, y))
 
 
 def _answer(

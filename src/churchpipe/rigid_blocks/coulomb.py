@@ -170,12 +170,14 @@ def nearest_forces(
     duality_gap: float = EXACT,
     excess: FloatArray | None = None,
     x: FloatArray | None = None,
+    only: bool = False,
 ) -> ConeSolution | None:
     """Return forces (nc, 3) in the true cones, near the normal forces n, that do the least work against sliding y.
 
     maximise  alpha - sum mu n |v(y)| - 1/2 sum R (mu n - mu n_given)^2,   R = nearness / (c mean(mu n)^2)
 
     excess (nc,) >= 0: the work of n against the openings of y counts so many times more. x (nc, 3): forces near those sought.
+    only: whether forces that cannot be reached from there count as not found.
     """
     shear = strength.friction * n
     rate = balance.rates(y)
@@ -186,7 +188,7 @@ def nearest_forces(
     opened = 0.0 if excess is None else excess * np.where(strength.bounded, rate[:, 0], np.maximum(rate[:, 0], 0.0))
     linear = strength.friction * slip + opened - curvature * n
     program = balance.program(strength.cohesion, strength.friction, strength.bound, linear, curvature)
-    answer = solve(program, duality_gap=duality_gap, near=None if x is None else _near(program, x, y))
+    answer = solve(program, duality_gap=duality_gap, near=None if x is None else _near(program, x, y, only=only))
     return answer if answer.outcome == "solved" else None
 
 

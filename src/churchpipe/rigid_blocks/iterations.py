@@ -152,6 +152,7 @@ def closed_gap(
     progress: Progress | None = None,
     *,
     near: Near | None = None,
+    begun: CoulombState | None = None,
     onward: bool = False,
     gap: float = np.inf,
     below: float = np.inf,
@@ -165,7 +166,8 @@ def closed_gap(
 
     near: forces and velocities near those sought, if any are known. Programs then begin near the last ones, and those of
     velocities stop before their own forces balance: quicker, and exact to the misfit of a path, not to that of a certified load
-    factor. onward: where none are known, all programs but the first two do so.
+    factor. begun: forces that balance and fit velocities near those sought, to go on from; where the first velocities found close
+    the gap with them, they are kept. onward: where no velocities are known, all programs but the first two begin near the last.
 
     The gap is concave in the forces alone, so that stage B can come to rest at a local minimum where a few joints keep what is
     left of it: a hinge, for instance, whose force cannot reach its edge. When a step without extension is slow, the share of
@@ -178,7 +180,7 @@ def closed_gap(
     count = SolveCount(solve)
     history: list[Iteration] = []
     best: CoulombState | None = None
-    last: CoulombState | None = None
+    last = begun
     # The state with the least weighted gap. The search returns to it.
     base: CoulombState | None = None
     ahead, excess, momentum = n, np.zeros_like(n), settings.momentum
@@ -191,11 +193,9 @@ def closed_gap(
             progress("non-associative", pair / settings.stage_b)
         plain = ahead is n
         if (near is not None or onward) and last is not None:
-            near = Near(last.x, last.y)
+            near = Near(last.x, last.y, only=near is not None and near.only and not pair)
         gap = gap if last is None else last.relative_gap
-        state = pair_of_programs(
-            balance, strength, ahead, last, excess, count, settings, near, gap, closes=near is not None and enough is None
-        )
+        state = pair_of_programs(balance, strength, ahead, last, excess, count, settings, near, gap, closes=near is not None)
         if state is None and plain:
             break
         if state is None:

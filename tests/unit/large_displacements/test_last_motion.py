@@ -1,0 +1,92 @@
+"""A step of a large model that begins with the last motion: forces that fit it, velocities that fit these."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import churchpipe as cp
+from churchpipe.conic.solve import solver_for
+from churchpipe.large_displacements.moving_model import MovingModel, moving_model
+from churchpipe.large_displacements.path_state import PathState, first_state
+from churchpipe.large_displacements.settings import EXACTING, THRIFTY
+from churchpipe.large_displacements.state_program import step_program
+from churchpipe.large_displacements.step import StepAnswer, StepProgram, without_dilatancy
+from churchpipe.large_displacements.travelling import live_loads
+from churchpipe.model.arrays import FloatArray
+from churchpipe.rigid_blocks.coulomb import nearest_forces, sliding_velocities
+from churchpipe.rigid_blocks.equilibrium import equilibrium
+from churchpipe.rigid_blocks.iterations import SolveCount
+from solids import box, on_ground
+
+
+def pushed() -> tuple[MovingModel, PathState]:
+    """A block of 1 m on the ground, pushed along x, friction .4."""
+    stones = on_ground(box((0, 1), (0, 1), (0, 1)))
+    contacts, load = cp.find_contacts(stones), cp.LoadCase((1, 0, 0))
+    balance = equilibrium(stones, contacts, load)
+    model = moving_model(stones, contacts, load, live_loads(stones, load), 0.4, balance, ~stones.fixed, 0.02, "auto")
+    return model, first_state(model)
+
+
+def on_a_slope(side: float) -> tuple[StepProgram, FloatArray, FloatArray]:
+    """The block with a dead load along y of so much of its weight, forces (4, 3) from before, and a motion along x."""
+    model, state = pushed()
+    program = step_program(model, state)
+    along, across = np.eye(6)[:2]
+    forces = np.tile([0.05, 0.01, 0.01], (4, 1))
+    return replace(program, dead=program.dead + side * across), forces, along / float(program.live @ along)
+
+
+def test_forces_that_fit_the_last_motion_come_first() -> None:
+    program, forces, last = on_a_slope(0.2)
+    solve = SolveCount(solver_for(program.balance, "interior-point"))
+    # The friction of the last forces, .08 of the weight, does not hold the load across.
+    assert sliding_velocities(program, program.strength, forces[:, 0], solve, alone=True) is None
+    solve.solves = 0
+    found = without_dilatancy(program, StepAnswer("failed", forces, np.nan, last), solve, THRIFTY, 6, lambda *_: False)
+    assert found.outcome == "solved"
+    assert found.load_factor == pytest.approx(np.sqrt(0.4**2 - 0.2**2), rel=5e-3)
+    assert found.misfit <= THRIFTY.fitting
+    assert found.residual < 1e-8
+    assert found.violation < 1e-8
+    # One program for the forces, one for the velocities; the forces are kept.
+    assert solve.solves == 2
+
+
+def test_forces_in_balance_are_not_sought_again() -> None:
+    program, forces, last = on_a_slope(0.2)
+    solve = SolveCount(solver_for(program.balance, "interior-point"))
+    begun = nearest_forces(program, program.strength, forces[:, 0], last, solve, nearness=0.003, x=forces)
+    assert begun is not None
+    solve.solves = 0
+    given = StepAnswer("failed", begun.x, begun.tau, last)
+    found = without_dilatancy(program, given, solve, THRIFTY, 6, lambda *_: False)
+    assert found.outcome == "solved"
+    assert np.array_equal(found.forces, begun.x)
+    assert solve.solves == 1
+
+
+def test_where_no_forces_carry_the_stones_no_more_is_asked() -> None:
+    program, forces, last = on_a_slope(0.5)
+    answer = StepAnswer("failed", forces, np.nan, last)
+    solve = SolveCount(solver_for(program.balance, "interior-point"))
+    assert without_dilatancy(program, answer, solve, THRIFTY, 6, lambda *_: False) is answer
+    assert solve.solves == 1
+    alone = solve.iterations
+    assert nearest_forces(program, program.strength, forces[:, 0], last, solve, nearness=0.003, x=forces) is None
+    # Elsewhere forces that cannot be reached from near by are sought from nothing as well.
+    assert solve.iterations - alone > alone
+
+
+@pytest.mark.parametrize("large", [False, True])
+def test_gaps_of_less_than_a_thousandth_of_the_step_are_closed_in_a_large_model(large: bool) -> None:
+    model, state = pushed()
+    model = replace(model, held=np.array([large, False]))
+    demands = THRIFTY if large else EXACTING
+    for gap, closed in ((1.9e-5, large), (2.1e-5, False)):
+        joints = replace(state.joints, rest=state.joints.rest - gap)
+        assert joints.at(state.poses)[1] == pytest.approx(gap)
+        program = step_program(model, replace(state, joints=joints))
+        assert bool((program.closing == 0.0).all()) is closed
+    assert demands is model.demands
