@@ -74,3 +74,8 @@ class Motions:
 def expendable(model: MovingModel, state: PathState) -> float:
     """Return the weight, N, that may still fall out without ending the curve."""
     return PATH.expendable * model.moving - float(model.stones.weight[state.fallen].sum())
+
+
+def light(model: MovingModel, state: PathState, falling: BoolArray) -> bool:
+    """True where stones (nb,) are so light that they may fall without ending the curve."""
+    return float(model.stones.weight[falling].sum()) <= expendable(model, state)

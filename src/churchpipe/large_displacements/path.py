@@ -8,16 +8,16 @@ from churchpipe.conic.solve import Solve, solver_for
 from churchpipe.conic.wrenches import apply
 from churchpipe.large_displacements.falling import usual_speed
 from churchpipe.large_displacements.joints import Joints
-from churchpipe.large_displacements.motions import Motions, expendable
+from churchpipe.large_displacements.motions import Motions, expendable, light
 from churchpipe.large_displacements.moving_model import MovingModel
 from churchpipe.large_displacements.path_state import PathState, renewed_state, standing
 from churchpipe.large_displacements.search import Attempt, StepSearch
+from churchpipe.large_displacements.seeking import sought
 from churchpipe.large_displacements.settings import PATH
-from churchpipe.large_displacements.state_program import last_velocities, state_program
+from churchpipe.large_displacements.state_program import state_program
 from churchpipe.large_displacements.step import StepAnswer, StepProgram, solve_step
 from churchpipe.large_displacements.travelling import TravellingLoads
 from churchpipe.large_displacements.twisted import friction_shift
-from churchpipe.large_displacements.unsupported import unsupported
 from churchpipe.mechanism import reference_speed, stone_speed
 from churchpipe.model.arrays import BoolArray, FloatArray
 
@@ -85,7 +85,7 @@ def _solved(model: MovingModel, state: PathState, programs: int, pairs: int) -> 
     solve, motions = solver_for(program.balance, model.solver), Motions(model, state, stones, free)
     demands = model.demands if state.before is not None else replace(model.demands, fitting=model.demands.begins)
     search = StepSearch(program, gap, solve, motions.longest, motions.falls, state.length, model.step, demands)
-    attempt = _sought(motions, search, program, gap, programs, pairs)
+    attempt = sought(motions, search, program, gap, programs, pairs)
     answer, way, length, joints = attempt.answer, 0.0, attempt.length, state.joints
     if answer.outcome == "solved":
         at = search.within(attempt.length)
@@ -110,68 +110,6 @@ def _solved(model: MovingModel, state: PathState, programs: int, pairs: int) -> 
     )
 
 
-def _sought(motions: Motions, search: StepSearch, program: StepProgram, gap: FloatArray, programs: int, pairs: int) -> Attempt:
-    """Return the best attempt at a step: from the forces of the last one, or from what its joints slid by.
-
-    Where forces and motion fitted each other in pairs of programs only, the forces of the last step are the best to begin with:
-    they keep the path on its way where others branch off. In a large model, in this order until one will do: stones that their
-    neighbours cannot carry, the last forces, stones that the dead load brings down, the forces of one associative program near
-    the last motion, those of several.
-    """
-    model, state = motions.model, motions.state
-    forces = _last_forces(model, state, gap)
-    sliding = np.zeros(len(gap))
-    sliding[: len(state.joints.sliding)] = state.joints.sliding
-    attempt = Attempt(StepAnswer("failed", forces, np.nan, np.zeros(0)), state.length)
-    if pairs and forces.any() and not program.softness.any():
-        if model.large and (fall := _unsupported(motions, program)) is not None:
-            return Attempt(fall, state.length)
-        # A large program that has no solution need not be shown twice to have none: the search below shows it once more.
-        own = solver_for(program.balance, "interior-point") if model.large and model.solver == "auto" else None
-        last = last_velocities(model, state, motions.free, program)
-        attempt = search.by_pairs(attempt._replace(answer=replace(attempt.answer, y=last)), pairs, own, model.demands.astray)
-        if model.large and attempt.answer.outcome == "failed":
-            # Mostly because stones fall. The search below would show it too, but at many times the price.
-            attempt = search.under_dead_load()
-        if model.large and not attempt.will_do(PATH.credible) and attempt.answer.outcome != "infeasible":
-            attempt = _better(attempt, search.onward(sliding, last, pairs, own))
-        if model.large and attempt.will_do(PATH.credible):
-            # From other forces the same motion is found, with the same misfit.
-            return attempt
-    if attempt.will_do(model.demands.enough):
-        return attempt
-    if attempt.answer.outcome == "infeasible" and _light(model, state, motions.falling(attempt.answer)):
-        return attempt
-    return _better(attempt, search.by_programs(sliding, programs, pairs))
-
-
-def _unsupported(motions: Motions, program: StepProgram) -> StepAnswer | None:
-    """Return the fall of a few light stones that their neighbours cannot carry, None where there are none such."""
-    falling = unsupported(program, PATH.withstood * motions.state.load_factor)
-    fallen = np.zeros(len(motions.stones.weight), dtype=bool)
-    fallen[motions.free] = falling
-    if not falling.any() or not _light(motions.model, motions.state, fallen):
-        return None
-    dead = program.dead[: 6 * len(falling)].reshape(-1, 6)
-    y = np.zeros_like(program.dead)
-    y[: dead.size].reshape(-1, 6)[falling] = dead[falling] / np.linalg.norm(dead[falling], axis=1)[:, None]
-    return StepAnswer("infeasible", np.zeros((len(program.closing), 3)), np.nan, y)
-
-
-def _last_forces(model: MovingModel, state: PathState, gap: FloatArray) -> FloatArray:
-    """Return the forces (nc, 3) of the last step, where they may help to find those of this one; gap (nc,) m.
-
-    Whole forces let the programs begin near them: quicker, and a little less exact, which only a large model is worth.
-    """
-    points, forces = len(state.joints.pressing), np.zeros((len(gap), 3))
-    forces[:points, 0] = state.joints.pressing
-    if model.large:
-        forces[:points, 1:] = np.einsum("kac,kc->ka", _tangents(state), state.joints.shear)
-        # Where a stone has lost its hold, friction in the joint that opened would keep it up.
-        forces[gap > PATH.open * model.step] = 0.0
-    return forces
-
-
 def _pressed(model: MovingModel, state: PathState, attempt: Attempt) -> Joints:
     """Return the joints of a state with the forces that the next step begins with: none where it does so by programs alone."""
     joints, points = state.joints, len(state.joints.pressing)
@@ -180,22 +118,8 @@ def _pressed(model: MovingModel, state: PathState, attempt: Attempt) -> Joints:
     if attempt.answer.misfit >= PATH.credible:
         return joints
     forces = attempt.answer.forces[:points]
-    shear = np.einsum("kac,ka->kc", _tangents(state), forces[:, 1:])
+    shear = np.einsum("kac,ka->kc", state.tangents, forces[:, 1:])
     return replace(joints, pressing=np.maximum(forces[:, 0], 0.0), shear=shear)
-
-
-def _tangents(state: PathState) -> FloatArray:
-    """Return the tangents t1, t2 of each point: k point, a which of them, c axis of the drawing."""
-    return state.joints.at(state.poses)[0].frame[state.joints.interface, 1:]
-
-
-def _better(one: Attempt, other: Attempt) -> Attempt:
-    """Return the attempt of which more is known: the other one, but where the first has a motion that is at least credible."""
-    if one.answer.outcome != "solved" or other.answer.outcome == "unbounded":
-        return other
-    if other.answer.outcome == "solved":
-        return one if one.answer.misfit < other.answer.misfit else other
-    return one if one.answer.misfit < PATH.credible else other
 
 
 def _with_present_tensions(
@@ -293,8 +217,4 @@ def may_go_on(model: MovingModel, step: PathStep) -> bool:
     left = ~(step.state.fallen | step.falling)
     if isinstance(model.driven, TravellingLoads) and not model.driven.on(left):
         return False
-    return _light(model, step.state, step.falling)
-
-
-def _light(model: MovingModel, state: PathState, falling: BoolArray) -> bool:
-    return float(model.stones.weight[falling].sum()) <= expendable(model, state)
+    return light(model, step.state, step.falling)

@@ -33,6 +33,11 @@ class PathState:
     load_factor: float = 0.0
     rest: FloatArray = field(default_factory=lambda: np.zeros(0))
 
+    @property
+    def tangents(self) -> FloatArray:
+        """The tangents t1, t2 of each point: k point, a which of them, c axis of the drawing."""
+        return self.joints.at(self.poses)[0].frame[self.joints.interface, 1:]
+
 
 def first_state(model: MovingModel) -> PathState:
     """Return the state as drawn."""

@@ -13,10 +13,10 @@ class Demands:
 
     fitting: a motion that misses its forces by no more fits them; begins: the same of the first step, which decides on which of
     several ways a path goes. enough: the same of a motion that goes on from the last one, on which no more pairs are spent that
-    hardly gain, and which is kept rather than looked for by other ways; resting: so many pairs in a row that hardly gain end
-    every search. astray: where the forces of the last step miss a motion by more, they do not lead on, and no more programs are
-    spent on them. shorter: a motion may go so many times less far than the length that its programs charge the gaps for.
-    further: one that does not fit and may go so many times further is sought anew with that length.
+    hardly gain, and which is kept, in a small model, rather than looked for by other ways; resting: so many pairs in a row that
+    hardly gain end every search. astray: where the forces of the last step miss a motion by more, they do not lead on, and no
+    more programs are spent on them. shorter: a motion may go so many times less far than the length that its programs charge
+    the gaps for. further: one that does not fit and may go so many times further is sought anew with that length.
     faster: very few stones, whose motion does not come to fit, fall when they are so many times faster than usual, see
     `PathSettings.few` and `falling.usual_speed`. onward: whether pairs begin near the pair before them where no motion is known.
     duality_gap: error of the associative programs, whose velocities may move the stones. closed: gaps narrower than this share of

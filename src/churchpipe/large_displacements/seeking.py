@@ -1,0 +1,92 @@
+"""In which order the forces and the motion of a step are sought, until they fit each other."""
+
+import numpy as np
+
+from churchpipe.conic.solve import solver_for
+from churchpipe.large_displacements.motions import Motions, light
+from churchpipe.large_displacements.moving_model import MovingModel
+from churchpipe.large_displacements.path_state import PathState
+from churchpipe.large_displacements.search import Attempt, StepSearch
+from churchpipe.large_displacements.settings import PATH
+from churchpipe.large_displacements.state_program import last_velocities
+from churchpipe.large_displacements.step import StepAnswer, StepProgram
+from churchpipe.large_displacements.unsupported import unsupported
+from churchpipe.model.arrays import FloatArray
+
+
+def sought(motions: Motions, search: StepSearch, program: StepProgram, gap: FloatArray, programs: int, pairs: int) -> Attempt:
+    """Return the best attempt at a step: from the forces of the last one, or from what its joints slid by.
+
+    Where forces and motion fitted each other in pairs of programs only, the forces of the last step are the best to begin with:
+    they keep the path on its way where others branch off.
+    """
+    model, state = motions.model, motions.state
+    forces = _last_forces(model, state, gap)
+    sliding = np.zeros(len(gap))
+    sliding[: len(state.joints.sliding)] = state.joints.sliding
+    if not (pairs and forces.any()) or program.softness.any():
+        return search.by_programs(sliding, programs, pairs)
+    begun = StepAnswer("failed", forces, np.nan, last_velocities(model, state, motions.free, program))
+    last = Attempt(begun, state.length)
+    attempt = _of_large(motions, search, program, last, sliding, pairs) if model.large else search.by_pairs(last, pairs)
+    # From other forces a large model finds the same motion, with the same misfit.
+    if attempt.will_do(PATH.credible if model.large else model.demands.enough):
+        return attempt
+    if attempt.answer.outcome == "infeasible" and light(model, state, motions.falling(attempt.answer)):
+        return attempt
+    return _better(attempt, search.by_programs(sliding, programs, pairs))
+
+
+def _of_large(
+    motions: Motions, search: StepSearch, program: StepProgram, last: Attempt, sliding: FloatArray, pairs: int
+) -> Attempt:
+    """Return the attempt at a step of a large model, in this order until one will do: stones that their neighbours cannot carry,
+    the last motion, stones that the dead load brings down, the forces of one associative program near the last motion."""
+    model = motions.model
+    if (fall := _unsupported(motions, program)) is not None:
+        return Attempt(fall, last.length)
+    # A program that has no solution need not be shown twice to have none: the search from nothing shows it once more.
+    own = solver_for(program.balance, "interior-point") if model.solver == "auto" else None
+    attempt = search.by_pairs(last, pairs, own, model.demands.astray)
+    if attempt.answer.outcome == "failed":
+        # Mostly because stones fall. The search from nothing would show it too, but at many times the price.
+        attempt = search.under_dead_load()
+    if attempt.will_do(PATH.credible) or attempt.answer.outcome == "infeasible":
+        return attempt
+    return _better(attempt, search.onward(sliding, last.answer.y, pairs, own))
+
+
+def _unsupported(motions: Motions, program: StepProgram) -> StepAnswer | None:
+    """Return the fall of a few light stones that their neighbours cannot carry, None where there are none such."""
+    falling = unsupported(program, PATH.withstood * motions.state.load_factor)
+    fallen = np.zeros(len(motions.stones.weight), dtype=bool)
+    fallen[motions.free] = falling
+    if not falling.any() or not light(motions.model, motions.state, fallen):
+        return None
+    dead = program.dead[: 6 * len(falling)].reshape(-1, 6)
+    y = np.zeros_like(program.dead)
+    y[: dead.size].reshape(-1, 6)[falling] = dead[falling] / np.linalg.norm(dead[falling], axis=1)[:, None]
+    return StepAnswer("infeasible", np.zeros((len(program.closing), 3)), np.nan, y)
+
+
+def _last_forces(model: MovingModel, state: PathState, gap: FloatArray) -> FloatArray:
+    """Return the forces (nc, 3) of the last step, where they may help to find those of this one; gap (nc,) m.
+
+    Whole forces let the programs begin near them: quicker, and a little less exact, which only a large model is worth.
+    """
+    points, forces = len(state.joints.pressing), np.zeros((len(gap), 3))
+    forces[:points, 0] = state.joints.pressing
+    if model.large:
+        forces[:points, 1:] = np.einsum("kac,kc->ka", state.tangents, state.joints.shear)
+        # Where a stone has lost its hold, friction in the joint that opened would keep it up.
+        forces[gap > PATH.open * model.step] = 0.0
+    return forces
+
+
+def _better(one: Attempt, other: Attempt) -> Attempt:
+    """Return the attempt of which more is known: the other one, but where the first has a motion that is at least credible."""
+    if one.answer.outcome != "solved" or other.answer.outcome == "unbounded":
+        return other
+    if other.answer.outcome == "solved":
+        return one if one.answer.misfit < other.answer.misfit else other
+    return one if one.answer.misfit < PATH.credible else other
