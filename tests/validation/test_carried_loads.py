@@ -120,6 +120,42 @@ def test_water_behind_a_wall() -> None:
     assert state.load_factor == pytest.approx((W * B / 2 - 10e3 / 6) / (W * H / 2), rel=1e-6)
 
 
+@pytest.mark.parametrize("name", ["west", "south", "middle"])
+def test_water_presses_on_stones_of_other_walls_that_show_in_the_face(name: str) -> None:
+    # Every other course of a toothed corner, and of a partition that is toothed in, shows an end of a stone of the other wall.
+    materials = [cp.Material("default", GAMMA, 0.6)]
+    if name == "middle":
+        building = generators.prototype(
+            brick=(0.4, 0.2, 0.3),
+            partitions_x=(0.0, 1.2, 2.4),
+            partition_length=1.0,
+            courses=4,
+            main_wall_length=2.6,
+            materials=materials,
+        )
+        wall, toward, length = "main", (0, 1, 0), 2.6
+    else:
+        building = generators.box(length=2.4, width=2.0, courses=4, brick=(0.4, 0.2, 0.3), materials=materials)
+        wall = name
+        toward, length = {"west": ((1, 0, 0), 2.0), "south": ((0, 1, 0), 2.4)}[name]
+    stones = cp.derive_blocks(building)
+    found = place_loads(stones, [cp.Pressure(wall, toward=toward, unit_weight=10e3, top=1.0, surcharge=2e3)])
+    force = (10e3 / 2 + 2e3) * length
+    moment = (10e3 / 6 + 2e3 / 2) * length
+    along = found.point[:, 1 if name == "west" else 0]
+    assert found.dead.sum(axis=0) == pytest.approx(force * np.array(toward), rel=1e-9, abs=1e-6)
+    assert np.linalg.norm(found.dead, axis=1) @ found.point[:, 2] == pytest.approx(moment, rel=1e-9)
+    assert np.linalg.norm(found.dead, axis=1) @ along == pytest.approx(force * length / 2, rel=1e-9)
+
+
+@pytest.mark.parametrize(("wall", "toward", "clear"), [("west", "-x", 1.6), ("south", "-y", 2.0)])
+def test_water_in_a_room_presses_between_its_corners(wall: str, toward: str, clear: float) -> None:
+    materials = [cp.Material("default", GAMMA, 0.6)]
+    stones = cp.derive_blocks(generators.box(length=2.4, width=2.0, courses=4, brick=(0.4, 0.2, 0.3), materials=materials))
+    found = place_loads(stones, [cp.Pressure(wall, toward=toward, unit_weight=10e3, top=1.0)])
+    assert np.abs(found.dead).sum() == pytest.approx(10e3 / 2 * clear, rel=1e-9)
+
+
 def test_the_load_factor_stays_base_shear_over_what_is_pushed() -> None:
     # At any profile the push adds up to the weight of the pushed stones and masses, at the height of each where it is linear.
     stones = cp.derive_blocks(brick_wall())

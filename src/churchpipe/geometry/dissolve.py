@@ -14,7 +14,8 @@ def dissolve(points: FloatArray, face_nodes: IntArray, face_ptr: IntArray) -> tu
     """Merge neighbouring faces that lie in one plane, of many closed bodies at once.
 
     points (n, 3) m; face_nodes, face_ptr: outward faces as in `Assemblage`, no vertex shared by two bodies. Faces whose union
-    has a hole or touches itself stay apart. Corners on a straight edge between two faces are left out.
+    has a hole or touches itself stay apart. Corners on a straight edge between two faces are left out. Triangles that look the
+    other way, as a fan of a face that is not convex has them, are taken off those that they lie on.
 
     Returns
     -------
@@ -58,8 +59,7 @@ def _flat_groups(points: FloatArray, nodes: IntArray, face_ptr: IntArray, owner:
     height = np.zeros(len(first))
     np.maximum.at(height, pair, np.abs(np.einsum("ij,ij->i", corner - mean[first[pair]], normal[first[pair]])))
     near = height <= FLATNESS * (extent[first] + extent[second]) + LEAST_WARP
-    alike = np.einsum("ij,ij->i", normal[first], normal[second]) > 0
-    linked = has_area[first] & has_area[second] & near & near[twin] & alike
+    linked = has_area[first] & has_area[second] & near & near[twin]
     # A face without area belongs to what lies along its longest edge.
     length = np.linalg.norm(points[nodes[twin]] - points[nodes], axis=1)
     longest = np.zeros(count)

@@ -111,10 +111,17 @@ def _from_lowest_left(point: FloatArray, owner: IntArray, pointer: IntArray) -> 
 
 def below(corner: FloatArray, level: float) -> FloatArray:
     """Return the part (n, 3) m of a plane polygon in space with corners (k, 3) m below a level z, m."""
+    return behind(corner, np.array([0.0, 0.0, 1.0]), level)
+
+
+def behind(corner: FloatArray, axis: FloatArray, level: float) -> FloatArray:
+    """Return the part (n, 3) m of a plane polygon in space with corners (k, 3) m up to a level, m, along an axis (3,)."""
+    beyond = corner @ axis - level
     found: list[FloatArray] = []
-    for first, second in zip(corner, np.roll(corner, -1, axis=0), strict=True):
-        if first[2] <= level:
+    for k, first in enumerate(corner):
+        following = (k + 1) % len(corner)
+        if beyond[k] <= 0:
             found.append(first)
-        if np.sign(first[2] - level) * np.sign(second[2] - level) < 0:
-            found.append(first + (level - first[2]) / (second[2] - first[2]) * (second - first))
+        if np.sign(beyond[k]) * np.sign(beyond[following]) < 0:
+            found.append(first - beyond[k] / (beyond[following] - beyond[k]) * (corner[following] - first))
     return np.array(found).reshape(-1, 3)

@@ -1,12 +1,12 @@
 """Soil or water against the face of a wall, and fill on the back of a vault."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.geometry.locate import inside_stones
-from churchpipe.geometry.polygons import below
+from churchpipe.geometry.polygons import behind, below
 from churchpipe.geometry.walls import WallLine, points_of
 from churchpipe.loading.bearing import CLOSE
 from churchpipe.model.arrays import FloatArray
@@ -26,7 +26,7 @@ def pressure_forces(stones: Assemblage, wall: WallLine, load: Pressure) -> list[
     """Return the forces of a pressure on a wall: point (3,) m, stone, force (3,) N.
 
     Each face is cut into triangles, their parts below the surface, with the force of each where it acts. What lies against
-    another stone bears nothing.
+    another stone bears nothing. Where stones of other walls show in the face of this one, as at a toothed corner, they bear it.
 
     Raises
     ------
@@ -34,19 +34,13 @@ def pressure_forces(stones: Assemblage, wall: WallLine, load: Pressure) -> list[
     """
     side = -wall.side(load.called, load.toward)
     outward = side * np.append(wall.normal, 0.0)
-    points = points_of(stones, wall.stones)
-    edge = float((points @ outward).max()) - _OUTERMOST * wall.thickness
     found: list[tuple[FloatArray, float, int, FloatArray]] = []
 
     def pressed(z: FloatArray) -> FloatArray:
         return load.coefficient * (load.unit_weight * (load.top - z) + load.surcharge)
 
-    for stone in wall.stones.tolist():
-        for face in range(*stones.block_face_ptr[stone : stone + 2]):
-            corners = stones.points[stones.face_nodes[stones.face_ptr[face] : stones.face_ptr[face + 1]]]
-            _, (normal,), _ = face_normals(corners, np.arange(len(corners)), np.array([0, len(corners)]))
-            if normal @ outward > _AGAINST and (corners @ outward).min() > edge:
-                found += [(*part, stone, normal) for part in _on_face(below(corners, load.top), pressed)]
+    for stone, normal, corners in _in_face(stones, wall, outward):
+        found += [(*part, stone, normal) for part in _on_face(below(corners, load.top), pressed)]
     if not found:
         raise InputError(load.called, f"no face of the wall {wall.name} below z = {load.top:g} m on that side")
     place = np.array([point for point, *_ in found])
@@ -56,6 +50,29 @@ def pressure_forces(stones: Assemblage, wall: WallLine, load: Pressure) -> list[
         for (point, size, stone, normal), bare in zip(found, free.tolist(), strict=True)
         if bare and size > 0
     ]
+
+
+def _in_face(stones: Assemblage, wall: WallLine, outward: FloatArray) -> Iterator[tuple[int, FloatArray, FloatArray]]:
+    """Yield what shows in the face of a wall that looks outward (3,): a stone, the normal (3,) and the corners (k, 3) m of a
+    face of it, of stones of other walls the part between the ends of this one."""
+    points = points_of(stones, wall.stones)
+    front, foot = float((points @ outward).max()), float(points[:, 2].min())
+    slack = _OUTERMOST * wall.thickness
+    own = np.isin(np.arange(stones.count), wall.stones)
+    owner = np.repeat(np.arange(stones.count), np.diff(stones.block_face_ptr))
+    _, normal, mean = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
+    shown = ~stones.fixed[owner] & (normal @ outward > _AGAINST) & (np.abs(mean @ outward - front) < slack + CLOSE)
+    axis = np.append(wall.axis, 0.0)
+    start = float(wall.origin @ wall.axis)
+    for face in np.flatnonzero(shown).tolist():
+        corners = stones.points[stones.face_nodes[stones.face_ptr[face] : stones.face_ptr[face + 1]]]
+        if (corners @ outward).min() <= front - slack:
+            continue
+        if not own[owner[face]]:
+            if corners[:, 2].min() < foot - CLOSE or corners[:, 2].max() > wall.top + CLOSE:
+                continue
+            corners = behind(behind(corners, axis, start + wall.length), -axis, -start)
+        yield int(owner[face]), normal[face], corners
 
 
 def fill_weights(stones: Assemblage, load: Fill) -> list[tuple[FloatArray, int, float]]:
