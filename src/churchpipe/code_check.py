@@ -200,7 +200,7 @@ def verified(found: SafetyCheck, site: Site) -> SafetyCheck:
 
 
 def along(direction: FloatArray, velocities: FloatArray) -> FloatArray:
-    """Return the horizontal displacements (nb,) along a load's direction (3,); velocities (nb, 6) or (nb, 3).
+    """Return the horizontal displacements (..., nb) along a load's direction (3,); velocities (..., nb, 6) or (..., nb, 3).
 
     Raises
     ------
@@ -208,4 +208,4 @@ def along(direction: FloatArray, velocities: FloatArray) -> FloatArray:
     """
     if abs(direction[2]) > 1e-9:
         raise InputError("check", "the load is not horizontal", found=np.round(direction, 6).tolist(), expected="no z component")
-    return velocities[:, :2] @ direction[:2]
+    return velocities[..., :2] @ direction[:2]

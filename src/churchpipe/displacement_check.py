@@ -6,15 +6,18 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from churchpipe.code_check import CONFIDENCE_FACTOR, Site, activation, along, verified
 from churchpipe.errors import InputError
+from churchpipe.loading.wrenches import pushed_masses
 from churchpipe.mechanism import moving_stones, stone_speed
-from churchpipe.model.arrays import FloatArray, floats
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, floats
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.block_curve import BlockCapacityCurve
 from churchpipe.model.checks import DemandCurve, DisplacementCheck, LimitStateCheck, SafetyCheck
 from churchpipe.model.loads import LoadCase
+from churchpipe.model.placed_loads import PlacedLoads
 from churchpipe.model.quantities import GRAVITY
 from churchpipe.rigid_blocks.equilibrium import lateral_weight
 from churchpipe.spectrum import Demand, spectral_displacement
@@ -186,17 +189,25 @@ def _largest(bearable: Callable[[float], bool]) -> float:
 
 
 def displacement_check(
-    curve: BlockCapacityCurve, stones: Assemblage, load: LoadCase, site: Site | None, *, crushing: bool = False
+    curve: BlockCapacityCurve,
+    stones: Assemblage,
+    load: LoadCase,
+    site: Site | None,
+    loads: PlacedLoads | None = None,
+    *,
+    crushing: bool = False,
 ) -> DisplacementCheck:
     """Return the displacement-based check of a capacity curve; its message says why there is none, if so.
 
     It leads with e* = 1 and has what holds with e* of the stones besides, as the check with q does. That check is made of the
     same mechanism, for comparison. Of a curve whose last steps are not proved it is made with the curve ended before them and as
-    it was found, and the one that withstands less counts. crushing: whether the masonry crushes on the curve, so that the
+    it was found, and the one that withstands less counts. load: as it is without what the stones carry. loads: that, whose masses
+    are bodies of their own, as Q_k are in the circular. crushing: whether the masonry crushes on the curve, so that the
     confidence factor is that of the knowledge level.
     """
     try:
-        curves, start = _mechanism(curve, stones, load, site.confidence(crushing) if site else CONFIDENCE_FACTOR)
+        bodies = _bodies(curve, stones, load, loads)
+        curves, start = _mechanism(curve, bodies, site.confidence(crushing) if site else CONFIDENCE_FACTOR)
     except InputError as error:
         return DisplacementCheck(message=str(error))
     demand = site.demand if site else None
@@ -243,22 +254,45 @@ def displacement_check(
     )
 
 
-def _mechanism(
-    curve: BlockCapacityCurve, stones: Assemblage, load: LoadCase, confidence: float
-) -> tuple[list[Oscillator], SafetyCheck]:
-    """Return the oscillator of a curve, before it that of its proved steps if some are not, and what starts the motion."""
+@dataclass(frozen=True, slots=True)
+class _Bodies:
+    """What moves along a curve, stones and the masses on them. stone (n,): the stone of each, itself or which bears it; weight,
+    pushed (n,) N; place (ns, n) m along the load at each step; moving (n,): whether it is part of the mechanism at the start."""
+
+    stone: IntArray
+    weight: FloatArray
+    pushed: FloatArray
+    place: FloatArray
+    moving: BoolArray
+
+
+def _bodies(curve: BlockCapacityCurve, stones: Assemblage, load: LoadCase, loads: PlacedLoads | None) -> _Bodies:
     if len(curve.displacement) < 2:
         found, expected = f"{counted(len(curve.displacement), 'step')} of the curve", "two or more"
         raise InputError("check", "no mechanism", found=found, expected=expected, remedy=_FOLLOW)
     first = np.concatenate([np.diff(part[:2], axis=0)[0] for part in (curve.position, curve.rotation)], axis=1)
     moving = moving_stones(stone_speed(stones, first)) & ~stones.fixed
-    motion = np.where(moving, along(load.direction, first), 0.0)
-    pushed = lateral_weight(stones, load)
-    displacement, d0 = _mean_displacement(curve, pushed, load)
+    stone, weight, pushed = np.arange(stones.count), stones.weight, lateral_weight(stones, load)
+    place = along(load.direction, curve.position)
+    if loads is not None and loads.mass.any():
+        more, masses = pushed_masses(load, stones, loads)
+        arm = loads.point - stones.centroid[loads.stone]
+        turned = [Rotation.from_rotvec(rotation[loads.stone]).apply(arm) for rotation in curve.rotation]
+        place = np.concatenate([place, place[:, loads.stone] + along(load.direction, np.array(turned))], axis=1)
+        stone, weight = np.concatenate([stone, loads.stone]), np.concatenate([weight, loads.mass])
+        pushed = np.concatenate([pushed + more, masses])
+    return _Bodies(stone, weight, pushed, place, moving[stone])
+
+
+def _mechanism(curve: BlockCapacityCurve, bodies: _Bodies, confidence: float) -> tuple[list[Oscillator], SafetyCheck]:
+    """Return the oscillator of a curve, before it that of its proved steps if some are not, and what starts the motion."""
+    weight, pushed, moving = bodies.weight, bodies.pushed, bodies.moving
+    motion = np.where(moving, bodies.place[1] - bodies.place[0], 0.0)
+    displacement, d0 = _mean_displacement(curve, bodies)
 
     def until(count: int, end: float) -> Oscillator:
         travelled, factors = displacement[:count], curve.load_factor[:count]
-        return oscillator(travelled, factors, end, stones.weight, motion, pushed=pushed, confidence_factor=confidence)
+        return oscillator(travelled, factors, end, weight, motion, pushed=pushed, confidence_factor=confidence)
 
     found = [until(len(displacement), d0)]
     if not curve.proved:
@@ -266,7 +300,7 @@ def _mechanism(
         if proved < 2:
             raise InputError("check", "no proved step of the curve beyond the first", found=proved, expected="two or more")
         found = [until(proved, float(displacement[proved - 1])), *found]
-    return found, activation(curve.initial, stones.weight[moving], pushed[moving], motion[moving], confidence)
+    return found, activation(curve.initial, weight[moving], pushed[moving], motion[moving], confidence)
 
 
 def _unproved(curve: BlockCapacityCurve, *, ended: bool, compared: bool) -> str:
@@ -287,15 +321,14 @@ def _unproved(curve: BlockCapacityCurve, *, ended: bool, compared: bool) -> str:
     )
 
 
-def _mean_displacement(curve: BlockCapacityCurve, pushed: FloatArray, load: LoadCase) -> tuple[FloatArray, float]:
+def _mean_displacement(curve: BlockCapacityCurve, bodies: _Bodies) -> tuple[FloatArray, float]:
     """Return the mean displacement (ns,) m of what is pushed and stands, whatever the curve is drawn against, and its d0."""
-    place = curve.position @ load.direction
     gone = [0.0]
-    for step in range(1, len(place)):
-        fallen = [part.stones for part in curve.fallen if part.displacement <= curve.displacement[step - 1]]
-        weight = pushed.copy()
-        weight[np.concatenate([*fallen, np.zeros(0, dtype=np.int64)])] = 0.0
-        gone.append(gone[-1] + float(weight @ (place[step] - place[step - 1])) / float(weight.sum()))
+    for step, way in enumerate(np.diff(bodies.place, axis=0)):
+        fallen = [part.stones for part in curve.fallen if part.displacement <= curve.displacement[step]]
+        out = np.isin(bodies.stone, np.concatenate([*fallen, np.zeros(0, dtype=np.int64)]))
+        weight = np.where(out, 0.0, bodies.pushed)
+        gone.append(gone[-1] + float(weight @ way) / float(weight.sum()))
     displacement = np.array(gone)
     if curve.status == "vanished":
         (before, last), factor = displacement[-2:], curve.load_factor

@@ -104,7 +104,8 @@ class RunFolder:
         crushing = all("compressive_strength" in values for values in settings["material"].values())
         if entry["kind"] == "curve":
             curve, stones = self.block_curve(entry), self.stones(entry["geometry"])[0]
-            return {"check": displacement_check(curve, stones, load, site, crushing=crushing)}
+            masses = self.applied(entry, stones).loads
+            return {"check": displacement_check(curve, stones, load, site, masses, crushing=crushing)}
         if entry["kind"] == "limit":
             mesh = read_npz(self._mesh(entry["shell"]), ShellModel)
             return compare.shell_parts(mesh, read_npz(self.folder(entry) / "limit.npz", ShellLimitState), load)

@@ -4,6 +4,7 @@ import json
 import math
 from dataclasses import replace
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -162,6 +163,30 @@ def test_the_control_point_of_a_curve_changes_nothing(curve: BlockCapacityCurve)
     top = cp.block_pushover(LEANING, cp.find_contacts(LEANING), PUSH, 0.7, step=0.025, control=(0.5, 0, 2))
     assert top.d0 > 1.5 * curve.d0
     assert displacement_check(top, LEANING, PUSH, SITED) == displacement_check(curve, LEANING, PUSH, SITED)
+
+
+@pytest.mark.parametrize("profile", ["uniform", "linear"])
+@pytest.mark.parametrize("mass", [0.0, 10e3, 40e3])
+def test_masses_are_bodies_of_their_own(mass: float, profile: Literal["uniform", "linear"]) -> None:
+    # A block of W that turns about an edge, b wide and h high, with P and the mass Q in the middle of its top. With the angle t,
+    # the load factor vanishes at tan t0 = b/2 (W + P) / (W h/2 + P h).
+    b, h, pressing, stone = 0.5, 2.0, 15e3, float(LEANING.weight.sum())
+    load = cp.LoadCase((1, 0, 0), profile=profile)
+    placed = cp.place_loads(LEANING, [cp.PointLoad(at=(0.25, 0.5, h), dead=pressing, mass=mass)])
+    curve = cp.block_pushover(LEANING, cp.find_contacts(LEANING), cp.loaded(load, LEANING, placed), 0.7, step=5e-3)
+    assert curve.status == "vanished"
+    record = displacement_check(curve, LEANING, load, SITED, placed)
+    weight, height = np.array([stone, mass]), np.array([h / 2, h])
+    pushed = weight * (height * weight.sum() / (weight @ height) if profile == "linear" else 1.0)
+    end = math.atan(b / 2 * (stone + pressing) / (stone * h / 2 + pressing * h))
+    travelled = b / 2 * (1 - math.cos(end)) + height * math.sin(end)
+    onset = b / 2 * (stone + pressing) / (pushed @ height)
+    assert curve.initial == pytest.approx(onset, rel=1e-6)
+    assert record.moving_weight == pytest.approx(weight.sum(), rel=1e-9)
+    assert record.alpha0 == pytest.approx(onset * (pushed @ height) / (weight @ height), rel=1e-3)
+    assert record.mass_fraction == pytest.approx((weight @ height) ** 2 / (weight.sum() * (weight @ height**2)), rel=1e-3)
+    # With e* = 1 the oscillator goes as far as the mean of all that moves.
+    assert record.d0 == pytest.approx(weight @ travelled / weight.sum(), rel=5e-3)
 
 
 def test_a_curve_whose_last_steps_are_not_proved_is_checked_as_far_as_they_are(curve: BlockCapacityCurve) -> None:
