@@ -73,6 +73,7 @@ def _of_case(case: "Case") -> Iterator[str]:
     for material in case.materials:
         yield from _of_record(material, f"material.{material.name}.")
     yield from _of_vaults(case)
+    yield from _of_beams(case)
     for name, settings in (("rigid", case.rigid), ("shell", case.shell), ("check", case.check)):
         if settings is not None:
             yield from _of_record(settings, f"{name}.")
@@ -85,6 +86,29 @@ def _of_case(case: "Case") -> Iterator[str]:
             yield from _of_record(record, f"{key}.{number}.")
             if key in LOADS and told[number] in told[:number]:
                 yield f"{key}.{number} is {key}.{told.index(told[number])} once more, and both count. Is it meant?"
+
+
+def _of_beams(case: "Case") -> Iterator[str]:
+    """Yield what to ask about loads on the tops of walls that have a ring beam: they lie on the masonry, below the beam."""
+    over = {wall: beam for beam in case.ring_beams for wall in beam.walls}
+    for key in LOADS:
+        for number, load in enumerate(getattr(case.carries, key)):
+            named = (load.walls if hasattr(load, "walls") else (load.wall,)) if hasattr(load, "height") else ()
+            below = [wall for wall in named if wall in over]
+            if not below or load.height is not None:
+                continue
+            beam = over[below[0]]
+            one = beam.closed or beam.slab
+            name = beam.bodies[0 if one else beam.walls.index(below[0])]
+            there = (
+                "[[line_loads]] with between_m, at the height of its top,"
+                if one
+                else f'the name of the beam, "{name}", as that of its wall'
+            )
+            yield (
+                f"{key}.{number} lies on the masonry of {below[0]}, below the ring beam there, and does not press the beam down. "
+                f"On the beam it lies by {there}. Is it meant? Its height_m says so."
+            )
 
 
 def _of_work(case: "Case") -> Iterator[str]:

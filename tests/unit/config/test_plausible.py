@@ -180,6 +180,28 @@ def test_no_ready_case_is_questioned(name: str, tmp_path: Path) -> None:
     assert size_questions(derive_blocks(case.building())) == []
 
 
+BEAM = '[[ring_beams]]\nwalls = ["wall"]\nheight_m = 0.2\n'
+
+
+@pytest.mark.parametrize(
+    ("beam", "load", "words"),
+    [
+        ("", '[[line_loads]]\nwall = "wall"\ndead_kN_m = 1', 'On the beam it lies by the name of the beam, "beam on wall",'),
+        ("", '[[point_loads]]\nwall = "wall"\nalong_m = 1\ndead_kN = 1', '"beam on wall", as that of its wall'),
+        ("closed = true\n", '[[line_loads]]\nwall = "wall"\ndead_kN_m = 1', "between_m, at the height of its top"),
+        ("", '[[line_loads]]\nwall = "wall"\nheight_m = 1.0\ndead_kN_m = 1', ""),
+        ("", '[[line_loads]]\nwall = "beam on wall"\ndead_kN_m = 1', ""),
+    ],
+)
+def test_a_load_below_a_ring_beam_is_questioned(beam: str, load: str, words: str, tmp_path: Path) -> None:
+    path = tmp_path / "w.toml"
+    path.write_text(f"{CASE.format(**SOUND)}\n{BEAM}{beam}{load}\n")
+    case = read_case(path)
+    case.building()
+    found = questions([case])
+    assert [words in text for text in found] == ([True] if words else [])
+
+
 TABLES = [
     ('[[joints]]\nname = "j"\nkind = "base"\nfriction = 30', "joints.0.friction is 30, usual are"),
     ('[[joints]]\nname = "j"\nkind = "base"\ncohesion_kPa = 60000', "joints.0.cohesion_kPa is 6e+04 kPa, usual are"),
