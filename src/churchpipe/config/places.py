@@ -1,5 +1,6 @@
 """Where in a case file a key stands: errors name it as the person wrote it, with its line."""
 
+import math
 import re
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
@@ -11,9 +12,13 @@ from churchpipe.config.overrides import apply_overrides, parse_override, set_key
 from churchpipe.config.section import MISSING, WRONG, GatheredError, gathered, shortened
 from churchpipe.config.variants import Variant, applied
 from churchpipe.errors import InputError
-from churchpipe.model.quantities import bare
+from churchpipe.model.quantities import bare, si, unit_of
 
 EMPTY: Mapping[str, Any] = MappingProxyType({})
+_NUMBER = r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?"
+# What may be expected of a number: bounds in SI.
+_SIGN = r"(?:from|at most|at least|[<>]=?)"
+_BOUNDS = re.compile(rf"(?:0, or )?(?:{_SIGN} )?{_NUMBER}(?: to {_NUMBER}| and {_SIGN} {_NUMBER})?(?: m)?")
 
 
 def located(
@@ -74,21 +79,38 @@ def located(
     made = within and len(_followed(tomllib.loads(text), stands)[0]) < len(stands)
     if made or any(_begins(stands, key) for key in changed):
         place = "--set"
-    elif any(_begins(written, name) for name in swept):
-        place = "[sweep]"
+    elif name := next((name for name in swept if _begins(written, name)), None):
+        at = _followed(tomllib.loads(text), ["sweep", *name.split(".")])[0]
+        # A sweep may come of a --set.
+        place = f"line {line_of(text, at)}, [sweep]" if at else "[sweep]"
     elif at := next((at for name, at in distribution.items() if name in drawn and _begins(written, name)), None):
         place = f"line {line_of(text, at)}, [sample]"
     else:
         place = " with ".join([f"line {line_of(text, stands)}", *within])
-    if swept and place != "[sweep]":
+    if swept and not place.endswith("[sweep]"):
         place += f" with [sweep] {', '.join(f'{name} = {value}' for name, value in swept.items())}"
     if variant and not in_itself:
         place += f', variant "{variant.name}"' if own else f" with {_heading(path, overrides, variant)}"
     where = f"{path}: {place}, {key if in_words else '.'.join([*written, *missing])}"
     if error.problem != WRONG or missing:
-        return error.at(where)
+        return error.at(where) if missing or in_words else _as_written(error, written, value).at(where)
     # Lengths were converted on the way to their check.
     return InputError(where, WRONG, found=shortened(value), expected=error.expected, remedy=error.remedy)
+
+
+def _as_written(error: InputError, keys: Sequence[str], value: object) -> InputError:
+    """Return an error about a value at keys, and nothing but bounds of it, in the unit of its key instead of SI."""
+    key = next((key for key in reversed(keys) if not key.isdecimal()), "")
+    unit = unit_of(key)
+    number, bounds = re.fullmatch(rf"({_NUMBER})(?: m)?", str(error.found)), _BOUNDS.fullmatch(error.expected)
+    if not (unit.name and number and bounds) or isinstance(value, bool) or not isinstance(value, int | float):
+        return error
+    if not math.isclose(float(number[1]), si(key, value), rel_tol=1e-5):
+        return error
+    words = error.expected.removesuffix(" m")
+    words = re.sub(_NUMBER, lambda found: f"{float(found[0]) * unit.divide / unit.multiply:.6g}", words)
+    expected = f"{words} {unit.name}"
+    return InputError(error.where, error.problem, found=f"{value:g} {unit.name}", expected=expected, remedy=error.remedy)
 
 
 def _heading(path: Path, overrides: Sequence[str], variant: Variant) -> str:

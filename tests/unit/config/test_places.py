@@ -182,14 +182,52 @@ def test_what_set_broke_is_not_blamed_on_the_file_alone(change: str, said: str, 
 @pytest.mark.parametrize(
     ("swept", "said"),
     [
-        ("source.courses = [3, 3.5]", r"\[sweep\], source\.courses: wrong value; found 3\.5; expected a whole number"),
-        ('"material.default.friction" = [0.5, nan]', r"\[sweep\], material\.default\.friction: wrong value; found nan;"),
-        ('"rigid.frow" = [1, 2]', r"\[sweep\], rigid\.frow: unknown key"),
+        (
+            "source.courses = [3, 3.5]",
+            r"case\.toml: line 13, \[sweep\], source\.courses: wrong value; found 3\.5; expected a whole number",
+        ),
+        ('"material.default.friction" = [0.5, nan]', r"line 13, \[sweep\], material\.default\.friction: wrong value; found nan;"),
+        ('"rigid.frow" = [1, 2]', r"line 13, \[sweep\], rigid\.frow: unknown key"),
     ],
 )
 def test_what_was_swept_is_named_with_its_value(swept: str, said: str, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=said):
         read_variants(case_file(tmp_path, f"{WALL}[sweep]\n{swept}\n"))
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ("material.default.unit_weight_kN_m3=1e15", "found 1e+15 kN/m3; expected 0, or 1e-09 to 1e+06 kN/m3."),
+        ("material.default.cohesion_kPa=1e12", "found 1e+12 kPa; expected 0, or 1e-09 to 1e+09 kPa."),
+    ],
+)
+def test_what_is_out_of_range_is_said_in_the_unit_of_its_key(change: str, said: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError) as caught:
+        read_case(case_file(tmp_path, WALL), [change])
+    assert said in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new", "said"),
+    [
+        (
+            "box",
+            "length_m = 4.0",
+            "length_mm = 100",
+            "line 6, source.length_mm: no room inside; found 100 mm; expected > 600 mm.",
+        ),
+        ("arch", "half_angle_deg = ", "half_angle_deg = 1e-9 # ", "found 1e-09 degrees; expected >= 5.72958e-05 degrees."),
+    ],
+)
+def test_what_a_generator_refuses_is_said_in_the_unit_of_its_key(
+    name: str, old: str, new: str, said: str, tmp_path: Path
+) -> None:
+    text = sample_case(name)
+    assert old in text
+    with pytest.raises(InputError) as caught:
+        read_case(case_file(tmp_path, text.replace(old, new, 1))).building()
+    assert said in str(caught.value)
 
 
 def test_what_no_single_parameter_is_to_blame_for_is_said_of_the_source(tmp_path: Path) -> None:
