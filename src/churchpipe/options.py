@@ -1,13 +1,23 @@
 """Arguments and options of the command line that several commands share."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
-Folder = Annotated[
-    Path | None, typer.Option("--out", "-o", help="Folder to write to; default: the name of the file.", show_default=False)
-]
+
+def out_option(meaning: str) -> Any:
+    """Return the option --out of a command, which takes no empty path: a variable of a shell that is not set."""
+    return typer.Option("--out", "-o", metavar="<path>", help=meaning, show_default=False, parser=_path)
+
+
+def _path(text: str | Path) -> Path:
+    if not str(text).strip():
+        raise typer.BadParameter('no path; expected the name of a file or a folder, "." for the current one.')
+    return Path(text)
+
+
+Folder = Annotated[Path | None, out_option("Folder to write to; default: the name of the file.")]
 
 
 def _named(path: Path) -> Path:

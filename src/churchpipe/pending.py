@@ -42,7 +42,7 @@ def pending(folder: Path, prepare: Callable[[Path], object], until: str = "") ->
     ------
     InputError: the engine cannot tell.
     """
-    near = folder.parent if folder.is_dir() else None
+    near = folder.resolve().parent if folder.is_dir() else None
     with tempfile.TemporaryDirectory(prefix=".dry-run-", dir=near) as scratch:
         copy = Path(scratch) / "run"
         if folder.is_dir():

@@ -163,6 +163,7 @@ SIZES: list[tuple[tuple[Any, ...], str]] = [
     (([0.1],), r"element size of wall: not a number; found list"),
     ((0.3, 3), r"derive_shell: sizes: wrong kind; found 3"),
     ((0.3, {"wall": "fine"}), r"element size of wall: not a number; found 'fine'"),
+    ((40.0,), r"element size of wall: longer than every wall; found 40\.0; expected at most "),
     ((1e-3,), r"element size: too small for this building; found about 1,440,000 elements of 0\.001 m"),
 ]
 

@@ -10,6 +10,7 @@ import typer
 
 from churchpipe.cli.app import app, err, out
 from churchpipe.errors import InputError, UsageError
+from churchpipe.options import out_option
 from churchpipe.resources import sample_case, sample_names
 from churchpipe.wording import counted
 
@@ -24,7 +25,7 @@ def generate(
     name: Annotated[
         str, typer.Argument(help=f"One of {', '.join(sample_names())}.", show_default=False, autocompletion=_samples)
     ],
-    case: Annotated[Path | None, typer.Option("--out", "-o", help="The case file to write; default: the terminal.")] = None,
+    case: Annotated[Path | None, out_option("The case file to write; default: the terminal.")] = None,
 ) -> None:
     """Write a commented case file to edit: dimensions, materials, loads."""
     text = sample_case(name)

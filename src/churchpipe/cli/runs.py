@@ -11,7 +11,7 @@ import typer
 from churchpipe.cli.app import FINDINGS, INTERRUPTED, STRUCTURE, app, err, out
 from churchpipe.cli.cases import read_sound
 from churchpipe.errors import InputError, UsageError
-from churchpipe.options import CaseFile, Changes, RunFolder
+from churchpipe.options import CaseFile, Changes, RunFolder, out_option
 from churchpipe.wording import counted
 
 if TYPE_CHECKING:
@@ -21,9 +21,7 @@ if TYPE_CHECKING:
 @app.command()
 def run(
     case: CaseFile,
-    out_dir: Annotated[
-        Path | None, typer.Option("--out", "-o", help="Run folder; default runs/NAME.", show_default=False)
-    ] = None,
+    out_dir: Annotated[Path | None, out_option("Run folder; default runs/NAME.")] = None,
     jobs: Annotated[int | None, typer.Option("--jobs", "-j", min=1, help="Stages at one time; default: one a core.")] = None,
     changes: Changes = None,
     load: Annotated[

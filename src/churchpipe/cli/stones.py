@@ -10,7 +10,7 @@ from churchpipe.cli.app import app, err, out
 from churchpipe.cli.cases import check_case
 from churchpipe.cli.reading import refuse_misplaced, with_reading
 from churchpipe.errors import UsageError
-from churchpipe.options import CaseFile, Changes, ContactAngle, ContactGap, Folder, ModelFile, Overlap, StonesFile
+from churchpipe.options import CaseFile, Changes, ContactAngle, ContactGap, Folder, ModelFile, Overlap, StonesFile, out_option
 from churchpipe.wording import counted
 
 
@@ -75,9 +75,7 @@ def check(
     contact_angle: ContactAngle = None,
     overlap: Overlap = None,
     changes: Changes = None,
-    folder: Annotated[
-        Path | None, typer.Option("--out", "-o", help="Folder for findings.json and findings.dxf.", show_default=False)
-    ] = None,
+    folder: Annotated[Path | None, out_option("Folder for findings.json and findings.dxf.")] = None,
 ) -> None:
     """List all findings in a file of stones, and stones that float or overlap; or what is wrong with a case.
 
@@ -122,9 +120,7 @@ def view(
     context: typer.Context,
     file: ModelFile,
     reading: Any,
-    page: Annotated[
-        Path | None, typer.Option("--out", "-o", help="Page to write; default: NAME.view.html here.", show_default=False)
-    ] = None,
+    page: Annotated[Path | None, out_option("Page to write; default: NAME.view.html here.")] = None,
     opens: Annotated[bool, typer.Option("--open/--no-open", help="Open it in the browser, or only say where it is.")] = True,
     changes: Changes = None,
 ) -> None:
@@ -135,6 +131,8 @@ def view(
 
     refuse_misplaced(context, file)
     page = page or Path(f"{file.stem}.view.html")
+    if page.is_dir():
+        raise UsageError(f"--out {page}", "a folder", expected="the name of the page to write")
     write_view(file, page, reading, changes or ())
     out.print(str(page), soft_wrap=True)
     if opens:
@@ -151,7 +149,7 @@ _UNDRAWN = (
 @app.command("export-dxf")
 def export_dxf(
     case: CaseFile,
-    drawing: Annotated[Path, typer.Option("--out", "-o", help="The drawing to write.", show_default=False)],
+    drawing: Annotated[Path, out_option("The drawing to write.")],
     changes: Changes = None,
 ) -> None:
     """Write the stones of a case as a DXF drawing, its materials and loads inside."""

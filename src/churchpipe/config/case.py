@@ -39,7 +39,7 @@ from churchpipe.model.materials import Material
 from churchpipe.model.quantities import in_si, required
 from churchpipe.model.ring_beam import RingBeam
 from churchpipe.resources import sample_case
-from churchpipe.shell_mesh.element_count import check_elements, element_count
+from churchpipe.shell_mesh.element_count import check_elements, check_longest, element_count
 
 _Record = TypeVar("_Record")
 
@@ -139,6 +139,7 @@ class Case:
             raise self.located(error.at(f"{self.path}: {error.where}")) from error
         if self.shell is not None:
             try:
+                check_longest(building.panels, self.shell.element_size)
                 check_elements(element_count(building, self.shell.element_size), self.shell.element_size)
             except InputError as error:
                 raise self.located(error.at(f"{self.path}: shell.element_size_mm")) from error

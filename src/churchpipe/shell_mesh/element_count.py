@@ -38,3 +38,10 @@ def check_elements(count: float, size: float) -> None:
             expected=f"at most {MOST_ELEMENTS:,}",
             remedy="Make it larger, or look whether a length is in another unit (mm for m).",
         )
+
+
+def check_longest(panels: Sequence[Panel], size: float, where: str = "element size") -> None:
+    """Raise InputError where elements are longer than every wall."""
+    longest = max((float(np.ptp(panel.outline, axis=0).max()) for panel in panels), default=np.inf)
+    if size > longest:
+        raise InputError(where, "longer than every wall", found=size, expected=f"at most {longest:g} m")

@@ -21,7 +21,7 @@ from churchpipe.model.shell import ShellModel
 from churchpipe.model.shell_beams import ShellBeams
 from churchpipe.shell_mesh.beams import beams_of, shell_beams, with_bearings, with_vaults_on
 from churchpipe.shell_mesh.butt_joints import with_butt_joints
-from churchpipe.shell_mesh.element_count import check_elements, vault_elements, wall_elements
+from churchpipe.shell_mesh.element_count import check_elements, check_longest, vault_elements, wall_elements
 from churchpipe.shell_mesh.ledges import side_by_side, with_ledges
 from churchpipe.shell_mesh.midplanes import MidSurface, mid_surfaces
 from churchpipe.shell_mesh.self_weight import weight_factors
@@ -162,12 +162,10 @@ def _sizes(building: Building, element_size: float, sizes: Mapping[str, float]) 
         if name not in names:
             raise InputError(f"element size of {name}", "no such panel", expected=", ".join(names))
     out = [finite(f"element size of {name}", sizes.get(name, element_size)) for name in names]
-    longest = max(float(np.ptp(panel.outline, axis=0).max()) for panel in building.panels)
     for name, size in zip(names, out, strict=True):
-        if not NODE_TOLERANCE * 10 < size <= longest:
-            raise InputError(
-                f"element size of {name}", "out of range", found=size, expected=f"> 0 and at most the longest wall, {longest:g} m"
-            )
+        if not size > NODE_TOLERANCE * 10:
+            raise InputError(f"element size of {name}", "out of range", found=size, expected="> 0 m")
+        check_longest(building.panels, size, f"element size of {name}")
     check_elements(wall_elements(building.panels, out), min(out))
     return out
 

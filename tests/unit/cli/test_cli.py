@@ -48,6 +48,35 @@ def two_cubes() -> Assemblage:
     return on_ground(box((0, 1), (0, 1), (0, 1)), box((0, 1), (0, 1), (1, 2)), unit_weight=2e4, reach=3)
 
 
+@pytest.mark.parametrize("path", ["", " "])
+def test_an_empty_path_is_no_place_to_write_to(
+    path: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # A variable of a shell that is not set: without a word all would be written into the current folder.
+    case = case_file(tmp_path, WALL)
+    monkeypatch.chdir(tmp_path)
+    drawing = str(SAMPLES / "sound.dxf")
+    for command in ("run CASE", "view CASE", "export-dxf CASE", "generate wall", f"import {drawing}", f"check {drawing}"):
+        code, _, err = call(capsys, *command.replace("CASE", str(case)).split(), "--out", path)
+        assert code == 2, command
+        assert "no path" in err
+    code, _, err = call(capsys, "view", case, "--out", ".")
+    assert code == 2
+    assert "--out .: a folder; expected the name of the page to write." in err
+    assert sorted(tmp_path.iterdir()) == [case]
+
+
+def test_a_dry_run_in_the_current_folder_leaves_it_as_it_is(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    case = case_file(tmp_path, WALL)
+    monkeypatch.chdir(tmp_path)
+    code, out, _ = call(capsys, "run", case, "--out", ".", "--dry-run")
+    assert code == 0
+    assert "report" in out
+    assert sorted(tmp_path.iterdir()) == [case]
+
+
 def test_version_and_help(capsys: pytest.CaptureFixture[str]) -> None:
     assert call(capsys, "--version") == (0, f"churchpipe {churchpipe.__version__}\n", "")
     code, out, _ = call(capsys, "--help")

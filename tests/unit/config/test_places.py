@@ -159,6 +159,10 @@ SET = (
         ("rigid=3", "--set, rigid: wrong value; found 3"),
         ("rigid.curve.steps=-3", "--set, rigid.curve.steps: wrong value; found -3"),
         ("shell.planes=cell", "--set, shell.element_size_mm: missing key"),
+        (
+            "shell.element_size_mm=2e3",
+            "--set, shell.element_size_mm: longer than every wall; found 2000 mm; expected at most 1200 mm.",
+        ),
         ("shell.element_size_mm=1e-1", "--set, shell.element_size_mm: too small for this building; found about 144,000,000"),
         ("check.ag_g=-1", "--set, check.ag_g: wrong value; found -1"),
         ("check.site.ag_g=1", "--set, check.site: unknown key"),
