@@ -1,6 +1,6 @@
 """Capacity curves of the church for its seven loads, reduced and in full, as a table for docs/capacity_curve.md.
 
-    python benchmarks/church_curves.py --processes 2 [--full] [-- LOAD ...]                  # all loads, or those named, in this order
+    python benchmarks/church_curves.py --processes 2 [--full] [-- LOAD ...]                  # all loads, or those named in order
     python benchmarks/church_curves.py --case chapel --halo 2 --step 0.02 --steps 12 -- -y   # another model, halo, step
 
 Reduced: the stones that move with their halo. --full: all stones. The seconds of a row are processor time of one thread, without
