@@ -13,9 +13,10 @@ from churchpipe.conic.cholesky import NotDefiniteError
 from churchpipe.conic.solve import Solve
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.results import Iteration
-from churchpipe.rigid_blocks.central_steps import LEAST, MODEST, SHORTER, SHORTEST, advance, least_product
+from churchpipe.rigid_blocks.central_start import first_rates
+from churchpipe.rigid_blocks.central_steps import advance
 from churchpipe.rigid_blocks.certificate import FLOW_TOLERANCE, RESIDUAL_TOLERANCE, Strength
-from churchpipe.rigid_blocks.contact_newton import ContactState, ContactSystem, Linearisation
+from churchpipe.rigid_blocks.contact_newton import ContactState, ContactSystem
 from churchpipe.rigid_blocks.coulomb import CoulombState, Near, bipotential_gap
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
 from churchpipe.rigid_blocks.iterations import Progress, SlidingRun, SolveCount, closed_gap, sliding_run
@@ -23,11 +24,6 @@ from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP, CentralSettings, S
 
 # Steps whose mean tells how fast the gap falls.
 _LAST_STEPS = 3
-# Steps in which the points begin to open and the load does unit work, at most, and the error of that work after which the
-# products follow from the rates.
-_FIRST_STEPS, _WORKS = 40, 0.1
-# The first steps lower the products to the first share, or to the second, and start again where one is shorter than the third.
-_LOWER, _CENTRE, _TINY = 0.2, 0.9, 0.1
 
 
 def runs_from_centre(balance: Equilibrium, strength: Strength) -> bool:
@@ -180,38 +176,6 @@ def falls_too_slowly(gaps: list[float], wanted: float, settings: CentralSettings
         return False
     fall = np.log(gaps[-1 - _LAST_STEPS] / gaps[-1]) / _LAST_STEPS
     return bool(np.log(gaps[-1] / wanted) > settings.outlook * fall)
-
-
-def first_rates(system: ContactSystem, *, held: bool = False) -> ContactState:
-    """Return a state whose points all open, near unit work: from multipliers of their own, which the rates approach.
-
-    held: every step keeps the products together, and lowers them little after a short one. That takes more steps where the others
-    would do, and arrives where a short step shows that they would not.
-    """
-    settings, points, live, unit = system.settings, system.points, system.live, system.unit
-    at = ContactState(settings.force / points * unit, 0.0, np.zeros_like(live), np.zeros((3, points)))
-    z, length = unit, 1.0
-    for _ in range(_FIRST_STEPS):
-        excess = float(live @ at.y) - 1.0
-        if at.rates[0].min(initial=np.inf) > 0 and abs(excess) < _WORKS:
-            break
-        lack = system.multipliers(at.rates) - z
-        linear = Linearisation(system, at.forces, z, at.rates, settings.first_damping)
-        mean = float((at.forces * z).sum()) / points
-        target = max(1.0 / points, (_CENTRE if held and length < MODEST else _LOWER) * mean)
-        wanted = linear.divide(target * unit - system.product(linear.point, linear.point)) - linear.scaled(lack)
-        step = linear.step(wanted, system.residual(at), excess, 0.0)
-        change = linear.tangent(step.rates) + lack
-        steepest = max(system.reach(at.forces, step.forces), system.reach(z, change))
-        length = min(1.0, settings.fraction / max(steepest, 1e-3))
-        if length < _TINY and not held:
-            return first_rates(system, held=True)
-        while held and least_product(system, at.forces + length * step.forces, z + length * change) < LEAST:
-            length *= SHORTER
-            if length < SHORTEST:
-                break
-        at, z = at.plus(step, length), z + length * change
-    return at
 
 
 def _coulomb_state(balance: Equilibrium, strength: Strength, at: ContactState) -> CoulombState:

@@ -16,12 +16,13 @@ from churchpipe.rigid_blocks.contact_newton import ContactState, ContactSystem, 
 # A step keeps the least eigenvalue of the products above this share of their mean, which may grow by the second factor.
 LEAST, _GROWTH = 1e-3, 1.3
 SHORTER, SHORTEST = 0.8, 1e-4
-_CENTRING = (0.01, 0.9)
+# Least and most share of the products that a step keeps.
+CENTRING = (0.01, 0.9)
 # Centrality correctors aim this much farther, for products within these multiples of the target, and must win this much.
-_REACH, _FARTHER, _BAND, _WIN = 1.1, 0.15, (0.1, 10.0), 0.01
+_REACH, _FARTHER, _BAND, WIN = 1.1, 0.15, (0.1, 10.0), 0.01
 # Steps shorter than the first are repeated with more damping, those shorter than the second get more of it next time, those
 # longer than the third less.
-_SHORT, MODEST, _LONG = 0.02, 0.25, 0.6
+_SHORT, _MODEST, _LONG = 0.02, 0.25, 0.6
 # A point that stops short goes the first share of its own way. Forces get their balance back in at most so many sweeps, in which
 # a point goes the third share of the way to the boundary of its cone where it would go farther than the last.
 _OWN, _SWEEPS, _HALF, _NEAR = 0.6, 3, 0.5, 0.95
@@ -55,7 +56,7 @@ def advance(system: ContactSystem, at: ContactState, damping: float, ignored: in
     products = system.product(linear.point, linear.point)
     affine = towards(linear.divide(-products))
     reach = _longest(system, at, affine, ignored)
-    centring = min(max((1.0 - reach) ** 3, _CENTRING[0]), _CENTRING[1])
+    centring = min(max((1.0 - reach) ** 3, CENTRING[0]), CENTRING[1])
     target = centring * mean * system.unit
     second = _second_order(system, linear, at, z, affine, 0.999 * _longest(system, at, affine, 0))
     size = np.sqrt((second**2).sum(axis=0))
@@ -65,19 +66,28 @@ def advance(system: ContactSystem, at: ContactState, damping: float, ignored: in
     for _ in range(settings.correctors):
         if length >= 1.0:
             break
-        ahead = min(1.0, _REACH * length + _FARTHER)
+        ahead = ahead_of(length)
         there = linear.scaled_forces(at.forces + ahead * step.forces), linear.scaled(z + ahead * linear.tangent(step.rates))
-        low, high = (share * centring * mean for share in _BAND)
-        fix = system.recentre(system.product(*there), low, high)
+        fix = recentring(system, system.product(*there), centring * mean)
         longer = step.plus(linear.step(linear.divide(fix), np.zeros_like(residual), 0.0, 0.0))
         found = _longest(system, at, longer, ignored)
-        if found < length + _WIN:
+        if found < length + WIN:
             break
         step, length = longer, found
     new, length = _central_part(system, linear, at, step, settings.fraction * length, mean, ignored)
     if length < _SHORT and damping < settings.damping[1]:
         return Move(at, 10.0, length)
-    return Move(new, 5.0 if length < MODEST else 1.0 / 3.0 if length > _LONG else 1.0, length)
+    return Move(new, 5.0 if length < _MODEST else 1.0 / 3.0 if length > _LONG else 1.0, length)
+
+
+def ahead_of(length: float) -> float:
+    """Return the length at which centrality correctors of a step of this length aim."""
+    return min(1.0, _REACH * length + _FARTHER)
+
+
+def recentring(system: ContactSystem, product: FloatArray, target: float) -> FloatArray:
+    """Return the correction that brings products (3, nc) near a target."""
+    return system.recentre(product, _BAND[0] * target, _BAND[1] * target)
 
 
 def least_product(system: ContactSystem, forces: FloatArray, z: FloatArray, ignored: int = 0) -> float:

@@ -116,12 +116,35 @@ class ContactSystem:
         """Return the correction that brings the eigenvalues of products (3, nc) into [low, high]."""
         return self.cone.recentre(product[:, None], low, high)[:, 0]
 
+    def factorise(self, which: int, compliance: FloatArray) -> FloatArray:
+        """Factorise the matrix B S B^T of 3 x 3 blocks S (3, 3, nc), and return its solution for the live load.
+
+        Raises
+        ------
+        NotDefiniteError
+        """
+        n = np.ones((3, self.points))
+        n[0] /= self.friction
+        values = self.normal.assemble(np.ascontiguousarray(compliance * n[:, None] * n))
+        diagonal = values[self.normal.diagonal]
+        shift = _REGULARISATION * (diagonal + _OF_STONE * np.repeat(diagonal.reshape(-1, BODY).max(axis=1), BODY))
+        for attempt in range(_ATTEMPTS):
+            values[self.normal.diagonal] = diagonal + _MORE**attempt * shift
+            try:
+                self.factors[which].factor(values)
+                break
+            except NotDefiniteError:
+                if attempt == _ATTEMPTS - 1:
+                    raise
+        self.factorisations += 1
+        return self.factors[which].solve(self.live)
+
 
 class Linearisation:
     """The matrices of the steps from one state, factorised."""
 
     def __init__(self, system: ContactSystem, forces: FloatArray, multipliers: FloatArray, rates: FloatArray, damping: float):
-        """multipliers (3, nc): Z, that of the rates unless they are far from it yet.
+        """multipliers (3, nc): Z of the rates.
 
         Raises
         ------
@@ -132,22 +155,15 @@ class Linearisation:
         self.point = scaling.point[:, 0]
         rounded = np.maximum(system.roundness(rates), 1e-300)
         self._slope = np.stack([1.0 + system.settings.roundness**2 * rates[0] / rounded, rates[1] / rounded, rates[2] / rounded])
-        w, square = scaling.w[:, 0], scaling.eta[0] ** 2
-        plain = 2.0 * w[:, None] * w[None]
-        plain[0, 0] -= 1.0
-        plain[1, 1] += 1.0
-        plain[2, 2] += 1.0
-        plain *= square
+        plain = squared(scaling)
         # J = (1, 0, 0)^T slope^T + diag(0, 1, 1): W^2 J and J^T W^2 J.
         lower = np.array([0.0, 1.0, 1.0])
         mixed = plain[:, :1] * self._slope + plain * lower[None, :, None]
         both = self._slope[:, None] * mixed[0] + mixed * lower[:, None, None]
         self._plain, self._mixed = plain / (1.0 + damping), mixed / (1.0 + damping)
         self._both = damping * (2.0 + damping) / (1.0 + damping) * both
-        n = np.ones((3, system.points))
-        n[0] /= system.friction
-        self._lever = self._factor(0, self._plain * n[:, None] * n)
-        self._guess = self._factor(1, (1.0 + damping) * both * n[:, None] * n)
+        self._lever = system.factorise(0, self._plain)
+        self._guess = system.factorise(1, (1.0 + damping) * both)
         self._stiffness, self._guess_work = float(system.live @ self._lever), float(system.live @ self._guess)
 
     def scaled_forces(self, forces: FloatArray) -> FloatArray:
@@ -175,10 +191,10 @@ class Linearisation:
         right = damping * system.couple(raised) + self._crossed(self._free(rows) - self._lever * (pull / self._stiffness), True)
         y = self._velocities(right, excess)
         rates = system.rates(y)
-        lack = self._solve(0, rows - system.couple(self._apply(self._mixed, rates)))
+        lack = self._solve(0, rows - system.couple(multiply(self._mixed, rates)))
         gain = (float(live @ lack) + pull) / self._stiffness
         u = system.rates(lack - self._lever * gain)
-        forces = wanted - self._apply(self._mixed, rates) - self._apply(self._plain, u)
+        forces = wanted - multiply(self._mixed, rates) - multiply(self._plain, u)
         load_factor = -gain
         for _ in range(_SWEEPS):
             more = self.balancing(system.couple(forces) + live * load_factor + residual)
@@ -190,7 +206,7 @@ class Linearisation:
         system = self._system
         left = self._solve(0, residual)
         share = float(system.live @ left) / self._stiffness
-        forces = -self._apply(self._plain, system.rates(left - self._lever * share))
+        forces = -multiply(self._plain, system.rates(left - self._lever * share))
         return ContactState(forces, -share, np.zeros_like(residual), np.zeros_like(forces))
 
     def _velocities(self, right: FloatArray, excess: float) -> FloatArray:
@@ -214,11 +230,11 @@ class Linearisation:
     def _hessian(self, y: FloatArray) -> FloatArray:
         system = self._system
         rates = system.rates(y)
-        free = self._free(system.couple(self._apply(self._mixed, rates)))
-        return system.couple(self._apply(self._both, rates) + self._apply(self._mixed, system.rates(free), True))
+        free = self._free(system.couple(multiply(self._mixed, rates)))
+        return system.couple(multiply(self._both, rates) + multiply(self._mixed, system.rates(free), True))
 
     def _crossed(self, y: FloatArray, transposed: bool) -> FloatArray:
-        return self._system.couple(self._apply(self._mixed, self._system.rates(y), transposed))
+        return self._system.couple(multiply(self._mixed, self._system.rates(y), transposed))
 
     def _free(self, rows: FloatArray) -> FloatArray:
         """Return the solution for these rows that does no work with the live load."""
@@ -233,27 +249,22 @@ class Linearisation:
     def _solve(self, which: int, rows: FloatArray) -> FloatArray:
         return self._system.factors[which].solve(rows)
 
-    def _factor(self, which: int, compliance: FloatArray) -> FloatArray:
-        """Factorise a matrix and return its solution for the live load."""
-        system = self._system
-        values = system.normal.assemble(np.ascontiguousarray(compliance))
-        diagonal = values[system.normal.diagonal]
-        shift = _REGULARISATION * (diagonal + _OF_STONE * np.repeat(diagonal.reshape(-1, BODY).max(axis=1), BODY))
-        for attempt in range(_ATTEMPTS):
-            values[system.normal.diagonal] = diagonal + _MORE**attempt * shift
-            try:
-                system.factors[which].factor(values)
-                break
-            except NotDefiniteError:
-                if attempt == _ATTEMPTS - 1:
-                    raise
-        system.factorisations += 1
-        return self._solve(which, system.live)
 
-    def _apply(self, blocks: FloatArray, v: FloatArray, transposed: bool = False) -> FloatArray:
-        out = np.empty_like(v)
-        _multiply(blocks, v, transposed, out)
-        return out
+def squared(scaling: SecondOrderScaling) -> FloatArray:
+    """Return W^2 (3, 3, nc) of a scaling."""
+    w, square = scaling.w[:, 0], scaling.eta[0] ** 2
+    blocks = 2.0 * w[:, None] * w[None]
+    blocks[0, 0] -= 1.0
+    blocks[1, 1] += 1.0
+    blocks[2, 2] += 1.0
+    return blocks * square
+
+
+def multiply(blocks: FloatArray, v: FloatArray, transposed: bool = False) -> FloatArray:
+    """Return blocks_ijk v_jk, or blocks_jik v_jk (3, nc)."""
+    out = np.empty_like(v)
+    _multiply(blocks, v, transposed, out)
+    return out
 
 
 @numba.njit(cache=True)

@@ -46,7 +46,7 @@ class CentralSettings:
 
     force: the first normal force of a point, over the mean weight that a point would carry alone. roundness: how round the
     multipliers are where a point neither opens nor slides; other_roundness: that of the last run.
-    damping: of the steps, least and most, and while unit work is not yet done. pull: towards low load factors, over the sum of
+    damping: of the steps, least and most. pull: towards low load factors, over the sum of
     the products. correctors: of centrality, at most. inner, inner_steps: error and steps of the conjugate gradients.
     clip: a correction of the second order counts at most this share of the mean product. fraction: of the way to the boundary
     of the cones that a step goes. steps: at most; patience: steps without half the gap after which a run stops,
@@ -69,7 +69,6 @@ class CentralSettings:
     roundness: float = 0.5
     other_roundness: float = 1.0
     damping: tuple[float, float] = (0.01, 0.1)
-    first_damping: float = 1e-4
     pull: float = 0.2
     correctors: int = 3
     inner: float = 1e-2

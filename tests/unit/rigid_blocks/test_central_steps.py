@@ -9,7 +9,8 @@ from churchpipe.conic.interior_point.second_order import SecondOrder
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.loads import LoadCase
 from churchpipe.rigid_blocks import central
-from churchpipe.rigid_blocks.central import central_run, falls_too_slowly, first_rates
+from churchpipe.rigid_blocks.central import central_run, falls_too_slowly
+from churchpipe.rigid_blocks.central_start import first_rates
 from churchpipe.rigid_blocks.central_steps import Move, advance, least_product
 from churchpipe.rigid_blocks.contact_newton import ContactState, ContactSystem, Linearisation
 from churchpipe.rigid_blocks.equilibrium import equilibrium
@@ -27,9 +28,9 @@ def system() -> ContactSystem:
 
 @pytest.fixture(scope="module")
 def beginning(system: ContactSystem) -> ContactState:
-    """A state whose points all open, a few steps on."""
+    """A state whose points all open, eight steps on, where a few points hold the next one."""
     at = first_rates(system)
-    for _ in range(5):
+    for _ in range(8):
         at = advance(system, at, 0.01, 0).at
     return at
 
