@@ -5,25 +5,16 @@ without any: all points press and open alike, and the products of forces and rat
 """
 
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
-from churchpipe.conic.cholesky import NotDefiniteError
 from churchpipe.conic.solve import Solve
-from churchpipe.model.arrays import FloatArray
-from churchpipe.model.results import Iteration
-from churchpipe.rigid_blocks.central_start import first_rates
-from churchpipe.rigid_blocks.central_steps import advance
-from churchpipe.rigid_blocks.certificate import FLOW_TOLERANCE, RESIDUAL_TOLERANCE, Strength
-from churchpipe.rigid_blocks.contact_newton import ContactState, ContactSystem
-from churchpipe.rigid_blocks.coulomb import CoulombState, Near, bipotential_gap
+from churchpipe.rigid_blocks.central_descent import Descent
+from churchpipe.rigid_blocks.certificate import Strength
+from churchpipe.rigid_blocks.coulomb import CoulombState, Near
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
-from churchpipe.rigid_blocks.iterations import Progress, SlidingRun, SolveCount, closed_gap, sliding_run
+from churchpipe.rigid_blocks.iterations import Progress, SlidingRun, SolveCount, closed_gap
 from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP, CentralSettings, SchemeSettings
-
-# Steps whose mean tells how fast the gap falls.
-_LAST_STEPS = 3
 
 
 def runs_from_centre(balance: Equilibrium, strength: Strength) -> bool:
@@ -37,28 +28,37 @@ def from_centre(
 ) -> SlidingRun | None:
     """Return the run from the centre, closed by stage B where it stops near a state.
 
-    Where that is not certified another run follows, in which no point stops short, and whose programs do not begin near each
-    other: they find the most central forces, which a joint that holds the gap may need. A third one has other multipliers.
+    A run is left where a pair of programs may close the gap sooner. Where the pair does not, a run that falls fast goes on, and
+    is left again ten times as near; otherwise stage B goes on. Where that is not certified another run follows, in which no point
+    stops short, and whose programs do not begin near each other: they find the most central forces, which a joint that holds the
+    gap may need. A third one has other multipliers.
     """
     settings = CentralSettings()
     whole = replace(settings, patience=settings.whole_patience)
     other = replace(whole, roundness=settings.other_roundness)
-    best: SlidingRun | None = None
+    found: list[SlidingRun] = []
     count, spent = SolveCount(solve), 0
     for each, short in ((settings, True), (whole, False), (other, False)):
-        run, nearest, iterations = _lowered(balance, strength, bipotential_gap, each, progress, short=short)
-        spent += iterations
-        certified = run is not None and run.relative_gap <= bipotential_gap
-        if nearest is not None and not certified and nearest.relative_gap <= settings.near:
-            closed = _closed(balance, strength, nearest, bipotential_gap, each, count, progress, light=short)
-            if closed is not None:
-                history = (*(run.history if run else ()), *closed.history)
-                run = replace(closed if run is None or closed.relative_gap < run.relative_gap else run, history=history)
-        if run is not None and (best is None or run.relative_gap < best.relative_gap):
-            best = run
-        if best is not None and best.relative_gap <= bipotential_gap:
+        descent, goes_on = Descent(balance, strength, bipotential_gap, each, progress, short=short), True
+        while goes_on and not _certified(found, bipotential_gap):
+            goes_on = descent.lower()
+            run, near = descent.run, descent.nearest
+            if run is not None:
+                found.append(run)
+            if near is not None and not _certified(found, bipotential_gap) and near.relative_gap <= settings.near:
+                pairs = 1 if goes_on else settings.polish
+                closed = _closed(balance, strength, near, bipotential_gap, each, count, progress, light=short, pairs=pairs)
+                if closed is not None:
+                    found.append(replace(closed, history=(*(run.history if run else ()), *closed.history)))
+        spent += descent.factorisations
+        if _certified(found, bipotential_gap):
             break
+    best = min(found, key=lambda run: run.relative_gap, default=None)
     return None if best is None else replace(best, solves=count.solves, iterations=spent + count.iterations)
+
+
+def _certified(found: list[SlidingRun], bipotential_gap: float) -> bool:
+    return any(run.relative_gap <= bipotential_gap for run in found)
 
 
 def _closed(
@@ -71,13 +71,14 @@ def _closed(
     progress: Progress | None,
     *,
     light: bool,
+    pairs: int,
 ) -> SlidingRun | None:
-    """Return the run that stage B makes of a state that is near.
+    """Return the run that stage B makes of a state that is near, in so many pairs of programs at most.
 
     light: whether its programs begin near each other and have small proximal weights, as after a run whose points may stop short.
     """
     n = np.maximum(near.x[:, 0], 0.0)
-    usual = SchemeSettings(bipotential_gap=bipotential_gap, stage_b=settings.polish)
+    usual = SchemeSettings(bipotential_gap=bipotential_gap, stage_b=pairs)
     if not light:
         return closed_gap(balance, strength, n, solve, usual, progress)
     own = replace(
@@ -105,90 +106,7 @@ def central_run(
 
     The gap is that of the arrays: the forces balance and lie inside their cones, all points open.
     """
-    return _lowered(balance, strength, bipotential_gap, settings or CentralSettings(), progress, short=True).run
-
-
-class _Lowered(NamedTuple):
-    """The run to its best exact state, None without one; the state with the least gap, exact or not; factorisations."""
-
-    run: SlidingRun | None
-    nearest: CoulombState | None
-    iterations: int
-
-
-def _lowered(
-    balance: Equilibrium,
-    strength: Strength,
-    bipotential_gap: float,
-    settings: CentralSettings,
-    progress: Progress | None,
-    *,
-    short: bool,
-) -> _Lowered:
-    """Lower the products as in `central_run`; short: whether a few points may stop short where they hold the steps."""
-    system = ContactSystem(balance, strength, settings)
-    history: list[Iteration] = []
-    best: CoulombState | None = None
-    nearest: CoulombState | None = None
-    # The step at which the gap was last halved, and the gap then.
-    halved, mark = 0, np.inf
-    gaps: list[float] = []
-    try:
-        at = first_rates(system)
-        damping, ignored = settings.damping[0], 0
-        for step in range(settings.steps):
-            state = _coulomb_state(balance, strength, at)
-            gaps.append(state.relative_gap)
-            if ignored or _exact(system, at):
-                history.append(Iteration(state.load_factor, 0.0, state.relative_gap))
-                halved, mark = (step, state.gap) if state.gap < 0.5 * mark else (halved, mark)
-                nearest = state if nearest is None or state.gap < nearest.gap else nearest
-                if _exact(system, at) and (best is None or state.gap < best.gap):
-                    best = state
-                    if best.relative_gap <= bipotential_gap:
-                        break
-            near = nearest is not None and nearest.relative_gap <= settings.near
-            if step - halved > settings.patience[near]:
-                break
-            if ignored and nearest is not None and nearest.relative_gap <= max(settings.handed_on, bipotential_gap):
-                break
-            if short and falls_too_slowly(gaps, bipotential_gap, settings):
-                break
-            if progress:
-                progress("non-associative", step / settings.steps)
-            with np.errstate(all="ignore"):
-                move = advance(system, at, damping, ignored)
-            damping = min(max(damping * move.stiffer, settings.damping[0]), settings.damping[1])
-            if short and move.length < settings.blocked and not near:
-                ignored = min(int(settings.ignored * system.points), settings.most_ignored)
-            at = move.at
-            if not (np.isfinite(at.forces).all() and np.isfinite(at.rates).all()):
-                break
-    except NotDefiniteError:
+    descent = Descent(balance, strength, bipotential_gap, settings or CentralSettings(), progress, short=True)
+    while descent.lower():
         pass
-    run = None if best is None else sliding_run(best, history, 0, system.factorisations)
-    return _Lowered(run, nearest, system.factorisations)
-
-
-def falls_too_slowly(gaps: list[float], wanted: float, settings: CentralSettings) -> bool:
-    """Say whether at the rate of the last steps the gap would be closed later than a pair of programs closes it."""
-    if len(gaps) <= _LAST_STEPS or not wanted < gaps[-1] <= settings.foreseen:
-        return False
-    fall = np.log(gaps[-1 - _LAST_STEPS] / gaps[-1]) / _LAST_STEPS
-    return bool(np.log(gaps[-1] / wanted) > settings.outlook * fall)
-
-
-def _coulomb_state(balance: Equilibrium, strength: Strength, at: ContactState) -> CoulombState:
-    """Return the state in the units of the certificate."""
-    x = np.ascontiguousarray(np.stack([at.forces[0] / strength.friction, at.forces[1], at.forces[2]], axis=1))
-    return _state(balance, strength, x, at.load_factor, at.y / float(balance.live @ at.y))
-
-
-def _state(balance: Equilibrium, strength: Strength, x: FloatArray, load_factor: float, y: FloatArray) -> CoulombState:
-    return CoulombState(x, load_factor, y, bipotential_gap(balance, strength, x, y))
-
-
-def _exact(system: ContactSystem, at: ContactState) -> bool:
-    """Say whether the forces balance and no point closes."""
-    closing = -float(system.rates(at.y)[0].min(initial=0.0))
-    return float(np.abs(system.residual(at)).max()) <= RESIDUAL_TOLERANCE and closing <= FLOW_TOLERANCE
+    return descent.run

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from churchpipe.conic.interior_point.settings import WARM_ITERATIONS
 from churchpipe.conic.program import ConeProgram, ConeSolution, WarmStart
 from churchpipe.conic.solve import Proves, Solve, SolveProgress
 from churchpipe.model.arrays import FloatArray
@@ -181,6 +182,8 @@ def closed_gap(
     history: list[Iteration] = []
     best: CoulombState | None = None
     last = begun
+    # Where a start near the last velocities came to nothing, so do later ones: these are then sought from nothing.
+    anew, exact = False, near is not None and enough is None
     # The state with the least weighted gap. The search returns to it.
     base: CoulombState | None = None
     ahead, excess, momentum = n, np.zeros_like(n), settings.momentum
@@ -195,7 +198,9 @@ def closed_gap(
         if (near is not None or onward) and last is not None:
             near = Near(last.x, last.y, only=near is not None and near.only and not pair)
         gap = gap if last is None else last.relative_gap
-        state = pair_of_programs(balance, strength, ahead, last, excess, count, settings, near, gap, closes=near is not None)
+        closes = near is not None
+        state = pair_of_programs(balance, strength, ahead, last, excess, count, settings, near, gap, closes=closes, anew=anew)
+        anew = exact and count.longest > WARM_ITERATIONS
         if state is None and plain:
             break
         if state is None:
@@ -238,11 +243,11 @@ def sliding_run(state: CoulombState, history: list[Iteration], solves: int, iter
 
 
 class SolveCount:
-    """A solver that counts the programs it has solved and its iterations."""
+    """A solver that counts the programs it has solved, its iterations, and those of the longest program of velocities alone."""
 
     def __init__(self, solve: Solve) -> None:
         self._solve = solve
-        self.solves = self.iterations = 0
+        self.solves = self.iterations = self.longest = 0
 
     def __call__(
         self,
@@ -259,6 +264,7 @@ class SolveCount:
         answer = self._solve(program, duality_gap=duality_gap, proves=proves, progress=progress, near=near, velocities=velocities)
         self.solves += 1
         self.iterations += answer.iterations
+        self.longest = max(self.longest, answer.iterations if velocities else 0)
         return answer
 
 
@@ -274,15 +280,17 @@ def pair_of_programs(
     gap: float,
     *,
     closes: bool,
+    anew: bool = False,
 ) -> CoulombState | None:
     """Return the next state: velocities from P(n), then the forces that do the least work against them.
 
-    closes: whether the last forces are kept where the velocities alone close the gap.
+    closes: whether the last forces are kept where the velocities alone close the gap. anew: whether these start from nothing.
     """
     duality_gap = min(max(settings.duality_gap, settings.share * gap), settings.roughest)
     stressed = None if last is None or not excess.any() else (excess, last.x)
-    alone = near is not None
-    y = sliding_velocities(balance, strength, n, solve, duality_gap=duality_gap, stressed=stressed, alone=alone, near=near)
+    start = None if anew else near
+    alone = start is not None
+    y = sliding_velocities(balance, strength, n, solve, duality_gap=duality_gap, stressed=stressed, alone=alone, near=start)
     if y is None:
         return None
     if last is not None and closes:

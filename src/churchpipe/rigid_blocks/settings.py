@@ -46,16 +46,17 @@ class CentralSettings:
 
     force: the first normal force of a point, over the mean weight that a point would carry alone. roundness: how round the
     multipliers are where a point neither opens nor slides; other_roundness: that of the last run.
-    damping: of the steps, least and most. pull: towards low load factors, over the sum of
-    the products. correctors: of centrality, at most. inner, inner_steps: error and steps of the conjugate gradients.
-    clip: a correction of the second order counts at most this share of the mean product. fraction: of the way to the boundary
-    of the cones that a step goes. steps: at most; patience: steps without half the gap after which a run stops,
-    less patient once the gap is below `near`: then stage B may close it from there, its programs solved to `duality_gap`, so
-    that velocities overlap nowhere, with a proximal weight `nearness` times the gap and a `momentum` of its own
-    (`SchemeSettings`), for at most `polish` steps, and until `light_patience` steps have not halved the gap. The gap is concave
-    in the forces, so that a step that nothing holds back lowers it most. A run whose gap is below `foreseen` is left where at the
-    rate of its last steps it would need more than `outlook` others, which cost what a pair of programs costs that closes it from
-    there. whole_patience: of the runs that follow where that is not certified, in which no point stops short and stage B has the
+    damping: of the steps, least and most. pull: towards low load factors, over the sum of the products. correctors: of
+    centrality, at most. inner, inner_steps: error and steps of the conjugate gradients. clip: a correction of the second order
+    counts at most this share of the mean product. fraction: of the way to the boundary of the cones that a step goes. steps: at
+    most; patience: steps without half the gap after which a run stops, less patient once the gap is below `near`: then stage B
+    may close it from there, its programs solved to `duality_gap`, so that velocities overlap nowhere, with a proximal weight
+    `nearness` times the gap and a `momentum` of its own (`SchemeSettings`), for at most `polish` steps, and until
+    `light_patience` steps have not halved the gap. The gap is concave in the forces, so that a step that nothing holds back
+    lowers it most. A run whose gap is below `foreseen` is left where at the rate of its last steps it would need more than
+    `outlook` others, which cost what a pair of programs costs that closes it from there. Where the pair does not, the run goes
+    on if it needs no more than `resumed` others, and may be left again where the gap has fallen to the share `again`.
+    whole_patience: of the runs that follow where that is not certified, in which no point stops short and stage B has the
     constants of other searches.
     blocked, ignored: after a step shorter than this, far from a state as yet, this share of the points is left out of account
     when directions are judged, most_ignored points at most, since a few joints hold a step however large the model. They stop
@@ -70,7 +71,7 @@ class CentralSettings:
     other_roundness: float = 1.0
     damping: tuple[float, float] = (0.01, 0.1)
     pull: float = 0.2
-    correctors: int = 3
+    correctors: int = 5
     inner: float = 1e-2
     inner_steps: int = 40
     clip: float = 0.5
@@ -83,6 +84,8 @@ class CentralSettings:
     most_ignored: int = 16
     handed_on: float = 3e-3
     outlook: float = 10.0
+    resumed: float = 40.0
+    again: float = 0.1
     foreseen: float = 1e-3
     near: float = 1e-2
     polish: int = 12

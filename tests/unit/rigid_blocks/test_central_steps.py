@@ -8,10 +8,8 @@ import pytest
 from churchpipe.conic.interior_point.second_order import SecondOrder
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.loads import LoadCase
-from churchpipe.rigid_blocks import central
-from churchpipe.rigid_blocks.central import central_run, falls_too_slowly
 from churchpipe.rigid_blocks.central_start import first_rates
-from churchpipe.rigid_blocks.central_steps import Move, advance, least_product
+from churchpipe.rigid_blocks.central_steps import advance, least_product
 from churchpipe.rigid_blocks.contact_newton import ContactState, ContactSystem, Linearisation
 from churchpipe.rigid_blocks.equilibrium import equilibrium
 from churchpipe.rigid_blocks.limit import point_strength
@@ -79,34 +77,3 @@ def test_the_least_products_may_be_left_out(system: ContactSystem) -> None:
     forces[0, :3] = 1e-6, 1e-5, 1e-4
     found = [least_product(system, forces, z, ignored) for ignored in range(4)]
     assert found == pytest.approx(np.array([1e-6, 1e-5, 1e-4, 1.0]), rel=5e-3)
-
-
-@pytest.mark.parametrize(("share", "most"), [(0.5, 3), (0.01, 100_000)])
-def test_a_share_of_the_points_stops_short_but_no_more_than_a_few(
-    monkeypatch: pytest.MonkeyPatch, share: float, most: int
-) -> None:
-    found: list[int] = []
-
-    def blocked(_: ContactSystem, at: ContactState, __: float, ignored: int) -> Move:
-        found.append(ignored)
-        return Move(at, 1.0, 0.1)
-
-    stones, contacts = facade("small")
-    balance = equilibrium(stones, contacts, LoadCase((1, 0, 0)))
-    strength = point_strength(contacts, 0.7, 0.0, balance.force)
-    monkeypatch.setattr(central, "advance", blocked)
-    central_run(balance, strength, settings=CentralSettings(ignored=share, most_ignored=most, steps=3))
-    few = 3 if most == 3 else len(strength.friction) // 100
-    assert found == [0, few, few]
-
-
-@pytest.mark.parametrize(("fall", "left"), [(0.4, False), (0.8, True)])
-def test_a_run_is_left_where_programs_would_close_it_sooner(fall: float, left: bool) -> None:
-    """At gaps below a thousandth, from which one pair of programs closes it."""
-    settings = CentralSettings()
-    gaps = [2e-3 * fall**step for step in range(-4, 2)]
-    assert not falls_too_slowly(gaps[:-2], 1e-5, settings)
-    near = [0.5 * gap for gap in gaps]
-    assert falls_too_slowly(near, 1e-5, settings) is left
-    assert not falls_too_slowly(near, 0.9 * near[-1] / fall, settings)
-    assert not falls_too_slowly(near[-2:], 1e-5, settings)

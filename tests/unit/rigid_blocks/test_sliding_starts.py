@@ -195,3 +195,27 @@ def test_forces_are_kept_where_velocities_alone_close_the_gap(closes: bool) -> N
     assert bool((state.x == last.x).all()) is closes
     assert state.gap == pytest.approx(bipotential_gap(balance, strength, state.x, state.y))
     assert state.relative_gap <= 1e-5
+
+
+@pytest.mark.parametrize("iterations", [30, 31])
+def test_velocities_are_sought_from_nothing_once_a_start_near_the_last_ones_came_to_nothing(iterations: int) -> None:
+    """A program that takes more iterations than a start is given was begun anew, or stopped near its end."""
+    balance, strength, _ = wall()
+    solve = solver_for(balance.wrenches)
+    last = certified_iteration(balance, strength, dead_load_start(balance), solve)
+    assert last is not None
+    starts: list[bool] = []
+
+    def counted(*arguments: Any, **options: Any) -> ConeSolution:
+        answer = solve(*arguments, **options)
+        # Programs of forces begin near the last ones all along.
+        starts.append(options["near"] is not None)
+        return replace(answer, iterations=iterations) if options.get("velocities") else answer
+
+    settings = SchemeSettings(bipotential_gap=1e-300, stage_b=3, duality_gap=5e-7, roughest=5e-7)
+    near = Near(last.x, last.y)
+    run = closed_gap(balance, strength, np.maximum(last.x[:, 0], 0.0), counted, settings, near=near, gap=last.relative_gap)
+    assert run is not None
+    assert starts[:6:2] == ([True, True, True] if iterations == 30 else [True, False, False])
+    assert all(starts[1:6:2])
+    assert run.relative_gap <= 1e-5
