@@ -8,7 +8,15 @@ import numpy as np
 
 from churchpipe.conic.solve import Solve
 from churchpipe.large_displacements.settings import PATH, Demands
-from churchpipe.large_displacements.step import Fall, StepAnswer, StepProgram, fallen_alone, solve_step, without_dilatancy
+from churchpipe.large_displacements.step import (
+    Fall,
+    StepAnswer,
+    StepProgram,
+    fallen_alone,
+    fitting_forces,
+    solve_step,
+    without_dilatancy,
+)
 from churchpipe.model.arrays import FloatArray
 
 
@@ -117,6 +125,13 @@ class StepSearch:
                 break
             attempt = attempt._replace(length=length)
         return best if best and not attempt.will_do(demands.enough) else attempt
+
+    def fitted(self, last: Attempt, pairs: int, solve: Solve | None) -> Attempt:
+        """Return an attempt sought in pairs of programs from forces that fit the last motion; solve: as in `by_pairs`."""
+        begun = fitting_forces(self.within(last.length).stretched(last.answer.forces), last.answer, solve or self._solve)
+        if not np.isfinite(begun.load_factor):
+            return last
+        return self.by_pairs(last._replace(answer=begun), pairs, solve, self._demands.astray)
 
     def under_dead_load(self) -> Attempt:
         """Return the attempt in which stones fall that the dead load alone brings down, or one without motion."""

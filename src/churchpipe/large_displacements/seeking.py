@@ -40,14 +40,19 @@ def sought(motions: Motions, search: StepSearch, program: StepProgram, gap: Floa
 def _of_large(
     motions: Motions, search: StepSearch, program: StepProgram, last: Attempt, sliding: FloatArray, pairs: int
 ) -> Attempt:
-    """Return the attempt at a step of a large model, in this order until one will do: stones that their neighbours cannot carry,
-    the last motion, stones that the dead load brings down, the forces of one associative program near the last motion."""
+    """Return the attempt at a step of a large model.
+
+    In this order until one will do: stones that their neighbours cannot carry, the last forces, forces that fit the last motion,
+    stones that the dead load brings down, the forces of one associative program near the last motion.
+    """
     model = motions.model
     if (fall := _unsupported(motions, program)) is not None:
         return Attempt(fall, last.length)
     # A program that has no solution need not be shown twice to have none: the search from nothing shows it once more.
     own = solver_for(program.balance, "interior-point") if model.solver == "auto" else None
     attempt = search.by_pairs(last, pairs, own, model.demands.astray)
+    if not attempt.will_do(model.demands.enough) and len(last.answer.y):
+        attempt = _better(attempt, search.fitted(last, pairs, own))
     if attempt.answer.outcome == "failed":
         # Mostly because stones fall. The search from nothing would show it too, but at many times the price.
         attempt = search.under_dead_load()

@@ -168,13 +168,11 @@ def without_dilatancy(
     """Return forces and motion without dilatancy, sought from the forces of an answer in pairs of programs, so many at the most.
 
     Of each pair one finds the velocities that fit the forces, the other the forces that fit the velocities, see `closed_gap`.
-    Where the last motion is known and the forces are those of the last step, not in balance any more, forces that fit that motion
-    come first: the loads of the displaced stones are balanced by them, which those of the last step need not be able to.
-
     It ends where the misfit is as small as wanted, or small enough and hardly falls any more, or has come to rest, or a few
     stones fall, or the first pair goes astray; where the misfit grows
     instead, or no velocities are found, the answer given is returned, which need not have a motion ("failed"). Its multipliers,
-    where it has any, are where the search begins.
+    where it has any, are where the search begins; its forces are kept where they are in balance, with a load factor, and fit the
+    first velocities found.
     """
     first = answer.outcome != "solved"
     known = 1.0 if first else abs(answer.load_factor)
@@ -185,11 +183,9 @@ def without_dilatancy(
     if answer.forces[:, 1:].any():
         # A motion that goes on from the last one is found from there, or it turns into another.
         near = Near(answer.forces, answer.y if len(answer.y) else None, only=first)
-    if near is not None and len(answer.y):
-        begun = _fitting(program, answer, solve, settings)
-        if begun is None:
-            return answer
-        n, near = np.maximum(begun.x[:, 0], 0.0), near._replace(forces=begun.x)
+        if len(answer.y) and np.isfinite(answer.load_factor):
+            gap = bipotential_gap(program, program.strength, answer.forces, answer.y)
+            begun = CoulombState(answer.forces, answer.load_factor, answer.y, gap)
 
     seen: list[tuple[float, CoulombState]] = []
     resting, fallen = 0, False
@@ -217,17 +213,18 @@ def without_dilatancy(
     return found if found.gap <= given else replace(answer, gap=given)
 
 
-def _fitting(program: StepProgram, answer: StepAnswer, solve: Solve, settings: SchemeSettings) -> CoulombState | None:
-    """Return forces in balance that fit the motion of an answer: its own, or near them where they have no load factor here."""
-    strength, x, load_factor, y = program.strength, answer.forces, answer.load_factor, answer.y
-    if not np.isfinite(load_factor):
-        n = np.maximum(x[:, 0], 0.0)
-        nearness, duality_gap = settings.weight_b, settings.roughest
-        found = nearest_forces(program, strength, n, y, solve, nearness=nearness, duality_gap=duality_gap, x=x, only=True)
-        if found is None:
-            return None
-        x, load_factor = found.x, found.tau
-    return CoulombState(x, load_factor, y, bipotential_gap(program, strength, x, y))
+def fitting_forces(program: StepProgram, answer: StepAnswer, solve: Solve) -> StepAnswer:
+    """Return forces in balance that fit the motion of an answer, near its own, with their load factor ("failed": no motion yet).
+
+    Such forces exist wherever the dead load is carried, and then velocities that fit them. Forces of the last step do not balance
+    the stones where they are now, and need not have any.
+    """
+    settings, n = SchemeSettings(), np.maximum(answer.forces[:, 0], 0.0)
+    nearness, duality_gap = settings.weight_b, settings.roughest
+    found = nearest_forces(
+        program, program.strength, n, answer.y, solve, nearness=nearness, duality_gap=duality_gap, x=answer.forces, only=True
+    )
+    return answer if found is None else replace(answer, forces=found.x, load_factor=found.tau)
 
 
 def _answer(

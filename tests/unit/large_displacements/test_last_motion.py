@@ -1,4 +1,4 @@
-"""A step of a large model that begins with the last motion: forces that fit it, velocities that fit these."""
+"""A step of a large model whose last forces lead nowhere: forces that fit the last motion, velocities that fit these."""
 
 from dataclasses import replace
 
@@ -9,9 +9,10 @@ import churchpipe as cp
 from churchpipe.conic.solve import solver_for
 from churchpipe.large_displacements.moving_model import MovingModel, moving_model
 from churchpipe.large_displacements.path_state import PathState, first_state
+from churchpipe.large_displacements.search import Attempt, StepSearch
 from churchpipe.large_displacements.settings import EXACTING, THRIFTY
 from churchpipe.large_displacements.state_program import step_program
-from churchpipe.large_displacements.step import StepAnswer, StepProgram, without_dilatancy
+from churchpipe.large_displacements.step import StepAnswer, StepProgram, fitting_forces, without_dilatancy
 from churchpipe.large_displacements.travelling import live_loads
 from churchpipe.model.arrays import FloatArray
 from churchpipe.rigid_blocks.coulomb import nearest_forces, sliding_velocities
@@ -38,13 +39,18 @@ def on_a_slope(side: float) -> tuple[StepProgram, FloatArray, FloatArray]:
     return replace(program, dead=program.dead + side * across), forces, along / float(program.live @ along)
 
 
-def test_forces_that_fit_the_last_motion_come_first() -> None:
+def test_forces_that_fit_the_last_motion_lead_on() -> None:
     program, forces, last = on_a_slope(0.2)
     solve = SolveCount(solver_for(program.balance, "interior-point"))
     # The friction of the last forces, .08 of the weight, does not hold the load across.
     assert sliding_velocities(program, program.strength, forces[:, 0], solve, alone=True) is None
+    given = StepAnswer("failed", forces, np.nan, last)
+    assert without_dilatancy(program, given, solve, THRIFTY, 6, lambda *_: False) is given
     solve.solves = 0
-    found = without_dilatancy(program, StepAnswer("failed", forces, np.nan, last), solve, THRIFTY, 6, lambda *_: False)
+    fitting = fitting_forces(program, given, solve)
+    assert fitting.outcome == "failed"
+    assert np.array_equal(fitting.y, last)
+    found = without_dilatancy(program, fitting, solve, THRIFTY, 6, lambda *_: False)
     assert found.outcome == "solved"
     assert found.load_factor == pytest.approx(np.sqrt(0.4**2 - 0.2**2), rel=5e-3)
     assert found.misfit <= THRIFTY.fitting
@@ -52,31 +58,29 @@ def test_forces_that_fit_the_last_motion_come_first() -> None:
     assert found.violation < 1e-8
     # One program for the forces, one for the velocities; the forces are kept.
     assert solve.solves == 2
-
-
-def test_forces_in_balance_are_not_sought_again() -> None:
-    program, forces, last = on_a_slope(0.2)
-    solve = SolveCount(solver_for(program.balance, "interior-point"))
-    begun = nearest_forces(program, program.strength, forces[:, 0], last, solve, nearness=0.003, x=forces)
-    assert begun is not None
-    solve.solves = 0
-    given = StepAnswer("failed", begun.x, begun.tau, last)
-    found = without_dilatancy(program, given, solve, THRIFTY, 6, lambda *_: False)
-    assert found.outcome == "solved"
-    assert np.array_equal(found.forces, begun.x)
-    assert solve.solves == 1
+    assert np.array_equal(found.forces, fitting.forces)
 
 
 def test_where_no_forces_carry_the_stones_no_more_is_asked() -> None:
     program, forces, last = on_a_slope(0.5)
     answer = StepAnswer("failed", forces, np.nan, last)
     solve = SolveCount(solver_for(program.balance, "interior-point"))
-    assert without_dilatancy(program, answer, solve, THRIFTY, 6, lambda *_: False) is answer
+    assert fitting_forces(program, answer, solve) is answer
     assert solve.solves == 1
     alone = solve.iterations
     assert nearest_forces(program, program.strength, forces[:, 0], last, solve, nearness=0.003, x=forces) is None
     # Elsewhere forces that cannot be reached from near by are sought from nothing as well.
     assert solve.iterations - alone > alone
+
+
+def test_a_search_from_forces_that_fit_the_last_motion_ends_where_there_are_none() -> None:
+    for side, outcome in ((0.2, "solved"), (0.5, "failed")):
+        program, forces, last = on_a_slope(side)
+        solve, gap = solver_for(program.balance, "interior-point"), np.zeros(len(forces))
+        search = StepSearch(program, gap, solve, lambda _: 0.01, lambda *_: False, 0.01, 0.02, THRIFTY)
+        begun = Attempt(StepAnswer("failed", forces, np.nan, last), 0.01)
+        assert search.by_pairs(begun, 6).answer.outcome == "failed"
+        assert search.fitted(begun, 6, None).answer.outcome == outcome
 
 
 @pytest.mark.parametrize("large", [False, True])
