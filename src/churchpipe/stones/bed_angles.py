@@ -91,8 +91,6 @@ def _going_on(contacts: Contacts, used: BoolArray, direction: FloatArray) -> Flo
     onwards = np.repeat([-1.0, 1.0], len(joint) // 2)[:, None] * direction[joint]
     place = middle[joint] + np.where(np.arange(len(joint)) < len(joint) // 2, low[joint], high[joint])[:, None] * direction[joint]
     near = NEAR * (high - low)[joint]
-    # One long joint among thousands of short ones would be asked about all ends around it.
-    near = np.minimum(near, 2 * np.median(near))
     pairs = cKDTree(place).query_pairs(float(near.max()), output_type="ndarray")
     first, second = pairs.T
     met = np.linalg.norm(place[first] - place[second], axis=1) <= np.minimum(near[first], near[second])
