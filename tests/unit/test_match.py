@@ -3,7 +3,6 @@
 import json
 import math
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -20,8 +19,6 @@ from churchpipe.shell_mesh.shell import derive_shell
 from churchpipe.stones.blocks import derive_blocks
 from churchpipe.stones.contacts import find_contacts
 from models import S5, S22, TILTING_DOOR
-from solids import box as block_of
-from solids import prism
 
 
 def blocks_of(building):
@@ -215,37 +212,3 @@ def test_stones_beside_a_ring_are_not_taken_for_voussoirs():
         regions=(*front.regions, BondRegion("ring", ring, "voussoir", UnitCell(0.19, 0.3), centre=(1.5, 0.8), pieces=9)),
     )
     assert compare(arched, arched, 0.2).passed
-
-
-def courses(bend, shortest, longest, seed):
-    """A wall of 5 courses of .3 m, drawn without courses: stones of any length, beds that rise and fall by a bend, m."""
-    rng = np.random.default_rng(seed)
-    length, thickness, stones = 3.0, 0.4, [block_of((-1, 4), (-1, 1), (-1, 0))]
-    ends = [np.concatenate([[0.0], np.sort(rng.uniform(0.1, length - 0.1, 8)), [length]]) for _ in range(6)]
-    rises = [bend * rng.uniform(-1, 1, len(place)) * (0 < k < 5) for k, place in enumerate(ends)]
-    for k in range(5):
-        joints = [0.0]
-        while length - joints[-1] > longest:
-            joints.append(joints[-1] + rng.uniform(shortest, longest))
-        for left, right in pairwise([*joints, length]):
-            bed, top = (
-                [
-                    (s, 0.3 * course + float(np.interp(s, ends[course], rises[course])))
-                    for s in [left, *ends[course][(ends[course] > left) & (ends[course] < right)].tolist(), right]
-                ]
-                for course in (k, k + 1)
-            )
-            stones.append(prism([*bed, *top[::-1]], thickness))
-    return Assemblage.from_polyhedra(stones, 18e3, [0])
-
-
-@pytest.mark.parametrize("seed", [1, 2, 4])
-@pytest.mark.parametrize(
-    ("bend", "shortest", "longest"), [(0.0, 0.2, 0.6), (0.0, 0.15, 0.3), (0.04, 0.2, 0.6), (0.04, 0.15, 0.3)]
-)
-def test_beds_are_known_where_stones_are_tall_and_beds_bent(bend, shortest, longest, seed):
-    # The head joints of these stones are larger than their beds, most of those of .15 to .3 m.
-    stones = courses(bend, shortest, longest, seed)
-    fitted = fit_panels(stones)
-    match = match_models(fitted.stones, find_contacts(stones), derive_shell(fitted.building(), 0.3))
-    assert failed(match) == set()

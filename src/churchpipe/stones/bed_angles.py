@@ -1,7 +1,6 @@
 """How far a given direction lies outside the bed joints of stones that lie in no course."""
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
@@ -9,10 +8,6 @@ from churchpipe.model.contacts import Contacts
 
 # A joint crosses the line through a voussoir where the sine of their angle is at least this.
 LEAST_CROSSING = 0.4
-# Of a joint that goes on at both ends the area counts once more, of one that goes on at none this share alone.
-ENDING = 0.1
-# A joint goes on in another one where their ends are this near, as a share of its length, and its turn has at least this cosine.
-NEAR, ONWARDS = 0.05, 0.8
 # Weight of that line among the joints of its stone when their mean direction is formed.
 SLIGHT = 1e-3
 
@@ -24,8 +19,7 @@ def angle_to_joints(stones: Assemblage, contacts: Contacts, along: FloatArray, a
     between the two fits. Its bed joints are those with its neighbours in the ring, stones without a course like itself. The last
     voussoir of a ring has one such neighbour; the joint opposite, with a stone of a pier, counts too. A stone with more
     neighbours, or with none, lies in a wall drawn without courses or stands alone: there the joints count that are within
-    45 degrees of the mean by area, and head joints do not. In such a wall joints count most that go on beyond the stone: beds
-    do, where head joints are staggered, however bent they are and however tall the stone. The stones beside count as well.
+    45 degrees of the mean by area, and head joints do not.
 
     Parameters
     ----------
@@ -48,11 +42,6 @@ def angle_to_joints(stones: Assemblage, contacts: Contacts, along: FloatArray, a
     crosses = np.abs(np.sin(turn - line[owner])) > LEAST_CROSSING
     leading |= (neighbours == 1)[owner] & crosses & (share > 0.5)
     weight = np.where(leading, area * share**2, 0.0)
-    laid: BoolArray = (neighbours > 2)[owner]
-    first = contacts.blocks[:, 0]
-    straight = np.cos(turn[::2])[:, None] * along[first] + np.sin(turn[::2])[:, None] * across[first]
-    goes_on = _going_on(contacts, (in_ring & laid)[::2] | (in_ring & laid)[1::2], straight)
-    weight = np.where(laid, weight * (ENDING + np.repeat(goes_on, 2)), weight)
     # Two joints at right angles have no mean direction: of the two bisectors the bed is the one across the line.
     slight = SLIGHT * np.bincount(owner, weight, minlength=stones.count)
     mean = _mean_direction(
@@ -60,7 +49,6 @@ def angle_to_joints(stones: Assemblage, contacts: Contacts, along: FloatArray, a
         np.concatenate([owner, np.arange(stones.count)]),
         np.concatenate([turn, line + 0.5 * np.pi]),
         np.concatenate([weight, np.where(neighbours > 0, slight, 0.0)]),
-        contacts.blocks[(in_ring & laid)[::2] & (in_ring & laid)[1::2]],
     )
     off = _half_turn(turn - mean[owner])
     of_ring: BoolArray = voussoir[owner]
@@ -71,34 +59,6 @@ def angle_to_joints(stones: Assemblage, contacts: Contacts, along: FloatArray, a
     field = _half_turn(-mean)
     outside = np.maximum(np.maximum(low - field, field - high), 0.0)
     return np.degrees(np.where(np.isfinite(low), np.minimum(outside, np.pi - outside), np.nan))
-
-
-def _going_on(contacts: Contacts, used: BoolArray, direction: FloatArray) -> FloatArray:
-    """Return for each joint (ni,) at which share of its two ends it goes on in another one.
-
-    used (ni,): which are looked at; direction (ni, 3): unit vectors along them, in their walls.
-    """
-    interface = contacts.interface_of_point
-    middle = np.add.reduceat(contacts.point, contacts.point_ptr[:-1], axis=0) / contacts.points_per_interface[:, None]
-    reach = np.einsum("kc,kc->k", contacts.point - middle[interface], direction[interface])
-    low, high = (edge.reduceat(reach, contacts.point_ptr[:-1]) for edge in (np.minimum, np.maximum))
-    joint = np.flatnonzero(used)
-    out = np.zeros(len(used))
-    if not len(joint):
-        return out
-    # Both ends of each joint, and which way it would go on from there.
-    joint = np.concatenate([joint, joint])
-    onwards = np.repeat([-1.0, 1.0], len(joint) // 2)[:, None] * direction[joint]
-    place = middle[joint] + np.where(np.arange(len(joint)) < len(joint) // 2, low[joint], high[joint])[:, None] * direction[joint]
-    near = NEAR * (high - low)[joint]
-    pairs = cKDTree(place).query_pairs(float(near.max()), output_type="ndarray")
-    first, second = pairs.T
-    met = np.linalg.norm(place[first] - place[second], axis=1) <= np.minimum(near[first], near[second])
-    met &= np.einsum("kc,kc->k", onwards[first], onwards[second]) < -ONWARDS
-    goes = np.zeros(len(joint), dtype=np.bool_)
-    goes[pairs[met].ravel()] = True
-    np.add.at(out, joint[goes], 0.5)
-    return out
 
 
 def _inward_lines(
@@ -116,14 +76,9 @@ def _inward_lines(
     return np.arctan2(np.einsum("bc,bc->b", inwards, across), np.einsum("bc,bc->b", inwards, along))
 
 
-def _mean_direction(count: int, owner: IntArray, turn: FloatArray, weight: FloatArray, beside: IntArray) -> FloatArray:
-    """Return the mean direction (count,) rad. Directions repeat after half a turn, so their doubles are averaged as angles.
-
-    beside (n, 2): pairs of stones of one wall, whose beds run alike: each counts for the other too.
-    """
-    own = [np.bincount(owner, weight * part(2 * turn), minlength=count) for part in (np.sin, np.cos)]
-    pair = np.concatenate([beside, beside[:, ::-1]])
-    sine, cosine = (part + np.bincount(pair[:, 0], part[pair[:, 1]], minlength=count) for part in own)
+def _mean_direction(count: int, owner: IntArray, turn: FloatArray, weight: FloatArray) -> FloatArray:
+    """Return the mean direction (count,) rad. Directions repeat after half a turn, so their doubles are averaged as angles."""
+    sine, cosine = (np.bincount(owner, weight * part(2 * turn), minlength=count) for part in (np.sin, np.cos))
     return 0.5 * np.arctan2(sine, cosine)
 
 
