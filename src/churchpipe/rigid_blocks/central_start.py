@@ -12,7 +12,7 @@ import numpy as np
 
 from churchpipe.model.arrays import FloatArray
 from churchpipe.rigid_blocks.central_steps import CENTRING, LEAST, SHORTER, SHORTEST, WIN, ahead_of, least_product, recentring
-from churchpipe.rigid_blocks.contact_newton import ContactState, ContactSystem, multiply, squared
+from churchpipe.rigid_blocks.contact_newton import ContactState, ContactSystem, Scaled, multiply, squared
 
 # Steps at most, and the error of the work of the load after which the products follow from the rates.
 _STEPS, _WORKS = 40, 0.1
@@ -90,27 +90,15 @@ def _advance(system: ContactSystem, at: ContactState, z: FloatArray, excess: flo
     return step, length
 
 
-class _Matrix:
+class _Matrix(Scaled):
     """The matrix of a step from one state, factorised: B W^2 B^T, W the Nesterov-Todd scaling of forces and multipliers."""
 
     def __init__(self, system: ContactSystem, forces: FloatArray, z: FloatArray) -> None:
-        self._system, self._scaling = system, system.scaling(forces, z)
-        self.point = self._scaling.point[:, 0]
-        self._square = squared(self._scaling)
+        scaling = system.scaling(forces, z)
+        super().__init__(scaling)
+        self._system, self._square = system, squared(scaling)
         self._lever = system.factorise(0, self._square)
         self._stiffness = float(system.live @ self._lever)
-
-    def scaled_forces(self, forces: FloatArray) -> FloatArray:
-        """Return W^-1 of forces (3, nc)."""
-        return self._scaling.solve(forces[:, None])[:, 0]
-
-    def scaled(self, multipliers: FloatArray) -> FloatArray:
-        """Return W of multipliers (3, nc)."""
-        return self._scaling.apply(multipliers[:, None])[:, 0]
-
-    def divide(self, product: FloatArray) -> FloatArray:
-        """Return what a step W^-1 dX + W dR must be for the products (3, nc) to change by `product`."""
-        return self._scaling.divide(product[:, None])[:, 0]
 
     def step(self, target: FloatArray, residual: FloatArray, excess: float) -> ContactState:
         """Return the step W^-1 dX + W dR = target (3, nc) that removes a residual (6 nf,) and an excess of work."""

@@ -140,7 +140,27 @@ class ContactSystem:
         return self.factors[which].solve(self.live)
 
 
-class Linearisation:
+class Scaled:
+    """Vectors of the points in the scaling W of their cones, in which forces and multipliers are the same point (3, nc)."""
+
+    def __init__(self, scaling: SecondOrderScaling) -> None:
+        self._scaling = scaling
+        self.point = scaling.point[:, 0]
+
+    def scaled_forces(self, forces: FloatArray) -> FloatArray:
+        """Return W^-1 of forces (3, nc)."""
+        return self._scaling.solve(forces[:, None])[:, 0]
+
+    def scaled(self, multipliers: FloatArray) -> FloatArray:
+        """Return W of multipliers (3, nc)."""
+        return self._scaling.apply(multipliers[:, None])[:, 0]
+
+    def divide(self, product: FloatArray) -> FloatArray:
+        """Return what a step W^-1 dX + W dR must be for the products (3, nc) to change by `product`."""
+        return self._scaling.divide(product[:, None])[:, 0]
+
+
+class Linearisation(Scaled):
     """The matrices of the steps from one state, factorised."""
 
     def __init__(self, system: ContactSystem, forces: FloatArray, multipliers: FloatArray, rates: FloatArray, damping: float):
@@ -151,8 +171,8 @@ class Linearisation:
         NotDefiniteError
         """
         self._system, self._damping = system, damping
-        self._scaling = scaling = system.scaling(forces, multipliers)
-        self.point = scaling.point[:, 0]
+        scaling = system.scaling(forces, multipliers)
+        super().__init__(scaling)
         rounded = np.maximum(system.roundness(rates), 1e-300)
         self._slope = np.stack([1.0 + system.settings.roundness**2 * rates[0] / rounded, rates[1] / rounded, rates[2] / rounded])
         plain = squared(scaling)
@@ -165,18 +185,6 @@ class Linearisation:
         self._lever = system.factorise(0, self._plain)
         self._guess = system.factorise(1, (1.0 + damping) * both)
         self._stiffness, self._guess_work = float(system.live @ self._lever), float(system.live @ self._guess)
-
-    def scaled_forces(self, forces: FloatArray) -> FloatArray:
-        """Return W^-1 of forces (3, nc)."""
-        return self._scaling.solve(forces[:, None])[:, 0]
-
-    def scaled(self, multipliers: FloatArray) -> FloatArray:
-        """Return W of multipliers (3, nc)."""
-        return self._scaling.apply(multipliers[:, None])[:, 0]
-
-    def divide(self, product: FloatArray) -> FloatArray:
-        """Return what a step D + E must be for the products (3, nc) to change by `product`."""
-        return self._scaling.divide(product[:, None])[:, 0]
 
     def tangent(self, rates: FloatArray) -> FloatArray:
         """Return J of rates (3, nc)."""
