@@ -12,8 +12,9 @@ from cvxopt import amd, cholmod, matrix, spmatrix
 from churchpipe.conic.multifrontal import Multifrontal
 from churchpipe.model.arrays import FloatArray, IntArray
 
-# From so many rows on the solves of `multifrontal` are the faster ones on one thread, and its factor takes hardly longer.
-_LARGE = 30_000
+# From about so many rows on a factor no longer fits the cache. `multifrontal` then wins more in the solves, of which each
+# factorisation is followed by several, than it loses itself.
+_LARGE = 12_000
 
 
 class NotDefiniteError(ArithmeticError):

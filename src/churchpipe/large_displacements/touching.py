@@ -4,16 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from churchpipe.geometry.planar import (
-    Polygons,
-    areas,
-    intersections,
-    meeting,
-    outer_rings,
-    perimeters,
-    polygons_of,
-    simple_hulls,
-)
+from churchpipe.geometry.overlaps import Outlines, overlaps
+from churchpipe.geometry.planar import meeting
 from churchpipe.large_displacements.crushed import bearing_margin, rectangles_of, with_lines_of_equal_gap
 from churchpipe.large_displacements.edges import edge_normals
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, ragged_indices
@@ -63,9 +55,11 @@ def touching(
     n /= np.linalg.norm(n, axis=1, keepdims=True)
     axes = frames(n)[:, 1:]
     centre = 0.5 * (mean[first] + mean[second])
-    overlap = intersections(_projected(stones, first, axes, centre), _projected(stones, second, axes, centre))
-    chosen = np.flatnonzero(2 * areas(overlap) > narrow * perimeters(overlap))
-    corner, owner = outer_rings(simple_hulls(overlap[chosen], _STRAIGHT * narrow))
+    outlines = [_projected(stones, face, axes, centre) for face in (first, second)]
+    hull, area, perimeter = overlaps(*outlines, _STRAIGHT * narrow)
+    chosen = np.flatnonzero(2 * area > narrow * perimeter)
+    corner, start = hull.of(chosen)
+    owner = np.repeat(np.arange(len(chosen)), np.diff(start))
 
     def on_second(corner: FloatArray, pair: IntArray) -> tuple[FloatArray, FloatArray]:
         flat = centre[pair] + np.einsum("ka,kac->kc", corner, axes[pair])
@@ -80,8 +74,8 @@ def touching(
     np.minimum.at(least, owner, gap)
     place, rectangle, margin = np.zeros((len(corner), 2)), np.zeros(len(chosen)), np.zeros(len(chosen))
     if crushing and len(chosen):
-        place, share = rectangles_of(corner, np.searchsorted(owner, np.arange(len(chosen))))
-        rectangle, margin = share * areas(overlap[chosen]), bearing_margin(least, reach)
+        place, share = rectangles_of(corner, start[:-1])
+        rectangle, margin = share * area[chosen], bearing_margin(least, reach)
         both, owner = with_lines_of_equal_gap(np.column_stack([corner, place]), gap, owner, margin, reach)
         corner, place = both[:, :2], both[:, 2:]
     pair = chosen[owner]
@@ -96,7 +90,7 @@ def touching(
     contacts = Contacts(
         blocks=np.stack([block[first[pair[start]]], block[second[pair[start]]]], axis=1),
         frame=frames(edge[start]),
-        area=areas(overlap[pair[start]]),
+        area=area[pair[start]],
         point=point,
         point_ptr=np.append(start, len(pair)),
         kind=np.full(len(start), "bed"),
@@ -144,9 +138,9 @@ def _face_pairs(stones: Assemblage, normal: FloatArray, pairs: IntArray, reach: 
     return first[near], second[near]
 
 
-def _projected(stones: Assemblage, face: IntArray, axes: FloatArray, centre: FloatArray) -> Polygons:
-    """Return the faces as polygons (k,) in planes of their own, with axes (k, 2, 3) and origins (k, 3)."""
+def _projected(stones: Assemblage, face: IntArray, axes: FloatArray, centre: FloatArray) -> Outlines:
+    """Return the outlines of faces (k,) in planes of their own, with axes (k, 2, 3) and origins (k, 3)."""
     start, count = stones.face_ptr[face], np.diff(stones.face_ptr)[face]
     owner = np.repeat(np.arange(len(face)), count)
     arm = stones.points[stones.face_nodes[ragged_indices(start, count)]] - centre[owner]
-    return polygons_of(np.einsum("kc,kac->ka", arm, axes[owner]), np.append(0, np.cumsum(count)))
+    return Outlines(np.einsum("kc,kac->ka", arm, axes[owner]), np.append(0, np.cumsum(count)))
