@@ -137,6 +137,16 @@ class StepSearch:
         """Return the attempt in which stones fall that the dead load alone brings down, or one without motion."""
         return Attempt(fallen_alone(self.within(self._begin), self._solve), self._begin)
 
+    def giving_way(self, load_factor: float) -> Attempt | None:
+        """Return the fall of a few stones with which the structure would stand less than a load factor, None where none fall.
+
+        An associative program tells: with these stones it stands no more, however they slide.
+        """
+        answer = solve_step(self.within(self._begin), np.zeros_like(self._gap), self._solve, self._demands.duality_gap)
+        if answer.outcome != "solved" or answer.load_factor >= load_factor or not self._fall(answer.y, 0.0, True):
+            return None
+        return Attempt(answer, self._begin, falls=True)
+
     def onward(self, sliding: FloatArray, last: FloatArray, pairs: int, solve: Solve | None) -> Attempt:
         """Return an attempt sought in pairs of programs near the last motion (m,), from the forces of one associative program.
 

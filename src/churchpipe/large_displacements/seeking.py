@@ -1,5 +1,7 @@
 """In which order the forces and the motion of a step are sought, until they fit each other."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from churchpipe.conic.solve import solver_for
@@ -11,7 +13,7 @@ from churchpipe.large_displacements.settings import PATH
 from churchpipe.large_displacements.state_program import last_velocities
 from churchpipe.large_displacements.step import StepAnswer, StepProgram
 from churchpipe.large_displacements.unsupported import unsupported
-from churchpipe.model.arrays import FloatArray
+from churchpipe.model.arrays import BoolArray, FloatArray
 
 
 def sought(motions: Motions, search: StepSearch, program: StepProgram, gap: FloatArray, programs: int, pairs: int) -> Attempt:
@@ -28,7 +30,7 @@ def sought(motions: Motions, search: StepSearch, program: StepProgram, gap: Floa
         return search.by_programs(sliding, programs, pairs)
     begun = StepAnswer("failed", forces, np.nan, last_velocities(model, state, motions.free, program))
     last = Attempt(begun, state.length)
-    attempt = _of_large(motions, search, program, last, sliding, pairs) if model.large else search.by_pairs(last, pairs)
+    attempt = _of_large(motions, search, program, last, gap, sliding, pairs) if model.large else search.by_pairs(last, pairs)
     # From other forces a large model finds the same motion, with the same misfit.
     if attempt.will_do(PATH.credible if model.large else model.demands.enough):
         return attempt
@@ -38,15 +40,22 @@ def sought(motions: Motions, search: StepSearch, program: StepProgram, gap: Floa
 
 
 def _of_large(
-    motions: Motions, search: StepSearch, program: StepProgram, last: Attempt, sliding: FloatArray, pairs: int
+    motions: Motions,
+    search: StepSearch,
+    program: StepProgram,
+    last: Attempt,
+    gap: FloatArray,
+    sliding: FloatArray,
+    pairs: int,
 ) -> Attempt:
     """Return the attempt at a step of a large model.
 
     In this order until one will do: stones that their neighbours cannot carry, the last forces, forces that fit the last motion,
-    stones that the dead load brings down, the forces of one associative program near the last motion.
+    stones that the dead load brings down, those that give way before all others, the forces of one associative program near the
+    last motion.
     """
     model = motions.model
-    if (fall := _unsupported(motions, program)) is not None:
+    if (fall := _unsupported(motions, program, gap)) is not None:
         return Attempt(fall, last.length)
     # A program that has no solution need not be shown twice to have none: the search from nothing shows it once more.
     own = solver_for(program.balance, "interior-point") if model.solver == "auto" else None
@@ -58,16 +67,30 @@ def _of_large(
         attempt = search.under_dead_load()
     if attempt.will_do(PATH.credible) or attempt.answer.outcome == "infeasible":
         return attempt
+    if (fall := search.giving_way(PATH.withstood * motions.state.load_factor)) is not None:
+        return fall
     return _better(attempt, search.onward(sliding, last.answer.y, pairs, own))
 
 
-def _unsupported(motions: Motions, program: StepProgram) -> StepAnswer | None:
-    """Return the fall of a few light stones that their neighbours cannot carry, None where there are none such."""
-    falling = unsupported(program, PATH.withstood * motions.state.load_factor)
-    fallen = np.zeros(len(motions.stones.weight), dtype=bool)
-    fallen[motions.free] = falling
-    if not falling.any() or not light(motions.model, motions.state, fallen):
-        return None
+def _unsupported(motions: Motions, program: StepProgram, gap: FloatArray) -> StepAnswer | None:
+    """Return the fall of a few light stones that their neighbours cannot carry, None where there are none such.
+
+    Joints that have opened carry nothing. The programs of the step would let a stone hang on them, at the price of their gaps.
+    """
+    strength, fallen = program.strength, np.zeros(len(motions.stones.weight), dtype=bool)
+    for bound in (np.where(_open(motions.model, gap), 0.0, strength.bound), strength.bound):
+        bearing = replace(program, strength=replace(strength, bound=bound))
+        falling = unsupported(bearing, PATH.withstood * motions.state.load_factor)
+        fallen[motions.free] = falling
+        if not falling.any():
+            return None
+        if light(motions.model, motions.state, fallen):
+            return _fall_of(falling, program)
+    return None
+
+
+def _fall_of(falling: BoolArray, program: StepProgram) -> StepAnswer:
+    """Return the answer in which these stones of a program (nf,) go where their dead load takes them."""
     dead = program.dead[: 6 * len(falling)].reshape(-1, 6)
     y = np.zeros_like(program.dead)
     y[: dead.size].reshape(-1, 6)[falling] = dead[falling] / np.linalg.norm(dead[falling], axis=1)[:, None]
@@ -84,8 +107,13 @@ def _last_forces(model: MovingModel, state: PathState, gap: FloatArray) -> Float
     if model.large:
         forces[:points, 1:] = np.einsum("kac,kc->ka", state.tangents, state.joints.shear)
         # Where a stone has lost its hold, friction in the joint that opened would keep it up.
-        forces[gap > PATH.open * model.step] = 0.0
+        forces[_open(model, gap)] = 0.0
     return forces
+
+
+def _open(model: MovingModel, gap: FloatArray) -> BoolArray:
+    """Return which points (nc,) are so far open that they hold nothing; gap (nc,) m."""
+    return gap > PATH.open * model.step
 
 
 def _better(one: Attempt, other: Attempt) -> Attempt:

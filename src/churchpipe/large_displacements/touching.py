@@ -55,8 +55,8 @@ def touching(
     n /= np.linalg.norm(n, axis=1, keepdims=True)
     axes = frames(n)[:, 1:]
     centre = 0.5 * (mean[first] + mean[second])
-    outlines = [_projected(stones, face, axes, centre) for face in (first, second)]
-    hull, area, perimeter = overlaps(*outlines, _STRAIGHT * narrow)
+    one, other = (_projected(stones, face, axes, centre) for face in (first, second))
+    hull, area, perimeter = overlaps(one, other, _STRAIGHT * narrow)
     chosen = np.flatnonzero(2 * area > narrow * perimeter)
     corner, start = hull.of(chosen)
     owner = np.repeat(np.arange(len(chosen)), np.diff(start))

@@ -72,11 +72,11 @@ def test_no_motion_of_a_block_that_stands_is_a_fall(seed: int) -> None:
     assert not falls(program, np.random.default_rng(seed).normal(size=len(program.dead)))
 
 
-def pebble(at: float = 0.2) -> tuple[MovingModel, PathState]:
-    """A block of .5 x 1 m that tips at .5, with a pebble of some thousandth of its weight on top that slides at .05."""
+def pebble(at: float = 0.2, rough: float = 0.05) -> tuple[MovingModel, PathState]:
+    """A block of .5 x 1 m that tips at .5, with a pebble of some thousandth of its weight on top that slides at `rough`."""
     stones = on_ground(box((0, 0.5), (0, 1), (0, 1)), box((at, at + 0.1), (0.45, 0.55), (1, 1.1)))
     contacts, load = cp.find_contacts(stones), cp.LoadCase((1, 0, 0))
-    friction = np.where(contacts.blocks.max(axis=1) == 2, 0.05, 0.6)
+    friction = np.where(contacts.blocks.max(axis=1) == 2, rough, 0.6)
     balance, moving = equilibrium(stones, contacts, load), np.array([False, True, True])
     model = moving_model(stones, contacts, load, live_loads(stones, load), friction, balance, moving, 0.02, "auto")
     # As after a step of the whole: the block tipped, its fastest vertex at some 2.8 times the speed of its centroid.
@@ -126,6 +126,38 @@ def test_very_few_stones_are_known_to_fall_by_less_where_a_motion_does_not_fit()
         motions = Motions(replace(model, moving=moving), state, stones, np.array([1, 2]))
         assert motions.falls(y, 0.02, rests) is away
         assert motions.falling(StepAnswer("solved", np.zeros((0, 3)), 1.0, y), rests=rests).tolist() == [False, False, away]
+
+
+@pytest.mark.parametrize(("gap", "away"), [(4e-3, False), (6e-3, True)])
+def test_a_stone_does_not_hang_on_a_joint_that_has_opened(gap: float, away: bool) -> None:
+    """A joint holds nothing from a quarter of a step of 20 mm on, though it would close within the step."""
+    model, state = pebble(rough=0.6)
+    model = replace(model, held=np.array([True, False, False]))
+    on_top = state.joints.pair.max(axis=1) == 2
+    joints = replace(state.joints, rest=state.joints.rest - gap * on_top, pressing=np.where(on_top, 0.0, 0.25))
+    step = solve_state(model, replace(state, joints=joints))
+    assert step.falling.tolist() == [False, False, away]
+    # A stone that cannot be spared is not taken out before the search.
+    step = solve_state(replace(model, moving=model.stones.weight[2]), replace(state, joints=joints))
+    assert step.answer.outcome == "solved"
+
+
+def test_a_few_stones_that_would_hold_all_others_back_give_way() -> None:
+    """With the pebble, which slides at .05, the structure stands no more than that: associative analysis tells as much."""
+    model, state = pebble()
+    program = step_program(model, state)
+    solve, gap = SolveCount(solver_for(program.balance)), np.zeros(len(program.closing))
+
+    def search(falls: bool) -> StepSearch:
+        return StepSearch(program, gap, solve, lambda _: 0.01, lambda *_: falls, 0.01, 0.02, THRIFTY)
+
+    found = search(falls=True).giving_way(0.06)
+    assert found is not None
+    assert found.falls
+    assert found.answer.load_factor == pytest.approx(0.05, rel=1e-4)
+    assert solve.solves == 1
+    assert search(falls=True).giving_way(0.04) is None
+    assert search(falls=False).giving_way(0.06) is None
 
 
 @pytest.mark.parametrize(("falls", "astray", "programs"), [(True, np.inf, 2), (False, 1e-9, 2), (False, np.inf, 12)])
