@@ -113,6 +113,9 @@ def solve_coupled(
         if stalled >= 3 or iteration - progressed > _PATIENCE:
             message = "no further progress"
             break
+        if at.theta < settings.nearest:
+            message = "no solution near the start"
+            break
         if iteration == settings.iterations:
             break
         try:

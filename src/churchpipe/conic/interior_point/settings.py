@@ -16,7 +16,8 @@ class Settings:
     would end a step first, that are left out of account when directions are judged; fraction: share of the way to the boundary;
     regularisation: of the normal matrix, relative to its diagonal; refinements: of each linear solve, at most;
     balanced: whether the forces are wanted in balance, or the multipliers alone, which then close no point that cannot close
-    faster than `duality_gap` times the fastest rate;
+    faster than `duality_gap` times the fastest rate; nearest: the homogenising variable below which a solve is given up: the
+    solution, if there is one, is as many times larger than where the solve began;
     force, rate: size of the starting forces (in the load of a body that each touches) and of the multipliers (in those
     that earn the reward).
     """
@@ -32,6 +33,7 @@ class Settings:
     regularisation: float = 1e-14
     refinements: int = 3
     balanced: bool = True
+    nearest: float = 0.0
     force: float = 10.0
     rate: float = 0.01
 
@@ -39,9 +41,9 @@ class Settings:
         positive = ("duality_gap", "acceptable", "residual", "certificate", "fraction", "force", "rate", "iterations")
         for name in positive:
             _check(name, getattr(self, name), getattr(self, name) > 0, "> 0")
-        for name in ("correctors", "ignored", "refinements", "regularisation"):
+        for name in ("correctors", "ignored", "refinements", "regularisation", "nearest"):
             _check(name, getattr(self, name), getattr(self, name) >= 0, ">= 0")
-        for name in ("fraction", "ignored"):
+        for name in ("fraction", "ignored", "nearest"):
             _check(name, getattr(self, name), getattr(self, name) < 1, "< 1")
         _check("regularisation", self.regularisation, self.regularisation < 1e-4, "< 1e-4")
 
@@ -58,8 +60,10 @@ VELOCITIES = replace(CENTRAL, residual=0.03, balanced=False, correctors=2, ignor
 # Points that stop short leave errors of the multipliers that later steps hardly remove: no more such points than this share, over
 # the duality gap wanted. Where they are fewer, centrality correctors have to lengthen the steps.
 _ERROR_LEFT = 200.0
-# A solve that was begun near a solution is given up after so many iterations, unless it is to be exact and nearly is.
+# A solve that was begun near a solution is given up after so many iterations, unless it is to be exact and nearly is. One that is
+# to be begun there only is also given up where the solution, if there is one, is ten times larger.
 WARM_ITERATIONS = 30
+FAR = 0.1
 # The duality gap of an exact solve, at most.
 CLOSE = 1e-5
 

@@ -1,5 +1,6 @@
 """Starts near a solution: centred, quicker than others where they are near, and harmless where they are not."""
 
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -108,6 +109,19 @@ def test_velocities_that_go_on_from_others_take_half_the_iterations() -> None:
         program = sliding_program(balance, strength, strength.shear(changed))
         assert dissipation(program, warm) == pytest.approx(dissipation(program, cold), rel=2e-3)
     assert from_before.iterations <= from_nothing.iterations / 2
+
+
+def test_a_start_that_is_not_near_a_solution_is_given_up() -> None:
+    # A thousandth of the normal forces holds so much less that another start is better.
+    balance, strength, solve, n = s22()
+    before = solve(sliding_program(balance, strength, strength.shear(n)), duality_gap=1e-3)
+    less = sliding_program(balance, strength, 1e-3 * strength.shear(n))
+    near = WarmStart(before.x, before.tau, before.y, only=True)
+    answer = solve(less, duality_gap=1e-3, near=near, velocities=True)
+    assert answer.outcome == "failed"
+    assert "no solution near the start" in answer.message
+    assert answer.iterations < 20
+    assert solve(less, duality_gap=1e-3, near=replace(near, only=False), velocities=True).outcome == "solved"
 
 
 @pytest.mark.parametrize("kind", KINDS_OF_POINTS, ids=str)
