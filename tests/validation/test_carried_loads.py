@@ -156,6 +156,22 @@ def test_water_in_a_room_presses_between_its_corners(wall: str, toward: str, cle
     assert np.abs(found.dead).sum() == pytest.approx(10e3 / 2 * clear, rel=1e-9)
 
 
+@pytest.mark.parametrize(("pattern", "thickness"), [("running", 0.45), ("stack", 0.3), ("header-stretcher", 0.35)])
+def test_water_in_a_room_presses_beside_what_lies_against_a_stone(pattern: str, thickness: float) -> None:
+    # Where stones are not as long as the wall is thick, walls that cross lie against parts of faces.
+    materials = [cp.Material("default", GAMMA, 0.6)]
+    brick = (0.5, thickness / 2 if pattern == "header-stretcher" else thickness, 0.2)
+    stones = cp.derive_blocks(
+        generators.box(length=4.0, width=3.0, courses=6, brick=brick, pattern=pattern, joints="grid", materials=materials)
+    )
+    for wall, toward, clear in (("west", "-x", 3.0 - 2 * thickness), ("south", "-y", 4.0 - 2 * thickness)):
+        found = place_loads(stones, [cp.Pressure(wall, toward=toward, unit_weight=10e3, top=1.0)])
+        across = found.point[:, 1 if wall == "west" else 0]
+        assert np.abs(found.dead).sum() == pytest.approx(10e3 / 2 * clear, rel=1e-9)
+        assert across.min() > thickness
+        assert across.max() < clear + thickness
+
+
 def test_the_load_factor_stays_base_shear_over_what_is_pushed() -> None:
     # At any profile the push adds up to the weight of the pushed stones and masses, at the height of each where it is linear.
     stones = cp.derive_blocks(brick_wall())

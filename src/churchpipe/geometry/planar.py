@@ -317,6 +317,12 @@ def united(regions: "Sequence[Region] | Polygons", grid: float | None = None) ->
     return _areal(shapely.union_all(list(regions), grid_size=grid))
 
 
+def triangles_of(region: Region) -> FloatArray:
+    """Return the triangles (k, 3, 2) of a region, which may have holes, made of its own corners."""
+    found = shapely.get_parts(shapely.constrained_delaunay_triangles(region))
+    return shapely.get_coordinates(found).reshape(-1, 4, 2)[:, :3]
+
+
 def shared_edges(polygons: Polygons, other: shapely.Polygon) -> FloatArray:
     """Return the length (n,) of the edge that each polygon shares with another one beside it."""
     return np.asarray(shapely.length(shapely.intersection(polygons, other)), dtype=np.float64)

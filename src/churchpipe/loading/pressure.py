@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from churchpipe.errors import InputError
+from churchpipe.geometry.bare import bare_triangles
 from churchpipe.geometry.locate import inside_stones
 from churchpipe.geometry.polygons import behind, below
 from churchpipe.geometry.walls import WallLine, points_of
@@ -25,8 +26,9 @@ _UP = 1e-6
 def pressure_forces(stones: Assemblage, wall: WallLine, load: Pressure) -> list[tuple[FloatArray, int, FloatArray]]:
     """Return the forces of a pressure on a wall: point (3,) m, stone, force (3,) N.
 
-    Each face is cut into triangles, their parts below the surface, with the force of each where it acts. What lies against
-    another stone bears nothing. Where stones of other walls show in the face of this one, as at a toothed corner, they bear it.
+    What another stone lies against bears nothing. The rest of each face is cut into triangles, their parts below the surface,
+    with the force of each where it acts. Where stones of other walls show in the face of this one, as at a toothed corner, they
+    bear it.
 
     Raises
     ------
@@ -54,7 +56,7 @@ def pressure_forces(stones: Assemblage, wall: WallLine, load: Pressure) -> list[
 
 def _in_face(stones: Assemblage, wall: WallLine, outward: FloatArray) -> Iterator[tuple[int, FloatArray, FloatArray]]:
     """Yield what shows in the face of a wall that looks outward (3,): a stone, the normal (3,) and the corners (k, 3) m of a
-    face of it, of stones of other walls the part between the ends of this one."""
+    part of a face of it, of stones of other walls between the ends of this one."""
     points = points_of(stones, wall.stones)
     front, foot = float((points @ outward).max()), float(points[:, 2].min())
     slack = _OUTERMOST * wall.thickness
@@ -64,15 +66,14 @@ def _in_face(stones: Assemblage, wall: WallLine, outward: FloatArray) -> Iterato
     shown = ~stones.fixed[owner] & (normal @ outward > _AGAINST) & (np.abs(mean @ outward - front) < slack + CLOSE)
     axis = np.append(wall.axis, 0.0)
     start = float(wall.origin @ wall.axis)
-    for face in np.flatnonzero(shown).tolist():
-        corners = stones.points[stones.face_nodes[stones.face_ptr[face] : stones.face_ptr[face + 1]]]
-        if (corners @ outward).min() <= front - slack:
-            continue
-        if not own[owner[face]]:
-            if corners[:, 2].min() < foot - CLOSE or corners[:, 2].max() > wall.top + CLOSE:
-                continue
-            corners = behind(behind(corners, axis, start + wall.length), -axis, -start)
-        yield int(owner[face]), normal[face], corners
+    corner = stones.points[stones.face_nodes]
+    low, high = (edge.reduceat(corner, stones.face_ptr[:-1], axis=0) for edge in (np.minimum, np.maximum))
+    shown &= np.minimum.reduceat(corner @ outward, stones.face_ptr[:-1]) > front - slack
+    shown &= own[owner] | ((low[:, 2] >= foot - CLOSE) & (high[:, 2] <= wall.top + CLOSE))
+    for face, triangles in bare_triangles(stones, np.flatnonzero(shown)):
+        for part in triangles:
+            inner = part if own[owner[face]] else behind(behind(part, axis, start + wall.length), -axis, -start)
+            yield int(owner[face]), normal[face], inner
 
 
 def fill_weights(stones: Assemblage, load: Fill) -> list[tuple[FloatArray, int, float]]:
@@ -91,10 +92,10 @@ def fill_weights(stones: Assemblage, load: Fill) -> list[tuple[FloatArray, int, 
     _, normal, _ = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
     owner = np.repeat(np.arange(stones.count), np.diff(stones.block_face_ptr))
     found: list[tuple[FloatArray, float, int, FloatArray]] = []
-    for face in np.flatnonzero((normal[:, 2] > _UP) & np.isin(stones.panel, load.on)[owner]).tolist():
-        corners = stones.points[stones.face_nodes[stones.face_ptr[face] : stones.face_ptr[face + 1]]]
-        parts = _on_face(below(corners, load.top), lambda z: load.unit_weight * (load.top - z))
-        found += [(point, size * float(normal[face, 2]), int(owner[face]), normal[face]) for point, size in parts]
+    for face, triangles in bare_triangles(stones, np.flatnonzero((normal[:, 2] > _UP) & np.isin(stones.panel, load.on)[owner])):
+        for corners in triangles:
+            parts = _on_face(below(corners, load.top), lambda z: load.unit_weight * (load.top - z))
+            found += [(point, size * float(normal[face, 2]), int(owner[face]), normal[face]) for point, size in parts]
     if found:
         bare = ~inside_stones(stones, np.array([point + 10 * CLOSE * up for point, _, _, up in found]))
         found = [part for part, free in zip(found, bare.tolist(), strict=True) if free]
@@ -105,7 +106,10 @@ def fill_weights(stones: Assemblage, load: Fill) -> list[tuple[FloatArray, int, 
 
 
 def _on_face(polygon: FloatArray, pressed: Callable[[FloatArray], FloatArray]) -> list[tuple[FloatArray, float]]:
-    """Return the force of each triangle of a polygon, N, and where it acts (3,) m; pressed: the pressure at heights (n,), Pa."""
+    """Return the force of each triangle of a convex polygon, N, and where it acts (3,) m.
+
+    pressed: the pressure at heights (n,), Pa.
+    """
     parts: list[tuple[FloatArray, float]] = []
     for k in range(1, len(polygon) - 1):
         triangle = polygon[[0, k, k + 1]]
