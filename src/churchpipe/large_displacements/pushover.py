@@ -9,7 +9,7 @@ from typing import Any, cast, get_args
 import numpy as np
 import numpy.typing as npt
 
-from churchpipe.large_displacements.control import Control, control_of
+from churchpipe.large_displacements.control import Control, ControlPoint, control_of
 from churchpipe.large_displacements.following import Ending, follow
 from churchpipe.large_displacements.halo import held_at_first
 from churchpipe.large_displacements.moving_model import MovingModel, bearing, moving_model
@@ -36,6 +36,9 @@ from churchpipe.rigid_blocks.crushing import JointParts
 from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
 from churchpipe.rigid_blocks.limit import limit_analysis, limit_program
 from churchpipe.rigid_blocks.ties import all_forces
+
+# A control point that goes less than this share of the stone that goes furthest stands still.
+_STILL = 0.01
 
 
 def block_pushover(
@@ -262,6 +265,12 @@ class _Curve(Record):
         """Return the curve."""
         gone, factor = self.displacement, self.load_factor
         lost = [f"tie {name} broke at a displacement of {1e3 * at:.3g} mm" for name, at in self.broken.items()]
+        reach, furthest = max(map(abs, gone), default=0.0), max(self.largest, default=0.0)
+        if isinstance(self.control, ControlPoint) and reach < _STILL * furthest:
+            lost.append(
+                f"the control point goes {1e3 * reach:.2g} mm along the load where a stone goes {1e3 * furthest:.3g} mm, "
+                "so that the displacements of the curve say nothing of this mechanism"
+            )
         d0 = gone[-1] if ending.status == "collapsed" and factor else float("nan")
         if ending.status == "vanished":
             share = factor[-2] / (factor[-2] - factor[-1]) if len(factor) > 1 else 0.0

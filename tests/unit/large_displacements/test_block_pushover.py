@@ -102,6 +102,16 @@ def test_control_point() -> None:
     assert mean.d0 == pytest.approx(0.25, abs=1e-6)
 
 
+def test_a_control_point_that_stands_still_is_told() -> None:
+    stones = on_ground(box((0, 0.5), (0, 1), (0, 2)), box((2, 4), (0, 1), (0, 1)))
+    contacts = cp.find_contacts(stones)
+    still, moves = (cp.block_pushover(stones, contacts, PUSH, 0.7, control=at, step=0.05) for at in ((2, 0, 1), (0.5, 0, 2)))
+    assert np.abs(still.displacement).max() < 1e-6
+    assert "the control point goes" in still.message
+    assert "so that the displacements of the curve say nothing of this mechanism" in still.message
+    assert moves.message == ""
+
+
 def test_progress_and_the_largest_displacement() -> None:
     told: list[float] = []
     curve = cp.block_pushover(
