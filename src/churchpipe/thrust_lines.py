@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from churchpipe.errors import InputError
+from churchpipe.geometry.clusters import clusters
 from churchpipe.model.arguments import check_kind, listed, positive
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, floats
 from churchpipe.model.assemblage import Assemblage
@@ -15,6 +16,10 @@ from churchpipe.model.contacts import Contacts, check_contacts_of
 _NOTHING = 1e-9
 # Sine of the least slope at which a vault may stand on what carries it.
 _LEVEL = 0.4
+# Cosine of the angle to the section up to which a joint of a ring crosses it, and of that between two joints of one voussoir.
+_ALONG, _NEXT = 0.5, 0.7
+# Joints of rings whose middles in the section are closer than this share of the size of all are one.
+_ONE = 1e-6
 # A macro-element in courses is a vault when its beds differ by more than this in slope: sine of 20 degrees.
 _TURNS = 0.34
 
@@ -23,9 +28,9 @@ _TURNS = 0.34
 class ThrustLine:
     """The line of thrust in an upright section, joint after joint.
 
-    course (n, 2): of the stones on both sides of each joint, -1 for what has none. place (n, 2) m: where the thrust passes, s
-    along the section and z. force (n,) N: its component along the joint's normal. eccentricity (n,) m: distance of that place
-    from the middle of the joint, outwards. half (n,) m: half the width of the joint there, within which it stays.
+    course (n, 2): of the stones on both sides of each joint, -1 for what has none, such as voussoirs. place (n, 2) m: where the
+    thrust passes, s along the section and z. force (n,) N: its component along the joint's normal. eccentricity (n,) m: distance
+    of that place from the middle of the joint, outwards. half (n,) m: half the width of the joint there, within which it stays.
     """
 
     course: IntArray
@@ -65,6 +70,30 @@ def vaulted(stones: Assemblage, contacts: Contacts) -> dict[str, FloatArray]:
     return found
 
 
+def ringed(stones: Assemblage, contacts: Contacts) -> dict[str, FloatArray]:
+    """Return the macro-elements of voussoirs alone, an arch or rings side by side, as `vaulted` those in courses.
+
+    Their stones lie in no course and have two slanting joints each with others at the most, unlike those of rubble.
+    """
+    first, second = contacts.blocks.T
+    slanting = (stones.panel[first] == stones.panel[second]) & ~stones.coursed[contacts.blocks].any(axis=1)
+    slanting &= contacts.kind == "radial"
+    number = np.bincount(contacts.blocks[slanting].ravel(), minlength=stones.count)
+    found: dict[str, FloatArray] = {}
+    for panel in np.unique(stones.panel[first[slanting]]).tolist():
+        mine, own = slanting & (stones.panel[first] == panel), (stones.panel == panel) & ~stones.fixed
+        if (
+            stones.coursed[own].any()
+            or number[own].max() > 2
+            or not number[own].min()
+            or np.ptp(contacts.frame[mine, 0, 2]) <= _TURNS
+        ):
+            continue
+        plan = contacts.frame[mine, 0, :2]
+        found[str(panel)] = np.einsum("i,ia,ib->ab", contacts.area[mine], plan, plan)
+    return found
+
+
 def thrust_line(
     stones: Assemblage,
     contacts: Contacts,
@@ -85,7 +114,8 @@ def thrust_line(
     forces
         (nc, 3) N at the contact points: of a `LimitState` or a `SettlementState`.
     panels
-        The macro-elements whose bed joints are meant, one name or several.
+        The macro-elements whose bed joints are meant, one name or several; of rings of voussoirs the joints between these, and
+        those at both ends.
     through
         x and y of a point of the section, m.
     direction
@@ -110,20 +140,32 @@ def thrust_line(
     course = np.where(inside, stones.course, -1)[contacts.blocks]
     beds = inside[contacts.blocks].any(axis=1) & (course[:, 0] != course[:, 1]) & (np.abs(off) <= width / 2)
     # With other masonry, those at the feet of the vault alone: what lies on its back is no bed.
-    within = stones.course[inside]
-    ends = np.isin(course.max(axis=1), (within.min(), within.max())) & (np.abs(contacts.frame[:, 0, 2]) > _LEVEL)
+    within = stones.course[inside & stones.coursed]
+    ends = np.isin(course.max(axis=1), np.sort(within)[[0, -1]] if len(within) else [])
+    ends &= np.abs(contacts.frame[:, 0, 2]) > _LEVEL
     beds &= (course >= 0).all(axis=1) | ends
-    if not beds.any():
+    # Voussoirs lie in no course. Where they stand in a wall, its beds are meant.
+    rings = _ring_joints(contacts, inside, along) & (np.abs(off) <= width / 2) & (not len(within))
+    drawn = beds | rings
+    if not drawn.any():
         raise InputError("thrust_line", "no bed joint in the strip", found=f"{width:g} m about {through}", expected="a wider one")
     point = np.stack([(contacts.point - origin) @ along, contacts.point[:, 2]], axis=1)
     normal = force[:, 0]
-    side = np.sign(np.stack([(middle - origin) @ along], axis=1)[:, 0])
-    group, label = np.unique(np.column_stack([np.sort(course, axis=1), side])[beds], axis=0, return_inverse=True)
-    number = np.full(len(beds), -1)
-    number[beds] = label.ravel()
+    seen = np.stack([(middle - origin) @ along, middle[:, 2]], axis=1)
+    close = _ONE * stones.size
+    crown = float(seen[drawn & (seen[:, 1] >= seen[drawn, 1].max() - close), 0].mean())
+    side = np.where(np.abs(seen[:, 0] - crown) > close, np.sign(seen[:, 0] - crown), 0.0)
+    # Joints between the same courses on one side are one, and joints of rings in one place.
+    key = np.column_stack([np.sort(course, axis=1), side, np.zeros(len(side))])
+    key[rings] = -1.0
+    key[rings, 3] = clusters(seen[rings], close)
+    group, label = np.unique(key[drawn], axis=0, return_inverse=True)
+    number = np.full(len(drawn), -1)
+    number[drawn] = label.ravel()
     of_point = number[contacts.interface_of_point]
     rows: list[tuple[FloatArray, float, float, float]] = []
     kept: list[int] = []
+    centres: list[FloatArray] = []
     for k in range(len(group)):
         mine = of_point == k
         total = float(normal[mine].sum())
@@ -134,16 +176,35 @@ def thrust_line(
         half, axis = 0.5 * float(np.linalg.norm(high - low)), (high - low) / max(float(np.linalg.norm(high - low)), 1e-12)
         centre = 0.5 * (low + high)
         # Outwards: away from the middle of the section, and up.
-        axis = axis if axis @ [np.sign(centre[0]), 1.0] >= 0 else -axis
+        axis = axis if axis @ [np.sign(centre[0] - crown), 1.0] >= 0 else -axis
         eccentricity = float((normal[mine] @ own / total - centre) @ axis)
         rows.append((centre + eccentricity * axis, total, eccentricity, half))
         kept.append(k)
+        centres.append(centre)
     place = np.array([row[0] for row in rows]).reshape(-1, 2)
     # Up on one side, down on the other.
-    left = place[:, 0] < 0
-    order = np.lexsort((np.where(left, -1.0, 1.0) * place[:, 1], left))
+    joint = np.array(centres).reshape(-1, 2)
+    left = joint[:, 0] < crown - close
+    order = np.lexsort((np.where(left, -1.0, 1.0) * joint[:, 1], left))
     figures = np.array([row[1:] for row in rows]).reshape(-1, 3)[order]
     return ThrustLine(group[kept, :2].astype(np.int64)[order], place[order], figures[:, 0], figures[:, 1], figures[:, 2])
+
+
+def _ring_joints(contacts: Contacts, voussoirs: BoolArray, along: FloatArray) -> BoolArray:
+    """Return which joints (ni,) cross rings of voussoirs (nb,) that run in a section along (3,): those between two, and those at
+    the ends of rings."""
+    first, second = contacts.blocks.T
+    normal = contacts.frame[:, 0]
+    crossing = np.abs(normal @ np.cross([0.0, 0.0, 1.0], along)) < _ALONG
+    between = voussoirs[first] & voussoirs[second] & crossing
+    neighbours = np.bincount(contacts.blocks[between].ravel(), minlength=len(voussoirs))
+    # The one joint of each last voussoir with the ring.
+    only = np.full(len(voussoirs), -1)
+    only[contacts.blocks[between]] = np.flatnonzero(between)[:, None]
+    last = voussoirs & (neighbours == 1)
+    end = contacts.blocks[np.arange(len(between)), np.where(last[first], 0, 1)]
+    ends = (voussoirs[first] != voussoirs[second]) & last[end] & crossing
+    return between | (ends & (np.abs((normal * normal[only[end]]).sum(axis=1)) > _NEXT))
 
 
 def ring_forces(

@@ -5,7 +5,7 @@ import pytest
 
 import churchpipe as cp
 from churchpipe.errors import InputError
-from churchpipe.generators import dome, vault
+from churchpipe.generators import arch, dome, vault
 
 SLICE = {"span": 1.85, "thickness": 0.15, "courses": 27, "stone_length": 0.5, "length": 1.0}
 DOME = {"span": 1.9, "thickness": 0.1, "rings": 9, "sides": 32, "oculus": 0.5}
@@ -38,6 +38,48 @@ def test_masonry_on_the_back_of_a_vault_is_no_bed_of_it() -> None:
     line = cp.thrust_line(stones, contacts, state.forces, "vault", through=(0, 0.5))
     assert len(line.force) == 28
     assert line.half == pytest.approx(0.075, abs=1e-6)
+
+
+@pytest.mark.parametrize("through", [0.0, 0.17, -0.3])
+@pytest.mark.parametrize(("laid", "heads"), [("rings", "staggered"), ("rings", "aligned"), ("courses", "staggered")])
+def test_thrust_passes_through_the_centres_of_pressure(laid: str, heads: str, through: float) -> None:
+    # Wherever the section is said to pass, and in rings of voussoirs as in courses.
+    stones = cp.derive_blocks(vault(**SLICE, laid=laid, heads=heads))
+    contacts = cp.find_contacts(stones)
+    state = cp.limit_analysis(stones, contacts, cp.LoadCase((1, 0, 0)), friction=0.7)
+    line = cp.thrust_line(stones, contacts, state.forces, "vault", through=(through, 0.5), width=2.0)
+    # By the middles of the joints that do not look along the vault, in the section.
+    middle = np.add.reduceat(contacts.point, contacts.point_ptr[:-1]) / contacts.points_per_interface[:, None]
+    crossing = (np.abs(contacts.frame[:, 0, 1]) < 0.5) & ~stones.fixed[contacts.blocks].all(axis=1)
+    _, label = np.unique(middle[crossing][:, [0, 2]].round(6) + 0.0, axis=0, return_inverse=True)
+    of_point = np.full(len(crossing), -1)
+    of_point[crossing] = label.ravel()
+    of_point = of_point[contacts.interface_of_point]
+    assert len(line.force) == label.max() + 1
+    for k in range(label.max() + 1):
+        own = of_point == k
+        force = state.forces[own, 0]
+        centre = force @ contacts.point[own][:, [0, 2]] / force.sum()
+        away = np.abs(line.place + np.array([through, 0.0]) - centre).max(axis=1)
+        assert away.min() == pytest.approx(0.0, abs=1e-6)
+        assert line.force[away.argmin()] == pytest.approx(force.sum(), rel=1e-9)
+    assert (np.abs(line.eccentricity) <= line.half * (1 + 1e-9)).all()
+    # From one springing over the crown to the other, joint after joint.
+    assert (np.diff(line.place[:, 0]) < 0.075).all()
+    assert line.place[[0, -1], 1] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_thrust_of_an_arch() -> None:
+    stones = cp.derive_blocks(arch(mean_radius=1.0, thickness=0.15, width=0.5, voussoirs=26))
+    contacts = cp.find_contacts(stones)
+    state = cp.limit_analysis(stones, contacts, cp.LoadCase((1, 0, 0)), friction=0.7)
+    line = cp.thrust_line(stones, contacts, state.forces, "arch", through=(0, 0.25))
+    assert len(line.force) == 27
+    assert line.half == pytest.approx(0.075, abs=1e-6)
+    hinges = np.flatnonzero(np.abs(line.eccentricity) > 0.075 * (1 - 1e-4))
+    assert len(hinges) == 4
+    assert (np.diff(np.sign(line.eccentricity[hinges])) != 0).all()
+    assert (line.course == -1).all()
 
 
 def test_each_ring_of_a_dome_carries_what_is_above_it() -> None:

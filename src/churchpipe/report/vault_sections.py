@@ -12,7 +12,7 @@ from churchpipe.model.contacts import Contacts
 from churchpipe.report.plots import svg_of
 from churchpipe.report.table import Row, figure
 from churchpipe.report.thrust import HINGE, section_figure
-from churchpipe.thrust_lines import ThrustLine, ring_forces, thrust_line, vaulted
+from churchpipe.thrust_lines import ThrustLine, ring_forces, ringed, thrust_line, vaulted
 from churchpipe.wording import counted
 
 # A dome's beds look to all sides: least share of them across the main direction.
@@ -32,7 +32,7 @@ class VaultSection:
 
 
 def vault_sections(stones: Assemblage, contacts: Contacts, rows: Sequence[Row]) -> list[VaultSection]:
-    """Return the sections of all vaults and domes under the first load; of its analyses the one without dilatancy, if any."""
+    """Return the sections of all vaults, arches and domes under the first load, without dilatancy if it was analysed so."""
     analysed = [row for row in rows if row.state is not None and len(row.state.forces) == len(contacts.point)]
     carried = [row for row in analysed if row.state is not None and np.isfinite(row.state.forces).all()]
     if not carried:
@@ -40,7 +40,7 @@ def vault_sections(stones: Assemblage, contacts: Contacts, rows: Sequence[Row]) 
     first = [row for row in carried if (row.variant, row.load) == (carried[0].variant, carried[0].load)]
     row = next((row for row in first if row.record.flow == "non-associative"), first[0])
     found: list[VaultSection] = []
-    for panel, across in vaulted(stones, contacts).items():
+    for panel, across in (vaulted(stones, contacts) | ringed(stones, contacts)).items():
         if len(found) < _MOST and (section := _section(stones, contacts, row, panel, across)):
             found.append(section)
     return found

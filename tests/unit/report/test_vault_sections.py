@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import churchpipe as cp
-from churchpipe.generators import dome, vault
+from churchpipe.generators import arch, dome, vault
 from churchpipe.model.building import Building
 from churchpipe.report.html import write_report
 from churchpipe.report.table import Row
@@ -41,6 +41,17 @@ def test_a_barrel_on_walls_has_one_section_across_it() -> None:
     assert section.words.startswith("Thrust in 14 joints of the section")
     assert "joints are hinges" in section.words
     assert section.drawing.startswith("<svg")
+    assert section.rings == ()
+
+
+@pytest.mark.parametrize(
+    ("building", "joints"),
+    [(vault(**BARREL, laid="rings"), 27), (arch(mean_radius=1.0, thickness=0.2, width=0.5, voussoirs=12), 13)],
+)
+def test_rings_of_voussoirs_have_a_section(building: Building, joints: int) -> None:
+    stones, contacts, row = pushed(building)
+    (section,) = vault_sections(stones, contacts, [row])
+    assert section.words.startswith(f"Thrust in {joints} joints of the section")
     assert section.rings == ()
 
 
