@@ -19,8 +19,7 @@ from churchpipe.geometry.prism import prism_of
 from churchpipe.model.arrays import FloatArray
 from churchpipe.wording import counted
 
-# Layers that mean ground, whoever drew it; layers of what is no stone.
-GROUND: Final = (schema.SUPPORT, "SUPPORT", "SUPPORTS", "GROUND")
+# Layers of what is no stone.
 NO_STONE: Final = ("OPENING", "OPENINGS")
 # Less than this share of the area of a wall beside its openings is none of it.
 NOTHING: Final = 1e-9
@@ -118,7 +117,7 @@ def _kind(trace: Trace) -> _Kind:
 
 
 def _bears(trace: Trace) -> bool:
-    return trace.bearing or trace.layer in GROUND
+    return trace.bearing or trace.layer in schema.GROUND
 
 
 def stood_up(points: FloatArray) -> FloatArray:

@@ -17,6 +17,8 @@ SOLID: Final = "CP-SOLID"
 SUPPORT: Final = "CP-SUPPORT"
 TIES: Final = "CP-TIES"
 LOADS: Final = "CP-LOADS"
+# Layers that mean ground, whoever drew it.
+GROUND: Final = (SUPPORT, "SUPPORT", "SUPPORTS", "GROUND")
 
 # Layer -> AutoCAD colour index.
 LAYERS: Final = {BLOCKS: 7, VERTEX: 1, CENTROID: 2, INTERFACE: 4, SOLID: 9, SUPPORT: 3, TIES: 3, LOADS: 6}

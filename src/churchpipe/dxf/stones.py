@@ -144,7 +144,7 @@ def _visit(found: Survey, content: Definition, branch: _Branch) -> None:
         if solid.body.warp:
             found.findings.append(warped(solid.body, place))
         found.nameless.append(place)
-        found.stones.append(Stone(points, faces, branch.fixed or layer == schema.SUPPORT, place, name, "default"))
+        found.stones.append(Stone(points, faces, _is_ground(found, layer, branch, place), place, name, "default"))
     found.left_out[HIDDEN] += content.invisible
     for face in content.loose:
         _visit_loose(found, face, branch)
@@ -191,7 +191,7 @@ def _visit_loose(found: Survey, face: Any, branch: _Branch) -> None:
     place = _at(Place("3DFACE", face.dxf.handle or ""), branch.matrix, corner)
     if layer in found.hidden:
         found.left_out[HIDDEN] += 1
-    elif not (branch.fixed or layer == schema.SUPPORT):
+    elif not _is_ground(found, layer, branch, place):
         remedy = "Close it, or put it on CP-SUPPORT if it is ground."
         found.findings.append(
             place.finding("E10", "a 3D face that belongs to no closed solid", expected="a solid", remedy=remedy)
@@ -242,7 +242,7 @@ def _visit_insert(found: Survey, insert: Insert, branch: _Branch) -> None:
             found.findings.append(place.finding("E10", f"in the placing of the insert {NOT_SANE}"))
             return
         axes, origins = rows[:3, :3] @ branch.matrix[0], transformed(origins, branch.matrix)
-        fixed = branch.fixed or layer == schema.SUPPORT
+        fixed = _is_ground(found, layer, branch, place)
         for index, origin in enumerate(origins):
             suffix = f"[{index}]" if many > 1 else ""
             deeper = _Branch((axes, origin), layer, fixed, branch.names, branch.blocks)
@@ -290,7 +290,7 @@ def _visit_member(found: Survey, insert: Insert, block: Any, branch: _Branch, pl
         and not content.tagged
         and not (content.solids or content.inserts or content.loose)
     ):
-        if branch.layer in (schema.BLOCKS, schema.SUPPORT):
+        if branch.layer in (schema.BLOCKS, *schema.GROUND):
             expected = "a MESH or polyface on CP-SOLID, or points F<face>.<corner> on CP-INTERFACE"
             found.findings.append(place.finding("E10", "no body in the block", expected=expected))
         else:
@@ -341,6 +341,13 @@ def _placed(points: FloatArray, faces: Faces, matrix: Matrix) -> tuple[FloatArra
     """Move a body; a mirrored one gets its faces turned so that they look outwards again."""
     mirrored = np.linalg.det(matrix[0]) < 0
     return transformed(points, matrix), tuple(face[::-1] for face in faces) if mirrored else faces
+
+
+def _is_ground(found: Survey, layer: str, branch: _Branch, place: Place) -> bool:
+    """Return whether what lies on a layer is ground; that a layer is known by its name alone is said."""
+    if not branch.fixed and layer in schema.GROUND and layer != schema.SUPPORT:
+        found.findings.append(place.finding("W43", f"ground by its layer, {layer}"))
+    return branch.fixed or layer in schema.GROUND
 
 
 def _layer(name: str, branch: _Branch) -> str:

@@ -76,3 +76,25 @@ def test_3d_faces_of_stones_that_touch_are_told_apart_in_any_order(seed: int, tm
         drawing = read_drawing(tmp_path / "pile.dxf", support="base", repair=repair)
         assert drawing.stones.volume[~drawing.stones.fixed] == pytest.approx([0.3] * 6)
         assert {"W41", "E10"}.isdisjoint(drawing.findings.codes)
+
+
+@pytest.mark.parametrize(("layer", "said"), [("Ground", True), ("SUPPORT", True), ("CP-SUPPORT", False)])
+@pytest.mark.parametrize("how", ["solid", "faces", "insert"])
+def test_what_lies_on_a_layer_of_ground_is_ground(layer: str, said: bool, how: str, tmp_path: Path) -> None:
+    document = new("R2010", units=6)
+    space, own = document.modelspace(), {"layer": layer}
+    mesh_of([box((0, 0, 0), (1, 1, 2))]).render_mesh(space)
+    plate = mesh_of([box((-1, -1, -0.5), (3, 3, 0.5))])
+    if how == "solid":
+        plate.render_mesh(space, dxfattribs=own)
+    elif how == "faces":
+        space.add_3dface([(-1, -1, 0), (2, -1, 0), (2, 2, 0), (-1, 2, 0)], dxfattribs=own)
+    else:
+        plate.render_mesh(document.blocks.new("PLATE"))
+        space.add_blockref("PLATE", (0, 0, 0), dxfattribs=own)
+    document.saveas(tmp_path / "ground.dxf")
+    drawing = read_drawing(tmp_path / "ground.dxf", support="base", unit_weight=18e3)
+    assert drawing.stones.fixed.sum() == 1
+    assert drawing.stones.weight.sum() == pytest.approx(2 * 18e3)
+    assert "W12" not in drawing.findings.codes
+    assert ("W43" in drawing.findings.codes) == said
