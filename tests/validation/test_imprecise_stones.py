@@ -8,6 +8,7 @@ from churchpipe.model.loads import LoadCase
 from churchpipe.rigid_blocks.limit import limit_analysis
 from churchpipe.stones.contacts import find_contacts
 from imprecise import FIRST_SEED, MODELS, changes, joined_pairs, median_size, noisy, rounded, tilted
+from solids import on_ground
 
 # The arch and the dome with friction .7, as given for an independent calculation of the same stones; the others are of this code.
 EXACT = {"arch": 0.284337, "wall": 0.518228, "corner": 0.400794, "dome": 0.293305}
@@ -67,3 +68,30 @@ def test_twenty_seeds_lose_no_joint(name: str) -> None:
 def test_the_load_factor_of_five_seeds_moves_in_proportion_to_the_noise(name: str) -> None:
     for seed in range(FIRST_SEED, FIRST_SEED + 5):
         check_proportion(MODELS[name](), seed)
+
+
+def mitred_tower(grown: float) -> Assemblage:
+    """Courses of four stones that meet in mitres, head joints above each other, each stone larger by this share of its size."""
+    half, thickness, height = 1.1, 0.4, 0.4
+    solids: list[tuple[np.ndarray, list[list[int]]]] = []
+    faces = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
+    corner = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]], dtype=float)
+    for course in range(3):
+        for side in range(4):
+            following = (side + 1) % 4
+            outer, inner = half * corner, (half - thickness) * corner
+            plan = np.array([outer[side], outer[following], inner[following], inner[side]])
+            stone = np.vstack([np.column_stack([plan, np.full(4, height * (course + k))]) for k in (0, 1)])
+            solids.append((stone.mean(axis=0) + (1 + grown) * (stone - stone.mean(axis=0)), faces))
+    return on_ground(*solids)
+
+
+@pytest.mark.parametrize("grown", [1e-6, 1e-5, 1e-4, 1e-3])
+def test_stones_a_little_too_large_do_not_bear_on_the_neighbours_of_their_neighbours(grown: float) -> None:
+    # Strips as wide as the stones overlap were joints, along which each stone bore on the one beside that below it.
+    exact, changed = mitred_tower(0.0), mitred_tower(grown)
+    contacts = find_contacts(exact)
+    assert len(contacts.blocks) == 3 * 4 * 2
+    assert len(find_contacts(changed).blocks) == len(contacts.blocks)
+    assert joined_pairs(find_contacts(changed).blocks.tolist()) == joined_pairs(contacts.blocks.tolist())
+    assert load_factor(changed) == pytest.approx(load_factor(exact), rel=10 * grown)

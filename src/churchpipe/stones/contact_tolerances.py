@@ -14,10 +14,12 @@ from churchpipe.model.polyhedra import face_normals
 from churchpipe.stones.facing import Overlaps
 
 # Shares of the median stone's thickness. A gap below the first is always a joint. No wider gap than the second is proposed. The
-# third bounds the estimate of how far corners are displaced along the joints.
+# third and the fourth bound the estimate of how far corners are displaced along the joints: no stone is cut so exactly that it
+# bears on a narrower strip.
 HAIRLINE = 0.008
 WIDEST = 0.02
 NOISIEST = 0.04
+LEAST_NOISE = 1e-4
 # Proposed angles are between these, rad.
 LEAST_ANGLE = math.radians(3.0)
 MOST_ANGLE = math.radians(5.0)
@@ -105,15 +107,18 @@ def limits_of(
     near = telling[telling.opening <= gap + TOUCHING]
     angle = contact_angle or max(_proposed(near.angle, 1e-5, LEAST_ANGLE, MOST_ANGLE), LEAST_ANGLE)
     given = {"contact_gap": contact_gap, "contact_angle": contact_angle, "overlap": overlap}
+    deepest = overlap or max(widest, gap)
+    meets = found[(found.area > TELLING_SHARE * least) & (found.angle <= angle) & (found.opening <= gap + TOUCHING)]
+    meets = meets[meets.penetration <= deepest + TOUCHING]
     return Limits(
         tolerances=ContactTolerances(
             contact_gap=gap,
             contact_angle=angle,
-            overlap=overlap or max(widest, gap),
+            overlap=deepest,
             given=tuple(name for name, value in given.items() if value is not None),
         ),
         middle=widest if contact_gap is None else np.inf,
-        noise=_noise(near, exact, NOISIEST * typical),
+        noise=max(_noise(meets, exact, NOISIEST * typical), LEAST_NOISE * typical),
         thickness=thickness,
         typical=typical,
     )
@@ -132,7 +137,7 @@ def _proposed(values: FloatArray, least: float, sure: float, most: float) -> flo
 
 def _noise(joints: Overlaps, exact: int, most: float) -> float:
     """Return how far corners are displaced, m. They are taken to be as inexact along the joints as gaps, tilts and warps show
-    across.
+    across, and stones that are too large to reach as far into their neighbours' neighbours as into these.
     """
     if not len(joints):
         return TOUCHING
@@ -140,4 +145,5 @@ def _noise(joints: Overlaps, exact: int, most: float) -> float:
     shift = 4.0 * float(np.quantile(np.concatenate([np.abs(joints.middle - middle), none]), 0.95))
     tilt = 2.0 * float(np.quantile(np.concatenate([np.abs(joints.gap - middle).max(axis=1), none]), 0.95))
     warp = 2.0 * float(np.median(np.concatenate([joints.slack, none])))
-    return min(max(shift, tilt, warp, TOUCHING), most)
+    depth = 2.0 * float(np.quantile(np.concatenate([np.maximum(-joints.middle, 0.0), none]), 0.95))
+    return min(max(shift, tilt, warp, depth, TOUCHING), most)
