@@ -129,16 +129,16 @@ def read_definition(block: Any, matrix: Matrix, findings: list[Finding], repair:
         content.solids = []
         return content
     if body.warp:
-        findings.append(warped(body, place))
+        findings.append(warped(body.warp, place))
     content.solids = [Solid(body, place, schema.SOLID)]
     findings += _check_constants(content, body, place, repair)
     return content
 
 
-def warped(body: Body, place: Place) -> Finding:
-    """Return what is to be said of a body with warped faces."""
+def warped(warp: float, place: Place) -> Finding:
+    """Return what is to be said of a body with faces that are warped by so much at most."""
     found = "warped faces, with corners up to {} out of their plane, are taken as triangles"
-    return place.finding("W10", found, lengths=(body.warp,))
+    return place.finding("W10", found, lengths=(warp,))
 
 
 def transformed(points: FloatArray, matrix: Matrix) -> FloatArray:

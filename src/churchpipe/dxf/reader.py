@@ -265,5 +265,4 @@ def assembled(stones: Sequence[Stone], unit: str, weights: FloatArray, findings:
             block_id=[stone.name for stone in stones],
         )
     except InputError as error:
-        # Stretching an insert can warp a face that was just flat enough in its definition.
         raise FindingsError(replace(findings, items=(*findings.items, Finding("E10", str(error).rstrip("."))))) from error

@@ -17,6 +17,7 @@ from churchpipe.dxf.inserts import DEEPEST, MOST_INSERTS, TooDeepError, array_of
 from churchpipe.dxf.traces import KINDS, Trace, traces_of
 from churchpipe.findings import Finding, Place
 from churchpipe.geometry.mending import signed_volume
+from churchpipe.geometry.warped import split_warped
 from churchpipe.model.arrays import FloatArray
 from churchpipe.wording import counted
 
@@ -140,9 +141,9 @@ def _visit(found: Survey, content: Definition, branch: _Branch) -> None:
             continue
         place = _at(solid.place, branch.matrix, solid.body.points[0])
         name = "/".join((*branch.names, place.handle)) + (f".{index}" if _shares_handle(content, index) else "")
-        points, faces = _placed(solid.body.points, solid.body.faces, branch.matrix)
-        if solid.body.warp:
-            found.findings.append(warped(solid.body, place))
+        points, faces, warp = _placed(solid.body.points, solid.body.faces, branch.matrix)
+        if warp or solid.body.warp:
+            found.findings.append(warped(max(warp, solid.body.warp), place))
         found.nameless.append(place)
         found.stones.append(Stone(points, faces, _is_ground(found, layer, branch, place), place, name, "default"))
     found.left_out[HIDDEN] += content.invisible
@@ -202,7 +203,7 @@ def _visit_loose(found: Survey, face: Any, branch: _Branch) -> None:
             if plate.flaw:
                 found.findings.append(place.finding("E10", f"the patch of ground is no face: {plate.flaw}"))
                 continue
-            points, faces = _placed(plate.points, plate.faces, branch.matrix)
+            points, faces, _ = _placed(plate.points, plate.faces, branch.matrix)
             name = "/".join((*branch.names, f"ground-{place.handle}")) + (f".{index}" if len(plates) > 1 else "")
             found.stones.append(Stone(points, faces, True, place, name, "default"))
         if not plates:
@@ -320,7 +321,9 @@ def _is_rigid(found: Survey, matrix: Matrix, place: Place) -> bool:
 
 def _add_stone(found: Survey, content: Definition, texts: dict[str, str], branch: _Branch, place: Place, suffix: str) -> None:
     body = content.solids[0].body
-    points, faces = _placed(body.points, body.faces, branch.matrix)
+    points, faces, warp = _placed(body.points, body.faces, branch.matrix)
+    if warp:
+        found.findings.append(warped(warp, place))
     labels = read_labels(
         texts,
         content.constants,
@@ -337,10 +340,16 @@ def _add_stone(found: Survey, content: Definition, texts: dict[str, str], branch
     )
 
 
-def _placed(points: FloatArray, faces: Faces, matrix: Matrix) -> tuple[FloatArray, Faces]:
-    """Move a body; a mirrored one gets its faces turned so that they look outwards again."""
-    mirrored = np.linalg.det(matrix[0]) < 0
-    return transformed(points, matrix), tuple(face[::-1] for face in faces) if mirrored else faces
+def _placed(points: FloatArray, faces: Faces, matrix: Matrix) -> tuple[FloatArray, Faces, float]:
+    """Move a body; a mirrored one gets its faces turned so that they look outwards again.
+
+    Faces that were just flat enough in their block may be warped in an insert that stretches them: those are split into
+    triangles. Also returned is how far they are warped at most, drawing units, 0 where none is.
+    """
+    place = transformed(points, matrix)
+    turned = tuple(face[::-1] for face in faces) if np.linalg.det(matrix[0]) < 0 else faces
+    split, count, warp = split_warped(place, turned)
+    return place, tuple(split) if count else turned, warp
 
 
 def _is_ground(found: Survey, layer: str, branch: _Branch, place: Place) -> bool:

@@ -251,3 +251,20 @@ def test_faces_of_a_plain_box_are_found_whatever_their_order(tmp_path: Path) -> 
     drawing = read_drawing(bare_drawing(tmp_path / "a.dxf", draw), unit_weight=18e3)
     assert drawing.unweighted == ()
     assert drawing.stones.volume[~drawing.stones.fixed] == pytest.approx(0.016, rel=1e-12)
+
+
+@pytest.mark.parametrize("scale", [1.0, 4.0, -4.0])
+def test_a_face_just_flat_enough_in_its_block_is_split_where_an_insert_stretches_it(scale: float, tmp_path: Path) -> None:
+    points, faces = box((0.0, 0.0, 0.0), (0.2, 0.2, 0.2))
+    points[6, 2] += 3e-6
+    document = ezdxf.new("R2010", units=6)
+    mesh = MeshBuilder()
+    mesh.add_mesh(vertices=Vec3.list(points.tolist()), faces=list(faces))
+    mesh.render_mesh(document.blocks.new("STONE"))
+    place = {"xscale": scale, "yscale": abs(scale), "zscale": abs(scale)}
+    document.modelspace().add_blockref("STONE", (0, 0, 0), dxfattribs=place)
+    document.saveas(tmp_path / "stone.dxf")
+    drawing = read_drawing(tmp_path / "stone.dxf", support="base", unit_weight=18e3)
+    # It was refused as not planar, in an insert alone.
+    assert ("W10" in drawing.findings.codes) == (abs(scale) > 1)
+    assert drawing.stones.volume[0] == pytest.approx(0.008 * abs(scale) ** 3, rel=1e-4)
