@@ -76,7 +76,7 @@ def crack_maps(stones: Assemblage, contacts: Contacts, followed: Sequence[Follow
     bears = ~stones.fixed[contacts.blocks].all(axis=1)
     out: list[tuple[str, str]] = []
     for record, curve in followed:
-        step = int(np.searchsorted(curve.displacement, _LIMIT * curve.displacement[-1]))
+        step = _part_way(curve.displacement, _LIMIT)
         opening, _ = joint_cracks(stones, contacts, curve.position[step], curve.rotation[step])
         opening = np.where(bears, opening, 0.0)
         names = np.unique(stones.panel[~stones.fixed]).tolist()
@@ -87,6 +87,12 @@ def crack_maps(stones: Assemblage, contacts: Contacts, followed: Sequence[Follow
             if drawn:
                 out.append((f"{path_label(record)}, {name or 'stones of no wall'}, {_words(curve, step)}", drawn))
     return out
+
+
+def _part_way(displacement: FloatArray, share: float) -> int:
+    """Return the first step that is this share of the way to the last one: a control point may go to and fro, or backwards."""
+    end = float(displacement[-1])
+    return int(np.argmax(np.sign(end) * displacement >= share * abs(end)))
 
 
 def _widest(stones: Assemblage, contacts: Contacts, opening: FloatArray, wall: str) -> float:

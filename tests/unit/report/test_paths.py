@@ -54,3 +54,13 @@ def test_crack_maps_show_the_joint_that_opens(curve: cp.BlockCapacityCurve) -> N
     ((words, drawing),) = crack_maps(STONES, CONTACTS, [(RECORD, curve)])
     assert "pier" in words
     assert drawing.startswith("<svg")
+
+
+def test_crack_maps_of_a_control_point_that_goes_backwards_or_to_and_fro(curve: cp.BlockCapacityCurve) -> None:
+    ((_, expected),) = crack_maps(STONES, CONTACTS, [(RECORD, curve)])
+    ((words, drawing),) = crack_maps(STONES, CONTACTS, [(RECORD, replace(curve, displacement=-curve.displacement))])
+    assert ", -" in words
+    assert drawing == expected
+    swaying = 1e-9 * (-1.0) ** np.arange(len(curve.displacement))
+    for sign in (1.0, -1.0):
+        assert len(crack_maps(STONES, CONTACTS, [(RECORD, replace(curve, displacement=sign * swaying))])) <= 1
