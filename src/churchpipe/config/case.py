@@ -17,6 +17,7 @@ from churchpipe.config import overrides as changes
 from churchpipe.config.analyses import MovementSettings, RigidSettings, ShellSettings
 from churchpipe.config.carries import KINDS, Carries, placed, tried
 from churchpipe.config.case_file import read_table
+from churchpipe.config.complete import check_complete
 from churchpipe.config.distributions import SampleSettings, quantile
 from churchpipe.config.places import located
 from churchpipe.config.project import Project
@@ -36,7 +37,7 @@ from churchpipe.model.contacts import TOLERANCES
 from churchpipe.model.joint_group import JointGroup
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
-from churchpipe.model.quantities import in_si, required
+from churchpipe.model.quantities import in_si
 from churchpipe.model.ring_beam import RingBeam
 from churchpipe.resources import sample_case
 from churchpipe.shell_mesh.element_count import check_elements, check_longest, element_count
@@ -299,7 +300,7 @@ def _check_source(first: Case, case: Case, where: str) -> None:
 def _case(path: Path, table: dict[str, Any], swept: dict[str, Any], overrides: tuple[str, ...]) -> Case:
     file = str(path)
     checked, source = check(table, file)
-    _check_complete(checked, file)
+    check_complete(checked, file)
     materials = [record(Material, values, f"{file}: material.{name}", name=name) for name, values in checked["material"].items()]
     loads = _all(LoadCase, checked, "load", file)
     published = _all(Published, checked, "published", file)
@@ -355,22 +356,6 @@ def _case(path: Path, table: dict[str, Any], swept: dict[str, Any], overrides: t
 def _all(kind: type[_Record], checked: Table, key: str, file: str) -> tuple[_Record, ...]:
     """Return the records of a list of tables."""
     return tuple(record(kind, table, f"{file}: {key}.{n}") for n, table in enumerate(checked.get(key, [])))
-
-
-def _check_complete(checked: Table, file: str) -> None:
-    """Name at once all that an imported drawing did not say: materials, their unit weight and friction, loads."""
-    materials: dict[str, Table] = checked.get("material") or {"default": {}}
-    needed = [key for key in required(Material) if key != "name"]
-    missing = [f"material.{name}.{key}" for name, table in materials.items() for key in needed if key not in table]
-    if "pushover" in checked.get("shell", {}).get("analyses", ()):
-        missing += [f"material.{name}.elastic (for the capacity curve)" for name, m in materials.items() if "elastic" not in m]
-    if not checked.get("load") and not checked.get("movements"):
-        missing.append("load (a table [[load]] with its direction)")
-    if missing:
-        bare = [name for name, table in materials.items() if needed[0] not in table]
-        meant = next((nearest(name, {*materials} - {*bare}) for name in bare if len(bare) < len(materials)), "")
-        remedy = "Neither the file nor its drawing says them, and nothing is assumed."
-        raise InputError(file, "missing keys", expected=", ".join(missing), remedy=f"{remedy} {meant}".strip())
 
 
 def _source(path: Path, source: Section) -> Generated | Drawing:

@@ -412,3 +412,12 @@ def test_the_table_reads_back_as_the_same_case(tmp_path: Path) -> None:
     again = read_case(case_file(tmp_path, tomli_w.dumps(case.table)))
     assert tomllib.loads(tomli_w.dumps(case.table)) == case.table
     assert again.table == case.table
+
+
+def test_a_rigid_beam_needs_no_elastic_constants(tmp_path: Path) -> None:
+    text = SHELL + "[material.concrete]\nunit_weight_kN_m3 = 25\nfriction = 0.6\n"
+    beam = '[[ring_beams]]\nwalls = ["wall"]\nheight_m = 0.2\nmaterial = "concrete"\n'
+    assert read_case(case_file(tmp_path, text + beam)).ring_beams[0].material == "concrete"
+    buttress = '[[buttresses]]\nwall = "wall"\nalong_m = [0.6]\ntoward = "-y"\nwidth_m = 0.4\ndepth_m = 0.4\n'
+    with pytest.raises(InputError, match=r"missing keys; expected material\.concrete\.elastic \(for the capacity curve\)"):
+        read_case(case_file(tmp_path, text + beam + buttress + 'material = "concrete"\n'))

@@ -9,6 +9,7 @@ import pytest
 
 import churchpipe as cp
 from churchpipe.errors import InputError
+from churchpipe.generators import wall
 from churchpipe.io.npz import read_npz, write_npz
 from churchpipe.large_displacements import pushover
 from models import ferris_tin_loi_wall
@@ -209,3 +210,27 @@ def test_a_stone_that_loses_its_seat_falls_and_the_others_go_on() -> None:
     centre = curve.position[alone, 2]
     assert curve.load_factor[alone] == pytest.approx((1 - centre[:, 0]) / centre[:, 2], abs=1e-5)
     assert curve.status == "vanished"
+
+
+def test_a_beam_that_slides_on_its_wall_has_a_curve() -> None:
+    # Its first program was not solved as exactly as was asked, and there was no curve at all.
+    building = replace(
+        wall(
+            length=2.0,
+            courses=6,
+            brick=(0.4, 0.3, 0.2),
+            materials=(cp.Material("default", 15259.0, 0.684), cp.Material("concrete", 25e3, 0.6)),
+        ),
+        ring_beams=(cp.RingBeam(("wall",), 0.2, material="concrete"),),
+    )
+    stones = cp.derive_blocks(building)
+    contacts = cp.find_contacts(stones)
+    friction, _ = cp.joint_strength(stones, contacts, [cp.JointStrength("default", 0.684), cp.JointStrength("concrete", 0.6)])
+    curve = cp.block_pushover(stones, contacts, PUSH, friction, steps=4)
+    assert curve.status == "unfinished"
+    assert curve.load_factor == pytest.approx([0.6] * 4, abs=1e-5)
+    assert curve.proved
+    # The wall alone is pushed: its base slides under the beam as well.
+    pushed = cp.block_pushover(stones, contacts, cp.LoadCase((1, 0, 0), panels=("wall",)), friction, steps=4)
+    own = stones.weight[stones.panel == "wall"].sum()
+    assert pushed.load_factor == pytest.approx([0.684 * stones.weight.sum() / own] * 4, abs=1e-5)

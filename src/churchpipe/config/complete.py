@@ -1,0 +1,49 @@
+"""Whether a case says all that its analyses need."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from churchpipe.config.section import Table, nearest
+from churchpipe.errors import InputError
+from churchpipe.model.materials import Material
+from churchpipe.model.quantities import required
+
+
+def check_complete(checked: Table, file: str) -> None:
+    """Name at once all that an imported drawing did not say: materials, their unit weight and friction, loads.
+
+    Raises
+    ------
+    InputError: something is missing.
+    """
+    materials: dict[str, Table] = checked.get("material") or {"default": {}}
+    needed = [key for key in required(Material) if key != "name"]
+    missing = [f"material.{name}.{key}" for name, table in materials.items() for key in needed if key not in table]
+    if "pushover" in checked.get("shell", {}).get("analyses", ()):
+        bends = _of_walls(checked, materials)
+        missing += [f"material.{name}.elastic (for the capacity curve)" for name in bends if "elastic" not in materials[name]]
+    if not checked.get("load") and not checked.get("movements"):
+        missing.append("load (a table [[load]] with its direction)")
+    if missing:
+        bare = [name for name, table in materials.items() if needed[0] not in table]
+        meant = next((nearest(name, {*materials} - {*bare}) for name in bare if len(bare) < len(materials)), "")
+        remedy = "Neither the file nor its drawing says them, and nothing is assumed."
+        raise InputError(file, "missing keys", expected=", ".join(missing), remedy=f"{remedy} {meant}".strip())
+
+
+def _of_walls(checked: Table, materials: Mapping[str, Table]) -> list[str]:
+    """Return the materials that the facets of a shell may be of: of a generator the first one and those that its walls and
+    buttresses name, not those of rigid ring beams alone; of a drawing all."""
+    if "generator" not in checked["source"]:
+        return list(materials)
+    named: set[Any] = set()
+    left: list[Any] = [checked["source"], checked.get("buttresses", [])]
+    while left:
+        item = left.pop()
+        if isinstance(item, str):
+            named.add(item)
+        elif isinstance(item, Mapping):
+            left += item.values()
+        elif isinstance(item, Sequence):
+            left += item
+    return [name for number, name in enumerate(materials) if not number or name in named]
