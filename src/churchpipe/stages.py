@@ -202,18 +202,18 @@ def _analyse_shell(
 ) -> None:
     from churchpipe.homogenised_shell.joint_groups import shell_joint_groups
 
-    load, materials = load_of(table), strengths_of(table)
+    load, materials, stones = load_of(table), strengths_of(table), read_npz(assemblage, Assemblage)
     words: dict[str, Any] = {"method": method, "planes": table["planes"], "joints": joints_of(table)}
+    # Those of the stones, beams among them: both models answer one question.
+    used = used_by(stones, materials)
     if not read_record(match, Match).passed:
         reason = "the two models do not match"
         write_npz(state, Absent(reason))
-        write_record(record, shell_record_of(reason, load, materials, **words, status="left-out"))
+        write_record(record, shell_record_of(reason, load, used, **words, status="left-out"))
         return
     mesh = read_npz(shell, ShellModel)
-    used = [material for material in materials if material.name in mesh.material]
     if progress:
         progress(f"{len(mesh.triangles)} elements", 0.0)
-    stones = read_npz(assemblage, Assemblage)
     applied = placed(carries_of(table), stones)
     try:
         mesh, materials = shell_joint_groups(mesh, materials, words["joints"])

@@ -182,6 +182,30 @@ def test_both_models_are_in_the_summary(case: Path) -> None:
     np.testing.assert_allclose(moved["plastic_curvature"], state.plastic[:, 3:])
 
 
+def test_both_models_answer_one_question_where_a_beam_is_of_a_material_of_its_own(case: Path) -> None:
+    # The shell named the friction of its walls alone, was not set beside the stones, and its larger value was advised.
+    beam = """
+[material.concrete]
+unit_weight_kN_m3 = 25
+friction = 0.5
+[[ring_beams]]
+walls = ["wall"]
+height_m = 0.2
+material = "concrete"
+"""
+    case.write_text(case.read_text(encoding="utf-8") + beam, encoding="utf-8")
+    summary = make(case)
+    blocks, shell = (
+        next(a for a in summary["analyses"] if a["model"] == model) for model in ("rigid-block", "homogenised-shell")
+    )
+    assert blocks["friction"] == shell["friction"] == {"default": 0.6, "concrete": 0.5}
+    (pair,) = summary["comparison"]
+    assert (pair["rigid-block"], pair["homogenised-shell"]) == (blocks["name"], shell["name"])
+    assert pair["ratio"] == pytest.approx(shell["load_factor"] / blocks["load_factor"])
+    careful = min(blocks["load_factor"], shell["load_factor"])
+    assert summary["guidance"][0].startswith(f"Load +y: use {careful:.4f}")
+
+
 def test_a_sweep_of_meshes_is_reported_side_by_side_with_the_stones(case: Path) -> None:
     summary = make(case, 'sweep={"shell.element_size_mm"=[600,400]}')
     assert [mesh["element_size_mm"] for mesh in summary["shells"].values()] == [600, 400]
