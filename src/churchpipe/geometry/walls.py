@@ -49,7 +49,7 @@ class WallLine:
                 f"{where}: toward",
                 f"it runs along the wall {self.name}",
                 found=toward.tolist(),
-                expected=f"nearer to its normal, {np.append(self.normal, 0.0).round(4).tolist()} or the opposite",
+                expected=f"nearer to its normal, {(np.append(self.normal, 0.0).round(4) + 0.0).tolist()} or the opposite",
             )
         return float(np.sign(across))
 
