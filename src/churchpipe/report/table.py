@@ -229,7 +229,7 @@ COLUMNS = (
     Column(
         "Friction violation", "shear beyond friction over frictional strength", lambda row: small(row.value("friction_violation"))
     ),
-    Column("Gap g", "de Saxc\u00e9 gap over load factor; 0 is an exact state", lambda row: small(row.relative_gap)),
+    Column("Gap g / α", "de Saxc\u00e9 gap over load factor; 0 is an exact state", lambda row: small(row.relative_gap)),
     Column("Iterations", "", _iterations),
     Column("Seconds", "", _seconds),
 )

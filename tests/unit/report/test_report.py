@@ -99,7 +99,7 @@ def test_table_holds_the_numbers_of_the_summary(page: Page) -> None:
     assert (first["Status"], first["Iterations"], first["Seconds"]) == ("optimal", "17", "1.2")
     assert (first["Equilibrium"], first["Strength"]) == ("2.0e\u221210", "3.0e\u221211")
     second = page.table[1]
-    assert (second["Gap g"], second["Friction violation"]) == ("2.0e\u221206", "3.0e\u221209")
+    assert (second["Gap g / α"], second["Friction violation"]) == ("2.0e\u221206", "3.0e\u221209")
 
 
 def test_joints_of_a_stone_have_their_resultants_and_rates() -> None:
@@ -356,7 +356,7 @@ def test_sections_follow_the_content(tmp_path: Path) -> None:
     shell, own = analysis(name="s", model="homogenised-shell", method="limit", load_factor=0.31), record_of(state)
     plain = Page(report(tmp_path, [(record_of(state), state)]))
     assert "Sliding without dilatancy" not in plain.text
-    assert "Gap g" not in plain.rows[0]
+    assert "Gap g / α" not in plain.rows[0]
     assert "Model" not in plain.rows[0]
     both = Page(report(tmp_path, [(own, state)], [own, shell], shell={"elements": 1440, "nodes": 800, "element_size_mm": 60.0}))
     assert [(row["Model"], row["Load factor"]) for row in both.table] == [
