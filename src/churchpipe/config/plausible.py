@@ -74,6 +74,7 @@ def _of_case(case: "Case") -> Iterator[str]:
         yield from _of_record(material, f"material.{material.name}.")
     yield from _of_vaults(case)
     yield from _of_beams(case)
+    yield from _of_joints(case)
     for name, settings in (("rigid", case.rigid), ("shell", case.shell), ("check", case.check)):
         if settings is not None:
             yield from _of_record(settings, f"{name}.")
@@ -109,6 +110,22 @@ def _of_beams(case: "Case") -> Iterator[str]:
                 f"{key}.{number} lies on the masonry of {below[0]}, below the ring beam there, and does not press the beam down. "
                 f"On the beam it lies by {there}. Is it meant? Its height_m says so."
             )
+
+
+def _of_joints(case: "Case") -> Iterator[str]:
+    """Yield what to ask about joints that the shell has no strength for: its analyses end without a load factor."""
+    beams = {name for beam in case.ring_beams for name in beam.bodies}
+    for number, group in enumerate(case.joints if case.shell is not None else ()):
+        if group.kind is not None:
+            what = f"of kind {group.kind}"
+        elif group.between is not None and beams.isdisjoint(group.between):
+            what = f"between {' and '.join(group.between)}"
+        else:
+            continue
+        yield (
+            f"joints.{number} are those {what}, and the shell has one strength for all joints of a place: it will have no load "
+            "factor, the rigid blocks will. Is [shell] meant?"
+        )
 
 
 def _of_work(case: "Case") -> Iterator[str]:

@@ -60,3 +60,22 @@ def test_what_is_refused(text: str, said: str, tmp_path: Path) -> None:
 def test_a_doubtful_strength_is_questioned(tmp_path: Path) -> None:
     made = plan(read_variants(case_file(tmp_path, CRUSHING.replace("1.5", "1500"))))
     assert any("compressive_strength_MPa is 1500 MPa" in question for question in made.index["questions"])
+
+
+@pytest.mark.parametrize(
+    ("group", "said"),
+    [
+        ('kind = "head"', "joints.0 are those of kind head"),
+        ('between = ["wall", "ground"]', "joints.0 are those between wall and ground"),
+        ('between = ["wall", "beam on wall"]', ""),
+        ("above_m = 0.3", ""),
+    ],
+)
+def test_joints_that_the_shell_has_no_strength_for_are_asked_about_before_a_run(group: str, said: str, tmp_path: Path) -> None:
+    beam = '[[ring_beams]]\nwalls = ["wall"]\nheight_m = 0.2\n'
+    text = WALL + beam + f'[[joints]]\nname = "weak"\nfriction = 0.3\n{group}\n'
+    asked = plan(read_variants(case_file(tmp_path, text + "[shell]\nelement_size_mm = 400\n"))).index["questions"]
+    told = [one for one in asked if one.startswith("joints.0 are")]
+    assert len(told) == bool(said)
+    assert not said or told[0].startswith(said)
+    assert plan(read_variants(case_file(tmp_path, text))).index["questions"] == []
