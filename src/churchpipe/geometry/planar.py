@@ -182,7 +182,7 @@ def nested(polygons: Polygons) -> IntArray:
 
 def common_areas(polygons: Polygons, region: Region) -> FloatArray:
     """Return the area (n,) that each polygon has in common with the region."""
-    return areas(np.asarray(shapely.intersection(polygons, region), dtype=np.object_))
+    return areas(_overlap(polygons, region))
 
 
 def intersections(first: Polygons, second: Polygons) -> Polygons:
@@ -191,7 +191,7 @@ def intersections(first: Polygons, second: Polygons) -> Polygons:
     With nearly collinear edges GEOS may return the places where the edges cross and lose the area between them. Where boxes
     overlap and the answer has no area, coordinates are rounded to `GRID` for another try.
     """
-    common = np.asarray(shapely.intersection(first, second), dtype=np.object_)
+    common = _overlap(first, second)
     low = np.maximum(shapely.bounds(first)[:, :2], shapely.bounds(second)[:, :2])
     high = np.minimum(shapely.bounds(first)[:, 2:], shapely.bounds(second)[:, 2:])
     doubtful = (shapely.area(common) == 0) & (high - low > DOUBTFUL).all(axis=1)
@@ -272,7 +272,7 @@ def hulls(points: FloatArray, owner: IntArray) -> Polygons:
 
 def clip(polygons: Polygons, region: Region) -> tuple[Polygons, IntArray]:
     """Return the polygons' parts inside the region, and the polygon (n,) each comes from; lines and points are dropped."""
-    return pieces_of(np.asarray(shapely.intersection(polygons, region), dtype=np.object_))
+    return pieces_of(_overlap(polygons, region))
 
 
 def simple_parts(polygons: Polygons) -> tuple[Polygons, IntArray]:
@@ -284,7 +284,7 @@ def simple_parts(polygons: Polygons) -> tuple[Polygons, IntArray]:
 
 def common(first: Region, second: Region) -> Region:
     """Return what two regions have in common; lines and points are dropped."""
-    return _areal(shapely.intersection(first, second))
+    return _areal(_overlap(np.array([first], dtype=np.object_), second)[0])
 
 
 def widened(region: Region, margin: float) -> Region:
@@ -334,6 +334,23 @@ def level_section(region: Region, t: float) -> FloatArray:
     line = shapely.LineString([(low - 1.0, t), (high + 1.0, t)])
     spans = shapely.bounds(shapely.get_parts(shapely.intersection(line, region))).reshape(-1, 4)[:, [0, 2]]
     return spans[spans[:, 1] > spans[:, 0]]
+
+
+def _overlap(first: Polygons, second: "Polygons | Region") -> Polygons:
+    """Return what polygons (n,) have in common with others (n,), or with one.
+
+    GEOS returns one of two polygons as a whole where they share nothing but an edge, and corners of both lie on it to 1e-16. An
+    answer that does not lie in both is sought again with coordinates rounded to `GRID`.
+    """
+    found = np.asarray(shapely.intersection(first, second), dtype=np.object_)
+    others = np.broadcast_to(np.asarray(second, dtype=np.object_), found.shape)
+    part, owner = shapely.get_parts(found, return_index=True)
+    wide = shapely.area(part) > 0
+    place, owner = shapely.get_coordinates(shapely.point_on_surface(part[wide])), owner[wide]
+    inside = shapely.intersects_xy(first[owner], *place.T) & shapely.intersects_xy(others[owner], *place.T)
+    wrong = np.unique(owner[~inside])
+    found[wrong] = shapely.intersection(first[wrong], others[wrong], grid_size=GRID)
+    return found
 
 
 def _areal(geometry: shapely.Geometry) -> Region:

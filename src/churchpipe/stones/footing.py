@@ -5,12 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from churchpipe.errors import InputError
+from churchpipe.geometry.polygons import behind
 from churchpipe.model.arrays import FloatArray, IntArray, ragged_indices
 from churchpipe.model.assemblage import Assemblage, assemble
 from churchpipe.model.contacts import Contacts
 
 Rectangle = tuple[tuple[float, float], tuple[float, float]]
-# Ground is an upright box, and a strip of it no piece, within this length, m.
+# Ground is an upright prism, and a strip of it no piece, within this length, m.
 _EXACT = 1e-6
 
 
@@ -29,18 +30,18 @@ class Footing:
 def footing(stones: Assemblage, contacts: Contacts, place: str | Rectangle) -> Footing:
     """Return the support of a name, or that below a rectangle of the plan, m, cut out of the ground where need be.
 
-    place: a fixed stone; or a wall: what its stones stand on, and where others stand there, too, the rectangle around its foot;
-    or two opposite corners (x, y) of a rectangle.
+    place: a fixed stone; or a wall: what its stones stand on, and where others stand there, too, the rectangle around its foot,
+    along the longest side of that ground; or two opposite corners (x, y) of a rectangle.
 
     Raises
     ------
     InputError: neither a wall nor a fixed stone, a wall that does not reach the ground, nothing within the rectangle, ground that
-        is no upright box and cannot be cut.
+        is no upright prism of a convex plan and cannot be cut.
     """
     if not isinstance(place, str):
         (x0, y0), (x1, y1) = place
         corners = np.array([[min(x0, x1), min(y0, y1)], [max(x0, x1), max(y0, y1)]])
-        return _cut(stones, contacts, corners, f"from {corners[0].tolist()} to {corners[1].tolist()} m")
+        return _cut(stones, contacts, np.eye(2), corners, f"from {corners[0].tolist()} to {corners[1].tolist()} m")
     own = np.flatnonzero(stones.fixed & (stones.block_id == place))
     if len(own):
         return Footing(stones, own, cut=False)
@@ -57,12 +58,15 @@ def footing(stones: Assemblage, contacts: Contacts, place: str | Rectangle) -> F
     if not np.isin(ground[~mine], support).any():
         return Footing(stones, support, cut=False)
     points = contacts.point[ragged_indices(contacts.point_ptr[bearing[mine]], contacts.points_per_interface[bearing[mine]]), :2]
-    return _cut(stones, contacts, np.array([points.min(axis=0), points.max(axis=0)]), f"below {place}")
+    frame = _axes(_plan(_corners(stones, int(support[0]))))
+    seen = points @ frame.T
+    return _cut(stones, contacts, frame, np.array([seen.min(axis=0), seen.max(axis=0)]), f"below {place}")
 
 
-def _cut(stones: Assemblage, contacts: Contacts, corners: FloatArray, words: str) -> Footing:
-    """Return stones whose ground is cut along the sides of a rectangle (2, 2), lowest and highest x and y."""
-    inside = ((contacts.point[:, :2] > corners[0] - _EXACT) & (contacts.point[:, :2] < corners[1] + _EXACT)).all(axis=1)
+def _cut(stones: Assemblage, contacts: Contacts, frame: FloatArray, corners: FloatArray, words: str) -> Footing:
+    """Return stones whose ground is cut along a rectangle (2, 2), its lowest and highest places along two axes (2, 2)."""
+    seen = contacts.point[:, :2] @ frame.T
+    inside = ((seen > corners[0] - _EXACT) & (seen < corners[1] + _EXACT)).all(axis=1)
     fixed = stones.fixed[contacts.blocks]
     bears = fixed[:, 0] != fixed[:, 1]
     stands = inside & bears[contacts.interface_of_point]
@@ -72,41 +76,85 @@ def _cut(stones: Assemblage, contacts: Contacts, corners: FloatArray, words: str
         raise InputError("support", "nothing stands on the ground there", found=words, expected="a rectangle with stones in it")
     pieces: list[FloatArray] = []
     moving: list[FloatArray] = []
-    for plate in plates:
-        points = stones.points[stones.block_point_ptr[plate] : stones.block_point_ptr[plate + 1]]
-        box = np.array([points.min(axis=0), points.max(axis=0)])
-        if len(points) != 8 or np.abs(np.sort(points, axis=0) - np.repeat(box, 4, axis=0)).max() > _EXACT:
+    for plate in plates.tolist():
+        points = _corners(stones, plate)
+        plan = _plan(points)
+        if plan is None:
             raise InputError(
                 "support",
                 "ground that cannot be cut",
-                found=f"{stones.block_id[plate]}, which is no upright box",
-                expected="an upright box, or a support that is a fixed stone of its own",
+                found=f"{stones.block_id[plate]}, which is no upright prism of a convex plan",
+                expected="such a prism, or a support that is a fixed stone of its own",
             )
-        middle, around = _pieces(box, corners)
-        moving.append(middle)
-        pieces += around
-    return Footing(*_with_boxes(stones, plates, pieces, moving), cut=True)
+        middle, around = _pieces(plan, frame, corners)
+        levels = np.array([points[:, 2].min(), points[:, 2].max()])
+        moving.append(_prism(middle, levels))
+        pieces += [_prism(piece, levels) for piece in around]
+    return Footing(*_with_prisms(stones, plates, pieces, moving), cut=True)
 
 
-def _pieces(box: FloatArray, corners: FloatArray) -> tuple[FloatArray, list[FloatArray]]:
-    """Return the part of a box (2, 3) inside a rectangle (2, 2), and the parts around it."""
-    (x0, y0), (x1, y1) = np.clip(corners, box[0, :2], box[1, :2])
-    (low_x, low_y, low), (high_x, high_y, high) = box
-    spans = [
-        ((low_x, x0), (low_y, high_y)),
-        ((x1, high_x), (low_y, high_y)),
-        ((x0, x1), (low_y, y0)),
-        ((x0, x1), (y1, high_y)),
-    ]
-    around = [np.array([[a, c, low], [b, d, high]]) for (a, b), (c, d) in spans if min(b - a, d - c) > _EXACT]
-    return np.array([[x0, y0, low], [x1, y1, high]]), around
+def _corners(stones: Assemblage, stone: int) -> FloatArray:
+    return stones.points[stones.block_point_ptr[stone] : stones.block_point_ptr[stone + 1]]
 
 
-def _with_boxes(
+def _plan(points: FloatArray) -> FloatArray | None:
+    """Return the plan (k, 2) of an upright prism with these corners, counter-clockwise; None where they are none of one."""
+    from scipy.spatial import ConvexHull
+
+    level = 0.5 * (points[:, 2].min() + points[:, 2].max())
+    below, above = points[points[:, 2] < level], points[points[:, 2] >= level]
+    if len(below) != len(above) or len(below) < 3 or max(np.ptp(below[:, 2]), np.ptp(above[:, 2])) > _EXACT:
+        return None
+    order = ConvexHull(below[:, :2] - below[0, :2]).vertices
+    apart = np.linalg.norm(below[:, None, :2] - above[None, :, :2], axis=2).min(axis=1)
+    return below[order, :2] if len(order) == len(below) and apart.max() <= _EXACT else None
+
+
+def _axes(plan: FloatArray | None) -> FloatArray:
+    """Return two axes (2, 2) along and across the longest side of a plan (k, 2), the first nearer to x; of none x and y."""
+    if plan is None:
+        return np.eye(2)
+    side = np.roll(plan, -1, axis=0) - plan
+    longest = side[np.argmax(np.linalg.norm(side, axis=1))]
+    x, y = longest / np.linalg.norm(longest)
+    x, y = (x, y) if abs(x) >= abs(y) else (y, -x)
+    x, y = (x, y) if x > 0 else (-x, -y)
+    return np.array([[x, y], [-y, x]])
+
+
+def _pieces(plan: FloatArray, frame: FloatArray, corners: FloatArray) -> tuple[FloatArray, list[FloatArray]]:
+    """Return the part of a convex plan (k, 2) inside a rectangle (2, 2) along two axes (2, 2), and the parts around it."""
+    rest = np.column_stack([plan, np.zeros(len(plan))])
+    around: list[FloatArray] = []
+    for axis, (low, high) in zip(frame, corners.T, strict=True):
+        for way, level in ((np.append(axis, 0.0), low), (-np.append(axis, 0.0), -high)):
+            beside = behind(rest, way, float(level))
+            if len(beside) and np.ptp(beside @ way) > _EXACT:
+                around.append(beside[:, :2])
+                rest = behind(rest, -way, -float(level))
+    return rest[:, :2], around
+
+
+def _prism(plan: FloatArray, levels: FloatArray) -> FloatArray:
+    """Return the corners (2 k, 3) of an upright prism, those below first; without doubled corners of its plan (k, 2)."""
+    own = plan[np.linalg.norm(plan - np.roll(plan, 1, axis=0), axis=1) > 1e-3 * _EXACT]
+    return np.column_stack([np.tile(own, (2, 1)), np.repeat(levels, len(own))])
+
+
+def _faces(corners: int) -> tuple[IntArray, IntArray]:
+    """Return the corners of the faces of a prism of so many corners, one after another, and how many each face has."""
+    count = corners // 2
+    low, high = np.arange(count), np.arange(count) + count
+    after = np.roll(low, -1)
+    sides = np.stack([low, after, after + count, high], axis=1)
+    return np.concatenate([low[::-1], high, sides.ravel()]), np.array([count, count, *[4] * count])
+
+
+def _with_prisms(
     stones: Assemblage, plates: IntArray, pieces: list[FloatArray], moving: list[FloatArray]
 ) -> tuple[Assemblage, IntArray]:
-    """Return stones with boxes (2, 3) in the place of plates (k,), and which of them the moving boxes are."""
-    boxes = [*pieces, *moving]
+    """Return stones with prisms (2 k, 3) in the place of plates (n,), and which of them the moving ones are."""
+    solids = [*pieces, *moving]
     keep = np.setdiff1d(np.arange(stones.count), plates)
     counts = {name: np.diff(getattr(stones, name)) for name in ("block_point_ptr", "block_face_ptr", "face_ptr")}
     point = ragged_indices(stones.block_point_ptr[keep], counts["block_point_ptr"][keep])
@@ -114,23 +162,23 @@ def _with_boxes(
     node = stones.face_nodes[ragged_indices(stones.face_ptr[face], counts["face_ptr"][face])]
     place = np.full(len(stones.points), -1)
     place[point] = np.arange(len(point))
-    corner = np.array([[i, j, k] for k in (0, 1) for j in (0, 1) for i in (0, 1)])
-    sides = np.array([[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [1, 3, 7, 5], [3, 2, 6, 7], [2, 0, 4, 6]])
-    solids = [np.take_along_axis(box, corner, axis=0) for box in boxes]
-    more, first = len(boxes), plates[0]
+    sizes = np.array([len(solid) for solid in solids])
+    starts = len(point) + np.cumsum(sizes) - sizes
+    made = [_faces(size) for size in sizes.tolist()]
+    more, first = len(solids), plates[0]
 
-    def chained(name: str, chosen: IntArray, each: int, number: int) -> IntArray:
-        return np.concatenate([[0], np.cumsum(np.concatenate([counts[name][chosen], np.full(number, each)]))])
+    def chained(name: str, chosen: IntArray, own: IntArray) -> IntArray:
+        return np.concatenate([[0], np.cumsum(np.concatenate([counts[name][chosen], own]))])
 
     names = [f"{stones.block_id[first]}-{i + 1}" for i in range(len(pieces))] + ["moving support"] * len(moving)
     if len(moving) > 1:
         names[len(pieces) :] = [f"moving support {i + 1}" for i in range(len(moving))]
     found = assemble(
         points=np.concatenate([stones.points[point], *solids]),
-        face_nodes=np.concatenate([place[node], *(sides.ravel() + len(point) + 8 * i for i in range(more))]),
-        face_ptr=chained("face_ptr", face, 4, 6 * more),
-        block_face_ptr=chained("block_face_ptr", keep, 6, more),
-        block_point_ptr=chained("block_point_ptr", keep, 8, more),
+        face_nodes=np.concatenate([place[node], *(nodes + start for (nodes, _), start in zip(made, starts, strict=True))]),
+        face_ptr=chained("face_ptr", face, np.concatenate([each for _, each in made])),
+        block_face_ptr=chained("block_face_ptr", keep, np.array([len(each) for _, each in made])),
+        block_point_ptr=chained("block_point_ptr", keep, sizes),
         unit_weight=np.concatenate([stones.unit_weight[keep], np.full(more, stones.unit_weight[first])]),
         material=np.concatenate([stones.material[keep], np.full(more, stones.material[first])]),
         panel=np.concatenate([stones.panel[keep], np.full(more, stones.panel[first])]),

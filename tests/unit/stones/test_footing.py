@@ -1,11 +1,13 @@
 """The part of the ground that a movement takes along."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
 import churchpipe as cp
 from churchpipe.stones.footing import footing
-from solids import box, on_ground
+from solids import box, moved, on_ground
 
 WALLS = cp.Assemblage.from_polyhedra(
     [box((-5, 5), (-5, 5), (-1, 0)), box((0, 2), (0, 0.5), (0, 1)), box((2, 2.5), (0, 2), (0, 1)), box((0, 2), (0, 0.5), (1, 2))],
@@ -62,5 +64,40 @@ def test_ground_that_is_no_box_is_not_cut() -> None:
     corners, faces = box((-5, 5), (-5, 5), (-1, 0))
     slanted = np.asarray(corners) + np.where(np.asarray(corners)[:, 2:] < 0, [1.0, 0.0, 0.0], [0.0, 0.0, 0.0])
     stones = cp.Assemblage.from_polyhedra([(slanted, faces), box((0, 1), (0, 1), (0, 1)), box((2, 3), (0, 1), (0, 1))], 1e3, [0])
-    with pytest.raises(cp.InputError, match="ground that cannot be cut; found B0, which is no upright box"):
+    with pytest.raises(cp.InputError, match="ground that cannot be cut; found B0, which is no upright prism of a convex plan"):
         footing(stones, cp.find_contacts(stones), ((-0.5, -0.5), (1.5, 1.5)))
+
+
+@pytest.mark.parametrize(("angle", "shift"), [(17.0, (0.0, 0.0, 0.0)), (-62.0, (5e5, 4e6, 300.0)), (135.0, (30.0, -7.0, 2.0))])
+def test_turned_ground_is_cut_along_its_own_sides(angle: float, shift: tuple[float, float, float]) -> None:
+    # A building in the axes of a map: its ground was refused, which only the run found out.
+    turn = np.radians(angle)
+    rotation = np.array([[np.cos(turn), -np.sin(turn), 0.0], [np.sin(turn), np.cos(turn), 0.0], [0.0, 0.0, 1.0]])
+    turned = dataclasses.replace(moved(WALLS, rotation, np.array(shift)), panel=WALLS.panel, block_id=WALLS.block_id)
+    reactions: list[float] = []
+    for stones, direction in ((WALLS, np.array([0.3, 0.2, -1.0])), (turned, rotation @ [0.3, 0.2, -1.0])):
+        found = footing(stones, cp.find_contacts(stones), "long")
+        again = cp.find_contacts(found.stones)
+        cp.check_soundness(found.stones, again)
+        assert len(found.stones.points) - len(stones.points) == 4 * 8
+        assert found.stones.volume[found.support] == pytest.approx(2.0 * 0.5 * 1.0, rel=1e-6)
+        assert found.stones.volume[found.stones.fixed].sum() == pytest.approx(100.0, rel=1e-6)
+        state = cp.settlement_analysis(found.stones, again, found.support, direction, friction=0.5)
+        reactions.append(state.reaction)
+    assert reactions[0] > 0
+    assert reactions[1] == pytest.approx(reactions[0], rel=1e-5)
+
+
+def test_a_rectangle_cuts_ground_of_any_convex_plan() -> None:
+    plan = [(-3.0, -3.0), (4.0, -2.0), (5.0, 4.0), (-2.0, 3.0)]
+    corners = np.array([(x, y, z) for z in (-1.0, 0.0) for x, y in plan])
+    faces = [[3, 2, 1, 0], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
+    stones = cp.Assemblage.from_polyhedra([(corners, faces), box((0, 1), (0, 1), (0, 1)), box((2, 3), (0, 1), (0, 1))], 1e3, [0])
+    found = footing(stones, cp.find_contacts(stones), ((-9.0, -0.5), (1.5, 9.0)))
+    again = cp.find_contacts(found.stones)
+    cp.check_soundness(found.stones, again)
+    assert found.stones.volume[found.stones.fixed].sum() == pytest.approx(stones.volume[0], rel=1e-9)
+    (support,) = found.support
+    touching = again.blocks[(again.blocks == support).any(axis=1) & ~found.stones.fixed[again.blocks].all(axis=1)]
+    assert len(touching) == 1
+    assert found.stones.centroid[np.setdiff1d(touching, support), 0] == pytest.approx(0.5)
