@@ -15,7 +15,7 @@ from churchpipe.config.case import Case
 from churchpipe.config.case import Drawing as DrawingSource
 from churchpipe.config.imported import imported_case, material_names
 from churchpipe.config.json_schema import write_case
-from churchpipe.config.picked import check_picked
+from churchpipe.config.picked import check_picked, picks
 from churchpipe.config.shell_table import ShellTable, shell_table
 from churchpipe.dxf.annotated import write_findings
 from churchpipe.dxf.reader import Drawing
@@ -34,6 +34,7 @@ from churchpipe.shell_mesh.shell import derive_shell
 from churchpipe.stones.account import joint_account, joint_lines
 from churchpipe.stones.contacts import find_contacts
 from churchpipe.stones.histogram import histogram_lines
+from churchpipe.stones.ring_beams import add_beams
 from churchpipe.stones.soundness import check_soundness
 from churchpipe.wording import counted
 
@@ -105,8 +106,13 @@ def check_carried(case: Case, stones: Assemblage, contacts: Contacts | None = No
     named = replace(stones, panel=wall_names(stones, reading.kept_joint))
     case.check_named(sorted({*named.panel[~named.fixed].tolist()} - {""}))
     case.check_applied(named)
-    if contacts is not None and not case.ring_beams:
-        check_picked(case, named, contacts)
+    if contacts is None or not picks(case):
+        return
+    if case.ring_beams:
+        weights = {material.name: material.unit_weight for material in case.materials}
+        named = add_beams(named, case.ring_beams, weights)
+        contacts = find_contacts(named, **case.tolerances)
+    check_picked(case, named, contacts)
 
 
 def import_drawing(

@@ -1,7 +1,7 @@
 """The walls that stones belong to, plane and curved, with their charts. Stones of several names in one plane are one wall."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations, permutations
 
 import numpy as np
@@ -9,12 +9,15 @@ import numpy as np
 from churchpipe.geometry.charts import lift, normals
 from churchpipe.geometry.clusters import components
 from churchpipe.geometry.planar import Polygons, area, common, total_extent, united, within
-from churchpipe.model.arrays import IntArray, NameArray, ragged_indices
+from churchpipe.model.arrays import FloatArray, IntArray, NameArray, ragged_indices
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import Chart, PlaneChart
 from churchpipe.recognition.curved_walls import curved_walls
 from churchpipe.recognition.elevations import elevations
 from churchpipe.recognition.wall_planes import LEAST_LEAF, PLANE_TOLERANCE, WallPlane, behind_one_another, wall_planes
+
+# Walls further from the origin than this, m, are sought beside it: rounded coordinates turn their planes about the origin.
+_FAR = 1e4
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +51,11 @@ def stone_walls(stones: Assemblage, contact_gap: float) -> tuple[list[StoneWall]
     ------
     InputError: stones of one name, or without one, in two leaves.
     """
+    far = np.append(np.rint(stones.points[:, :2].mean(axis=0)), 0.0)
+    if np.abs(far).max() > _FAR:
+        near = replace(stones, points=stones.points - far, centroid=stones.centroid - far)
+        walls, unfit = stone_walls(near, contact_gap)
+        return [replace(wall, chart=_shifted(wall.chart, far)) for wall in walls], unfit
     base = float(stones.points[np.repeat(~stones.fixed, np.diff(stones.block_point_ptr))][:, 2].min())
     curved = curved_walls(stones, base)
     free = ~stones.fixed
@@ -63,6 +71,12 @@ def stone_walls(stones: Assemblage, contact_gap: float) -> tuple[list[StoneWall]
     walls.sort(key=lambda wall: wall.name)
     fitted = np.concatenate([wall.stones for wall in walls]) if walls else np.empty(0, dtype=np.int64)
     return walls, np.setdiff1d(np.flatnonzero(~stones.fixed), fitted)
+
+
+def _shifted(chart: Chart, by: FloatArray) -> Chart:
+    if isinstance(chart, PlaneChart):
+        return replace(chart, origin=chart.origin + by)
+    return replace(chart, centre=chart.centre + by)
 
 
 def stretches(wall: StoneWall) -> list[Stretch]:

@@ -18,7 +18,7 @@ from churchpipe.match import match_models
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import BondRegion, CylinderChart, Opening, UnitCell
 from churchpipe.model.materials import Material
-from churchpipe.recognition.panels import fit_panels
+from churchpipe.recognition.panels import fit_panels, wall_names
 from churchpipe.resources import pipeline_folder
 from churchpipe.shell_mesh import subdivision
 from churchpipe.shell_mesh.shell import derive_shell
@@ -26,6 +26,7 @@ from churchpipe.stones.blocks import derive_blocks
 from churchpipe.stones.contacts import find_contacts
 from facades import facade_building
 from models import S5, S22
+from solids import moved
 
 SAMPLES = Path(__file__).parents[3] / "cad_samples"
 PARAMETERS = {"s5": S5, "s22": S22}
@@ -285,3 +286,32 @@ def _polyhedron(stones, number):
     faces = range(*stones.block_face_ptr[number : number + 2])
     nodes = [(stones.face_nodes[stones.face_ptr[f] : stones.face_ptr[f + 1]] - start).tolist() for f in faces]
     return stones.points[start:stop], nodes
+
+
+@pytest.mark.parametrize("build", [box, apse])
+def test_walls_in_the_coordinates_of_a_map_are_those_at_the_origin(build) -> None:
+    # Half a million metres from the origin, the rounding of coordinates turned planes by more than walls are told apart by.
+    shapes = {
+        box: {"length": 4.8, "width": 3.2, "courses": 8, "brick": (0.4, 0.2, 0.25)},
+        apse: {
+            "course": 0.25,
+            "stone_length": 0.5,
+            "inner_radius": 1.5,
+            "thickness": 0.4,
+            "height": 2.0,
+            "wall_length": 6.0,
+            "wall_thickness": 0.5,
+            "wall_height": 2.0,
+        },
+    }
+    stones = derive_blocks(build(**shapes[build], materials=(Material("default", 18e3, 0.6),)))
+    turn = np.radians(17.0)
+    rotation = np.array([[np.cos(turn), -np.sin(turn), 0.0], [np.sin(turn), np.cos(turn), 0.0], [0.0, 0.0, 1.0]])
+    near, far = (moved(stones, rotation, shift * np.array([5e5, 4e6, 100.0])) for shift in (0.0, 1.0))
+    # Which of two walls of one weight comes first hangs on rounding.
+    named = [wall_names(each, None) for each in (near, far)]
+    assert np.array_equal(*(names[:, None] == names for names in named))
+    shells = [derive_shell(fit_panels(each).building(name="x"), 0.6) for each in (near, far)]
+    assert shells[1].weight.sum() == pytest.approx(shells[0].weight.sum(), rel=1e-6)
+    for edge in (np.min, np.max):
+        assert edge(shells[1].points, axis=0) - edge(shells[0].points, axis=0) == pytest.approx([5e5, 4e6, 100.0], abs=1e-6)
