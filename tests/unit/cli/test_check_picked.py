@@ -5,6 +5,10 @@ from pathlib import Path
 import pytest
 
 from case_texts import case_file
+from churchpipe.dxf.writer import write_dxf
+from churchpipe.generators import wall
+from churchpipe.model.materials import Material
+from churchpipe.stones.blocks import derive_blocks
 from command_line import call
 
 CASE = """
@@ -46,3 +50,17 @@ def test_places_that_are_not_there(capsys: pytest.CaptureFixture[str], tmp_path:
 def test_places_that_are_there(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     lines = '[[movements]]\nsupport = "wall"\n[rigid.curve]\ncontrol_mm = [0, 0, 1000]\n'
     assert call(capsys, "check", case_file(tmp_path, f"{CASE}{lines}"))[0] == 0
+
+
+@pytest.mark.parametrize(("support", "code"), [("wall", 0), ("nave", 1)])
+def test_ground_below_a_drawing_with_a_ring_beam(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, support: str, code: int
+) -> None:
+    stones = derive_blocks(wall(length=1.6, brick=(0.4, 0.25, 0.2), courses=5, materials=(Material("default", 18e3, 0.6),)))
+    write_dxf(stones, tmp_path / "stones.dxf", materials=[Material("default", 18e3, 0.6)])
+    drawn = '[source]\ndxf = "stones.dxf"\n' + CASE[CASE.index("[material") :]
+    beam = '[[ring_beams]]\nwalls = ["wall"]\nheight_m = 0.2\n'
+    path = case_file(tmp_path, f'{drawn}{beam}[[movements]]\nsupport = "{support}"\n')
+    ended, _, err = call(capsys, "check", path)
+    assert ended == code
+    assert ("movements.0: support: no wall or stone of this name on the ground; found nave" in err) == bool(code)
