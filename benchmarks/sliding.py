@@ -2,6 +2,7 @@
 
     PYTHONPATH=tests python benchmarks/sliding.py wall1 S5 S5-swapped S22 1k 5k long-.4 storeys-.7 --starts 12
     PYTHONPATH=tests python benchmarks/sliding.py church+x church-y church-tower barrel
+    PYTHONPATH=tests python benchmarks/sliding.py random-1 random-2
     PYTHONPATH=tests python benchmarks/sliding.py wall1 S5 S22 --search
     PYTHONPATH=tests python benchmarks/sliding.py box apse+y apse-y wall4 wall6 S5 S22 --whole --starts 12
 
@@ -31,7 +32,16 @@ from churchpipe.rigid_blocks.limit import analysed, point_strength
 from churchpipe.rigid_blocks.settings import SchemeSettings
 from churchpipe.rigid_blocks.sliding import SlidingOptions
 from churchpipe.stones.contacts import find_contacts
-from models import FACADES, FERRIS_TIN_LOI_LOAD, TILTING_LOADS, box_building, facade, ferris_tin_loi_wall, tilting_test
+from models import (
+    FACADES,
+    FERRIS_TIN_LOI_LOAD,
+    TILTING_LOADS,
+    box_building,
+    facade,
+    ferris_tin_loi_wall,
+    random_facade,
+    tilting_test,
+)
 
 
 def problem(name: str) -> tuple[Any, Any]:
@@ -55,6 +65,9 @@ def problem(name: str) -> tuple[Any, Any]:
         test, _, swapped = name.partition("-")
         stones, contacts = tilting_test(test, first_course="partitions" if swapped else "main")
         load, friction = TILTING_LOADS[test], 0.7
+    elif name.startswith("random-"):
+        stones, contacts, friction = random_facade(int(name.removeprefix("random-")))
+        load = LoadCase((1, 0, 0))
     elif name.partition("-")[0] in FACADES:
         shape, _, friction = name.partition("-")
         stones, contacts = facade(shape)

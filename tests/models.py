@@ -3,6 +3,8 @@
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from churchpipe.generators import prototype, wall
 from churchpipe.generators.box import box as box_walls
 from churchpipe.model.assemblage import Assemblage
@@ -98,7 +100,7 @@ def box_building(name: str) -> tuple[Assemblage, Contacts]:
 
 
 # Plane walls of bricks .4 x .2 x .2 m with doors and windows: length in m, courses, and openings as (start, width, sill, height),
-# the last two in courses. They have 173, 1400 to 1700 and 5500 stones.
+# the last two in courses. They have 173, 1400 to 1700, 5500 and 900 stones.
 FACADES: dict[str, tuple[float, int, list[tuple[float, float, int, int]]]] = {
     "small": (6.0, 12, [(1.2, 0.8, 2, 4), (4.0, 0.8, 2, 4)]),
     "long": (
@@ -128,6 +130,7 @@ FACADES: dict[str, tuple[float, int, list[tuple[float, float, int, int]]]] = {
         60,
         [(start, 1.2, sill, 9) for sill in (6, 24, 42) for start in (1.6, 6.0, 10.4, 14.8, 19.2, 23.6, 28.0, 32.4, 36.8)],
     ),
+    "slender": (7.2, 60, [(start, 0.8, sill, 8) for sill in (4, 18, 32, 46) for start in (1.6, 4.8)]),
 }
 
 
@@ -140,3 +143,37 @@ def facade(name: str) -> tuple[Assemblage, Contacts]:
     ]
     stones = derive_blocks(wall(length=length, brick=(0.4, 0.2, 0.2), courses=courses, openings=cut))
     return stones, find_contacts(stones)
+
+
+def random_facade(seed: int) -> tuple[Assemblage, Contacts, float]:
+    """Stones, contacts and friction of a plane wall with openings, all drawn: 5 to 25 m long, at most some 1300 stones a leaf.
+
+    Bricks, courses, storeys, bays and openings vary, friction from .4 to .8. One in five is of bricks that overlap by a third,
+    one in five has two leaves and headers.
+    """
+    rng = np.random.default_rng(seed)
+    height = float(rng.choice([0.1, 0.15, 0.2, 0.25]))
+    brick = height * float(rng.choice([1.5, 2.0, 3.0]))
+    length = round(float(rng.uniform(5, 25)) / brick) * brick
+    courses = int(np.clip(rng.uniform(3, 12) / height, 12, max(12, int(1300 * brick / length))))
+    friction, bond = round(float(rng.uniform(0.4, 0.8)), 2), int(rng.integers(5))
+    storeys = int(np.clip(round(courses * height / 3), 1, courses // 10))
+    bays = max(1, round(length / float(rng.uniform(2.6, 4.5))))
+    half, width = brick / 2, float(rng.uniform(0.25, 0.45)) * length / bays
+    each = courses // storeys
+    openings: list[dict[str, float]] = []
+    for storey in range(storeys):
+        for bay in range(bays):
+            if rng.uniform() < 0.15:
+                continue
+            door = storey == 0 and rng.uniform() < 0.3
+            sill = 0 if door else storey * each + max(2, each // 3)
+            start = round(((bay + 0.5) * length / bays - width / 2) / half) * half
+            opening = {"start": start, "width": max(brick, round(width / half) * half), "lintel_bearing": half}
+            top = storey * each + each - max(3, each // 4)
+            openings.append({**opening, "sill_courses": sill, "height_courses": top - sill})
+    bonds: dict[int, dict[str, Any]] = {3: {"cut_offset": brick / 3}, 4: {"pattern": "header-stretcher"}}
+    thickness = half if bond == 4 else 0.2
+    shape = wall(length=length, brick=(brick, thickness, height), courses=courses, openings=openings, **bonds.get(bond, {}))
+    stones = derive_blocks(shape)
+    return stones, find_contacts(stones), friction

@@ -29,16 +29,17 @@ def from_centre(
     """Return the run from the centre, closed by stage B where it stops near a state.
 
     A run is left where a pair of programs may close the gap sooner. Where the pair does not, a run that falls fast goes on, and
-    is left again ten times as near; otherwise stage B goes on. Where that is not certified another run follows, in which no point
-    stops short, and whose programs do not begin near each other: they find the most central forces, which a joint that holds the
-    gap may need. A third one has other multipliers.
+    is left again ten times as near; otherwise stage B goes on. Where that is not certified another run follows, which takes
+    another path: it has other multipliers, and the least damping throughout. In a third one no point stops short, and its
+    programs do not begin near each other: they find the most central forces, which a joint that holds the gap may need.
     """
     settings = CentralSettings()
-    whole = replace(settings, patience=settings.whole_patience)
-    other = replace(whole, roundness=settings.other_roundness)
+    least = settings.damping[0]
+    other = replace(settings, roundness=settings.other_roundness, damping=(least, least))
+    whole = replace(settings, patience=settings.whole_patience, damping=(least, least))
     found: list[SlidingRun] = []
     count, spent = SolveCount(solve), 0
-    for each, short in ((settings, True), (whole, False), (other, False)):
+    for each, short in ((settings, True), (other, True), (whole, False)):
         descent, goes_on = Descent(balance, strength, bipotential_gap, each, progress, short=short), True
         while goes_on and not _certified(found, bipotential_gap):
             goes_on = descent.lower()

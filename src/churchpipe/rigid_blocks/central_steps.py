@@ -4,13 +4,19 @@
 directions are judged without them, and each stops short on its own way. A force that stops short takes the balance from its two
 stones; the least change of all others, in the scaling of the step, gives it back. What is left of that, and of rates that are
 not those of the velocities, the next steps remove.
+
+*Points left behind.* Where the path folds, the product of a single joint is the largest that it can be between two states, closed
+or open. A step changes it in the second order only, and all other points, central, wait for it. Such points have a product
+several times the mean. They are released from their rates: their forces alone make the product fall, as those of a joint that
+opens at whatever rate, until it is one among the others. A point that would close where it is released keeps its rates.
 """
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
-from churchpipe.model.arrays import FloatArray
+from churchpipe.model.arrays import BoolArray, FloatArray
 from churchpipe.rigid_blocks.contact_newton import ContactState, ContactSystem, Linearisation
 
 # A step keeps the least eigenvalue of the products above this share of their mean, which may grow by the second factor.
@@ -26,25 +32,72 @@ _SHORT, _MODEST, _LONG = 0.02, 0.25, 0.6
 # A point that stops short goes the first share of its own way. Forces get their balance back in at most so many sweeps, in which
 # a point goes the third share of the way to the boundary of its cone where it would go farther than the last.
 _OWN, _SWEEPS, _HALF, _NEAR = 0.6, 3, 0.5, 0.95
+# A point is left behind whose product is so many times the mean. It keeps its rates where a step would close it so many times
+# over.
+_BEHIND, _OVER = 4.0, 2.0
 
 
 @dataclass(frozen=True, slots=True)
 class Move:
-    """The next state, by how much the damping should change, and how long the step was."""
+    """The next state, by how much the damping should change, and how long the step was.
+
+    released: how many points were; kept (nc,): which ones were left behind and would have closed if released.
+    """
 
     at: ContactState
     stiffer: float
     length: float
+    released: int
+    kept: BoolArray
 
 
-def advance(system: ContactSystem, at: ContactState, damping: float, ignored: int) -> Move:
-    """Return the next state; ignored: so many forces, and rates, are left out of account where directions are judged."""
+class _Direction(NamedTuple):
+    """A step, its length, the matrices that it is made with, and the mean product that it starts from."""
+
+    step: ContactState
+    length: float
+    linear: Linearisation
+    mean: float
+
+
+def advance(system: ContactSystem, at: ContactState, damping: float, ignored: int = 0, kept: BoolArray | None = None) -> Move:
+    """Return the next state.
+
+    ignored: so many forces, and rates, are left out of account where directions are judged. kept (nc,): points that are not
+    released although they are left behind; None: no point is released.
+    """
+    behind = np.zeros(system.points, bool) if kept is None else left_behind(system, at)
+    keeping = behind if kept is None else behind & kept
+    while True:
+        released = behind & ~keeping
+        step, length, linear, mean = _direction(system, at, damping, ignored, released)
+        closing = released & (_OVER * at.rates[0] < -step.rates[0])
+        if not closing.any():
+            break
+        keeping = keeping | closing
+    new, length = _central_part(system, linear, at, step, system.settings.fraction * length, mean, ignored)
+    count = int(released.sum())
+    if length < _SHORT and damping < system.settings.damping[1]:
+        return Move(at, 10.0, length, count, keeping)
+    return Move(new, 5.0 if length < _MODEST else 1.0 / 3.0 if length > _LONG else 1.0, length, count, keeping)
+
+
+def left_behind(system: ContactSystem, at: ContactState) -> BoolArray:
+    """Return which points (nc,) have a product several times the mean."""
+    z = system.multipliers(at.rates)
+    point = system.scaling(at.forces, z).point[:, 0]
+    largest = (point[0] + np.hypot(point[1], point[2])) ** 2
+    return largest > _BEHIND * float((at.forces * z).sum()) / system.points
+
+
+def _direction(system: ContactSystem, at: ContactState, damping: float, ignored: int, released: BoolArray) -> _Direction:
+    """Return the step from a state, judged without the `ignored` points that end it first."""
     settings, points = system.settings, system.points
     z = system.multipliers(at.rates)
     mean = float((at.forces * z).sum()) / points
     residual, excess = system.residual(at), float(system.live @ at.y) - 1.0
     pull = settings.pull * mean * points
-    linear = Linearisation(system, at.forces, z, at.rates, damping)
+    linear = Linearisation(system, at.forces, z, at.rates, damping, released)
     # What the rates of the velocities are ahead of those of points that stopped short.
     lack = system.rates(at.y) - at.rates if ignored else np.zeros((3, points))
     shift = linear.scaled(linear.tangent(lack))
@@ -74,10 +127,7 @@ def advance(system: ContactSystem, at: ContactState, damping: float, ignored: in
         if found < length + WIN:
             break
         step, length = longer, found
-    new, length = _central_part(system, linear, at, step, settings.fraction * length, mean, ignored)
-    if length < _SHORT and damping < settings.damping[1]:
-        return Move(at, 10.0, length)
-    return Move(new, 5.0 if length < _MODEST else 1.0 / 3.0 if length > _LONG else 1.0, length)
+    return _Direction(step, length, linear, mean)
 
 
 def ahead_of(length: float) -> float:

@@ -26,7 +26,7 @@ from churchpipe.conic.interior_point.normal import NormalMatrix
 from churchpipe.conic.interior_point.second_order import SecondOrder, SecondOrderScaling
 from churchpipe.conic.interior_point.wrenches import WrenchCoupling
 from churchpipe.conic.wrenches import BODY
-from churchpipe.model.arrays import FloatArray
+from churchpipe.model.arrays import BoolArray, FloatArray
 from churchpipe.rigid_blocks.certificate import Strength
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
 from churchpipe.rigid_blocks.settings import CentralSettings
@@ -163,8 +163,16 @@ class Scaled:
 class Linearisation(Scaled):
     """The matrices of the steps from one state, factorised."""
 
-    def __init__(self, system: ContactSystem, forces: FloatArray, multipliers: FloatArray, rates: FloatArray, damping: float):
-        """multipliers (3, nc): Z of the rates.
+    def __init__(
+        self,
+        system: ContactSystem,
+        forces: FloatArray,
+        multipliers: FloatArray,
+        rates: FloatArray,
+        damping: float,
+        released: BoolArray | None = None,
+    ) -> None:
+        """multipliers (3, nc): Z of the rates. released (nc,): points whose products fall by D = q, whatever E is.
 
         Raises
         ------
@@ -180,7 +188,10 @@ class Linearisation(Scaled):
         lower = np.array([0.0, 1.0, 1.0])
         mixed = plain[:, :1] * self._slope + plain * lower[None, :, None]
         both = self._slope[:, None] * mixed[0] + mixed * lower[:, None, None]
-        self._plain, self._mixed = plain / (1.0 + damping), mixed / (1.0 + damping)
+        # What D + E of a released point would add to the matrices is left out.
+        self._bound = np.ones(system.points) if released is None else np.where(released, 0.0, 1.0)
+        self._plain, self._mixed = plain / (1.0 + damping), self._bound * mixed / (1.0 + damping)
+        both *= self._bound
         self._both = damping * (2.0 + damping) / (1.0 + damping) * both
         self._lever = system.factorise(0, self._plain)
         self._guess = system.factorise(1, (1.0 + damping) * both)
@@ -194,7 +205,7 @@ class Linearisation(Scaled):
         """Return the step towards D + E = target (3, nc) that removes a residual (6 nf,) of the balance and an excess of work."""
         system, damping, live = self._system, self._damping, self._system.live
         wanted = self.scaled(target) / (1.0 + damping)
-        raised = np.stack([np.zeros(system.points), wanted[1], wanted[2]]) + self._slope * wanted[0]
+        raised = self._bound * (np.stack([np.zeros(system.points), wanted[1], wanted[2]]) + self._slope * wanted[0])
         rows = system.couple(wanted) + residual
         right = damping * system.couple(raised) + self._crossed(self._free(rows) - self._lever * (pull / self._stiffness), True)
         y = self._velocities(right, excess)

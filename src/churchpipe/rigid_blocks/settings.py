@@ -45,7 +45,7 @@ class CentralSettings:
     """Constants of the run from the centre of the cones (`central.py`, `contact_newton.py`).
 
     force: the first normal force of a point, over the mean weight that a point would carry alone. roundness: how round the
-    multipliers are where a point neither opens nor slides; other_roundness: that of the last run.
+    multipliers are where a point neither opens nor slides; other_roundness: that of the second run.
     damping: of the steps, least and most. pull: towards low load factors, over the sum of the products. correctors: of
     centrality, at most. inner, inner_steps: error and steps of the conjugate gradients. clip: a correction of the second order
     counts at most this share of the mean product. fraction: of the way to the boundary of the cones that a step goes. steps: at
@@ -56,11 +56,12 @@ class CentralSettings:
     lowers it most. A run whose gap is below `foreseen` is left where at the rate of its last steps it would need more than
     `outlook` others, which cost what a pair of programs costs that closes it from there. Where the pair does not, the run goes
     on if it needs no more than `resumed` others, and may be left again where the gap has fallen to the share `again`.
-    whole_patience: of the runs that follow where that is not certified, in which no point stops short and stage B has the
-    constants of other searches.
-    blocked, ignored: after a step shorter than this, far from a state as yet, this share of the points is left out of account
-    when directions are judged, most_ignored points at most, since a few joints hold a step however large the model. They stop
-    short and leave errors, so that such a run is handed on to stage B where its gap falls below `handed_on`.
+    whole_patience: of the last run, in which no point stops short and stage B has the constants of other searches.
+    blocked, held, ignored: after a step shorter than the first, points that are left behind are released from their rates
+    (`central_steps.py`). After so many short steps in succession, the second number where points were released, far from a
+    state as yet, this share of the points is left out of account when directions are judged,
+    most_ignored points at most, since a few joints hold a step however large the model. They stop short and leave errors, so
+    that such a run is handed on to stage B where its gap falls below `handed_on`.
 
     roundness, damping and clip were chosen on the walls of Ferris and Tin-Loi, S5 and S22, pull on these for the lowest load
     factors, with the facade of one storey at friction .7 as a check.
@@ -77,9 +78,10 @@ class CentralSettings:
     clip: float = 0.5
     fraction: float = 0.95
     steps: int = 120
-    patience: tuple[int, int] = (25, 5)
-    whole_patience: tuple[int, int] = (25, 8)
+    patience: tuple[int, int] = (15, 5)
+    whole_patience: tuple[int, int] = (15, 8)
     blocked: float = 0.25
+    held: tuple[int, int] = (2, 4)
     ignored: float = 1e-3
     most_ignored: int = 16
     handed_on: float = 3e-3
@@ -91,7 +93,7 @@ class CentralSettings:
     polish: int = 12
     nearness: float = 0.02
     momentum: float = 0.1
-    light_patience: int = 4
+    light_patience: int = 2
     duality_gap: float = 5e-7
 
     def __post_init__(self) -> None:

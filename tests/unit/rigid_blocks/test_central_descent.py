@@ -5,6 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from churchpipe.model.arrays import BoolArray
 from churchpipe.model.loads import LoadCase
 from churchpipe.rigid_blocks import central_descent
 from churchpipe.rigid_blocks.central import central_run
@@ -17,23 +18,41 @@ from churchpipe.rigid_blocks.settings import CentralSettings
 from models import facade
 
 
-@pytest.mark.parametrize(("share", "most"), [(0.5, 3), (0.01, 100_000)])
+@pytest.mark.parametrize(("share", "most", "released"), [(0.5, 3, 0), (0.01, 100_000, 0), (0.5, 3, 2)])
 def test_a_share_of_the_points_stops_short_but_no_more_than_a_few(
-    monkeypatch: pytest.MonkeyPatch, share: float, most: int
+    monkeypatch: pytest.MonkeyPatch, share: float, most: int, released: int
 ) -> None:
     found: list[int] = []
 
-    def blocked(_: ContactSystem, at: ContactState, __: float, ignored: int) -> Move:
+    def blocked(_: ContactSystem, at: ContactState, __: float, ignored: int, ___: BoolArray | None) -> Move:
         found.append(ignored)
-        return Move(at, 1.0, 0.1)
+        return Move(at, 1.0, 0.1, released, np.zeros(at.forces.shape[1], bool))
 
     stones, contacts = facade("small")
     balance = equilibrium(stones, contacts, LoadCase((1, 0, 0)))
     strength = point_strength(contacts, 0.7, 0.0, balance.force)
     monkeypatch.setattr(central_descent, "advance", blocked)
-    central_run(balance, strength, settings=CentralSettings(ignored=share, most_ignored=most, steps=3))
+    central_run(balance, strength, settings=CentralSettings(ignored=share, most_ignored=most, steps=6))
     few = 3 if most == 3 else len(strength.friction) // 100
-    assert found == [0, few, few]
+    # Later where points were released, which may free the others.
+    begun = CentralSettings().held[released > 0]
+    assert found == [0] * begun + [few] * (6 - begun)
+
+
+def test_points_are_released_after_short_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    lengths = [0.5, 0.1, 0.1, 0.6, 0.1]
+    kept = np.zeros(0, bool)
+    found: list[bool] = []
+
+    def stepped(_: ContactSystem, at: ContactState, __: float, ___: int, given: BoolArray | None) -> Move:
+        found.append(given is kept)
+        return Move(at, 1.0, lengths[len(found) - 1], 0, kept)
+
+    stones, contacts = facade("small")
+    balance = equilibrium(stones, contacts, LoadCase((1, 0, 0)))
+    monkeypatch.setattr(central_descent, "advance", stepped)
+    central_run(balance, point_strength(contacts, 0.7, 0.0, balance.force), settings=CentralSettings(steps=5))
+    assert found == [False, False, True, True, False]
 
 
 @pytest.mark.parametrize(("fall", "left"), [(0.4, False), (0.8, True)])

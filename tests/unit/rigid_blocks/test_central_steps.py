@@ -1,4 +1,4 @@
-"""Steps of the run from the centre in which a few points stop short."""
+"""Steps of the run from the centre in which a few points stop short, or are released from their rates."""
 
 from dataclasses import replace
 
@@ -9,7 +9,7 @@ from churchpipe.conic.interior_point.second_order import SecondOrder
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.loads import LoadCase
 from churchpipe.rigid_blocks.central_start import first_rates
-from churchpipe.rigid_blocks.central_steps import advance, least_product
+from churchpipe.rigid_blocks.central_steps import advance, least_product, left_behind
 from churchpipe.rigid_blocks.contact_newton import ContactState, ContactSystem, Linearisation
 from churchpipe.rigid_blocks.equilibrium import equilibrium
 from churchpipe.rigid_blocks.limit import point_strength
@@ -69,6 +69,42 @@ def test_rates_that_stopped_short_are_caught_up_with(system: ContactSystem, begi
     move = advance(system, at, 0.01, 5)
     before, after = (np.abs(system.rates(each.y) - each.rates)[:, :5].max() for each in (at, move.at))
     assert 0 < after < before
+
+
+def lagging(beginning: ContactState, point: int) -> ContactState:
+    """The state with rates at a point that make its product thirty times what it was."""
+    rates = beginning.rates.copy()
+    rates[:, point] *= 30.0
+    return replace(beginning, rates=rates)
+
+
+def test_a_point_with_a_large_product_is_left_behind(system: ContactSystem, beginning: ContactState) -> None:
+    assert not left_behind(system, beginning).any()
+    assert np.flatnonzero(left_behind(system, lagging(beginning, 20))).tolist() == [20]
+
+
+def test_a_released_point_falls_by_its_force(system: ContactSystem, beginning: ContactState) -> None:
+    at, nothing = lagging(beginning, 20), np.zeros(system.points, bool)
+    plain, released = advance(system, at, 0.01, 5), advance(system, at, 0.01, 5, nothing)
+    assert (plain.released, released.released) == (0, 1)
+    before, with_rate, alone = (each.forces[0, 20] for each in (at, plain.at, released.at))
+    assert alone < with_rate
+    assert alone < before
+    assert smallest(released.at.forces) > 0
+    assert released.at.rates[0].min() > 0
+
+
+def test_a_point_that_is_kept_is_not_released(system: ContactSystem, beginning: ContactState) -> None:
+    at = lagging(beginning, 20)
+    move = advance(system, at, 0.01, 5, left_behind(system, at))
+    assert move.released == 0
+    assert np.flatnonzero(move.kept).tolist() == [20]
+    assert np.array_equal(move.at.forces, advance(system, at, 0.01, 5).at.forces)
+
+
+def test_where_nothing_is_left_behind_a_step_is_as_without(system: ContactSystem, beginning: ContactState) -> None:
+    plain, same = (advance(system, beginning, 0.01, 0, kept) for kept in (None, np.zeros(system.points, bool)))
+    assert np.array_equal(plain.at.forces, same.at.forces)
 
 
 def test_the_least_products_may_be_left_out(system: ContactSystem) -> None:
