@@ -86,7 +86,7 @@ def _closed(
         usual,
         nearness=settings.nearness,
         momentum=settings.momentum,
-        patience=settings.light_patience,
+        outlook=settings.light_outlook,
         duality_gap=settings.duality_gap,
         roughest=settings.duality_gap,
     )

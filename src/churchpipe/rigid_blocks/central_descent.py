@@ -44,8 +44,8 @@ class Descent:
         self._at: ContactState | None = None
         self._damping, self._ignored = settings.damping[0], 0
         self._steps = 0
-        # Short steps in succession, and the points left behind that are not to be released.
-        self._shorts, self._kept = 0, np.zeros(self._system.points, bool)
+        # Short steps so far, whether the last one was, and the points left behind that are not to be released.
+        self._shorts, self._blocked, self._kept = 0, False, np.zeros(self._system.points, bool)
         self._gaps: list[float] = []
         self._history: list[Iteration] = []
         self._best: CoulombState | None = None
@@ -80,10 +80,12 @@ class Descent:
                 if self._progress:
                     self._progress("non-associative", self._steps / settings.steps)
                 with np.errstate(all="ignore"):
-                    move = advance(self._system, self._at, self._damping, self._ignored, self._kept if self._shorts else None)
+                    move = advance(self._system, self._at, self._damping, self._ignored, self._kept if self._blocked else None)
                 self._damping = min(max(self._damping * move.stiffer, settings.damping[0]), settings.damping[1])
-                self._shorts, self._kept = self._shorts + 1 if move.length < settings.blocked else 0, move.kept
-                if self._short and self._shorts >= settings.held[move.released > 0] and not near:
+                blocked = move.length < settings.blocked
+                self._shorts += blocked
+                self._blocked, self._kept = blocked, move.kept
+                if self._short and blocked and self._shorts >= settings.held[move.released > 0] and not near:
                     self._ignored = min(int(settings.ignored * self._system.points), settings.most_ignored)
                 if not (np.isfinite(move.at.forces).all() and np.isfinite(move.at.rates).all()):
                     return False

@@ -217,6 +217,8 @@ def closed_gap(
             halved, mark = pair, state.gap
         if state.relative_gap <= (settings.bipotential_gap if state.load_factor < below else settings.close):
             break
+        if last is not None and last is not begun and pairs_left(last, state, settings.bipotential_gap) > settings.outlook:
+            break
         reached, left, least = (_weighted_gap(balance, strength, each, excess) for each in (state, last, base))
         if base is None or reached < least:
             base = state
@@ -234,6 +236,13 @@ def closed_gap(
         before, n = n, np.maximum(last.x[:, 0], 0.0)
         ahead = n if first or slow or worse else np.maximum(n + momentum * (n - before), 0.0)
     return None if best is None else sliding_run(best, history, count.solves, count.iterations)
+
+
+def pairs_left(before: CoulombState, state: CoulombState, wanted: float) -> float:
+    """Return how many more steps a search needs at the rate of the last one, infinite where the gap did not fall."""
+    if state.relative_gap >= before.relative_gap:
+        return np.inf
+    return float(np.log(state.relative_gap / wanted) / np.log(before.relative_gap / state.relative_gap))
 
 
 def sliding_run(state: CoulombState, history: list[Iteration], solves: int, iterations: int) -> SlidingRun:

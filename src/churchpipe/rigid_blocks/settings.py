@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass, fields
 
+import numpy as np
+
 from churchpipe.errors import InputError
 
 # The gap g / alpha at which a state is certified.
@@ -51,17 +53,17 @@ class CentralSettings:
     counts at most this share of the mean product. fraction: of the way to the boundary of the cones that a step goes. steps: at
     most; patience: steps without half the gap after which a run stops, less patient once the gap is below `near`: then stage B
     may close it from there, its programs solved to `duality_gap`, so that velocities overlap nowhere, with a proximal weight
-    `nearness` times the gap and a `momentum` of its own (`SchemeSettings`), for at most `polish` steps, and until
-    `light_patience` steps have not halved the gap. The gap is concave in the forces, so that a step that nothing holds back
-    lowers it most. A run whose gap is below `foreseen` is left where at the rate of its last steps it would need more than
-    `outlook` others, which cost what a pair of programs costs that closes it from there. Where the pair does not, the run goes
-    on if it needs no more than `resumed` others, and may be left again where the gap has fallen to the share `again`.
+    `nearness` times the gap and a `momentum` of its own (`SchemeSettings`), for at most `polish` steps, and while at the rate of
+    the last one no more than `light_outlook` others are needed. The gap is concave in the forces, so that a step that nothing
+    holds back lowers it most. A run whose gap is below `foreseen` is left where at the rate of its last steps it would need
+    more than `outlook` others, which cost what a pair of programs costs that closes it from there. Where the pair does not, the
+    run goes on if it needs no more than `resumed` others, and may be left again where the gap has fallen to the share `again`.
     whole_patience: of the last run, in which no point stops short and stage B has the constants of other searches.
     blocked, held, ignored: after a step shorter than the first, points that are left behind are released from their rates
-    (`central_steps.py`). After so many short steps in succession, the second number where points were released, far from a
-    state as yet, this share of the points is left out of account when directions are judged,
-    most_ignored points at most, since a few joints hold a step however large the model. They stop short and leave errors, so
-    that such a run is handed on to stage B where its gap falls below `handed_on`.
+    (`central_steps.py`). From so many short steps on, the second number where points were released, far from a state as yet,
+    this share of the points is left out of account when directions are judged, most_ignored points at most, since a few joints
+    hold a step however large the model. They stop short and leave errors, so that such a run is handed on to stage B where its
+    gap falls below `handed_on`.
 
     roundness, damping and clip were chosen on the walls of Ferris and Tin-Loi, S5 and S22, pull on these for the lowest load
     factors, with the facade of one storey at friction .7 as a check.
@@ -93,7 +95,7 @@ class CentralSettings:
     polish: int = 12
     nearness: float = 0.02
     momentum: float = 0.1
-    light_patience: int = 2
+    light_outlook: float = 4.0
     duality_gap: float = 5e-7
 
     def __post_init__(self) -> None:
@@ -111,11 +113,11 @@ class SchemeSettings:
         weight_a: its proximal weight, which keeps a step near the forces before it. cohesion: fictitious, over the largest
         normal force; more_cohesion: over the largest load, tried in turn where the start carries too little of the dead load.
     Stage B alternates between velocities and forces. stage_b: its steps, at most; patience: steps without half the gap after
-        which it gives up. weight_b: its proximal weight, at most
-        `nearness` times the gap, so that keeping near costs less than what is left to gain. momentum: share of its last step
-        that a step goes on by, at most. slow: a weighted gap above this share of the last one is slow. worse: above so many
-        times the least gap the search returns to where that was found. stuck, stuck_weight: where the gap no longer falls,
-        points that add more than the first share of it count so many times more from then on.
+        which it gives up; outlook: it gives up where it needs more further steps at the rate of the last one. weight_b: its
+        proximal weight, at most `nearness` times the gap, so that keeping near costs less than what is left to gain. momentum:
+        share of its last step that a step goes on by, at most. slow: a weighted gap above this share of the last one is slow.
+        worse: above so many times the least gap the search returns to where that was found. stuck, stuck_weight: where the gap
+        no longer falls, points that add more than the first share of it count so many times more from then on.
     Convex programs are solved to `share` of the gap that is left, at least to `roughest` and at most to `duality_gap`: the gap
         is computed from the arrays, whatever made them.
     close: a search for a state lower than a known one is left where its gap falls below this at a load factor that is not lower.
@@ -132,6 +134,7 @@ class SchemeSettings:
     stage_a: int = 15
     stage_b: int = 60
     patience: int = 60
+    outlook: float = np.inf
     violation: float = 1e-4
     change: float = 5e-3
     bipotential_gap: float = BIPOTENTIAL_GAP

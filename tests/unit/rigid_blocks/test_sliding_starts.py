@@ -13,9 +13,9 @@ from churchpipe.model.loads import LoadCase
 from churchpipe.rigid_blocks import central, sliding
 from churchpipe.rigid_blocks.associative import associative_state
 from churchpipe.rigid_blocks.certificate import Strength
-from churchpipe.rigid_blocks.coulomb import Near, bipotential_gap, dead_load_start
+from churchpipe.rigid_blocks.coulomb import CoulombState, Near, bipotential_gap, dead_load_start
 from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
-from churchpipe.rigid_blocks.iterations import SlidingRun, certified_iteration, closed_gap, pair_of_programs
+from churchpipe.rigid_blocks.iterations import SlidingRun, certified_iteration, closed_gap, pair_of_programs, pairs_left
 from churchpipe.rigid_blocks.limit import point_strength
 from churchpipe.rigid_blocks.settings import SchemeSettings
 from churchpipe.rigid_blocks.sliding import SlidingOptions, sliding_analysis
@@ -219,3 +219,18 @@ def test_velocities_are_sought_from_nothing_once_a_start_near_the_last_ones_came
     assert starts[:6:2] == ([True, True, True] if iterations == 30 else [True, False, False])
     assert all(starts[1:6:2])
     assert run.relative_gap <= 1e-5
+
+
+def test_the_pairs_that_are_left_follow_from_the_last() -> None:
+    states = [CoulombState(np.zeros((1, 3)), 0.5, np.zeros(6), 0.5 * gap) for gap in (8e-4, 4e-4)]
+    assert pairs_left(states[0], states[1], 1e-4) == pytest.approx(2.0)
+    assert np.isinf(pairs_left(states[1], states[0], 1e-4))
+
+
+@pytest.mark.parametrize(("outlook", "pairs"), [(np.inf, 4), (1e-3, 2)])
+def test_a_search_gives_up_where_its_rate_leads_nowhere(outlook: float, pairs: int) -> None:
+    balance, strength, _ = wall()
+    settings = SchemeSettings(bipotential_gap=1e-300, stage_b=4, outlook=outlook)
+    run = closed_gap(balance, strength, dead_load_start(balance), solver_for(balance.wrenches), settings)
+    assert run is not None
+    assert len(run.history) == pairs
