@@ -348,6 +348,8 @@ def _placed(points: FloatArray, faces: Faces, matrix: Matrix) -> tuple[FloatArra
     """
     place = transformed(points, matrix)
     turned = tuple(face[::-1] for face in faces) if np.linalg.det(matrix[0]) < 0 else faces
+    if (matrix[0] ** 2).sum(axis=1).max() <= (1.0 + STRETCH_TOLERANCE) ** 2:
+        return place, turned, 0.0
     split, count, warp = split_warped(place, turned)
     return place, tuple(split) if count else turned, warp
 
