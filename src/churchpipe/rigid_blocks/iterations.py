@@ -30,6 +30,9 @@ from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP, PaperSettings, Sch
 
 # Greatest factor by which a point of the gap may count more. Beyond it the programs would lose digits.
 _MOST_STRESS = 1e4
+# Forces near known ones are solved so many times more exactly than velocities: at the price of an iteration. An error of a motion
+# ends with its step, that of the forces is handed on.
+_FORCES = 0.1
 Progress = Callable[[str, float], None]
 
 
@@ -309,6 +312,8 @@ def pair_of_programs(
             return moved
     nearness = min(settings.weight_b, settings.nearness * gap)
     x = None if near is None else near.forces
+    if near is not None:
+        duality_gap *= _FORCES
     found = nearest_forces(balance, strength, n, y, solve, nearness=nearness, duality_gap=duality_gap, excess=excess, x=x)
     if found is None:
         return None
