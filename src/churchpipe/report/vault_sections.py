@@ -34,7 +34,8 @@ class VaultSection:
 def vault_sections(stones: Assemblage, contacts: Contacts, rows: Sequence[Row]) -> list[VaultSection]:
     """Return the sections of all vaults, arches and domes under the first load, without dilatancy if it was analysed so."""
     analysed = [row for row in rows if row.state is not None and len(row.state.forces) == len(contacts.point)]
-    carried = [row for row in analysed if row.state is not None and np.isfinite(row.state.forces).all()]
+    # What does not stand has no forces, or none but zeros.
+    carried = [row for row in analysed if row.state is not None and 0 < np.abs(row.state.forces).sum() < np.inf]
     if not carried:
         return []
     first = [row for row in carried if (row.variant, row.load) == (carried[0].variant, carried[0].load)]
@@ -59,6 +60,8 @@ def _section(stones: Assemblage, contacts: Contacts, row: Row, panel: str, acros
         line = thrust_line(stones, contacts, row.state.forces, panel, place, direction, width)
     except InputError:
         # A part of a vault may end short of its own middle: an annex of a half dome, say.
+        return None
+    if not len(line.force):
         return None
     everything = tuple(np.unique(stones.panel[~stones.fixed]).tolist())
     drawing = svg_of(section_figure(stones, line, everything, place, direction, width))

@@ -37,9 +37,6 @@ _BLOCKED = 0.1
 _SWEEPS = 8
 _BALANCED = 1e-9
 _OUTSIDE = 1e-13
-# Forces near enough to the optimum that are out of balance by no more than this share of the loads are balanced at once: this
-# costs a few solves, where steps towards the balance cost as many iterations.
-_NEARLY = 0.05
 # Where that fails, several mechanisms compete for one load: the loop goes on to this share of the residual tolerance.
 _COMPETING = 1e-3
 # Three steps in succession that are shorter end the loop, and so do `_PATIENCE` iterations in which neither the error nor the
@@ -86,7 +83,12 @@ def solve_coupled(
     for iteration in range(settings.iterations + 1):
         found = residuals(problem, at)
         info = _measure(problem, at, found, settings, iteration, step_length, correctors)
-        near = settings.balanced and iteration > 0 and info.error <= settings.duality_gap and info.residual <= _NEARLY
+        near = (
+            settings.balanced
+            and iteration > 0
+            and info.error <= settings.duality_gap
+            and info.residual <= max(settings.nearly, settings.residual)
+        )
         exact = _balanced(problem, kkt, at) if near else None
         if exact is not None and info.residual > settings.residual:
             info = _measure(problem, exact, residuals(problem, exact), settings, iteration, step_length, correctors)

@@ -16,7 +16,9 @@ class Settings:
     would end a step first, that are left out of account when directions are judged; fraction: share of the way to the boundary;
     regularisation: of the normal matrix, relative to its diagonal; refinements: of each linear solve, at most;
     balanced: whether the forces are wanted in balance, or the multipliers alone, which then close no point that cannot close
-    faster than `duality_gap` times the fastest rate; nearest: the homogenising variable below which a solve is given up: the
+    faster than `duality_gap` times the fastest rate; nearly: forces near enough to the optimum that are out of balance by no
+    more than this share of the loads are balanced at once, which costs a few solves where steps towards the balance cost as many
+    iterations; nearest: the homogenising variable below which a solve is given up: the
     solution, if there is one, is as many times larger than where the solve began;
     force, rate: size of the starting forces (in the load of a body that each touches) and of the multipliers (in those
     that earn the reward).
@@ -33,6 +35,7 @@ class Settings:
     regularisation: float = 1e-14
     refinements: int = 3
     balanced: bool = True
+    nearly: float = 0.0
     nearest: float = 0.0
     force: float = 10.0
     rate: float = 0.01
@@ -41,7 +44,7 @@ class Settings:
         positive = ("duality_gap", "acceptable", "residual", "certificate", "fraction", "force", "rate", "iterations")
         for name in positive:
             _check(name, getattr(self, name), getattr(self, name) > 0, "> 0")
-        for name in ("correctors", "ignored", "refinements", "regularisation", "nearest"):
+        for name in ("correctors", "ignored", "refinements", "regularisation", "nearly", "nearest"):
             _check(name, getattr(self, name), getattr(self, name) >= 0, ">= 0")
         for name in ("fraction", "ignored", "nearest"):
             _check(name, getattr(self, name), getattr(self, name) < 1, "< 1")
@@ -64,6 +67,9 @@ _ERROR_LEFT = 200.0
 # to be begun there only is also given up where the solution, if there is one, is ten times larger.
 WARM_ITERATIONS = 30
 FAR = 0.1
+# What is out of balance by less is balanced at once, in a rough solve that was begun near a solution. Others need what the steps
+# towards the balance do for the centre of all optimal forces.
+NEARLY = 0.05
 # The duality gap of an exact solve, at most.
 CLOSE = 1e-5
 

@@ -13,7 +13,7 @@ from churchpipe.conic.interior_point.iterate import Iterate
 from churchpipe.conic.interior_point.loop import Ending, interior_start, solve_coupled
 from churchpipe.conic.interior_point.normal import NormalMatrix
 from churchpipe.conic.interior_point.problem import CoupledProblem
-from churchpipe.conic.interior_point.settings import CLOSE, FAR, WARM_ITERATIONS, Settings
+from churchpipe.conic.interior_point.settings import CLOSE, FAR, NEARLY, WARM_ITERATIONS, Settings
 from churchpipe.conic.interior_point.warm import warm_start
 from churchpipe.conic.interior_point.wrenches import WrenchCoupling
 from churchpipe.conic.program import ConeProgram, ConeSolution, WarmStart
@@ -108,7 +108,12 @@ class InteriorPointSolver:
         if near is not None and not local.bounded and not problem.capped:
             x, y = near.x.T / force, _pad(near.y * (force * reward), len(growth))
             start = warm_start(problem, local, x, near.tau, y, near.error)
-            brief = replace(settings, iterations=min(settings.iterations, WARM_ITERATIONS), nearest=FAR if near.only else 0.0)
+            brief = replace(
+                settings,
+                iterations=min(settings.iterations, WARM_ITERATIONS),
+                nearly=NEARLY if settings.duality_gap > CLOSE else 0.0,
+                nearest=FAR if near.only else 0.0,
+            )
             ending = solve_coupled(problem, self._normal, self._cholesky, start, brief, progress, enough)
             spent = ending.factorisations
             if ending.message and max(ending.info.error, settings.duality_gap) <= CLOSE:
