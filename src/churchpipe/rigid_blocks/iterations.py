@@ -313,7 +313,7 @@ def pair_of_programs(
     nearness = min(settings.weight_b, settings.nearness * gap)
     x = None if near is None else near.forces
     if near is not None:
-        duality_gap *= _FORCES
+        duality_gap = min(duality_gap, max(_FORCES * duality_gap, settings.duality_gap))
     found = nearest_forces(balance, strength, n, y, solve, nearness=nearness, duality_gap=duality_gap, excess=excess, x=x)
     if found is None:
         return None
