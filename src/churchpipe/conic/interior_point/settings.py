@@ -18,8 +18,8 @@ class Settings:
     balanced: whether the forces are wanted in balance, or the multipliers alone, which then close no point that cannot close
     faster than `duality_gap` times the fastest rate; nearly: forces near enough to the optimum that are out of balance by no
     more than this share of the loads are balanced at once, which costs a few solves where steps towards the balance cost as many
-    iterations; nearest: the homogenising variable below which a solve is given up: the
-    solution, if there is one, is as many times larger than where the solve began;
+    iterations; nearest: a solve is given up where the homogenising variable falls below this, 0 for never, since the solution,
+    if there is one, is then larger than where the solve began by one over this;
     force, rate: size of the starting forces (in the load of a body that each touches) and of the multipliers (in those
     that earn the reward).
     """
