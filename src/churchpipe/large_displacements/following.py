@@ -5,7 +5,7 @@ from typing import Literal, Protocol
 
 from churchpipe.large_displacements.halo import grown, shrunk
 from churchpipe.large_displacements.moving_model import MovingModel
-from churchpipe.large_displacements.path import PathStep, may_go_on, next_state, solve_state, without
+from churchpipe.large_displacements.path import PathStep, may_go_on, next_state, solve_state, without, withstands_nothing
 from churchpipe.large_displacements.path_state import PathState
 from churchpipe.large_displacements.settings import PATH
 from churchpipe.wording import counted
@@ -48,7 +48,7 @@ def follow(model: MovingModel, state: PathState, steps: int, record: Steps, ring
     A step is solved on the stones that move and those near to them, so many contacts away (`rings`). Stones that stand still by
     now are held; where a step moves others, it is solved again with more. Where stones fall in it, it is solved again without
     them, unless the structure cannot spare them. Where much is lost on the way to it, it goes half as far, until that place is
-    known to `PATH.located` of a step. A motion that misses its forces by more than `PATH.credible` leads nowhere.
+    known to `PATH.located` of a step.
     """
     last: tuple[MovingModel, PathStep] | None = None
     for _ in range(steps):
@@ -58,9 +58,7 @@ def follow(model: MovingModel, state: PathState, steps: int, record: Steps, ring
             step = solve_state(model, state)
             if step.falling.any():
                 if not may_go_on(model, step):
-                    number = int(step.falling.sum())
-                    many = "stones that cannot be spared fall"
-                    return Ending("collapsed", counted(number, "stone that cannot be spared falls", many))
+                    break
                 record.fall(step)
                 state, whole = without(model, state, step), False
             elif (wider := grown(model, step, rings)) is not None:
@@ -69,18 +67,31 @@ def follow(model: MovingModel, state: PathState, steps: int, record: Steps, ring
                 model, state = shrunk(last[0], next_state(*last, 0.5 * state.way), rings)
             else:
                 break
-        if step.answer.outcome == "unbounded":
-            return Ending("unbounded", "the stones have locked: nothing of this kind moves them on")
-        if step.answer.outcome != "solved":
-            return Ending("not-converged", f"the program of a step was not solved: {step.answer.message}")
-        if step.answer.misfit > PATH.credible:
-            share = f"{step.answer.misfit:.0%}"
-            return Ending(
-                "not-converged", f"no motion was found that fits its forces: they miss each other by {share} of the load factor"
-            )
-        ending = record.add(step)
-        if ending is not None:
+        if (ending := _no_further(model, state, step) or record.add(step)) is not None:
             return ending
         last = model, step
         state = next_state(model, step, record.left)
     return Ending("unfinished", "all steps asked for were used up")
+
+
+def _no_further(model: MovingModel, state: PathState, step: PathStep) -> Ending | None:
+    """Return why a path ends at a step, which is that of a state: nothing holds its stones, or nothing leads on from it.
+
+    A motion that misses its forces by more than `PATH.credible` leads nowhere.
+    """
+    answer = step.answer
+    if step.falling.any():
+        number = int(step.falling.sum())
+        return Ending("collapsed", counted(number, "stone that cannot be spared falls", "stones that cannot be spared fall"))
+    if answer.outcome == "unbounded":
+        return Ending("unbounded", "the stones have locked: nothing of this kind moves them on")
+    if answer.outcome == "solved" and answer.misfit <= PATH.credible:
+        return None
+    if withstands_nothing(model, state):
+        return Ending("collapsed", "where the stones have got to, they hold no push any more, however their joints slide")
+    if answer.outcome != "solved":
+        return Ending("not-converged", f"the program of a step was not solved: {answer.message}")
+    return Ending(
+        "not-converged",
+        f"no motion was found that fits its forces: they miss each other by {answer.misfit:.0%} of the load factor",
+    )

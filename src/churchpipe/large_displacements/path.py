@@ -218,3 +218,17 @@ def may_go_on(model: MovingModel, step: PathStep) -> bool:
     if isinstance(model.driven, TravellingLoads) and not model.driven.on(left):
         return False
     return light(model, step.state, step.falling)
+
+
+def withstands_nothing(model: MovingModel, state: PathState) -> bool:
+    """True when the stones of a state hold no push, however their joints slide: by associative friction, an upper bound.
+
+    Gaps may close by what they do in a tenth of a step (`PATH.located`), which a path is known to where it ends. False where a
+    support moves: nothing is pushed there.
+    """
+    if not isinstance(model.driven, TravellingLoads):
+        return False
+    _, program, _, gap = state_program(model, state)
+    short = program.within(gap, program.softness, PATH.located * state.length)
+    bound = solve_step(short, np.zeros_like(gap), solver_for(program.balance, model.solver), model.demands.duality_gap)
+    return bound.outcome == "solved" and bound.load_factor <= 0.0

@@ -140,7 +140,8 @@ def test_a_curve_that_was_interrupted_stays_on_its_branch(tmp_path: Path) -> Non
     # Its motion is kept as well, so that no step is solved again.
     assert again.load_factor == pytest.approx(whole.load_factor, rel=1e-6)
     assert again.position == pytest.approx(whole.position, abs=1e-7)
-    assert again.dissipation == pytest.approx(whole.dissipation, rel=1e-6)
+    # The work of friction hangs on how the forces are shared out, which a program knows ten times less exactly.
+    assert again.dissipation == pytest.approx(whole.dissipation, rel=1e-5)
     assert len(whole.last.pair) > 0
     assert not len(whole.until(3).last.pair)
 

@@ -351,3 +351,21 @@ def test_a_motion_that_misses_its_forces_by_far_ends_the_curve(monkeypatch: pyte
     assert "miss each other by 20%" in curve.message
     assert len(curve.load_factor) == 3
     assert curve.misfit.max() < 1e-6
+
+
+def test_a_curve_whose_stones_hold_no_push_any_more_ends_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    stones = on_ground(box((0, 0.5), (0, 1), (0, 2)))
+    contacts = cp.find_contacts(stones)
+
+    def astray(model: MovingModel, state: PathState) -> PathStep:
+        step = solve_state(model, state)
+        fits = step.answer.load_factor > 0
+        return step if fits else replace(step, answer=replace(step.answer, gap=1.0))
+
+    monkeypatch.setattr(following, "solve_state", astray)
+    curve = cp.block_pushover(stones, contacts, cp.LoadCase((1, 0, 0)), 0.6, step=0.02)
+    assert curve.status == "collapsed"
+    assert "hold no push any more" in curve.message
+    # Past a quarter of a metre the centroid is beyond the toe; the last step before it is the careful end.
+    assert curve.d0 == curve.displacement[-1]
+    assert 0.25 - 0.02 < curve.d0 < 0.25
