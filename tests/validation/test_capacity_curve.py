@@ -302,9 +302,10 @@ def test_s22_in_half_the_step() -> None:
     begins, ends = (
         np.array([curve.displacement[k + more] for curve, k in zip((whole, half), drop, strict=True)]) for more in (0, 1)
     )
-    # The place of the drop is known to a tenth of a step of some .9 mm, and both curves agree on it.
+    # The place of the drop is known to a tenth of a step of some .9 mm, and both curves agree on it within a hundredth: where
+    # bricks come off hangs on rounding.
     assert (ends - begins).max() < 1e-4
-    assert abs(begins[0] - begins[1]) < 1e-4
+    assert abs(begins[0] - begins[1]) < 0.01 * begins.min()
     same = np.interp(half.displacement, whole.displacement, whole.load_factor)
     apart = np.abs(half.load_factor - same) / whole.load_factor[0]
     assert apart[half.displacement <= 0.014].max() <= 2e-3
