@@ -2,11 +2,12 @@
 
     PYTHONPATH=tests python benchmarks/limit_analysis.py --models 1k 5k 10k 20k 50k
     PYTHONPATH=tests python benchmarks/limit_analysis.py --models low tube street church --solvers interior-point clarabel --to X
+    PYTHONPATH=tests python benchmarks/limit_analysis.py --models 20k 100k --solvers interior-point --threads 1 2 --to X
 
-Every run is a process of its own with one thread, so that peak memory and processor time are its own. Clarabel has its default
-settings and the form that suits it best (kinematic, forces in the weight of a stone). With `--mkl DIR` it also runs with the
-PARDISO of an MKL wheel: DIR must hold libmkl_rt.so (a link to the wheel's libmkl_rt.so.N). Writes
-docs/benchmarks_limit_analysis.md.
+Every run is a process of its own, with one thread unless more are asked for, so that peak memory and processor time are its
+own. Clarabel has its default settings and the form that suits it best (kinematic, forces in the weight of a stone). With
+`--mkl DIR` it also runs with the PARDISO of an MKL wheel: DIR must hold libmkl_rt.so (a link to the wheel's libmkl_rt.so.N).
+Writes docs/benchmarks_limit_analysis.md.
 """
 
 import argparse
@@ -94,17 +95,17 @@ def clarabel_settings(solver: str) -> Any:
     return settings
 
 
-def in_child(name: str, solver: str, mkl: str, cap: float) -> dict[str, Any]:
-    """Run one solve in a process with one thread, capped at so many seconds of wall time."""
-    threads = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+def in_child(name: str, solver: str, threads: int, mkl: str, cap: float) -> dict[str, Any]:
+    """Run one solve in a process with so many threads, capped at so many seconds of wall time."""
+    environment = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), str(threads))
     if solver == "clarabel-mkl":
-        threads = {"LD_LIBRARY_PATH": mkl, "MKL_NUM_THREADS": "2"}
+        environment = {"LD_LIBRARY_PATH": mkl, "MKL_NUM_THREADS": "2"}
     command = [sys.executable, __file__, "--one", name, solver]
     try:
-        done = subprocess.run(command, env=os.environ | threads, capture_output=True, text=True, timeout=cap, check=True)
+        done = subprocess.run(command, env=os.environ | environment, capture_output=True, text=True, timeout=cap, check=True)
     except (subprocess.TimeoutExpired, subprocess.CalledProcessError) as error:
-        return {"model": name, "solver": solver, "outcome": type(error).__name__}
-    return json.loads(done.stdout.splitlines()[-1])
+        return {"model": name, "solver": solver, "threads": threads, "outcome": type(error).__name__}
+    return json.loads(done.stdout.splitlines()[-1]) | {"threads": threads}
 
 
 def table(rows: list[dict[str, Any]], command: str) -> str:
@@ -116,10 +117,12 @@ def table(rows: list[dict[str, Any]], command: str) -> str:
     for row in rows:
         bounds = f"{row['lower']:.8f} .. {row['upper']:.8f}" if "lower" in row else ""
         cells = [row.get(key, "") for key in ("model", "stones", "points", "solver", "outcome", "iterations")]
+        if row["threads"] > 1:
+            cells[3] += f", {row['threads']} threads"
         cells += [f"{row[key]:.1f}" if key in row else "" for key in ("processor", "wall", "memory")]
         cells += [f"{row['nonzeros']:.3g}" if "nonzeros" in row else "", bounds]
         lines.append("| " + " | ".join(map(str, cells)) + " |")
-    own = [row for row in rows if "factor" in row]
+    own = [row for row in rows if "factor" in row and row["threads"] == 1]
     if len(own) > 1:
         size = np.log([row["stones"] for row in own])
         lines.append("")
@@ -128,8 +131,12 @@ def table(rows: list[dict[str, Any]], command: str) -> str:
             lines.append(f"{key} of the interior-point core grows as stones^{power:.2f}.")
     for row in rows:
         ours = next((one for one in own if one["model"] == row["model"]), None)
-        if ours is not None and row is not ours and "processor" in row:
-            lines.append("")
+        if ours is None or row is ours or "processor" not in row:
+            continue
+        lines.append("")
+        if row["threads"] > 1:
+            lines.append(f"{row['model']}: {row['threads']} threads take {row['wall'] / ours['wall']:.2f} of the time of one.")
+        else:
             lines.append(
                 f"{row['model']}: {row['solver']} takes {row['processor'] / ours['processor']:.1f} times our processor time."
             )
@@ -149,6 +156,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--models", nargs="+", default=["1k", "5k", "10k", "20k", "50k"])
     parser.add_argument("--solvers", nargs="+", default=["interior-point", "clarabel", "cvxpy"], choices=LIMITS)
+    parser.add_argument("--threads", nargs="+", type=int, default=[1], help="of our own solver; the others have one")
     parser.add_argument("--mkl", default="", metavar="DIR", help="folder with libmkl_rt.so, for clarabel-mkl")
     parser.add_argument("--to", type=Path, default=DOCUMENT, help="file that the table is written to")
     parser.add_argument("--cap", type=float, default=CAP, help="of one run, s of wall time")
@@ -161,10 +169,12 @@ def main() -> None:
     for name in chosen.models:
         for solver in chosen.solvers:
             if all(row.get("stones", 0) <= LIMITS[solver] for row in rows if row["model"] == name):
-                rows.append(in_child(name, solver, chosen.mkl, chosen.cap))
-                print(rows[-1], flush=True)
+                for threads in chosen.threads if solver == "interior-point" else [1]:
+                    rows.append(in_child(name, solver, threads, chosen.mkl, chosen.cap))
+                    print(rows[-1], flush=True)
     command = f"PYTHONPATH=tests python benchmarks/limit_analysis.py --models {' '.join(chosen.models)}"
     command += f" --solvers {' '.join(chosen.solvers)}"
+    command += f" --threads {' '.join(map(str, chosen.threads))}" if chosen.threads != [1] else ""
     command += " --mkl DIR" if chosen.mkl else ""
     chosen.to.write_text(table(rows, command), encoding="utf-8")
 
