@@ -34,8 +34,6 @@ from churchpipe.rigid_blocks.settings import CentralSettings
 # What is added to the diagonal of a matrix, over its entry there and over the largest of the stone, and more where that fails.
 _REGULARISATION, _OF_STONE, _MORE = 1e-14, 1e-8, 100.0
 _ATTEMPTS = 4
-# Sweeps that bring a step into balance to rounding.
-_SWEEPS = 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -215,10 +213,9 @@ class Linearisation(Scaled):
         u = system.rates(lack - self._lever * gain)
         forces = wanted - multiply(self._mixed, rates) - multiply(self._plain, u)
         load_factor = -gain
-        for _ in range(_SWEEPS):
-            more = self.balancing(system.couple(forces) + live * load_factor + residual)
-            forces, load_factor = forces + more.forces, load_factor + more.load_factor
-        return ContactState(forces, load_factor, y, rates)
+        # Brings the step into balance to rounding.
+        more = self.balancing(system.couple(forces) + live * load_factor + residual)
+        return ContactState(forces + more.forces, load_factor + more.load_factor, y, rates)
 
     def balancing(self, residual: FloatArray) -> ContactState:
         """Return the change of forces and load, smallest in the scaling, that removes a residual (6 nf,) of the balance."""
