@@ -2,7 +2,7 @@
 
     PYTHONPATH=tests python benchmarks/sliding.py wall1 S5 S5-swapped S22 1k 5k long-.4 storeys-.7 --starts 12
     PYTHONPATH=tests python benchmarks/sliding.py church+x church-y church-tower barrel
-    PYTHONPATH=tests python benchmarks/sliding.py random-1 random-2
+    PYTHONPATH=tests python benchmarks/sliding.py random-1 random-2 building-1 building-2
     PYTHONPATH=tests python benchmarks/sliding.py wall1 S5 S22 --search
     PYTHONPATH=tests python benchmarks/sliding.py box apse+y apse-y wall4 wall6 S5 S22 --whole --starts 12
 
@@ -39,6 +39,7 @@ from models import (
     box_building,
     facade,
     ferris_tin_loi_wall,
+    random_building,
     random_facade,
     tilting_test,
 )
@@ -68,6 +69,8 @@ def problem(name: str) -> tuple[Any, Any]:
     elif name.startswith("random-"):
         stones, contacts, friction = random_facade(int(name.removeprefix("random-")))
         load = LoadCase((1, 0, 0))
+    elif name.startswith("building-"):
+        stones, contacts, friction, load = random_building(int(name.removeprefix("building-")))
     elif name.partition("-")[0] in FACADES:
         shape, _, friction = name.partition("-")
         stones, contacts = facade(shape)

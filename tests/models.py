@@ -1,11 +1,11 @@
-"""Models that tests and benchmarks share: walls of Ferris and Tin-Loi, tilting tests, box buildings."""
+"""Models that tests and benchmarks share: walls of Ferris and Tin-Loi, tilting tests, box buildings, and drawn ones."""
 
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from churchpipe.generators import prototype, wall
+from churchpipe.generators import apse, arch, chapel, dome, prototype, tower, vault, wall
 from churchpipe.generators.box import box as box_walls
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
@@ -177,3 +177,58 @@ def random_facade(seed: int) -> tuple[Assemblage, Contacts, float]:
     shape = wall(length=length, brick=(brick, thickness, height), courses=courses, openings=openings, **bonds.get(bond, {}))
     stones = derive_blocks(shape)
     return stones, find_contacts(stones), friction
+
+
+def random_building(seed: int) -> tuple[Assemblage, Contacts, float, LoadCase]:
+    """Stones, contacts, friction and load of a box, tower, round tower, chapel, dome, apse, arch, vault or wall, all drawn.
+
+    The kinds follow each other with the seeds. Friction is drawn from .35 to .85, and the direction of the load in plan; walls
+    and arches are pushed along themselves. Few have more than a thousand stones.
+    """
+    rng = np.random.default_rng(seed)
+    kind = ("box", "tower", "round tower", "chapel", "dome", "apse", "arch", "vault", "wall")[seed % 9]
+    course, friction = float(rng.choice([0.2, 0.25, 0.3])), round(float(rng.uniform(0.35, 0.85)), 2)
+    angle = float(rng.uniform(0, 2 * np.pi))
+    direction = (1.0, 0.0, 0.0) if kind in ("arch", "wall") else (float(np.cos(angle)), float(np.sin(angle)), 0.0)
+
+    def length(low: float, high: float) -> float:
+        return round(float(rng.uniform(low, high)), 2)
+
+    def courses(low: int, high: int) -> int:
+        return int(rng.integers(low, high))
+
+    bonded = {"course": course, "stone_length": 2 * course}
+    if kind == "box":
+        brick = (2 * course, length(0.3, 0.6), course)
+        shape = box_walls(length=length(3, 6), width=length(3, 6), courses=courses(8, 18), brick=brick)
+    elif kind == "tower":
+        plan = {"width": length(2.5, 4), "depth": length(2.5, 4)}
+        shape = tower(**bonded, **plan, height=courses(16, 36) * course, thickness=length(0.4, 0.7))
+    elif kind == "round tower":
+        plan = {"plan": "round", "width": length(2.5, 4)}
+        shape = tower(**bonded, **plan, height=courses(12, 26) * course, thickness=length(0.3, 0.6))
+    elif kind == "chapel":
+        eaves = courses(12, 20)
+        portal = {"name": "portal", "wall": "facade", "centre": 0.0, "width": 1.2, "springing": 6 * course, "voussoirs": 7}
+        plan = {"width": length(4, 6), "length": length(5, 8), "thickness": length(0.4, 0.7)}
+        top = {"height": eaves * course, "ridge": (eaves + courses(4, 9)) * course}
+        shape = chapel(**bonded, **plan, **top, openings=[{**portal, "depth": 0.3}])
+    elif kind == "dome":
+        rings = {"rings": courses(6, 10), "sides": 24, "stone_sides": 2, "laid": "staggered"}
+        shape = dome(span=length(3, 6), thickness=length(0.3, 0.5), **rings)
+    elif kind == "apse":
+        rear = {"inner_radius": length(1.2, 2.5), "thickness": length(0.3, 0.6), "height": courses(10, 16) * course}
+        front = {"wall_length": length(5.5, 7), "wall_thickness": length(0.4, 0.7), "wall_height": courses(16, 22) * course}
+        shape = apse(**bonded, **rear, **front)
+    elif kind == "arch":
+        shape = arch(mean_radius=2.0, thickness=length(0.3, 0.6), width=0.8, voussoirs=courses(9, 31))
+    elif kind == "vault":
+        size = {"span": length(2, 4), "thickness": length(0.25, 0.4), "length": length(2, 3), "stone_length": 0.4}
+        shape = vault(**size, courses=2 * courses(8, 14) + 1, laid=str(rng.choice(["rings", "courses"])))
+    else:
+        stone = 2 * course
+        window = {"start": stone * courses(2, 4) + course, "width": 2 * stone, "sill_courses": 3, "height_courses": 4}
+        size = {"length": stone * courses(10, 24), "brick": (stone, length(0.15, 0.4), course), "courses": courses(10, 22)}
+        shape = wall(**size, openings=[{**window, "lintel_bearing": course}])
+    stones = derive_blocks(shape)
+    return stones, find_contacts(stones), friction, LoadCase(direction)
