@@ -88,6 +88,34 @@ def test_a_loss_of_connections_counts_however_short_the_steps_are() -> None:
     assert curve.loss == pytest.approx(0.05)
 
 
+def test_connections_that_are_lost_at_once_leave_the_onset() -> None:
+    # Nothing is left to go: a period of zero has no displacement, which any earthquake meets.
+    curve = oscillator(np.array([0, 0.002, 0.1, 0.3]), np.array([0.7, 0.2, 0.1, 0.0]), 0.3, np.ones(1), np.ones(1))
+    assert curve.loss == 0.0
+    found = capacity(curve, SITE)
+    assert (found.displacement, found.period, found.governed) == (0.0, 0.0, "onset")
+    assert found.ground == pytest.approx(0.7 * GRAVITY / (1.35 * 1.2), rel=1e-9)
+
+
+@pytest.mark.parametrize("d0", [0.55, 0.73])
+@pytest.mark.parametrize("limit", ["SLV", "SLC"])
+def test_no_smaller_earthquake_asks_for_more(d0: float, limit: Literal["SLV", "SLC"]) -> None:
+    # a_g S of soil D falls by 6 % between a_g = .8 g/F0 and 1.07 g/F0, from .96 g/F0, as S = 2.4 - 1.5 F0 a_g/g falls to .9.
+    spectrum = Spectrum(2.5, 0.35, soil="D")
+    onset, damping = 0.5, {"SLV": 8.0, "SLC": 10.0}[limit]
+    curve = oscillator(np.array([0, d0]), np.array([onset, 0.0]), d0, np.ones(1), np.ones(1))
+    curve = replace(curve, loss=math.inf)
+    found = capacity(curve, spectrum, limit)
+    level = onset * GRAVITY / 1.35
+
+    def withstood(ground: float) -> bool:
+        moved = spectral_displacement(spectrum, found.period, ground, damping) <= found.displacement * (1 + 1e-9)
+        return moved or spectrum.acceleration(0.0, ground, 5.0) <= level * (1 + 1e-9)
+
+    assert all(withstood(ground) for ground in np.linspace(0.01, found.ground, 2000))
+    assert not withstood(found.ground * 1.001)
+
+
 def test_what_does_not_even_start_to_move() -> None:
     # A small model has little displacement: the onset governs.
     found = capacity(block(0.03, 0.3), SITE)
