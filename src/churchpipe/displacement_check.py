@@ -127,6 +127,8 @@ def oscillator(
     weight = floats("oscillator: weight", weight, (None,))
     motion = floats("oscillator: motion", motion, (len(weight),))
     load = weight if pushed is None else floats("oscillator: pushed", pushed, (len(weight),))
+    if not float(load @ motion) > 0:
+        raise InputError("oscillator: motion", "the mechanism does not go along its load", found=float(load @ motion))
     if not (math.isfinite(d0) and d0 > 0):
         raise InputError(
             "oscillator: d0",
@@ -135,8 +137,6 @@ def oscillator(
             expected="a load factor that comes down to zero",
             remedy=_FOLLOW,
         )
-    if not float(load @ motion) > 0:
-        raise InputError("oscillator: motion", "the mechanism does not go along its load", found=float(load @ motion))
     first, second, all_moving = float(weight @ motion), float(weight @ motion**2), float(weight[motion != 0].sum())
     fraction = first**2 / (all_moving * second)
     # d = d_C sum P delta^2 / (delta_C sum P delta) with the mean displacement of what is pushed as d_C.
@@ -275,6 +275,9 @@ def _bodies(curve: BlockCapacityCurve, stones: Assemblage, load: LoadCase, loads
     if len(curve.displacement) < 2:
         found, expected = f"{counted(len(curve.displacement), 'step')} of the curve", "two or more"
         raise InputError("check", "no mechanism", found=found, expected=expected, remedy=_FOLLOW)
+    if curve.position.shape[1] != stones.count:
+        found = f"{curve.position.shape[1]} stones"
+        raise InputError("check", "a curve of other stones", found=found, expected=str(stones.count))
     first = np.concatenate([np.diff(part[:2], axis=0)[0] for part in (curve.position, curve.rotation)], axis=1)
     moving = moving_stones(stone_speed(stones, first)) & ~stones.fixed
     stone, weight, pushed = np.arange(stones.count), stones.weight, lateral_weight(stones, load)

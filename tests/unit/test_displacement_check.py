@@ -251,6 +251,25 @@ def test_a_run_checks_a_curve_that_is_not_proved_to_its_end(
     assert ("check" in found) == (status != "failed")
 
 
+def test_a_mechanism_at_the_foot_of_the_building_has_a_floor_like_the_ground(curve: BlockCapacityCurve) -> None:
+    floor = Floor(0.0, 12.0, 2, 3.0, first_period=0.3)
+    found = displacement_check(curve, LEANING, PUSH, Site(1.5, 1.2, floor=floor, spectrum=GIVEN))
+    assert found.a_g_slv == displacement_check(curve, LEANING, PUSH, SITED).a_g_slv
+    # Without damping a part in tune with the building would be shaken without end.
+    with pytest.raises(InputError, match="damping_percent: out of range; found 0"):
+        Floor(6.0, 12.0, 2, 3.0, 0.0)
+
+
+@pytest.mark.parametrize("direction", [(-1, 0, 0), (0, 1, 0)])
+def test_the_curve_of_another_load_has_no_check(curve: BlockCapacityCurve, direction: tuple[float, ...]) -> None:
+    assert "the mechanism does not go along its load" in displacement_check(curve, LEANING, cp.LoadCase(direction), SITED).message
+
+
+def test_the_curve_of_other_stones_has_no_check(curve: BlockCapacityCurve) -> None:
+    more = on_ground(box((0, 0.5), (0, 1), (0, 2)), box((2, 3), (0, 1), (0, 2)))
+    assert "a curve of other stones; found 2 stones; expected 3" in displacement_check(curve, more, PUSH, SITED).message
+
+
 def test_what_is_missing_is_named(curve: BlockCapacityCurve) -> None:
     assert "[check]" in displacement_check(curve, LEANING, PUSH, None).missing
     assert "[check.spectrum]" in displacement_check(curve, LEANING, PUSH, Site(1.5, 1.2)).missing
