@@ -259,6 +259,8 @@ class _Curve(Record):
     def drops(self, step: PathStep, /) -> bool:
         """True where the load factor drops on the way to a step."""
         answer = step.answer
+        if step.falling.any():
+            return False
         return answer.outcome == "solved" and self.load_factor[-1] - answer.load_factor > PATH.drop * abs(self.load_factor[0])
 
     def curve(self, ending: Ending, seconds: float) -> BlockCapacityCurve:

@@ -108,9 +108,9 @@ class Record(ABC):
         self.work_known = float(path.dissipation[last])
         return state
 
-    def drops(self, _: PathStep, /) -> bool:
-        """False: where something is lost on the way is not sought."""
-        return False
+    @abstractmethod
+    def drops(self, step: PathStep, /) -> bool:
+        """True where something is lost on the way to a step, and the place is to be known better."""
 
     def fall(self, step: PathStep) -> None:
         """Note the stones that fall in a step."""
