@@ -261,8 +261,9 @@ def displacement_check(
 
 @dataclass(frozen=True, slots=True)
 class _Bodies:
-    """What moves along a curve, stones and the masses on them. stone (n,): the stone of each, itself or which bears it; weight,
-    pushed (n,) N; place (ns, n) m along the load at each step; moving (n,): whether it is part of the mechanism at the start."""
+    """What moves along a curve, stones and the masses on them. stone (n,): the stone of each, itself or which bears it; weight
+    (n,) N; place (ns, n) m along the load at each step; moving (n,): whether it is part of the mechanism at the start; pushed
+    (n,): N, of these alone, since what moves later must not make the oscillator go further."""
 
     stone: IntArray
     weight: FloatArray
@@ -289,7 +290,7 @@ def _bodies(curve: BlockCapacityCurve, stones: Assemblage, load: LoadCase, loads
         place = np.concatenate([place, place[:, loads.stone] + along(load.direction, np.array(turned))], axis=1)
         stone, weight = np.concatenate([stone, loads.stone]), np.concatenate([weight, loads.mass])
         pushed = np.concatenate([pushed + more, masses])
-    return _Bodies(stone, weight, pushed, place, moving[stone])
+    return _Bodies(stone, weight, np.where(moving[stone], pushed, 0.0), place, moving[stone])
 
 
 def _mechanism(curve: BlockCapacityCurve, bodies: _Bodies, confidence: float) -> tuple[list[Oscillator], SafetyCheck]:
@@ -330,13 +331,17 @@ def _unproved(curve: BlockCapacityCurve, *, ended: bool, compared: bool) -> str:
 
 
 def _mean_displacement(curve: BlockCapacityCurve, bodies: _Bodies) -> tuple[FloatArray, float]:
-    """Return the mean displacement (ns,) m of what is pushed and stands, whatever the curve is drawn against, and its d0."""
+    """Return the mean displacement (ns,) m of what is pushed of the mechanism, and stands, and its d0.
+
+    The point that the curve is drawn against does not matter.
+    """
     gone = [0.0]
     for step, way in enumerate(np.diff(bodies.place, axis=0)):
         fallen = [part.stones for part in curve.fallen if part.displacement <= curve.displacement[step]]
         out = np.isin(bodies.stone, np.concatenate([*fallen, np.zeros(0, dtype=np.int64)]))
         weight = np.where(out, 0.0, bodies.pushed)
-        gone.append(gone[-1] + float(weight @ way) / float(weight.sum()))
+        total = float(weight.sum())
+        gone.append(gone[-1] + (float(weight @ way) / total if total > 0 else 0.0))
     displacement = np.array(gone)
     if curve.status == "vanished":
         (before, last), factor = displacement[-2:], curve.load_factor

@@ -270,6 +270,23 @@ def test_the_curve_of_other_stones_has_no_check(curve: BlockCapacityCurve) -> No
     assert "a curve of other stones; found 2 stones; expected 3" in displacement_check(curve, more, PUSH, SITED).message
 
 
+def test_what_moves_later_does_not_make_the_oscillator_go_further() -> None:
+    # A lintel slides on two columns, friction .15; from where its end has come to the edge of a column on, that leans after it.
+    columns = [box((0, 0.5), (0, 1), (0, 2.4)), box((2.6, 3.2), (0, 1), (0, 2.4))]
+    stones = on_ground(*columns, box((0, 3.2), (0, 1), (2.4, 2.9)))
+    contacts = cp.find_contacts(stones)
+    friction = np.where((contacts.blocks == 3).any(axis=1), 0.15, 0.9)
+    curve = cp.block_pushover(stones, contacts, PUSH, friction, step=0.03)
+    gone = curve.position[-1, :, 0] - curve.position[0, :, 0]
+    assert curve.load_factor[0] == pytest.approx(0.15, abs=1e-6)
+    assert gone[1] > 0.1
+    found = displacement_check(curve, stones, PUSH, SITED)
+    assert found.moving_weight == pytest.approx(stones.weight[3])
+    assert found.mass_fraction == pytest.approx(1.0)
+    # It is the lintel that starts to move, and its displacement counts.
+    assert found.d0 == pytest.approx(gone[3], rel=1e-6)
+
+
 def test_what_is_missing_is_named(curve: BlockCapacityCurve) -> None:
     assert "[check]" in displacement_check(curve, LEANING, PUSH, None).missing
     assert "[check.spectrum]" in displacement_check(curve, LEANING, PUSH, Site(1.5, 1.2)).missing
