@@ -256,6 +256,13 @@ class _Curve(Record):
             self.progress("capacity curve", 1.0 - step.answer.load_factor / self.load_factor[0])
         return None
 
+    def fall(self, step: PathStep) -> None:
+        """Note the stones that fall in a step, and the ties that they tear out."""
+        super().fall(step)
+        ties = self.model.ties
+        for tie in np.unique(ties.owner[step.falling[ties.stone]]).tolist():
+            self.broken.setdefault(ties.name[tie], self.fallen[-1].displacement)
+
     def drops(self, step: PathStep, /) -> bool:
         """True where the load factor drops on the way to a step."""
         answer = step.answer
