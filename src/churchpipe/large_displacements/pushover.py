@@ -260,8 +260,8 @@ class _Curve(Record):
         """Note the stones that fall in a step, and the ties that they tear out."""
         super().fall(step)
         ties = self.model.ties
-        for tie in np.unique(ties.owner[step.falling[ties.stone]]).tolist():
-            self.broken.setdefault(ties.name[tie], self.fallen[-1].displacement)
+        for name in np.array(ties.name)[np.unique(ties.owner[step.falling[ties.stone]])]:
+            self.broken.setdefault(str(name), self.fallen[-1].displacement)
 
     def drops(self, step: PathStep, /) -> bool:
         """True where the load factor drops on the way to a step."""
