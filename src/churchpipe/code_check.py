@@ -47,7 +47,7 @@ class Floor:
     building_height: Annotated[float, Quantity("_m", 0.0, above=True), "H: height of the building above the foundation."]
     storeys: Annotated[Count, "Number of storeys."]
     spectral_acceleration: Annotated[float, _SPECTRAL, "S_e(T1): elastic spectrum at the building's first period, soil included."]
-    damping_percent: Annotated[float, Quantity(low=0.0), "Damping of the building."] = 5.0
+    damping_percent: Annotated[float, Quantity(low=0.0, above=True), "Damping of the building."] = 5.0
     first_period: Annotated[
         float | None, Quantity("_s", 0.0, above=True), "T1: first period of the building, for the displacement-based check."
     ] = None

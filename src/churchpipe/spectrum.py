@@ -141,8 +141,10 @@ class StoreySpectrum:
     damping: float = 5.0
 
     def __post_init__(self) -> None:
-        for name in ("first_period", "peak", "damping"):
-            positive(f"StoreySpectrum.{name}", getattr(self, name))
+        positive("StoreySpectrum.first_period", self.first_period)
+        positive("StoreySpectrum.damping", self.damping)
+        # A storey at the height zero is the ground.
+        positive("StoreySpectrum.peak", self.peak, allow_zero=True)
 
     def acceleration(self, period: float, ground: float, damping: float) -> float:
         """Return S_eZ, m/s2, at a period, s, for a ground acceleration a_g, m/s2, and a damping in percent [C7.2.7]."""
@@ -160,7 +162,7 @@ class SiteSpectrum:
 
     Raises
     ------
-    InputError: half of either, or both; periods that do not rise.
+    InputError: half of either, or both; periods that do not rise; soil with a table, topography without soil.
     """
 
     amplification: Annotated[float | None, _F0, "F0: amplification on rock."] = None
@@ -177,6 +179,13 @@ class SiteSpectrum:
             raise InputError("spectrum", "neither formula nor table, or parts of both", expected=expected)
         if self.soil is not None and self.period is not None:
             raise InputError("spectrum: soil", "given with a table", expected="a table, which has the soil in it, or soil")
+        if self.soil is None and self.topography != "T1":
+            raise InputError(
+                "spectrum: topography",
+                "given without soil",
+                found=self.topography,
+                expected="soil with it; a table and soil_factor of [check] have the topography in them",
+            )
         self.of(1.0, 1.0)
 
     def of(self, ground: float, soil_factor: float | None) -> Spectrum | TabulatedSpectrum:

@@ -88,6 +88,34 @@ def test_a_loss_of_connections_counts_however_short_the_steps_are() -> None:
     assert curve.loss == pytest.approx(0.05)
 
 
+def test_connections_that_are_lost_at_once_leave_the_onset() -> None:
+    # Nothing is left to go: a period of zero has no displacement, which any earthquake meets.
+    curve = oscillator(np.array([0, 0.002, 0.1, 0.3]), np.array([0.7, 0.2, 0.1, 0.0]), 0.3, np.ones(1), np.ones(1))
+    assert curve.loss == 0.0
+    found = capacity(curve, SITE)
+    assert (found.displacement, found.period, found.governed) == (0.0, 0.0, "onset")
+    assert found.ground == pytest.approx(0.7 * GRAVITY / (1.35 * 1.2), rel=1e-9)
+
+
+@pytest.mark.parametrize("d0", [0.55, 0.73])
+@pytest.mark.parametrize("limit", ["SLV", "SLC"])
+def test_no_smaller_earthquake_asks_for_more(d0: float, limit: Literal["SLV", "SLC"]) -> None:
+    # a_g S of soil D falls by 6 % between a_g = .8 g/F0 and 1.07 g/F0, from .96 g/F0, as S = 2.4 - 1.5 F0 a_g/g falls to .9.
+    spectrum = Spectrum(2.5, 0.35, soil="D")
+    onset, damping = 0.5, {"SLV": 8.0, "SLC": 10.0}[limit]
+    curve = oscillator(np.array([0, d0]), np.array([onset, 0.0]), d0, np.ones(1), np.ones(1))
+    curve = replace(curve, loss=math.inf)
+    found = capacity(curve, spectrum, limit)
+    level = onset * GRAVITY / 1.35
+
+    def withstood(ground: float) -> bool:
+        moved = spectral_displacement(spectrum, found.period, ground, damping) <= found.displacement * (1 + 1e-9)
+        return moved or spectrum.acceleration(0.0, ground, 5.0) <= level * (1 + 1e-9)
+
+    assert all(withstood(ground) for ground in np.linspace(0.01, found.ground, 2000))
+    assert not withstood(found.ground * 1.001)
+
+
 def test_what_does_not_even_start_to_move() -> None:
     # A small model has little displacement: the onset governs.
     found = capacity(block(0.03, 0.3), SITE)
@@ -221,6 +249,42 @@ def test_a_run_checks_a_curve_that_is_not_proved_to_its_end(
     entry = {"kind": "curve", "name": "+x_curve", "geometry": "base"}
     found = RunFolder(tmp_path, {})._mechanism(entry, status)
     assert ("check" in found) == (status != "failed")
+
+
+def test_a_mechanism_at_the_foot_of_the_building_has_a_floor_like_the_ground(curve: BlockCapacityCurve) -> None:
+    floor = Floor(0.0, 12.0, 2, 3.0, first_period=0.3)
+    found = displacement_check(curve, LEANING, PUSH, Site(1.5, 1.2, floor=floor, spectrum=GIVEN))
+    assert found.a_g_slv == displacement_check(curve, LEANING, PUSH, SITED).a_g_slv
+    # Without damping a part in tune with the building would be shaken without end.
+    with pytest.raises(InputError, match="damping_percent: out of range; found 0"):
+        Floor(6.0, 12.0, 2, 3.0, 0.0)
+
+
+@pytest.mark.parametrize("direction", [(-1, 0, 0), (0, 1, 0)])
+def test_the_curve_of_another_load_has_no_check(curve: BlockCapacityCurve, direction: tuple[float, ...]) -> None:
+    assert "the mechanism does not go along its load" in displacement_check(curve, LEANING, cp.LoadCase(direction), SITED).message
+
+
+def test_the_curve_of_other_stones_has_no_check(curve: BlockCapacityCurve) -> None:
+    more = on_ground(box((0, 0.5), (0, 1), (0, 2)), box((2, 3), (0, 1), (0, 2)))
+    assert "a curve of other stones; found 2 stones; expected 3" in displacement_check(curve, more, PUSH, SITED).message
+
+
+def test_what_moves_later_does_not_make_the_oscillator_go_further() -> None:
+    # A lintel slides on two columns, friction .15; from where its end has come to the edge of a column on, that leans after it.
+    columns = [box((0, 0.5), (0, 1), (0, 2.4)), box((2.6, 3.2), (0, 1), (0, 2.4))]
+    stones = on_ground(*columns, box((0, 3.2), (0, 1), (2.4, 2.9)))
+    contacts = cp.find_contacts(stones)
+    friction = np.where((contacts.blocks == 3).any(axis=1), 0.15, 0.9)
+    curve = cp.block_pushover(stones, contacts, PUSH, friction, step=0.03)
+    gone = curve.position[-1, :, 0] - curve.position[0, :, 0]
+    assert curve.load_factor[0] == pytest.approx(0.15, abs=1e-6)
+    assert gone[1] > 0.1
+    found = displacement_check(curve, stones, PUSH, SITED)
+    assert found.moving_weight == pytest.approx(stones.weight[3])
+    assert found.mass_fraction == pytest.approx(1.0)
+    # It is the lintel that starts to move, and its displacement counts.
+    assert found.d0 == pytest.approx(gone[3], rel=1e-6)
 
 
 def test_what_is_missing_is_named(curve: BlockCapacityCurve) -> None:

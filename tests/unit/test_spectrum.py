@@ -1,6 +1,7 @@
 """Spectra of the ground (NTC 2018, 3.2.3.2.1) and of a storey (Circolare 7/2019, C7.2.3)."""
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -78,6 +79,8 @@ def test_bad_input() -> None:
         TabulatedSpectrum((0.0, 0.5), (1.0, 0.0), 1.0)
     with pytest.raises(InputError, match="first_period: out of range"):
         StoreySpectrum(SITE, 0.0, 3.0)
+    with pytest.raises(InputError, match="peak: out of range"):
+        StoreySpectrum(SITE, 0.4, -1.0)
 
 
 def test_a_spectrum_given_by_a_case() -> None:
@@ -102,3 +105,15 @@ def test_half_a_spectrum(given: dict[str, Any]) -> None:
         SiteSpectrum(**given)
     with pytest.raises(InputError, match="soil: given with a table"):
         SiteSpectrum(period=(0.0, 1.0), level=(1.0, 1.0), soil="B")
+
+
+def test_a_topography_that_nothing_would_heed() -> None:
+    # S of [check] has the topography in it, and so has a table.
+    for given in (SiteSpectrum(2.5, 0.5), SiteSpectrum(period=(0.0, 1.0), level=(1.0, 1.0))):
+        with pytest.raises(InputError, match="topography: given without soil; found T4"):
+            replace(given, topography="T4")
+
+
+def test_a_storey_on_the_ground_is_shaken_as_the_ground() -> None:
+    storey = StoreySpectrum(SITE, first_period=0.4, peak=0.0)
+    assert storey.acceleration(0.4, 2.0, 5.0) == SITE.acceleration(0.4, 2.0, 5.0)

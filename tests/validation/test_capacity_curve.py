@@ -110,6 +110,9 @@ def test_block_that_slides_off_a_pedestal_tips_when_its_centre_nears_the_edge() 
     centre = curve.position[:, 1] - [b, 0, 0]
     assert curve.load_factor[~slides] == pytest.approx((-centre[:, 0] / centre[:, 2])[~slides], abs=1e-4)
     assert curve.d0 == pytest.approx(b / 2, rel=1e-3)
+    # Friction takes its share of the whole of the last step that slides, though nothing slides any more where that ends.
+    work, taken = energies(stones, curve)
+    assert work == pytest.approx(taken, rel=1e-3)
 
 
 @pytest.mark.parametrize(("breadth", "d0"), [(0.3, 0.15), (0.36, 0.18)])

@@ -127,6 +127,7 @@ BEAM = cp.Assemblage.from_polyhedra(
         ({"direction": (0, 1)}, "settlement_analysis: direction: wrong shape"),
         ({"friction": -0.1}, "friction: out of range"),
         ({"flow": "dilatant"}, "settlement_analysis: flow: unknown value"),
+        ({"contact_model": "balls"}, "settlement_analysis: contact_model: unknown value"),
         ({"stones": 3}, "settlement_analysis: stones: wrong kind"),
     ],
 )

@@ -202,7 +202,7 @@ BAD: list[tuple[dict[str, Any], str]] = [
     ({"end": (0.5, 0.5, 2)}, "tie t: both ends on one stone; found B1"),
     ({"stones": (1, 1)}, "tie t: both ends on one stone; found stones 1 and 1"),
     ({"stones": (1, 7)}, "tie t: stones: no such stone; found 7; expected indices < 3"),
-    ({"stones": (1, -1)}, "tie t: stones: index out of range"),
+    ({"stones": (1, -1)}, "tie t: stones: index out of range; found -1; expected >= 0"),
     ({"stones": 1}, "tie t: stones: wrong shape"),
 ]
 

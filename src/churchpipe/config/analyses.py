@@ -19,7 +19,9 @@ Start = Literal["centre", "dead-load", "uniform", "associative", "scattered"]
 _Corner = tuple[Coordinate, Coordinate]
 _GAP = Quantity("_mm", 0.0, above=True, usual=Usual(1e-6, 50, "joints of mortar are some 10 wide, those of drawn stones below 1"))
 _OVERLAP = Quantity("_mm", 0.0, above=True, usual=Usual(1e-6, 50, "stones that are drawn or scanned overlap by some mm"))
-_FURTHEST = Quantity("_deg", 0.0, above=True, key="furthest_deg")
+# How far a path goes: less than 1e-6 m or rad is lost to rounding, and refused in Python as well.
+_FURTHEST = Quantity("_deg", 6e-5, key="furthest_deg")
+_Way = Annotated[float, Quantity("_mm", 1e-3)]
 _Part = Annotated[float, Quantity()]
 _OneOrMore = BeforeValidator(listed, json_schema_input_type=list[Start] | Start)
 
@@ -41,9 +43,9 @@ def _even(value: int) -> int:
 class CurveSettings:
     """The capacity curve of the stones at large displacements, of each load: see `churchpipe.block_pushover`."""
 
-    step: Annotated[Length | None, "Largest displacement of a step; by default a tenth of the thinnest stone that moves."] = None
+    step: Annotated[_Way | None, "Largest displacement of a step; by default a tenth of the thinnest stone that moves."] = None
     steps: Annotated[Count, "Most steps."] = 400
-    furthest: Annotated[Length | None, "Displacement of a stone at which the curve ends."] = None
+    furthest: Annotated[_Way | None, "Displacement of a stone at which the curve ends."] = None
     control: Annotated[Place | None, "Point that the curve follows; by default the mean of what is pushed."] = None
     halo: Annotated[Whole, "Contacts from a moving stone to those held still; 0 holds none."] = HALO
 
@@ -95,9 +97,9 @@ class MovementSettings:
     name: Annotated[str, "Of the movement, for tables and pictures; by default that of the support."] = ""
     direction: Annotated[tuple[_Part, _Part, _Part], "Of the movement, or of its axis, right-handed."] = (0.0, 0.0, -1.0)
     about: Annotated[Place | None, "A point of the axis about which the support turns; left out: it moves along."] = None
-    furthest: Annotated[Length | None, "Movement at which to stop; left out: at collapse."] = None
+    furthest: Annotated[_Way | None, "Movement at which to stop; left out: at collapse."] = None
     furthest_angle: Annotated[float | None, _FURTHEST, "Where it turns, likewise."] = None
-    step: Annotated[Length | None, "Largest displacement of a step; by default a tenth of the thinnest stone."] = None
+    step: Annotated[_Way | None, "Largest displacement of a step; by default a tenth of the thinnest stone."] = None
     steps: Annotated[Count, "Most steps."] = 200
     halo: Annotated[Whole, "Contacts from a moving stone to those held still; 0 holds none."] = HALO
 

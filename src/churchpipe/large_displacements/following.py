@@ -38,7 +38,7 @@ class Steps(Protocol):
         ...
 
     def drops(self, step: PathStep, /) -> bool:
-        """True where so much is lost on the way to a step that it should be known better where."""
+        """True where so much is lost on the way to a step, or the structure falls, that it should be known better where."""
         ...
 
 
@@ -47,8 +47,8 @@ def follow(model: MovingModel, state: PathState, steps: int, record: Steps, ring
 
     A step is solved on the stones that move and those near to them, so many contacts away (`rings`). Stones that stand still by
     now are held; where a step moves others, it is solved again with more. Where stones fall in it, it is solved again without
-    them, unless the structure cannot spare them. Where much is lost on the way to it, it goes half as far, until that place is
-    known to `PATH.located` of a step.
+    them, unless the structure cannot spare them. Where much is lost on the way to it (`Steps.drops`), it goes half as far, until
+    that place is known to `PATH.located` of a step.
     """
     last: tuple[MovingModel, PathStep] | None = None
     for _ in range(steps):
@@ -56,12 +56,11 @@ def follow(model: MovingModel, state: PathState, steps: int, record: Steps, ring
         whole = True
         while True:
             step = solve_state(model, state)
-            if step.falling.any():
-                if not may_go_on(model, step):
-                    break
+            falls = bool(step.falling.any())
+            if falls and may_go_on(model, step):
                 record.fall(step)
                 state, whole = without(model, state, step), False
-            elif (wider := grown(model, step, rings)) is not None:
+            elif not falls and (wider := grown(model, step, rings)) is not None:
                 model, state = wider
             elif last and whole and state.way > PATH.located * last[1].way and record.drops(step):
                 model, state = shrunk(last[0], next_state(*last, 0.5 * state.way), rings)

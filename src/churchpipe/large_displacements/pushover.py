@@ -256,9 +256,18 @@ class _Curve(Record):
             self.progress("capacity curve", 1.0 - step.answer.load_factor / self.load_factor[0])
         return None
 
+    def fall(self, step: PathStep) -> None:
+        """Note the stones that fall in a step, and the ties that they tear out."""
+        super().fall(step)
+        ties = self.model.ties
+        for name in np.array(ties.name)[np.unique(ties.owner[step.falling[ties.stone]])]:
+            self.broken.setdefault(str(name), self.fallen[-1].displacement)
+
     def drops(self, step: PathStep, /) -> bool:
         """True where the load factor drops on the way to a step."""
         answer = step.answer
+        if step.falling.any():
+            return False
         return answer.outcome == "solved" and self.load_factor[-1] - answer.load_factor > PATH.drop * abs(self.load_factor[0])
 
     def curve(self, ending: Ending, seconds: float) -> BlockCapacityCurve:

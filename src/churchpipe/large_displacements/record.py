@@ -14,6 +14,8 @@ from churchpipe.large_displacements.moving_model import MovingModel
 from churchpipe.large_displacements.path import PathStep, onward
 from churchpipe.large_displacements.path_state import PathState, state_at
 from churchpipe.large_displacements.poses import Poses, rotation_vectors, screw
+from churchpipe.large_displacements.settings import PATH
+from churchpipe.mechanism import stone_speed
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.stone_path import FallenStones, LastStep, StepArrays, StonePath
 
@@ -41,6 +43,8 @@ class Record(ABC):
         self.fallen: list[FallenStones] = []
         self.resumed = ""
         self.step: PathStep | None = None
+        # The motion of the last step (nb, 6).
+        self.velocity: FloatArray | None = None
 
     @property
     def left(self) -> float:
@@ -53,10 +57,11 @@ class Record(ABC):
         gone = self.displacement[-1] + self.control.between(self.poses[-1], poses, standing) if self.poses else 0.0
         answer, power = step.answer, step.friction_power * self.model.force
         # The work of a step is done when the next one is reached, at the mean of the powers at its ends.
-        done = self.work[-1] + 0.5 * (self.friction_power + power) * step.state.way if self.work else 0.0
+        mean = 0.5 * (self.friction_power + power) if self._steady(step.velocity) else self.friction_power
+        done = self.work[-1] + mean * step.state.way if self.work else 0.0
         if self.work_known is not None:
             done, self.work_known = self.work_known, None
-        self.friction_power = power
+        self.friction_power, self.velocity = power, step.velocity
         self.step = step
         self.poses.append(poses)
         self.proofs.append((answer.residual, answer.violation, answer.misfit))
@@ -65,6 +70,16 @@ class Record(ABC):
         away = np.linalg.norm(poses.centroid - self.model.stones.centroid, axis=1)[standing]
         self.largest.append(float(away.max(initial=0.0)))
         self.work.append(done)
+
+    def _steady(self, velocity: FloatArray) -> bool:
+        """Return whether the motion (nb, 6) at the end of a step is that of the step, as in `path.onward`.
+
+        Where it is another one, as when what slid begins to rock, the power at the end tells nothing of the step.
+        """
+        if self.velocity is None:
+            return True
+        change, speed = (stone_speed(self.model.stones, each).max() for each in (velocity - self.velocity, velocity))
+        return bool(change < PATH.steady * speed)
 
     @abstractmethod
     def reached(self) -> Ending | None:
@@ -101,16 +116,16 @@ class Record(ABC):
         state = gone_on(state_at(model, every, path.fallen), path.last, model.reach)
         state = replace(state, load_factor=self.load_factor[-1])
         if len(path.last.velocity) == count and self.reached() is None:
-            self.friction_power = path.last.power
+            self.friction_power, self.velocity = path.last.power, path.last.velocity
             return onward(model, state, path.last.velocity, path.last.onward, self.proofs[-1][2], self.left)
         for each in (self.poses, self.displacement, self.load_factor, self.largest, self.work, self.proofs):
             each.pop()
         self.work_known = float(path.dissipation[last])
         return state
 
-    def drops(self, _: PathStep, /) -> bool:
-        """False: where something is lost on the way is not sought."""
-        return False
+    @abstractmethod
+    def drops(self, step: PathStep, /) -> bool:
+        """True where something is lost on the way to a step, and the place is to be known better."""
 
     def fall(self, step: PathStep) -> None:
         """Note the stones that fall in a step."""

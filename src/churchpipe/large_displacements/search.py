@@ -64,7 +64,7 @@ class StepSearch:
         self._begin, self._most, self._demands = begin, most, demands
         # As drawn no gap has to close, and a step of any length has the same program.
         self._of_any_length = not ((gap > 0.0) | (program.softness > 0.0)).any()
-        self._least = 0.0 if self._of_any_length else PATH.least_charge * begin
+        self._least = 0.0 if self._of_any_length else max(PATH.least_charge * begin, PATH.snapping * most)
 
     def within(self, length: float) -> StepProgram:
         """Return the program of a step of this length."""

@@ -45,10 +45,12 @@ class PathSettings:
         thinnest side of the stones that move. turn: largest rotation, rad. right: a length that is right within this factor is
         kept; shortest: one shorter than this share of the largest ends the path. least_charge: a step may charge its gaps as if
         it were this much shorter than the last one, however short it is then: where a few stones run ahead of all others, every
-        sliding joint would else count as open. drop: where the load factor falls by more than this share of the first one within
-        a step, the place is sought to `located` of it. lengths: times that pairs of programs are begun, each with the length of
-        step of the last motion. open: a joint of a large model that is wider than this share of the step holds nothing as it
-        begins.
+        sliding joint would else count as open. snapping: nor as if it were shorter than this share of the largest, m per unit of
+        work: where the load does no work, as in a snap, every step would else be a tenth of the one before, until its program
+        has no solution in the numbers of a computer. drop: where the load factor falls by more than this share of the first one
+        within a step, the place is sought to `located` of it. lengths: times that pairs of programs are begun, each with the
+        length of step of the last motion. open: a joint of a large model that is wider than this share of the step holds nothing
+        as it begins.
 
     Programs of a step:
         first_programs, programs: as drawn, where the sliding is unknown, and later. pairs: of programs that make forces and
@@ -93,6 +95,7 @@ class PathSettings:
     right: float = 1.6
     shortest: float = 1e-3
     least_charge: float = 0.04
+    snapping: float = 1e-6
     drop: float = 0.1
     located: float = 0.1
     open: float = 0.25

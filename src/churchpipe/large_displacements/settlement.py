@@ -1,7 +1,7 @@
 """Supports that settle or spread: the reaction that is left, where the structure cracks, and how far it may go."""
 
 from time import perf_counter
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -78,6 +78,7 @@ def settlement_analysis(
     """
     begin = perf_counter()
     one_of("settlement_analysis: flow", flow, "associative", "non-associative")
+    one_of("settlement_analysis: contact_model", contact_model, *get_args(ContactModel))
     moved = (support, direction, about)
     model, state, status, message = settlement_model(
         stones, contacts, moved, friction, dead, None, solver, contact_model, compressive_strength

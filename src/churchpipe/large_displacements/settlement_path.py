@@ -173,6 +173,10 @@ class _Movement(Record):
             self.progress("movement of a support", min(share, 1.0))
         return None
 
+    def drops(self, step: PathStep, /) -> bool:
+        """True where the structure falls on the way to a step."""
+        return bool(step.falling.any())
+
     def path(self, ending: Ending, seconds: float) -> SettlementPath:
         """Return the path."""
         return SettlementPath(

@@ -66,7 +66,8 @@ def indices(name: str, value: npt.ArrayLike, shape: Sequence[int | None], *, bel
     _check_shape(name, array, shape)
     if array.size and (array.min() < 0 or (below is not None and array.max() >= below)):
         bad = array[(array < 0) | (array >= (below if below is not None else np.iinfo(np.int64).max))].flat[0]
-        raise InputError(name, "index out of range", found=int(bad), expected=f"0 <= index < {below}")
+        expected = ">= 0" if below is None else f"0 <= index < {below}"
+        raise InputError(name, "index out of range", found=int(bad), expected=expected)
     return _frozen(array, value)
 
 

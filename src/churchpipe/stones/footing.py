@@ -35,8 +35,8 @@ def footing(stones: Assemblage, contacts: Contacts, place: str | Rectangle) -> F
 
     Raises
     ------
-    InputError: neither a wall nor a fixed stone, a wall that does not reach the ground, nothing within the rectangle, ground that
-        is no upright prism of a convex plan and cannot be cut.
+    InputError: neither a wall nor a fixed stone, a wall that does not reach the ground, a rectangle without width or with nothing
+        over it, ground that is no upright prism of a convex plan and cannot be cut.
     """
     if not isinstance(place, str):
         (x0, y0), (x1, y1) = place
@@ -65,12 +65,9 @@ def footing(stones: Assemblage, contacts: Contacts, place: str | Rectangle) -> F
 
 def _cut(stones: Assemblage, contacts: Contacts, frame: FloatArray, corners: FloatArray, words: str) -> Footing:
     """Return stones whose ground is cut along a rectangle (2, 2), its lowest and highest places along two axes (2, 2)."""
-    seen = contacts.point[:, :2] @ frame.T
-    inside = ((seen > corners[0] - _EXACT) & (seen < corners[1] + _EXACT)).all(axis=1)
-    fixed = stones.fixed[contacts.blocks]
-    bears = fixed[:, 0] != fixed[:, 1]
-    stands = inside & bears[contacts.interface_of_point]
-    pairs = contacts.blocks[contacts.interface_of_point[stands]].ravel()
+    if (np.ptp(corners, axis=0) <= _EXACT).any():
+        raise InputError("support", "a rectangle without width", found=words, expected="corners that differ in x and in y")
+    pairs = contacts.blocks[_upon(stones, contacts, frame, corners)].ravel()
     plates = np.unique(pairs[stones.fixed[pairs]])
     if not len(plates):
         raise InputError("support", "nothing stands on the ground there", found=words, expected="a rectangle with stones in it")
@@ -91,6 +88,19 @@ def _cut(stones: Assemblage, contacts: Contacts, frame: FloatArray, corners: Flo
         moving.append(_prism(middle, levels))
         pieces += [_prism(piece, levels) for piece in around]
     return Footing(*_with_prisms(stones, plates, pieces, moving), cut=True)
+
+
+def _upon(stones: Assemblage, contacts: Contacts, frame: FloatArray, corners: FloatArray) -> IntArray:
+    """Return the joints between ground and free stones that lie over a rectangle (2, 2) along two axes (2, 2), if in part."""
+    fixed = stones.fixed[contacts.blocks]
+    found: list[int] = []
+    for joint in np.flatnonzero(fixed[:, 0] != fixed[:, 1]).tolist():
+        points = contacts.point[contacts.point_ptr[joint] : contacts.point_ptr[joint + 1], :2]
+        arm = points - points.mean(axis=0)
+        above, _ = _pieces(points[np.argsort(np.arctan2(arm[:, 1], arm[:, 0]))], frame, corners)
+        if len(above) and (np.ptp(above @ frame.T, axis=0) > _EXACT).all():
+            found.append(joint)
+    return np.array(found, dtype=np.int64)
 
 
 def _corners(stones: Assemblage, stone: int) -> FloatArray:

@@ -213,6 +213,18 @@ def test_a_stone_that_loses_its_seat_falls_and_the_others_go_on() -> None:
     assert curve.status == "vanished"
 
 
+def test_a_tie_is_torn_out_where_its_stone_falls() -> None:
+    post, plate, stop = box((-0.4, -0.05), (0, 1), (0, 4)), box((-9, 9), (-5, 5), (-1, 0)), box((0.2, 0.6), (0, 1), (4.2, 4.4))
+    block, slab = box((0, 1), (0, 1), (0, 4)), box((-0.2, 0.2), (0, 1), (4, 4.4))
+    stones = cp.Assemblage.from_polyhedra([plate, post, block, slab, stop], 18e3, fixed=[0, 1, 4])
+    rod = cp.Tie("rod", start=(-2, 0.5, -0.5), end=(-0.2, 0.5, 4.2), stones=(0, 3), strength=300.0)
+    curve = cp.block_pushover(stones, cp.find_contacts(stones), PUSH, 0.3, [rod], step=0.02)
+    (lost,) = curve.fallen
+    assert lost.stones.tolist() == [3]
+    assert f"tie rod broke at a displacement of {1e3 * lost.displacement:.3g} mm" in curve.message
+    assert (curve.tie_forces[curve.displacement > lost.displacement] == 0).all()
+
+
 def test_a_beam_that_slides_on_its_wall_has_a_curve() -> None:
     # Its first program was not solved as exactly as was asked, and there was no curve at all.
     building = replace(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import churchpipe as cp
-from churchpipe.stones.footing import footing
+from churchpipe.stones.footing import Rectangle, footing
 from solids import box, moved, on_ground
 
 WALLS = cp.Assemblage.from_polyhedra(
@@ -48,11 +48,23 @@ def test_a_rectangle_and_a_stone_of_its_own() -> None:
     assert footing(alone, cp.find_contacts(alone), "w").cut is False
 
 
+@pytest.mark.parametrize("place", [((0.5, -0.5), (1.0, 1.0)), ((0.5, 0.1), (1.0, 0.3))])
+def test_a_rectangle_below_the_middle_of_a_stone(place: Rectangle) -> None:
+    # None of its corners lies there; it stands on the ground on both sides.
+    found = footing(WALLS, cp.find_contacts(WALLS), place)
+    assert found.stones.block_id[found.support].tolist() == ["moving support"]
+    state = cp.settlement_analysis(found.stones, cp.find_contacts(found.stones), found.support)
+    assert (state.status, state.reaction) == ("optimal", pytest.approx(0.0, abs=1e-3))
+
+
 @pytest.mark.parametrize(
     ("place", "said"),
     [
         ("nave", "no wall or stone of this name on the ground; found nave; expected long, short, ground"),
         (((3.0, 3.0), (4.0, 4.0)), "nothing stands on the ground there"),
+        # Along the side of a wall, which it does not support.
+        (((-1.0, -1.0), (0.0, 3.0)), "nothing stands on the ground there"),
+        (((0.0, 0.0), (0.0, 0.3)), "a rectangle without width; found from .0.0, 0.0. to .0.0, 0.3. m"),
     ],
 )
 def test_supports_that_are_not_there(place: object, said: str) -> None:
