@@ -98,6 +98,20 @@ def _centroid(outline: FloatArray) -> FloatArray:
     return ((outline + after) * part[:, None]).sum(axis=0) / (3 * part.sum())
 
 
+def _nearly_gone(curve: cp.BlockCapacityCurve) -> float:
+    """The displacement at which a thirtieth of the first load factor is left, between two steps."""
+    left = curve.load_factor[0] / 30
+    after = int(np.argmax(curve.load_factor < left))
+    ends = slice(after, after - 2, -1)
+    return float(np.interp(left, curve.load_factor[ends], curve.displacement[ends]))
+
+
+def _forward(curve: cp.BlockCapacityCurve) -> tuple[FloatArray, FloatArray]:
+    """Displacement and load factor up to where the point is furthest."""
+    steps = int(curve.displacement.argmax()) + 1
+    return curve.displacement[:steps], curve.load_factor[:steps]
+
+
 def test_the_first_load_factor() -> None:
     curve, _ = _curve(0.01)
     assert curve.load_factor[0] == pytest.approx(_by_linear_programming(), rel=1e-6)
@@ -109,10 +123,11 @@ def test_a_snap_is_no_collapse(step: float) -> None:
     other, _ = _curve(0.01)
     assert curve.proved
     assert curve.load_factor[-1] < 0.02 * curve.load_factor[0]
-    assert curve.d0 == pytest.approx(other.d0, rel=0.03)
+    # Beyond, at a fortieth of the first load factor, rounding may choose a last snap, whose point goes back.
+    assert _nearly_gone(curve) == pytest.approx(_nearly_gone(other), rel=0.03)
     assert curve.residual.max() < 1e-8
     assert curve.violation.max() * weight < 1e-3
     # Well after the snap.
     at = np.array([0.08, 0.1, 0.12])
-    found, expected = (np.interp(at, one.displacement, one.load_factor) for one in (curve, other))
+    found, expected = (np.interp(at, *_forward(one)) for one in (curve, other))
     assert found == pytest.approx(expected, abs=0.02 * curve.load_factor[0])
