@@ -288,7 +288,8 @@ def test_s22() -> None:
     assert curve.load_factor[-1] < 0.06 * curve.load_factor[0]
     # The interval of the certified load factor without dilatancy as drawn.
     assert 0.1882 <= curve.load_factor[0] <= 0.1889
-    assert curve.d0 == pytest.approx(0.0194, rel=2e-2)
+    # Of twenty-one runs that differ by rounding or by the step.
+    assert 0.0188 <= curve.d0 <= 0.0196
     assert_certified(curve)
     work, taken = energies(stones, curve)
     assert work == pytest.approx(taken, rel=2e-2)

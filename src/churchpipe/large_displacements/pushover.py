@@ -264,11 +264,20 @@ class _Curve(Record):
             self.broken.setdefault(str(name), self.fallen[-1].displacement)
 
     def drops(self, step: PathStep, /) -> bool:
-        """True where the load factor drops on the way to a step."""
-        answer = step.answer
-        if step.falling.any():
+        """True where the load factor drops on the way to a step, or falls by more than it would as along the last step.
+
+        In a large model, whose load factors waver, only a drop tells.
+        """
+        if step.falling.any() or step.answer.outcome != "solved":
             return False
-        return answer.outcome == "solved" and self.load_factor[-1] - answer.load_factor > PATH.drop * abs(self.load_factor[0])
+        lost, first = self.load_factor[-1] - step.answer.load_factor, abs(self.load_factor[0])
+        if lost > PATH.drop * first:
+            return True
+        if self.model.large or len(self.load_factor) < 2:
+            return False
+        way, before = self.gone(step), self.displacement[-1] - self.displacement[-2]
+        slope = max((self.load_factor[-2] - self.load_factor[-1]) / before, 0.0) if before > 0.0 else 0.0
+        return lost - slope * max(way, 0.0) > PATH.bend * first
 
     def curve(self, ending: Ending, seconds: float) -> BlockCapacityCurve:
         """Return the curve."""

@@ -16,7 +16,7 @@ from churchpipe.large_displacements.path_state import PathState, state_at
 from churchpipe.large_displacements.poses import Poses, rotation_vectors, screw
 from churchpipe.large_displacements.settings import PATH
 from churchpipe.mechanism import stone_speed
-from churchpipe.model.arrays import FloatArray
+from churchpipe.model.arrays import BoolArray, FloatArray
 from churchpipe.model.stone_path import FallenStones, LastStep, StepArrays, StonePath
 
 Progress = Callable[[str, float], None]
@@ -53,8 +53,8 @@ class Record(ABC):
 
     def note(self, step: PathStep) -> None:
         """Take down a step that was solved."""
-        poses, standing = step.state.poses, ~step.state.fallen & ~self.model.stones.fixed
-        gone = self.displacement[-1] + self.control.between(self.poses[-1], poses, standing) if self.poses else 0.0
+        poses, standing = step.state.poses, _standing(self.model, step)
+        gone = self.displacement[-1] + self.gone(step) if self.poses else 0.0
         answer, power = step.answer, step.friction_power * self.model.force
         # The work of a step is done when the next one is reached, at the mean of the powers at its ends.
         mean = 0.5 * (self.friction_power + power) if self._steady(step.velocity) else self.friction_power
@@ -70,6 +70,10 @@ class Record(ABC):
         away = np.linalg.norm(poses.centroid - self.model.stones.centroid, axis=1)[standing]
         self.largest.append(float(away.max(initial=0.0)))
         self.work.append(done)
+
+    def gone(self, step: PathStep) -> float:
+        """Return how far the control point has gone from the last step to this one, m."""
+        return self.control.between(self.poses[-1], step.state.poses, _standing(self.model, step))
 
     def _steady(self, velocity: FloatArray) -> bool:
         """Return whether the motion (nb, 6) at the end of a step is that of the step, as in `path.onward`.
@@ -146,3 +150,8 @@ class Record(ABC):
             dissipation=np.array(self.work),
             last=LastStep() if self.step is None else last_step(self.step, self.friction_power),
         )
+
+
+def _standing(model: MovingModel, step: PathStep) -> BoolArray:
+    """Return which stones (nb,) stand at a step: neither fallen nor fixed."""
+    return ~step.state.fallen & ~model.stones.fixed

@@ -48,9 +48,10 @@ class PathSettings:
         sliding joint would else count as open. snapping: nor as if it were shorter than this share of the largest, m per unit of
         work: where the load does no work, as in a snap, every step would else be a tenth of the one before, until its program
         has no solution in the numbers of a computer. drop: where the load factor falls by more than this share of the first one
-        within a step, the place is sought to `located` of it. lengths: times that pairs of programs are begun, each with the
-        length of step of the last motion. open: a joint of a large model that is wider than this share of the step holds nothing
-        as it begins.
+        within a step, the place is sought to `located` of it; bend: or, unless the model is large, by this share more than it
+        would along the last step, as when a joint stops sliding or another hinge opens. lengths: times that pairs of programs
+        are begun, each with the length of step of the last motion. open: a joint of a large model that is wider than this share
+        of the step holds nothing as it begins.
 
     Programs of a step:
         first_programs, programs: as drawn, where the sliding is unknown, and later. pairs: of programs that make forces and
@@ -97,6 +98,7 @@ class PathSettings:
     least_charge: float = 0.04
     snapping: float = 1e-6
     drop: float = 0.1
+    bend: float = 0.01
     located: float = 0.1
     open: float = 0.25
     lengths: int = 3
