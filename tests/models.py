@@ -179,6 +179,19 @@ def random_facade(seed: int) -> tuple[Assemblage, Contacts, float]:
     return stones, find_contacts(stones), friction
 
 
+def random_corner(seed: int) -> tuple[Assemblage, Contacts, float, LoadCase]:
+    """Stones, contacts, friction and load of a corner of two short walls of tilting-test bricks, all drawn: 20 to 70 stones.
+
+    Friction is drawn from .35 to .85, and the direction of the load in plan. Such corners slide in many joints at once.
+    """
+    rng = np.random.default_rng(seed)
+    layout = {"courses": int(rng.integers(4, 10)), "main_wall_length": 0.08 * int(rng.integers(2, 6)), "partitions_x": [0.0]}
+    layout["partition_length"] = 0.08 * int(rng.integers(1, 4)) + 0.04 * int(rng.integers(0, 2))
+    stones = derive_blocks(prototype(materials=DRY_STONE, **TILTING_BRICKS | layout))
+    angle, friction = float(rng.uniform(0, 2 * np.pi)), round(float(rng.uniform(0.35, 0.85)), 2)
+    return stones, find_contacts(stones), friction, LoadCase((float(np.cos(angle)), float(np.sin(angle)), 0.0))
+
+
 def random_building(seed: int) -> tuple[Assemblage, Contacts, float, LoadCase]:
     """Stones, contacts, friction and load of a box, tower, round tower, chapel, dome, apse, arch, vault or wall, all drawn.
 

@@ -28,7 +28,7 @@ rule curve:
         settings="curve/{analysis}/settings.json",
         assemblage=lambda wildcards: f"geometry/{GEOMETRY_OF[wildcards.analysis]}/assemblage.npz",
         contacts=lambda wildcards: f"geometry/{GEOMETRY_OF[wildcards.analysis]}/contacts.npz",
-        first=lambda wildcards: [f"rigid/{name}/rigid.npz" for name in [FIRST_OF.get(wildcards.analysis)] if name],
+        first=lambda wildcards: [f"rigid/{name}/rigid.npz" for name in FIRST_OF[wildcards.analysis]],
     output:
         state="curve/{analysis}/curve.npz",
         record="curve/{analysis}/curve.json",

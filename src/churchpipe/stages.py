@@ -257,7 +257,7 @@ def rigid(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
 def curve(
     settings: Path, assemblage: Path, contacts: Path, state: Path, record: Path, *first: Path, progress: Progress | None = None
 ) -> None:
-    """A curve of the stones, from their first analysis if made -> curve and record; a killed run goes on from its steps."""
+    """A curve of the stones, from their first analyses if made -> curve and record; a killed run goes on from its steps."""
     from churchpipe.io.kept_steps import KeptSteps
     from churchpipe.large_displacements.pushover import block_pushover
     from churchpipe.model.block_curve import BlockCapacityCurve
@@ -273,7 +273,8 @@ def curve(
     pushed = loaded(load, stones, applied.loads)
     kept = KeptSteps(BlockCapacityCurve, state.parent, (settings, assemblage, contacts), code_of("curve"))
     options |= {"progress": progress, "resume": kept.found(), "keep": kept.keep}
-    options["state"] = read_npz(first[0], LimitState) if first else None
+    made = {found.flow: found for found in (read_npz(path, LimitState) for path in first)}
+    options |= {"state": made.get("associative"), "sliding": made.get("non-associative")}
     found = block_pushover(stones, joints, pushed, friction, applied.ties, **options)
     write_npz(state, found)
     kept.clear()

@@ -107,10 +107,10 @@ def plan(cases: Sequence[Case]) -> Plan:
                 made[flow, contact_model] = add("rigid", words, case, of_stones, settings, geometry=geometry, **check)
             if case.rigid.curve:
                 settings = _curve_settings(case, geometry, load)
-                # A curve begins with the associative analysis, and need not make it again.
-                first = made.get(("associative", case.rigid.contact_model[0]))
-                begins = {"begins_from": first} if first and "crushing_parts" not in analyses[first] else {}
-                add("curve", [load.name, "curve"], case, of_stones, settings, geometry=geometry, **begins, **check)
+                # A curve begins with the analyses of both flow rules, and need not make them again.
+                known = [name for (_, model), name in made.items() if model == case.rigid.contact_model[0]]
+                begins = [name for name in known if "crushing_parts" not in analyses[name]]
+                add("curve", [load.name, "curve"], case, of_stones, settings, geometry=geometry, begins_from=begins, **check)
         for movement in case.movements:
             settings = {"geometry": geometry, **_strengths(case), "solver": case.rigid.solver, **asdict(movement)}
             settings |= case.carries.settings(*LOADS)

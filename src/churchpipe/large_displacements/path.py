@@ -14,10 +14,9 @@ from churchpipe.large_displacements.path_state import PathState, renewed_state, 
 from churchpipe.large_displacements.search import Attempt, StepSearch
 from churchpipe.large_displacements.seeking import sought
 from churchpipe.large_displacements.settings import PATH
-from churchpipe.large_displacements.state_program import state_program
+from churchpipe.large_displacements.state_program import pressure_levers, state_program
 from churchpipe.large_displacements.step import StepAnswer, StepProgram, solve_step
 from churchpipe.large_displacements.travelling import TravellingLoads
-from churchpipe.large_displacements.twisted import friction_shift
 from churchpipe.mechanism import reference_speed, stone_speed
 from churchpipe.model.arrays import BoolArray, FloatArray
 
@@ -70,11 +69,8 @@ def _levers(model: MovingModel, step: PathStep) -> tuple[FloatArray, float]:
     """Return where friction acts beside the points (nc, 3) m under the forces of a step, and by how much of a stone that is
     another place than the one taken there, in the mean over these forces."""
     joints = step.state.joints
-    contacts, _ = joints.at(step.state.poses)
-    tangents = contacts.frame[contacts.interface_of_point, 1:]
     n = np.maximum(step.answer.forces[: len(joints.lever), 0], 0.0)
-    shift = friction_shift(contacts, n, np.einsum("kac,kc->ka", tangents, joints.lever))
-    lever = np.einsum("kac,ka->kc", tangents, shift)
+    lever = pressure_levers(step.state, n)
     moved = float(n @ np.linalg.norm(lever - joints.lever, axis=1)) / max(float(n.sum()), 1e-300)
     return lever, moved / model.length
 

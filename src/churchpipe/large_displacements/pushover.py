@@ -31,14 +31,17 @@ from churchpipe.model.results import LimitState
 from churchpipe.model.stone_path import HALO, no_step
 from churchpipe.model.ties import Tie
 from churchpipe.rigid_blocks.certificate import Strength, certify
-from churchpipe.rigid_blocks.coulomb import bipotential_gap, dead_load_start
+from churchpipe.rigid_blocks.coulomb import CoulombState, admissible, bipotential_gap, dead_load_start
 from churchpipe.rigid_blocks.crushing import JointParts
 from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
 from churchpipe.rigid_blocks.limit import limit_analysis, limit_program
+from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP
 from churchpipe.rigid_blocks.ties import all_forces
 
 # A control point that goes less than this share of the stone that goes furthest stands still.
 _STILL = 0.01
+# g / alpha of a state that was certified, with the digits that its file and its units may cost.
+_CERTIFIED = 2 * BIPOTENTIAL_GAP
 
 
 def block_pushover(
@@ -57,6 +60,7 @@ def block_pushover(
     halo: int = HALO,
     solver: str = "auto",
     state: LimitState | None = None,
+    sliding: LimitState | None = None,
     progress: Progress | None = None,
     resume: BlockCapacityCurve | None = None,
     keep: Callable[[BlockCapacityCurve], None] | None = None,
@@ -101,6 +105,10 @@ def block_pushover(
     state
         The associative `limit_analysis` of the stones as drawn, from which the curve begins, where it has been made. One that
         does not prove a load factor of these stones, strengths and load is made again, and so is that of joints that crush.
+    sliding
+        The `limit_analysis` without dilatancy of the stones as drawn, at whose state the curve begins, where it has been made.
+        One that is not certified for these stones, strengths and load is made again, and so is that of joints that crush or are
+        under torsion. A large model does not begin at one.
     progress
         Called with a text and the share done.
     resume
@@ -122,7 +130,8 @@ def block_pushover(
     _check(step, steps, furthest, halo)
     for name, given, kind in (("stones", stones, Assemblage), ("contacts", contacts, Contacts), ("load", load, LoadCase)):
         check_kind(f"block_pushover: {name}", given, kind)
-    for name, given, kind in (("state", state, LimitState), ("resume", resume, BlockCapacityCurve)):
+    states = (("state", state, LimitState), ("sliding", sliding, LimitState), ("resume", resume, BlockCapacityCurve))
+    for name, given, kind in states:
         if given is not None:
             check_kind(f"block_pushover: {name}", given, kind)
     listed("block_pushover: ties", ties, Tie)
@@ -160,7 +169,9 @@ def block_pushover(
         record.tensions = list(resume.tie_forces[: len(record.poses)])
         steps -= len(record.poses)
     else:
-        model, start = _started(model, contacts, analysed, whole[:2], state)
+        certified = model.plain and sliding is not None and _certifies(sliding, *whole[:2])
+        without_dilatancy = partial(analysed, flow="non-associative")
+        model, start = _started(model, contacts, sliding if certified else None, without_dilatancy, whole[:2], state)
     return record.curve(follow(model, start, int(steps), record, halo), perf_counter() - begin)
 
 
@@ -168,26 +179,47 @@ def _proves(state: LimitState, balance: Equilibrium, strength: Strength, parts: 
     """True where the bounds of an associative state hold for joints of this strength that do not crush."""
     if parts is not None or state.flow != "associative" or state.status != "optimal":
         return False
-    if len(state.forces) != balance.contacts or len(state.tie_forces) != balance.ties or len(state.velocities) != balance.count:
+    if not _is_of(state, balance):
         return False
     x, y = all_forces(balance, state), balance.multipliers(state.velocities)
     return certify(balance, strength, x, state.load_factor, y).holds
 
 
+def _certifies(state: LimitState, balance: Equilibrium, strength: Strength) -> bool:
+    """True where forces and velocities are a collapse state without dilatancy of these joints, which do not crush."""
+    if state.flow != "non-associative" or state.status != "converged" or not _is_of(state, balance):
+        return False
+    y = balance.multipliers(state.velocities)
+    if not float(balance.live @ y) > 0:
+        return False
+    x = all_forces(balance, state)
+    found = CoulombState(x, state.load_factor, y, bipotential_gap(balance, strength, x, y))
+    return found.relative_gap <= _CERTIFIED and admissible(balance, strength, found)
+
+
+def _is_of(state: LimitState, balance: Equilibrium) -> bool:
+    return (
+        len(state.forces) == balance.contacts and len(state.tie_forces) == balance.ties and len(state.velocities) == balance.count
+    )
+
+
 def _started(
     model: MovingModel,
     contacts: Contacts,
-    analysed: Callable[..., LimitState],
+    sliding: LimitState | None,
+    without_dilatancy: Callable[[Assemblage], LimitState],
     program: tuple[Equilibrium, Strength],
     state: LimitState,
 ) -> tuple[MovingModel, PathState]:
     """Return the model and the state as drawn, with the sliding of a motion without dilatancy.
 
-    It is that of the model's own programs. Where these come near it too slowly, it is that of the certified analysis. In a large
-    model this takes many minutes: there the first step begins as that analysis does, with the forces of the dead load in all
+    More than one such state fits the same drawing. The model's own programs, which begin from nothing, may end at a load factor
+    that is higher by a tenth than that of the analysis without dilatancy: the lower one leads. sliding: that analysis where it
+    is known.
+
+    In a large model it takes many minutes: there the first step begins as it does, with the forces of the dead load in all
     stones, which do not depend on which are held, and with forces near them that hardly exceed friction. Loose stones are known
-    by the motion of the limit analysis, of this program and state. With joints that crush, and with friction that follows the
-    pressure, the first step makes forces and motion fit as all others do.
+    by the motion of the limit analysis, of this program and state.
     """
     first = first_state(model)
     if model.large:
@@ -198,13 +230,15 @@ def _started(
         if gap > PATH.started * max(abs(state.load_factor), PATH.least):
             model = _with_dead_load(model, contacts, program[0])
             return model, approached(model, replace(first_state(model), fastest=fastest))
-    step = solve_state(model, first, 1 if model.large else PATH.first_programs, 0)
-    if model.large or step.answer.outcome != "solved" or step.answer.misfit < PATH.started or not model.plain:
+        return model, solve_state(model, first, 1, 0).state
+    step = solve_state(model, first, PATH.first_programs, 0)
+    found = without_dilatancy(model.stones) if sliding is None else sliding
+    if found.status not in ("converged", "not-converged") or not found.velocities.any():
+        return model, step.state
+    fits = step.answer.outcome == "solved" and step.answer.misfit < PATH.started
+    if fits and step.answer.load_factor <= found.load_factor + PATH.higher * max(abs(found.load_factor), PATH.least):
         return model, step.state
     bears = bearing(model.stones.fixed, contacts.blocks)[contacts.interface_of_point]
-    found = analysed(model.stones, flow="non-associative")
-    if found.status not in ("converged", "not-converged"):
-        return model, step.state
     return model, as_in(model, first, found.forces[bears, 0], found.velocities)
 
 

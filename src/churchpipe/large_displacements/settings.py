@@ -61,7 +61,8 @@ class PathSettings:
         this counts as this much where errors are measured by it.
 
     What a motion is worth, by what it lacks of one without dilatancy, a share of the load factor (and see `Demands`):
-        started: a start further away is not good enough. credible: it tells how the stones go on. steady: a motion goes on as it
+        started: a start further away is not good enough; higher: nor one whose load factor exceeds that of the certified
+        analysis by this share. credible: it tells how the stones go on. steady: a motion goes on as it
         did when no stone's speed has changed by more than this share of the fastest.
 
     Stones that move, by shares of the fastest speed:
@@ -111,6 +112,7 @@ class PathSettings:
     whole_way: int = 2
     least: float = 0.01
     started: float = 0.01
+    higher: float = 1e-4
     credible: float = 0.1
     steady: float = 0.3
     still: float = 1e-3

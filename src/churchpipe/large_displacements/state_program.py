@@ -12,6 +12,7 @@ from churchpipe.large_displacements.moving_model import MovingModel
 from churchpipe.large_displacements.path_state import PathState, last_motion, standing
 from churchpipe.large_displacements.step import StepProgram
 from churchpipe.large_displacements.travelling import TravellingLoads
+from churchpipe.large_displacements.twisted import friction_shift
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.rigid_blocks.certificate import Strength
@@ -93,13 +94,24 @@ def last_velocities(model: MovingModel, state: PathState, free: IntArray, progra
 def as_in(model: MovingModel, state: PathState, normal: FloatArray, velocities: FloatArray) -> PathState:
     """Return a state whose points press and slide as in an analysis without dilatancy: its normal forces (nc,) N and velocities
     (nb, 6)."""
+    pressing = np.maximum(normal, 0.0) / model.force
+    lever = pressure_levers(state, pressing) if model.contact_model == "torsion" else state.joints.lever
+    joints = replace(state.joints, pressing=pressing, shear=np.zeros_like(state.joints.shear), lever=lever)
+    state = replace(state, joints=joints)
     _, program, free, _ = state_program(model, state)
-    y = velocities[free]
-    y = np.concatenate([y[:, :3], model.length * y[:, 3:]], axis=1).ravel()
+    y, moving = np.zeros_like(program.dead), velocities[free]
+    y[: 6 * len(free)] = np.concatenate([moving[:, :3], model.length * moving[:, 3:]], axis=1).ravel()
     power = float(program.live @ y)
-    slip = program.slip(y / power)[: len(normal)] if power > 0 else state.joints.sliding
-    pressing, shear = np.maximum(normal, 0.0) / model.force, np.zeros_like(state.joints.shear)
-    return replace(state, joints=replace(state.joints, sliding=slip, pressing=pressing, shear=shear))
+    slip = program.slip(y / power)[: len(normal)] if power > 0 else joints.sliding
+    return replace(state, joints=replace(joints, sliding=slip))
+
+
+def pressure_levers(state: PathState, normal: FloatArray) -> FloatArray:
+    """Return where friction acts beside the points (nc, 3) m under normal forces (nc,) of any unit."""
+    contacts, _ = state.joints.at(state.poses)
+    tangents = contacts.frame[contacts.interface_of_point, 1:]
+    shift = friction_shift(contacts, normal, np.einsum("kac,kc->ka", tangents, state.joints.lever))
+    return np.einsum("kac,ka->kc", tangents, shift)
 
 
 def approached(model: MovingModel, state: PathState) -> PathState:

@@ -40,27 +40,34 @@ def test_bad_arguments(options: dict[str, Any], said: str) -> None:
         cp.block_pushover(**given)
 
 
-def test_a_known_limit_state_is_not_made_again_and_that_of_other_stones_is(monkeypatch: pytest.MonkeyPatch) -> None:
-    contacts, made = cp.find_contacts(BLOCK), list[float]()
+def test_known_limit_states_are_not_made_again_and_those_of_other_stones_are(monkeypatch: pytest.MonkeyPatch) -> None:
+    contacts, made = cp.find_contacts(BLOCK), list[str]()
 
     def analysed(*args: Any, **options: Any) -> cp.LimitState:
         state = cp.limit_analysis(*args, **options)
-        made.append(state.load_factor)
+        made.append(state.flow)
         return state
 
     known = cp.limit_analysis(BLOCK, contacts, PUSH, 0.6)
+    sliding = cp.limit_analysis(BLOCK, contacts, PUSH, 0.6, flow="non-associative")
     other = cp.limit_analysis(BLOCK, contacts, cp.LoadCase((0, 1, 0)), 0.6)
     monkeypatch.setattr(pushover, "limit_analysis", analysed)
     expected = cp.block_pushover(BLOCK, contacts, PUSH, 0.6, step=0.1)
-    assert made == [known.load_factor]
-    found = cp.block_pushover(BLOCK, contacts, PUSH, 0.6, step=0.1, state=known)
-    assert len(made) == 1
-    np.testing.assert_allclose(found.load_factor, expected.load_factor, rtol=1e-9)
+    assert made == ["associative", "non-associative"]
+    found = cp.block_pushover(BLOCK, contacts, PUSH, 0.6, step=0.1, state=known, sliding=sliding)
+    assert len(made) == 2
+    np.testing.assert_allclose(found.load_factor, expected.load_factor, rtol=1e-6)
     for wrong in (other, replace(known, load_factor=0.9 * known.load_factor), replace(known, forces=known.forces[1:])):
-        cp.block_pushover(BLOCK, contacts, PUSH, 0.6, step=0.1, state=wrong)
-    assert made == [known.load_factor] * 4
-    # Friction below that of the state: its forces leave their cones, and the block slides.
-    assert cp.block_pushover(BLOCK, contacts, PUSH, 0.1, step=0.1, state=known).initial == pytest.approx(0.1, abs=1e-6)
+        cp.block_pushover(BLOCK, contacts, PUSH, 0.6, step=0.1, state=wrong, sliding=sliding)
+    assert made[2:] == ["associative"] * 3
+    still = replace(sliding, velocities=np.zeros_like(sliding.velocities))
+    beyond = replace(sliding, load_factor=0.9 * sliding.load_factor)
+    for wrong in (known, beyond, replace(sliding, forces=sliding.forces[1:]), replace(sliding, status="not-converged"), still):
+        cp.block_pushover(BLOCK, contacts, PUSH, 0.6, step=0.1, state=known, sliding=wrong)
+    assert made[5:] == ["non-associative"] * 5
+    # Friction below that of the states: their forces leave their cones, and the block slides.
+    curve = cp.block_pushover(BLOCK, contacts, PUSH, 0.1, step=0.1, state=known, sliding=sliding)
+    assert curve.initial == pytest.approx(0.1, abs=1e-6)
 
 
 def test_unstable_stones_have_no_curve() -> None:

@@ -71,7 +71,10 @@ def test_a_case_asks_for_a_curve_of_each_load(tmp_path: Path) -> None:
     assert "furthest" not in settings
     assert settings["halo"] == 5
     begins = [entry["begins_from"] for entry in todo.index["analyses"] if entry["kind"] == "curve"]
-    assert [todo.analyses[name]["flow"] for name in begins] == ["associative", "associative"]
+    assert [[todo.analyses[name]["flow"] for name in names] for names in begins] == [["associative"], ["associative"]]
+    both = plan([read(tmp_path, '[rigid]\nflow = ["associative", "non-associative"]\n[rigid.curve]\n')])
+    begins = [entry["begins_from"] for entry in both.index["analyses"] if entry["kind"] == "curve"]
+    assert [both.analyses[name]["flow"] for name in begins[0]] == ["associative", "non-associative"]
     assert not any(entry["kind"] == "curve" for entry in plan([read(tmp_path, "")]).index["analyses"])
 
 
