@@ -10,6 +10,7 @@ rule compare:
         fits=expand("geometry/{geometry}/fit.json", geometry=set(SHELLS.values()) if config["drawing"] else []),
         records=files_of(ANALYSES, "json"),
         states=files_of(ANALYSES, "npz"),
+        halved=expand("curve/{analysis}/halved.npz", analysis=HALVED),
         movements=expand("movement/{movement}/movement.json", movement=MOVEMENTS),
         samples=expand("sample/{sample}/records.json", sample=SAMPLES),
     output:

@@ -43,6 +43,26 @@ rule curve:
         " {output.state:q} {output.record:q} {input.first:q}" + LOG
 
 
+rule halved:
+    input:
+        code="code/halved.txt",
+        settings="curve/{analysis}/settings.json",
+        assemblage=lambda wildcards: f"geometry/{GEOMETRY_OF[wildcards.analysis]}/assemblage.npz",
+        contacts=lambda wildcards: f"geometry/{GEOMETRY_OF[wildcards.analysis]}/contacts.npz",
+        first=lambda wildcards: [f"rigid/{name}/rigid.npz" for name in FIRST_OF[wildcards.analysis]],
+    output:
+        state="curve/{analysis}/halved.npz",
+    log:
+        "log/halved/{analysis}.txt",
+    priority: LONGEST
+    threads: SHARE
+    resources:
+        mem_mb=memory_by("fixed", 0.07),
+    shell:
+        STAGE + " halved {wildcards.analysis:q} {input.settings:q} {input.assemblage:q} {input.contacts:q}"
+        " {output.state:q} {input.first:q}" + LOG
+
+
 rule movement:
     input:
         code="code/movement.txt",

@@ -10,9 +10,11 @@ from churchpipe import compare
 from churchpipe.config.carries import carries_of, placed
 from churchpipe.config.settings import load_of, site_of
 from churchpipe.displacement_check import displacement_check
+from churchpipe.halved_steps import careful_check
 from churchpipe.io.atomic import read_json
 from churchpipe.io.movement_record import Shift, Turn
 from churchpipe.io.npz import Absent, read_if_made, read_npz
+from churchpipe.io.recording import halved_record
 from churchpipe.io.records import Analysis, read_record
 from churchpipe.io.sample_study import Sample
 from churchpipe.io.summary import Mesh
@@ -56,6 +58,10 @@ class RunFolder:
     def block_curve(self, entry: dict[str, Any]) -> BlockCapacityCurve:
         """Return a capacity curve of the stones."""
         return read_npz(self.folder(entry) / "curve.npz", BlockCapacityCurve)
+
+    def halved_curve(self, entry: dict[str, Any]) -> BlockCapacityCurve | None:
+        """Return that curve with steps half as long, None where the case does not ask for it."""
+        return read_npz(self.folder(entry) / "halved.npz", BlockCapacityCurve) if entry.get("halved") else None
 
     def applied(self, entry: dict[str, Any], stones: Assemblage) -> Applied:
         """Return what the stones carry, and their ties, in an analysis of them."""
@@ -105,7 +111,10 @@ class RunFolder:
         if entry["kind"] == "curve":
             curve, stones = self.block_curve(entry), self.stones(entry["geometry"])[0]
             masses = self.applied(entry, stones).loads
-            return {"check": displacement_check(curve, stones, load, site, masses, crushing=crushing)}
+            if (halved := self.halved_curve(entry)) is None:
+                return {"check": displacement_check(curve, stones, load, site, masses, crushing=crushing)}
+            check = careful_check(curve, halved, stones, load, site, masses, crushing=crushing)
+            return {"check": check, "halved": halved_record(curve, halved)}
         if entry["kind"] == "limit":
             mesh = read_npz(self._mesh(entry["shell"]), ShellModel)
             return compare.shell_parts(mesh, read_npz(self.folder(entry) / "limit.npz", ShellLimitState), load)

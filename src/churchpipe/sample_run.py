@@ -75,3 +75,5 @@ def _analyse(run: RunFolder, entry: Mapping[str, Any], stages: Stages) -> None:
     else:
         inputs = (stones, joints)
     stages[kind](folder / "settings.json", *inputs, folder / f"{kind}.npz", folder / f"{kind}.json")
+    if entry.get("halved"):
+        stages["halved"](folder / "settings.json", *inputs, folder / "halved.npz")

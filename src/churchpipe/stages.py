@@ -11,16 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from churchpipe.closure import code_of
 from churchpipe.config.carries import carries_of, placed
 from churchpipe.config.settings import beams_of, buttresses_of, joints_of, load_of, strengths_of, used_by, weights_of
 from churchpipe.dxf.reading import Reading
 from churchpipe.errors import Extra, InputError
 from churchpipe.io.atomic import read_json, write_json
 from churchpipe.io.building_json import read_building, write_building
-from churchpipe.io.movement_record import movement_record, widest_cracks
 from churchpipe.io.npz import Absent, read_if_made, read_npz, write_npz
-from churchpipe.io.recording import curve_record_of, record_of, shell_record_of
+from churchpipe.io.recording import record_of, shell_record_of
 from churchpipe.io.records import Analysis, read_record, write_record
 from churchpipe.io.sample_study import Sample, sample_study, sampled_records
 from churchpipe.io.shell_vtu import write_shell_mechanism, write_shell_msh, write_shell_vtu
@@ -35,7 +33,7 @@ from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength
 from churchpipe.model.names import CONTACT_MODEL
-from churchpipe.model.results import CapacityCurve, CapacityStep, LimitState, ShellLimitState
+from churchpipe.model.results import CapacityCurve, CapacityStep, ShellLimitState
 from churchpipe.model.shell import ShellModel
 from churchpipe.model.ties import Tie
 
@@ -258,60 +256,32 @@ def curve(
     settings: Path, assemblage: Path, contacts: Path, state: Path, record: Path, *first: Path, progress: Progress | None = None
 ) -> None:
     """A curve of the stones, from their first analyses if made -> curve and record; a killed run goes on from its steps."""
-    from churchpipe.io.kept_steps import KeptSteps
-    from churchpipe.large_displacements.pushover import block_pushover
-    from churchpipe.model.block_curve import BlockCapacityCurve
-    from churchpipe.stones.joints import crushing_strength, joint_strength
+    from churchpipe.path_run import follow_curve
 
-    table, stones, joints = read_json(settings), read_npz(assemblage, Assemblage), read_npz(contacts, Contacts)
-    load, materials = load_of(table), strengths_of(table)
-    friction, _ = joint_strength(stones, joints, materials, joints_of(table))
-    keys = ("solver", "control", "step", "steps", "furthest", "halo", "contact_model")
-    options = {key: table[key] for key in keys if key in table}
-    options |= {"compressive_strength": crushing_strength(stones, joints, materials)}
-    applied = placed(carries_of(table), stones)
-    pushed = loaded(load, stones, applied.loads)
-    kept = KeptSteps(BlockCapacityCurve, state.parent, (settings, assemblage, contacts), code_of("curve"))
-    options |= {"progress": progress, "resume": kept.found(), "keep": kept.keep}
-    made = {found.flow: found for found in (read_npz(path, LimitState) for path in first)}
-    options |= {"state": made.get("associative"), "sliding": made.get("non-associative")}
-    found = block_pushover(stones, joints, pushed, friction, applied.ties, **options)
-    write_npz(state, found)
-    kept.clear()
-    words = (load, used_by(stones, materials), joints_of(table), table.get("contact_model"))
-    write_record(record, curve_record_of(found, stones, *words))
+    follow_curve("curve", (settings, assemblage, contacts), state, record, first, progress)
+
+
+def halved(settings: Path, assemblage: Path, contacts: Path, state: Path, *first: Path, progress: Progress | None = None) -> None:
+    """The settings of a curve -> that curve with steps half as long."""
+    from churchpipe.path_run import follow_curve
+
+    follow_curve("halved", (settings, assemblage, contacts), state, None, first, progress)
 
 
 def movement(
     settings: Path, tolerances: Path, assemblage: Path, contacts: Path, *made: Path, progress: Progress | None = None
 ) -> None:
     """A support that moves -> stones, their ground cut, joints, path and record; an interrupted run goes on from its steps."""
-    from churchpipe.io.kept_steps import KeptSteps
-    from churchpipe.large_displacements.moved_support import moved_support
-    from churchpipe.model.settlement import SettlementPath
+    from churchpipe.path_run import follow_movement
 
-    table, materials = read_json(settings), strengths_of(read_json(settings))
-    stones, found = read_npz(assemblage, Assemblage), read_npz(contacts, Contacts)
-    carries = carries_of(table)
-
-    def dead_on(cut: Assemblage) -> LoadCase | None:
-        return loaded(LoadCase((1, 0, 0)), cut, placed(carries, cut).loads) if carries else None
-
-    kept = KeptSteps(SettlementPath, made[-1].parent, (settings, tolerances, assemblage, contacts), code_of("movement"))
-    more = {"progress": progress, "groups": joints_of(table), "resume": kept.found(), "keep": kept.keep}
-    moved = moved_support(stones, found, table, materials, read_json(tolerances), dead_on, **more)
-    for file, part in zip(made, (moved.stones, moved.contacts, moved.path), strict=False):
-        write_npz(file, part)
-    kept.clear()
-    cracks = widest_cracks(moved.stones, moved.contacts, moved.opening, moved.slip)
-    write_record(made[-1], movement_record(moved.path, table, moved.stones, used_by(stones, materials), cracks, joints_of(table)))
+    follow_movement((settings, tolerances, assemblage, contacts), made, progress)
 
 
 def sample(settings: Path, file: Path, record: Path, *shared: Path) -> None:
     """One sample, with the drawing and what it shares with the building as it is -> its records, or why it cannot be built."""
     from churchpipe.sample_run import run_sample
 
-    stages = (source, blocks, drawing, contacts, panels, shell, match, rigid, curve, limit, pushover)
+    stages = (source, blocks, drawing, contacts, panels, shell, match, rigid, curve, halved, limit, pushover)
     try:
         found = run_sample(read_json(settings), file, shared, {stage.__name__: stage for stage in stages})
         write_record(record, Sample(tuple(found)))
@@ -396,6 +366,23 @@ def report(plan: Path, summary: Path, assemblage: Path, contacts: Path, html: Pa
 
 
 # All arguments are paths; those in `LONG` take `progress` besides.
-_ALL = (source, blocks, drawing, contacts, panels, shell, match, rigid, curve, movement, sample, limit, pushover, compare, report)
+_ALL = (
+    source,
+    blocks,
+    drawing,
+    contacts,
+    panels,
+    shell,
+    match,
+    rigid,
+    curve,
+    halved,
+    movement,
+    sample,
+    limit,
+    pushover,
+    compare,
+    report,
+)
 STAGES: dict[str, Callable[..., None]] = {stage.__name__: stage for stage in _ALL}
-LONG = frozenset({"contacts", "rigid", "curve", "movement", "limit", "pushover"})
+LONG = frozenset({"contacts", "rigid", "curve", "halved", "movement", "limit", "pushover"})

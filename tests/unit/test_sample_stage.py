@@ -35,9 +35,11 @@ def run_all(folder: Path, text: str) -> Path:
     stages.blocks(stones / "building.json", stones / "assemblage.npz")
     stages.contacts(stones / "tolerances.json", stones / "assemblage.npz", stones / "contacts.npz")
     for entry in index["analyses"]:
-        own = run / "rigid" / entry["name"]
-        joints = stones / "assemblage.npz", stones / "contacts.npz"
-        stages.rigid(own / "settings.json", *joints, own / "rigid.npz", own / "rigid.json")
+        own, kind = run / entry["kind"] / entry["name"], entry["kind"]
+        inputs = own / "settings.json", stones / "assemblage.npz", stones / "contacts.npz"
+        stages.STAGES[kind](*inputs, own / f"{kind}.npz", own / f"{kind}.json")
+        if entry.get("halved"):
+            stages.halved(*inputs, own / "halved.npz")
     for name in index["sample"]["names"]:
         own = run / "sample" / name
         stages.sample(own / "settings.json", Path("none"), own / "records.json", *map(Path, index["sample"]["shared"]))
@@ -115,3 +117,23 @@ def test_a_sample_that_cannot_be_built_is_told(tmp_path: Path, monkeypatch: pyte
     assert "narrower than a quarter of a stone" in study["refused"][0]["message"]
     assert study["analyses"][0]["count"] == 8 - len(beyond)
     assert study["analyses"][0]["without_result"] == {"refused": len(beyond)}
+
+
+def test_curves_that_are_checked_are_followed_in_half_the_step_and_those_of_samples_too(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    spectrum = THICKNESS.replace("number = 24", "number = 2").replace(
+        "[sample]", "[check.spectrum]\nF0 = 2.5\nTC_star_s = 0.35\n[rigid.curve]\nstep_mm = 30\n[sample]"
+    )
+    summary = json.loads((run_all(tmp_path, WALL + spectrum) / "summary.json").read_text())
+    (record,) = [record for record in summary["analyses"] if record.get("method") == "curve"]
+    # A wall that rocks as one body: the steps do not matter.
+    assert record["halved"]["difference"] < 0.01
+    assert record["halved"]["d0_m"] == pytest.approx(record["d0_m"], rel=1e-3)
+    assert len(record["halved"]["displacement_m"]) > len(record["displacement_m"])
+    assert "With steps half as long the curve is up to" in record["check"]["halved"]
+    (study,) = [one for one in summary["uncertainty"]["analyses"] if one["name"] == record["name"]]
+    assert study["load_factors"] == pytest.approx(
+        np.array(summary["uncertainty"]["points"]["source.thickness_mm"]) / 600, rel=1e-3
+    )

@@ -48,6 +48,11 @@ class CurveSettings:
     furthest: Annotated[_Way | None, "Displacement of a stone at which the curve ends."] = None
     control: Annotated[Place | None, "Point that the curve follows; by default the mean of what is pushed."] = None
     halo: Annotated[Whole, "Contacts from a moving stone to those held still; 0 holds none."] = HALO
+    half_steps: Annotated[
+        bool | None,
+        "Whether the curve is followed again with steps half as long, of which the check takes the one that withstands less; by "
+        "default where the case has the spectrum of the site.",
+    ] = None
 
 
 @dataclass(frozen=True, slots=True)

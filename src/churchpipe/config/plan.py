@@ -58,6 +58,7 @@ class Plan:
         drawn = self.index["drawing"] is not None
         first = ("drawing", "contacts", *(["panels"] if shells else [])) if drawn else ("source", "blocks", "contacts")
         solved = [kind for kind in ("rigid", "curve", "limit", "pushover") if kind in kinds]
+        solved += ["halved"] if any(entry.get("halved") for entry in self.index["analyses"]) else []
         moved = ["movement"] if self.movements else []
         sampled = ["sample"] if self.index["sample"] else []
         return (*first, *(["shell", "match"] if shells else []), *solved, *moved, *sampled, "compare", "report")
@@ -110,7 +111,17 @@ def plan(cases: Sequence[Case]) -> Plan:
                 # A curve begins with the analyses of both flow rules, and need not make them again.
                 known = [name for (_, model), name in made.items() if model == case.rigid.contact_model[0]]
                 begins = [name for name in known if "crushing_parts" not in analyses[name]]
-                add("curve", [load.name, "curve"], case, of_stones, settings, geometry=geometry, begins_from=begins, **check)
+                add(
+                    "curve",
+                    [load.name, "curve"],
+                    case,
+                    of_stones,
+                    settings,
+                    geometry=geometry,
+                    begins_from=begins,
+                    **check,
+                    **_halved(case),
+                )
         for movement in case.movements:
             settings = {"geometry": geometry, **_strengths(case), "solver": case.rigid.solver, **asdict(movement)}
             settings |= case.carries.settings(*LOADS)
@@ -205,7 +216,15 @@ def _curve_settings(case: Case, geometry: str, load: LoadCase) -> dict[str, Any]
     assert case.rigid.curve is not None
     settings = {"geometry": geometry, "load": load_table(load), **_strengths(case), "solver": case.rigid.solver}
     settings |= case.carries.settings(*_BORNE) | _contact_model_of_paths(case)
-    return settings | {key: value for key, value in asdict(case.rigid.curve).items() if value is not None}
+    given = asdict(case.rigid.curve).items()
+    return settings | {key: value for key, value in given if value is not None and key != "half_steps"}
+
+
+def _halved(case: Case) -> dict[str, bool]:
+    """Say whether a curve is followed again with half the step: by default where it is checked against an earthquake."""
+    asked = case.rigid.curve.half_steps if case.rigid.curve else None
+    checked = case.check is not None and case.check.spectrum is not None
+    return {"halved": True} if asked or (asked is None and checked) else {}
 
 
 def _contact_model_of_paths(case: Case) -> dict[str, str]:

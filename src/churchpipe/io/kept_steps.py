@@ -19,14 +19,14 @@ T = TypeVar("T", BlockCapacityCurve, SettlementPath)
 
 class KeptSteps(Generic[T]):
     """A file beside the result of a stage, steps_DIGEST.npz; the digest is of the stage's inputs and code, so that steps of other
-    inputs are never gone on from."""
+    inputs are never gone on from. name: another one than steps, where several are kept in a folder."""
 
-    def __init__(self, kind: type[T], folder: Path, inputs: Sequence[Path], code: str) -> None:
+    def __init__(self, kind: type[T], folder: Path, inputs: Sequence[Path], code: str, name: str = "steps") -> None:
         digest = hashlib.sha256(code.encode())
         for file in inputs:
             digest.update(file.read_bytes())
-        self._folder, self._file = folder, folder / f"steps_{digest.hexdigest()[:16]}.npz"
-        self._kind, self._next = kind, 0.0
+        self._folder, self._file = folder, folder / f"{name}_{digest.hexdigest()[:16]}.npz"
+        self._kind, self._name, self._next = kind, name, 0.0
 
     def found(self) -> T | None:
         """Return the steps of an interrupted run, None where there are none."""
@@ -43,5 +43,5 @@ class KeptSteps(Generic[T]):
 
     def clear(self) -> None:
         """Remove the steps kept here, those of other inputs too: the path is whole."""
-        for file in self._folder.glob("steps_*.npz"):
+        for file in self._folder.glob(f"{self._name}_*.npz"):
             file.unlink()

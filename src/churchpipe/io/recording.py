@@ -5,10 +5,10 @@ from typing import Any, Literal
 
 import numpy as np
 
-from churchpipe.io.records import Analysis, common
+from churchpipe.io.records import Analysis, HalvedSteps, common
 from churchpipe.io.tie_records import candidates_of, gains_of, tie_forces_of
 from churchpipe.model.assemblage import Assemblage
-from churchpipe.model.block_curve import BlockCapacityCurve
+from churchpipe.model.block_curve import BlockCapacityCurve, step_difference
 from churchpipe.model.gains import Sensitivities
 from churchpipe.model.joint_group import JointGroup
 from churchpipe.model.loads import LoadCase
@@ -107,6 +107,19 @@ def curve_record_of(
         fell_at=tuple(part.displacement for part in curve.fallen for _ in part.stones),
         misfit=float(curve.misfit.max(initial=0.0)),
         steps=len(curve.displacement),
+    )
+
+
+def halved_record(curve: BlockCapacityCurve, halved: BlockCapacityCurve) -> HalvedSteps:
+    """Return the record of a capacity curve with steps half as long, beside that with whole ones."""
+    difference, place = step_difference(curve, halved)
+    return HalvedSteps(
+        displacement=tuple(halved.displacement.tolist()),
+        load_factors=tuple(halved.load_factor.tolist()),
+        ending=halved.status,
+        d0=halved.d0,
+        difference=difference,
+        difference_at=place,
     )
 
 

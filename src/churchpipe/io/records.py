@@ -35,6 +35,18 @@ _CHOICES: dict[str, tuple[str, ...]] = {
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class HalvedSteps:
+    """A capacity curve of the stones with steps half as long; difference: see `block_curve.step_difference`."""
+
+    displacement: Displacements
+    load_factors: tuple[float, ...]
+    ending: str
+    d0: Annotated[float, Quantity("_m")]
+    difference: float
+    difference_at: Annotated[float, Quantity("_m")]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Analysis:
     """What an analysis was asked and how it ended; None where its kind knows no such thing, NaN where there is no such number.
 
@@ -44,7 +56,8 @@ class Analysis:
     status: "left-out" where it was not made. equilibrium_residual: over the weight. gap to history: of a non-associative
     analysis, see `LimitState`; history holds its load factors. control: of a capacity curve of the shell, at the node
     control_point. ending to misfit: of a capacity curve of the stones, see `BlockCapacityCurve`; largest_displacement is of all
-    stones, fallen_stones are names, and fell_at is the displacement at which each fell. element_size, elements: of its mesh.
+    stones, fallen_stones are names, and fell_at is the displacement at which each fell. halved: the curve in steps half as long.
+    element_size, elements: of its mesh.
     parts, mechanism: the macro-elements that move, and their name. check: the safety check.
 
     Raises
@@ -92,6 +105,7 @@ class Analysis:
     fallen_stones: tuple[str, ...] | None = None
     fell_at: Displacements = None
     misfit: float | None = None
+    halved: HalvedSteps | None = None
     steps: int | None = None
     control_point: int | None = None
     control: Annotated[tuple[float, ...] | None, Quantity("_mm")] = None

@@ -40,7 +40,7 @@ class Motions:
         velocity = self.velocities(y)
         speed, turn = stone_speed(self.stones, velocity), np.linalg.norm(velocity[:, 3:], axis=1)
         steepest = reference_speed(turn) if self.model.large else float(turn.max(initial=0.0))
-        return min(self.model.step / max(reference_speed(speed), 1e-300), PATH.turn / max(steepest, 1e-300))
+        return min(self.model.step / max(reference_speed(speed), 1e-300), self.model.turn / max(steepest, 1e-300))
 
     def falls(self, y: FloatArray, misfit: float, rests: bool) -> bool:
         """True where a few stones fall; rests: in a motion that does not come to fit better than this.

@@ -29,7 +29,8 @@ class MovingModel:
 
     drawn: the joints as drawn, but for those between supports. driven: the loads that grow, or the support that moves.
     held (nb,): stones that are held still. moving N: the weight that moves at the start. force N and length m are the units of
-    the programs. step m: the largest displacement of a step. reach m: how far apart points may be that can still come to bear.
+    the programs. step m, turn rad: the largest displacement and rotation of a step. reach m: how far apart points may be that can
+    still come to bear.
     strength: Pa, of pairs in compression; None: nothing crushes.
     """
 
@@ -48,6 +49,7 @@ class MovingModel:
     ties: TravellingTies
     strength: PairValues | None = None
     contact_model: ContactModel = "corners"
+    turn: float = PATH.turn
 
     @property
     def plain(self) -> bool:

@@ -58,6 +58,7 @@ def block_pushover(
     steps: int = 400,
     furthest: float | None = None,
     halo: int = HALO,
+    halved: bool = False,
     solver: str = "auto",
     state: LimitState | None = None,
     sliding: LimitState | None = None,
@@ -100,6 +101,8 @@ def block_pushover(
     halo
         Contacts from a moving stone to those held still; more where the first load factor asks for it or the motion spreads.
         0: no stone is held, the full model.
+    halved
+        Whether steps are half as long, and up to twice as many, to see what a curve owes to its steps (`halved_steps`).
     solver
         As in `limit_analysis`.
     state
@@ -152,6 +155,8 @@ def block_pushover(
     model = moving_model(
         stones, contacts, load, driven, friction, balance, moving, step, solver, ties, compressive_strength, contact_model
     )
+    if halved:
+        model, steps = replace(model, step=0.5 * model.step, turn=0.5 * model.turn), 2 * steps
 
     def held_program(still: BoolArray) -> tuple[Equilibrium, Strength]:
         # Contacts between stones that stand still would only be dragged along.

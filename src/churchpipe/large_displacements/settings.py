@@ -112,7 +112,7 @@ class PathSettings:
     whole_way: int = 2
     least: float = 0.01
     started: float = 0.01
-    higher: float = 1e-4
+    higher: float = 5e-3
     credible: float = 0.1
     steady: float = 0.3
     still: float = 1e-3

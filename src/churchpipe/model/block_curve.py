@@ -57,3 +57,25 @@ class BlockCapacityCurve(StonePath):
     def _repr_html_(self) -> str:
         rows = {"first load factor": self.initial, "d0, m": self.d0, "status": self.status, "steps": len(self.load_factor)}
         return card("Capacity curve of the stones", rows)
+
+
+def step_difference(curve: BlockCapacityCurve, halved: BlockCapacityCurve) -> tuple[float, float]:
+    """Return how far the load factors of two curves are apart, and at which displacement, m, for as far as both go.
+
+    A share of the first load factor of the first one; NaN where one of them has no steps. Where a curve goes back, as in a snap,
+    it is taken from where it is further than ever before.
+    """
+    if not len(curve.displacement) or not len(halved.displacement):
+        return np.nan, np.nan
+    one, other = _advancing(curve), _advancing(halved)
+    place = np.union1d(one[0], other[0])
+    place = place[place <= min(one[0][-1], other[0][-1])]
+    apart = np.abs(np.interp(place, *one) - np.interp(place, *other)) / max(abs(curve.initial), 1e-12)
+    most = int(np.argmax(apart))
+    return float(apart[most]), float(place[most])
+
+
+def _advancing(curve: BlockCapacityCurve) -> tuple[FloatArray, FloatArray]:
+    reach = np.maximum.accumulate(curve.displacement)
+    further = np.append(True, curve.displacement[1:] > reach[:-1])
+    return curve.displacement[further], curve.load_factor[further]

@@ -40,8 +40,12 @@ def _svg(records: Sequence[Analysis], shells: Sequence[Analysis]) -> str:
     figure, (axes,) = new_plot(1, (WIDTH, 3.0))
     for record in records:
         places = 1e3 * np.array(record.displacement)
-        axes.plot(places, record.load_factors, "-o", ms=2.5, lw=1.4, label=curve_label(record))
-    furthest = max(1e3 * max(record.displacement or (0.0,)) for record in records)
+        (line,) = axes.plot(places, record.load_factors, "-o", ms=2.5, lw=1.4, label=curve_label(record))
+        if (again := record.halved) and again.displacement:
+            label = f"{curve_label(record)}, steps half as long"
+            axes.plot(1e3 * np.array(again.displacement), again.load_factors, ":", lw=1.4, color=line.get_color(), label=label)
+    reached = [of.displacement or (0.0,) for record in records for of in (record, record.halved) if of]
+    furthest = max(1e3 * max(places) for places in reached)
     for record in shells:
         label = f"shell, {curve_label(record)}"
         axes.plot(1e3 * np.array(record.control), record.load_factors, "--s", ms=2.5, lw=1.2, label=label)
@@ -70,4 +74,14 @@ def _sentence(record: Analysis) -> str:
     names = ", ".join(f"{name} (at {at * 1e3:.3g} mm)" for name, at in fell)
     fallen = f". On the way fell {names}" if names else ""
     start = f"{curve_label(record)}: it starts at a load factor of {record.load_factor:.4f}"
-    return f"{start} and ends at {last * 1e3:.4g} mm, where {_ENDINGS[str(record.ending)]}{fallen}."
+    return f"{start} and ends at {last * 1e3:.4g} mm, where {_ENDINGS[str(record.ending)]}{fallen}.{_halved(record)}"
+
+
+def _halved(record: Analysis) -> str:
+    """Return what steps half as long make of a curve, "" where it was not followed so."""
+    again = record.halved
+    if again is None or not again.displacement:
+        return ""
+    last = again.displacement[-1] if math.isnan(again.d0) else again.d0
+    away = f"up to {100 * again.difference:.2g} % of the first load factor away, at {1e3 * again.difference_at:.3g} mm"
+    return f" With steps half as long (dotted) it is {away}, and ends at {last * 1e3:.4g} mm, where {_ENDINGS[again.ending]}."

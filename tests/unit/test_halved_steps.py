@@ -1,0 +1,146 @@
+"""A capacity curve with steps half as long: how far it is from that with whole ones, and which of the two is checked."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import churchpipe as cp
+from churchpipe.code_check import Site
+from churchpipe.config.plan import plan
+from churchpipe.displacement_check import displacement_check
+from churchpipe.halved_steps import careful_check
+from churchpipe.io.recording import halved_record
+from churchpipe.model.block_curve import BlockCapacityCurve, step_difference
+from churchpipe.report.block_curves import block_curve_plots
+from churchpipe.report.displacements import displacement_checks
+from churchpipe.spectrum import SiteSpectrum
+from records import analysis
+from solids import box, on_ground
+
+PUSH = cp.LoadCase((1, 0, 0))
+WALL = on_ground(box((0, 0.3), (0, 1), (0, 3)))
+SITED = Site(1.5, 1.2, spectrum=SiteSpectrum(2.5, 0.5))
+CASE = """
+[source]
+generator = "wall"
+length_mm = 2000
+courses = 6
+brick_mm = [500, 250, 250]
+[material.default]
+unit_weight_kN_m3 = 18
+friction = 0.6
+[[load]]
+direction = [0, 1, 0]
+"""
+CHECK = '[check]\nag_g = 0.15\n[check.spectrum]\nF0 = 2.5\nTC_star_s = 0.35\nsoil = "C"\n'
+
+
+@pytest.fixture(scope="module")
+def curve() -> BlockCapacityCurve:
+    return cp.block_pushover(WALL, cp.find_contacts(WALL), PUSH, 0.6, step=0.02)
+
+
+@pytest.fixture(scope="module")
+def halved() -> BlockCapacityCurve:
+    return cp.block_pushover(WALL, cp.find_contacts(WALL), PUSH, 0.6, step=0.02, halved=True)
+
+
+def shortened(curve: BlockCapacityCurve, share: float) -> BlockCapacityCurve:
+    """Return a curve whose displacements are a share of what they were."""
+    start = curve.position[0]
+    short = {"displacement": share * curve.displacement, "position": start + share * (curve.position - start)}
+    return replace(curve, **short, d0=share * curve.d0)
+
+
+def test_steps_are_half_as_long(curve: BlockCapacityCurve, halved: BlockCapacityCurve) -> None:
+    way = [float(np.abs(np.diff(one.position[:, 1, 0])).max()) for one in (curve, halved)]
+    assert way[1] == pytest.approx(0.5 * way[0], rel=0.05)
+    assert halved.d0 == pytest.approx(curve.d0, rel=1e-3)
+    # Twice as many steps are allowed.
+    few = cp.block_pushover(WALL, cp.find_contacts(WALL), PUSH, 0.6, step=0.02, steps=3, halved=True)
+    assert len(few.displacement) == 6
+
+
+def test_the_difference_of_two_curves_by_hand(curve: BlockCapacityCurve) -> None:
+    # Two straight lines down to zero, at 30 and at 20 mm: a third of the first load factor apart where the shorter one ends.
+    line = replace(curve.until(1), displacement=np.array([0.0, 0.03]), load_factor=np.array([0.3, 0.0]))
+    short = replace(line, displacement=np.array([0.0, 0.02]))
+    assert step_difference(line, short) == pytest.approx((1 / 3, 0.02))
+    assert step_difference(line, line) == (0.0, 0.0)
+    # One that goes back on its way counts from where it is further than before.
+    back = replace(curve.until(3), displacement=np.array([0.0, 0.01, 0.005, 0.03]), load_factor=np.array([0.3, 0.2, 0.7, 0.0]))
+    assert step_difference(line, back)[0] == pytest.approx(0.0, abs=1e-12)
+    leaning = on_ground(box((0, 1), (0, 1), (0, 1)), box((0.6, 1.6), (0, 1), (1, 2)))
+    nothing = cp.block_pushover(leaning, cp.find_contacts(leaning), PUSH)
+    assert np.isnan(step_difference(line, nothing)[0])
+
+
+def test_the_check_takes_the_curve_that_withstands_less(curve: BlockCapacityCurve) -> None:
+    whole = displacement_check(curve, WALL, PUSH, SITED)
+    less = displacement_check(shortened(curve, 0.6), WALL, PUSH, SITED)
+    assert less.a_g_slv < whole.a_g_slv
+    found = careful_check(curve, shortened(curve, 0.6), WALL, PUSH, SITED)
+    assert found.a_g_slv == less.a_g_slv
+    assert "no single curve is to be relied on" in found.halved
+    assert (
+        f"ends at {600 * curve.d0:.4g} mm instead of {1e3 * curve.d0:.4g} mm. The check takes it, which withstands"
+        in found.halved
+    )
+    found = careful_check(shortened(curve, 0.6), curve, WALL, PUSH, SITED)
+    assert found.a_g_slv == less.a_g_slv
+    assert "takes the curve with whole steps, which withstands less" in found.halved
+    # Without a spectrum the shorter one is the careful one.
+    assert careful_check(curve, shortened(curve, 0.6), WALL, PUSH, None).d0 == pytest.approx(0.6 * whole.d0, rel=1e-9)
+
+
+def test_a_curve_that_cannot_be_checked_leaves_the_other(curve: BlockCapacityCurve) -> None:
+    unfinished = replace(curve.until(3), status="unfinished")
+    found = careful_check(unfinished, curve, WALL, PUSH, SITED)
+    assert (found.message, found.a_g_slv) == ("", displacement_check(curve, WALL, PUSH, SITED).a_g_slv)
+    assert "The check takes it; of that with whole steps there is none: " in found.halved
+    found = careful_check(curve, unfinished, WALL, PUSH, SITED)
+    assert "The check takes the curve with whole steps; of it there is none: " in found.halved
+    neither = careful_check(unfinished, unfinished, WALL, PUSH, SITED)
+    assert "does not come to its end" in neither.message
+    assert "The check takes" not in neither.halved
+
+
+def test_the_report_shows_both(curve: BlockCapacityCurve) -> None:
+    short = shortened(curve, 0.6)
+    checked = careful_check(curve, short, WALL, PUSH, SITED)
+    record = replace(
+        analysis(method="curve"),
+        check=checked,
+        displacement=tuple(curve.displacement.tolist()),
+        load_factors=tuple(curve.load_factor.tolist()),
+        ending=curve.status,
+        d0=curve.d0,
+        halved=halved_record(curve, short),
+    )
+    (_, svg, (sentence,)), *_ = block_curve_plots([record], None)
+    assert "steps half as long" in svg
+    assert "With steps half as long (dotted) it is up to" in sentence
+    shown = displacement_checks([record], None)
+    assert shown is not None
+    assert shown["checks"][0].halved == checked.halved
+
+
+@pytest.mark.parametrize(
+    ("more", "again"),
+    [
+        ("[rigid.curve]\n", False),
+        ("[rigid.curve]\n" + CHECK, True),
+        ("[rigid.curve]\nhalf_steps = false\n" + CHECK, False),
+        ("[rigid.curve]\nhalf_steps = true\n", True),
+    ],
+)
+def test_a_case_that_checks_its_curve_follows_it_twice(tmp_path: Path, more: str, again: bool) -> None:
+    (tmp_path / "case.toml").write_text(CASE + more, encoding="utf-8")
+    todo = plan([cp.read_case(tmp_path / "case.toml")])
+    (entry,) = [entry for entry in todo.index["analyses"] if entry["kind"] == "curve"]
+    assert bool(entry.get("halved")) is again
+    assert ("halved" in todo.stages) is again
+    # What is asked of the second curve does not make the first one anew.
+    assert "half_steps" not in todo.analyses[entry["name"]]
