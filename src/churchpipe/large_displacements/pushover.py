@@ -230,12 +230,14 @@ def _started(
     if model.large:
         y = program[0].multipliers(state.velocities)
         fastest = float(stone_speed(model.stones, state.velocities).max()) / float(program[0].live @ y)
-        first = replace(first, fastest=fastest)
+        if sliding is not None:
+            model = _pressing(model, contacts, sliding.forces)
+            return model, as_in(model, replace(first_state(model), fastest=fastest), sliding.velocities)
         gap = bipotential_gap(*program, all_forces(program[0], state), y) if model.plain else 0.0
         if gap > PATH.started * max(abs(state.load_factor), PATH.least):
             model = _with_dead_load(model, contacts, program[0])
             return model, approached(model, replace(first_state(model), fastest=fastest))
-        return model, solve_state(model, first, 1, 0).state
+        return model, solve_state(model, replace(first, fastest=fastest), 1, 0).state
     step = solve_state(model, first, PATH.first_programs, 0)
     found = without_dilatancy(model.stones) if sliding is None else sliding
     if found.status not in ("converged", "not-converged") or not found.velocities.any():
@@ -243,8 +245,17 @@ def _started(
     fits = step.answer.outcome == "solved" and step.answer.misfit < PATH.started
     if fits and step.answer.load_factor <= found.load_factor + PATH.higher * max(abs(found.load_factor), PATH.least):
         return model, step.state
-    bears = bearing(model.stones.fixed, contacts.blocks)[contacts.interface_of_point]
-    return model, as_in(model, first, found.forces[bears, 0], found.velocities)
+    return model, as_in(model, first_state(_pressing(model, contacts, found.forces)), found.velocities)
+
+
+def _pressing(model: MovingModel, contacts: Contacts, forces: FloatArray) -> MovingModel:
+    """Return the model whose points press as drawn by the forces (nc, 3) N of an analysis, those of held stones too."""
+    bears = bearing(model.stones.fixed, contacts.blocks)
+    tangents = contacts.frame[contacts.interface_of_point, 1:]
+    shear = np.einsum("kac,ka->kc", tangents, forces[:, 1:])
+    of_points = bears[contacts.interface_of_point]
+    pressing, shear = (part[of_points] / model.force for part in (np.maximum(forces[:, 0], 0.0), shear))
+    return replace(model, drawn=replace(model.drawn, pressing=pressing, shear=shear))
 
 
 def _with_dead_load(model: MovingModel, contacts: Contacts, balance: Equilibrium) -> MovingModel:

@@ -91,19 +91,17 @@ def last_velocities(model: MovingModel, state: PathState, free: IntArray, progra
     return y / power if power > 0 else np.zeros(0)
 
 
-def as_in(model: MovingModel, state: PathState, normal: FloatArray, velocities: FloatArray) -> PathState:
-    """Return a state whose points press and slide as in an analysis without dilatancy: its normal forces (nc,) N and velocities
-    (nb, 6)."""
-    pressing = np.maximum(normal, 0.0) / model.force
-    lever = pressure_levers(state, pressing) if model.contact_model == "torsion" else state.joints.lever
-    joints = replace(state.joints, pressing=pressing, shear=np.zeros_like(state.joints.shear), lever=lever)
-    state = replace(state, joints=joints)
+def as_in(model: MovingModel, state: PathState, velocities: FloatArray) -> PathState:
+    """Return a state whose points slide as by the velocities (nb, 6) of an analysis without dilatancy; they have its forces."""
+    if model.contact_model == "torsion":
+        state = replace(state, joints=replace(state.joints, lever=pressure_levers(state, state.joints.pressing)))
     _, program, free, _ = state_program(model, state)
     y, moving = np.zeros_like(program.dead), velocities[free]
     y[: 6 * len(free)] = np.concatenate([moving[:, :3], model.length * moving[:, 3:]], axis=1).ravel()
     power = float(program.live @ y)
-    slip = program.slip(y / power)[: len(normal)] if power > 0 else joints.sliding
-    return replace(state, joints=replace(joints, sliding=slip))
+    if not power > 0:
+        return state
+    return replace(state, joints=replace(state.joints, sliding=program.slip(y / power)[: len(state.joints.pressing)]))
 
 
 def pressure_levers(state: PathState, normal: FloatArray) -> FloatArray:
