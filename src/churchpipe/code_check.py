@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 import numpy as np
 
 from churchpipe.errors import InputError
+from churchpipe.model.arguments import check_kind, one_of
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.checks import SafetyCheck
 from churchpipe.model.quantities import GRAVITY, Count, Quantity, Usual, check_ranges, in_range
@@ -55,7 +56,7 @@ class Floor:
     def __post_init__(self) -> None:
         check_ranges(self, "check: ")
         if not 0 <= self.height <= self.building_height:
-            expected = f"from 0 to the building's height of {self.building_height:g} m"
+            expected = f"from 0 to the building's height of {float(self.building_height):g} m"
             raise InputError("check: height Z of the mechanism", "out of range", found=self.height, expected=expected)
 
     @property
@@ -95,6 +96,11 @@ class Site:
 
     def __post_init__(self) -> None:
         check_ranges(self, "check: ")
+        for name, value, kind in (("floor", self.floor, Floor), ("spectrum", self.spectrum, SiteSpectrum)):
+            if value is not None:
+                check_kind(f"check: {name}", value, kind)
+        if self.knowledge_level is not None:
+            one_of("check: knowledge_level", self.knowledge_level, *LEVELS)
         by_soil = self.spectrum is not None and self.spectrum.soil is not None
         if (self.soil_factor is None) != by_soil:
             problem = "a factor given twice" if by_soil else "missing key"

@@ -12,9 +12,10 @@ from churchpipe.code_check import CONFIDENCE_FACTOR, Site, activation, along, ve
 from churchpipe.errors import InputError
 from churchpipe.loading.wrenches import pushed_masses
 from churchpipe.mechanism import moving_stones, stone_speed
+from churchpipe.model.arguments import check_kind
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, floats
 from churchpipe.model.assemblage import Assemblage
-from churchpipe.model.block_curve import BlockCapacityCurve
+from churchpipe.model.block_curve import BlockCapacityCurve, vanishing
 from churchpipe.model.checks import DemandCurve, DisplacementCheck, LimitStateCheck, SafetyCheck
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.placed_loads import PlacedLoads
@@ -209,7 +210,14 @@ def displacement_check(
     it was found, and the one that withstands less counts. load: as it is without what the stones carry. loads: that, whose masses
     are bodies of their own, as Q_k are in the circular. crushing: whether the masonry crushes on the curve, so that the
     confidence factor is that of the knowledge level.
+
+    Raises
+    ------
+    InputError: arguments of the wrong kind.
     """
+    given = (curve, BlockCapacityCurve), (stones, Assemblage), (load, LoadCase), (crushing, bool)
+    for value, kind in (*given, *((site, Site),) * (site is not None), *((loads, PlacedLoads),) * (loads is not None)):
+        check_kind("displacement_check", value, kind)
     try:
         bodies = _bodies(curve, stones, load, loads)
         curves, start = _mechanism(curve, bodies, site.confidence(crushing) if site else CONFIDENCE_FACTOR)
@@ -344,8 +352,7 @@ def _mean_displacement(curve: BlockCapacityCurve, bodies: _Bodies) -> tuple[Floa
         gone.append(gone[-1] + (float(weight @ way) / total if total > 0 else 0.0))
     displacement = np.array(gone)
     if curve.status == "vanished":
-        (before, last), factor = displacement[-2:], curve.load_factor
-        return displacement, float(before + factor[-2] / (factor[-2] - factor[-1]) * (last - before))
+        return displacement, vanishing(displacement, curve.load_factor)
     return displacement, gone[-1] if curve.status == "collapsed" else math.nan
 
 

@@ -7,7 +7,7 @@ from typing import Annotated, Literal, Protocol
 import numpy as np
 
 from churchpipe.errors import InputError
-from churchpipe.model.arguments import positive
+from churchpipe.model.arguments import one_of, positive
 from churchpipe.model.arrays import floats, store
 from churchpipe.model.quantities import GRAVITY, Quantity, Usual
 
@@ -64,8 +64,7 @@ class Spectrum:
         positive("Spectrum.amplification", self.amplification)
         positive("Spectrum.start", self.start)
         for name, value, known in (("soil", self.soil, SOILS), ("topography", self.topography, TOPOGRAPHY)):
-            if value not in known:
-                raise InputError(f"Spectrum.{name}", "unknown value", found=value, expected=", ".join(known))
+            one_of(f"Spectrum.{name}", value, *known)
         if self.soil_factor is not None:
             positive("Spectrum.soil_factor", self.soil_factor)
 
@@ -173,8 +172,11 @@ class SiteSpectrum:
     level: Annotated[tuple[Annotated[float, _LEVEL], ...] | None, _LEVELS, "S_e at these periods, soil included."] = None
 
     def __post_init__(self) -> None:
-        formula, table = (self.amplification, self.start), (self.period, self.level)
-        if (None in formula) == (None in table) or any((None in pair) != (pair == (None, None)) for pair in (formula, table)):
+        for name, value, known in (("soil", self.soil, SOILS), ("topography", self.topography, TOPOGRAPHY)):
+            if value is not None or name == "topography":
+                one_of(f"spectrum: {name}", value, *known)
+        given = [value is not None for value in (self.amplification, self.start, self.period, self.level)]
+        if given not in ([True, True, False, False], [False, False, True, True]):
             expected = "F0 and TC_star_s, or periods_s and accelerations_m_s2"
             raise InputError("spectrum", "neither formula nor table, or parts of both", expected=expected)
         if self.soil is not None and self.period is not None:

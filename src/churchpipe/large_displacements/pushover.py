@@ -17,13 +17,14 @@ from churchpipe.large_displacements.path import PathStep, solve_state
 from churchpipe.large_displacements.path_state import PathState, first_state
 from churchpipe.large_displacements.record import Progress, Record
 from churchpipe.large_displacements.settings import PATH
+from churchpipe.large_displacements.start import check_path
 from churchpipe.large_displacements.state_program import approached, as_in
-from churchpipe.large_displacements.travelling import live_loads
+from churchpipe.large_displacements.travelling import TravellingLoads, live_loads
 from churchpipe.mechanism import moving_stones, stone_speed
-from churchpipe.model.arguments import check_kind, listed, one_of, positive, whole
+from churchpipe.model.arguments import check_call, check_kind, listed, one_of
 from churchpipe.model.arrays import BoolArray, FloatArray
 from churchpipe.model.assemblage import Assemblage
-from churchpipe.model.block_curve import BlockCapacityCurve, CurveStatus
+from churchpipe.model.block_curve import BlockCapacityCurve, CurveStatus, vanishing
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.names import ContactModel
@@ -119,9 +120,11 @@ def block_pushover(
         Arguments out of range, stones without a path to a support.
     """
     begin = perf_counter()
-    _check(step, steps, furthest, halo)
     for name, given, kind in (("stones", stones, Assemblage), ("contacts", contacts, Contacts), ("load", load, LoadCase)):
         check_kind(f"block_pushover: {name}", given, kind)
+    halo = check_path("block_pushover", stones, step, steps, furthest, halo)
+    for name, call in (("progress", progress), ("keep", keep)):
+        check_call(f"block_pushover: {name}", call)
     for name, given, kind in (("state", state, LimitState), ("resume", resume, BlockCapacityCurve)):
         if given is not None:
             check_kind(f"block_pushover: {name}", given, kind)
@@ -229,12 +232,13 @@ class _Curve(Record):
     ) -> None:
         super().__init__(model, control)
         self.furthest, self.progress, self.keep = furthest, progress, keep
+        self.nothing = _nothing_left(model)
         self.broken: dict[str, float] = {}
         self.tensions: list[FloatArray] = []
 
     def reached(self) -> Ending | None:
         """Return how the curve ends: the load factor has vanished, or a stone has gone far enough."""
-        if self.load_factor[-1] <= 0:
+        if self.load_factor[-1] <= self.nothing:
             return Ending("vanished")
         if self.furthest is not None and self.largest[-1] >= self.furthest:
             return Ending("unfinished", f"the largest displacement asked for, {self.furthest:g} m, was reached")
@@ -291,8 +295,7 @@ class _Curve(Record):
             )
         d0 = gone[-1] if ending.status == "collapsed" and factor else float("nan")
         if ending.status == "vanished":
-            share = factor[-2] / (factor[-2] - factor[-1]) if len(factor) > 1 else 0.0
-            d0 = gone[-1] if len(factor) == 1 else gone[-2] + share * (gone[-1] - gone[-2])
+            d0 = vanishing(np.array(gone), np.array(factor))
         return BlockCapacityCurve(
             displacement=np.array(gone),
             load_factor=np.array(factor),
@@ -306,20 +309,20 @@ class _Curve(Record):
         )
 
 
+def _nothing_left(model: MovingModel) -> float:
+    """Return the load factor below which a push is lost in the balance of the forces, `PATH.balance` of the weight."""
+    driven = cast(TravellingLoads, model.driven)
+    drawn = np.broadcast_to(np.eye(3), (model.stones.count, 3, 3))
+    push = driven.rows(drawn, np.flatnonzero(~model.stones.fixed), model.force, model.length)
+    return PATH.balance / max(float(np.abs(push).sum()), PATH.balance)
+
+
 def _strengths(friction: npt.ArrayLike, compressive_strength: npt.ArrayLike | None, joints: BoolArray | None) -> dict[str, Any]:
     """Return friction and compressive strength of all joints, or of some (ni,), as arguments of a limit analysis."""
     given = {"friction": friction, "compressive_strength": compressive_strength}
     if joints is None:
         return given
     return {name: None if each is None else np.broadcast_to(each, joints.shape)[joints] for name, each in given.items()}
-
-
-def _check(step: float | None, steps: int, furthest: float | None, halo: int) -> None:
-    whole("block_pushover: steps", steps, least=1)
-    whole("block_pushover: halo", halo, least=0)
-    for name, value in (("step", step), ("furthest", furthest)):
-        if value is not None:
-            positive(f"block_pushover: {name}", value)
 
 
 def _nothing(stones: Assemblage, state: LimitState, seconds: float) -> BlockCapacityCurve:

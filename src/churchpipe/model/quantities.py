@@ -11,7 +11,8 @@ import operator
 from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, dataclass, fields, is_dataclass
 from functools import lru_cache
-from typing import Annotated, Any, NamedTuple, TypeVar, cast, get_args, get_origin, get_type_hints
+from types import NoneType, UnionType
+from typing import Annotated, Any, NamedTuple, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import finite
@@ -224,15 +225,18 @@ def in_range(kind: type, name: str, where: str, value: object) -> float:
 
 
 def check_ranges(record: Any, where: str, *names: str) -> None:
-    """Raise an InputError, as `in_range` does, unless fields of a dataclass are None or numbers, or tuples of numbers, in range.
+    """Raise an InputError, as `in_range` does, unless fields of a dataclass are numbers, or tuples of numbers, in range.
 
-    where: what stands before the name of the field in messages. names: of the fields; by default all with a quantity.
+    None and tuples are for fields that are declared so. where: what stands before the name of the field in messages. names: of
+    the fields; by default all with a quantity.
     """
     kind = record.__class__
     for name in names or [name for name, item in declared(kind).items() if item.quantity]:
-        value = getattr(record, name)
-        parts: Sequence[object] = cast("tuple[object, ...]", value) if isinstance(value, tuple) else (value,)
-        for part in parts if value is not None else ():
+        value, allowed = getattr(record, name), _kinds(declared(kind)[name].hint)
+        parts: Sequence[object] = (value,)
+        if isinstance(value, tuple) and tuple in allowed:
+            parts = cast("tuple[object, ...]", value)
+        for part in parts if value is not None or NoneType not in allowed else ():
             in_range(kind, name, f"{where}{name}", part)
 
 
@@ -293,6 +297,15 @@ def _found(hint: Any, kind: type) -> Any:
         return own
     inner = get_args(hint)[:1] if extras else get_args(hint)
     return next((found for part in inner if (found := _found(part, kind)) is not None), None)
+
+
+def _kinds(hint: Any) -> set[Any]:
+    """Return what a field may be: the types of its annotation, that of tuples bare."""
+    if get_origin(hint) is Annotated:
+        return _kinds(get_args(hint)[0])
+    if get_origin(hint) in (Union, UnionType):
+        return {kind for part in get_args(hint) for kind in _kinds(part)}
+    return {get_origin(hint) or hint}
 
 
 def _tables(hint: Any) -> tuple[type, ...]:

@@ -123,7 +123,7 @@ class Tie:
                 expected=f"0 to its strength, {strength / 1e3:g} kN",
             )
         # Infinite: it never breaks.
-        if ultimate != np.inf and not finite(f"{where}: ultimate elongation", ultimate) > 0:
+        if not (isinstance(ultimate, float) and ultimate == np.inf) and not finite(f"{where}: ultimate elongation", ultimate) > 0:
             raise InputError(f"{where}: ultimate elongation", "out of range", found=ultimate, expected="> 0 m")
         if anchors is not None:
             listed(f"{where}: anchors", anchors, Anchor)
