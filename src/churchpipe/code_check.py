@@ -27,6 +27,9 @@ _SPECTRAL = Quantity(
     "_g", 0.0, above=True, usual=Usual(0.001, 5, "some three times the ground acceleration"), other="spectral_acceleration_m_s2"
 )
 _SOIL = Quantity(low=0.0, above=True, usual=Usual(0.8, 3, "S_S up to 1.8 times S_T up to 1.4"))
+_HIGH = Usual(1, 200, "houses to the tallest spires")
+_DAMPING = Usual(1, 20, "the code has 5")
+_FIRST = Usual(0.02, 4, "masonry buildings mostly have .1 to 1 s")
 _BEHAVIOUR = Quantity(low=1, usual=Usual(1, 4, "2 for local mechanisms, at most 3 to 4 for whole buildings of masonry"), key="q")
 _CONFIDENCE = Quantity(low=1, usual=Usual(1, 1.35, "the code has 1, 1.2 and 1.35"))
 
@@ -45,12 +48,16 @@ class Floor:
     """
 
     height: Annotated[float, Quantity("_m", 0.0), "Z: where the mechanism begins, above the foundation."]
-    building_height: Annotated[float, Quantity("_m", 0.0, above=True), "H: height of the building above the foundation."]
+    building_height: Annotated[
+        float, Quantity("_m", 0.0, above=True, usual=_HIGH), "H: height of the building above the foundation."
+    ]
     storeys: Annotated[Count, "Number of storeys."]
     spectral_acceleration: Annotated[float, _SPECTRAL, "S_e(T1): elastic spectrum at the building's first period, soil included."]
-    damping_percent: Annotated[float, Quantity(low=0.0, above=True), "Damping of the building."] = 5.0
+    damping_percent: Annotated[float, Quantity(low=0.0, above=True, usual=_DAMPING), "Damping of the building."] = 5.0
     first_period: Annotated[
-        float | None, Quantity("_s", 0.0, above=True), "T1: first period of the building, for the displacement-based check."
+        float | None,
+        Quantity("_s", 0.0, above=True, usual=_FIRST),
+        "T1: first period of the building, for the displacement-based check.",
     ] = None
 
     def __post_init__(self) -> None:

@@ -19,12 +19,13 @@ def check_path(where: str, stones: Assemblage, step: float | None, steps: int, f
     for name, value in (("step", step), ("furthest", furthest)):
         if value is not None:
             positive(f"{where}: {name}", value)
-    if step is not None and step > stones.size:
-        raise InputError(
-            f"{where}: step",
-            "a step longer than the structure",
-            found=step,
-            expected=f"at most {stones.size:.3g} m",
-            remedy="Lengths are in metres (step_mm of a case in mm).",
-        )
+    if step is not None:
+        check_step(f"{where}: step", stones, step)
     return min(int(halo), stones.count)
+
+
+def check_step(where: str, stones: Assemblage, step: float) -> None:
+    """Raise InputError for a step, m, that is longer than the structure, as one in other units is."""
+    if step > stones.size:
+        found, expected = f"{step:g} m ({1e3 * step:g} mm)", f"at most {stones.size:.3g} m"
+        raise InputError(where, "a step longer than the structure", found=found, expected=expected)

@@ -13,6 +13,7 @@ from churchpipe.model.quantities import Length, Quantity, Usual, in_range
 TIMBER_MODULUS = 10e9
 _FRICTION = Usual(0, 1.5, "wood or steel on masonry has 0.3 to 0.7")
 _FIXING = Usual(0, 500, "an anchor in masonry holds some 5 to 50")
+_SEAT = Usual(20, 1000, "joists lie some 80 to 250 on a wall")
 _MODULUS = Usual(0.5, 250, "timber to steel")
 
 
@@ -59,7 +60,7 @@ class Diaphragm(AreaLoad):
     joist: Annotated[tuple[Length, Length], "Width and height of a joist: its stiffness, for capacity curves."] = (0.1, 0.2)
     modulus: Annotated[float, Quantity("_GPa", 0.0, above=True, usual=_MODULUS), "Of the joists."] = TIMBER_MODULUS
     bearing_length: Annotated[
-        float | None, Quantity("_mm", 0.0, above=True), "A joist pulled so far falls off; left out: never."
+        float | None, Quantity("_mm", 0.0, above=True, usual=_SEAT), "A joist pulled so far falls off; left out: never."
     ] = None
     kind: ClassVar[str] = "diaphragm"
 

@@ -37,7 +37,7 @@ PUSH = cp.LoadCase((1, 0, 0))
         ({"keep": []}, "block_pushover: keep: not a function; found list"),
         (
             {"step": 20},
-            r"block_pushover: step: a step longer than the structure; found 20; expected at most 2.29 m. Lengths are in m",
+            r"block_pushover: step: a step longer than the structure; found 20 m \(20000 mm\); expected at most 2.29 m",
         ),
         ({"friction": np.ma.masked_array([0.6], [True])}, "friction: masked entries"),
     ],
