@@ -205,6 +205,10 @@ def required(kind: type) -> list[str]:
     return [item.key for item in declared(kind).values() if item.default is MISSING]
 
 
+# No force or stress in a building is so large, N or Pa; the squares of what is larger are no numbers.
+_MOST = 1e30
+
+
 def in_range(kind: type, name: str, where: str, value: object) -> float:
     """Return a number (SI), if it is one that a field of a dataclass may have.
 
@@ -218,6 +222,8 @@ def in_range(kind: type, name: str, where: str, value: object) -> float:
     quantity = item.quantity or Quantity()
     bounds = [(">" if quantity.above else ">=", quantity.low), ("<" if quantity.below else "<=", quantity.high)]
     limits = [(sign, si(item.key, limit)) for sign, limit in bounds if limit is not None]
+    if abs(number) > _MOST and any(part in unit_of(item.key).name for part in ("N", "Pa")):
+        limits.append(("<=", _MOST))
     if not all(_COMPARE[sign](number, limit) for sign, limit in limits):
         expected = " and ".join(f"{sign} {limit:.6g}" for sign, limit in limits)
         raise InputError(where, "out of range", found=value, expected=expected)
