@@ -148,6 +148,11 @@ def test_a_seat_of_joists_out_of_all_reason_is_questioned(tmp_path: Path) -> Non
     floor = '[[diaphragms]]\nwalls = ["south", "north"]\nspacing_m = 0.6\ndead_kN_m2 = 2\nfixing_kN = 5\nbearing_length_mm = {}\n'
     path.write_text(sample_case("box") + floor.format(150))
     assert questions([read_case(path)]) == []
+    path.write_text(sample_case("box") + floor.format("150\njoist_mm = [0.1, 0.2]"))
+    assert [text.partition(",")[0] for text in questions([read_case(path)])] == [
+        "diaphragms.0.joist_mm is 0.1 mm",
+        "diaphragms.0.joist_mm is 0.2 mm",
+    ]
     path.write_text(sample_case("box") + floor.format(0.15))
     [question] = questions([read_case(path)])
     assert question.startswith("diaphragms.0.bearing_length_mm is 0.15 mm, usual are 20 to 1000 mm")
