@@ -160,11 +160,11 @@ def block_pushover(
         model = record.model
         if model.large and model.plain:
             model = _with_dead_load(model, contacts, balance)
-        record.tensions = list(resume.tie_forces[: len(record.poses)])
+        record.resume_ties(resume)
         steps -= len(record.poses)
     else:
         model, start = _started(model, contacts, analysed, whole[:2], state)
-    return record.curve(follow(model, start, int(steps), record, halo), perf_counter() - begin)
+    return record.curve(follow(model, start, int(steps), record, halo, record.departure), perf_counter() - begin)
 
 
 def _proves(state: LimitState, balance: Equilibrium, strength: Strength, parts: JointParts | None) -> bool:
@@ -259,6 +259,19 @@ class _Curve(Record):
         if self.progress:
             self.progress("capacity curve", 1.0 - step.answer.load_factor / self.load_factor[0])
         return None
+
+    def resume_ties(self, curve: BlockCapacityCurve) -> None:
+        """Take over the tensions of ties, and note where they broke: pulled beyond what they hold, or torn out with a stone."""
+        self.tensions = list(curve.tie_forces[: len(self.poses)])
+        ties, rest = self.model.ties, self.model.ties.first_rest
+        names, torn = np.array(ties.name), [(part.displacement, np.isin(ties.stone, part.stones)) for part in self.fallen]
+        for poses, at in zip(self.poses, self.displacement, strict=True):
+            rest = ties.yielded(rest, poses)
+            for name in names[np.isinf(rest)]:
+                self.broken.setdefault(str(name), at)
+        for at, ends in torn:
+            for name in names[np.unique(ties.owner[ends])]:
+                self.broken[str(name)] = min(at, self.broken.get(str(name), at))
 
     def fall(self, step: PathStep) -> None:
         """Note the stones that fall in a step, and the ties that they tear out."""

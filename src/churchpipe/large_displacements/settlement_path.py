@@ -118,7 +118,7 @@ def settlement_path(
     if resume is not None and len(resume.position):
         start = record.go_on_from(resume, resume.movement, -resume.reaction / model.force, halo=halo > 0)
         steps -= len(record.poses)
-    return record.path(follow(record.model, start, int(steps), record, halo), perf_counter() - begin)
+    return record.path(follow(record.model, start, int(steps), record, halo, record.departure), perf_counter() - begin)
 
 
 def _upon(contacts: Contacts, support: IntArray, count: int) -> BoolArray:
