@@ -16,6 +16,7 @@ from churchpipe.io.npz import Absent, read_if_made, read_npz
 from churchpipe.io.records import Analysis, read_record
 from churchpipe.io.sample_study import Sample
 from churchpipe.io.summary import Mesh
+from churchpipe.large_displacements.seats import lost_seat
 from churchpipe.match import Match
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.block_curve import BlockCapacityCurve
@@ -104,8 +105,9 @@ class RunFolder:
         crushing = all("compressive_strength" in values for values in settings["material"].values())
         if entry["kind"] == "curve":
             curve, stones = self.block_curve(entry), self.stones(entry["geometry"])[0]
-            masses = self.applied(entry, stones).loads
-            return {"check": displacement_check(curve, stones, load, site, masses, crushing=crushing)}
+            applied = self.applied(entry, stones)
+            seat = lost_seat(curve, stones, applied.ties)
+            return {"check": displacement_check(curve, stones, load, site, applied.loads, crushing=crushing, seat=seat)}
         if entry["kind"] == "limit":
             mesh = read_npz(self._mesh(entry["shell"]), ShellModel)
             return compare.shell_parts(mesh, read_npz(self.folder(entry) / "limit.npz", ShellLimitState), load)

@@ -9,6 +9,7 @@ import numpy as np
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import one_of, positive
 from churchpipe.model.arrays import floats, store
+from churchpipe.model.checks import DemandCurve
 from churchpipe.model.quantities import GRAVITY, Quantity, Usual
 
 # Bounds of the soil factor S_S = least <= top - slope F0 a_g/g <= most, and C_C = factor TC*^power (tables 3.2.IV and 3.2.V).
@@ -44,6 +45,16 @@ def damping_factor(damping: float) -> float:
 def spectral_displacement(demand: Demand, period: float, ground: float, damping: float) -> float:
     """Return S_De = S_e (T / 2 pi)^2, m."""
     return demand.acceleration(period, ground, damping) * (period / (2 * math.pi)) ** 2
+
+
+def demand_curve(demand: Demand, ground: float, damping: float, furthest: float) -> DemandCurve:
+    """Return the demand at a_g, points of periods whose displacements reach `furthest`, m, for the diagram."""
+    period = np.concatenate([np.linspace(0.0, 1.0, 41), np.linspace(1.05, 8.0, 140)])
+    level = np.array([demand.acceleration(float(t), ground, damping) for t in period])
+    displacement = level * (period / (2 * math.pi)) ** 2
+    last = int(np.argmax(displacement > furthest)) or len(period) - 1
+    reached, levels = (tuple(values[: last + 1].tolist()) for values in (displacement, level))
+    return DemandCurve(displacement=reached, acceleration=levels)
 
 
 @dataclass(frozen=True, slots=True)

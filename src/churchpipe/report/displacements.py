@@ -37,6 +37,7 @@ class ShownCheck:
     governs: str
     missing: str
     unproved: str
+    lost_seat: str
 
 
 def displacement_checks(analyses: Sequence[Analysis], geometry: str | None) -> dict[str, Any] | None:
@@ -63,7 +64,7 @@ def _shown(label: str, check: DisplacementCheck) -> ShownCheck:
         [name, *(figure(getattr(limit, key) * unit, digits) for _, _, key, unit, digits in CAPACITY)]
         for name, limit in check.limit_states.items()
     ]
-    return ShownCheck(label, adrs_svg(check), _facts(check), rows, check.governs, check.missing, check.unproved)
+    return ShownCheck(label, adrs_svg(check), _facts(check), rows, check.governs, check.missing, check.unproved, check.lost_seat)
 
 
 def _facts(check: DisplacementCheck) -> list[tuple[str, str]]:
