@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 import numpy as np
 
 from churchpipe.errors import InputError
+from churchpipe.model.arguments import check_kind, one_of
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.checks import SafetyCheck
 from churchpipe.model.quantities import GRAVITY, Count, Quantity, Usual, check_ranges, in_range
@@ -26,6 +27,9 @@ _SPECTRAL = Quantity(
     "_g", 0.0, above=True, usual=Usual(0.001, 5, "some three times the ground acceleration"), other="spectral_acceleration_m_s2"
 )
 _SOIL = Quantity(low=0.0, above=True, usual=Usual(0.8, 3, "S_S up to 1.8 times S_T up to 1.4"))
+_HIGH = Usual(1, 200, "houses to the tallest spires")
+_DAMPING = Usual(1, 20, "the code has 5")
+_FIRST = Usual(0.02, 4, "masonry buildings mostly have .1 to 1 s")
 _BEHAVIOUR = Quantity(low=1, usual=Usual(1, 4, "2 for local mechanisms, at most 3 to 4 for whole buildings of masonry"), key="q")
 _CONFIDENCE = Quantity(low=1, usual=Usual(1, 1.35, "the code has 1, 1.2 and 1.35"))
 
@@ -44,18 +48,22 @@ class Floor:
     """
 
     height: Annotated[float, Quantity("_m", 0.0), "Z: where the mechanism begins, above the foundation."]
-    building_height: Annotated[float, Quantity("_m", 0.0, above=True), "H: height of the building above the foundation."]
+    building_height: Annotated[
+        float, Quantity("_m", 0.0, above=True, usual=_HIGH), "H: height of the building above the foundation."
+    ]
     storeys: Annotated[Count, "Number of storeys."]
     spectral_acceleration: Annotated[float, _SPECTRAL, "S_e(T1): elastic spectrum at the building's first period, soil included."]
-    damping_percent: Annotated[float, Quantity(low=0.0, above=True), "Damping of the building."] = 5.0
+    damping_percent: Annotated[float, Quantity(low=0.0, above=True, usual=_DAMPING), "Damping of the building."] = 5.0
     first_period: Annotated[
-        float | None, Quantity("_s", 0.0, above=True), "T1: first period of the building, for the displacement-based check."
+        float | None,
+        Quantity("_s", 0.0, above=True, usual=_FIRST),
+        "T1: first period of the building, for the displacement-based check.",
     ] = None
 
     def __post_init__(self) -> None:
         check_ranges(self, "check: ")
         if not 0 <= self.height <= self.building_height:
-            expected = f"from 0 to the building's height of {self.building_height:g} m"
+            expected = f"from 0 to the building's height of {float(self.building_height):g} m"
             raise InputError("check: height Z of the mechanism", "out of range", found=self.height, expected=expected)
 
     @property
@@ -95,6 +103,11 @@ class Site:
 
     def __post_init__(self) -> None:
         check_ranges(self, "check: ")
+        for name, value, kind in (("floor", self.floor, Floor), ("spectrum", self.spectrum, SiteSpectrum)):
+            if value is not None:
+                check_kind(f"check: {name}", value, kind)
+        if self.knowledge_level is not None:
+            one_of("check: knowledge_level", self.knowledge_level, *LEVELS)
         by_soil = self.spectrum is not None and self.spectrum.soil is not None
         if (self.soil_factor is None) != by_soil:
             problem = "a factor given twice" if by_soil else "missing key"

@@ -12,15 +12,17 @@ from churchpipe.code_check import CONFIDENCE_FACTOR, Site, activation, along, ve
 from churchpipe.errors import InputError
 from churchpipe.loading.wrenches import pushed_masses
 from churchpipe.mechanism import moving_stones, stone_speed
+from churchpipe.model.arguments import check_kind
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, floats
 from churchpipe.model.assemblage import Assemblage
-from churchpipe.model.block_curve import BlockCapacityCurve
-from churchpipe.model.checks import DemandCurve, DisplacementCheck, LimitStateCheck, SafetyCheck
+from churchpipe.model.block_curve import BlockCapacityCurve, vanishing
+from churchpipe.model.checks import DisplacementCheck, LimitStateCheck, SafetyCheck
 from churchpipe.model.loads import LoadCase
+from churchpipe.model.lost_seat import LostSeat
 from churchpipe.model.placed_loads import PlacedLoads
 from churchpipe.model.quantities import GRAVITY
 from churchpipe.rigid_blocks.equilibrium import lateral_weight
-from churchpipe.spectrum import Demand, spectral_displacement
+from churchpipe.spectrum import Demand, demand_curve, spectral_displacement
 from churchpipe.wording import counted
 
 LimitName = Literal["SLV", "SLC"]
@@ -51,6 +53,7 @@ class Oscillator:
 
     displacement (ns,) d, m; acceleration (ns,) a, m/s2; ultimate: d0, m, where the acceleration vanishes.
     loss: m, the displacement short of d_SLV at which connections are lost that cost half of the acceleration, or infinite.
+    seat: m, the displacement at which a beam loses its seat, or infinite.
     fraction: e* of the stones, the share of the moving mass that takes part; weight: N, of what moves.
     """
 
@@ -60,6 +63,7 @@ class Oscillator:
     loss: float = math.inf
     fraction: float = 1.0
     weight: float = math.nan
+    seat: float = math.inf
 
     def at(self, displacement: float) -> float:
         """Return a at a displacement, m/s2."""
@@ -74,6 +78,7 @@ class Oscillator:
             acceleration=self.acceleration * self.fraction,
             ultimate=self.ultimate * self.fraction,
             loss=self.loss * self.fraction,
+            seat=self.seat * self.fraction,
             fraction=1.0,
         )
 
@@ -159,14 +164,16 @@ def oscillator(
 def capacity(curve: Oscillator, demand: Demand, limit: LimitName = "SLV") -> LimitStateCapacity:
     """Return what an oscillator withstands at the limit state of life safety, "SLV", or of collapse, "SLC".
 
-    d_SLV = .40 d0 and no more than the displacement of a loss of connections, d_SLC = .60 d0; T = 1.68 pi sqrt(d/a(d)) and
+    d_SLV = .40 d0 and no more than the displacement of a loss of connections, d_SLC = .60 d0, neither beyond the displacement at
+    which a beam loses its seat; T = 1.68 pi sqrt(d/a(d)) and
     1.56 pi sqrt(d/a(d)); damping 8 and 10 percent. The largest a_g is sought up to which the demand S_De(T) is met; where the
     ground acceleration that starts the motion is larger, or connections are lost at once, that is the capacity.
     """
     if limit not in LIMIT_STATES:
         raise InputError("capacity: limit", "unknown limit state", found=limit, expected=", ".join(LIMIT_STATES))
     rule = LIMIT_STATES[limit]
-    reached = rule.share * curve.ultimate
+    # Where a floor comes down, what saves lives has come to its end as well.
+    reached = min(rule.share * curve.ultimate, curve.seat)
     if limit == "SLV":
         reached = min(reached, curve.loss)
     level = curve.at(reached)
@@ -201,6 +208,7 @@ def displacement_check(
     loads: PlacedLoads | None = None,
     *,
     crushing: bool = False,
+    seat: LostSeat | None = None,
 ) -> DisplacementCheck:
     """Return the displacement-based check of a capacity curve; its message says why there is none, if so.
 
@@ -208,11 +216,23 @@ def displacement_check(
     same mechanism, for comparison. Of a curve whose last steps are not proved it is made with the curve ended before them and as
     it was found, and the one that withstands less counts. load: as it is without what the stones carry. loads: that, whose masses
     are bodies of their own, as Q_k are in the circular. crushing: whether the masonry crushes on the curve, so that the
-    confidence factor is that of the knowledge level.
+    confidence factor is that of the knowledge level. seat: where the first joist loses its seat (`large_displacements.seats`).
+
+    Raises
+    ------
+    InputError: arguments of the wrong kind.
     """
+    given = (curve, BlockCapacityCurve), (stones, Assemblage), (load, LoadCase), (crushing, bool)
+    for value, kind in (
+        *given,
+        *((site, Site),) * (site is not None),
+        *((loads, PlacedLoads),) * (loads is not None),
+        *((seat, LostSeat),) * (seat is not None),
+    ):
+        check_kind("displacement_check", value, kind)
     try:
         bodies = _bodies(curve, stones, load, loads)
-        curves, start = _mechanism(curve, bodies, site.confidence(crushing) if site else CONFIDENCE_FACTOR)
+        curves, start = _mechanism(curve, bodies, site.confidence(crushing) if site else CONFIDENCE_FACTOR, seat)
     except InputError as error:
         return DisplacementCheck(message=str(error))
     demand = site.demand if site else None
@@ -230,6 +250,7 @@ def displacement_check(
         displacement=tuple(careful.displacement.tolist()),
         acceleration=tuple(careful.acceleration.tolist()),
         idealised_d0=careful.idealised.ultimate,
+        lost_seat="" if seat is None else seat.said(careful.seat),
         unproved=_unproved(curve, ended=found is curves[0], compared=demand is not None),
     )
     if site is None:
@@ -239,6 +260,7 @@ def displacement_check(
         key = "[check.spectrum]" if site.spectrum is None else "check.floor.first_period_s, the first period of the building"
         return replace(check, missing=f"the spectrum: {key}", force_based=force)
     limits: dict[LimitName, LimitStateCapacity] = {name: capacity(careful, demand, name) for name in LIMIT_STATES}
+    furthest = 2.5 * max(limit.displacement for limit in limits.values())
     of_stones = {name: capacity(found, demand, name).ground for name in LIMIT_STATES}
     return replace(
         check,
@@ -255,7 +277,7 @@ def displacement_check(
         a_g_slv_idealised=capacity(careful.idealised, demand).ground,
         force_based=force,
         governs=_governs(limits["SLV"], force),
-        demand=_demand_curves(demand, ground, 2.5 * max(limit.displacement for limit in limits.values())),
+        demand={name: demand_curve(demand, ground, rule.damping, furthest) for name, rule in LIMIT_STATES.items()},
     )
 
 
@@ -293,7 +315,9 @@ def _bodies(curve: BlockCapacityCurve, stones: Assemblage, load: LoadCase, loads
     return _Bodies(stone, weight, np.where(moving[stone], pushed, 0.0), place, moving[stone])
 
 
-def _mechanism(curve: BlockCapacityCurve, bodies: _Bodies, confidence: float) -> tuple[list[Oscillator], SafetyCheck]:
+def _mechanism(
+    curve: BlockCapacityCurve, bodies: _Bodies, confidence: float, seat: LostSeat | None
+) -> tuple[list[Oscillator], SafetyCheck]:
     """Return the oscillator of a curve, before it that of its proved steps if some are not, and what starts the motion."""
     weight, pushed, moving = bodies.weight, bodies.pushed, bodies.moving
     motion = np.where(moving, bodies.place[1] - bodies.place[0], 0.0)
@@ -301,7 +325,9 @@ def _mechanism(curve: BlockCapacityCurve, bodies: _Bodies, confidence: float) ->
 
     def until(count: int, end: float) -> Oscillator:
         travelled, factors = displacement[:count], curve.load_factor[:count]
-        return oscillator(travelled, factors, end, weight, motion, pushed=pushed, confidence_factor=confidence)
+        made = oscillator(travelled, factors, end, weight, motion, pushed=pushed, confidence_factor=confidence)
+        at = math.inf if seat is None else float(np.interp(seat.step, np.arange(len(displacement)), displacement))
+        return replace(made, seat=at * made.ultimate / end)
 
     found = [until(len(displacement), d0)]
     if not curve.proved:
@@ -344,8 +370,7 @@ def _mean_displacement(curve: BlockCapacityCurve, bodies: _Bodies) -> tuple[Floa
         gone.append(gone[-1] + (float(weight @ way) / total if total > 0 else 0.0))
     displacement = np.array(gone)
     if curve.status == "vanished":
-        (before, last), factor = displacement[-2:], curve.load_factor
-        return displacement, float(before + factor[-2] / (factor[-2] - factor[-1]) * (last - before))
+        return displacement, vanishing(displacement, curve.load_factor)
     return displacement, gone[-1] if curve.status == "collapsed" else math.nan
 
 
@@ -373,16 +398,3 @@ def _governs(found: LimitStateCapacity, force: SafetyCheck) -> str:
         why = f"{reach}, more than q gives it credit for, so the check with q alone is more severe than need be."
     values = f"a_g,SLV is {found.ground:.3f} m/s2 by displacements and {other:.3f} m/s2 with q = {q:g}"
     return f"The displacement-based check governs, as the rule of the circular: {values}. {why}"
-
-
-def _demand_curves(demand: Demand, ground: float, furthest: float) -> dict[str, DemandCurve]:
-    """Return the demand at a_g by damping, points of periods whose displacements reach `furthest`, m, for the diagram."""
-    period = np.concatenate([np.linspace(0.0, 1.0, 41), np.linspace(1.05, 8.0, 140)])
-    out: dict[str, DemandCurve] = {}
-    for name, rule in LIMIT_STATES.items():
-        level = np.array([demand.acceleration(float(t), ground, rule.damping) for t in period])
-        displacement = level * (period / (2 * math.pi)) ** 2
-        last = int(np.argmax(displacement > furthest)) or len(period) - 1
-        reached, levels = (tuple(values[: last + 1].tolist()) for values in (displacement, level))
-        out[name] = DemandCurve(displacement=reached, acceleration=levels)
-    return out

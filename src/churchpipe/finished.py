@@ -17,7 +17,7 @@ from churchpipe.resources import pipeline_folder
 
 # Lies in a run folder: the question that its results answer, and all its files as they were when it had ended.
 RECORD = Path(".snakemake", "finished.json")
-# Date and size of a file, by its path.
+# Date and size of a file, by its path: of one in the folder, from there, so that a copy of the folder tells of its own files.
 _Stamps = dict[str, list[int]]
 
 
@@ -35,7 +35,8 @@ def note_finished(folder: Path, case: Path, changes: Sequence[str], drawing: Pat
     """Note that a folder holds the results of a case with these changes, are they good or not, and of this drawing, if of one."""
     engine = folder.resolve() / RECORD.parent
     files = [path for path in _files(folder) if engine not in path.parents]
-    stamps = _stamps([*files, *([drawing.resolve()] if drawing else [])])
+    inside = [path.relative_to(folder.resolve()) for path in files]
+    stamps = _stamps(folder, [*inside, *([drawing.resolve()] if drawing else [])])
     write_text(folder / RECORD, json.dumps({"question": _question(case, changes), "good": good, "files": stamps}))
 
 
@@ -46,7 +47,7 @@ def finished(folder: Path, case: Path, changes: Sequence[str]) -> bool | None:
         return None
     noted = json.loads(record.read_text(encoding="utf-8"))
     try:
-        same = noted["question"] == _question(case, changes) and noted["files"] == _stamps(map(Path, noted["files"]))
+        same = noted["question"] == _question(case, changes) and noted["files"] == _stamps(folder, map(Path, noted["files"]))
     except FileNotFoundError:
         return None
     return noted["good"] if same else None
@@ -57,7 +58,7 @@ def _question(case: Path, changes: Sequence[str]) -> str:
     own, pipeline = Path(__file__).parent, pipeline_folder()
     program = [path for path in _files(own) if "__pycache__" not in path.parts]
     program += [pipeline / "Snakefile", *_files(pipeline / "rules"), *_files(pipeline / "profiles")]
-    asked = [str(case.resolve()), hashlib.sha256(case.read_bytes()).hexdigest(), list(changes), _stamps(program)]
+    asked = [str(case.resolve()), hashlib.sha256(case.read_bytes()).hexdigest(), list(changes), _stamps(own, program)]
     return hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()
 
 
@@ -66,6 +67,6 @@ def _files(folder: Path) -> Iterator[Path]:
         yield from (Path(where, name) for name in names)
 
 
-def _stamps(files: Iterable[Path]) -> _Stamps:
-    found = {str(path): path.stat() for path in files}
+def _stamps(folder: Path, files: Iterable[Path]) -> _Stamps:
+    found = {str(path): (folder / path).stat() for path in files}
     return {name: [stat.st_mtime_ns, stat.st_size] for name, stat in found.items()}

@@ -10,11 +10,12 @@ import numpy as np
 
 from churchpipe.code_check import Site
 from churchpipe.displacement_check import displacement_check
+from churchpipe.large_displacements.seats import lost_seat
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.block_curve import BlockCapacityCurve, step_difference
 from churchpipe.model.checks import DisplacementCheck
 from churchpipe.model.loads import LoadCase
-from churchpipe.model.placed_loads import PlacedLoads
+from churchpipe.model.placed_loads import Applied
 
 # Curves further apart than this share of the first load factor are not one curve.
 APART = 0.1
@@ -27,15 +28,19 @@ def careful_check(
     stones: Assemblage,
     load: LoadCase,
     site: Site | None,
-    loads: PlacedLoads | None = None,
+    placed: Applied | None = None,
     *,
     crushing: bool = False,
 ) -> DisplacementCheck:
     """Return the displacement-based check of the curve, of the two, that withstands less, and in `halved` what the other says.
 
-    Arguments as in `displacement_check`.
+    placed: what the stones carry, and their ties, on which joists may lose their seats; the rest as in `displacement_check`.
     """
-    found, other = (displacement_check(one, stones, load, site, loads, crushing=crushing) for one in (curve, halved))
+    loads, ties = (placed.loads, placed.ties) if placed else (None, ())
+    found, other = (
+        displacement_check(one, stones, load, site, loads, crushing=crushing, seat=lost_seat(one, stones, ties))
+        for one in (curve, halved)
+    )
     if found.message or other.message:
         lead = other if found.message else found
     else:

@@ -18,6 +18,7 @@ from churchpipe.io.recording import halved_record
 from churchpipe.io.records import Analysis, read_record
 from churchpipe.io.sample_study import Sample
 from churchpipe.io.summary import Mesh
+from churchpipe.large_displacements.seats import lost_seat
 from churchpipe.match import Match
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.block_curve import BlockCapacityCurve
@@ -110,10 +111,11 @@ class RunFolder:
         crushing = all("compressive_strength" in values for values in settings["material"].values())
         if entry["kind"] == "curve":
             curve, stones = self.block_curve(entry), self.stones(entry["geometry"])[0]
-            masses = self.applied(entry, stones).loads
+            applied = self.applied(entry, stones)
             if (halved := self.halved_curve(entry)) is None:
-                return {"check": displacement_check(curve, stones, load, site, masses, crushing=crushing)}
-            check = careful_check(curve, halved, stones, load, site, masses, crushing=crushing)
+                seat = lost_seat(curve, stones, applied.ties)
+                return {"check": displacement_check(curve, stones, load, site, applied.loads, crushing=crushing, seat=seat)}
+            check = careful_check(curve, halved, stones, load, site, applied, crushing=crushing)
             return {"check": check, "halved": halved_record(curve, halved)}
         if entry["kind"] == "limit":
             mesh = read_npz(self._mesh(entry["shell"]), ShellModel)

@@ -7,8 +7,9 @@ from typing import Annotated, Literal, Protocol
 import numpy as np
 
 from churchpipe.errors import InputError
-from churchpipe.model.arguments import positive
+from churchpipe.model.arguments import one_of, positive
 from churchpipe.model.arrays import floats, store
+from churchpipe.model.checks import DemandCurve
 from churchpipe.model.quantities import GRAVITY, Quantity, Usual
 
 # Bounds of the soil factor S_S = least <= top - slope F0 a_g/g <= most, and C_C = factor TC*^power (tables 3.2.IV and 3.2.V).
@@ -46,6 +47,16 @@ def spectral_displacement(demand: Demand, period: float, ground: float, damping:
     return demand.acceleration(period, ground, damping) * (period / (2 * math.pi)) ** 2
 
 
+def demand_curve(demand: Demand, ground: float, damping: float, furthest: float) -> DemandCurve:
+    """Return the demand at a_g, points of periods whose displacements reach `furthest`, m, for the diagram."""
+    period = np.concatenate([np.linspace(0.0, 1.0, 41), np.linspace(1.05, 8.0, 140)])
+    level = np.array([demand.acceleration(float(t), ground, damping) for t in period])
+    displacement = level * (period / (2 * math.pi)) ** 2
+    last = int(np.argmax(displacement > furthest)) or len(period) - 1
+    reached, levels = (tuple(values[: last + 1].tolist()) for values in (displacement, level))
+    return DemandCurve(displacement=reached, acceleration=levels)
+
+
 @dataclass(frozen=True, slots=True)
 class Spectrum:
     """The elastic spectrum of a site but for its ground acceleration.
@@ -64,8 +75,7 @@ class Spectrum:
         positive("Spectrum.amplification", self.amplification)
         positive("Spectrum.start", self.start)
         for name, value, known in (("soil", self.soil, SOILS), ("topography", self.topography, TOPOGRAPHY)):
-            if value not in known:
-                raise InputError(f"Spectrum.{name}", "unknown value", found=value, expected=", ".join(known))
+            one_of(f"Spectrum.{name}", value, *known)
         if self.soil_factor is not None:
             positive("Spectrum.soil_factor", self.soil_factor)
 
@@ -173,8 +183,11 @@ class SiteSpectrum:
     level: Annotated[tuple[Annotated[float, _LEVEL], ...] | None, _LEVELS, "S_e at these periods, soil included."] = None
 
     def __post_init__(self) -> None:
-        formula, table = (self.amplification, self.start), (self.period, self.level)
-        if (None in formula) == (None in table) or any((None in pair) != (pair == (None, None)) for pair in (formula, table)):
+        for name, value, known in (("soil", self.soil, SOILS), ("topography", self.topography, TOPOGRAPHY)):
+            if value is not None or name == "topography":
+                one_of(f"spectrum: {name}", value, *known)
+        given = [value is not None for value in (self.amplification, self.start, self.period, self.level)]
+        if given not in ([True, True, False, False], [False, False, True, True]):
             expected = "F0 and TC_star_s, or periods_s and accelerations_m_s2"
             raise InputError("spectrum", "neither formula nor table, or parts of both", expected=expected)
         if self.soil is not None and self.period is not None:

@@ -275,7 +275,7 @@ def remarks(summary: Summary) -> list[str]:
         *(_movement(one) for one in summary.movements),
         *summary.guidance,
         *(
-            " ".join(said for said in (f"Load {one.load}:", check.unproved, check.halved, check.governs) if said)
+            " ".join(said for said in (f"Load {one.load}:", check.unproved, check.halved, check.lost_seat, check.governs) if said)
             for one in analyses
             if isinstance(check := one.check, DisplacementCheck)
             if check.governs

@@ -8,9 +8,14 @@ import numpy as np
 import pytest
 
 import churchpipe as cp
+from churchpipe.code_check import Floor, Site
+from churchpipe.displacement_check import displacement_check
 from churchpipe.errors import InputError
 from churchpipe.generators import arch, wall
+from churchpipe.large_displacements.cracks import joint_cracks
 from churchpipe.model.building import CylinderChart, Junction, Opening, Part
+from churchpipe.spectrum import SiteSpectrum
+from churchpipe.stones.footing import footing
 from solids import BOX_FACES, box, on_ground
 
 nan = float("nan")
@@ -20,6 +25,7 @@ ABOVE = box((0, 1), (0, 1), (1, 2))
 STONES = on_ground(box((0, 1), (0, 1), (0, 1)), box((0, 1), (0, 1), (1, 2)), unit_weight=2e4, reach=3)
 CONTACTS = cp.find_contacts(STONES)
 PUSH = cp.LoadCase([1, 0, 0])
+CURVE = cp.block_pushover(STONES, CONTACTS, PUSH, steps=1)
 STONE = cp.Material("default", 18e3, 0.6)
 
 POLYHEDRA: list[tuple[Any, str]] = [
@@ -117,6 +123,40 @@ CALLS: list[tuple[Callable[[], object], str]] = [
     (lambda: cp.limit_analysis(STONES, CONTACTS, [1, 0, 0]), r"limit_analysis: load: wrong kind; found list"),
     (lambda: cp.limit_analysis(STONES, CONTACTS, PUSH, [STONE]), r"friction: not numbers"),
     (lambda: cp.limit_analysis(STONES, CONTACTS, PUSH, "0.6"), r"friction: not numbers; found '0\.6'"),
+    (lambda: cp.limit_analysis(STONES, CONTACTS, PUSH, progress=3), r"limit_analysis: progress: not a function; found 3"),
+    (lambda: cp.minimum_thickness(None, 0.1, 0.2), r"minimum_thickness: make: not a function; found None; expected a function"),
+    (lambda: cp.settlement_path(STONES, CONTACTS, [0], keep=3), r"settlement_path: keep: not a function; found 3"),
+    (lambda: cp.settlement_path(STONES, CONTACTS, [0], step=1e30), r"settlement_path: step: a step longer than the structure"),
+    (
+        lambda: displacement_check(None, STONES, PUSH, None),
+        r"displacement_check: wrong kind; found None; expected a BlockCapacityC",
+    ),
+    (lambda: displacement_check(CURVE, STONES, "+x", None), r"displacement_check: wrong kind; found '\+x'; expected a LoadCase"),
+    (lambda: displacement_check(CURVE, STONES, PUSH, 1.5), r"displacement_check: wrong kind; found 1.5; expected a Site"),
+    (lambda: displacement_check(CURVE, STONES, PUSH, None, crushing="no"), r"wrong kind; found 'no'; expected a bool"),
+    (lambda: Site(None, 1.2), r"check: ground_acceleration: not a number; found None"),
+    (lambda: Site((), 1.2), r"check: ground_acceleration: not a number; found tuple"),
+    (lambda: Site(1.5, spectrum=3), r"check: spectrum: wrong kind; found 3; expected a SiteSpectrum"),
+    (lambda: Site(1.5, 1.2, floor=6.0), r"check: floor: wrong kind; found 6.0; expected a Floor"),
+    (lambda: Site(1.5, 1.2, knowledge_level="LC4"), r'check: knowledge_level: unknown value; found LC4; expected "LC1" or'),
+    (lambda: Floor(None, 12.0, 3, 3.1), r"check: height: not a number; found None"),
+    (lambda: SiteSpectrum(2.5, 0.35, soil=[]), r"spectrum: soil: unknown value; found list"),
+    (lambda: SiteSpectrum(2.5, 0.35, soil=""), r"spectrum: soil: unknown value"),
+    (lambda: SiteSpectrum(2.5, 0.35, soil="B", topography=None), r"spectrum: topography: unknown value; found None"),
+    (lambda: SiteSpectrum(np.zeros(0), 0.35), r"Spectrum.amplification: not a number; found ndarray"),
+    (lambda: footing(STONES, CONTACTS, 3), r"footing: place: wrong shape"),
+    (lambda: footing(STONES, CONTACTS, ((0, 0), (1, nan))), r"footing: place: not a finite number"),
+    (lambda: footing(None, CONTACTS, "a"), r"footing: stones: wrong kind"),
+    (lambda: joint_cracks(STONES, None, STONES.centroid, 0 * STONES.centroid), r"joint_cracks: contacts: wrong kind"),
+    (lambda: joint_cracks(STONES, CONTACTS, STONES.centroid, None), r"joint_cracks: rotation: not numbers; found None"),
+    (lambda: joint_cracks(STONES, CONTACTS, STONES.centroid[:1], STONES.centroid), r"joint_cracks: position: wrong shape"),
+    (
+        lambda: cp.Tie("rod", (0, 0, 0), (0, 0, 1), strength=1e3, ultimate=np.zeros(0)),
+        r"ultimate elongation: not a number; found ndarray",
+    ),
+    (lambda: replace(CURVE, d0="a"), r"BlockCapacityCurve.d0: wrong kind; found 'a'"),
+    (lambda: replace(CURVE, last=None), r"BlockCapacityCurve.last: wrong kind; found None"),
+    (lambda: replace(CURVE, fallen=3), r"BlockCapacityCurve.fallen: wrong kind; found 3"),
     (lambda: cp.derive_blocks("case.toml"), r"derive_blocks: building: wrong kind; found 'case\.toml'.*read_case"),
     (lambda: cp.derive_shell(STONES, 0.1), r"derive_shell: building: wrong kind; found Assemblage; expected a Building"),
     (lambda: cp.match_models(STONES, CONTACTS, STONES), r"match_models: shell: wrong kind; found Assemblage"),

@@ -16,6 +16,7 @@ from churchpipe.errors import InputError
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.block_curve import BlockCapacityCurve
 from churchpipe.model.checks import SafetyCheck
+from churchpipe.model.lost_seat import LostSeat
 from churchpipe.model.quantities import GRAVITY, as_written
 from churchpipe.report.displacements import displacement_checks
 from churchpipe.run_folder import RunFolder
@@ -249,6 +250,27 @@ def test_a_run_checks_a_curve_that_is_not_proved_to_its_end(
     entry = {"kind": "curve", "name": "+x_curve", "geometry": "base"}
     found = RunFolder(tmp_path, {})._mechanism(entry, status)
     assert ("check" in found) == (status != "failed")
+
+
+def test_a_run_cuts_its_check_where_a_joist_loses_its_seat(
+    curve: BlockCapacityCurve, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    lost = LostSeat("floor 2", 2.5)
+    monkeypatch.setattr(RunFolder, "block_curve", lambda *_: curve)
+    monkeypatch.setattr(RunFolder, "stones", lambda *_: (LEANING, None))
+    monkeypatch.setattr("churchpipe.run_folder.read_json", lambda _: {"material": {"default": {}}})
+    monkeypatch.setattr("churchpipe.run_folder.load_of", lambda _: PUSH)
+    monkeypatch.setattr("churchpipe.run_folder.site_of", lambda _: SITED)
+    monkeypatch.setattr("churchpipe.run_folder.lost_seat", lambda *_: lost)
+    entry = {"kind": "curve", "name": "+x_curve", "geometry": "base", "check": {}}
+    found = RunFolder(tmp_path, {})._mechanism(entry, "converged")["check"]
+    assert found.lost_seat.startswith("Joist floor 2 loses its seat at ")
+    assert (
+        found.limit_states["SLC"].displacement < displacement_check(curve, LEANING, PUSH, SITED).limit_states["SLC"].displacement
+    )
+    shown = displacement_checks([replace(analysis(method="curve"), check=found)], None)
+    assert shown is not None
+    assert shown["checks"][0].lost_seat == found.lost_seat
 
 
 def test_a_mechanism_at_the_foot_of_the_building_has_a_floor_like_the_ground(curve: BlockCapacityCurve) -> None:

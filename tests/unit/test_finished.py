@@ -1,6 +1,7 @@
 """Results that lie in a run folder are told again without the engine, and only if nothing differs at all."""
 
 import os
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -52,6 +53,16 @@ def test_a_folder_that_was_touched_is_not(run: tuple[Path, Path], disturb: Calla
     case, folder = run
     disturb(folder)
     assert finished(folder, case, ["load.scale=2"]) is None
+
+
+def test_a_copy_of_a_folder_tells_of_its_own_files(run: tuple[Path, Path]) -> None:
+    case, folder = run
+    copy = Path("copy")
+    shutil.copytree(folder, copy)
+    assert finished(copy, case, ["load.scale=2"]) is True
+    (copy / "rigid" / "+x" / "rigid.json").write_text("{")
+    assert finished(copy, case, ["load.scale=2"]) is None
+    assert finished(folder, case, ["load.scale=2"]) is True
 
 
 def test_a_drawing_is_a_part_of_the_question(tmp_path: Path) -> None:

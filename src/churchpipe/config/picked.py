@@ -6,6 +6,7 @@ from churchpipe.config.carries import tried
 from churchpipe.config.case import Case
 from churchpipe.errors import InputError
 from churchpipe.large_displacements.control import control_of
+from churchpipe.large_displacements.start import check_step
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
@@ -16,18 +17,25 @@ from churchpipe.stones.joints import joints_of
 
 def picks(case: Case) -> bool:
     """Return whether a case names any of it."""
-    return bool(case.joints or case.movements or (case.rigid.curve and case.rigid.curve.control))
+    return bool(case.joints or case.movements or (case.rigid.curve and (case.rigid.curve.control or case.rigid.curve.step)))
 
 
 def check_picked(case: Case, stones: Assemblage, contacts: Contacts) -> None:
     """Look for the joints of its groups, the ground of its movements and the point of its curves in the whole building.
+
+    Steps of curves and movements are no longer than it is.
 
     Raises
     ------
     InputError: with the line of the case, what is not there.
     """
     control = case.rigid.curve.control if case.rigid.curve else None
+    steps = [("rigid.curve.step", case.rigid.curve.step)] if case.rigid.curve else []
+    steps += [(f"movements.{number}.step", movement.step) for number, movement in enumerate(case.movements)]
     try:
+        for place, step in steps:
+            if step is not None:
+                check_step(place, stones, step)
         for number, group in enumerate(case.joints):
             tried(f"joints.{number}", partial(joints_of, stones, contacts, group))
         for number, movement in enumerate(case.movements):

@@ -16,7 +16,7 @@ from churchpipe.homogenised_shell.joint_groups import with_bearings
 from churchpipe.homogenised_shell.settings import SOLVER
 from churchpipe.homogenised_shell.strength import with_warning
 from churchpipe.homogenised_shell.ties import tied_analysis
-from churchpipe.model.arguments import check_kind, listed
+from churchpipe.model.arguments import check_call, check_kind, listed
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength
 from churchpipe.model.names import STRENGTH
@@ -79,6 +79,7 @@ def shell_limit_analysis(
     """
     check_kind("shell_limit_analysis: shell", shell, ShellModel)
     check_kind("shell_limit_analysis: load", load, LoadCase)
+    check_call("shell_limit_analysis: progress", progress)
     shell, materials = with_bearings(shell, listed("shell_limit_analysis: materials", materials, JointStrength))
     if solver not in get_args(Solver):
         raise InputError("solver", "unknown solver", found=solver, expected=", ".join(get_args(Solver)))

@@ -30,7 +30,7 @@ from churchpipe.homogenised_shell.settings import SOLVER
 from churchpipe.homogenised_shell.stiffness import facet_stiffness
 from churchpipe.homogenised_shell.strength import with_warning
 from churchpipe.homogenised_shell.tie_path import TiePath
-from churchpipe.model.arguments import check_kind, describe, listed
+from churchpipe.model.arguments import check_call, check_kind, describe, listed
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength
@@ -90,6 +90,7 @@ def pushover(
     begin = perf_counter()
     check_kind("pushover: shell", shell, ShellModel)
     check_kind("pushover: load", load, LoadCase)
+    check_call("pushover: progress", progress)
     shell, materials = with_bearings(shell, listed("pushover: materials", materials, JointStrength))
     if isinstance(steps, bool) or not isinstance(steps, Integral):
         raise InputError("steps", "not a whole number", found=describe(steps), expected=">= 1")

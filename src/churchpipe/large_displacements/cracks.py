@@ -4,7 +4,8 @@ import numpy as np
 
 from churchpipe.large_displacements.joints import joints_of
 from churchpipe.large_displacements.poses import Poses, screw, start_poses
-from churchpipe.model.arrays import FloatArray
+from churchpipe.model.arguments import check_kind
+from churchpipe.model.arrays import FloatArray, floats
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 
@@ -16,7 +17,15 @@ def joint_cracks(
     point that is open the least: one that turns about an edge has not slid.
 
     position (nb, 3) m and rotation (nb, 3) rad, rotation vectors from the drawing, of the stones as they are.
+
+    Raises
+    ------
+    InputError: arguments of the wrong kind, places of other stones.
     """
+    check_kind("joint_cracks: stones", stones, Assemblage)
+    check_kind("joint_cracks: contacts", contacts, Contacts)
+    position = floats("joint_cracks: position", position, (stones.count, 3))
+    rotation = floats("joint_cracks: rotation", rotation, (stones.count, 3))
     start = joints_of(contacts, start_poses(stones))
     poses = Poses(position, screw(rotation)[0])
     now, gap = start.at(poses)

@@ -1,6 +1,8 @@
 """Step after step along a path, until something ends it."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Literal, Protocol
 
 from churchpipe.large_displacements.halo import grown, shrunk
@@ -19,6 +21,16 @@ class Ending:
 
     status: EndingName
     message: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Departure:
+    """The step that a path has left last: its model, how far it went, m per unit of work, and the state that lies so far along it
+    as asked for."""
+
+    model: MovingModel
+    way: float
+    along: Callable[[float], PathState]
 
 
 class Steps(Protocol):
@@ -42,15 +54,14 @@ class Steps(Protocol):
         ...
 
 
-def follow(model: MovingModel, state: PathState, steps: int, record: Steps, rings: int) -> Ending:
+def follow(model: MovingModel, state: PathState, steps: int, record: Steps, rings: int, last: Departure | None = None) -> Ending:
     """Solve and keep at most so many steps of a path, and return how it ended.
 
     A step is solved on the stones that move and those near to them, so many contacts away (`rings`). Stones that stand still by
     now are held; where a step moves others, it is solved again with more. Where stones fall in it, it is solved again without
     them, unless the structure cannot spare them. Where much is lost on the way to it (`Steps.drops`), it goes half as far, until
-    that place is known to `PATH.located` of a step.
+    that place is known to `PATH.located` of a step. last: the step that led to the state, where it is known.
     """
-    last: tuple[MovingModel, PathStep] | None = None
     for _ in range(steps):
         model, state = shrunk(model, state, rings)
         whole = True
@@ -62,13 +73,13 @@ def follow(model: MovingModel, state: PathState, steps: int, record: Steps, ring
                 state, whole = without(model, state, step), False
             elif not falls and (wider := grown(model, step, rings)) is not None:
                 model, state = wider
-            elif last and whole and state.way > PATH.located * last[1].way and record.drops(step):
-                model, state = shrunk(last[0], next_state(*last, 0.5 * state.way), rings)
+            elif last and whole and state.way > PATH.located * last.way and record.drops(step):
+                model, state = shrunk(last.model, last.along(0.5 * state.way), rings)
             else:
                 break
         if (ending := _no_further(model, state, step) or record.add(step)) is not None:
             return ending
-        last = model, step
+        last = Departure(model, step.way, partial(next_state, model, step))
         state = next_state(model, step, record.left)
     return Ending("unfinished", "all steps asked for were used up")
 

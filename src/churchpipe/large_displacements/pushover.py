@@ -17,13 +17,14 @@ from churchpipe.large_displacements.path import PathStep, solve_state
 from churchpipe.large_displacements.path_state import PathState, first_state
 from churchpipe.large_displacements.record import Progress, Record
 from churchpipe.large_displacements.settings import PATH
+from churchpipe.large_displacements.start import check_path
 from churchpipe.large_displacements.state_program import approached, as_in
-from churchpipe.large_displacements.travelling import live_loads
+from churchpipe.large_displacements.travelling import TravellingLoads, live_loads
 from churchpipe.mechanism import moving_stones, stone_speed
-from churchpipe.model.arguments import check_kind, listed, one_of, positive, whole
+from churchpipe.model.arguments import check_call, check_kind, listed, one_of
 from churchpipe.model.arrays import BoolArray, FloatArray
 from churchpipe.model.assemblage import Assemblage
-from churchpipe.model.block_curve import BlockCapacityCurve, CurveStatus
+from churchpipe.model.block_curve import BlockCapacityCurve, CurveStatus, vanishing
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.names import ContactModel
@@ -130,10 +131,12 @@ def block_pushover(
         Arguments out of range, stones without a path to a support.
     """
     begin = perf_counter()
-    _check(step, steps, furthest, halo)
     for name, given, kind in (("stones", stones, Assemblage), ("contacts", contacts, Contacts), ("load", load, LoadCase)):
         check_kind(f"block_pushover: {name}", given, kind)
     states = (("state", state, LimitState), ("sliding", sliding, LimitState), ("resume", resume, BlockCapacityCurve))
+    halo = check_path("block_pushover", stones, step, steps, furthest, halo)
+    for name, call in (("progress", progress), ("keep", keep)):
+        check_call(f"block_pushover: {name}", call)
     for name, given, kind in states:
         if given is not None:
             check_kind(f"block_pushover: {name}", given, kind)
@@ -171,13 +174,13 @@ def block_pushover(
         model = record.model
         if model.large and model.plain:
             model = _with_dead_load(model, contacts, balance)
-        record.tensions = list(resume.tie_forces[: len(record.poses)])
+        record.resume_ties(resume)
         steps -= len(record.poses)
     else:
         certified = model.plain and sliding is not None and _certifies(sliding, *whole[:2])
         without_dilatancy = partial(analysed, flow="non-associative")
         model, start = _started(model, contacts, sliding if certified else None, without_dilatancy, whole[:2], state)
-    return record.curve(follow(model, start, int(steps), record, halo), perf_counter() - begin)
+    return record.curve(follow(model, start, int(steps), record, halo, record.departure), perf_counter() - begin)
 
 
 def _proves(state: LimitState, balance: Equilibrium, strength: Strength, parts: JointParts | None) -> bool:
@@ -279,12 +282,13 @@ class _Curve(Record):
     ) -> None:
         super().__init__(model, control)
         self.furthest, self.progress, self.keep = furthest, progress, keep
+        self.nothing = _nothing_left(model)
         self.broken: dict[str, float] = {}
         self.tensions: list[FloatArray] = []
 
     def reached(self) -> Ending | None:
         """Return how the curve ends: the load factor has vanished, or a stone has gone far enough."""
-        if self.load_factor[-1] <= 0:
+        if self.load_factor[-1] <= self.nothing:
             return Ending("vanished")
         if self.furthest is not None and self.largest[-1] >= self.furthest:
             return Ending("unfinished", f"the largest displacement asked for, {self.furthest:g} m, was reached")
@@ -305,6 +309,19 @@ class _Curve(Record):
         if self.progress:
             self.progress("capacity curve", 1.0 - step.answer.load_factor / self.load_factor[0])
         return None
+
+    def resume_ties(self, curve: BlockCapacityCurve) -> None:
+        """Take over the tensions of ties, and note where they broke: pulled beyond what they hold, or torn out with a stone."""
+        self.tensions = list(curve.tie_forces[: len(self.poses)])
+        ties, rest = self.model.ties, self.model.ties.first_rest
+        names, torn = np.array(ties.name), [(part.displacement, np.isin(ties.stone, part.stones)) for part in self.fallen]
+        for poses, at in zip(self.poses, self.displacement, strict=True):
+            rest = ties.yielded(rest, poses)
+            for name in names[np.isinf(rest)]:
+                self.broken.setdefault(str(name), at)
+        for at, ends in torn:
+            for name in names[np.unique(ties.owner[ends])]:
+                self.broken[str(name)] = min(at, self.broken.get(str(name), at))
 
     def fall(self, step: PathStep) -> None:
         """Note the stones that fall in a step, and the ties that they tear out."""
@@ -341,8 +358,7 @@ class _Curve(Record):
             )
         d0 = gone[-1] if ending.status == "collapsed" and factor else float("nan")
         if ending.status == "vanished":
-            share = factor[-2] / (factor[-2] - factor[-1]) if len(factor) > 1 else 0.0
-            d0 = gone[-1] if len(factor) == 1 else gone[-2] + share * (gone[-1] - gone[-2])
+            d0 = vanishing(np.array(gone), np.array(factor))
         return BlockCapacityCurve(
             displacement=np.array(gone),
             load_factor=np.array(factor),
@@ -356,20 +372,20 @@ class _Curve(Record):
         )
 
 
+def _nothing_left(model: MovingModel) -> float:
+    """Return the load factor below which a push is lost in the balance of the forces, `PATH.balance` of the weight."""
+    driven = cast(TravellingLoads, model.driven)
+    drawn = np.broadcast_to(np.eye(3), (model.stones.count, 3, 3))
+    push = driven.rows(drawn, np.flatnonzero(~model.stones.fixed), model.force, model.length)
+    return PATH.balance / max(float(np.abs(push).sum()), PATH.balance)
+
+
 def _strengths(friction: npt.ArrayLike, compressive_strength: npt.ArrayLike | None, joints: BoolArray | None) -> dict[str, Any]:
     """Return friction and compressive strength of all joints, or of some (ni,), as arguments of a limit analysis."""
     given = {"friction": friction, "compressive_strength": compressive_strength}
     if joints is None:
         return given
     return {name: None if each is None else np.broadcast_to(each, joints.shape)[joints] for name, each in given.items()}
-
-
-def _check(step: float | None, steps: int, furthest: float | None, halo: int) -> None:
-    whole("block_pushover: steps", steps, least=1)
-    whole("block_pushover: halo", halo, least=0)
-    for name, value in (("step", step), ("furthest", furthest)):
-        if value is not None:
-            positive(f"block_pushover: {name}", value)
 
 
 def _nothing(stones: Assemblage, state: LimitState, seconds: float) -> BlockCapacityCurve:

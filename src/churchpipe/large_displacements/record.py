@@ -3,12 +3,13 @@
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.large_displacements.control import Control
-from churchpipe.large_displacements.following import Ending
+from churchpipe.large_displacements.following import Departure, Ending
 from churchpipe.large_displacements.going_on import gone_on, last_step
 from churchpipe.large_displacements.moving_model import MovingModel
 from churchpipe.large_displacements.path import PathStep, onward
@@ -43,6 +44,8 @@ class Record(ABC):
         self.fallen: list[FallenStones] = []
         self.resumed = ""
         self.step: PathStep | None = None
+        # The last step of another run, where the path goes on from it.
+        self.departure: Departure | None = None
         # The motion of the last step (nb, 6).
         self.velocity: FloatArray | None = None
 
@@ -121,7 +124,9 @@ class Record(ABC):
         state = replace(state, load_factor=self.load_factor[-1])
         if len(path.last.velocity) == count and self.reached() is None:
             self.friction_power, self.velocity = path.last.power, path.last.velocity
-            return onward(model, state, path.last.velocity, path.last.onward, self.proofs[-1][2], self.left)
+            led = partial(onward, model, state, path.last.velocity, path.last.onward, self.proofs[-1][2])
+            self.departure = Departure(model, path.last.onward, led)
+            return led(self.left)
         for each in (self.poses, self.displacement, self.load_factor, self.largest, self.work, self.proofs):
             each.pop()
         self.work_known = float(path.dissipation[last])

@@ -17,9 +17,10 @@ from churchpipe.large_displacements.path_state import first_state
 from churchpipe.large_displacements.record import Progress, Record
 from churchpipe.large_displacements.settings import PATH
 from churchpipe.large_displacements.settlement import resistance, settlement_analysis, settlement_model
+from churchpipe.large_displacements.start import check_path
 from churchpipe.large_displacements.supports import SupportMovement
 from churchpipe.mechanism import reference_speed, stone_speed
-from churchpipe.model.arguments import check_kind, positive, whole
+from churchpipe.model.arguments import check_call, check_kind
 from churchpipe.model.arrays import BoolArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
@@ -84,11 +85,11 @@ def settlement_path(
         Arguments out of range, a support that is not there, not fixed or bears nothing.
     """
     begin = perf_counter()
-    whole("settlement_path: steps", steps, least=1)
-    whole("settlement_path: halo", halo, least=0)
-    for name, value in (("step", step), ("furthest", furthest)):
-        if value is not None:
-            positive(f"settlement_path: {name}", value)
+    for name, given, kind in (("stones", stones, Assemblage), ("contacts", contacts, Contacts)):
+        check_kind(f"settlement_path: {name}", given, kind)
+    halo = check_path("settlement_path", stones, step, steps, furthest, halo)
+    for name, call in (("progress", progress), ("keep", keep)):
+        check_call(f"settlement_path: {name}", call)
     if resume is not None:
         check_kind("settlement_path: resume", resume, SettlementPath)
     least = settlement_analysis(
@@ -117,7 +118,7 @@ def settlement_path(
     if resume is not None and len(resume.position):
         start = record.go_on_from(resume, resume.movement, -resume.reaction / model.force, halo=halo > 0)
         steps -= len(record.poses)
-    return record.path(follow(record.model, start, int(steps), record, halo), perf_counter() - begin)
+    return record.path(follow(record.model, start, int(steps), record, halo, record.departure), perf_counter() - begin)
 
 
 def _upon(contacts: Contacts, support: IntArray, count: int) -> BoolArray:

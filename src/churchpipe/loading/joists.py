@@ -49,6 +49,7 @@ def joists_of(stones: Assemblage, floor: Diaphragm) -> list[Tie]:
                 stiffness=floor.modulus * width * height / float(np.linalg.norm(end - start)),
                 ultimate=np.inf if floor.bearing_length is None else floor.bearing_length,
                 governs=f"{held_by} at its bearings",
+                seated=True,
             )
         )
     return ties

@@ -19,6 +19,13 @@ def check_kind(where: str, value: object, *kinds: type, remedy: str = "") -> Non
         raise InputError(where, "wrong kind", found=describe(value), expected=expected, remedy=remedy)
 
 
+def check_call(where: str, value: object, *, needed: bool = False) -> None:
+    """Raise InputError unless a value is a function or, where it is not needed, None."""
+    if not callable(value) and (needed or value is not None):
+        expected = "a function" if needed else "a function, or None"
+        raise InputError(where, "not a function", found=describe(value), expected=expected)
+
+
 def listed(where: str, value: Any, *kinds: type) -> list[Any]:
     """Return a sequence of values of one type, or of several, as a list.
 

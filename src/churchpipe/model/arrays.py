@@ -25,6 +25,8 @@ def _frozen(array: npt.NDArray[Any], given: object) -> npt.NDArray[Any]:
 
 def array_of(name: str, value: object, kinds: str, expected: str) -> npt.NDArray[Any]:
     """Return `value` as an array whose type is one of NumPy's kinds; an empty one is of every kind."""
+    if np.ma.is_masked(value):
+        raise InputError(name, "masked entries", found=describe(value), expected=f"{expected} without a mask")
     try:
         array = np.asarray(value)
     except (ValueError, TypeError) as error:

@@ -5,7 +5,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from churchpipe.model.arguments import one_of
+from churchpipe.model.arguments import check_kind, one_of
 from churchpipe.model.arrays import FloatArray, floats, store
 from churchpipe.model.card import card
 from churchpipe.model.pictures import diagram
@@ -13,6 +13,17 @@ from churchpipe.model.stone_path import StonePath
 
 CurveStatus = Literal["vanished", "collapsed", "unfinished", "not-converged", "unstable", "unbounded", "failed"]
 CURVE_STATUSES = ("vanished", "collapsed", "unfinished", "not-converged", "unstable", "unbounded", "failed")
+
+
+def vanishing(displacement: FloatArray, load_factor: FloatArray) -> float:
+    """Return where a curve (ns,) that came down to zero vanishes, m.
+
+    That is between the last two steps, or, where the last load factor is but rounding above zero, at the last.
+    """
+    if len(displacement) < 2 or load_factor[-1] > 0:
+        return float(displacement[-1])
+    (before, last), (high, low) = displacement[-2:], load_factor[-2:]
+    return float(before + high / (high - low) * (last - before))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,6 +50,7 @@ class BlockCapacityCurve(StonePath):
         one_of("BlockCapacityCurve.status", self.status, *CURVE_STATUSES)
         for name in ("displacement", "load_factor"):
             store(self, **{name: floats(f"BlockCapacityCurve.{name}", getattr(self, name), (len(self.position),))})
+        check_kind("BlockCapacityCurve.d0", self.d0, float, int)
         store(self, tie_forces=floats("BlockCapacityCurve.tie_forces", self.tie_forces, (None, None)))
 
     def until(self, step: int) -> "BlockCapacityCurve":

@@ -88,9 +88,9 @@ class DisplacementCheck(Check):
 
     a0: where the motion starts; d0: displacement at which the acceleration vanishes. displacement, acceleration (n,): of the
     oscillator. idealised: of the two straight lines of the same area. missing: what the case does not say. unproved: which
-    steps of the curve are not proved, and what the check makes of them. halved: what steps half as long make of it. limit_states,
-    demand: by the names SLV and SLC. force_based: the check with q of the mechanism that starts it. governs: which one, and
-    why.
+    steps of the curve are not proved, and what the check makes of them. lost_seat: which joist loses its seat first, and where,
+    if one does. halved: what steps half as long make of it. limit_states, demand: by the names SLV and SLC. force_based: the
+    check with q of the mechanism that starts the curve. governs: which one, and why.
     """
 
     a0: _Acceleration = math.nan
@@ -102,6 +102,7 @@ class DisplacementCheck(Check):
     missing: str = ""
     unproved: str = ""
     halved: str = ""
+    lost_seat: str = ""
     limit_states: dict[str, LimitStateCheck] = field(default_factory=dict[str, LimitStateCheck])
     a_g_slc: _Acceleration = math.nan
     a_g_slc_stones: _Acceleration = math.nan

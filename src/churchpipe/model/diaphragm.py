@@ -8,11 +8,13 @@ from churchpipe.errors import InputError
 from churchpipe.model.arguments import positive
 from churchpipe.model.arrays import floats, store
 from churchpipe.model.carried import AreaLoad
-from churchpipe.model.quantities import Length, Quantity, Usual, in_range
+from churchpipe.model.quantities import Quantity, Usual, in_range
 
 TIMBER_MODULUS = 10e9
 _FRICTION = Usual(0, 1.5, "wood or steel on masonry has 0.3 to 0.7")
 _FIXING = Usual(0, 500, "an anchor in masonry holds some 5 to 50")
+_Side = Annotated[float, Quantity("_mm", 0.0, above=True, usual=Usual(20, 1500, "laths to main beams"))]
+_SEAT = Usual(20, 1000, "joists lie some 80 to 250 on a wall")
 _MODULUS = Usual(0.5, 250, "timber to steel")
 
 
@@ -56,10 +58,10 @@ class Diaphragm(AreaLoad):
     fixing: Annotated[
         float, Quantity("_kN", 0.0, usual=_FIXING), "What an anchor at each end of a joist holds beside friction."
     ] = 0.0
-    joist: Annotated[tuple[Length, Length], "Width and height of a joist: its stiffness, for capacity curves."] = (0.1, 0.2)
+    joist: Annotated[tuple[_Side, _Side], "Width and height of a joist: its stiffness, for capacity curves."] = (0.1, 0.2)
     modulus: Annotated[float, Quantity("_GPa", 0.0, above=True, usual=_MODULUS), "Of the joists."] = TIMBER_MODULUS
     bearing_length: Annotated[
-        float | None, Quantity("_mm", 0.0, above=True), "A joist pulled so far falls off; left out: never."
+        float | None, Quantity("_mm", 0.0, above=True, usual=_SEAT), "A joist pulled so far falls off; left out: never."
     ] = None
     kind: ClassVar[str] = "diaphragm"
 

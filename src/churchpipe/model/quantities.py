@@ -11,7 +11,8 @@ import operator
 from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, dataclass, fields, is_dataclass
 from functools import lru_cache
-from typing import Annotated, Any, NamedTuple, TypeVar, cast, get_args, get_origin, get_type_hints
+from types import NoneType, UnionType
+from typing import Annotated, Any, NamedTuple, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import finite
@@ -204,6 +205,10 @@ def required(kind: type) -> list[str]:
     return [item.key for item in declared(kind).values() if item.default is MISSING]
 
 
+# No force or stress in a building is so large, N or Pa; the squares of what is larger are no numbers.
+_MOST = 1e30
+
+
 def in_range(kind: type, name: str, where: str, value: object) -> float:
     """Return a number (SI), if it is one that a field of a dataclass may have.
 
@@ -217,6 +222,8 @@ def in_range(kind: type, name: str, where: str, value: object) -> float:
     quantity = item.quantity or Quantity()
     bounds = [(">" if quantity.above else ">=", quantity.low), ("<" if quantity.below else "<=", quantity.high)]
     limits = [(sign, si(item.key, limit)) for sign, limit in bounds if limit is not None]
+    if abs(number) > _MOST and any(part in unit_of(item.key).name for part in ("N", "Pa")):
+        limits.append(("<=", _MOST))
     if not all(_COMPARE[sign](number, limit) for sign, limit in limits):
         expected = " and ".join(f"{sign} {limit:.6g}" for sign, limit in limits)
         raise InputError(where, "out of range", found=value, expected=expected)
@@ -224,15 +231,18 @@ def in_range(kind: type, name: str, where: str, value: object) -> float:
 
 
 def check_ranges(record: Any, where: str, *names: str) -> None:
-    """Raise an InputError, as `in_range` does, unless fields of a dataclass are None or numbers, or tuples of numbers, in range.
+    """Raise an InputError, as `in_range` does, unless fields of a dataclass are numbers, or tuples of numbers, in range.
 
-    where: what stands before the name of the field in messages. names: of the fields; by default all with a quantity.
+    None and tuples are for fields that are declared so. where: what stands before the name of the field in messages. names: of
+    the fields; by default all with a quantity.
     """
     kind = record.__class__
     for name in names or [name for name, item in declared(kind).items() if item.quantity]:
-        value = getattr(record, name)
-        parts: Sequence[object] = cast("tuple[object, ...]", value) if isinstance(value, tuple) else (value,)
-        for part in parts if value is not None else ():
+        value, allowed = getattr(record, name), _kinds(declared(kind)[name].hint)
+        parts: Sequence[object] = (value,)
+        if isinstance(value, tuple) and tuple in allowed:
+            parts = cast("tuple[object, ...]", value)
+        for part in parts if value is not None or NoneType not in allowed else ():
             in_range(kind, name, f"{where}{name}", part)
 
 
@@ -293,6 +303,15 @@ def _found(hint: Any, kind: type) -> Any:
         return own
     inner = get_args(hint)[:1] if extras else get_args(hint)
     return next((found for part in inner if (found := _found(part, kind)) is not None), None)
+
+
+def _kinds(hint: Any) -> set[Any]:
+    """Return what a field may be: the types of its annotation, that of tuples bare."""
+    if get_origin(hint) is Annotated:
+        return _kinds(get_args(hint)[0])
+    if get_origin(hint) in (Union, UnionType):
+        return {kind for part in get_args(hint) for kind in _kinds(part)}
+    return {get_origin(hint) or hint}
 
 
 def _tables(hint: Any) -> tuple[type, ...]:

@@ -5,6 +5,7 @@ from typing import Any, Self, TypedDict
 
 import numpy as np
 
+from churchpipe.model.arguments import check_kind, listed, whole
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, flags, floats, indices, rows_of, store
 
 # A path is proved when forces balance and keep to their friction cones to the first, and motions fit forces to the second.
@@ -91,6 +92,9 @@ class StonePath:
         steps = rows_of(f"{name}.position", self.position)
         for key in ("largest", "residual", "violation", "misfit", "dissipation"):
             store(self, **{key: floats(f"{name}.{key}", getattr(self, key), (steps,))})
+        check_kind(f"{name}.last", self.last, LastStep)
+        store(self, fallen=tuple(listed(f"{name}.fallen", self.fallen, FallenStones)))
+        check_kind(f"{name}.message", self.message, str)
         for key in ("position", "rotation"):
             store(self, **{key: floats(f"{name}.{key}", getattr(self, key), (steps, None, 3))})
 
@@ -108,6 +112,8 @@ class StonePath:
 
     def first_steps(self, step: int, travel: FloatArray) -> Self:
         """Return the path up to a step, that included; travel (ns,): what `FallenStones.displacement` is measured by."""
+        whole(f"{type(self).__name__}.until: step", step, least=0, most=len(travel) - 1)
+        step = int(step)
         values = {item.name: getattr(self, item.name) for item in fields(self)}
         kept: dict[str, Any] = {name: value[: step + 1] for name, value in values.items() if isinstance(value, np.ndarray)}
         fallen = tuple(part for part in self.fallen if part.displacement < travel[step])

@@ -12,6 +12,7 @@ from churchpipe.model.carried import Metres, Point
 from churchpipe.model.quantities import Quantity, Usual, in_range
 
 STEEL_MODULUS = 210e9
+_BREAKS = Usual(0.002, 0.5, "steel breaks at some 0.05 to 0.25")
 _Plate = Annotated[float, Quantity("_mm", 0.0, above=True, usual=Usual(20, 3000, "washers to cast anchors and beams"))]
 _BEARING = Usual(0.05, 50, "rubble bears some 1, brickwork 2 to 4, ashlar 6 and more")
 _PUNCHING = Usual(0.005, 5, "mortars of lime have some 0.05, of cement up to 0.5")
@@ -111,7 +112,9 @@ class TieBar:
     ] = None
     pretension: Annotated[float, Quantity("_kN", 0.0), "It changes no load factor."] = 0.0
     modulus: Annotated[float, Quantity("_GPa", 0.0, above=True, usual=_STIFF), "Of the steel."] = STEEL_MODULUS
-    ultimate_strain: Annotated[float | None, Quantity("", 0.0, above=True), "Strain at which it breaks; left out: never."] = None
+    ultimate_strain: Annotated[
+        float | None, Quantity("", 0.0, above=True, usual=_BREAKS), "Strain at which it breaks; left out: never."
+    ] = None
 
     def __init__(
         self,

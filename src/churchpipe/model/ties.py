@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from churchpipe.errors import InputError
-from churchpipe.model.arguments import finite, listed, text
+from churchpipe.model.arguments import check_kind, finite, listed, text
 from churchpipe.model.arrays import FloatArray, IntArray, NameArray, floats, indices, rows_of, store, store_arrays
 
 
@@ -68,6 +68,8 @@ class Tie:
         Elongation at which it breaks, m.
     governs
         What its strength is that of, in words.
+    seated
+        Whether it is a joist, that falls off its bearings where it breaks.
 
     Raises
     ------
@@ -85,6 +87,7 @@ class Tie:
     pretension: float
     ultimate: float
     governs: str
+    seated: bool
 
     def __init__(
         self,
@@ -99,6 +102,7 @@ class Tie:
         pretension: float = 0.0,
         ultimate: float = np.inf,
         governs: str = "",
+        seated: bool = False,
     ) -> None:
         text("Tie.name", name)
         where = f"tie {name}"
@@ -123,12 +127,14 @@ class Tie:
                 expected=f"0 to its strength, {strength / 1e3:g} kN",
             )
         # Infinite: it never breaks.
-        if ultimate != np.inf and not finite(f"{where}: ultimate elongation", ultimate) > 0:
+        if not (isinstance(ultimate, float) and ultimate == np.inf) and not finite(f"{where}: ultimate elongation", ultimate) > 0:
             raise InputError(f"{where}: ultimate elongation", "out of range", found=ultimate, expected="> 0 m")
         if anchors is not None:
             listed(f"{where}: anchors", anchors, Anchor)
         store(self, name=name, start=first, end=second, stones=pair, strength=float(strength), anchors=anchors)
         store(self, stiffness=stiffness, pretension=float(pretension), ultimate=float(ultimate), governs=governs)
+        check_kind(f"{where}: seated", seated, bool)
+        store(self, seated=seated)
 
     @property
     def length(self) -> float:

@@ -38,6 +38,7 @@ class ShownCheck:
     missing: str
     unproved: str
     halved: str
+    lost_seat: str
 
 
 def displacement_checks(analyses: Sequence[Analysis], geometry: str | None) -> dict[str, Any] | None:
@@ -64,7 +65,8 @@ def _shown(label: str, check: DisplacementCheck) -> ShownCheck:
         [name, *(figure(getattr(limit, key) * unit, digits) for _, _, key, unit, digits in CAPACITY)]
         for name, limit in check.limit_states.items()
     ]
-    return ShownCheck(label, adrs_svg(check), _facts(check), rows, check.governs, check.missing, check.unproved, check.halved)
+    said = check.governs, check.missing, check.unproved, check.halved, check.lost_seat
+    return ShownCheck(label, adrs_svg(check), _facts(check), rows, *said)
 
 
 def _facts(check: DisplacementCheck) -> list[tuple[str, str]]:

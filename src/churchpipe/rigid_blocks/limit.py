@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from churchpipe.conic.solve import Solve, solver_for
 from churchpipe.errors import InputError
-from churchpipe.model.arguments import check_kind, listed, one_of
+from churchpipe.model.arguments import check_call, check_kind, listed, one_of
 from churchpipe.model.arrays import FloatArray, array_of
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
@@ -111,6 +111,7 @@ def limit_analysis(
     """
     for name, value, kind in (("stones", stones, Assemblage), ("contacts", contacts, Contacts), ("load", load, LoadCase)):
         check_kind(f"limit_analysis: {name}", value, kind)
+    check_call("limit_analysis: progress", progress)
     one_of("limit_analysis: flow", flow, *get_args(Flow))
     starts: list[Start] = [start] if isinstance(start, str) else []
     if not starts and start is not None:

@@ -7,7 +7,7 @@ import numpy as np
 
 from churchpipe.conic.solve import Solve, solver_for
 from churchpipe.errors import InputError
-from churchpipe.model.arguments import check_kind, finite, positive
+from churchpipe.model.arguments import check_call, check_kind, finite, positive
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
@@ -85,6 +85,8 @@ def minimum_thickness(
     positive("minimum_thickness: tolerance", tolerance)
     if not finite("minimum_thickness: high", high) > low:
         raise InputError("minimum_thickness: high", "not above low", found=high, expected=f"> {low:g} m")
+    check_call("minimum_thickness: make", make, needed=True)
+    check_call("minimum_thickness: progress", progress)
     tried = 0
 
     def standing(thickness: float) -> Standing:

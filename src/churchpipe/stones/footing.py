@@ -6,7 +6,8 @@ import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.geometry.polygons import behind
-from churchpipe.model.arrays import FloatArray, IntArray, ragged_indices
+from churchpipe.model.arguments import check_kind
+from churchpipe.model.arrays import FloatArray, IntArray, floats, ragged_indices
 from churchpipe.model.assemblage import Assemblage, assemble
 from churchpipe.model.contacts import Contacts
 
@@ -38,8 +39,10 @@ def footing(stones: Assemblage, contacts: Contacts, place: str | Rectangle) -> F
     InputError: neither a wall nor a fixed stone, a wall that does not reach the ground, a rectangle without width or with nothing
         over it, ground that is no upright prism of a convex plan and cannot be cut.
     """
+    check_kind("footing: stones", stones, Assemblage)
+    check_kind("footing: contacts", contacts, Contacts)
     if not isinstance(place, str):
-        (x0, y0), (x1, y1) = place
+        (x0, y0), (x1, y1) = floats("footing: place", place, (2, 2)).tolist()
         corners = np.array([[min(x0, x1), min(y0, y1)], [max(x0, x1), max(y0, y1)]])
         return _cut(stones, contacts, np.eye(2), corners, f"from {corners[0].tolist()} to {corners[1].tolist()} m")
     own = np.flatnonzero(stones.fixed & (stones.block_id == place))

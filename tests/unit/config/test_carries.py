@@ -100,6 +100,11 @@ BAD = [
     ),
     ("to_m = 3.5", "to_m = 4.5", r"line 13, line_loads.0: line load roof: beyond the wall wall"),
     ("dead_kN_m = 9.0", "dead_kN_m = -9.0", r"line 18, line_loads.0.dead_kN_m: wrong value; found -9.0"),
+    (
+        "dead_kN_m = 9.0",
+        "dead_kN_m = 1e300",
+        r"line 18, line_loads.0.dead_kN_m: out of range; found 1e\+300 kN/m; expected >= 0 and <= 1e\+27 kN/m",
+    ),
     ("dead_kN = 5.0", "dead_kN = 0", r"line 23, point_loads.0: no load"),
     ("area_mm2 = 400", "area_mm2 = -400", r"line 35, ties.0.area_mm2: wrong value; found -400"),
     ("along_m = 4.0", "along_m = 40.0", r"line 31, ties.0: tie chain: end: beyond the wall wall; found 40 m"),

@@ -108,6 +108,15 @@ def test_vaults_that_mislead_are_questioned(change: str, words: list[str], tmp_p
             'end = { wall = "wall", along_m = 2.5, height_m = 1 }\narea_mm2 = 4\nsteel_strength_MPa = 235',
             "ties.0.area_mm2 is 4 mm2, usual are 20 to 20000 mm2",
         ),
+        (
+            '[[ties]]\nname = "t"\nstart = { wall = "wall", along_m = 0.5, height_m = 1 }\nend = { wall = "wall", along_m = 2.5, '
+            "height_m = 1 }\narea_mm2 = 400\nsteel_strength_MPa = 235\nultimate_strain = 15",
+            "ties.0.ultimate_strain is 15, usual are 0.002 to 0.5",
+        ),
+        (
+            '[[pressures]]\nwall = "wall"\ntoward = [0, 1, 0]\nunit_weight_kN_m3 = 18\ntop_m = 1500',
+            "pressures.0.top_m is 1500 m, usual are -50 to 50 m",
+        ),
     ],
 )
 def test_loads_and_ties_out_of_all_reason_are_questioned(table: str, words: str, tmp_path: Path) -> None:
@@ -115,6 +124,38 @@ def test_loads_and_ties_out_of_all_reason_are_questioned(table: str, words: str,
     path.write_text(CASE.format(**SOUND) + table)
     [question] = questions([read_case(path)])
     assert question.startswith(words)
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"height_m": 2500, "building_height_m": 9000}, "check.floor.building_height_m is 9000 m, usual are 1 to 200 m"),
+        ({"damping_percent": 0.05}, "check.floor.damping_percent is 0.05 %, usual are 1 to 20 %"),
+        ({"first_period_s": 400}, "check.floor.first_period_s is 400 s, usual are 0.02 to 4 s"),
+    ],
+)
+def test_a_floor_out_of_all_reason_is_questioned(values: dict[str, float], words: str, tmp_path: Path) -> None:
+    floor = {"height_m": 2.5, "building_height_m": 9, "storeys": 3, "spectral_acceleration_m_s2": 3.1, "first_period_s": 0.4}
+    path = tmp_path / "w.toml"
+    lines = "".join(f"{key} = {value}\n" for key, value in (floor | values).items())
+    path.write_text(CASE.format(**SOUND) + "[rigid.curve]\n[check.floor]\n" + lines)
+    [question] = questions([read_case(path)])
+    assert question.startswith(words)
+
+
+def test_a_seat_of_joists_out_of_all_reason_is_questioned(tmp_path: Path) -> None:
+    path = tmp_path / "box.toml"
+    floor = '[[diaphragms]]\nwalls = ["south", "north"]\nspacing_m = 0.6\ndead_kN_m2 = 2\nfixing_kN = 5\nbearing_length_mm = {}\n'
+    path.write_text(sample_case("box") + floor.format(150))
+    assert questions([read_case(path)]) == []
+    path.write_text(sample_case("box") + floor.format("150\njoist_mm = [0.1, 0.2]"))
+    assert [text.partition(",")[0] for text in questions([read_case(path)])] == [
+        "diaphragms.0.joist_mm is 0.1 mm",
+        "diaphragms.0.joist_mm is 0.2 mm",
+    ]
+    path.write_text(sample_case("box") + floor.format(0.15))
+    [question] = questions([read_case(path)])
+    assert question.startswith("diaphragms.0.bearing_length_mm is 0.15 mm, usual are 20 to 1000 mm")
 
 
 def test_a_spectrum_without_the_curves_that_it_is_for_is_questioned(tmp_path: Path) -> None:

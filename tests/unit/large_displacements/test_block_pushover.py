@@ -32,12 +32,48 @@ PUSH = cp.LoadCase((1, 0, 0))
         ({"control": (0, 0, 1), "load": cp.LoadCase(live=np.eye(2, 6, k=-1))}, "control: the load has no direction"),
         ({"friction": -1.0}, "friction: out of range"),
         ({"load": 3}, "load: wrong kind"),
+        ({"progress": 3}, "block_pushover: progress: not a function; found 3"),
+        ({"progress": ""}, "block_pushover: progress: not a function; found ''"),
+        ({"keep": []}, "block_pushover: keep: not a function; found list"),
+        (
+            {"step": 20},
+            r"block_pushover: step: a step longer than the structure; found 20 m \(20000 mm\); expected at most 2.29 m",
+        ),
+        ({"friction": np.ma.masked_array([0.6], [True])}, "friction: masked entries"),
     ],
 )
 def test_bad_arguments(options: dict[str, Any], said: str) -> None:
     given = {"stones": BLOCK, "contacts": cp.find_contacts(BLOCK), "load": PUSH} | options
     with pytest.raises(InputError, match=said):
         cp.block_pushover(**given)
+
+
+@pytest.mark.parametrize("halo", [2.0, 1e30, 10**9])
+def test_a_halo_wider_than_the_structure_is_all_of_it(halo: Any) -> None:
+    curve = cp.block_pushover(BLOCK, cp.find_contacts(BLOCK), PUSH, 0.6, halo=halo, steps=2)
+    assert curve.initial == pytest.approx(0.25, abs=1e-6)
+
+
+@pytest.mark.parametrize("friction", [0.0, 1e-300, 1e-12])
+@pytest.mark.parametrize("stones", [BLOCK, on_ground(box((0, 1), (0, 1), (0, 1)), box((0, 1), (0, 1), (1, 2)))])
+def test_without_friction_the_curve_has_vanished_where_it_begins(stones: cp.Assemblage, friction: float) -> None:
+    curve = cp.block_pushover(stones, cp.find_contacts(stones), PUSH, friction, steps=5)
+    assert (curve.status, len(curve.displacement), curve.d0) == ("vanished", 1, 0.0)
+
+
+def test_a_push_in_large_units_has_not_vanished() -> None:
+    live = np.zeros((BLOCK.count, 6))
+    live[1, 0] = 1e9
+    curve = cp.block_pushover(BLOCK, cp.find_contacts(BLOCK), cp.LoadCase(live=live), 0.6, step=0.1)
+    assert 0 < curve.initial < 1e-4
+    assert curve.d0 == pytest.approx(0.25, abs=1e-4)
+
+
+@pytest.mark.parametrize("step", [-1, 9, 1.5, "a"])
+def test_a_curve_is_cut_at_a_step_that_it_has(step: Any) -> None:
+    curve = cp.block_pushover(BLOCK, cp.find_contacts(BLOCK), PUSH, 0.6, steps=3)
+    with pytest.raises(InputError, match=r"BlockCapacityCurve.until: step: (out of range|not a number)"):
+        curve.until(step)
 
 
 def test_known_limit_states_are_not_made_again_and_those_of_other_stones_are(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -94,3 +94,19 @@ def test_gaps_of_less_than_a_thousandth_of_the_step_are_closed_in_a_large_model(
         program = step_program(model, replace(state, joints=joints))
         assert bool((program.closing == 0.0).all()) is closed
     assert demands is model.demands
+
+
+def test_a_curve_that_goes_on_says_where_its_ties_broke_and_finds_the_place_as_closely() -> None:
+    """Killed just before the tie breaks it knew the place to a whole step, and afterwards said that it broke where it went on."""
+    stones = on_ground(box((0, 1), (0, 1), (0, 4)), reach=8)
+    contacts, weight = cp.find_contacts(stones), stones.weight[1]
+    rod = {"strength": 0.1 * weight, "stiffness": 20 * weight, "pretension": 0.02 * weight, "ultimate": 0.1}
+    given = stones, contacts, cp.LoadCase((1, 0, 0)), 0.7, [cp.Tie("rod", (0, 0.5, 3.5), (-3, 0.5, 0), **rod)]
+    kept: list[cp.BlockCapacityCurve] = []
+    whole = cp.block_pushover(*given, step=0.05, steps=12, keep=kept.append)
+    assert whole.message.endswith("tie rod broke at a displacement of 66.7 mm")
+    for part in kept[:-1]:
+        again = cp.block_pushover(*given, step=0.05, steps=12, resume=part)
+        np.testing.assert_allclose(again.displacement, whole.displacement, atol=1e-9)
+        np.testing.assert_allclose(again.load_factor, whole.load_factor, atol=1e-9)
+        assert again.message.endswith("tie rod broke at a displacement of 66.7 mm")

@@ -1,0 +1,31 @@
+"""What may be asked of a path: lengths and numbers of its steps."""
+
+from churchpipe.errors import InputError
+from churchpipe.model.arguments import positive, whole
+from churchpipe.model.assemblage import Assemblage
+
+
+def check_path(where: str, stones: Assemblage, step: float | None, steps: int, furthest: float | None, halo: int) -> int:
+    """Return how many contacts wide the halo is, no more than there are stones.
+
+    where: the function that was called. The rest as in `block_pushover`.
+
+    Raises
+    ------
+    InputError: values out of range, a step longer than the structure, as in other units.
+    """
+    whole(f"{where}: steps", steps, least=1)
+    whole(f"{where}: halo", halo, least=0)
+    for name, value in (("step", step), ("furthest", furthest)):
+        if value is not None:
+            positive(f"{where}: {name}", value)
+    if step is not None:
+        check_step(f"{where}: step", stones, step)
+    return min(int(halo), stones.count)
+
+
+def check_step(where: str, stones: Assemblage, step: float) -> None:
+    """Raise InputError for a step, m, that is longer than the structure, as one in other units is."""
+    if step > stones.size:
+        found, expected = f"{step:g} m ({1e3 * step:g} mm)", f"at most {stones.size:.3g} m"
+        raise InputError(where, "a step longer than the structure", found=found, expected=expected)
