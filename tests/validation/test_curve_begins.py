@@ -4,9 +4,12 @@ Corners of two short walls, drawn at random, slide in many joints: programs that
 15 % higher, outside the interval of the analysis.
 """
 
+from dataclasses import replace
+
 import pytest
 
 import churchpipe as cp
+from churchpipe.large_displacements import moving_model
 from churchpipe.model.names import ContactModel
 from models import random_building, random_corner
 
@@ -30,3 +33,17 @@ def test_of_a_box_of_stones_that_crush() -> None:
     sliding = cp.limit_analysis(stones, contacts, load, friction, flow="non-associative", **options)
     curve = cp.block_pushover(stones, contacts, load, friction, steps=1, **options)
     assert curve.load_factor[0] == pytest.approx(sliding.load_factor, rel=2e-3)
+
+
+@pytest.mark.parametrize("seed", [1, 4, 13])
+def test_of_a_large_model_whose_analysis_is_known(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(moving_model, "PATH", replace(moving_model.PATH, large=10))
+    stones, contacts, friction, load = random_corner(seed)
+    sliding = cp.limit_analysis(stones, contacts, load, friction, flow="non-associative")
+    known, unknown = (
+        cp.block_pushover(stones, contacts, load, friction, steps=2, halo=0, sliding=one) for one in (sliding, None)
+    )
+    assert known.load_factor[0] == pytest.approx(sliding.load_factor, rel=6e-3)
+    # Programs of its own end 2 to 5 % higher.
+    assert unknown.load_factor[0] > 1.015 * sliding.load_factor
+    assert known.misfit.max() < 1e-2

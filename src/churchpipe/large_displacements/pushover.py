@@ -112,7 +112,7 @@ def block_pushover(
     sliding
         The `limit_analysis` without dilatancy of the stones as drawn, at whose state the curve begins, where it has been made.
         One that is not certified for these stones, strengths and load is made again, and so is that of joints that crush or are
-        under torsion. A large model does not begin at one.
+        under torsion. A large model does without one.
     progress
         Called with a text and the share done.
     resume
@@ -225,9 +225,9 @@ def _started(
     that is higher by a tenth than that of the analysis without dilatancy: the lower one leads. sliding: that analysis where it
     is known.
 
-    In a large model it takes many minutes: there the first step begins as it does, with the forces of the dead load in all
-    stones, which do not depend on which are held, and with forces near them that hardly exceed friction. Loose stones are known
-    by the motion of the limit analysis, of this program and state.
+    In a large model it takes many minutes. Where it is not known, the first step begins as it does there, with the forces of the
+    dead load in all stones, which do not depend on which are held, and with forces near them that hardly exceed friction. Loose
+    stones are known by the motion of the limit analysis, of this program and state.
     """
     first = first_state(model)
     if model.large:
