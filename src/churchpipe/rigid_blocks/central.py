@@ -16,11 +16,14 @@ from churchpipe.rigid_blocks.equilibrium import Equilibrium
 from churchpipe.rigid_blocks.iterations import Progress, SlidingRun, SolveCount, closed_gap
 from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP, CentralSettings, SchemeSettings
 
+# Rates are measured by the friction: below this, numbers overflow.
+_LEAST_FRICTION = 1e-100
+
 
 def runs_from_centre(balance: Equilibrium, strength: Strength) -> bool:
     """Say whether the run knows all these points: friction everywhere, no cohesion, no ties, no bound."""
     plain = not strength.cohesion.any() and not strength.bounded.any() and not balance.ties and balance.pressed is None
-    return plain and bool((strength.friction > 0).all())
+    return plain and bool((strength.friction > _LEAST_FRICTION).all())
 
 
 def from_centre(

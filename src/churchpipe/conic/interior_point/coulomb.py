@@ -174,7 +174,7 @@ class CoulombPoints:
         out[0] = np.minimum(np.maximum(out[0], 0.0), self._reach())
         reach = np.maximum(self.limit + self.slope * out[0], 0.0)
         shear = np.hypot(out[1], out[2])
-        out[1:] *= np.where(shear > reach, reach / np.maximum(shear, 1e-300), 1.0)
+        out[1:] *= np.divide(reach, shear, out=np.ones_like(shear), where=shear > reach)
         return out
 
     def _reach(self) -> FloatArray:
