@@ -1,9 +1,7 @@
 """The displacement-based check of the Italian code: Circolare of 21.1.2019 n. 7, C8.7.1.2.1, read in a transcription."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -13,191 +11,17 @@ from churchpipe.errors import InputError
 from churchpipe.loading.wrenches import pushed_masses
 from churchpipe.mechanism import moving_stones, stone_speed
 from churchpipe.model.arguments import check_kind
-from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, floats
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.block_curve import BlockCapacityCurve, vanishing
 from churchpipe.model.checks import DisplacementCheck, LimitStateCheck, SafetyCheck
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.lost_seat import LostSeat
 from churchpipe.model.placed_loads import PlacedLoads
-from churchpipe.model.quantities import GRAVITY
+from churchpipe.oscillator import FOLLOW, LIMIT_STATES, LimitName, LimitStateCapacity, Oscillator, capacity, oscillator
 from churchpipe.rigid_blocks.equilibrium import lateral_weight
 from churchpipe.spectrum import Demand, demand_curve, spectral_displacement
 from churchpipe.wording import counted
-
-LimitName = Literal["SLV", "SLC"]
-
-
-@dataclass(frozen=True, slots=True)
-class LimitStateRule:
-    """Of a limit state: its displacement over d0, secant period over pi sqrt(d/a) [C8.7.1.11-12], damping in percent."""
-
-    share: float
-    secant: float
-    damping: float
-
-
-LIMIT_STATES: dict[LimitName, LimitStateRule] = {
-    "SLV": LimitStateRule(0.40, 1.68, 8.0),
-    "SLC": LimitStateRule(0.60, 1.56, 10.0),
-}
-# A load factor that falls by more than this share within a step, or within the second share of d0 however short the steps, is a
-# loss of connections.
-_LOSS, _WITHIN = 0.5, 0.05
-_FOLLOW = "Follow the curve further: more steps, or a larger furthest_mm, in [rigid.curve]."
-
-
-@dataclass(frozen=True, slots=True)
-class Oscillator:
-    """The capacity curve of a mechanism as that of the equivalent oscillator [C8.7.1.3-5].
-
-    displacement (ns,) d, m; acceleration (ns,) a, m/s2; ultimate: d0, m, where the acceleration vanishes.
-    loss: m, the displacement short of d_SLV at which connections are lost that cost half of the acceleration, or infinite.
-    seat: m, the displacement at which a beam loses its seat, or infinite.
-    fraction: e* of the stones, the share of the moving mass that takes part; weight: N, of what moves.
-    """
-
-    displacement: FloatArray
-    acceleration: FloatArray
-    ultimate: float
-    loss: float = math.inf
-    fraction: float = 1.0
-    weight: float = math.nan
-    seat: float = math.inf
-
-    def at(self, displacement: float) -> float:
-        """Return a at a displacement, m/s2."""
-        return float(np.interp(displacement, self.displacement, self.acceleration))
-
-    @property
-    def lumped(self) -> "Oscillator":
-        """The same with e* = 1, all that moves one body: smaller displacements and accelerations, the careful curve."""
-        return replace(
-            self,
-            displacement=self.displacement * self.fraction,
-            acceleration=self.acceleration * self.fraction,
-            ultimate=self.ultimate * self.fraction,
-            loss=self.loss * self.fraction,
-            seat=self.seat * self.fraction,
-            fraction=1.0,
-        )
-
-    @property
-    def idealised(self) -> "Oscillator":
-        """The two straight lines of one rigid body that rocks: up to the same onset, and down to zero with the same area."""
-        onset, area = float(self.acceleration[0]), float(np.trapezoid(self.acceleration, self.displacement))
-        end = 2 * area / onset
-        return replace(self, displacement=np.array([0.0, end]), acceleration=np.array([onset, 0.0]), ultimate=end, loss=math.inf)
-
-
-@dataclass(frozen=True, slots=True)
-class LimitStateCapacity:
-    """What a mechanism withstands at a limit state.
-
-    displacement: d, m; acceleration: a(d), m/s2; period: secant, s; ground: the largest a_g, m/s2, whose demand it meets.
-    governed: "displacement", or "onset" where it does not even start to move before.
-    """
-
-    displacement: float
-    acceleration: float
-    period: float
-    ground: float
-    governed: Literal["displacement", "onset"]
-
-
-def oscillator(
-    displacement: FloatArray,
-    load_factor: FloatArray,
-    d0: float,
-    weight: FloatArray,
-    motion: FloatArray,
-    *,
-    pushed: FloatArray | None = None,
-    confidence_factor: float = CONFIDENCE_FACTOR,
-) -> Oscillator:
-    """Return the equivalent oscillator of a capacity curve.
-
-    Parameters
-    ----------
-    displacement, load_factor (ns,), d0 m: of the curve, its control the mean displacement of the pushed stones along the load.
-    weight, motion (nb,): of each stone N, and its displacement along the load in the initial mechanism, of any size.
-    pushed (nb,): N, the weight that the load factor multiplies; None: all of it.
-
-    Raises
-    ------
-    InputError: no curve to zero, arrays that do not agree, a mechanism that does not go along its load.
-    """
-    displacement = floats("oscillator: displacement", displacement, (None,))
-    load_factor = floats("oscillator: load_factor", load_factor, (len(displacement),))
-    weight = floats("oscillator: weight", weight, (None,))
-    motion = floats("oscillator: motion", motion, (len(weight),))
-    load = weight if pushed is None else floats("oscillator: pushed", pushed, (len(weight),))
-    if not float(load @ motion) > 0:
-        raise InputError("oscillator: motion", "the mechanism does not go along its load", found=float(load @ motion))
-    if not (math.isfinite(d0) and d0 > 0):
-        raise InputError(
-            "oscillator: d0",
-            "the curve does not come to its end",
-            found=f"a load factor of {load_factor[-1]:.4g} where it was left" if len(load_factor) else "no steps",
-            expected="a load factor that comes down to zero",
-            remedy=_FOLLOW,
-        )
-    first, second, all_moving = float(weight @ motion), float(weight @ motion**2), float(weight[motion != 0].sum())
-    fraction = first**2 / (all_moving * second)
-    # d = d_C sum P delta^2 / (delta_C sum P delta) with the mean displacement of what is pushed as d_C.
-    scale = second / first * float(load.sum()) / float(load @ motion)
-    level = float(load @ motion) / first * GRAVITY / (fraction * confidence_factor)
-    kept = load_factor > 0
-    soon = np.interp(displacement + _WITHIN * d0, displacement, load_factor)
-    soon[:-1] = np.minimum(soon[:-1], load_factor[1:])
-    sudden = displacement[(soon < (1 - _LOSS) * load_factor) & (displacement < LIMIT_STATES["SLV"].share * d0)]
-    return Oscillator(
-        np.append(displacement[kept], d0) * scale,
-        np.append(load_factor[kept], 0.0) * level,
-        d0 * scale,
-        float(sudden[0]) * scale if len(sudden) else math.inf,
-        fraction,
-        all_moving,
-    )
-
-
-def capacity(curve: Oscillator, demand: Demand, limit: LimitName = "SLV") -> LimitStateCapacity:
-    """Return what an oscillator withstands at the limit state of life safety, "SLV", or of collapse, "SLC".
-
-    d_SLV = .40 d0 and no more than the displacement of a loss of connections, d_SLC = .60 d0, neither beyond the displacement at
-    which a beam loses its seat; T = 1.68 pi sqrt(d/a(d)) and
-    1.56 pi sqrt(d/a(d)); damping 8 and 10 percent. The largest a_g is sought up to which the demand S_De(T) is met; where the
-    ground acceleration that starts the motion is larger, or connections are lost at once, that is the capacity.
-    """
-    if limit not in LIMIT_STATES:
-        raise InputError("capacity: limit", "unknown limit state", found=limit, expected=", ".join(LIMIT_STATES))
-    rule = LIMIT_STATES[limit]
-    # Where a floor comes down, what saves lives has come to its end as well.
-    reached = min(rule.share * curve.ultimate, curve.seat)
-    if limit == "SLV":
-        reached = min(reached, curve.loss)
-    level = curve.at(reached)
-    period = rule.secant * math.pi * math.sqrt(reached / level)
-    onset = float(curve.acceleration[0])
-    # Without a displacement there is no period, and no earthquake would ask for any.
-    moved = _largest(lambda ground: spectral_displacement(demand, period, ground, rule.damping) <= reached) if reached else 0.0
-    still = _largest(lambda ground: demand.acceleration(0.0, ground, 5.0) <= onset)
-    return LimitStateCapacity(reached, level, period, max(moved, still), "displacement" if moved >= still else "onset")
-
-
-def _largest(bearable: Callable[[float], bool]) -> float:
-    """Return the largest ground acceleration, m/s2, up to which all are bearable.
-
-    Demands need not grow with a_g: a_g S of soil D falls by 6 % where S comes down to .9. So the first one that is not bearable
-    is looked for in short steps, which miss no more than 3e-5 of the demand at its peak, and then by bisection.
-    """
-    low, high = 0.0, 1e-3
-    while bearable(high) and high < 1e3:
-        low, high = high, 1.01 * high
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if bearable(middle) else (low, middle)
-    return low
 
 
 def displacement_check(
@@ -214,7 +38,8 @@ def displacement_check(
 
     It leads with e* = 1 and has what holds with e* of the stones besides, as the check with q does. That check is made of the
     same mechanism, for comparison. Of a curve whose last steps are not proved it is made with the curve ended before them and as
-    it was found, and the one that withstands less counts. load: as it is without what the stones carry. loads: that, whose masses
+    it was found, and the one that withstands less counts; one that stopped because no motion was found that fits its forces is
+    ended at its last proved step. load: as it is without what the stones carry. loads: that, whose masses
     are bodies of their own, as Q_k are in the circular. crushing: whether the masonry crushes on the curve, so that the
     confidence factor is that of the knowledge level. seat: where the first joist loses its seat (`large_displacements.seats`).
 
@@ -251,7 +76,7 @@ def displacement_check(
         acceleration=tuple(careful.acceleration.tolist()),
         idealised_d0=careful.idealised.ultimate,
         lost_seat="" if seat is None else seat.said(careful.seat),
-        unproved=_unproved(curve, ended=found is curves[0], compared=demand is not None),
+        unproved=_unproved(curve, ended=found is curves[0], compared=demand is not None and len(curves) > 1),
     )
     if site is None:
         return replace(check, missing="what the earthquake asks: [check] with a_g_m_s2 and [check.spectrum]")
@@ -297,7 +122,7 @@ class _Bodies:
 def _bodies(curve: BlockCapacityCurve, stones: Assemblage, load: LoadCase, loads: PlacedLoads | None) -> _Bodies:
     if len(curve.displacement) < 2:
         found, expected = f"{counted(len(curve.displacement), 'step')} of the curve", "two or more"
-        raise InputError("check", "no mechanism", found=found, expected=expected, remedy=_FOLLOW)
+        raise InputError("check", "no mechanism", found=found, expected=expected, remedy=FOLLOW)
     if curve.position.shape[1] != stones.count:
         found = f"{curve.position.shape[1]} stones"
         raise InputError("check", "a curve of other stones", found=found, expected=str(stones.count))
@@ -329,8 +154,9 @@ def _mechanism(
         at = math.inf if seat is None else float(np.interp(seat.step, np.arange(len(displacement)), displacement))
         return replace(made, seat=at * made.ultimate / end)
 
-    found = [until(len(displacement), d0)]
-    if not curve.proved:
+    stopped = curve.status == "not-converged"
+    found = [] if stopped else [until(len(displacement), d0)]
+    if stopped or not curve.proved:
         proved = curve.proved_steps
         if proved < 2:
             raise InputError("check", "no proved step of the curve beyond the first", found=proved, expected="two or more")
@@ -343,15 +169,18 @@ def _unproved(curve: BlockCapacityCurve, *, ended: bool, compared: bool) -> str:
 
     ended: whether the check ends the curve before them; compared: whether because it withstands less so.
     """
+    end = ""
+    if curve.status == "not-converged":
+        end = f"The curve stops at {1e3 * float(curve.displacement[-1]):.3g} mm, where no motion was found that fits its forces. "
     if curve.proved:
-        return ""
+        return f"{end}The check takes it as ended there." if end else ""
     proved, count = curve.proved_steps, len(curve.misfit)
     worst, place = float(curve.misfit[proved:].max()), 1e3 * float(curve.displacement[proved - 1])
     missed = f": motions miss their forces by up to {100 * worst:.2g} %" if worst > 0.01 else ""
     taken = "as ended before them" if ended else "as it was found"
     taken += ", which withstands less" if compared else ""
     return (
-        f"From step {proved + 1} of {count} on, beyond {place:.3g} mm, not every step of the curve is proved{missed}. "
+        f"{end}From step {proved + 1} of {count} on, beyond {place:.3g} mm, not every step of the curve is proved{missed}. "
         f"The check takes the curve {taken}."
     )
 

@@ -11,13 +11,14 @@ import pytest
 
 import churchpipe as cp
 from churchpipe.code_check import Floor, Site
-from churchpipe.displacement_check import Oscillator, capacity, displacement_check, oscillator
+from churchpipe.displacement_check import displacement_check
 from churchpipe.errors import InputError
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.block_curve import BlockCapacityCurve
 from churchpipe.model.checks import SafetyCheck
 from churchpipe.model.lost_seat import LostSeat
 from churchpipe.model.quantities import GRAVITY, as_written
+from churchpipe.oscillator import Oscillator, capacity, oscillator
 from churchpipe.report.displacements import displacement_checks
 from churchpipe.run_folder import RunFolder
 from churchpipe.spectrum import SiteSpectrum, Spectrum, StoreySpectrum, spectral_displacement
@@ -237,6 +238,22 @@ def test_a_curve_whose_last_steps_are_not_proved_is_checked_as_far_as_they_are(c
         assert shown["checks"][0].unproved == found.unproved
     nothing = replace(curve, misfit=np.full(count, 0.05))
     assert "no proved step" in displacement_check(nothing, LEANING, PUSH, SITED).message
+
+
+def test_a_curve_that_stops_where_no_motion_fits_is_checked_as_ended_there(curve: BlockCapacityCurve) -> None:
+    last = len(curve.misfit) // 2
+    stopped = replace(curve.until(last), status="not-converged")
+    end = float(curve.displacement[last])
+    short = displacement_check(replace(stopped, status="collapsed", d0=end), LEANING, PUSH, SITED)
+    found = displacement_check(stopped, LEANING, PUSH, SITED)
+    assert (found.message, found.a_g_slv, found.d0) == ("", short.a_g_slv, short.d0)
+    told = f"The curve stops at {1e3 * end:.3g} mm, where no motion was found that fits its forces. "
+    assert found.unproved == f"{told}The check takes it as ended there."
+    # Its last steps need not be proved either.
+    doubtful = replace(stopped, misfit=np.where(np.arange(last + 1) < last - 1, 0.0, 0.05))
+    assert displacement_check(doubtful, LEANING, PUSH, SITED).unproved.startswith(f"{told}From step {last} of {last + 1} on")
+    # One whose steps were used up may be followed further.
+    assert "Follow the curve further" in displacement_check(replace(stopped, status="unfinished"), LEANING, PUSH, SITED).message
 
 
 @pytest.mark.parametrize("status", ["converged", "not-converged", "failed"])
