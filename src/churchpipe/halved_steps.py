@@ -46,7 +46,7 @@ def careful_check(
     else:
         lead = min(found, other, key=lambda check: check.a_g_slv if np.isfinite(check.a_g_slv) else check.d0)
     which, left, why = ("it", "that with whole steps", found.message) if lead is other else (_WHOLE, "it", other.message)
-    because = f"; of {left} there is none: {why.removeprefix('check: ')}" if why else ", which withstands less."
+    because = f"; of {left} there is none: {why.removeprefix('check: ')}" if why else ", which withstands no more."
     ends = f"It ends at {_end(halved)} instead of {_end(curve)}."
     taken = "" if lead.message else f" The check takes {which}{because}"
     return replace(lead, halved=f"{_apart(curve, halved)} {ends}{taken}")

@@ -90,7 +90,7 @@ def test_the_check_takes_the_curve_that_withstands_less(curve: BlockCapacityCurv
     )
     found = careful_check(shortened(curve, 0.6), curve, WALL, PUSH, SITED)
     assert found.a_g_slv == less.a_g_slv
-    assert "takes the curve with whole steps, which withstands less" in found.halved
+    assert "takes the curve with whole steps, which withstands no more" in found.halved
     # Without a spectrum the shorter one is the careful one.
     assert careful_check(curve, shortened(curve, 0.6), WALL, PUSH, None).d0 == pytest.approx(0.6 * whole.d0, rel=1e-9)
 
