@@ -2,9 +2,10 @@
 
     python benchmarks/church_curves.py --processes 2 [--full] [-- LOAD ...]                  # all loads, or those named in order
     python benchmarks/church_curves.py --case chapel --halo 2 --step 0.02 --steps 12 -- -y   # another model, halo, step
+    python benchmarks/church_curves.py --sliding --steps 5 -- +x -y "tower +x"               # from the analysis without dilatancy
 
 Reduced: the stones that move with their halo. --full: all stones. Seconds are processor time of one thread, without the
-associative analysis of the whole model, which a run of a case hands on. The last line says how long all took by the clock.
+analyses of the whole model, which a run of a case hands on. The last line says how long all took by the clock.
 """
 
 import argparse
@@ -21,19 +22,22 @@ import churchpipe as cp
 FRICTION = 0.6
 
 
-def analysed(case_name: str, name: str) -> tuple[cp.LimitState, float]:
-    """Return the associative analysis of a load, and its seconds."""
+def analysed(case_name: str, name: str, sliding: bool) -> tuple[dict[str, cp.LimitState], float]:
+    """Return the analyses of a load, the associative one and, from the centre, that without dilatancy, and their seconds."""
     stones, contacts, load = pushed(case_name, name)
     begin = time.process_time()
-    return cp.limit_analysis(stones, contacts, load, FRICTION), time.process_time() - begin
+    found = {"state": cp.limit_analysis(stones, contacts, load, FRICTION)}
+    if sliding:
+        found["sliding"] = cp.limit_analysis(stones, contacts, load, FRICTION, flow="non-associative", start="centre")
+    return found, time.process_time() - begin
 
 
-def row(options: argparse.Namespace, name: str, state: cp.LimitState) -> tuple[str, float]:
-    """Follow a load from its analysis, and return a row of the table and its seconds."""
+def row(options: argparse.Namespace, name: str, made: dict[str, cp.LimitState]) -> tuple[str, float]:
+    """Follow a load from its analyses, and return a row of the table and its seconds."""
     stones, contacts, load = pushed(options.case, name)
     begin = time.process_time()
     halo = 0 if options.full else options.halo
-    curve = cp.block_pushover(stones, contacts, load, FRICTION, step=options.step, steps=options.steps, halo=halo, state=state)
+    curve = cp.block_pushover(stones, contacts, load, FRICTION, step=options.step, steps=options.steps, halo=halo, **made)
     seconds = time.process_time() - begin
     fallen, unproved = sum(len(part.stones) for part in curve.fallen), int((curve.misfit > 0.01).sum())
     text = (
@@ -55,6 +59,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--case", default="church", help="a sample case")
     parser.add_argument("--full", action="store_true", help="follow all stones")
+    parser.add_argument("--sliding", action="store_true", help="hand on the analysis without dilatancy as well")
     parser.add_argument("--halo", type=int, default=5, help="contacts from a moving stone to those held still")
     parser.add_argument("--steps", type=int, default=30)
     parser.add_argument("--step", type=float, default=0.04, help="m")
@@ -65,13 +70,13 @@ def main() -> None:
     print("| load | starts at | steps | largest, m | load factor there | largest misfit | unproved | fallen | ends | seconds |")
     print("|---|---|---|---|---|---|---|---|---|---|", flush=True)
     with ProcessPoolExecutor(options.processes, mp_context=get_context("spawn")) as pool:
-        states, before = zip(*pool.map(analysed, [options.case] * len(loads), loads), strict=True)
+        states, before = zip(*pool.map(analysed, [options.case] * len(loads), loads, [options.sliding] * len(loads)), strict=True)
         start, spent = time.perf_counter(), 0.0
         for text, seconds in pool.map(row, [options] * len(loads), loads, states):
             print(text, flush=True)
             spent += seconds
     clock = time.perf_counter() - start
-    print(f"{clock:.0f} s by the clock, {spent:.0f} s of processor time; associative analyses before: {sum(before):.0f} s")
+    print(f"{clock:.0f} s by the clock, {spent:.0f} s of processor time; analyses before: {sum(before):.0f} s")
 
 
 if __name__ == "__main__":

@@ -24,7 +24,7 @@ _WHOLE = "the curve with whole steps"
 
 def careful_check(
     curve: BlockCapacityCurve,
-    halved: BlockCapacityCurve,
+    halved: BlockCapacityCurve | None,
     stones: Assemblage,
     load: LoadCase,
     site: Site | None,
@@ -32,15 +32,19 @@ def careful_check(
     *,
     crushing: bool = False,
 ) -> DisplacementCheck:
-    """Return the displacement-based check of the curve, of the two, that withstands less, and in `halved` what the other says.
+    """Return the displacement-based check of the curve, of the two, that withstands less, and in `halved` how they differ.
 
-    placed: what the stones carry, and their ties, on which joists may lose their seats; the rest as in `displacement_check`.
+    halved: None where the curve was followed once. placed: what the stones carry, and their ties, of which joists may lose their
+    seats; the rest as in `displacement_check`.
     """
     loads, ties = (placed.loads, placed.ties) if placed else (None, ())
-    found, other = (
-        displacement_check(one, stones, load, site, loads, crushing=crushing, seat=lost_seat(one, stones, ties))
-        for one in (curve, halved)
-    )
+
+    def checked(one: BlockCapacityCurve) -> DisplacementCheck:
+        return displacement_check(one, stones, load, site, loads, crushing=crushing, seat=lost_seat(one, stones, ties))
+
+    if halved is None:
+        return checked(curve)
+    found, other = checked(curve), checked(halved)
     if found.message or other.message:
         lead = other if found.message else found
     else:

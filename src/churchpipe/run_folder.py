@@ -9,7 +9,6 @@ from typing import Any
 from churchpipe import compare
 from churchpipe.config.carries import carries_of, placed
 from churchpipe.config.settings import load_of, site_of
-from churchpipe.displacement_check import displacement_check
 from churchpipe.halved_steps import careful_check
 from churchpipe.io.atomic import read_json
 from churchpipe.io.movement_record import Shift, Turn
@@ -18,7 +17,6 @@ from churchpipe.io.recording import halved_record
 from churchpipe.io.records import Analysis, read_record
 from churchpipe.io.sample_study import Sample
 from churchpipe.io.summary import Mesh
-from churchpipe.large_displacements.seats import lost_seat
 from churchpipe.match import Match
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.block_curve import BlockCapacityCurve
@@ -112,11 +110,9 @@ class RunFolder:
         if entry["kind"] == "curve":
             curve, stones = self.block_curve(entry), self.stones(entry["geometry"])[0]
             applied = self.applied(entry, stones)
-            if (halved := self.halved_curve(entry)) is None:
-                seat = lost_seat(curve, stones, applied.ties)
-                return {"check": displacement_check(curve, stones, load, site, applied.loads, crushing=crushing, seat=seat)}
+            halved = self.halved_curve(entry)
             check = careful_check(curve, halved, stones, load, site, applied, crushing=crushing)
-            return {"check": check, "halved": halved_record(curve, halved)}
+            return {"check": check, "halved": halved_record(curve, halved) if halved else None}
         if entry["kind"] == "limit":
             mesh = read_npz(self._mesh(entry["shell"]), ShellModel)
             return compare.shell_parts(mesh, read_npz(self.folder(entry) / "limit.npz", ShellLimitState), load)

@@ -278,7 +278,7 @@ def test_a_run_cuts_its_check_where_a_joist_loses_its_seat(
     monkeypatch.setattr("churchpipe.run_folder.read_json", lambda _: {"material": {"default": {}}})
     monkeypatch.setattr("churchpipe.run_folder.load_of", lambda _: PUSH)
     monkeypatch.setattr("churchpipe.run_folder.site_of", lambda _: SITED)
-    monkeypatch.setattr("churchpipe.run_folder.lost_seat", lambda *_: lost)
+    monkeypatch.setattr("churchpipe.halved_steps.lost_seat", lambda *_: lost)
     entry = {"kind": "curve", "name": "+x_curve", "geometry": "base", "check": {}}
     found = RunFolder(tmp_path, {})._mechanism(entry, "converged")["check"]
     assert found.lost_seat.startswith("Joist floor 2 loses its seat at ")

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import churchpipe as cp
+from case_texts import WALL, case_file
 from churchpipe.code_check import Site
 from churchpipe.config.plan import plan
 from churchpipe.displacement_check import displacement_check
@@ -20,31 +21,19 @@ from records import analysis
 from solids import box, on_ground
 
 PUSH = cp.LoadCase((1, 0, 0))
-WALL = on_ground(box((0, 0.3), (0, 1), (0, 3)))
+TALL = on_ground(box((0, 0.3), (0, 1), (0, 3)))
 SITED = Site(1.5, 1.2, spectrum=SiteSpectrum(2.5, 0.5))
-CASE = """
-[source]
-generator = "wall"
-length_mm = 2000
-courses = 6
-brick_mm = [500, 250, 250]
-[material.default]
-unit_weight_kN_m3 = 18
-friction = 0.6
-[[load]]
-direction = [0, 1, 0]
-"""
 CHECK = '[check]\nag_g = 0.15\n[check.spectrum]\nF0 = 2.5\nTC_star_s = 0.35\nsoil = "C"\n'
 
 
 @pytest.fixture(scope="module")
 def curve() -> BlockCapacityCurve:
-    return cp.block_pushover(WALL, cp.find_contacts(WALL), PUSH, 0.6, step=0.02)
+    return cp.block_pushover(TALL, cp.find_contacts(TALL), PUSH, 0.6, step=0.02)
 
 
 @pytest.fixture(scope="module")
 def halved() -> BlockCapacityCurve:
-    return cp.block_pushover(WALL, cp.find_contacts(WALL), PUSH, 0.6, step=0.02, halved=True)
+    return cp.block_pushover(TALL, cp.find_contacts(TALL), PUSH, 0.6, step=0.02, halved=True)
 
 
 def shortened(curve: BlockCapacityCurve, share: float) -> BlockCapacityCurve:
@@ -59,7 +48,7 @@ def test_steps_are_half_as_long(curve: BlockCapacityCurve, halved: BlockCapacity
     assert way[1] == pytest.approx(0.5 * way[0], rel=0.05)
     assert halved.d0 == pytest.approx(curve.d0, rel=1e-3)
     # Twice as many steps are allowed.
-    few = cp.block_pushover(WALL, cp.find_contacts(WALL), PUSH, 0.6, step=0.02, steps=3, halved=True)
+    few = cp.block_pushover(TALL, cp.find_contacts(TALL), PUSH, 0.6, step=0.02, steps=3, halved=True)
     assert len(few.displacement) == 6
 
 
@@ -78,38 +67,38 @@ def test_the_difference_of_two_curves_by_hand(curve: BlockCapacityCurve) -> None
 
 
 def test_the_check_takes_the_curve_that_withstands_less(curve: BlockCapacityCurve) -> None:
-    whole = displacement_check(curve, WALL, PUSH, SITED)
-    less = displacement_check(shortened(curve, 0.6), WALL, PUSH, SITED)
+    whole = displacement_check(curve, TALL, PUSH, SITED)
+    less = displacement_check(shortened(curve, 0.6), TALL, PUSH, SITED)
     assert less.a_g_slv < whole.a_g_slv
-    found = careful_check(curve, shortened(curve, 0.6), WALL, PUSH, SITED)
+    found = careful_check(curve, shortened(curve, 0.6), TALL, PUSH, SITED)
     assert found.a_g_slv == less.a_g_slv
     assert "no single curve is to be relied on" in found.halved
     assert (
         f"ends at {600 * curve.d0:.4g} mm instead of {1e3 * curve.d0:.4g} mm. The check takes it, which withstands"
         in found.halved
     )
-    found = careful_check(shortened(curve, 0.6), curve, WALL, PUSH, SITED)
+    found = careful_check(shortened(curve, 0.6), curve, TALL, PUSH, SITED)
     assert found.a_g_slv == less.a_g_slv
     assert "takes the curve with whole steps, which withstands no more" in found.halved
     # Without a spectrum the shorter one is the careful one.
-    assert careful_check(curve, shortened(curve, 0.6), WALL, PUSH, None).d0 == pytest.approx(0.6 * whole.d0, rel=1e-9)
+    assert careful_check(curve, shortened(curve, 0.6), TALL, PUSH, None).d0 == pytest.approx(0.6 * whole.d0, rel=1e-9)
 
 
 def test_a_curve_that_cannot_be_checked_leaves_the_other(curve: BlockCapacityCurve) -> None:
     unfinished = replace(curve.until(3), status="unfinished")
-    found = careful_check(unfinished, curve, WALL, PUSH, SITED)
-    assert (found.message, found.a_g_slv) == ("", displacement_check(curve, WALL, PUSH, SITED).a_g_slv)
+    found = careful_check(unfinished, curve, TALL, PUSH, SITED)
+    assert (found.message, found.a_g_slv) == ("", displacement_check(curve, TALL, PUSH, SITED).a_g_slv)
     assert "The check takes it; of that with whole steps there is none: " in found.halved
-    found = careful_check(curve, unfinished, WALL, PUSH, SITED)
+    found = careful_check(curve, unfinished, TALL, PUSH, SITED)
     assert "The check takes the curve with whole steps; of it there is none: " in found.halved
-    neither = careful_check(unfinished, unfinished, WALL, PUSH, SITED)
+    neither = careful_check(unfinished, unfinished, TALL, PUSH, SITED)
     assert "does not come to its end" in neither.message
     assert "The check takes" not in neither.halved
 
 
 def test_the_report_shows_both(curve: BlockCapacityCurve) -> None:
     short = shortened(curve, 0.6)
-    checked = careful_check(curve, short, WALL, PUSH, SITED)
+    checked = careful_check(curve, short, TALL, PUSH, SITED)
     record = replace(
         analysis(method="curve"),
         check=checked,
@@ -137,10 +126,15 @@ def test_the_report_shows_both(curve: BlockCapacityCurve) -> None:
     ],
 )
 def test_a_case_that_checks_its_curve_follows_it_twice(tmp_path: Path, more: str, again: bool) -> None:
-    (tmp_path / "case.toml").write_text(CASE + more, encoding="utf-8")
-    todo = plan([cp.read_case(tmp_path / "case.toml")])
+    todo = plan([cp.read_case(case_file(tmp_path, WALL + more))])
     (entry,) = [entry for entry in todo.index["analyses"] if entry["kind"] == "curve"]
     assert bool(entry.get("halved")) is again
     assert ("halved" in todo.stages) is again
     # What is asked of the second curve does not make the first one anew.
     assert "half_steps" not in todo.analyses[entry["name"]]
+
+
+def test_cases_that_share_a_curve_follow_it_twice_where_one_of_them_asks(tmp_path: Path) -> None:
+    cases = [cp.read_case(case_file(tmp_path, f"{WALL}[rigid.curve]\nhalf_steps = {asked}\n")) for asked in ("false", "true")]
+    curves = [entry for entry in plan(cases).index["analyses"] if entry["kind"] == "curve"]
+    assert [entry.get("halved") for entry in curves] == [True]

@@ -6,7 +6,7 @@ from churchpipe.config.carries import tried
 from churchpipe.config.case import Case
 from churchpipe.errors import InputError
 from churchpipe.large_displacements.control import control_of
-from churchpipe.large_displacements.start import check_step
+from churchpipe.large_displacements.path_arguments import check_step
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase

@@ -85,7 +85,10 @@ def plan(cases: Sequence[Case]) -> Plan:
         check = place.get("check")
         name = _same(case, {key: (table, entries[key].get("check")) for key, table in analyses.items()}, (settings, check))
         name = name or _keep(analyses, [*words, *_words(swept, case)], settings)
-        entries.setdefault(name, {"name": name, "kind": kind, **place, "variant": _name(case), "swept": swept})
+        entry = entries.setdefault(name, {"name": name, "kind": kind, **place, "variant": _name(case), "swept": swept})
+        if place.get("halved"):
+            # It is enough that one of the cases that share a curve asks for it.
+            entry["halved"] = True
         variants[_name(case)]["analyses"].append(name)
         return name
 

@@ -14,10 +14,10 @@ from churchpipe.large_displacements.following import Ending, follow
 from churchpipe.large_displacements.halo import held_at_first
 from churchpipe.large_displacements.moving_model import MovingModel, bearing, moving_model
 from churchpipe.large_displacements.path import PathStep, solve_state
+from churchpipe.large_displacements.path_arguments import check_path
 from churchpipe.large_displacements.path_state import PathState, first_state
 from churchpipe.large_displacements.record import Progress, Record
 from churchpipe.large_displacements.settings import PATH
-from churchpipe.large_displacements.start import check_path
 from churchpipe.large_displacements.state_program import approached, as_in
 from churchpipe.large_displacements.travelling import TravellingLoads, live_loads
 from churchpipe.mechanism import moving_stones, stone_speed
@@ -222,8 +222,8 @@ def _started(
     """Return the model and the state as drawn, with the sliding of a motion without dilatancy.
 
     More than one such state fits the same drawing. The model's own programs, which begin from nothing, may end at a load factor
-    that is higher by a tenth than that of the analysis without dilatancy: the lower one leads. sliding: that analysis where it
-    is known.
+    that is higher by a tenth than that of the analysis without dilatancy: the analysis leads where it is lower by more than
+    `PATH.higher`, or where those programs do not fit. sliding: that analysis where it is known.
 
     In a large model it takes many minutes. Where it is not known, the first step begins as it does there, with the forces of the
     dead load in all stones, which do not depend on which are held, and with forces near them that hardly exceed friction. Loose

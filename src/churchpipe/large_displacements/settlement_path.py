@@ -13,11 +13,11 @@ from churchpipe.large_displacements.following import Ending, follow
 from churchpipe.large_displacements.halo import held_around
 from churchpipe.large_displacements.moving_model import MovingModel
 from churchpipe.large_displacements.path import PathStep
+from churchpipe.large_displacements.path_arguments import check_path
 from churchpipe.large_displacements.path_state import first_state
 from churchpipe.large_displacements.record import Progress, Record
 from churchpipe.large_displacements.settings import PATH
 from churchpipe.large_displacements.settlement import resistance, settlement_analysis, settlement_model
-from churchpipe.large_displacements.start import check_path
 from churchpipe.large_displacements.supports import SupportMovement
 from churchpipe.mechanism import reference_speed, stone_speed
 from churchpipe.model.arguments import check_call, check_kind
