@@ -65,6 +65,7 @@ COLUMNS: list[tuple[dict[str, Any], str]] = [
     ({"fixed": "B0"}, r"fixed: not a list; found 'B0'"),
     ({"fixed": ["B0"]}, r"fixed: not whole numbers"),
     ({"fixed": [[0]]}, r"fixed: wrong shape"),
+    ({"fixed": np.ma.masked_array([0, 1], [False, True])}, r"fixed: masked entries"),
     ({"material": None}, r"material: not texts; found None"),
     ({"material": ["a", None]}, r"material: not texts"),
     ({"material": ["a", "b", "c"]}, r"material: wrong shape"),

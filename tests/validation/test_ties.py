@@ -220,6 +220,12 @@ def test_tie_between_fixed_stones() -> None:
         tied(stones, cp.Tie("t", (5, 0, -0.5), (-2.5, 0.5, 2), strength=1.0))
 
 
+def test_two_ties_of_one_name() -> None:
+    both = [cp.Tie("t", (1, 0.5, height), (4, 0.5, height), strength=1e3) for height in (3, 4)]
+    with pytest.raises(InputError, match="ties: two ties of one name; found t; expected a name each"):
+        tied(STONES, *both)
+
+
 def test_ties_of_another_kind() -> None:
     with pytest.raises(InputError, match=r"limit_analysis: ties\[0\]: wrong kind"):
         tied(STONES, "rod")

@@ -171,7 +171,8 @@ class Assemblage:
             raise InputError("polyhedra", "no stones", found=0, expected="at least one polyhedron")
         count = len(points)
         fixed_flags = np.zeros(count, dtype=bool)
-        chosen = array_of("fixed", list(checked_sequence("fixed", fixed, "indices of stones, or flags")), "biu", "whole numbers")
+        given = fixed if np.ma.is_masked(fixed) else list(checked_sequence("fixed", fixed, "indices of stones, or flags"))
+        chosen = array_of("fixed", given, "biu", "whole numbers")
         if chosen.dtype == np.bool_:
             chosen = np.flatnonzero(flags("fixed", chosen, (count,)))
         fixed_flags[indices("fixed", chosen, (None,), below=count)] = True

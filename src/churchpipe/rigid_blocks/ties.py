@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from churchpipe.conic.wrenches import Wrenches
+from churchpipe.errors import InputError
 from churchpipe.loading.ties import anchors_of
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
@@ -24,10 +25,14 @@ def with_ties(balance: Equilibrium, strength: Strength, stones: Assemblage, ties
 
     Raises
     ------
-    InputError: an anchor without a stone or with several, both ends on one stone, or on stones that cannot move.
+    InputError: an anchor without a stone or with several, both ends on one stone, or on stones that cannot move; two ties of one
+    name, which results would not tell apart.
     """
     if not ties:
         return balance, strength
+    names = [tie.name for tie in ties]
+    if (twice := next((name for name in names if names.count(name) > 1), None)) is not None:
+        raise InputError("ties", "two ties of one name", found=twice, expected="a name each")
     row_of = np.full(stones.count, -1, dtype=np.int64)
     row_of[balance.free] = np.arange(len(balance.free))
     pulls = [_pulls(stones, tie, row_of) for tie in ties]
