@@ -25,3 +25,12 @@ def test_shell_of_the_same_building(name: str, low: float, high: float, planes: 
     state = cp.shell_limit_analysis(shell, case.loads[0], case.materials, planes=planes)
     assert state.status == "optimal"
     assert low < state.load_factor < high
+
+
+@pytest.mark.parametrize(("name", "coarse", "fine"), [("s5", 0.2969, 0.3047), ("s22", 0.2351, 0.2172)])
+def test_the_mesh_may_lower_or_raise_the_load_factor(name: str, coarse: float, fine: float) -> None:
+    # docs/shell_results.md, and by it docs/limits.md and docs/second_model.md: 120 and 45 mm.
+    case = cp.read_case(CASES / f"{name}.toml")
+    shells = [cp.derive_shell(case.building(), element_size=size) for size in (0.12, 0.045)]
+    found = [cp.shell_limit_analysis(shell, case.loads[0], case.materials).load_factor for shell in shells]
+    assert found == pytest.approx([coarse, fine], abs=2e-4)
