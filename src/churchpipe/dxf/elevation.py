@@ -68,17 +68,17 @@ def stones_of_traces(
         findings.append(shallow[0].trace.place.finding("E24", found, expected="how deep the stones are", remedy=remedy))
         return [], left
     stones: list[Stone] = []
-    used: set[int] = set()
+    walls = [outline for outline in outlines if _kind(outline.trace) == _Kind.STONE] if cut else []
+    cuts = _cuts(walls, openings, thickness or 0.0)
     for outline in outlines:
-        through = _through(outline, openings) if cut and _kind(outline.trace) == _Kind.STONE else []
-        used |= {id(opening) for opening in through}
+        through = [openings[number] for number in cuts[id(outline)]] if id(outline) in cuts else []
         own = _stones(outline, [opening.region for opening in through], thickness or 0.0, plane)
         if not own:
             remedy = "Draw the openings smaller, or put what is none on another layer."
             findings.append(outline.trace.place.finding("E28", "openings take all of the wall", remedy=remedy))
         stones += own
     if cut:
-        left["outlines of openings in no wall"] += sum(id(opening) not in used for opening in openings)
+        left["outlines of openings in no wall"] += len(openings) - len({number for own in cuts.values() for number in own})
     of_handle = Counter(stone.name for stone in stones)
     numbers = {name: itertools.count(1) for name, many in of_handle.items() if many > 1}
     stones = [replace(s, name=f"{s.name}.{next(numbers[s.name])}") if s.name in numbers else s for s in stones]
@@ -87,17 +87,37 @@ def stones_of_traces(
     return stones, left
 
 
-def _through(outline: Outline, openings: list[Outline]) -> list[Outline]:
-    """Return the openings that take a part of an outline."""
-    alike = (opening for opening in openings if np.allclose(opening.plane.axes, outline.plane.axes, atol=1e-6))
-    return [opening for opening in alike if area(common(outline.region, opening.region)) > 0]
+def _cuts(walls: list[Outline], openings: list[Outline], thickness: float) -> dict[int, list[int]]:
+    """Return the numbers of the openings that are cut out of each wall, by the id of the wall.
+
+    Of walls one behind the other an opening is cut out of those within whose thickness it is drawn; where it is drawn in none
+    of them, out of the only one that it lies before or behind.
+    """
+    cuts: dict[int, list[int]] = {}
+    for number, opening in enumerate(openings):
+        alike = (wall for wall in walls if np.allclose(opening.plane.axes, wall.plane.axes, atol=1e-6))
+        across = [wall for wall in alike if area(common(wall.region, opening.region)) > 0]
+        low, high = _levels(opening, 0.0)
+        near = 1e-3 * float(np.sqrt(area(opening.region)))
+        spans = [_levels(wall, thickness) for wall in across]
+        within = [wall for wall, (back, front) in zip(across, spans, strict=True) if back - near <= high and low <= front + near]
+        for wall in within or (across if len(across) == 1 else []):
+            cuts.setdefault(id(wall), []).append(number)
+    return cuts
+
+
+def _levels(outline: Outline, thickness: float) -> tuple[float, float]:
+    """Return from where to where the body of an outline goes along the normal of its plane; thickness: if it has none itself."""
+    trace = outline.trace
+    depth = (trace.depth or thickness) * (-1.0 if trace.depth and trace.normal @ outline.plane.axes[2] < 0 else 1.0)
+    ends = (outline.plane.height, outline.plane.height + depth)
+    return min(ends), max(ends)
 
 
 def _stones(outline: Outline, cut: list[Region], thickness: float, plane: ElevationPlane) -> list[Stone]:
     """Return the bodies of an outline, extruded: one, or several where openings (regions) cut it into parts, or none."""
     trace, axes = outline.trace, outline.plane.axes
-    depth = (trace.depth or thickness) * (-1.0 if trace.depth and trace.normal @ axes[2] < 0 else 1.0)
-    levels = sorted((outline.plane.height, outline.plane.height + depth))
+    levels = _levels(outline, thickness)
     whole = outline.region
     rest = [part for part in pieces(less(whole, cut)) if area(part) > NOTHING * area(whole)] if cut else pieces(whole)
     bodies = [prism_of(part) for part in rest]

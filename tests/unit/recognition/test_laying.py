@@ -251,6 +251,30 @@ def test_outlines_with_openings_are_laid(tmp_path: Path):
     assert set(stones.panel[~stones.fixed]) == {"FACADE"}
 
 
+def test_an_opening_is_cut_out_of_the_wall_that_it_is_drawn_in(tmp_path: Path):
+    """Two walls in space: the door is in the front one alone, and the window, drawn on the inner face, in the one behind."""
+
+    def upright(left: float, right: float, low: float, top: float, y: float, layer: str) -> None:
+        frame = {"layer": layer, "extrusion": (0, -1, 0), "elevation": -y, "thickness": 0.5 if layer != "OPENING" else 0.0}
+        corners = [(left, low), (right, low), (right, top), (left, top)]
+        space.add_lwpolyline(corners, close=True, dxfattribs=frame)
+
+    document = ezdxf.new("R2010", units=6)
+    space = document.modelspace()
+    upright(0, 6, 0, 3, 0.5, "FRONT")
+    upright(0, 6, 0, 3, 5.0, "BACK")
+    upright(1, 2, 0, 2, 0.0, "OPENING")
+    upright(3, 4, 1, 2, 4.5, "OPENING")
+    # In no wall, and before and behind both: no wall has it.
+    upright(4, 5, 1, 2, 2.5, "OPENING")
+    document.saveas(tmp_path / "room.dxf")
+    options = {"support": "base", "unit_weight": 18e3, "bond": "running", "course": COURSE, "stone": STONE}
+    stones, findings = cp.read_dxf(tmp_path / "room.dxf", **options)
+    for wall, clear in (("FRONT", 18.0 - 2.0), ("BACK", 18.0 - 1.0)):
+        assert stones.volume[stones.panel == wall].sum() == pytest.approx(0.5 * clear)
+    assert "left out: 1 outlines of openings in no wall" in str(findings)
+
+
 def test_a_shell_needs_cohesion_over_a_flat_head(tmp_path: Path):
     # Stress in a continuum is symmetric: shear dies out towards the free edge over the opening, and the layer there hangs.
     document = ezdxf.new("R2010", units=6)
