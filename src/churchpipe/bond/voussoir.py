@@ -7,7 +7,19 @@ import numpy as np
 from churchpipe.bond.field import Field
 from churchpipe.bond.tiles import TileSet, tiles_of
 from churchpipe.errors import InputError
-from churchpipe.geometry.planar import Polygons, area, areas, centroids, clip, common_areas, polygon, polygons_of
+from churchpipe.geometry.planar import (
+    Polygons,
+    area,
+    areas,
+    centroids,
+    clip,
+    common_areas,
+    extent,
+    less,
+    polygon,
+    polygons_of,
+    united,
+)
 from churchpipe.geometry.polygons import TOLERANCE, snap_polygons
 from churchpipe.model.arrays import FloatArray, floats, store
 from churchpipe.model.building import UnitCell
@@ -60,10 +72,12 @@ class VoussoirRing:
         ring = float(areas(stones).sum())
         missing = ring - float(common_areas(stones, field.solid).sum())
         if missing > TOLERANCE * ring:
+            low_s, low_t, high_s, high_t = extent(less(united(stones), [field.solid]))
+            place = f"from {low_s:.4g} to {high_s:.4g} m along the wall and from {low_t:.4g} to {high_t:.4g} m up"
             raise InputError(
                 field.name,
-                "the ring touches a junction, an opening, another ring or the end of the wall",
-                found=f"{100 * missing / ring:.3g} % of the ring cut away",
+                "the ring touches a junction (also of a buttress), an opening, another ring or the end of the wall",
+                found=f"{100 * missing / ring:.3g} % of the ring cut away, {place}",
                 expected=f"room for a ring {np.ptp(self.outline[:, 0]):.4g} m wide",
                 remedy="Move or narrow the opening, or make the ring thinner.",
             )
