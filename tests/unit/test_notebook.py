@@ -37,6 +37,12 @@ def test_models_and_results_show_themselves() -> None:
     assert "&lt;script&gt;" in evil._repr_html_()
 
 
+def test_models_and_results_are_printed_as_their_tables() -> None:
+    assert repr(STONES).startswith("Assemblage: stones 2; fixed 1; weight, kN 60;")
+    assert repr(CONTACTS).startswith("Contacts: interfaces 2;")
+    assert f"load factor {STATE.load_factor:.6g}; status optimal; flow rule associative" in str(STATE)
+
+
 @pytest.mark.parametrize("value", [STONES, CONTACTS, STATE], ids=lambda value: type(value).__name__)
 def test_what_is_saved_is_loaded(value: object, tmp_path: Path) -> None:
     cp.save(value, tmp_path / "value.npz")
@@ -119,6 +125,7 @@ def test_models_and_results_have_methods_that_show_them() -> None:
     assert alike(state.show(shell), cp.show(shell, state))
     curve = cp.block_pushover(STONES, CONTACTS, load, friction=0.7, step=0.1)
     assert curve.plot().axes[0].get_ylabel() == "load factor"
+    assert str(curve).startswith("Capacity curve of the stones: first load factor ")
 
 
 def test_a_support_that_moves_shows_itself() -> None:
@@ -128,6 +135,7 @@ def test_a_support_that_moves_shows_itself() -> None:
     assert "reaction" in onset._repr_html_()
     path = cp.settlement_path(pad, joints, [0], (0, 0, -1), friction=0.6, furthest=0.02, step=0.01)
     assert path.status in path._repr_html_()
+    assert str(path).startswith("Support that moves: first reaction, N or Nm ")
     [line] = path.plot().axes[0].lines
     assert line.get_xdata() == pytest.approx(path.movement)
     assert line.get_ydata() == pytest.approx(path.reaction)

@@ -25,7 +25,7 @@ from churchpipe.model.arrays import (
     store,
     store_arrays,
 )
-from churchpipe.model.card import card
+from churchpipe.model.card import Shown
 from churchpipe.model.pictures import picture
 from churchpipe.model.polyhedra import FLATNESS, LEAST_WARP, face_normals, solid_properties
 from churchpipe.model.surfaces import DOUBLED, SurfaceFault, coincident, surface_fault, weld
@@ -35,8 +35,8 @@ Polyhedron = tuple[npt.ArrayLike, Sequence[Sequence[int]]]
 REPAIR = "churchpipe.repair_polyhedra mends solids and says what it changed."
 
 
-@dataclass(frozen=True, slots=True)
-class Assemblage:
+@dataclass(frozen=True, slots=True, repr=False)
+class Assemblage(Shown):
     """Rigid blocks: polyhedra with planar faces, counter-clockwise seen from outside.
 
     Ragged data are flat arrays with pointers, as in a CSR matrix: stone i has the faces
@@ -195,14 +195,14 @@ class Assemblage:
         """Return a picture of the stones as they stand (`churchpipe.show`)."""
         return picture(self)
 
-    def _repr_html_(self) -> str:
+    def _rows(self) -> tuple[str, Mapping[str, object]]:
         rows = {
             "stones": self.count - int(self.fixed.sum()),
             "fixed": int(self.fixed.sum()),
             "weight, kN": float(self.weight.sum()) / 1e3,
             "macro-elements": ", ".join(sorted({str(name) for name in self.panel[~self.fixed]} - {""})),
         }
-        return card("Assemblage", rows)
+        return "Assemblage", rows
 
 
 def assemble(

@@ -1,5 +1,6 @@
 """The capacity curve of rigid blocks at large displacements."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
@@ -7,7 +8,7 @@ import numpy as np
 
 from churchpipe.model.arguments import check_kind, one_of
 from churchpipe.model.arrays import FloatArray, floats, store
-from churchpipe.model.card import card
+from churchpipe.model.card import Shown
 from churchpipe.model.pictures import diagram
 from churchpipe.model.stone_path import StonePath
 
@@ -26,8 +27,8 @@ def vanishing(displacement: FloatArray, load_factor: FloatArray) -> float:
     return float(before + high / (high - low) * (last - before))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class BlockCapacityCurve(StonePath):
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class BlockCapacityCurve(Shown, StonePath):
     """Load factor of an assemblage against its displacement, in the geometry as displaced.
 
     displacement (ns,) m, of the control along the load: mean of the pushed stones weighed by their load, or the chosen point;
@@ -66,9 +67,9 @@ class BlockCapacityCurve(StonePath):
         """Return the diagram of the curve (`churchpipe.plot`)."""
         return diagram(self)
 
-    def _repr_html_(self) -> str:
+    def _rows(self) -> tuple[str, Mapping[str, object]]:
         rows = {"first load factor": self.initial, "d0, m": self.d0, "status": self.status, "steps": len(self.load_factor)}
-        return card("Capacity curve of the stones", rows)
+        return "Capacity curve of the stones", rows
 
 
 def step_difference(curve: BlockCapacityCurve, halved: BlockCapacityCurve) -> tuple[float, float]:

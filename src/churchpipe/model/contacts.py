@@ -1,5 +1,6 @@
 """Interfaces between stones and their contact points: geometry only."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal, get_args
 
@@ -19,7 +20,7 @@ from churchpipe.model.arrays import (
     store_arrays,
 )
 from churchpipe.model.assemblage import Assemblage
-from churchpipe.model.card import card
+from churchpipe.model.card import Shown
 from churchpipe.model.pictures import picture
 
 # A contact point lies in the box of both its stones, or beyond it by this share of their diagonals at most.
@@ -86,8 +87,8 @@ class NearMisses:
         return len(self.stones)
 
 
-@dataclass(frozen=True, slots=True)
-class Contacts:
+@dataclass(frozen=True, slots=True, repr=False)
+class Contacts(Shown):
     """Interfaces and their contact points.
 
     Fields: blocks (ni, 2), first and second stone; frame (ni, 3, 3), `frame_iac`: axis a (n, t1, t2) and component c
@@ -154,10 +155,10 @@ class Contacts:
         """Return a picture of the joints, coloured by kind (`churchpipe.show`)."""
         return picture(self)
 
-    def _repr_html_(self) -> str:
+    def _rows(self) -> tuple[str, Mapping[str, object]]:
         counts = {str(kind): int((self.kind == kind).sum()) for kind in KINDS}
         rows = {"interfaces": len(self.blocks), "contact points": len(self.point), **{kind: n for kind, n in counts.items() if n}}
-        return card("Contacts", {**rows, "near misses": len(self.near_misses)})
+        return "Contacts", {**rows, "near misses": len(self.near_misses)}
 
 
 def check_contacts_of(stones: Assemblage, contacts: Contacts) -> None:

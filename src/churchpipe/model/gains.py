@@ -1,18 +1,19 @@
 """What changes of walls would add to a load factor."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from churchpipe.model.arrays import FloatArray, NameArray, floats, store, store_arrays
-from churchpipe.model.card import card
+from churchpipe.model.card import Shown
 
 # What new analyses of single walls add, Pa and N.
 COHESION_MORE, WEIGHT_MORE = 10e3, 10e3
 
 
-@dataclass(frozen=True, slots=True)
-class Sensitivities:
+@dataclass(frozen=True, slots=True, repr=False)
+class Sensitivities(Shown):
     """What changes of walls would add to a load factor.
 
     Fields: panel (np,), the walls; cohesion (np,) 1/Pa, for each pascal of cohesion in all joints of a wall, those with its
@@ -35,9 +36,9 @@ class Sensitivities:
             store(self, **{key: floats(f"Sensitivities.{key}", value, (count,), finite=False)})
         store_arrays(self, panel=(count,), cohesion=(count,), weight=(count,), joint=(None,))
 
-    def _repr_html_(self) -> str:
+    def _rows(self) -> tuple[str, Mapping[str, object]]:
         order = np.argsort(-self.cohesion)
         rows = {
             str(self.panel[i]): f"{1e4 * self.cohesion[i]:+.2e} per 10 kPa, {1e4 * self.weight[i]:+.2e} per 10 kN" for i in order
         }
-        return card("What would help", rows)
+        return "What would help", rows

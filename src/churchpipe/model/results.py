@@ -1,5 +1,6 @@
 """What the analyses return."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
@@ -8,7 +9,7 @@ import numpy as np
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import one_of
 from churchpipe.model.arrays import FloatArray, floats, store, store_arrays
-from churchpipe.model.card import card
+from churchpipe.model.card import Shown
 from churchpipe.model.pictures import diagram, picture
 
 if TYPE_CHECKING:
@@ -47,8 +48,8 @@ class StartRun:
     history: tuple[Iteration, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class LimitState:
+@dataclass(frozen=True, slots=True, repr=False)
+class LimitState(Shown):
     """The result of a rigid-block limit analysis.
 
     load_factor: NaN when unstable or failed, inf when unbounded. lower_bound, upper_bound: static and kinematic bounds
@@ -97,17 +98,17 @@ class LimitState:
         """Return a picture of the mechanism, of the stones that the state is of (`churchpipe.show`)."""
         return picture(stones, self)
 
-    def _repr_html_(self) -> str:
+    def _rows(self) -> tuple[str, Mapping[str, object]]:
         rows: dict[str, object] = {"load factor": self.load_factor, "status": self.status, "flow rule": self.flow}
         if self.flow == "associative":
             rows |= {"lower bound": self.lower_bound, "upper bound": self.upper_bound}
         else:
             rows |= {"interval": "{:.4f} to {:.4f}".format(*self.interval), "gap": self.gap}
-        return card("Limit analysis of rigid blocks", rows | ({"message": self.message} if self.message else {}))
+        return "Limit analysis of rigid blocks", rows | ({"message": self.message} if self.message else {})
 
 
-@dataclass(frozen=True, slots=True)
-class ShellLimitState:
+@dataclass(frozen=True, slots=True, repr=False)
+class ShellLimitState(Shown):
     """The result of a limit analysis of a shell.
 
     load_factor: NaN when unstable or failed, inf when unbounded. lower_bound, upper_bound: of the stress and of the velocity
@@ -146,9 +147,9 @@ class ShellLimitState:
         """Return a picture of the mechanism, of the shell that the state is of (`churchpipe.show`)."""
         return picture(shell, self)
 
-    def _repr_html_(self) -> str:
+    def _rows(self) -> tuple[str, Mapping[str, object]]:
         rows = {"load factor": self.load_factor, "status": self.status}
-        return card("Limit analysis of the shell", {**rows, "lower bound": self.lower_bound, "upper bound": self.upper_bound})
+        return "Limit analysis of the shell", {**rows, "lower bound": self.lower_bound, "upper bound": self.upper_bound}
 
 
 @dataclass(frozen=True, slots=True)
@@ -168,8 +169,8 @@ class CapacityStep:
     seconds: float
 
 
-@dataclass(frozen=True, slots=True)
-class CapacityCurve:
+@dataclass(frozen=True, slots=True, repr=False)
+class CapacityCurve(Shown):
     """The result of a pushover of a shell: dead load first (step 0, load factor 0), then lateral load by displacement.
 
     load_factor (ns,); control (ns,) m, the displacement of node `control_point` along the load since the dead load;
@@ -222,6 +223,6 @@ class CapacityCurve:
         """Return the diagram of the curve (`churchpipe.plot`)."""
         return diagram(self)
 
-    def _repr_html_(self) -> str:
+    def _rows(self) -> tuple[str, Mapping[str, object]]:
         rows = {"plateau": self.plateau, "status": self.status, "steps": len(self.load_factor)}
-        return card("Capacity curve of the shell", rows)
+        return "Capacity curve of the shell", rows

@@ -1,5 +1,6 @@
 """What a structure does when a support moves."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -7,7 +8,7 @@ import numpy as np
 
 from churchpipe.model.arguments import one_of
 from churchpipe.model.arrays import FloatArray, floats, rows_of, store, store_arrays
-from churchpipe.model.card import card
+from churchpipe.model.card import Shown
 from churchpipe.model.pictures import diagram
 from churchpipe.model.stone_path import StonePath
 
@@ -16,8 +17,8 @@ SETTLEMENT_ENDINGS = ("collapsed", "free", "unfinished", "unbounded", "not-conve
 SettlementStatus = Literal["optimal", "not-converged", "unstable", "unbounded", "failed"]
 
 
-@dataclass(frozen=True, slots=True)
-class SettlementState:
+@dataclass(frozen=True, slots=True, repr=False)
+class SettlementState(Shown):
     """The state of a structure at the onset of a movement of a support.
 
     reaction: N, the least force against the movement with which the support must resist (Nm for a support that turns); 0 when the
@@ -50,13 +51,13 @@ class SettlementState:
         points = rows_of("SettlementState.forces", self.forces)
         store_arrays(self, velocities=(None, 6), opening=(points,), slip=(points,), forces=(points, 3))
 
-    def _repr_html_(self) -> str:
+    def _rows(self) -> tuple[str, Mapping[str, object]]:
         rows = {"reaction, N or Nm": self.reaction, "status": self.status}
-        return card("Support that begins to move", rows | ({"message": self.message} if self.message else {}))
+        return "Support that begins to move", rows | ({"message": self.message} if self.message else {})
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SettlementPath(StonePath):
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class SettlementPath(Shown, StonePath):
     """What a structure does while a support moves on.
 
     movement (ns,): m, or rad about an axis, of the support at each step; reaction (ns,): N, or Nm, the least with which it must
@@ -92,8 +93,8 @@ class SettlementPath(StonePath):
         """Return the diagram of the path, reaction against movement (`churchpipe.plot`)."""
         return diagram(self)
 
-    def _repr_html_(self) -> str:
+    def _rows(self) -> tuple[str, Mapping[str, object]]:
         first = float(self.reaction[0]) if len(self.reaction) else float("nan")
         rows = {"first reaction, N or Nm": first, "least of all equilibria, N or Nm": self.least}
         ends = {"movement at collapse, m or rad": self.ultimate, "status": self.status, "steps": len(self.movement)}
-        return card("Support that moves", rows | ends)
+        return "Support that moves", rows | ends

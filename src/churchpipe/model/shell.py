@@ -1,5 +1,6 @@
 """The mid-surface of a building as flat triangles with a bed-joint direction: the second model."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -18,13 +19,13 @@ from churchpipe.model.arrays import (
     store,
     store_arrays,
 )
-from churchpipe.model.card import card
+from churchpipe.model.card import Shown
 from churchpipe.model.pictures import picture
 from churchpipe.model.shell_beams import ShellBeams
 
 
-@dataclass(frozen=True, slots=True)
-class ShellModel:
+@dataclass(frozen=True, slots=True, repr=False)
+class ShellModel(Shown):
     """Mid-surface mesh, bed-joint field and unit cells of a building.
 
     Fields: points (nn, 3) m; triangles (nt, 3); axes (nt, 3, 3), `axes_fac`: axis a (along the bed joints, up the courses,
@@ -159,10 +160,10 @@ class ShellModel:
         """Return a picture of the shell as it stands (`churchpipe.show`)."""
         return picture(self)
 
-    def _repr_html_(self) -> str:
+    def _rows(self) -> tuple[str, Mapping[str, object]]:
         rows = {
             "facets": len(self.triangles),
             "nodes": len(self.points),
             "macro-elements": ", ".join(map(str, np.unique(self.panel))),
         }
-        return card("Homogenised shell", rows)
+        return "Homogenised shell", rows
