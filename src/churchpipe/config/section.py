@@ -70,10 +70,15 @@ def gathered(file: str, problems: Sequence[InputError]) -> InputError:
 
 def nearest(key: str, known: Iterable[str]) -> str:
     """Return the remedy for an unknown word."""
-    # Their units make no two words alike.
-    words = {bare(word).casefold(): word for word in known}
+    # Their units make no two words alike. They only tell apart words that differ in nothing else.
+    words: dict[str, list[str]] = {}
+    for word in known:
+        words.setdefault(bare(word).casefold(), []).append(word)
     close = difflib.get_close_matches(bare(key).casefold(), list(words), n=1, cutoff=0.52)
-    return f'Did you mean "{words[close[0]]}"?' if close else ""
+    if not close:
+        return ""
+    nearest_word = max(words[close[0]], key=lambda word: difflib.SequenceMatcher(None, word, key).ratio())
+    return f'Did you mean "{nearest_word}"?'
 
 
 def _translated(item: Any, kind: type[Section], place: str, file: str, spelled: Callable[[str], str]) -> InputError:

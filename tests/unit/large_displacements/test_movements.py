@@ -67,6 +67,7 @@ def test_a_case_that_only_moves_a_support(tmp_path: Path) -> None:
         ('support = "wall"\nfurthest_mm = 1e-9', "movements.0.furthest_mm: wrong value; found 1e-09"),
         ('support = "wall"\nabout_mm = [0, 0, 0]\nfurthest_deg = 5e-5', "movements.0.furthest_deg: wrong value; found 5e-05"),
         ('suport = "wall"', 'Did you mean "support"?'),
+        ('support = "wall"\nfurthest_m = 0.02', 'Did you mean "furthest_mm"?'),
         ('support = "wall"\n[[movements]]\nsupport = "wall"', "two movements of one name"),
     ],
 )
