@@ -13,7 +13,7 @@ from typing import Final
 
 from churchpipe.config.case import Case
 from churchpipe.config.case import Drawing as DrawingSource
-from churchpipe.config.imported import imported_case, material_names
+from churchpipe.config.imported import MANY_STONES, imported_case, material_names
 from churchpipe.config.json_schema import write_case
 from churchpipe.config.picked import check_picked, picks
 from churchpipe.config.shell_table import ShellTable, shell_table
@@ -213,6 +213,7 @@ def cost_words(elements: int, stones: int, shell: ShellTable) -> str:
     others = SECONDS_PER_STONE * stones
     words = f"Its {counted(elements, 'element takes', 'elements take')} some {max(1.0, own):.0f} s a load"
     words += f", the stones some {max(1.0, others):.0f} s"
+    words += ", and without dilatancy, as the case asks too, some hundred times as long" if stones <= MANY_STONES else ""
     return f"{words}; --set shell=false leaves the shell out." if own >= 10 * others else f"{words}."
 
 

@@ -54,4 +54,5 @@ def test_an_import_shows_its_stones_and_says_whether_the_shell_matches(tmp_path:
     assert "churchpipe run" in page
     assert "Nothing to report." in page
     assert "The gate passed" in done.shell
-    assert re.search(r"Its \d+ elements take some \d+ s a load, the stones some \d+ s; --set shell=false leaves", done.shell)
+    times = r"Its \d+ elements take some \d+ s a load, the stones some \d+ s, and without dilatancy, as the case asks too"
+    assert re.search(rf"{times}, some hundred times as long; --set shell=false leaves", done.shell)
