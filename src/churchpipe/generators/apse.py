@@ -43,7 +43,7 @@ class ApseParameters:
 
 
 def apse(*, name: str = "apse", materials: tuple[UnitWeight, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
-    """Return an apse behind a wall; keywords as in `ApseParameters`, SI."""
+    """Return an apse behind a wall; keywords: its keys in docs/reference_case.md, without unit, SI."""
     p = as_dataclass(ApseParameters, "apse", parameters)
     materials = materials_of("apse", materials)
     bonding = bonding_of("apse", p, materials[0].name)

@@ -43,7 +43,7 @@ class ArchParameters:
 
 
 def arch(*, name: str = "arch", materials: tuple[UnitWeight, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
-    """Return an arch on two fixed skewbacks; keywords as in `ArchParameters`, SI."""
+    """Return an arch on two fixed skewbacks; keywords: its keys in docs/reference_case.md, without unit, SI."""
     p = as_dataclass(ArchParameters, "arch", parameters)
     materials = materials_of("arch", materials)
     start, stop = math.pi / 2 - p.half_angle, math.pi / 2 + p.half_angle

@@ -57,7 +57,7 @@ class ArchPiersParameters:
 def arch_piers(
     *, name: str = "arch_piers", materials: tuple[UnitWeight, ...] = (DEFAULT_MATERIAL,), **parameters: Any
 ) -> Building:
-    """Return an arch on piers; keywords as in `ArchPiersParameters`, SI."""
+    """Return an arch on piers; keywords: its keys in docs/reference_case.md, without unit, SI."""
     p = as_dataclass(ArchPiersParameters, "arch_piers", parameters)
     materials = materials_of("arch_piers", materials)
     half = p.span / 2 + p.pier_width

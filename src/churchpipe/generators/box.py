@@ -59,7 +59,10 @@ class BoxParameters:
 
 
 def box(*, name: str = "box", materials: tuple[UnitWeight, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
-    """Return a box of four walls; keywords as in `BoxParameters`, SI. Walls along x run through on even courses."""
+    """Return a box of four walls; keywords: its keys in docs/reference_case.md, without unit, SI.
+
+    Walls along x run through on even courses.
+    """
     p = as_dataclass(BoxParameters, "box", parameters)
     materials = materials_of("box", materials)
     thickness = p.wall_thickness

@@ -61,7 +61,7 @@ _PLACES = (
 
 
 def chapel(*, name: str = "chapel", materials: tuple[UnitWeight, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
-    """Return a chapel; keywords as in `ChapelParameters`, SI."""
+    """Return a chapel; keywords: its keys in docs/reference_case.md, without unit, SI."""
     p = as_dataclass(ChapelParameters, "chapel", parameters)
     end = {"thickness": p.thickness, "ridge": p.ridge}
     try:

@@ -92,7 +92,7 @@ def _cross_wall(name: str, value: Any, walls: Sequence[OwnWall]) -> Any:
 
 
 def church(*, name: str = "church", materials: tuple[UnitWeight, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
-    """Return a church; keywords as in `ChurchParameters`, SI.
+    """Return a church; keywords: its keys in docs/reference_case.md, without unit, SI.
 
     Raises
     ------

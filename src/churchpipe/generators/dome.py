@@ -131,7 +131,7 @@ class DomeParameters:
 
 
 def dome(*, name: str = "dome", materials: tuple[UnitWeight, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
-    """Return a dome; keywords as in `DomeParameters`, SI."""
+    """Return a dome; keywords: its keys in docs/reference_case.md, without unit, SI."""
     p = as_dataclass(DomeParameters, "dome", parameters)
     materials = materials_of("dome", materials)
     joints = p.directrix.joints

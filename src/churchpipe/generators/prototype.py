@@ -72,7 +72,7 @@ class PrototypeParameters:
 
 
 def prototype(*, name: str = "prototype", materials: tuple[UnitWeight, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
-    """Return a prototype of the tilting tests; keywords as in `PrototypeParameters`, SI."""
+    """Return a prototype of the tilting tests; keywords: its keys in docs/reference_case.md, without unit, SI."""
     p = as_dataclass(PrototypeParameters, "prototype", parameters)
     materials = materials_of("prototype", materials)
     masonry = Masonry(

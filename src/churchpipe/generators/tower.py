@@ -59,7 +59,7 @@ class TowerParameters:
 
 
 def tower(*, name: str = "tower", materials: tuple[UnitWeight, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
-    """Return a tower; keywords as in `TowerParameters`, SI."""
+    """Return a tower; keywords: its keys in docs/reference_case.md, without unit, SI."""
     p = as_dataclass(TowerParameters, "tower", parameters)
     materials = materials_of("tower", materials)
     bonding = bonding_of("tower", p, materials[0].name)

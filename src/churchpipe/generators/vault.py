@@ -153,7 +153,7 @@ class VaultParameters:
 
 
 def vault(*, name: str = "vault", materials: tuple[UnitWeight, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
-    """Return a vault; keywords as in `VaultParameters`, SI."""
+    """Return a vault; keywords: its keys in docs/reference_case.md, without unit, SI."""
     p = as_dataclass(VaultParameters, "vault", parameters)
     material = materials_of("vault", materials)[0].name
     laid = {"barrel": _barrel, "groin": _groin}.get(p.kind, _cloister)(p, material)

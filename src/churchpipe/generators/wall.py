@@ -66,7 +66,7 @@ class WallParameters:
 
 
 def wall(*, name: str = "wall", materials: tuple[UnitWeight, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
-    """Return a free-standing wall; keywords as in `WallParameters`, SI."""
+    """Return a free-standing wall; keywords: its keys in docs/reference_case.md, without unit, SI."""
     p = as_dataclass(WallParameters, "wall", parameters)
     materials = materials_of("wall", materials)
     masonry = Masonry(
