@@ -352,6 +352,9 @@ def test_the_report_shows_the_check(curve: BlockCapacityCurve) -> None:
     assert [row[0] for row in one.rows] == ["SLV", "SLC"]
     assert one.governs == check.governs
     assert shown["refused"] == [("load +x, friction 0.7", "why")]
+    # Connections that are lost at once leave no displacement and no period.
+    at_once = {"SLV": replace(check.limit_states["SLV"], displacement=0.0, period=0.0), "SLC": check.limit_states["SLC"]}
+    assert displacement_checks([replace(record, check=replace(check, limit_states=at_once))], None) is not None
     unsited = displacement_checks([replace(record, check=displacement_check(curve, LEANING, PUSH, None))], None)
     assert unsited is not None
     assert (unsited["checks"][0].rows, unsited["checks"][0].governs) == ([], "")

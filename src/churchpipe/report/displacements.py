@@ -106,8 +106,10 @@ def adrs_svg(check: DisplacementCheck) -> str:
         place = 1e3 * limit.displacement
         label = f"demand, {limit.damping_percent:g} %"
         axes.plot(1e3 * np.array(demand.displacement), demand.acceleration, lw=1.2, color=colour, label=label)
-        secant = 4 * np.pi**2 * limit.displacement / limit.period**2
-        axes.plot([0, place], [0, secant], ":", lw=1.2, color=colour, label=f"period of {name}")
+        # What loses its connections as it starts to move has no period.
+        if limit.period > 0:
+            secant = 4 * np.pi**2 * limit.displacement / limit.period**2
+            axes.plot([0, place], [0, secant], ":", lw=1.2, color=colour, label=f"period of {name}")
         axes.plot([place], [limit.acceleration], "o", ms=6, color=colour, label=f"d of {name}")
     axes.set_xlabel("displacement d, mm", fontsize=8)
     axes.set_ylabel("acceleration a, m/s\u00b2", fontsize=8)
