@@ -125,12 +125,17 @@ def _carefulness(record: Analysis) -> tuple[bool, bool, float]:
 def guidance(analyses: Sequence[Analysis], vaults: Mapping[str, Sequence[str]] | None = None) -> list[str]:
     """Return a sentence for each question that several analyses answer: which load factor to use, and why they differ.
 
-    The careful one leads, as in `careful_first`. A sweep has one sentence for all its questions. vaults: names of the vaults of
-    each geometry; where there are some, a sentence before the others says why the value without dilatancy counts.
+    The careful one leads, as in `careful_first`. A sweep has one sentence for all its questions, besides those of load factors
+    below zero, which are none of the building. vaults: names of the vaults of each geometry; where there are some, a sentence
+    before the others says why the value without dilatancy counts.
     """
     asked = [[record for record in records if record.stands] for records in _asked(analyses).values()]
-    several = [sorted(records, key=_carefulness) for records in asked if len(records) > 1]
+    # One that is below zero is told of even where it stands alone.
+    several = [sorted(own, key=_carefulness) for own in asked if len(own) > 1 or any(record.load_factor < 0 for record in own)]
     first = _of_vaults(asked, list(dict.fromkeys(name for names in (vaults or {}).values() for name in names)))
+    below = [records for records in several if records[0].load_factor < 0]
+    first += [_below_zero(records) for records in below]
+    several = [records for records in several if records not in below]
     sentences = [_advice(records) for records in several]
     if len(sentences) <= 3:
         return first + sentences
@@ -162,6 +167,18 @@ def _advice(records: Sequence[Analysis]) -> str:
     if not others:
         return f"{start}, in which all analyses agree."
     return f"{start}, the careful value, not {', '.join(others)}; they differ because {_reasons(records)}."
+
+
+def _below_zero(records: Sequence[Analysis]) -> str:
+    """Return what a load factor below zero means, as a sentence; the one that leads is one."""
+    first = records[0]
+    start = f"{first.variant}, load" if first.variant else "Load"
+    start += f" {first.load}: {first.load_factor:.4f} ({_kind(first)}) is below zero, and no load factor of the building: in "
+    start += "the state that was found stones fall under the dead load alone, before anything pushes. Only thrusts that need "
+    start += "not be there can hold them, as over an opening with a flat head. Look at what moves: it needs a lintel, an arch or "
+    start += "a tie."
+    above = [f"{record.load_factor:.4f} ({_kind(record)})" for record in records if record.load_factor >= 0]
+    return f"{start} What the other analyses found takes these thrusts for granted: {', '.join(above)}." if above else start
 
 
 def _kind(record: Analysis) -> str:

@@ -100,6 +100,18 @@ def test_a_sentence_says_which_load_factor_to_use_and_why_they_differ() -> None:
     assert "planes of the paper are an outer approximation" in sentence
 
 
+def test_a_load_factor_below_zero_is_none_to_use() -> None:
+    associative, sliding = analysed(0.2342, flow="associative"), analysed(-0.0979, flow="non-associative", status="converged")
+    [sentence] = guidance([associative, sliding])
+    assert sentence.startswith(
+        "Load -y: -0.0979 (rigid blocks, non-associative) is below zero, and no load factor of the building"
+    )
+    assert sentence.endswith("takes these thrusts for granted: 0.2342 (rigid blocks, associative).")
+    assert "use -" not in sentence
+    [alone] = guidance([sliding])
+    assert alone.endswith("it needs a lintel, an arch or a tie.")
+
+
 def test_there_is_nothing_to_say_of_one_value_or_of_none() -> None:
     assert guidance([analysed(0.2, flow="associative"), analysed(0.3, "+x", flow="associative")]) == []
     failed = [analysed(None, flow="non-associative", status="failed"), analysed(0.19, flow="associative", status="not-converged")]

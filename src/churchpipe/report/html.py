@@ -187,8 +187,15 @@ def _cards(rows: Sequence[Row], both_models: bool) -> list[dict[str, str]]:
     # Capacity curves of the stones answer another question, and have a check of their own.
     asked = [(*both.question(row), str(row.record.method == "curve")) for row in rows]
     leads = [asked.count(one) > 1 and one not in asked[:place] for place, one in enumerate(asked)]
-    words = ["the careful value: use it" if lead and row.status in GOOD else "" for row, lead in zip(rows, leads, strict=True)]
+    words = [_use(row, lead) for row, lead in zip(rows, leads, strict=True)]
     return [_card(row, both_models) | {"use": use} for row, use in zip(rows, words, strict=True)]
+
+
+def _use(row: Row, leads: bool) -> str:
+    """Return what a card says of the use of its load factor; leads: the careful one of several."""
+    if row.record.load_factor < 0:
+        return "below zero: stones fall under the dead load alone"
+    return "the careful value: use it" if leads and row.status in GOOD else ""
 
 
 def _card(row: Row, both_models: bool) -> dict[str, str]:
