@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from churchpipe.dxf import schema
-from churchpipe.dxf.outlines import Outline, chords, cut_out, inside_others, outlines_of
+from churchpipe.dxf.outlines import Outline, chords, cut_out, drawn_within, inside_others, levels_of, outlines_of, parallel
 from churchpipe.dxf.reading import ElevationPlane
 from churchpipe.dxf.stones import Stone
 from churchpipe.dxf.traces import Trace, by_plane, is_flat
@@ -58,7 +58,7 @@ def stones_of_traces(
     outlines = [outline for outline in outlines if _kind(outline.trace) != _Kind.OPENING]
     if not cut:
         before = len(findings)
-        outlines = cut_out(outlines, openings, findings)
+        outlines = cut_out(outlines, openings, findings, thickness=thickness or 0.0)
         left["outlines of openings"] += len(openings) - len(findings) + before
         findings += inside_others(outlines)
     shallow = [outline for outline in outlines if not outline.trace.depth]
@@ -88,36 +88,19 @@ def stones_of_traces(
 
 
 def _cuts(walls: list[Outline], openings: list[Outline], thickness: float) -> dict[int, list[int]]:
-    """Return the numbers of the openings that are cut out of each wall, by the id of the wall.
-
-    Of walls one behind the other an opening is cut out of those within whose thickness it is drawn; where it is drawn in none
-    of them, out of the only one that it lies before or behind.
-    """
+    """Return the numbers of the openings that are cut out of each wall, by the id of the wall."""
     cuts: dict[int, list[int]] = {}
     for number, opening in enumerate(openings):
-        alike = (wall for wall in walls if np.allclose(opening.plane.axes, wall.plane.axes, atol=1e-6))
-        across = [wall for wall in alike if area(common(wall.region, opening.region)) > 0]
-        low, high = _levels(opening, 0.0)
-        near = 1e-3 * float(np.sqrt(area(opening.region)))
-        spans = [_levels(wall, thickness) for wall in across]
-        within = [wall for wall, (back, front) in zip(across, spans, strict=True) if back - near <= high and low <= front + near]
-        for wall in within or (across if len(across) == 1 else []):
+        across = [wall for wall in walls if parallel(wall, opening) and area(common(wall.region, opening.region)) > 0]
+        for wall in drawn_within(opening, across, thickness):
             cuts.setdefault(id(wall), []).append(number)
     return cuts
-
-
-def _levels(outline: Outline, thickness: float) -> tuple[float, float]:
-    """Return from where to where the body of an outline goes along the normal of its plane; thickness: if it has none itself."""
-    trace = outline.trace
-    depth = (trace.depth or thickness) * (-1.0 if trace.depth and trace.normal @ outline.plane.axes[2] < 0 else 1.0)
-    ends = (outline.plane.height, outline.plane.height + depth)
-    return min(ends), max(ends)
 
 
 def _stones(outline: Outline, cut: list[Region], thickness: float, plane: ElevationPlane) -> list[Stone]:
     """Return the bodies of an outline, extruded: one, or several where openings (regions) cut it into parts, or none."""
     trace, axes = outline.trace, outline.plane.axes
-    levels = _levels(outline, thickness)
+    levels = levels_of(outline, thickness)
     whole = outline.region
     rest = [part for part in pieces(less(whole, cut)) if area(part) > NOTHING * area(whole)] if cut else pieces(whole)
     bodies = [prism_of(part) for part in rest]

@@ -89,17 +89,48 @@ def outlines_of(plane: Plane, findings: list[Finding]) -> tuple[list[Outline], i
     return sound + [outline for outline, drawn in zip(fillings, fills, strict=True) if not drawn], left
 
 
-def cut_out(outlines: Sequence[Outline], voids: Sequence[Outline], findings: list[Finding]) -> list[Outline]:
-    """Return outlines without the voids that lie wholly in them. Each void cut out is a finding."""
+def parallel(first: Outline, second: Outline) -> bool:
+    """Are two outlines drawn in planes one behind the other?"""
+    return np.allclose(first.plane.axes, second.plane.axes, atol=1e-6)
+
+
+def levels_of(outline: Outline, thickness: float) -> tuple[float, float]:
+    """Return from where to where the body of an outline goes along the normal of its plane; thickness: if it has none itself."""
+    trace = outline.trace
+    depth = (trace.depth or thickness) * (-1.0 if trace.depth and trace.normal @ outline.plane.axes[2] < 0 else 1.0)
+    ends = (outline.plane.height, outline.plane.height + depth)
+    return min(ends), max(ends)
+
+
+def drawn_within(opening: Outline, bodies: Sequence[Outline], thickness: float) -> list[Outline]:
+    """Return those of the bodies before and behind an opening within whose thickness it is drawn; if in none, the only one."""
+    low, high = levels_of(opening, 0.0)
+    near = 1e-3 * _size(opening.region)
+    spans = [levels_of(body, thickness) for body in bodies]
+    within = [body for body, (back, front) in zip(bodies, spans, strict=True) if back - near <= high and low <= front + near]
+    return within or [*bodies][: len(bodies) == 1]
+
+
+def cut_out(
+    outlines: Sequence[Outline], voids: Sequence[Outline], findings: list[Finding], *, thickness: float = 0.0
+) -> list[Outline]:
+    """Return outlines without the voids that lie wholly in them. Each void cut out is a finding.
+
+    thickness: of stones whose outline has none of its own, drawing units.
+    """
     out = list(outlines)
     if not voids:
         return out
-    cut: set[int] = set()
+    around: dict[int, list[int]] = {}
     for inner, outer in nested(np.array(_regions([*outlines, *voids]), dtype=np.object_)).tolist():
-        if inner >= len(out) > outer and np.allclose(out[outer].plane.axes, voids[inner - len(out)].plane.axes, atol=1e-6):
-            void = voids[inner - len(out)]
-            out[outer] = replace(out[outer], region=less(out[outer].region, [void.region]))
-            cut.add(inner - len(out))
+        if inner >= len(out) > outer and parallel(out[outer], voids[inner - len(out)]):
+            around.setdefault(inner - len(out), []).append(outer)
+    cut: set[int] = set()
+    for number, stones in around.items():
+        within = {id(stone) for stone in drawn_within(voids[number], [outlines[stone] for stone in stones], thickness)}
+        for stone in (stone for stone in stones if id(outlines[stone]) in within):
+            out[stone] = replace(out[stone], region=less(out[stone].region, [voids[number].region]))
+            cut.add(number)
     for void in (voids[number] for number in sorted(cut)):
         findings.append(void.trace.place.finding("W29", "a void, {} wide, was cut out of a stone", lengths=(_size(void.region),)))
     return out

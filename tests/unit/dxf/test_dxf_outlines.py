@@ -207,6 +207,23 @@ def test_voids_of_stones_are_cut_out_and_told(name: str, tmp_path: Path) -> None
     check_soundness(stones, contacts)
 
 
+def test_a_void_is_cut_out_of_the_stone_that_it_is_drawn_in(tmp_path: Path) -> None:
+    """Two stones in space, one 4 m behind the other; the void is drawn on the inner face of the one behind."""
+
+    def draw(space: Any) -> None:
+        sizes = ((1.5, 1.2, 0.5, 0.5, "A"), (1.8, 1.0, 5.0, 0.5, "B"), (0.5, 0.4, 4.5, 0.0, "OPENING"))
+        for width, height, y, thickness, layer in sizes:
+            frame = {"layer": layer, "extrusion": (0, -1, 0), "elevation": -1000 * y, "thickness": 1000 * thickness}
+            corners = [(0.1, 0.1), (0.1 + width, 0.1), (0.1 + width, 0.1 + height), (0.1, 0.1 + height)]
+            shift = 0.3 if layer == "OPENING" else 0.0
+            space.add_lwpolyline([(1000 * (u + shift), 1000 * (v + shift)) for u, v in corners], close=True, dxfattribs=frame)
+
+    drawing = read(drawn(tmp_path / "a.dxf", draw, ground=False), support="base")
+    stones = drawing.stones
+    volumes = {name: float(stones.volume[stones.panel == name].sum()) for name in ("A", "B")}
+    assert volumes == pytest.approx({"A": 0.5 * 1.8, "B": 0.5 * (1.8 - 0.2)})
+
+
 def test_a_stone_in_a_void_meets_it_across_the_mortar(tmp_path: Path) -> None:
     def draw(space: Any) -> None:
         hatched(space, FRAME, HOLE)
