@@ -9,11 +9,14 @@ from churchpipe.mechanism import STILL, TAKES_PART, Part
 from churchpipe.model.checks import Check, SafetyCheck
 from churchpipe.model.quantities import in_unit
 from churchpipe.report.table import Row, amount, figure, minus
+from churchpipe.wording import counted
 
 # Share of the mechanism's speed from which on a stone is said to move.
 CUT_OFF = f"1/{1 / STILL:.0f}"
 
 NOT_SATISFIED = "not satisfied"
+# So few stones are no part of a building: what a mechanism of them says holds for them alone.
+FEW_STONES = 3
 
 # Headings with what they mean; those from "a_g" on stand only where the case says what the earthquake asks.
 ACTIVATION = (
@@ -114,9 +117,16 @@ def part_overview(rows: Sequence[Row]) -> dict[str, Any] | None:
 
 
 def what_moves(record: Analysis, share: float = TAKES_PART) -> str:
-    """Return the macro-elements that carry at least a share of the motion, with the most first; "" where none is known."""
+    """Return the macro-elements that carry at least a share of the motion, with the most first; "" where none is known.
+
+    Where no more than a few stones of them move, it says so: the share is that of the motion, not of the macro-element.
+    """
     parts = [part for part in record.parts if part.motion >= share]
-    return ", ".join(f"{part.name} {_percent(part.motion)}" for part in parts)
+    words = ", ".join(f"{part.name} {_percent(part.motion)}" for part in parts)
+    check = record.check
+    if not parts or not isinstance(check, SafetyCheck) or not 0 < (check.moving_stones or 0) <= FEW_STONES:
+        return words
+    return f"{words}; no more than {counted(check.moving_stones or 0, 'stone')} of {figure(check.moving_weight / 1e3, 2)} kN"
 
 
 def _percent(share: float) -> str:

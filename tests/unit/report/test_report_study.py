@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from churchpipe.model.checks import SafetyCheck
 from churchpipe.model.results import Iteration, StartRun
 from churchpipe.report.html import _cards
 from churchpipe.report.notes import convergence_note
@@ -158,6 +159,9 @@ def test_macro_elements_of_all_loads_stand_in_one_table(tmp_path: Path) -> None:
     assert part_overview(rows[:1]) is None
     assert what_moves(rows[0].record) == "shaft 97 %"
     assert what_moves(row().record) == ""
+    few = replace(first, check=SafetyCheck(moving_stones=1, moving_weight=1250.0))
+    assert what_moves(few) == "shaft 97 %; no more than 1 stone of 1.25 kN"
+    assert what_moves(replace(first, check=SafetyCheck(moving_stones=40, moving_weight=5e4))) == "shaft 97 %"
     page = Page(report(tmp_path, [(first, state), (second, state)]))
     assert "moves: belfry 100 %" in page.text
     assert ["shaft", "97 %", "< 1 %"] in page.rows
