@@ -22,13 +22,14 @@ from churchpipe.model.checks import SafetyCheck
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.motion import velocity_at
-from churchpipe.model.names import GOOD, OUTER
+from churchpipe.model.names import GOOD, LOOSE, OUTER
 from churchpipe.model.placed_loads import PlacedLoads
 from churchpipe.model.results import LimitState, ShellLimitState
 from churchpipe.model.shell import ShellModel
 from churchpipe.model.swept import of_both
 from churchpipe.stones.account import joint_account, joint_lines
 from churchpipe.thrust_lines import vaulted
+from churchpipe.wording import counted
 
 
 def size(stones: Assemblage, contacts: Contacts) -> Size:
@@ -88,6 +89,8 @@ def summary(
 
 
 # Why load factors of one structure differ, by the kind of analysis.
+# So many sentences of one kind.
+_FEW_LINES = 3
 _REASONS = {
     "associative": "joints of an associative analysis open as they slide (dilatancy), so its load factor is an upper estimate",
     "non-associative": "joints of a non-associative one slide without opening, under thrusts that are one possibility of several",
@@ -126,15 +129,15 @@ def guidance(analyses: Sequence[Analysis], vaults: Mapping[str, Sequence[str]] |
     """Return a sentence for each question that several analyses answer: which load factor to use, and why they differ.
 
     The careful one leads, as in `careful_first`. A sweep has one sentence for all its questions, besides those of load factors
-    below zero, which are none of the building. vaults: names of the vaults of each geometry; where there are some, a sentence
-    before the others says why the value without dilatancy counts.
+    below zero, which are none of the building, and of stones that may come out. vaults: names of the vaults of each geometry;
+    where there are some, a sentence before the others says why the value without dilatancy counts.
     """
     asked = [[record for record in records if record.stands] for records in _asked(analyses).values()]
     # One that is below zero is told of even where it stands alone.
     several = [sorted(own, key=_carefulness) for own in asked if len(own) > 1 or any(record.load_factor < 0 for record in own)]
     first = _of_vaults(asked, list(dict.fromkeys(name for names in (vaults or {}).values() for name in names)))
     below = [records for records in several if records[0].load_factor < 0]
-    first += [_below_zero(records) for records in below]
+    first += [_below_zero(records) for records in below] + _loose_stones([record for records in asked for record in records])
     several = [records for records in several if records not in below]
     sentences = [_advice(records) for records in several]
     if len(sentences) <= 3:
@@ -167,6 +170,22 @@ def _advice(records: Sequence[Analysis]) -> str:
     if not others:
         return f"{start}, in which all analyses agree."
     return f"{start}, the careful value, not {', '.join(others)}; they differ because {_reasons(records)}."
+
+
+def _loose_stones(analyses: Sequence[Analysis]) -> list[str]:
+    """Return what analyses without dilatancy say of stones that friction alone holds, as sentences."""
+    said = [
+        f"Load {record.load}: {part}."
+        for record in analyses
+        if record.flow == "non-associative"
+        for part in record.message.split("; ")
+        if LOOSE in part
+    ]
+    return said[:_FEW_LINES] + (
+        [counted(len(said) - _FEW_LINES, "other analysis", "other analyses") + " found such stones."]
+        if len(said) > _FEW_LINES
+        else []
+    )
 
 
 def _below_zero(records: Sequence[Analysis]) -> str:

@@ -100,6 +100,15 @@ def test_a_sentence_says_which_load_factor_to_use_and_why_they_differ() -> None:
     assert "planes of the paper are an outer approximation" in sentence
 
 
+def test_stones_that_may_come_out_are_named_for_every_load() -> None:
+    told = "the state at -0.0979 from the start centre does not lead: in it 1 stone (N1) comes out whatever pushes"
+    loose = [
+        analysed(0.2, load=load, flow="non-associative", status="converged", message=f"{told}; 24 factorisations")
+        for load in ("+x", "-x", "+y", "-y")
+    ]
+    assert guidance(loose) == [*(f"Load {load}: {told}." for load in ("+x", "-x", "+y")), "1 other analysis found such stones."]
+
+
 def test_a_load_factor_below_zero_is_none_to_use() -> None:
     associative, sliding = analysed(0.2342, flow="associative"), analysed(-0.0979, flow="non-associative", status="converged")
     [sentence] = guidance([associative, sliding])

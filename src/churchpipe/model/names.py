@@ -29,3 +29,5 @@ OUTER: dict[str, str] = {
     "paper+torsion": "the planes of the paper are an outer approximation of the strength, with a bound of twisting too: the load "
     'factor may be up to 35 % above that of the exact cell; use planes = "cell"',
 }
+# What a message says of a state in which a few stones that friction alone holds are not held.
+LOOSE = "out whatever pushes"

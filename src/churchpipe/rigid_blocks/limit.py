@@ -12,7 +12,7 @@ import numpy.typing as npt
 from churchpipe.conic.solve import Solve, solver_for
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import check_call, check_kind, listed, one_of
-from churchpipe.model.arrays import FloatArray, array_of
+from churchpipe.model.arrays import FloatArray, NameArray, array_of
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
@@ -125,7 +125,8 @@ def limit_analysis(
         # Else the centres of pressure are those of forces with as little self-stress as may be.
         starts = ["centre"] if runs_from_centre(balance, strength) else ["dead-load", "associative"]
     options = SlidingOptions(method, tuple(starts), bipotential_gap)
-    state = analysed(balance, strength, solver_for(balance.balance, solver), flow, options, progress)
+    solve, names = solver_for(balance.balance, solver), stones.block_id[balance.free]
+    state = analysed(balance, strength, solve, flow, options, progress, names=names)
     if contact_model == "torsion" and flow == "non-associative" and state.flow == flow and np.isfinite(state.load_factor):
         points = contacts if parts is None else parts.contacts
         state = _about_pressure(
@@ -176,8 +177,12 @@ def analysed(
     progress: Progress | None,
     *,
     stands: bool = False,
+    names: NameArray | None = None,
 ) -> LimitState:
-    """Return the limit state with this flow, the dead load first; stands: whether that is known to be carried."""
+    """Return the limit state with this flow, the dead load first; stands: whether that is known to be carried.
+
+    names (nf,): of the free stones, for what is said of them.
+    """
     begin = perf_counter()
     if not stands:
         standing, dead_answer = dead_load_analysis(balance, strength, _reporting(solve, "dead load", progress))
@@ -193,7 +198,7 @@ def analysed(
             return unbounded_state(balance, ray, perf_counter() - begin, flow)
     elif state.status != "optimal":
         return replace(state, flow=flow)
-    return sliding_analysis(balance, strength, state, options, solve, progress)
+    return sliding_analysis(balance, strength, state, options, solve, progress, names)
 
 
 def _reporting(solve: Solve, what: str, progress: Progress | None) -> Solve:

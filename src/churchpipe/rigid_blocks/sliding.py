@@ -9,7 +9,7 @@ import numpy as np
 from churchpipe.conic.solve import Solve, solver_for
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import finite, listed
-from churchpipe.model.arrays import FloatArray
+from churchpipe.model.arrays import BoolArray, FloatArray, NameArray
 from churchpipe.model.results import Iteration, LimitState, StartRun
 from churchpipe.rigid_blocks.central import from_centre, runs_from_centre
 from churchpipe.rigid_blocks.certificate import Strength
@@ -25,6 +25,7 @@ from churchpipe.rigid_blocks.coulomb import (
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
 from churchpipe.rigid_blocks.interval import mechanism_ends
 from churchpipe.rigid_blocks.iterations import SlidingRun, certified_iteration, paper_iteration
+from churchpipe.rigid_blocks.loose import any_load_words, held_fast, loose_stones, loose_words
 from churchpipe.rigid_blocks.selection import fits_any_load, led_by
 from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP, SEARCH_SPREAD, CentralSettings, SchemeSettings
 from churchpipe.rigid_blocks.sliding_state import End, nothing_found, sliding_state
@@ -100,11 +101,13 @@ def sliding_analysis(
     options: SlidingOptions,
     solve: Solve,
     progress: Progress | None = None,
+    names: NameArray | None = None,
 ) -> LimitState:
     """Return a load factor of sliding without dilatancy, with its gap.
 
     No such load factor is unique: self-stress at sliding contacts is statically free, so it depends on the start. Every
-    distinct value found is in `fixed_points`, and what became of each start in `starts`.
+    distinct value found is in `fixed_points`, and what became of each start in `starts`. names (nf,): of the free stones, for
+    what is said of them.
     """
     search = _Search(balance, strength, associative, options, solve, progress)
     starts: list[Start] = list(options.starts)
@@ -120,6 +123,7 @@ def sliding_analysis(
         for start in (*_OTHERS, *_LAST):
             if start not in starts and not any(end.record.converged for end in search.ends):
                 search.begin(start)
+        search.hold_loose_stones()
     if not search.ends:
         if associative.status != "optimal":
             return nothing_found(associative)
@@ -129,24 +133,28 @@ def sliding_analysis(
     settled = [end for end in search.ends if end.record.converged]
     if not settled:
         settled = [min(search.ends, key=lambda end: end.run.load_factor if options.method == "paper" else end.run.relative_gap)]
-    lead, passed_over = _lead(search, settled, default=options.starts == _STARTS["default"])
+    lead, passed_over = _lead(search, settled, names, default=options.starts == _STARTS["default"])
     known = {end.record.start: replace(end.record, interval=search.known_interval(end)) for end in search.ends}
     lead = lead._replace(record=replace(lead.record, interval=known[lead.record.start].interval))
     known[lead.record.start] = lead.record
     return sliding_state(balance, strength, associative, lead, list(known.values()), search.found, passed_over)
 
 
-def _lead(search: "_Search", settled: list[End], *, default: bool) -> tuple[End, list[str]]:
+def _lead(search: "_Search", settled: list[End], names: NameArray | None, *, default: bool) -> tuple[End, list[str]]:
     """Return the end that is reported, and why others that are lower are not.
 
     A search that rounding leads elsewhere does not lead before the run from the centre, however low the state that it found.
     """
     first, intervals = led_by([end.record for end in settled], lambda number: search.interval(settled[number]))
-    said = [
-        f"the state at {run.load_factor:.4f} from the start {run.start} does not lead: it fits any load factor"
-        f" from {max(low, 0.0):.4f} to {high:.4f}"
-        for run, (low, high) in ((settled[number].record, interval) for number, interval in intervals.items() if number != first)
-    ]
+    said: list[str] = []
+    for number, (low, high) in intervals.items():
+        run = settled[number].record
+        if number == first and not fits_any_load(run, (low, high)):
+            continue
+        loose = search.loose(settled[number])
+        told = loose_words(loose, names) if loose.any() else any_load_words(low, high)
+        leads = "leads for want of another" if number == first else "does not lead"
+        said.append(f"the state at {run.load_factor:.4f} from the start {run.start} {leads}: {told}")
     lead = settled[first]
     if not default:
         return lead, said
@@ -218,6 +226,33 @@ class _Search:
             settings = replace(settings, patience=_PATIENCE)
         return certified_iteration(self._balance, self._strength, n, self._solve, settings, self._progress, below=below)
 
+    def loose(self, end: End) -> BoolArray:
+        """Return the few free stones (nf,) that move in the state of an end, none where the building does."""
+        return loose_stones(self._balance, end.run.y if end.state is None else end.state.y)
+
+    def hold_loose_stones(self) -> None:
+        """Where a few stones come out whatever pushes, search near a state in which they are held fast for another one."""
+        known = [end for end in self.ends if end.record.converged]
+        if not known:
+            return
+        first, intervals = led_by([end.record for end in known], lambda number: self.interval(known[number]))
+        stones = np.any([self.loose(known[number]) for number in intervals], axis=0)
+        if not fits_any_load(known[first].record, intervals[first]) or not stones.any():
+            return
+        firm, gap = held_fast(self._balance, self._strength, stones), self._options.bipotential_gap
+        if runs_from_centre(self._balance, firm):
+            held = from_centre(self._balance, firm, gap, self._solve, self._progress)
+        else:
+            held = certified_iteration(self._balance, firm, self._first_forces("dead-load"), self._solve, progress=self._progress)
+        near = [] if held is None else [np.maximum(held.x[:, 0], 0.0)]
+        if self._associative.status == "optimal":
+            near.append(self._first_forces("associative"))
+        for n in near:
+            run = self._searched(n, np.inf)
+            if run is not None and run.converged:
+                self.keep("held", [run], "default")
+                break
+
     def interval(self, end: End) -> tuple[float, float]:
         """Return the interval of the mechanism of an end."""
         state, start = end.state, end.record.start
@@ -283,7 +318,7 @@ class _Search:
         spent = {"solves": tied.solves + run.solves, "iterations": tied.iterations + run.iterations}
         return replace(tied, history=(*run.history, *tied.history), **spent)
 
-    def keep(self, start: Start, runs: list[SlidingRun], method: Method) -> None:
+    def keep(self, start: str, runs: list[SlidingRun], method: Method) -> None:
         """Keep these runs of a start, and the certificate of the best."""
         if not runs:
             return
