@@ -49,7 +49,7 @@ def test_a_mechanism_of_the_building_is_not_loose() -> None:
     speeds[: len(speeds) // 2, 1] = 0.5
     assert not loose_stones(balance, speeds.ravel()).any()
     firm = held_fast(balance, strength, loose).friction
-    touched = np.isin(contacts.blocks, balance.free[loose]).any(axis=1)[contacts.interface_of_point]
+    touched = np.asarray(np.isin(contacts.blocks, balance.free[loose]).any(axis=1))[contacts.interface_of_point]
     assert firm[touched] == pytest.approx(10 * 0.6)
     assert firm[~touched] == pytest.approx(0.6)
 
