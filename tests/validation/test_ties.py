@@ -197,7 +197,7 @@ BAD: list[tuple[dict[str, Any], str]] = [
     ({"end": (1, 0.5, 4)}, "tie t: no length"),
     ({"end": (1, 0.5)}, "tie t: end: wrong shape"),
     ({"end": (2, 0.5, 4)}, "tie t: end: no stone at the anchor"),
-    ({"end": (4, 0.5, 4.001)}, "tie t: end: no stone at the anchor"),
+    ({"end": (4, 0.5, 4.001)}, "tie t: end: no stone at the anchor.*the nearest stone, B., is 0.001 m away"),
     ({"start": (1, 0.5, 0)}, "tie t: start: several stones at the anchor; found B0 .0., B1 .1. at"),
     ({"end": (0.5, 0.5, 2)}, "tie t: both ends on one stone; found B1"),
     ({"stones": (1, 1)}, "tie t: both ends on one stone; found stones 1 and 1"),

@@ -74,7 +74,7 @@ def stones_of_traces(
         through = [openings[number] for number in cuts[id(outline)]] if id(outline) in cuts else []
         own = _stones(outline, [opening.region for opening in through], thickness or 0.0, plane)
         if not own:
-            remedy = "Draw the openings smaller, or put what is none on another layer."
+            remedy = "Draw the openings smaller, put what is none on another layer, and leave out lintels: whole walls have none."
             findings.append(outline.trace.place.finding("E28", "openings take all of the wall", remedy=remedy))
         stones += own
     if cut:

@@ -96,8 +96,13 @@ def _stone_at(stones: Assemblage, where: str, place: FloatArray) -> int:
 def _stones_at(stones: Assemblage, where: str, place: FloatArray) -> IntArray:
     found = stones_at(stones, place)
     if not len(found):
-        at = f"{place.round(4).tolist()} m"
-        raise InputError(where, "no stone at the anchor", found=at, expected="a point in or on a stone")
+        low = np.minimum.reduceat(stones.points, stones.block_point_ptr[:-1], axis=0)
+        high = np.maximum.reduceat(stones.points, stones.block_point_ptr[:-1], axis=0)
+        apart = np.linalg.norm(np.maximum(np.maximum(low - place, place - high), 0.0), axis=1)
+        nearest = int(apart.argmin())
+        found_at = f"{place.round(4).tolist()} m; the nearest stone, {stones.block_id[nearest]}, is {apart[nearest]:.3g} m away"
+        remedy = "Move the anchor onto a stone: it may lie in an opening, or beside the wall."
+        raise InputError(where, "no stone at the anchor", found=found_at, expected="a point in or on a stone", remedy=remedy)
     return found
 
 

@@ -184,7 +184,7 @@ def remedy_words(stones: Assemblage, contacts: Contacts, rows: IntArray) -> str:
     typed = " ".join(_OPTIONS[key].format(value) for key, value in wanted.items())
     return (
         f"Faces that nearly meet: {named}{more}. Close the gaps, or join them with {typed} of check and import, "
-        f"{_settings(wanted)} in [rigid] of a case."
+        f"{_settings(wanted)} in [rigid] of a case, find_contacts(stones, {_arguments(wanted)}) in Python."
     )
 
 
@@ -192,6 +192,13 @@ def _near_miss(stones: Assemblage, contacts: Contacts, row: int) -> NearMiss:
     near = contacts.near_misses
     names = tuple(str(stones.block_id[stone]) for stone in near.stones[row])
     return NearMiss(names, float(near.gap[row]), float(near.angle[row]), tuple(near.place[row].tolist()))
+
+
+def _arguments(wanted: Mapping[str, float]) -> str:
+    """Return tolerances of a case as arguments in Python, which are in m and rad."""
+    in_si = {"_mm": 1e-3, "_deg": math.pi / 180.0}
+    split = ((name, f"_{unit}", value) for key, value in wanted.items() for name, _, unit in [key.rpartition("_")])
+    return ", ".join(f"{name}={value * in_si[unit]:.4g}" for name, unit, value in split)
 
 
 def _settings(wanted: Mapping[str, float]) -> str:
