@@ -8,6 +8,7 @@ import numpy as np
 
 from churchpipe.config.carries import KINDS, LOADS, plain
 from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.loads import LoadCase
 from churchpipe.model.quantities import UNITS, Unit, Usual, declared, unit_of, written
 from churchpipe.shell_mesh.element_count import element_count
 
@@ -72,6 +73,7 @@ def _of_variants(cases: Sequence["Case"]) -> Iterator[str]:
 def _of_case(case: "Case") -> Iterator[str]:
     for material in case.materials:
         yield from _of_record(material, f"material.{material.name}.")
+    yield from _of_directions(case)
     yield from _of_vaults(case)
     yield from _of_beams(case)
     yield from _of_joints(case)
@@ -87,6 +89,23 @@ def _of_case(case: "Case") -> Iterator[str]:
             yield from _of_record(record, f"{key}.{number}.")
             if key in LOADS and told[number] in told[:number]:
                 yield f"{key}.{number} is {key}.{told.index(told[number])} once more, and both count. Is it meant?"
+
+
+def _of_directions(case: "Case") -> Iterator[str]:
+    """Yield what to ask where an earthquake is checked that comes from one side only."""
+    pushes = [load for load in case.loads if load.direction[:2].any()] if case.check is not None else []
+    lone = [load.name for load in pushes if not any(_opposite(load, other) for other in pushes)]
+    if lone:
+        ways = "direction" if len(lone) == 1 else "directions"
+        yield (
+            f"The check is made for {', '.join(lone)} and not for the opposite {ways}. An earthquake pushes both ways, and a "
+            "building that is not symmetric may have a lower load factor the other way. Is it left out on purpose?"
+        )
+
+
+def _opposite(load: LoadCase, other: LoadCase) -> bool:
+    alike = load.panels == other.panels and load.profile == other.profile
+    return alike and np.allclose(other.direction[:2], -load.direction[:2])
 
 
 def _of_beams(case: "Case") -> Iterator[str]:

@@ -25,11 +25,26 @@ friction = {friction}
 cohesion_kPa = {cohesion}
 [[load]]
 direction = [0, 1, 0]
+[[load]]
+direction = [0, -1, 0]
 [check]
 ag_g = {ground}
 soil_factor = 1.2
 """
 SOUND = {"weight": 18, "friction": 0.6, "cohesion": 0, "ground": 0.15}
+
+
+def test_a_check_from_one_side_only_is_questioned(tmp_path: Path) -> None:
+    path = tmp_path / "w.toml"
+    path.write_text(CASE.format(**SOUND).replace("direction = [0, -1, 0]", "direction = [1, 0, 0]"))
+    [question] = questions([read_case(path)])
+    assert question.startswith("The check is made for +y, +x and not for the opposite directions.")
+    # The same direction with another pattern does not stand for it.
+    path.write_text(CASE.format(**SOUND).replace("direction = [0, -1, 0]", 'direction = [0, -1, 0]\nprofile = "linear"'))
+    [question] = questions([read_case(path)])
+    assert "for +y, -y" in question
+    path.write_text(CASE.format(**SOUND).split("[check]")[0])
+    assert questions([read_case(path)]) == []
 
 
 @pytest.mark.parametrize("key", ["contact_gap_mm", "overlap_mm"])
@@ -219,7 +234,10 @@ def test_no_ready_case_is_questioned(name: str, tmp_path: Path) -> None:
     path = tmp_path / f"{name}.toml"
     path.write_text(sample_case(name))
     case = read_case(path)
-    assert questions([case]) == work_questions([case]) == []
+    # Two directions are enough to compare the measures of this one.
+    sides = [text for text in questions([case]) if name == "chapel_variants" and text.startswith("The check is made for +x, -y")]
+    assert questions([case]) == sides
+    assert work_questions([case]) == []
     assert size_questions(derive_blocks(case.building())) == []
 
 
