@@ -7,6 +7,7 @@ S22, which hangs less on rounding, also in the interval of load factors that fit
 programs there.
 """
 
+import re
 from dataclasses import replace
 from typing import Any
 
@@ -333,6 +334,8 @@ def test_a_looser_gap_is_never_called_converged() -> None:
     assert (state.status == "converged") == (relative <= 1e-5)
     if state.status != "converged":
         assert "wanted 1e-05" in state.message
+        # Where to look: the joint with the largest share of the gap, by its two stones.
+        assert re.search(r"; \d+ % of it at a joint of B\d+ and B\d+$", state.message)
 
 
 @pytest.mark.parametrize("tolerance", [0.0, -1e-5, 1.0, float("nan")])

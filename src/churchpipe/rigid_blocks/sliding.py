@@ -137,7 +137,7 @@ def sliding_analysis(
     known = {end.record.start: replace(end.record, interval=search.known_interval(end)) for end in search.ends}
     lead = lead._replace(record=replace(lead.record, interval=known[lead.record.start].interval))
     known[lead.record.start] = lead.record
-    return sliding_state(balance, strength, associative, lead, list(known.values()), search.found, passed_over)
+    return sliding_state(balance, strength, associative, lead, list(known.values()), search.found, passed_over, names)
 
 
 def _lead(search: "_Search", settled: list[End], names: NameArray | None, *, default: bool) -> tuple[End, list[str]]:

@@ -4,9 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from churchpipe.model.arrays import NameArray
 from churchpipe.model.results import LimitState, StartRun
 from churchpipe.rigid_blocks.certificate import Strength, cone_violation
-from churchpipe.rigid_blocks.coulomb import CoulombState, admissible, friction_violation
+from churchpipe.rigid_blocks.coulomb import CoulombState, admissible, friction_violation, gap_shares
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
 from churchpipe.rigid_blocks.iterations import SlidingRun
 from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP
@@ -29,10 +30,12 @@ def sliding_state(
     starts: list[StartRun],
     found: list[SlidingRun],
     passed_over: list[str],
+    names: NameArray | None = None,
 ) -> LimitState:
     """Return the result of an analysis that reports this end.
 
-    starts: the ends of all starts; found: all runs; passed_over: why lower ends are not reported.
+    starts: the ends of all starts; found: all runs; passed_over: why lower ends are not reported. names (nf,): of the free
+    stones.
     """
     reported, chosen, certified = end
     slack = 1e-3 * max(abs(associative.load_factor), 1e-3)
@@ -71,7 +74,9 @@ def sliding_state(
         friction_violation=overdrawn,
         fixed_points=tuple(run.load_factor for run in found if run.converged),
         starts=tuple(starts),
-        message=_cost(found, associative.iterations, passed_over) if proven else _why(chosen, certified, overdrawn),
+        message=_cost(found, associative.iterations, passed_over)
+        if proven
+        else _why(chosen, certified, overdrawn) + _where(balance, strength, certified, names),
     )
 
 
@@ -98,6 +103,18 @@ def _why(chosen: SlidingRun, certified: CoulombState | None, violation: float) -
         f"{settled} with {100 * violation:.2g} % of friction overdrawn; the nearest state within friction"
         f" has load factor {certified.load_factor:.4f} and gap g/alpha {certified.relative_gap:.1e}"
     )
+
+
+def _where(balance: Equilibrium, strength: Strength, state: CoulombState | None, names: NameArray | None) -> str:
+    """Return at which stones most of the gap of a state lies: what is to be looked at, such as a flat head without a lintel."""
+    if state is None or names is None or not state.relative_gap > BIPOTENTIAL_GAP:
+        return ""
+    shares = gap_shares(balance, strength, state.x, state.y)[: balance.contacts]
+    worst = int(shares.argmax())
+    pointer, bodies = balance.wrenches.pointer, balance.wrenches.bodies
+    of_joint = shares[balance.wrenches.frame[: balance.contacts] == balance.wrenches.frame[worst]].sum()
+    at = " and ".join(str(names[body]) for body in bodies[pointer[worst] : pointer[worst + 1]])
+    return f"; {100 * of_joint / max(float(shares.sum()), 1e-300):.0f} % of it at a joint of {at}"
 
 
 def nothing_found(associative: LimitState) -> LimitState:
