@@ -6,28 +6,12 @@ import pytest
 import churchpipe as cp
 from churchpipe.rigid_blocks.limit import limit_program
 from churchpipe.rigid_blocks.loose import any_load_words, held_fast, loose_stones, loose_words
-
-
-def _wall(top: float) -> tuple[cp.Assemblage, cp.Contacts]:
-    """A wall of 5 m with an opening 1.5 m wide that no lintel spans, its head at 2 m; stones of .5 x .5 x .25 m."""
-    rows = []
-    for course in range(round(4 * top)):
-        begin, low = -0.25 * ((course + 1) % 2), 0.25 * course
-        for number in range(11):
-            left, right = max(begin + 0.5 * number, 0.0), min(begin + 0.5 * (number + 1), 5.0)
-            spans = [(left, right)] if not 1.0 <= low < 2.0 else [(left, min(right, 1.75)), (max(left, 3.25), right)]
-            rows += [(a, b, low) for a, b in spans if b - a > 1e-6]
-    ground = (-1.0, 6.0, -0.25)
-    corners = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
-    faces = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
-    solids = [([(a + x * (b - a), 0.5 * y, low + 0.25 * z) for x, y, z in corners], faces) for a, b, low in [ground, *rows]]
-    stones = cp.Assemblage.from_polyhedra(solids, 20e3, fixed=[0])
-    return stones, cp.find_contacts(stones)
+from flat_heads import flat_headed_wall
 
 
 @pytest.mark.parametrize(("top", "count", "toppling"), [(2.25, 3, 0.2342), (2.5, 5, 0.2056)])
 def test_the_building_leads_and_the_stones_over_the_opening_are_named(top: float, count: int, toppling: float) -> None:
-    stones, contacts = _wall(top)
+    stones, contacts = flat_headed_wall(top)
     load = cp.LoadCase((0, -1, 0))
     state = cp.limit_analysis(stones, contacts, load, 0.6, flow="non-associative")
     # The wall turns about its lower edge, which no joint that slides takes part in: the associative value.
@@ -40,7 +24,7 @@ def test_the_building_leads_and_the_stones_over_the_opening_are_named(top: float
 
 
 def test_a_mechanism_of_the_building_is_not_loose() -> None:
-    stones, contacts = _wall(2.25)
+    stones, contacts = flat_headed_wall(2.25)
     balance, strength, _ = limit_program(stones, contacts, cp.LoadCase((0, -1, 0)), 0.6)
     speeds = np.zeros((len(balance.free), 6))
     speeds[-3:, 0] = 1.0
