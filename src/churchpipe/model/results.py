@@ -37,8 +37,8 @@ class StartRun:
     """What the non-associative iteration made of one start: all that `LimitState` says of the one it reports, for each of them.
 
     start: one of those that an analysis may be asked for, or "held", which it takes by itself: near a state in which stones that
-    friction alone holds are held fast. converged: the iteration came to its end; whether it is a collapse state is what the gap says. interval: of the start that
-    leads, NaN for others, since it costs as much as a search.
+    friction alone holds are held fast. converged: the iteration came to its end; whether it is a collapse state is what the gap
+    says. interval: of the start that leads, NaN for others, since it costs as much as a search.
     """
 
     start: str
