@@ -197,8 +197,7 @@ class AreaLoad:
         Two parallel ones that it spans between, each bearing half of it; or four around a rectangle, each bearing what is nearest
         to it (lines at 45 degrees from the corners).
     dead
-        Downwards, N/m2, on the area between their faces. That of a floor on two walls goes from begin to end, also over walls
-        that stand across it.
+        Downwards, N/m2, on the area between their faces; of two walls from begin to end, over walls across, too.
     begin, end
         Of two walls, m along the first one; None: the length that they have in common.
     height
@@ -216,18 +215,12 @@ class AreaLoad:
         Neither two walls nor four, no load, a negative one.
     """
 
-    walls: Annotated[tuple[str, ...], "Two parallel ones that it spans between, or four around a rectangle."]
+    walls: Annotated[tuple[str, ...], "Two parallel ones that it spans, over cross walls too, or four around a rectangle."]
     name: Annotated[str, "For messages and tables; by default those of the walls."] = ""
-    begin: Annotated[
-        Metres | None,
-        Quantity("_m", key="from_m"),
-        "Of two walls: along the first one, as in `line_loads`; by default all that they have in common, over walls across, too.",
-    ] = None
+    begin: Annotated[Metres | None, Quantity("_m", key="from_m"), "Of two walls: along the first one, as in `line_loads`."] = None
     end: Annotated[Metres | None, Quantity("_m", key="to_m"), "Likewise its other end."] = None
     height: Annotated[Metres | None, "Where it bears, above z = 0; by default the tops of the walls."] = None
-    dead: Annotated[
-        float, Quantity("_kN_m2", 0.0, usual=_ON_AN_AREA), "Downwards, on the area between the faces of the walls."
-    ] = 0.0
+    dead: Annotated[float, Quantity("_kN_m2", 0.0, usual=_ON_AN_AREA), "Downwards, between the faces of the walls."] = 0.0
     bearing: Annotated[float, Quantity("_m", 0.0), "Where it bears: from the middle of each wall towards the floor."] = 0.0
     mass: Annotated[float | None, Quantity("_kN_m2", 0.0, usual=_ON_AN_AREA, key="seismic_mass_kN_m2"), _MASS] = None
     kind: ClassVar[str] = "area load"
