@@ -88,9 +88,9 @@ def summary(
     )
 
 
-# Why load factors of one structure differ, by the kind of analysis.
 # So many sentences of one kind.
 _FEW_LINES = 3
+# Why load factors of one structure differ, by the kind of analysis.
 _REASONS = {
     "associative": "joints of an associative analysis open as they slide (dilatancy), so its load factor is an upper estimate",
     "non-associative": "joints of a non-associative one slide without opening, under thrusts that are one possibility of several",
@@ -165,8 +165,7 @@ def _advice(records: Sequence[Analysis]) -> str:
     least = f"{first.load_factor:.4f}"
     alike = [record for record in records if f"{record.load_factor:.4f}" == least]
     others = [f"{record.load_factor:.4f} ({_kind(record)})" for record in records if record not in alike]
-    start = f"{first.variant}, load" if first.variant else "Load"
-    start = f"{start} {first.load}: use {least} ({'; '.join(map(_kind, alike))})"
+    start = f"{_load_words(first)}: use {least} ({'; '.join(map(_kind, alike))})"
     if not others:
         return f"{start}, in which all analyses agree."
     return f"{start}, the careful value, not {', '.join(others)}; they differ because {_reasons(records)}."
@@ -174,30 +173,26 @@ def _advice(records: Sequence[Analysis]) -> str:
 
 def _loose_stones(analyses: Sequence[Analysis]) -> list[str]:
     """Return what analyses without dilatancy say of stones that friction alone holds, as sentences."""
-    said = [
-        f"Load {record.load}: {part}."
-        for record in analyses
-        if record.flow == "non-associative"
-        for part in record.message.split("; ")
-        if LOOSE in part
-    ]
-    return said[:_FEW_LINES] + (
-        [counted(len(said) - _FEW_LINES, "other analysis", "other analyses") + " found such stones."]
-        if len(said) > _FEW_LINES
-        else []
-    )
+    sliding = (record for record in analyses if record.flow == "non-associative")
+    said = [f"{_load_words(record)}: {part}." for record in sliding for part in record.message.split("; ") if LOOSE in part]
+    more = len(said) - _FEW_LINES
+    rest = [f"{counted(more, 'other analysis', 'other analyses')} found such stones."] if more > 0 else []
+    return said[:_FEW_LINES] + rest
 
 
 def _below_zero(records: Sequence[Analysis]) -> str:
     """Return what a load factor below zero means, as a sentence; the one that leads is one."""
     first = records[0]
-    start = f"{first.variant}, load" if first.variant else "Load"
-    start += f" {first.load}: {first.load_factor:.4f} ({_kind(first)}) is below zero, and no load factor of the building: in "
-    start += "the state that was found stones fall under the dead load alone, before anything pushes. Only thrusts that need "
+    start = f"{_load_words(first)}: {first.load_factor:.4f} ({_kind(first)}) is below zero, and no load factor of the building: "
+    start += "in the state that was found stones fall under the dead load alone, before anything pushes. Only thrusts that need "
     start += "not be there can hold them, as over an opening with a flat head. Look at what moves: it needs a lintel, an arch or "
     start += "a tie."
     above = [f"{record.load_factor:.4f} ({_kind(record)})" for record in records if record.load_factor >= 0]
     return f"{start} What the other analyses found takes these thrusts for granted: {', '.join(above)}." if above else start
+
+
+def _load_words(record: Analysis) -> str:
+    return f"{record.variant}, load {record.load}" if record.variant else f"Load {record.load}"
 
 
 def _kind(record: Analysis) -> str:

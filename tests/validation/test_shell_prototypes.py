@@ -5,6 +5,7 @@ Independent calculations made for this project, 8 planes, quadratic membrane: S5
 modelled is not said). The exact cell lies inside the planes; on these buildings by 2.5 % at most.
 """
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
@@ -27,10 +28,28 @@ def test_shell_of_the_same_building(name: str, low: float, high: float, planes: 
     assert low < state.load_factor < high
 
 
-@pytest.mark.parametrize(("name", "coarse", "fine"), [("s5", 0.2969, 0.3047), ("s22", 0.2351, 0.2172)])
-def test_the_mesh_may_lower_or_raise_the_load_factor(name: str, coarse: float, fine: float) -> None:
-    # docs/shell_results.md, and by it docs/limits.md and docs/second_model.md: 120 and 45 mm.
+# Load factors by the size of elements, mm: docs/shell_results.md, and by it docs/limits.md and docs/second_model.md.
+MESHES = {
+    "s5": {160: 0.2869, 120: 0.2969, 90: 0.3004, 60: 0.3015, 45: 0.3047},
+    "s22": {160: 0.2380, 120: 0.2351, 90: 0.2266, 60: 0.2216, 45: 0.2172},
+}
+FINE = {"s5": {30: 0.3048, 22.5: 0.3063}, "s22": {30: 0.2144, 22.5: 0.2111}}
+
+
+@pytest.mark.parametrize("name", MESHES)
+def test_the_mesh_may_lower_or_raise_the_load_factor(name: str) -> None:
+    assert_meshes(name, MESHES[name])
+
+
+@pytest.mark.slow("docs/shell_results.md: S22 and its mesh")
+@pytest.mark.parametrize("name", FINE)
+def test_fine_meshes(name: str) -> None:
+    assert_meshes(name, FINE[name])
+
+
+def assert_meshes(name: str, expected: Mapping[float, float]) -> None:
     case = cp.read_case(CASES / f"{name}.toml")
-    shells = [cp.derive_shell(case.building(), element_size=size) for size in (0.12, 0.045)]
-    found = [cp.shell_limit_analysis(shell, case.loads[0], case.materials).load_factor for shell in shells]
-    assert found == pytest.approx([coarse, fine], abs=2e-4)
+    for size, load_factor in expected.items():
+        shell = cp.derive_shell(case.building(), element_size=1e-3 * size)
+        state = cp.shell_limit_analysis(shell, case.loads[0], case.materials)
+        assert state.load_factor == pytest.approx(load_factor, abs=2e-4)

@@ -100,7 +100,9 @@ def _stones_at(stones: Assemblage, where: str, place: FloatArray) -> IntArray:
         high = np.maximum.reduceat(stones.points, stones.block_point_ptr[:-1], axis=0)
         apart = np.linalg.norm(np.maximum(np.maximum(low - place, place - high), 0.0), axis=1)
         nearest = int(apart.argmin())
-        found_at = f"{place.round(4).tolist()} m; the nearest stone, {stones.block_id[nearest]}, is {apart[nearest]:.3g} m away"
+        # A point in the notch of a stone is in its box.
+        away = f"{apart[nearest]:.3g} m away" if apart[nearest] > 0 else "around it"
+        found_at = f"{place.round(4).tolist()} m; the nearest stone, {stones.block_id[nearest]}, is {away}"
         remedy = "Move the anchor onto a stone: it may lie in an opening, or beside the wall."
         raise InputError(where, "no stone at the anchor", found=found_at, expected="a point in or on a stone", remedy=remedy)
     return found

@@ -46,8 +46,8 @@ def loose_words(stones: BoolArray, names: NameArray | None) -> str:
     if names is not None:
         known = [str(name) for name in names[stones]]
         told += f" ({', '.join(known[:_NAMED])}{', ...' if count > _NAMED else ''})"
-    verb, them = ("comes", "it") if count == 1 else ("come", "them")
-    return f"in it {told} {verb} {LOOSE}: friction alone holds {them}, so give {them} a lintel, an arch or a tie"
+    verb, them, need = ("comes", "it", "it needs") if count == 1 else ("come", "them", "they need")
+    return f"in it {told} {verb} {LOOSE}: friction alone holds {them}, and over an opening {need} a lintel, an arch or a tie"
 
 
 def any_load_words(low: float, high: float) -> str:

@@ -243,7 +243,8 @@ class _Search:
         if runs_from_centre(self._balance, firm):
             held = from_centre(self._balance, firm, gap, self._solve, self._progress)
         else:
-            held = certified_iteration(self._balance, firm, self._first_forces("dead-load"), self._solve, progress=self._progress)
+            n, settings = self._first_forces("dead-load"), SchemeSettings(bipotential_gap=gap)
+            held = certified_iteration(self._balance, firm, n, self._solve, settings, self._progress)
         near = [] if held is None else [np.maximum(held.x[:, 0], 0.0)]
         if self._associative.status == "optimal":
             near.append(self._first_forces("associative"))

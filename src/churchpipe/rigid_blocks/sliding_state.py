@@ -106,15 +106,16 @@ def _why(chosen: SlidingRun, certified: CoulombState | None, violation: float) -
 
 
 def _where(balance: Equilibrium, strength: Strength, state: CoulombState | None, names: NameArray | None) -> str:
-    """Return at which stones most of the gap of a state lies: what is to be looked at, such as a flat head without a lintel."""
+    """Return at which joint most of the gap of a state lies: what is to be looked at, such as a flat head without a lintel."""
     if state is None or names is None or not state.relative_gap > BIPOTENTIAL_GAP:
         return ""
-    shares = gap_shares(balance, strength, state.x, state.y)[: balance.contacts]
-    worst = int(shares.argmax())
-    pointer, bodies = balance.wrenches.pointer, balance.wrenches.bodies
-    of_joint = shares[balance.wrenches.frame[: balance.contacts] == balance.wrenches.frame[worst]].sum()
-    at = " and ".join(str(names[body]) for body in bodies[pointer[worst] : pointer[worst + 1]])
-    return f"; {100 * of_joint / max(float(shares.sum()), 1e-300):.0f} % of it at a joint of {at}"
+    wrenches, shares = balance.wrenches, gap_shares(balance, strength, state.x, state.y)[: balance.contacts]
+    joint = wrenches.frame[: balance.contacts]
+    of_joint = np.bincount(joint, shares)
+    worst = int(of_joint.argmax())
+    point = int(np.argmax(joint == worst))
+    at = " and ".join(str(names[body]) for body in wrenches.bodies[wrenches.pointer[point] : wrenches.pointer[point + 1]])
+    return f"; {100 * of_joint[worst] / max(float(shares.sum()), 1e-300):.0f} % of it at a joint of {at}"
 
 
 def nothing_found(associative: LimitState) -> LimitState:

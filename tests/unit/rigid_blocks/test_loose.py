@@ -41,7 +41,8 @@ def test_a_mechanism_of_the_building_is_not_loose() -> None:
 def test_what_is_said_of_loose_stones() -> None:
     names = np.array(["N1", "N2", "N3", "N4"])
     assert loose_words(np.array([True, False, False, False]), names) == (
-        "in it 1 stone (N1) comes out whatever pushes: friction alone holds it, so give it a lintel, an arch or a tie"
+        "in it 1 stone (N1) comes out whatever pushes: friction alone holds it, and over an opening it needs "
+        "a lintel, an arch or a tie"
     )
     assert "in it 4 stones (N1, N2, N3, ...) come out" in loose_words(np.ones(4, dtype=bool), names)
     assert any_load_words(-0.2, -0.1) == "in it stones fall under the dead load alone"
