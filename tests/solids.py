@@ -1,9 +1,12 @@
 """Hand-made stones for tests."""
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
+import shapely
 
+from churchpipe.geometry.prism import prism_of
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage, Polyhedron
 
@@ -24,6 +27,14 @@ def prism(outline: Sequence[tuple[float, float]], width: float) -> Solid:
     faces = [list(range(n)), list(range(2 * n - 1, n - 1, -1))]
     faces += [[i, i + n, (i + 1) % n + n, (i + 1) % n] for i in range(n)]
     return points, faces
+
+
+def standing(region: shapely.Polygon, thickness: float, turn: float = 0.0) -> Polyhedron:
+    """A wall over an outline in its plane, its back on y = 0, then turned about the upright axis (rad)."""
+    flat, faces = prism_of(region)
+    points = np.stack([flat[:, 0], thickness * (1.0 - flat[:, 2]), flat[:, 1]], axis=1)
+    c, s = math.cos(turn), math.sin(turn)
+    return points @ np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]).T, [list(face) for face in faces]
 
 
 def on_ground(*free: Polyhedron, unit_weight: float = 18e3, reach: float = 50.0) -> Assemblage:

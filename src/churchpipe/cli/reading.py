@@ -26,6 +26,12 @@ Course = Annotated[
     str | None, typer.Option(help="With --bond: height of a course, width of a voussoir: 0.25m.", show_default=False)
 ]
 StoneLength = Annotated[str | None, typer.Option("--stone", help="With --bond: about the length of a stone.", show_default=False)]
+LintelBearing = Annotated[
+    str | None,
+    typer.Option(
+        help="With --bond: lay lintels over flat heads that have none; how far they bear on each side.", show_default=False
+    ),
+]
 UpAxis = Annotated[str | None, typer.Option("--up", help="Axis of a mesh that points up: z, y, x, -z, -y or -x.")]
 Scale = Annotated[float, typer.Option(help="Sizes in the building over sizes in the file, of a mesh at scale.")]
 Repair = Annotated[bool, typer.Option("--repair", help="Drop duplicates and recompute wrong attributes; each is listed.")]
@@ -46,13 +52,14 @@ def _reading(
     bond: Bond = None,
     course: Course = None,
     stone: StoneLength = None,
+    lintel_bearing: LintelBearing = None,
 ) -> Any:
     """Return how a drawing is read from the options of the command line."""
     from churchpipe.dxf.reading import Reading
     from churchpipe.importing import parse_length
 
-    given = {"thickness": thickness, "joint": joint, "course": course, "stone": stone}
-    lengths = {name: parse_length(f"--{name}", text) for name, text in given.items()}
+    given = {"thickness": thickness, "joint": joint, "course": course, "stone": stone, "lintel_bearing": lintel_bearing}
+    lengths = {name: parse_length(f"--{name.replace('_', '-')}", text) for name, text in given.items()}
     words: dict[str, Any] = {"support": support, "plane": plane, "joint_mode": joint_mode, "mortar": mortar}
     words |= {"up": up, "scale": scale, "bond": bond}
     try:

@@ -17,6 +17,7 @@ from churchpipe.findings import Finding
 from churchpipe.geometry.planar import Region, area, common, less, pieces
 from churchpipe.geometry.prism import prism_of
 from churchpipe.model.arrays import FloatArray
+from churchpipe.recognition.lintels import is_lintel
 from churchpipe.wording import counted
 
 # Layers of what is no stone.
@@ -38,8 +39,8 @@ def stones_of_traces(
 
     thickness: of the stones whose outline has none of its own (the DXF thickness), drawing units, None when not given;
     plane: "xz" stands what is drawn in the plane x-y of the drawing upright, "xy" leaves it lying. Outlines on a layer that means
-    ground become supports; the others are stones of a panel with the name of their layer. cut: outlines are whole walls, and
-    those on a layer that means opening are cut out of them.
+    ground become supports; the others are stones of a panel with the name of their layer. cut: outlines are whole walls, those on
+    a layer that means opening are cut out of them, and those on a layer of lintels are as deep as the wall they are drawn on.
     """
     left: Counter[str] = Counter()
     flat = [trace for trace in traces if is_flat(trace)]
@@ -61,20 +62,24 @@ def stones_of_traces(
         outlines = cut_out(outlines, openings, findings, thickness=thickness or 0.0)
         left["outlines of openings"] += len(openings) - len(findings) + before
         findings += inside_others(outlines)
-    shallow = [outline for outline in outlines if not outline.trace.depth]
+    walls = [outline for outline in outlines if _kind(outline.trace) == _Kind.STONE and not _spans(outline)] if cut else []
+    deep = _lintels([outline for outline in outlines if cut and _spans(outline)], walls)
+    shallow = [
+        outline for outline in outlines if not (outline.trace.depth or (id(outline) in deep and deep[id(outline)].trace.depth))
+    ]
     if shallow and thickness is None:
         remedy = "Pass --thickness, such as --thickness 0.12m."
         found = f"{counted(len(shallow), 'outline')} without a thickness"
         findings.append(shallow[0].trace.place.finding("E24", found, expected="how deep the stones are", remedy=remedy))
         return [], left
     stones: list[Stone] = []
-    walls = [outline for outline in outlines if _kind(outline.trace) == _Kind.STONE] if cut else []
     cuts = _cuts(walls, openings, thickness or 0.0)
     for outline in outlines:
         through = [openings[number] for number in cuts[id(outline)]] if id(outline) in cuts else []
-        own = _stones(outline, [opening.region for opening in through], thickness or 0.0, plane)
+        levels = levels_of(deep.get(id(outline), outline), thickness or 0.0)
+        own = _stones(outline, [opening.region for opening in through], levels, plane)
         if not own:
-            remedy = "Draw the openings smaller, put what is none on another layer, and leave out lintels: whole walls have none."
+            remedy = "Draw the openings smaller, put what is none on another layer, and lintels on a layer LINTEL."
             findings.append(outline.trace.place.finding("E28", "openings take all of the wall", remedy=remedy))
         stones += own
     if cut:
@@ -97,10 +102,19 @@ def _cuts(walls: list[Outline], openings: list[Outline], thickness: float) -> di
     return cuts
 
 
-def _stones(outline: Outline, cut: list[Region], thickness: float, plane: ElevationPlane) -> list[Stone]:
-    """Return the bodies of an outline, extruded: one, or several where openings (regions) cut it into parts, or none."""
+def _lintels(lintels: list[Outline], walls: list[Outline]) -> dict[int, Outline]:
+    """Return the wall on which each lintel without a thickness of its own is drawn, by the id of the lintel: it is as deep."""
+    found: dict[int, Outline] = {}
+    for lintel in (lintel for lintel in lintels if not lintel.trace.depth):
+        across = [wall for wall in walls if parallel(wall, lintel) and area(common(wall.region, lintel.region)) > 0]
+        found |= {id(lintel): wall for wall in drawn_within(lintel, across, 0.0)[:1]}
+    return found
+
+
+def _stones(outline: Outline, cut: list[Region], levels: tuple[float, float], plane: ElevationPlane) -> list[Stone]:
+    """Return the bodies of an outline, extruded between two levels: one, or several where openings (regions) cut it into parts,
+    or none."""
     trace, axes = outline.trace, outline.plane.axes
-    levels = levels_of(outline, thickness)
     whole = outline.region
     rest = [part for part in pieces(less(whole, cut)) if area(part) > NOTHING * area(whole)] if cut else pieces(whole)
     bodies = [prism_of(part) for part in rest]
@@ -113,6 +127,10 @@ def _stones(outline: Outline, cut: list[Region], thickness: float, plane: Elevat
         size = None if cut else float(np.sqrt(area(whole)))
         stones.append(Stone(points, faces, bearing, trace.place, trace.place.handle, "default", panel, size=size))
     return stones
+
+
+def _spans(outline: Outline) -> bool:
+    return is_lintel(outline.trace.layer)
 
 
 def _kind(trace: Trace) -> _Kind:

@@ -14,11 +14,9 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import Building, Panel
 from churchpipe.model.materials import UnitWeight
 from churchpipe.recognition.laying import LaidBond, Volume, joined, laid_panel, lowest
+from churchpipe.recognition.lintels import LEVEL, LaidLintel, bare_heads, is_lintel, with_lintels
 from churchpipe.stones.blocks import derive_blocks
 from churchpipe.wording import counted
-
-# Corners of an outline that differ by less in height are level, m.
-LEVEL = 1e-6
 
 
 def laid_stones(bodies: Sequence[Stone], bond: LaidBond, unit: float, findings: list[Finding]) -> list[Stone]:
@@ -42,15 +40,20 @@ def laid_stones(bodies: Sequence[Stone], bond: LaidBond, unit: float, findings: 
             findings.append(_refused(error, place))
     if len(panels) < len(volumes):
         return fixed
+    lintels: list[LaidLintel] = []
     try:
         panels = joined(panels)
+        if bond.lintel_bearing:
+            panels, lintels = with_lintels(panels, bond.lintel_bearing)
         materials = tuple(UnitWeight(name, 1.0) for name in dict.fromkeys(body.material for body in free))
         stones = derive_blocks(Building("walls", tuple(panels), materials, ground=None))
     except InputError as error:
         findings.append(_refused(error, place))
         return fixed
     findings += [_finding(panel, stones, place[panel.name]) for panel in panels]
-    findings += [said for panel in panels for said in _flat_heads(panel, place[panel.name])]
+    asked = bond.lintel_bearing or 0.0
+    findings += [said for panel in panels for said in _bearings(panel, lintels, asked, place[panel.name])]
+    findings += [said for panel in panels for said in _bare_heads(panel, place[panel.name])]
     return [*fixed, *_stones(stones, place, unit)]
 
 
@@ -63,37 +66,52 @@ def _refused(error: InputError, place: dict[str, Place]) -> Finding:
 
 def _names(bodies: Sequence[Stone]) -> list[str]:
     """Return names for the walls: those of their layers or bodies, numbered where several bear one."""
-    names = [body.panel or body.name for body in bodies]
+    names = [body.panel or (body.layer if is_lintel(body.layer) else body.name) for body in bodies]
     shared = {name: count(1) for name, times in Counter(names).items() if times > 1}
     return [f"{name}-{next(shared[name])}" if name in shared else name for name in names]
 
 
 def _finding(panel: Panel, stones: Assemblage, place: Place) -> Finding:
     own = stones.panel == panel.name
+    bonds = [region for region in panel.regions if region.pattern not in ("voussoir", "single")]
     rings = [region for region in panel.regions if region.pattern == "voussoir"]
+    lintels = sum(region.pattern == "single" for region in panel.regions)
     voussoirs = sum(region.pieces for region in rings)
-    laid = [f"{voussoirs} voussoirs, about {rings[0].cell.a:.3g} m wide"] if rings else []
-    for region in panel.regions:
-        if region.pattern != "voussoir":
-            sizes = f"courses of {region.cell.a:.3g} m, about {region.cell.b:.3g} m long"
-            laid.insert(0, f"{counted(int(own.sum()) - voussoirs, 'stone')} in {region.pattern} bond, {sizes}")
-    what = f'"{panel.name}": laid {", and ".join(laid)}; {stones.volume[own].sum():.6g} m3'
-    return place.finding("W28", what)
+    laid: list[str] = []
+    for region in bonds:
+        sizes = f"courses of {region.cell.a:.3g} m, about {region.cell.b:.3g} m long"
+        laid.append(f"{counted(int(own.sum()) - voussoirs - lintels, 'stone')} in {region.pattern} bond, {sizes}")
+    laid += [f"{voussoirs} voussoirs, about {rings[0].cell.a:.3g} m wide"] if rings else []
+    laid += [counted(lintels, "lintel")] if lintels else []
+    return place.finding("W28", f'"{panel.name}": laid {", and ".join(laid)}; {stones.volume[own].sum():.6g} m3')
 
 
-def _flat_heads(panel: Panel, place: Place) -> list[Finding]:
-    """Return what is to be said of openings with a flat head: the friction of head joints alone holds the stones over it."""
-    start, stop = panel.outline, np.roll(panel.outline, -1, axis=0)
-    # The outline runs counter-clockwise: a level side that runs to the right has the wall above it.
-    right = (np.abs(stop[:, 1] - start[:, 1]) < LEVEL) & (stop[:, 0] > start[:, 0])
-    doors = int((right & (start[:, 1] > start[:, 1].min() + LEVEL)).sum())
-    count = doors + sum(opening.kind == "rectangular" for opening in panel.openings)
-    if not count:
+def _bearings(panel: Panel, lintels: Sequence[LaidLintel], asked: float, place: Place) -> list[Finding]:
+    """Return what is to be said of lintels of a wall that do not bear as far as was asked."""
+    other = [one for one in lintels if one.wall == panel.name and np.abs(np.array(one.bearing) - asked).max() > LEVEL]
+    if not other:
         return []
-    found = f'"{panel.name}": openings with a flat head and no lintel ({count}): friction of head joints holds the stones over it'
+    listed = "; ".join(
+        f"{one.bearing[0]:.3g} m on the left and {one.bearing[1]:.3g} m on the right of the opening from {one.head.start:.4g} to "
+        f"{one.head.stop:.4g} m, {one.head.level:.4g} m high"
+        for one in other
+    )
+    found = f'"{panel.name}": lintels do not bear {asked:.3g} m where other openings, walls or ends are near: {listed}'
+    return [place.finding("W28", found, remedy="Draw the lintel as an outline on a layer LINTEL if it is another.")]
+
+
+def _bare_heads(panel: Panel, place: Place) -> list[Finding]:
+    """Return what is to be said of openings without lintel or arch: the friction of head joints holds the stones over it."""
+    heads = bare_heads(panel)
+    if not heads:
+        return []
+    flat = sum(head.flat for head in heads)
+    kinds = [f"openings with a flat head and no lintel ({flat})"] if flat else []
+    kinds += [f"openings with a curved head and no arch ({len(heads) - flat})"] if flat < len(heads) else []
+    found = f'"{panel.name}": {", ".join(kinds)}: friction of head joints holds the stones over it'
     remedy = (
         "No shell stands over it without cohesion: shear dies out towards its free edge, nothing else holds what hangs there. "
-        "Draw an arch over it as a ring of its own, or run the stones alone."
+        "Draw the lintel on a layer LINTEL, or an arch over it as a ring of its own; --lintel-bearing lays lintels."
     )
     return [place.finding("W28", found, remedy=remedy)]
 

@@ -35,6 +35,7 @@ class Reading:
     bond: Annotated[LaidPattern | None, "Bodies and outlines are whole walls and rings, and stones are laid in them."] = None
     course: Annotated[Length | None, "Height of the courses of `bond`; width of the voussoirs of a ring."] = None
     stone: Annotated[Length | None, "About the length of the stones of `bond`; each clear bay is divided evenly."] = None
+    lintel_bearing: Annotated[Length | None, "Bearing, on either side, of lintels that `bond` lays over flat heads."] = None
 
     def __post_init__(self) -> None:
         if self.units is not None:
@@ -47,7 +48,7 @@ class Reading:
         if self.up is not None:
             one_of("up", self.up, "z", "y", "x", "-z", "-y", "-x")
         positive("scale", self.scale)
-        for name in ("thickness", "joint", "course", "stone"):
+        for name in ("thickness", "joint", "course", "stone", "lintel_bearing"):
             if getattr(self, name) is not None:
                 positive(name, getattr(self, name))
         for name, usual in (("joint_mode", "grow"), ("mortar", "counted")):
@@ -55,7 +56,7 @@ class Reading:
                 expected = "joint, the width of the joints, beside it"
                 raise InputError(name, "no joint to close", found=getattr(self, name), expected=expected)
         if self.bond is None:
-            for name in ("course", "stone"):
+            for name in ("course", "stone", "lintel_bearing"):
                 if getattr(self, name) is not None:
                     raise InputError(name, "no bond to lay", expected="a bond, such as running, and whole walls in the file")
         elif self.joint is not None:
@@ -71,7 +72,7 @@ class Reading:
     @property
     def laid(self) -> LaidBond | None:
         """The bond to lay in whole walls; None where the file has stones."""
-        return LaidBond(self.bond, self.course, self.stone) if self.bond and self.course else None
+        return LaidBond(self.bond, self.course, self.stone, self.lintel_bearing) if self.bond and self.course else None
 
     @property
     def kept_joint(self) -> float | None:

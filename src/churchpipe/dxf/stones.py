@@ -35,7 +35,7 @@ STRETCH_TOLERANCE = 1e-9
 class Stone:
     """One stone as drawn, in drawing units: points (n, 3), outward faces, and its labels.
 
-    size: side of the square as large as its outline, when that alone was drawn.
+    size: side of the square as large as its outline, when that alone was drawn. layer: of a solid without labels.
     """
 
     points: FloatArray
@@ -48,6 +48,7 @@ class Stone:
     course: int = -1
     butts: bool = False
     size: float | None = None
+    layer: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,7 +146,8 @@ def _visit(found: Survey, content: Definition, branch: _Branch) -> None:
         if warp or solid.body.warp:
             found.findings.append(warped(max(warp, solid.body.warp), place))
         found.nameless.append(place)
-        found.stones.append(Stone(points, faces, _is_ground(found, layer, branch, place), place, name, "default"))
+        ground = _is_ground(found, layer, branch, place)
+        found.stones.append(Stone(points, faces, ground, place, name, "default", layer=layer))
     found.left_out[HIDDEN] += content.invisible
     for face in content.loose:
         _visit_loose(found, face, branch)

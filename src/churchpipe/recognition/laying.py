@@ -14,7 +14,8 @@ from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import BondRegion, Building, Opening, Panel, UnitCell
 from churchpipe.model.materials import UnitWeight
-from churchpipe.recognition.inset_rings import openings_of, outline_and_holes, with_rings
+from churchpipe.recognition.insets import openings_of, outline_and_holes, with_insets
+from churchpipe.recognition.lintels import is_lintel, with_lintels
 from churchpipe.recognition.ring_outlines import ring_outlines
 from churchpipe.recognition.supports import support_of
 from churchpipe.recognition.volumes import WallVolume, wall_volume
@@ -29,16 +30,20 @@ class LaidBond:
     "voussoir" for rings alone.
 
     A ring gets voussoirs whatever the pattern, about as wide at half their depth as a course is high. Stones of a wall are about
-    as long as asked: each clear bay between its ends or crossing walls is divided evenly.
+    as long as asked: each clear bay between its ends or crossing walls is divided evenly. lintel_bearing: how far lintels bear on
+    either side of openings, m; without it only those that are drawn are laid.
     """
 
     pattern: LaidPattern
     course: float
     stone: float | None = None
+    lintel_bearing: float | None = None
 
     def __post_init__(self) -> None:
         one_of("bond", self.pattern, *PATTERNS)
         positive("course", self.course)
+        if self.lintel_bearing is not None:
+            positive("lintel_bearing", self.lintel_bearing)
         if self.stone is not None:
             positive("stone", self.stone)
         elif self.pattern != "voussoir":
@@ -57,23 +62,33 @@ class Volume:
 
 
 def lay_stones(
-    volumes: Assemblage, *, bond: LaidPattern = "running", course: float, stone: float | None = None, name: str = "walls"
+    volumes: Assemblage,
+    *,
+    bond: LaidPattern = "running",
+    course: float,
+    stone: float | None = None,
+    lintel_bearing: float | None = None,
+    name: str = "walls",
 ) -> Building:
     """Return the building that stands in the given volumes: each free body is a wall, or a ring, and gets stones.
 
     `derive_blocks` and `derive_shell` make the two models of it. Openings that go through a body stay. Walls that reach into one
-    another at right angles are toothed; where one ends at the face of another they butt. Fixed bodies are supports.
+    another at right angles are toothed; where one ends at the face of another they butt. A body whose name begins with "lintel"
+    is one stone, in the wall that it lies in. Fixed bodies are supports.
 
     Parameters
     ----------
     volumes
-        Closed bodies, a wall or a ring each; their block_id names the walls.
+        Closed bodies, a wall, a ring or a lintel each; their block_id names the walls.
     bond
         "running" or "stack"; "voussoir" where all are rings.
     course
         Height of a course, m; in a ring about the width of a voussoir.
     stone
         About the length of a stone, m; not needed where all are rings.
+    lintel_bearing
+        How far a lintel bears on either side of an opening, m. Each opening with a flat head gets one that has none, up to the
+        next bed joint; it bears less where the wall ends, another crosses it, or a narrow pier bears two.
     name
         Of the building.
 
@@ -83,13 +98,14 @@ def lay_stones(
         A body that is no wall, and where it is none; walls that cannot be laid.
     """
     check_kind("lay_stones: volumes", volumes, Assemblage)
-    laid = LaidBond(bond, course, stone)
+    laid = LaidBond(bond, course, stone, lintel_bearing)
     bodies: list[Volume] = []
     for block in np.flatnonzero(~volumes.fixed):
         body = support_of(volumes, int(block))
         bodies.append(Volume(str(volumes.block_id[block]), str(volumes.material[block]), body.points, list(body.faces)))
     base = lowest(bodies) if bodies else 0.0
     panels = joined([laid_panel(body, base, laid) for body in bodies])
+    panels = with_lintels(panels, lintel_bearing)[0] if lintel_bearing else panels
     free = ~volumes.fixed
     weights = {str(m): float(w) for m, w in zip(volumes.material[free], volumes.unit_weight[free], strict=True)}
     materials = tuple(UnitWeight(material, weight) for material, weight in weights.items())
@@ -111,14 +127,14 @@ def laid_panel(body: Volume, base: float, bond: LaidBond) -> Panel:
 
 
 def joined(panels: Sequence[Panel]) -> list[Panel]:
-    """Return the walls as one building: rings that lie in a wall are part of it, and walls that cross are toothed, one on even
-    courses, the other on odd ones.
+    """Return the walls as one building: rings and lintels that lie in a wall are part of it, and walls that cross are toothed,
+    one on even courses, the other on odd ones.
 
     Raises
     ------
     InputError: walls of one plane that lie in each other, or that cross at a slant.
     """
-    panels = with_rings(panels)
+    panels = with_insets(panels)
     solids = [wall_region(panel) for panel in panels]
     parity: dict[int, Literal[0, 1]] = {}
     links = [crossing.walls for crossing in crossings(panels, solids)]
@@ -136,6 +152,9 @@ def joined(panels: Sequence[Panel]) -> list[Panel]:
 
 def _panel(body: Volume, wall: WallVolume, bond: LaidBond) -> Panel:
     outer, inner = outline_and_holes(wall.region)
+    if is_lintel(body.name):
+        single = BondRegion("lintel", outer, "single", UnitCell(a=bond.course, b=bond.stone or bond.course), yields=False)
+        return Panel(body.name, wall.chart, outer, wall.thickness, (single,), body.material)
     arcs = ring_outlines(wall.region)
     if arcs:
         regions = tuple(

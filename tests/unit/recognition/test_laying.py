@@ -18,20 +18,12 @@ from churchpipe.findings import FindingsError
 from churchpipe.geometry.prism import prism_of
 from churchpipe.match import match_models
 from churchpipe.model.assemblage import Assemblage, Polyhedron
-from churchpipe.recognition.inset_rings import outline_and_holes
+from churchpipe.recognition.insets import outline_and_holes
 from churchpipe.recognition.panels import fit_panels
 from mesh_files import write_obj, write_stl
-from solids import box
+from solids import box, standing
 
 COURSE, STONE = 0.25, 0.5
-
-
-def standing(region: shapely.Polygon, thickness: float, turn: float = 0.0) -> Polyhedron:
-    """A wall over an outline in its plane, its back on y = 0, then turned about the upright axis (rad)."""
-    flat, faces = prism_of(region)
-    points = np.stack([flat[:, 0], thickness * (1.0 - flat[:, 2]), flat[:, 1]], axis=1)
-    c, s = math.cos(turn), math.sin(turn)
-    return points @ np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]).T, [list(face) for face in faces]
 
 
 def volumes(*bodies: Polyhedron) -> Assemblage:

@@ -1,0 +1,217 @@
+"""Lintels over openings of walls that are given whole: drawn, or laid where asked."""
+
+from pathlib import Path
+from typing import Any
+
+import ezdxf
+import numpy as np
+import pytest
+import shapely
+
+import churchpipe as cp
+from churchpipe.errors import InputError
+from churchpipe.recognition.lintels import is_lintel
+from churchpipe.recognition.panels import fit_panels
+from solids import standing
+
+COURSE, STONE, THICKNESS = 0.25, 0.5, 0.4
+OPTIONS: dict[str, Any] = {"support": "base", "unit_weight": 18e3, "bond": "running", "course": COURSE, "stone": STONE}
+
+
+def drawing(tmp_path: Path, *outlines: tuple[str, tuple[float, float, float, float]], **frame: Any) -> Path:
+    """A drawing in m of rectangles (left, low, right, top) with their layers."""
+    document = ezdxf.new("R2010", units=6)
+    for layer, (left, low, right, top) in outlines:
+        corners = [(left, low), (right, low), (right, top), (left, top)]
+        document.modelspace().add_lwpolyline(corners, close=True, dxfattribs={"layer": layer, **frame})
+    path = tmp_path / "wall.dxf"
+    document.saveas(path)
+    return path
+
+
+def read(path: Path, **options: Any) -> tuple[cp.Assemblage, str]:
+    stones, findings = cp.read_dxf(path, thickness=THICKNESS, **OPTIONS, **options)
+    return stones, str(findings)
+
+
+def boxes_of(stones: cp.Assemblage) -> np.ndarray:
+    """Left, low, right, top of each free stone."""
+    pointer = stones.block_point_ptr
+    spans = [stones.points[pointer[k] : pointer[k + 1]][:, [0, 2]] for k in np.flatnonzero(~stones.fixed)]
+    return np.array([[*span.min(axis=0), *span.max(axis=0)] for span in spans])
+
+
+def has(stones: cp.Assemblage, *box: float) -> bool:
+    return bool((np.abs(boxes_of(stones) - box).max(axis=1) < 1e-9).any())
+
+
+WALL = ("WALL", (0.0, 0.0, 5.0, 3.0))
+WINDOW = ("OPENING", (2.0, 1.0, 3.0, 2.0))
+
+
+@pytest.mark.parametrize(
+    "opening",
+    [WINDOW, ("OPENING", (2.0, -0.2, 3.0, 2.0)), ("OPENING", (2.0, 1.0, 3.0, 2.25))],
+    ids=["window", "door", "drawn up to the top of its lintel"],
+)
+def test_a_drawn_lintel_is_one_stone_of_its_wall(tmp_path: Path, opening):
+    stones, said = read(drawing(tmp_path, WALL, opening, ("LINTEL", (1.7, 2.0, 3.3, 2.25))))
+    assert has(stones, 1.7, 2.0, 3.3, 2.25)
+    clear = min(opening[1][3], 2.0) - max(opening[1][1], 0.0)
+    assert stones.volume[~stones.fixed].sum() == pytest.approx(THICKNESS * (15.0 - clear), rel=1e-9)
+    assert set(stones.panel[~stones.fixed]) == {"WALL"}
+    assert "1 lintel" in said
+    assert "flat head" not in said
+    cp.check_soundness(stones, cp.find_contacts(stones))
+
+
+def test_a_shell_stands_over_a_lintel(tmp_path: Path):
+    """Without it the shell falls under its own weight (test_laying.py)."""
+    stones, _ = read(drawing(tmp_path, WALL, WINDOW, ("LINTEL", (1.7, 2.0, 3.3, 2.25))))
+    masonry = cp.Material("default", 18e3, 0.6)
+    building = fit_panels(stones).building((masonry,))
+    shell = cp.derive_shell(building, element_size=0.3)
+    load = cp.LoadCase((1, 0, 0))
+    found = cp.shell_limit_analysis(shell, load, [masonry])
+    assert found.status == "optimal"
+    assert cp.match_models(stones, cp.find_contacts(stones), shell).passed
+    sliding = cp.limit_analysis(stones, cp.find_contacts(stones), load, 0.6, flow="non-associative")
+    assert sliding.status == "converged"
+    assert sliding.load_factor > 0.3
+
+
+@pytest.mark.parametrize(("head", "top"), [(2.0, 2.25), (1.9, 2.25), (2.2, 2.5)])
+def test_lintels_are_laid_where_asked(tmp_path: Path, head: float, top: float):
+    """From the head of the opening to the next bed joint that leaves it half a course at least, and as far beside it as asked."""
+    stones, said = read(drawing(tmp_path, WALL, ("OPENING", (2.0, 1.0, 3.0, head))), lintel_bearing=0.3)
+    assert has(stones, 1.7, head, 3.3, top)
+    assert stones.volume[~stones.fixed].sum() == pytest.approx(THICKNESS * (15.0 - head + 1.0), rel=1e-9)
+    assert "1 lintel" in said
+    assert "flat head" not in said
+
+
+def test_a_lintel_ends_where_its_wall_does_and_says_so(tmp_path: Path):
+    """Beside an end of the wall, and over a pier that is narrower than two bearings, where two meet in the middle."""
+    holes = [("OPENING", (0.2, 1.0, 1.2, 2.0)), ("OPENING", (1.6, 1.0, 2.6, 2.0))]
+    stones, said = read(drawing(tmp_path, WALL, *holes), lintel_bearing=0.3)
+    assert has(stones, 0.0, 2.0, 1.4, 2.25)
+    assert has(stones, 1.4, 2.0, 2.9, 2.25)
+    assert "do not bear 0.3 m" in said
+    assert "0.2 m on the left and 0.2 m on the right of the opening from 0.2 to 1.2 m" in said
+    assert "0.2 m on the left and 0.3 m on the right of the opening from 1.6 to 2.6 m" in said
+
+
+def test_a_lintel_that_is_drawn_is_not_laid_again(tmp_path: Path):
+    other = ("OPENING", (3.6, 1.0, 4.3, 2.0))
+    stones, said = read(drawing(tmp_path, WALL, WINDOW, other, ("LINTELS", (1.5, 2.0, 3.2, 2.25))), lintel_bearing=0.2)
+    assert has(stones, 1.5, 2.0, 3.2, 2.25)
+    assert has(stones, 3.4, 2.0, 4.5, 2.25)
+    assert "2 lintels" in said
+
+
+def test_an_opening_without_room_for_its_lintel_is_refused(tmp_path: Path):
+    top = ("OPENING", (2.0, 2.0, 3.0, 2.95))
+    with pytest.raises(InputError, match="no room for a lintel"):
+        read(drawing(tmp_path, WALL, top), lintel_bearing=0.3)
+    end = ("OPENING", (0.03, 1.0, 1.0, 2.0))
+    with pytest.raises(InputError, match="no room for a lintel"):
+        read(drawing(tmp_path, WALL, end), lintel_bearing=0.3)
+
+
+def test_a_lintel_reaches_to_the_top_of_its_wall(tmp_path: Path):
+    stones, _ = read(drawing(tmp_path, WALL, ("OPENING", (2.0, 1.0, 3.0, 2.8))), lintel_bearing=0.3)
+    assert has(stones, 1.7, 2.8, 3.3, 3.0)
+
+
+def test_lintels_keep_clear_of_crossing_walls(tmp_path: Path):
+    """A room of three walls in space: the window of the front stands .2 m from the cross wall behind it."""
+    document = ezdxf.new("R2010", units=6)
+    space = document.modelspace()
+
+    def front(layer: str, left: float, low: float, right: float, top: float, depth: float = 0.5) -> None:
+        frame = {"layer": layer, "extrusion": (0, -1, 0), "elevation": 0.0, "thickness": -depth}
+        space.add_lwpolyline([(left, low), (right, low), (right, top), (left, top)], close=True, dxfattribs=frame)
+
+    def side(layer: str, x: float) -> None:
+        frame = {"layer": layer, "extrusion": (1, 0, 0), "elevation": x, "thickness": 0.5}
+        space.add_lwpolyline([(0, 0), (4, 0), (4, 3), (0, 3)], close=True, dxfattribs=frame)
+
+    front("FRONT", 0.0, 0.0, 6.0, 3.0)
+    side("CROSS", 2.0)
+    front("OPENING", 2.7, 1.0, 3.6, 2.0, 0.0)
+    document.saveas(tmp_path / "room.dxf")
+    stones, findings = cp.read_dxf(tmp_path / "room.dxf", lintel_bearing=0.3, **OPTIONS)
+    lintel = np.flatnonzero(np.abs(boxes_of(stones) - (2.5, 2.0, 3.9, 2.25)).max(axis=1) < 1e-9)
+    assert len(lintel) == 1
+    assert "0.2 m on the left and 0.3 m on the right" in str(findings)
+    cp.check_soundness(stones, cp.find_contacts(stones))
+
+
+def test_a_lintel_drawn_on_the_face_of_a_wall_is_as_deep_as_the_wall(tmp_path: Path):
+    document = ezdxf.new("R2010", units=6)
+    space = document.modelspace()
+    for layer, thickness, (left, low, right, top) in (
+        ("FRONT", 0.5, (0.0, 0.0, 5.0, 3.0)),
+        ("OPENING", 0.0, (2.0, 1.0, 3.0, 2.0)),
+        ("LINTEL", 0.0, (1.8, 2.0, 3.2, 2.25)),
+    ):
+        frame = {"layer": layer, "extrusion": (0, -1, 0), "elevation": -1.0, "thickness": thickness}
+        space.add_lwpolyline([(left, low), (right, low), (right, top), (left, top)], close=True, dxfattribs=frame)
+    document.saveas(tmp_path / "wall.dxf")
+    stones, _ = cp.read_dxf(tmp_path / "wall.dxf", **OPTIONS)
+    assert has(stones, 1.8, 2.0, 3.2, 2.25)
+    assert stones.volume[~stones.fixed].sum() == pytest.approx(0.5 * 14.0, rel=1e-9)
+
+
+def test_a_lintel_thinner_than_its_wall_is_refused(tmp_path: Path):
+    document = ezdxf.new("R2010", units=6)
+    space = document.modelspace()
+    for layer, depth, (left, low, right, top) in (("FRONT", 0.5, WALL[1]), ("LINTEL", 0.25, (1.8, 2.0, 3.2, 2.25))):
+        frame = {"layer": layer, "thickness": depth}
+        space.add_lwpolyline([(left, low), (right, low), (right, top), (left, top)], close=True, dxfattribs=frame)
+    document.saveas(tmp_path / "wall.dxf")
+    with pytest.raises(InputError, match="a lintel not as thick as its wall"):
+        cp.read_dxf(tmp_path / "wall.dxf", **OPTIONS)
+
+
+def test_two_lintels_in_one_place_are_refused(tmp_path: Path):
+    lintels = [("LINTEL", (1.7, 2.0, 3.3, 2.25)), ("LINTEL", (1.6, 2.1, 3.2, 2.4))]
+    with pytest.raises(InputError, match="lies in another lintel"):
+        read(drawing(tmp_path, WALL, WINDOW, *lintels))
+
+
+def test_lintels_of_bodies_are_known_by_their_names():
+    region = shapely.box(0, 0, 5, 3).difference(shapely.box(2, 1, 3, 2)).difference(shapely.box(1.7, 2, 3.3, 2.25))
+    bodies = [standing(region, THICKNESS), standing(shapely.box(1.7, 2, 3.3, 2.25), THICKNESS)]
+    stones = cp.Assemblage.from_polyhedra(bodies, 18e3, block_id=["wall", "Lintel.001"])
+    laid = cp.derive_blocks(cp.lay_stones(stones, course=COURSE, stone=STONE))
+    assert has(laid, 1.7, 2.0, 3.3, 2.25)
+    assert laid.volume[~laid.fixed].sum() == pytest.approx(THICKNESS * 14.0, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("name", "means"), [("LINTEL", 1), ("lintels-2", 1), ("a.obj/Lintel.001", 1), ("lintelled", 0), ("WALL", 0)]
+)
+def test_names_of_lintels(name: str, means: bool):
+    assert is_lintel(name) == bool(means)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_random_walls_with_lintels_are_filled_exactly(tmp_path: Path, seed: int):
+    rng = np.random.default_rng(seed)
+    length, top = float(rng.uniform(4, 9)), float(rng.uniform(2.6, 4.0))
+    holes, clear, at = [], 0.0, float(rng.uniform(0.5, 1.0))
+    while at < length - 1.8:
+        width, sill = float(rng.uniform(0.5, 1.2)), float(rng.choice([-0.1, 0.6, 0.9]))
+        head = float(rng.uniform(1.6, top - 0.45))
+        holes.append(("OPENING", (at, sill, at + width, head)))
+        clear += width * (head - max(sill, 0.0))
+        at += width + float(rng.uniform(0.45, 1.2))
+    stones, said = read(drawing(tmp_path, ("WALL", (0.0, 0.0, length, top)), *holes), lintel_bearing=0.25)
+    assert f"{len(holes)} lintel" in said
+    assert stones.volume[~stones.fixed].sum() == pytest.approx(THICKNESS * (length * top - clear), rel=1e-9)
+    cp.check_soundness(stones, cp.find_contacts(stones))
+    found = boxes_of(stones)
+    for _, (left, _, right, head) in holes:
+        over = (np.abs(found[:, 1] - head) < 1e-9) & (found[:, 0] < left - 0.06) & (found[:, 2] > right + 0.06)
+        assert over.sum() == 1
