@@ -67,6 +67,17 @@ def test_an_elastic_tie(stiffness: float, pretension: float, ultimate: float) ->
         assert curve.d0 == pytest.approx(curve_with(0.1).d0, rel=1e-4)
 
 
+def test_progress_of_a_curve_that_rises() -> None:
+    """An elastic tie lets the load factor rise at first: nothing of the curve is undone by that."""
+    told: list[float] = []
+    tie = cp.Tie("bar", (-3, 0.5, Z), (0, 0.5, Z), (1, 2), strength=0.1 * WEIGHT, stiffness=0.3 * WEIGHT)
+    contacts = cp.find_contacts(STONES)
+    curve = cp.block_pushover(STONES, contacts, PUSH, 0.9, [tie], step=0.05, progress=lambda _, share: told.append(share))
+    assert curve.load_factor.max() > curve.load_factor[0]
+    assert told == sorted(told)
+    assert told[0] >= 0.0
+
+
 def _elongation(curve: cp.BlockCapacityCurve) -> np.ndarray:
     turn = curve.rotation[:, 2, 1]
     anchor = np.column_stack([B - B * np.cos(turn) + Z * np.sin(turn), Z * np.cos(turn) + B * np.sin(turn)])

@@ -307,7 +307,8 @@ class _Curve(Record):
         if self.keep:
             self.keep(self.curve(Ending("unfinished", "interrupted"), 0.0))
         if self.progress:
-            self.progress("capacity curve", 1.0 - step.answer.load_factor / self.load_factor[0])
+            # Of a curve that rises again nothing is undone.
+            self.progress("capacity curve", 1.0 - min(self.load_factor) / self.load_factor[0])
         return None
 
     def resume_ties(self, curve: BlockCapacityCurve) -> None:
