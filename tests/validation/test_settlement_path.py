@@ -88,6 +88,8 @@ def test_a_path_goes_on_from_any_of_its_steps(spreading: tuple[cp.Assemblage, cp
     assert f"continued from step {last}" in again.message
     assert again.proved
     block = on_ground(box((0, 1), (0, 1), (0, 1)))
+    with pytest.raises(cp.InputError, match=r"settlement_path: resume: steps of another analysis; found another friction"):
+        cp.settlement_path(*given[:-1], given[-1] + 0.1, step=0.01, resume=path.until(last))
     with pytest.raises(cp.InputError, match="settlement_path: resume: steps of other stones"):
         cp.settlement_path(block, cp.find_contacts(block), [0], resume=path)
 

@@ -1,4 +1,10 @@
-"""What may be asked of a path: lengths and numbers of its steps."""
+"""What may be asked of a path: lengths and numbers of its steps, and to go on from another one made with the same."""
+
+from dataclasses import fields, is_dataclass
+from hashlib import sha256
+from typing import Any
+
+import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import positive, whole
@@ -29,3 +35,33 @@ def check_step(where: str, stones: Assemblage, step: float) -> None:
     if step > stones.size:
         found, expected = f"{step:g} m ({1e3 * step:g} mm)", f"at most {stones.size:.3g} m"
         raise InputError(where, "a step longer than the structure", found=found, expected=expected)
+
+
+def digests(**given: Any) -> str:
+    """Return names and values that a path is made with as a text, each value as a digest: arrays, numbers, texts, dataclasses."""
+    return " ".join(f"{name}:{sha256(_bytes(value)).hexdigest()[:12]}" for name, value in given.items())
+
+
+def check_given(where: str, before: str, now: str) -> None:
+    """Raise InputError where a path that is to go on was made with other values; before, now: of `digests`, empty if unknown."""
+    if not before or not now:
+        return
+    differ = [
+        one.partition(":")[0].replace("_", " ") for one, other in zip(before.split(), now.split(), strict=False) if one != other
+    ]
+    if differ:
+        remedy = "Begin a path of its own for other values."
+        raise InputError(f"{where}: resume", "steps of another analysis", found=f"another {', '.join(differ)}", remedy=remedy)
+
+
+def _bytes(value: Any) -> bytes:
+    if is_dataclass(value):
+        return b"".join(_bytes(getattr(value, item.name)) for item in fields(value))
+    if isinstance(value, list | tuple):
+        return b"".join(map(_bytes, value))
+    if value is None or isinstance(value, str):
+        return repr(value).encode()
+    # One number for all joints is the same as that number at each of them.
+    array = np.asarray(value, dtype=np.float64) + 0.0
+    alike = array.size > 0 and bool((array == array.flat[0]).all())
+    return (array.flat[0] if alike else array).tobytes()

@@ -14,7 +14,7 @@ from churchpipe.large_displacements.following import Ending, follow
 from churchpipe.large_displacements.halo import held_at_first
 from churchpipe.large_displacements.moving_model import MovingModel, bearing, moving_model
 from churchpipe.large_displacements.path import PathStep, solve_state
-from churchpipe.large_displacements.path_arguments import check_path
+from churchpipe.large_displacements.path_arguments import check_path, digests
 from churchpipe.large_displacements.path_state import PathState, first_state
 from churchpipe.large_displacements.record import Progress, Record
 from churchpipe.large_displacements.settings import PATH
@@ -155,6 +155,7 @@ def block_pushover(
     moving = moving_stones(speed) & ~stones.fixed
     balance = equilibrium(stones, contacts, load)
     driven = live_loads(stones, load)
+    pushed = [load.direction, load.panels, load.profile, load.dead, load.live]
     model = moving_model(
         stones, contacts, load, driven, friction, balance, moving, step, solver, ties, compressive_strength, contact_model
     )
@@ -169,6 +170,7 @@ def block_pushover(
 
     model = replace(model, held=held_at_first(model, contacts.blocks, held_program, state, halo)) if halo else model
     record = _Curve(model, measure, furthest, progress, keep)
+    record.given = digests(load=pushed, friction=friction, strength=compressive_strength, ties=ties, contact_model=contact_model)
     if resume is not None and len(resume.position):
         start = record.go_on_from(resume, resume.displacement, resume.load_factor, halo=halo > 0)
         model = record.model

@@ -13,6 +13,7 @@ from churchpipe.large_displacements.following import Departure, Ending
 from churchpipe.large_displacements.going_on import gone_on, last_step
 from churchpipe.large_displacements.moving_model import MovingModel
 from churchpipe.large_displacements.path import PathStep, onward
+from churchpipe.large_displacements.path_arguments import check_given
 from churchpipe.large_displacements.path_state import PathState, state_at
 from churchpipe.large_displacements.poses import Poses, rotation_vectors, screw
 from churchpipe.large_displacements.settings import PATH
@@ -42,7 +43,7 @@ class Record(ABC):
         self.largest: list[float] = []
         self.work: list[float] = []
         self.fallen: list[FallenStones] = []
-        self.resumed = ""
+        self.resumed = self.given = ""
         self.step: PathStep | None = None
         # The last step of another run, where the path goes on from it.
         self.departure: Departure | None = None
@@ -98,7 +99,7 @@ class Record(ABC):
         It is that after the last step, as if the path had not been interrupted. Where the motion of that step is not known, or
         another end is asked for, it is that of the last step, which is left out here and solved again. halo: whether stones are
         held at all; where it is not known which of them the last step held, those that have moved are held no more. Raises
-        InputError where the path is that of other stones.
+        InputError where the path is that of other stones, or of another load, strength or ties.
         """
         count, last = self.model.stones.count, len(path.position) - 1
         if path.position.shape[1] != count:
@@ -110,6 +111,7 @@ class Record(ABC):
         if apart[far] > _SAME * stones.size:
             found = f"{1e3 * apart[far]:.3g} mm from where stone {stones.block_id[far]} is"
             raise InputError(f"{self.where}: resume", "steps of other stones", found=found, expected="those of these stones")
+        check_given(self.where, path.given, self.given)
         moved = (path.position[-1] != path.position[0]) | (path.rotation[-1] != path.rotation[0])
         held = path.last.held if halo and len(path.last.held) == count else self.model.held & ~moved.any(axis=1)
         model = self.model = replace(self.model, held=held)
@@ -154,6 +156,7 @@ class Record(ABC):
             misfit=misfit,
             dissipation=np.array(self.work),
             last=LastStep() if self.step is None else last_step(self.step, self.friction_power),
+            given=self.given,
         )
 
 

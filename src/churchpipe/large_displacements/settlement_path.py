@@ -13,7 +13,7 @@ from churchpipe.large_displacements.following import Ending, follow
 from churchpipe.large_displacements.halo import held_around
 from churchpipe.large_displacements.moving_model import MovingModel
 from churchpipe.large_displacements.path import PathStep
-from churchpipe.large_displacements.path_arguments import check_path
+from churchpipe.large_displacements.path_arguments import check_path, digests
 from churchpipe.large_displacements.path_state import first_state
 from churchpipe.large_displacements.record import Progress, Record
 from churchpipe.large_displacements.settings import PATH
@@ -114,6 +114,11 @@ def settlement_path(
         moving = (speed > PATH.still * reference_speed(speed)) | _upon(contacts, np.asarray(support), stones.count)
         model = replace(model, held=held_around(stones, contacts.blocks, moving, halo))
     record = _Movement(model, furthest, int(steps), progress, keep, least.reaction)
+    moves = [np.sort(np.asarray(support)), direction, about]
+    dead = dead.dead if isinstance(dead, LoadCase) else dead
+    record.given = digests(
+        movement=moves, dead_load=dead, friction=friction, strength=compressive_strength, contact_model=contact_model
+    )
     start = first_state(model)
     if resume is not None and len(resume.position):
         start = record.go_on_from(resume, resume.movement, -resume.reaction / model.force, halo=halo > 0)

@@ -72,7 +72,7 @@ class StonePath:
     the static value of the forces, both in the geometry as displaced (of a step in which the load does little work, over the work
     of the weight at the same speed).
     fallen: stones taken out on the way. message: what is to be said. seconds: time it took. last: what the last step leaves
-    to the next.
+    to the next. given: load, strength and ties that it was made with, each as a digest; empty where they are not known.
     """
 
     position: FloatArray
@@ -86,6 +86,7 @@ class StonePath:
     message: str = ""
     seconds: float = 0.0
     last: LastStep = field(default_factory=LastStep)
+    given: str = ""
 
     def __post_init__(self) -> None:
         name = type(self).__name__
@@ -94,7 +95,8 @@ class StonePath:
             store(self, **{key: floats(f"{name}.{key}", getattr(self, key), (steps,))})
         check_kind(f"{name}.last", self.last, LastStep)
         store(self, fallen=tuple(listed(f"{name}.fallen", self.fallen, FallenStones)))
-        check_kind(f"{name}.message", self.message, str)
+        for key in ("message", "given"):
+            check_kind(f"{name}.{key}", getattr(self, key), str)
         for key in ("position", "rotation"):
             store(self, **{key: floats(f"{name}.{key}", getattr(self, key), (steps, None, 3))})
 
@@ -132,6 +134,7 @@ class StepArrays(TypedDict):
     misfit: FloatArray
     dissipation: FloatArray
     last: LastStep
+    given: str
 
 
 def no_step(count: int) -> StepArrays:
@@ -146,4 +149,5 @@ def no_step(count: int) -> StepArrays:
         misfit=none,
         dissipation=none,
         last=LastStep(),
+        given="",
     )

@@ -208,6 +208,20 @@ def test_a_curve_goes_on_from_any_of_its_steps() -> None:
         assert ("tie rod broke" in again.message) == ("tie rod broke" in whole.message)
     with pytest.raises(InputError, match="block_pushover: resume: steps of other stones"):
         cp.block_pushover(BLOCK, cp.find_contacts(BLOCK), PUSH, 0.7, resume=whole)
+    # One friction for all joints is the same as that of each.
+    each = np.full(len(contacts.blocks), 0.7)
+    assert cp.block_pushover(stones, contacts, PUSH, each, **options, resume=whole.until(3)).d0 == pytest.approx(
+        whole.d0, rel=1e-4
+    )
+    for other, named in (
+        ({"friction": 0.71}, "friction"),
+        ({"load": cp.LoadCase((0, 1, 0))}, "load"),
+        ({"load": cp.LoadCase((1, 0, 0), profile="linear")}, "load"),
+        ({"ties": ()}, "ties"),
+        ({"ties": [replace(tie, strength=100.0)], "compressive_strength": 1e9}, "strength, ties"),
+    ):
+        with pytest.raises(InputError, match=f"block_pushover: resume: steps of another analysis; found another {named}"):
+            cp.block_pushover(stones, contacts, **{"load": PUSH, "friction": 0.7, **options, **other}, resume=whole.until(3))
 
 
 def test_a_friction_of_its_own_for_each_interface_goes_with_the_stones() -> None:
