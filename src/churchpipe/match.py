@@ -295,10 +295,31 @@ def _supported_area(stones: Assemblage, contacts: Contacts, shell: ShellModel, c
     ends, facet = boundary_edges(shell)
     on_base = shell.supported[ends].all(axis=1)
     length = np.linalg.norm(shell.points[ends[:, 1]] - shell.points[ends[:, 0]], axis=1)
-    # What curved facets carry differs from their thickness by some per cent, which is no overlap: see `CURVED`.
-    thickness = shell.thickness[facet]
-    bearing = np.where(np.abs(carried[facet] / thickness - 1) < CURVED, thickness, carried[facet])
-    return _relative("supported length x thickness", on_stones, float((length * bearing)[on_base].sum()), "m2", SUPPORTED)
+    return _relative(
+        "supported length x thickness",
+        on_stones,
+        float((length * _bearing(shell, carried)[facet])[on_base].sum()),
+        "m2",
+        SUPPORTED,
+    )
+
+
+def _bearing(shell: ShellModel, carried: FloatArray) -> FloatArray:
+    """Return for each facet (nt,) the thickness on which it bears, m: without what overlaps at junctions.
+
+    Of a plane wall it is the mean of all facets that touch the ground: by itself a facet carries a share of its area, and of its
+    edge on the ground another share may lie in the junction. What curved facets carry differs from their thickness by some per
+    cent, which is no overlap: see `CURVED`.
+    """
+    _, first, panel = np.unique(shell.panel, return_index=True, return_inverse=True)
+    flattest = np.ones(len(first))
+    np.minimum.at(flattest, panel, np.abs(np.einsum("tc,tc->t", shell.axes[:, 2], shell.axes[first, 2][panel])))
+    low = shell.supported[shell.triangles].any(axis=1)
+    borne, full = (np.bincount(panel[low], (shell.area * part)[low], len(first)) for part in (carried, shell.thickness))
+    share = np.divide(borne, full, out=np.ones(len(first)), where=full > 0)
+    curved = flattest[panel] < np.cos(np.radians(CORNER))
+    own = np.where(np.abs(carried / shell.thickness - 1) < CURVED, shell.thickness, carried)
+    return np.where(curved, own, shell.thickness * share[panel])
 
 
 def _mortar_on_base(contacts: Contacts, base: BoolArray) -> float:

@@ -57,6 +57,15 @@ def test_mid_planes_of_s22_overlap_by_six_per_mille():
     assert match.junction_overlap == pytest.approx(2.0142 * 0.04 / 0.080064 - 1, rel=1e-9)
 
 
+@pytest.mark.parametrize("size", [0.03, 0.06, 0.12])
+def test_elements_longer_than_a_junction_do_not_count_its_ground_twice(size):
+    # A junction of walls .04 m thick in a row of elements three times as long.
+    match = compare(prototype(**S22), prototype(**S22), size)
+    assert match.passed
+    (ground,) = (figure for figure in match.figures if figure.name.startswith("supported"))
+    assert ground.difference < 0.005
+
+
 def test_an_arch_and_a_box_match():
     bow = arch(mean_radius=1.0, thickness=0.2, width=0.5, voussoirs=27)
     assert compare(bow, bow, 0.1).passed
