@@ -101,5 +101,5 @@ def _error(sliver: Polygons, cell: UnitCell, where: str, problem: str) -> InputE
         problem,
         found=f"{high_s - low_s:.4g} x {high_t - low_t:.4g} m, {low_s:.4g} m along the wall and {low_t:.4g} m up",
         expected=f"at least {LEAST_WIDTH * cell.b:.4g} x {LEAST_HEIGHT * cell.a:.4g} m",
-        remedy="Move the openings or joints, or use shorter stones.",
+        remedy="Move openings, ends of lintels or joints, or use shorter stones.",
     )

@@ -14,6 +14,7 @@ from churchpipe.generators.chapel import ChapelParameters, chapel
 from churchpipe.generators.church import ChurchParameters, church
 from churchpipe.generators.dome import DomeParameters, dome
 from churchpipe.generators.fields import as_dataclass
+from churchpipe.generators.house import HouseParameters, house
 from churchpipe.generators.prototype import PrototypeParameters, prototype
 from churchpipe.generators.tower import TowerParameters, tower
 from churchpipe.generators.vault import VaultParameters, vault
@@ -39,6 +40,7 @@ GENERATORS = {
     "arch_piers": Generator(ArchPiersParameters, arch_piers),
     "prototype": Generator(PrototypeParameters, prototype),
     "box": Generator(BoxParameters, box),
+    "house": Generator(HouseParameters, house),
     "tower": Generator(TowerParameters, tower),
     "apse": Generator(ApseParameters, apse),
     "chapel": Generator(ChapelParameters, chapel),
@@ -58,6 +60,7 @@ __all__ = [
     "church",
     "dome",
     "generate",
+    "house",
     "prototype",
     "tower",
     "vault",

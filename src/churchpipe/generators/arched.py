@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Protocol
 
 import numpy as np
 
@@ -73,24 +73,45 @@ class ArchedOpening:
         """The places of its middle in each wall, m."""
         return tuple(self.centre) if isinstance(self.centre, Sequence) else (float(self.centre),)
 
+    def hole(self, _wall: str, centre: float, name: str, /) -> "Hole":
+        """Return it as it is at one of these places, m, in any of its walls."""
+        return _hole(self, centre, name)
+
 
 @dataclass(frozen=True, slots=True)
 class Hole:
-    """One opening of one wall, in chart coordinates: the opening and the rings around it.
+    """One opening of one wall, in chart coordinates: the opening and the rings around it, or the lintel over it.
 
-    outer: s0, t0, s1, t1 of the rectangle around the opening and its rings, m.
+    outer: s0, t0, s1, t1 of the rectangle around the opening and its rings or lintel, m.
     """
 
     opening: Opening
     rings: tuple[BondRegion, ...]
     outer: tuple[float, float, float, float]
 
+    @property
+    def around(self) -> str:
+        """What is laid around it, for messages."""
+        return "voussoirs" if self.opening.rings else "lintel"
 
-def holes(openings: Iterable[ArchedOpening], wall: str) -> list[Hole]:
+
+class WallOpening(Protocol):
+    """An opening in some walls, once or several times: under a ring of voussoirs, or under a lintel."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def walls(self) -> tuple[str, ...]: ...
+    @property
+    def centres(self) -> tuple[float, ...]: ...
+    def hole(self, wall: str, centre: float, name: str, /) -> Hole: ...
+
+
+def holes(openings: Iterable[WallOpening], wall: str) -> list[Hole]:
     """Return all openings of one wall."""
     found = [(opening, centre) for opening in openings if wall in opening.walls for centre in opening.centres]
     names = [f"{o.name}-{1 + o.centres.index(c)}" if len(o.centres) > 1 else o.name for o, c in found]
-    return [_hole(opening, centre, name) for (opening, centre), name in zip(found, names, strict=True)]
+    return [opening.hole(wall, centre, name) for (opening, centre), name in zip(found, names, strict=True)]
 
 
 def _hole(opening: ArchedOpening, centre: float, name: str) -> Hole:

@@ -11,13 +11,13 @@ from churchpipe.generators.checks import whole_courses
 from churchpipe.generators.church_parts import Apse, Chapel, Choir, CrossWall, Nave, Tower, Transept, part_of
 from churchpipe.generators.church_plan import Plan, church_walls, cross_walls
 from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
-from churchpipe.generators.laying import Bonds, Course, FirstCourse, Joints, Junctions, Openings, StoneLength, Walls
+from churchpipe.generators.laying import Bonds, Course, FirstCourse, Joints, Junctions, Openings, StoneLength, Walls, junctions_of
 from churchpipe.generators.layout import WallLayout, check_clear, wall_panels
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
 from churchpipe.generators.room_vaults import room_vaults
 from churchpipe.generators.rooms import RoomVault
 from churchpipe.generators.wall_bonds import Bonding, OwnWall, bonding_of, check_walls, own
-from churchpipe.model.building import Building, Junction, Panel
+from churchpipe.model.building import Building, Panel
 from churchpipe.model.materials import UnitWeight
 
 
@@ -105,19 +105,11 @@ def church(*, name: str = "church", materials: tuple[UnitWeight, ...] = (DEFAULT
     walls = church_walls(plan)
     check_walls(bonding, [*(wall.name for wall in walls), *plan.apse_names], "church")
     apses, legs = _apses(plan, bonding, walls, p.course)
-    junctions = tuple(_junction(f"church.junctions.{k}", value) for k, value in enumerate(p.junctions))
     over = [as_dataclass(RoomVault, f"church.vaults.{number}", vault) for number, vault in enumerate(p.vaults)]
     openings = {wall.name: holes(bonding.openings, wall.name) for wall in walls}
     vaults = room_vaults(plan, walls, over, p.stone_length, materials[0].name, openings)
     panels = (*wall_panels(walls, bonding, legs), *apses)
-    return Building(name, panels, materials, vaults=tuple(vaults), junctions=junctions)
-
-
-def _junction(where: str, value: Junction | Given) -> Junction:
-    try:
-        return as_dataclass(Junction, where, value)
-    except InputError as error:
-        raise (error if error.where.startswith(where) else error.at(f"{where}.{error.where.rpartition(': ')[2]}")) from error
+    return Building(name, panels, materials, vaults=tuple(vaults), junctions=junctions_of("church", p.junctions))
 
 
 def _apses(plan: Plan, bonding: Bonding, walls: Sequence[WallLayout], course: float) -> tuple[list[Panel], list[WallLayout]]:

@@ -116,17 +116,17 @@ def _check_fit(hole: Hole, layout: WallLayout, outline: Region, layouts: Sequenc
         raise InputError(
             where,
             "wider than its wall",
-            found=f"{s0:.4g} to {s1:.4g} m with its voussoirs ({s1 - s0:.4g} m)",
+            found=f"{s0:.4g} to {s1:.4g} m with its {hole.around} ({s1 - s0:.4g} m)",
             expected=f"within {start:.4g} to {stop:.4g} m ({stop - start:.4g} m)",
             remedy="Move or narrow it.",
         )
-    if area(less(_with_voussoirs(hole), [outline])) > CLOSE:
+    if area(less(_with_rings(hole), [outline])) > CLOSE:
         raise InputError(
             where,
             "reaches beyond the top or the foot of its wall",
-            found=f"z = {t0:.4g} to {t1:.4g} m with its voussoirs",
+            found=f"z = {t0:.4g} to {t1:.4g} m with its {hole.around}",
             expected=f"within 0 to {top_at(layout, 0.5 * (s0 + s1)):.4g} m, less where the top slopes",
-            remedy="Lower the springing, or make it smaller.",
+            remedy="Lower the springing, or make it smaller." if hole.opening.rings else "Lower it, or make it smaller.",
         )
     for other in layouts:
         low, high = other.at - other.thickness / 2, other.at + other.thickness / 2
@@ -135,23 +135,24 @@ def _check_fit(hole: Hole, layout: WallLayout, outline: Region, layouts: Sequenc
             raise InputError(
                 where,
                 f"reaches into the wall {other.name}",
-                found=f"{s0:.4g} to {s1:.4g} m with its voussoirs",
+                found=f"{s0:.4g} to {s1:.4g} m with its {hole.around}",
                 expected=f"clear of {low:.4g} to {high:.4g} m",
-                remedy="Move or narrow it, or make its voussoirs less deep.",
+                remedy=f"Move or narrow it, or make its {'voussoirs less deep' if hole.opening.rings else 'bearing shorter'}.",
             )
 
 
 def _check_apart(first: Hole, second: Hole, wall: str) -> None:
-    shared = area(common(_with_voussoirs(first), _with_voussoirs(second)))
+    shared = area(common(_with_rings(first), _with_rings(second)))
     if shared > CLOSE:
+        around = " or ".join(sorted({first.around, second.around}))
         raise InputError(
             f"wall {wall}: openings {first.opening.name} and {second.opening.name}",
-            "overlap with their voussoirs",
+            f"overlap with their {around if around != 'lintel' else 'lintels'}",
             found=f"{shared:.4g} m2 in common",
             expected="openings beside or above each other",
             remedy="Move one of them, or make it smaller.",
         )
 
 
-def _with_voussoirs(hole: Hole) -> Region:
+def _with_rings(hole: Hole) -> Region:
     return united([polygon(hole.opening.outline), *(polygon(ring.outline) for ring in hole.rings)])

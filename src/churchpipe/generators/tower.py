@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 
 from churchpipe.errors import InputError
-from churchpipe.generators.arched import ArchedOpening
+from churchpipe.generators.arched import WallOpening
 from churchpipe.generators.checks import whole_courses
 from churchpipe.generators.curved import curved_panel
 from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
@@ -95,7 +95,7 @@ def _round(p: TowerParameters, bonding: Bonding) -> Panel:
     )
 
 
-def _seam(openings: Sequence[ArchedOpening], radius: float) -> float:
+def _seam(openings: Sequence[WallOpening], radius: float) -> float:
     """Return where the wall of a round tower begins: in the middle of the widest gap between openings, m along it from +x."""
     if not openings:
         return 0.0

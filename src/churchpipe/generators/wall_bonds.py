@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from typing import Annotated, Any, Literal, Protocol
 
 from churchpipe.errors import InputError
-from churchpipe.generators.arched import ArchedOpening, Given
+from churchpipe.generators.arched import ArchedOpening, Given, WallOpening
 from churchpipe.generators.fields import as_dataclass, coerce_fields
 from churchpipe.generators.masonry import Headers, Pattern, check_bond
 from churchpipe.model.arrays import FloatArray
@@ -64,7 +64,7 @@ class Bonding:
     cell: UnitCell
     joints: Literal["grid", "bay"] = "bay"
     material: str = "default"
-    openings: tuple[ArchedOpening, ...] = field(default=())
+    openings: tuple[WallOpening, ...] = field(default=())
     bonds: tuple[WallBond, ...] = field(default=())
     walls: tuple[OwnWall, ...] = field(default=())
 

@@ -98,7 +98,7 @@ def test_parameters(call: Callable[[], object], said: str) -> None:
 
 RANGES = [
     (name, item.name, quantity)
-    for name in ("wall", "arch", "arch_piers", "prototype", "box", "tower", "apse", "chapel", "church")
+    for name in ("wall", "arch", "arch_piers", "prototype", "box", "house", "tower", "apse", "chapel", "church")
     for item, quantity in declared(generators.GENERATORS[name].parameters)
     if quantity.low is not None
 ]

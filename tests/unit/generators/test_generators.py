@@ -28,6 +28,7 @@ EXAMPLES = {
     "arch": ARCH,
     "prototype": PROTOTYPE,
     "box": BOX,
+    "house": BOND | {"height": 2.5, "thickness": 0.4, "walls": [{"name": "only", "start": (0, 0), "end": (3, 0)}]},
     "tower": BOND | SIZE | {"depth": 3.0},
     "chapel": BOND | SIZE | {"length": 5.0},
     "church": BOND | {"nave": NAVE},

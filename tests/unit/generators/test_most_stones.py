@@ -19,6 +19,7 @@ MUTATED = {
     "arch_piers": "source.pier_width_m=9000",
     "prototype": "source.courses=900000",
     "box": "source.courses=900000",
+    "house": "source.walls.2.ridge_m=9900",
     "tower": "source.height_m=9900",
     "apse": "source.wall_height_m=9900",
     "chapel": "source.length_m=8250",

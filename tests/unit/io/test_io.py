@@ -166,12 +166,15 @@ NAVE = {"width": 4.0, "length": 5.0, "height": 4.0, "thickness": 0.5}
 END = {"thickness": 0.5, "ridge": 4.0 + ROOT2}
 ARMS = {"width": 9.0, "depth": PI, "thickness": 0.5}
 WINDOW = {"name": "w", "wall": "front", "centre": 0.0, "width": 0.5, "springing": ROOT2, "voussoirs": 5, "depth": 0.2}
+LINE = {"name": "a", "start": (0, 0), "end": (PI + ROOT2, 0)}
+DOORWAY = {"name": "d", "wall": "a", "centre": 2.0, "width": ROOT2 / 2, "height": 2.0, "lintel_material": "tuff"}
 PARAMETERS: dict[str, dict[str, Any]] = {
     "wall": {"length": PI, "brick": BRICK, "courses": 7, "openings": [DOOR]},
     "arch": {"mean_radius": PI / 3, "thickness": 0.2, "width": ROOT2, "voussoirs": 7, "half_angle": 1.3},
     "prototype": {"brick": BRICK, "main_wall_bricks": 5, "partitions_x": [0, 1.0], "partition_length": PI / 2, "courses": 7},
     "box": {"length": PI, "width": ROOT3, "courses": 5, "brick": BRICK},
     "arch_piers": BOND | WALLS | {"span": ROOT3, "springing": 1.5, "pier_width": 1.0, "voussoirs": 9, "depth": 0.3},
+    "house": BOND | WALLS | {"walls": [LINE, LINE | {"name": "b", "end": (0, PI)}], "openings": [DOORWAY]},
     "tower": BOND | WALLS | {"width": PI, "depth": PI, "openings": [WINDOW]},
     "apse": BOND | APSE | {"wall_length": 5.0, "wall_thickness": ROOT2, "wall_height": 4.0},
     "chapel": BOND | WALLS | {"width": PI + ROOT2, "length": 6.0, "apse": APSE},

@@ -1,0 +1,82 @@
+"""A house: straight outer and inner walls along x and y, each with its own doors and windows."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Annotated, Any
+
+from churchpipe.errors import InputError
+from churchpipe.generators.arched import Given
+from churchpipe.generators.checks import whole_courses
+from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
+from churchpipe.generators.house_openings import HouseOpening
+from churchpipe.generators.house_plan import HouseWall, house_walls
+from churchpipe.generators.house_stops import between_stops
+from churchpipe.generators.laying import Bonds, Course, FirstCourse, Joints, Junctions, StoneLength, junctions_of
+from churchpipe.generators.layout import wall_panels
+from churchpipe.generators.masonry import DEFAULT_MATERIAL
+from churchpipe.generators.wall_bonds import Bonding, OwnWall, WallBond, check_walls
+from churchpipe.model.building import Building, UnitCell
+from churchpipe.model.materials import UnitWeight
+from churchpipe.model.quantities import Length
+
+
+@dataclass(frozen=True, slots=True)
+class HouseParameters:
+    """A house of straight walls along x and y, called as its table of walls calls them. All stand on z = 0 and are toothed where
+    they meet."""
+
+    course: Course
+    stone_length: StoneLength
+    height: Annotated[Length, "Height of the walls."]
+    thickness: Annotated[Length, "Thickness of the walls."]
+    walls: Annotated[Sequence[HouseWall | Given], "Its walls, outer and inner."]
+    openings: Annotated[Sequence[HouseOpening | Given], "Doors and windows."] = ()
+    bonds: Bonds = ()
+    junctions: Junctions = ()
+    joints: Joints = "bay"
+    first_course: FirstCourse = "x"
+
+    def __post_init__(self) -> None:
+        coerce_fields(self, "house.")
+        whole_courses("house.height", self.height, self.course)
+
+    @property
+    def own_walls(self) -> tuple[HouseWall, ...]:
+        """Its walls, checked each by itself."""
+        walls = tuple(as_dataclass(HouseWall, f"house.walls.{k}", wall) for k, wall in enumerate(self.walls))
+        if not walls:
+            raise InputError("house.walls", "no walls", expected="at least one")
+        names = [wall.name for wall in walls]
+        for number, wall in enumerate(walls):
+            if wall.name in names[:number]:
+                raise InputError(f"house.walls.{number}.name", "two walls of one name", found=wall.name, expected="one each")
+            if wall.height is not None:
+                whole_courses(f"wall {wall.name}: height", wall.height, self.course)
+        return walls
+
+    def bonding(self, material: str) -> Bonding:
+        """Return how its walls are laid, without what they have of their own. material: its name."""
+        cell = UnitCell(a=self.course, b=self.stone_length)
+        given = [as_dataclass(HouseOpening, f"house.openings.{k}", value) for k, value in enumerate(self.openings)]
+        bonds = tuple(as_dataclass(WallBond, f"house.bonds.{k}", value) for k, value in enumerate(self.bonds))
+        return Bonding(cell, self.joints, material, tuple(one for opening in given for one in opening.laid(cell)), bonds)
+
+
+def house(*, name: str = "house", materials: tuple[UnitWeight, ...] = (DEFAULT_MATERIAL,), **parameters: Any) -> Building:
+    """Return a house; keywords: its keys in docs/reference_case.md, without unit, SI.
+
+    Raises
+    ------
+    InputError: walls that do not fit together; an opening that does not fit into its wall; heights of sills, heads and lintels
+        that are no whole number of courses.
+    """
+    p = as_dataclass(HouseParameters, "house", parameters)
+    materials = materials_of("house", materials)
+    walls = p.own_walls
+    own = tuple(OwnWall(wall.name, material=wall.material) for wall in walls)
+    bonding = replace(p.bonding(materials[0].name), walls=own)
+    check_walls(bonding, [wall.name for wall in walls], "house")
+    layouts = house_walls(walls, p.thickness, p.height, p.stone_length, x_first=p.first_course == "x")
+    bonding = replace(bonding, openings=between_stops(bonding.openings, layouts, bonding.cell))
+    panels = tuple(wall_panels(layouts, bonding))
+    return Building(name, panels, materials, junctions=junctions_of("house", p.junctions))

@@ -1,0 +1,201 @@
+"""The walls of a house laid out from lines in plan: what they meet, and how far they reach."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Annotated, Literal
+
+from churchpipe.bond.slivers import LEAST_WIDTH
+from churchpipe.errors import InputError
+from churchpipe.generators.fields import coerce_fields
+from churchpipe.generators.layout import WallLayout
+from churchpipe.model.arguments import text
+from churchpipe.model.quantities import Coordinate, Length
+
+# Places closer than this are one, m: plans are measured to a millimetre.
+CLOSE = 1e-6
+
+
+@dataclass(frozen=True, slots=True)
+class HouseWall:
+    """A straight wall along x or y: a line in plan from one end to the other.
+
+    It reaches through each wall in whose thickness it ends, to the far face, so that it does not matter whether its ends are
+    given on the outer face, the centreline or the inner face of the walls that it meets.
+    """
+
+    name: Annotated[str, "What openings, loads and reports call it."]
+    start: Annotated[tuple[Coordinate, Coordinate], "x and y of one end of its line."]
+    end: Annotated[tuple[Coordinate, Coordinate], "x and y of the other end, on the same x or the same y."]
+    toward: Annotated[
+        Literal["+x", "-x", "+y", "-y"] | None,
+        "Side of the line that the wall lies on, where the line is a face of it, such as the outer one; by default its middle.",
+    ] = None
+    thickness: Annotated[Length | None, "Thickness; by default that of the house."] = None
+    height: Annotated[Length | None, "Height, below a gable that of the eaves; by default that of the house."] = None
+    ridge: Annotated[Length | None, "Height of the ridge of a gable, in the middle of the wall; by default there is none."] = None
+    material: Annotated[str | None, "Name of its material; by default the first one."] = None
+
+    def __post_init__(self) -> None:
+        where = f"wall {text('wall: name', self.name)}"
+        coerce_fields(self, f"{where}: ")
+        for key in ("start", "end"):
+            if len(getattr(self, key)) != 2:
+                raise InputError(f"{where}: {key}", "no place in plan", found=list(getattr(self, key)), expected="[x, y]")
+        (x0, y0), (x1, y1) = self.start, self.end
+        if (abs(x1 - x0) > CLOSE) == (abs(y1 - y0) > CLOSE):
+            alike = abs(x1 - x0) <= CLOSE
+            raise InputError(
+                f"{where}: end",
+                "no length" if alike else "neither along x nor along y",
+                found=f"from ({x0:g}, {y0:g}) to ({x1:g}, {y1:g}) m",
+                expected="another x, or another y" if alike else "the same x, or the same y, as its start",
+                remedy="" if alike else "Walls meet at right angles here: turn the plan so that they lie along its axes.",
+            )
+        if self.toward is not None and self.toward[1] == self.along:
+            expected = '"+y" or "-y"' if self.along == "x" else '"+x" or "-x"'
+            raise InputError(
+                f"{where}: toward", f"along the wall, which runs along {self.along}", found=self.toward, expected=expected
+            )
+
+    @property
+    def along(self) -> Literal["x", "y"]:
+        """The axis it runs along."""
+        return "x" if abs(self.end[0] - self.start[0]) > CLOSE else "y"
+
+    def placed(self, thickness: float) -> "Placed":
+        """Return where it stands, its ends as they are given. thickness: by default, m."""
+        axis = 0 if self.along == "x" else 1
+        thick = thickness if self.thickness is None else self.thickness
+        # Ends of one line may differ by rounding.
+        line = (self.start[1 - axis] + self.end[1 - axis]) / 2
+        away = {None: 0.0, "+": thick / 2, "-": -thick / 2}[self.toward and self.toward[0]]
+        low, high = sorted((self.start[axis], self.end[axis]))
+        return Placed(self.name, self.along, line + away, thick, (low, high))
+
+
+@dataclass(frozen=True, slots=True)
+class Placed:
+    """Where a wall stands: along x or y, its centreline at y or x = `at`, thickness and the two ends of its span, m."""
+
+    name: str
+    along: Literal["x", "y"]
+    at: float
+    thickness: float
+    span: tuple[float, float]
+
+    @property
+    def faces(self) -> tuple[float, float]:
+        """Places of its two faces, across it, m."""
+        return self.at - self.thickness / 2, self.at + self.thickness / 2
+
+
+def house_walls(
+    walls: Sequence[HouseWall], thickness: float, height: float, stone_length: float, *, x_first: bool
+) -> list[WallLayout]:
+    """Return the walls of a house, each reaching through those that it meets.
+
+    Walls along x run through the junctions on even courses, those along y on odd ones, or the other way about, so that any two
+    that meet are toothed.
+
+    Parameters
+    ----------
+    thickness, height: of walls that have none of their own, m. stone_length: m. x_first: whether walls along x run through on
+    course 0.
+
+    Raises
+    ------
+    InputError: walls that lie in each other or in one line end to end, that all but meet, that are shorter than another one is
+        thick; a ridge below the eaves.
+    """
+    given = [wall.placed(thickness) for wall in walls]
+    placed = [_reaching(wall, given) for wall in given]
+    for first, second in combinations(placed, 2):
+        _check_pair(first, second, LEAST_WIDTH * stone_length)
+    parity: dict[str, Literal[0, 1]] = {"x": 0, "y": 1} if x_first else {"x": 1, "y": 0}
+    return [
+        WallLayout(at.name, at.along, at.at, at.thickness, _top(wall, at, height), parity[at.along])
+        for wall, at in zip(walls, placed, strict=True)
+    ]
+
+
+def _top(wall: HouseWall, placed: Placed, height: float) -> tuple[tuple[float, float], ...]:
+    """Return the upper outline of a wall; gables slope from its ends to the ridge in its middle."""
+    eaves = height if wall.height is None else wall.height
+    start, stop = placed.span
+    if wall.ridge is None:
+        return (start, eaves), (stop, eaves)
+    if not wall.ridge > eaves + CLOSE:
+        raise InputError(f"wall {wall.name}: ridge", "not above the eaves", found=f"{wall.ridge:g} m", expected=f"> {eaves:g} m")
+    return (start, eaves), ((start + stop) / 2, wall.ridge), (stop, eaves)
+
+
+def _reaching(wall: Placed, given: Sequence[Placed]) -> Placed:
+    """Return a wall that goes on, from each end within the thickness of another wall, to the far face of that one."""
+    start, stop = wall.span
+    for low, high, other in _across(wall, given):
+        if low - CLOSE <= wall.span[0] and wall.span[1] <= high + CLOSE:
+            found, expected = f"{wall.span[1] - wall.span[0]:g} m", f"> {high - low:g} m"
+            raise InputError(
+                f"wall {wall.name}: end", f"no longer than the wall {other.name} is thick", found=found, expected=expected
+            )
+        if low - CLOSE <= wall.span[0] <= high + CLOSE:
+            start = min(start, low)
+        if low - CLOSE <= wall.span[1] <= high + CLOSE:
+            stop = max(stop, high)
+    return Placed(wall.name, wall.along, wall.at, wall.thickness, (start, stop))
+
+
+def _across(wall: Placed, others: Sequence[Placed]) -> Iterator[tuple[float, float, Placed]]:
+    """Yield the walls of the other direction that reach the strip of plan in which a wall lies, with their faces."""
+    low, high = wall.faces
+    for other in others:
+        if other.along != wall.along and other.span[0] <= high + CLOSE and other.span[1] >= low - CLOSE:
+            yield *other.faces, other
+
+
+def _check_pair(first: Placed, second: Placed, least: float) -> None:
+    """Raise InputError unless two walls cross squarely, or stand clear of each other."""
+    if first.along == second.along:
+        _check_parallel(first, second, least)
+        return
+    for wall, other in ((first, second), (second, first)):
+        for low, high, _ in _across(wall, [other]):
+            start, stop = wall.span
+            for gap, problem in (
+                (low - stop, f"all but meets the wall {other.name}"),
+                (start - high, f"all but meets the wall {other.name}"),
+                (stop - high, f"goes on beyond the wall {other.name} by less than a quarter of a stone"),
+                (low - start, f"goes on beyond the wall {other.name} by less than a quarter of a stone"),
+            ):
+                if CLOSE < gap < least - CLOSE:
+                    raise InputError(
+                        f"wall {wall.name}: end",
+                        problem,
+                        found=f"{gap:.4g} m",
+                        expected=f"0 m, or at least {least:.4g} m",
+                        remedy=f"Let it end between {low:.6g} and {high:.6g} m, within the thickness of that wall.",
+                    )
+
+
+def _check_parallel(first: Placed, second: Placed, least: float) -> None:
+    beside = min(first.faces[1], second.faces[1]) - max(first.faces[0], second.faces[0])
+    shared = min(first.span[1], second.span[1]) - max(first.span[0], second.span[0])
+    if beside <= CLOSE or shared <= -least + CLOSE:
+        return
+    where, axis = f"walls {first.name} and {second.name}", first.along
+    if shared > CLOSE:
+        raise InputError(
+            where,
+            "lie in one another",
+            found=f"{shared:.4g} x {beside:.4g} m of both, through the walls across that they reach to",
+            expected="walls beside each other",
+            remedy=f"Give two walls in one line along {axis} as one wall from end to end, or move one of them.",
+        )
+    raise InputError(
+        where,
+        "meet end to end, without a bond",
+        found=f"{max(-shared, 0.0):.4g} m between their ends",
+        expected=f"one wall, or at least {least:.4g} m between them",
+        remedy=f"Give them as one wall along {axis}.",
+    )
