@@ -1,4 +1,4 @@
-"""The pictures of docs/church.md, docs/strengthening.md and docs/capacity_curve.md that no run of a ready case holds.
+"""The pictures of docs/church.md, strengthening.md, house.md and capacity_curve.md that no run of a ready case holds.
 
     python benchmarks/pictures.py [PICTURE ...]     # all, or those named; they go to docs/pictures
 
@@ -78,6 +78,25 @@ def strengthening() -> None:
     mechanism_picture(stones, state.velocities, FOLDER / "strengthening.png", load.direction, applied)
 
 
+def house() -> None:
+    """Draw the ready case of a house, its stones and how it falls along -y, with its floors and roof."""
+    case = cp.read_case("pipeline/cases/house.toml")
+    stones = cp.derive_blocks(case.building())
+    contacts = cp.find_contacts(stones)
+    (load,) = (load for load in case.loads if load.name == "-y")
+    floors = case.carries.area_loads
+    state = cp.limit_analysis(
+        stones, contacts, cp.loaded(load, stones, floors), *cp.joint_strength(stones, contacts, case.materials)
+    )
+    print(f"house: {int((~stones.fixed).sum())} stones, {load.name}: {state.load_factor:.4f}", flush=True)
+    with TemporaryDirectory() as folder:
+        files = [Path(folder) / "stones.png", Path(folder) / "mechanism.png"]
+        # From the front, above the eaves.
+        mechanism_picture(stones, None, files[0], size=SIZE, toward=np.array([-0.5, -0.75, 0.45]))
+        mechanism_picture(stones, state.velocities, files[1], load.direction, Applied(place_loads(stones, floors)), size=SIZE)
+        save_screenshot(beside(files), FOLDER / "house.png")
+
+
 def crack_map() -> None:
     """Draw the cracks of a facade whose left corner has sunk by 60 mm."""
     holes = [
@@ -105,7 +124,7 @@ def beside(files: Sequence[Path]) -> FloatArray:
     return np.concatenate([np.asarray(Image.open(file).convert("RGB")) for file in files], axis=1)
 
 
-PICTURES = {draw.__name__: draw for draw in (church_stones, church_mechanisms, strengthening, crack_map)}
+PICTURES = {draw.__name__: draw for draw in (church_stones, church_mechanisms, strengthening, house, crack_map)}
 
 if __name__ == "__main__":
     for name in sys.argv[1:] or PICTURES:
