@@ -15,7 +15,7 @@ from churchpipe.displacement_check import displacement_check
 from churchpipe.errors import InputError
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.block_curve import BlockCapacityCurve
-from churchpipe.model.checks import SafetyCheck
+from churchpipe.model.checks import DisplacementCheck, SafetyCheck
 from churchpipe.model.lost_seat import LostSeat
 from churchpipe.model.quantities import GRAVITY, as_written
 from churchpipe.oscillator import Oscillator, capacity, oscillator
@@ -345,6 +345,12 @@ def test_what_is_missing_is_named(curve: BlockCapacityCurve) -> None:
 def test_the_report_shows_the_check(curve: BlockCapacityCurve) -> None:
     record = analysis(method="curve")
     check = displacement_check(curve, LEANING, PUSH, SITED)
+    # A curve that has no end, followed with steps half as long: it has a message and says how far apart both are.
+    apart = replace(record, check=DisplacementCheck(message="no end", halved="Steps half as long are 18 % away."))
+    ended = displacement_checks([apart], None)
+    assert ended is not None
+    assert not ended["checks"]
+    assert [text for _, text in ended["refused"]] == ["no end Steps half as long are 18 % away."]
     shown = displacement_checks([replace(record, check=check), replace(record, check=SafetyCheck(message="why")), record], None)
     assert shown is not None
     (one,) = shown["checks"]

@@ -49,10 +49,17 @@ def displacement_checks(analyses: Sequence[Analysis], geometry: str | None) -> d
     checked = [(one, one.check) for one in analyses if one.method == "curve" and one.geometry == geometry and one.check]
     if not checked:
         return None
+    # One that is refused may say something of the curve besides.
+    made = [(record, check) for record, check in checked if isinstance(check, DisplacementCheck) and not check.message]
+    refused = [
+        (_label(record), " ".join(said for said in (check.message, getattr(check, "halved", "")) if said))
+        for record, check in checked
+        if check.message
+    ]
     return {
         "headings": [(title, meaning) for title, meaning, *_ in CAPACITY],
-        "checks": [_shown(_label(record), check) for record, check in checked if isinstance(check, DisplacementCheck)],
-        "refused": [(_label(record), check.message) for record, check in checked if check.message],
+        "checks": [_shown(_label(record), check) for record, check in made],
+        "refused": refused,
     }
 
 
