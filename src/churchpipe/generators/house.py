@@ -12,7 +12,7 @@ from churchpipe.generators.house_openings import HouseOpening
 from churchpipe.generators.house_plan import HouseWall, house_walls
 from churchpipe.generators.house_stops import between_stops
 from churchpipe.generators.laying import Bonds, Course, FirstCourse, Joints, Junctions, StoneLength, junctions_of
-from churchpipe.generators.layout import wall_panels
+from churchpipe.generators.layout import WallLayout, wall_panels
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
 from churchpipe.generators.wall_bonds import Bonding, OwnWall, WallBond, check_walls
 from churchpipe.model.building import Building, UnitCell
@@ -54,6 +54,11 @@ class HouseParameters:
                 whole_courses(f"wall {wall.name}: height", wall.height, self.course)
         return walls
 
+    @property
+    def layouts(self) -> list[WallLayout]:
+        """Its walls as they meet."""
+        return house_walls(self.own_walls, self.thickness, self.height, self.stone_length, x_first=self.first_course == "x")
+
     def bonding(self, material: str) -> Bonding:
         """Return how its walls are laid, without what they have of their own. material: its name."""
         cell = UnitCell(a=self.course, b=self.stone_length)
@@ -76,7 +81,7 @@ def house(*, name: str = "house", materials: tuple[UnitWeight, ...] = (DEFAULT_M
     own = tuple(OwnWall(wall.name, material=wall.material) for wall in walls)
     bonding = replace(p.bonding(materials[0].name), walls=own)
     check_walls(bonding, [wall.name for wall in walls], "house")
-    layouts = house_walls(walls, p.thickness, p.height, p.stone_length, x_first=p.first_course == "x")
+    layouts = p.layouts
     bonding = replace(bonding, openings=between_stops(bonding.openings, layouts, bonding.cell))
     panels = tuple(wall_panels(layouts, bonding))
     return Building(name, panels, materials, junctions=junctions_of("house", p.junctions))

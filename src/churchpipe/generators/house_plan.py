@@ -14,6 +14,8 @@ from churchpipe.model.quantities import Coordinate, Length
 
 # Places closer than this are one, m: plans are measured to a millimetre.
 CLOSE = 1e-6
+# Gaps between the end of a wall and another wall that are questioned, m: few doors are as narrow and reach up to the top.
+NEAR = 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,6 +119,25 @@ def house_walls(
         WallLayout(at.name, at.along, at.at, at.thickness, _top(wall, at, height), parity[at.along])
         for wall, at in zip(walls, placed, strict=True)
     ]
+
+
+def loose_ends(walls: Sequence[WallLayout]) -> list[str]:
+    """Return the sentences on walls that may have been meant to meet others: they end near one, or meet none at all."""
+    said: list[str] = []
+    for wall in walls:
+        faces = [
+            (other.name, other.at - other.thickness / 2, other.at + other.thickness / 2)
+            for other in walls
+            if other.along != wall.along and other.span[0] < wall.at < other.span[1]
+        ]
+        start, stop = wall.span
+        for name, low, high in faces:
+            gap = max(low - stop, start - high)
+            if CLOSE < gap < NEAR:
+                said.append(f"The wall {wall.name} ends {gap:.3g} m before the wall {name}, and does not meet it.")
+        if len(walls) > 1 and not any(low < stop and high > start for _, low, high in faces):
+            said.append(f"The wall {wall.name} meets no other wall, and stands by itself.")
+    return said
 
 
 def _top(wall: HouseWall, placed: Placed, height: float) -> tuple[tuple[float, float], ...]:

@@ -175,6 +175,33 @@ def test_a_seat_of_joists_out_of_all_reason_is_questioned(tmp_path: Path) -> Non
     assert question.startswith("diaphragms.0.bearing_length_mm is 0.15 mm, usual are 20 to 1000 mm")
 
 
+@pytest.mark.parametrize(
+    ("start", "end", "asked"),
+    [
+        ("[5.0, 0.0]", "[5.0, 7.0]", []),
+        ("[5.0, 2.0]", "[5.0, 7.0]", []),
+        ("[5.0, 0.9]", "[5.0, 7.0]", ["The wall inner ends 0.4 m before the wall south, and does not meet it. Is it meant?"]),
+        ("[15.0, 0.0]", "[15.0, 7.0]", ["The wall inner meets no other wall, and stands by itself. Is it meant?"]),
+    ],
+)
+def test_a_wall_of_a_house_that_all_but_meets_another_is_questioned(
+    start: str, end: str, asked: list[str], tmp_path: Path
+) -> None:
+    text = sample_case("house")
+    for key, given, new in (("start_m", "[5.0, 0.0]", start), ("end_m", "[5.0, 7.0]", end)):
+        assert f"{key} = {given}" in text
+        text = text.replace(f"{key} = {given}", f"{key} = {new}")
+    path = tmp_path / "house.toml"
+    path.write_text(text)
+    assert questions([read_case(path)]) == asked
+
+
+def test_a_wall_of_a_house_that_is_refused_is_not_questioned(tmp_path: Path) -> None:
+    path = tmp_path / "house.toml"
+    path.write_text(sample_case("house").replace("start_m = [5.0, 0.0]", "start_m = [4.0, 0.0]"))
+    assert questions([read_case(path)]) == []
+
+
 def test_a_spectrum_without_the_curves_that_it_is_for_is_questioned(tmp_path: Path) -> None:
     path = tmp_path / "w.toml"
     spectrum = "[check.spectrum]\nF0 = 2.5\nTC_star_s = 0.35\n"
