@@ -12,6 +12,7 @@ import pytest
 import churchpipe as cp
 from churchpipe import generators
 from facades import EAVES, FRICTION, RIDGE, THICKNESS, WIDTH, facade_building
+from manual_pages import ROOT
 from models import DRY_STONE, S22
 
 MATERIALS = (cp.Material("default", 18e3, FRICTION),)
@@ -77,6 +78,20 @@ def test_the_sample_box_as_a_house() -> None:
     laid: dict[str, Any] = {"course": 0.25, "stone_length": 0.5, "height": 3.0, "thickness": 0.3, "joints": "grid"}
     house = generators.house(**laid, walls=walls, openings=[door], materials=MATERIALS)
     assert load_factor(house, cp.LoadCase((1, 0, 0))) == pytest.approx(0.30353, abs=5e-6)
+
+
+def test_the_ready_house_of_the_manual() -> None:
+    case = cp.read_case(ROOT / "pipeline" / "cases" / "house.toml")
+    stones = cp.derive_blocks(case.building())
+    contacts = cp.find_contacts(stones)
+    assert int((~stones.fixed).sum()) == 943
+    found = {
+        load.name: cp.limit_analysis(stones, contacts, cp.loaded(load, stones, case.carries.area_loads), FRICTION).load_factor
+        for load in case.loads
+    }
+    assert min(found, key=found.__getitem__) == "-x"
+    assert found["-x"] == pytest.approx(0.217, abs=5e-4)
+    assert found["-y"] == pytest.approx(0.389, abs=5e-4)
 
 
 @pytest.mark.parametrize("bearing", [None, 0.5])
