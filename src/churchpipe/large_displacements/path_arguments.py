@@ -61,7 +61,10 @@ def _bytes(value: Any) -> bytes:
         return b"".join(map(_bytes, value))
     if value is None or isinstance(value, str):
         return repr(value).encode()
+    array = np.asarray(value)
+    if array.dtype.kind == "U":  # the walls of an anchor
+        return repr(array.tolist()).encode()
     # One number for all joints is the same as that number at each of them.
-    array = np.asarray(value, dtype=np.float64) + 0.0
+    array = array.astype(np.float64) + 0.0
     alike = array.size > 0 and bool((array == array.flat[0]).all())
     return (array.flat[0] if alike else array).tobytes()
