@@ -16,6 +16,10 @@ from churchpipe.model.loads import LoadCase, nearest_virial, pushed_share
 from churchpipe.model.placed_loads import PlacedLoads
 from churchpipe.model.shell import ShellModel
 
+# A load bears on what lies below its point: of the facets that meet there, on the one at a point so much lower, m. At the eaves a
+# gable goes on above them with a sliver, which would bear the roof on its free edge.
+_BELOW = 1e-3
+
 
 @dataclass(frozen=True, slots=True)
 class _Bodies:
@@ -114,7 +118,7 @@ def bodies_of(shell: ShellModel, point: FloatArray, wall: NameArray) -> IntArray
     for name in [*np.unique(wall[known]).tolist(), None]:
         mine = ~(known | on_beam) if name is None else wall == name
         if mine.any():
-            out[mine] = facet_at(shell, point[mine], name)[0]
+            out[mine] = facet_at(shell, point[mine] - [0.0, 0.0, _BELOW], name)[0]
     return out
 
 
