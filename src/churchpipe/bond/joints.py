@@ -11,6 +11,9 @@ from churchpipe.model.arrays import BoolArray, FloatArray
 
 # A wall continues beyond a junction if there is masonry at this distance from the face of the junction, m.
 END = 1e-6
+# A stone may be longer than asked by this share of it, so that a bay of so many stones, and half of one, gets as many whether its
+# length is exact or one that a file has rounded.
+LONGER = 1e-3
 
 
 def grid_joints(field: Field, b: float, offset: float) -> FloatArray:
@@ -39,7 +42,7 @@ def bay_joints(field: Field, b: float, through: bool, height: float) -> FloatArr
         return length / count * (np.arange(0.5, count) if through else np.arange(0.0, count + 1))
 
     def across(zone: FloatArray, start: float, stop: float) -> FloatArray:
-        return np.linspace(start, stop, int(np.ceil((zone[1] - zone[0]) / b - TOLERANCE)) + 1)
+        return np.linspace(start, stop, int(np.ceil((zone[1] - zone[0]) / b - LONGER)) + 1)
 
     return joints_by_bay(field, height, inside, across)
 
@@ -83,7 +86,7 @@ def bays(field: Field) -> FloatArray:
 def stones_in(length: float, b: float) -> int:
     """Return how many stones of about b m fit into a length; at least one."""
     # Half a stone always rounds up; Python's round would take the even number.
-    return max(1, int(np.floor(length / b + 0.5 + TOLERANCE)))
+    return max(1, int(np.floor(length / b + 0.5 + LONGER)))
 
 
 def _masonry(field: Field, s: FloatArray, height: float) -> BoolArray:

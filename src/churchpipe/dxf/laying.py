@@ -15,8 +15,12 @@ from churchpipe.model.building import Building, Panel
 from churchpipe.model.materials import UnitWeight
 from churchpipe.recognition.laying import LaidBond, Volume, joined, laid_panel, lowest
 from churchpipe.recognition.lintels import LEVEL, LaidLintel, bare_heads, is_lintel, with_lintels
+from churchpipe.recognition.squaring import squared
 from churchpipe.stones.blocks import derive_blocks
 from churchpipe.wording import counted
+
+# Walls that are moved by less, m, so that they meet are not spoken of: it is what rounding leaves in a file.
+SAID = 1e-4
 
 
 def laid_stones(bodies: Sequence[Stone], bond: LaidBond, unit: float, findings: list[Finding]) -> list[Stone]:
@@ -42,6 +46,8 @@ def laid_stones(bodies: Sequence[Stone], bond: LaidBond, unit: float, findings: 
         return fixed
     lintels: list[LaidLintel] = []
     try:
+        panels, moved = squared(panels)
+        findings += [_moved(name, by, place[name]) for name, by in moved.items() if by > SAID]
         panels = joined(panels)
         if bond.lintel_bearing:
             panels, lintels = with_lintels(panels, bond.lintel_bearing)
@@ -84,6 +90,12 @@ def _finding(panel: Panel, stones: Assemblage, place: Place) -> Finding:
     laid += [f"{voussoirs} voussoirs, about {rings[0].cell.a:.3g} m wide"] if rings else []
     laid += [counted(lintels, "lintel")] if lintels else []
     return place.finding("W28", f'"{panel.name}": laid {", and ".join(laid)}; {stones.volume[own].sum():.6g} m3')
+
+
+def _moved(name: str, by: float, place: Place) -> Finding:
+    found = f'"{name}": moved by {1e3 * by:.2g} mm at most, to meet other walls at right angles and at their faces'
+    remedy = "Draw it so that it ends on the face of the other wall, at a right angle, or further away from it than that."
+    return place.finding("W28", found, remedy=remedy)
 
 
 def _bearings(panel: Panel, lintels: Sequence[LaidLintel], asked: float, place: Place) -> list[Finding]:

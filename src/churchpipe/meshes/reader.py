@@ -87,7 +87,8 @@ def read_stones(
         `contact_gap`, as wide as the widest joint. mortar: its weight is "counted", as if it were stone, or "ignored".
         up: the axis of the file that points up. scale: sizes in the building over sizes in the file. A DXF has neither.
         bond: the bodies are whole walls and rings to lay stones in, "running", "stack" or "voussoir". course: height of a course,
-        width of a voussoir, m. stone: about the length of a stone, m.
+        width of a voussoir, m. stone: about the length of a stone, m. lintel_bearing: how far lintels that are laid over openings
+        bear on either side, m.
 
     Raises
     ------

@@ -17,6 +17,7 @@ from churchpipe.model.materials import UnitWeight
 from churchpipe.recognition.insets import openings_of, outline_and_holes, with_insets
 from churchpipe.recognition.lintels import is_lintel, with_lintels
 from churchpipe.recognition.ring_outlines import ring_outlines
+from churchpipe.recognition.squaring import squared
 from churchpipe.recognition.supports import support_of
 from churchpipe.recognition.volumes import WallVolume, wall_volume
 
@@ -73,8 +74,9 @@ def lay_stones(
     """Return the building that stands in the given volumes: each free body is a wall, or a ring, and gets stones.
 
     `derive_blocks` and `derive_shell` make the two models of it. Openings that go through a body stay. Walls that reach into one
-    another at right angles are toothed; where one ends at the face of another they butt. A body whose name begins with "lintel"
-    is one stone, in the wall that it lies in. Fixed bodies are supports.
+    another at right angles are toothed; where one ends at the face of another they butt. Walls that are nearly at right angles,
+    and ends that nearly lie on the face of another wall, are taken as if they were, to half a per cent of the thickness. A body
+    whose name begins with "lintel" is one stone, in the wall that it lies in. Fixed bodies are supports.
 
     Parameters
     ----------
@@ -104,7 +106,7 @@ def lay_stones(
         body = support_of(volumes, int(block))
         bodies.append(Volume(str(volumes.block_id[block]), str(volumes.material[block]), body.points, list(body.faces)))
     base = lowest(bodies) if bodies else 0.0
-    panels = joined([laid_panel(body, base, laid) for body in bodies])
+    panels = joined(squared([laid_panel(body, base, laid) for body in bodies])[0])
     panels = with_lintels(panels, lintel_bearing)[0] if lintel_bearing else panels
     free = ~volumes.fixed
     weights = {str(m): float(w) for m, w in zip(volumes.material[free], volumes.unit_weight[free], strict=True)}
