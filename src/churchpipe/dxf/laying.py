@@ -13,8 +13,9 @@ from churchpipe.model.arrays import ragged_indices
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import Building, Panel
 from churchpipe.model.materials import UnitWeight
+from churchpipe.recognition.insets import is_single
 from churchpipe.recognition.laying import LaidBond, Volume, joined, laid_panel, lowest
-from churchpipe.recognition.lintels import LEVEL, LaidLintel, bare_heads, is_lintel, with_lintels
+from churchpipe.recognition.lintels import LEVEL, LaidLintel, bare_heads, bearings, is_lintel, with_lintels
 from churchpipe.recognition.squaring import squared
 from churchpipe.stones.blocks import derive_blocks
 from churchpipe.wording import counted
@@ -59,6 +60,7 @@ def laid_stones(bodies: Sequence[Stone], bond: LaidBond, unit: float, findings: 
     findings += [_finding(panel, stones, place[panel.name]) for panel in panels]
     asked = bond.lintel_bearing or 0.0
     findings += [said for panel in panels for said in _bearings(panel, lintels, asked, place[panel.name])]
+    findings += [said for panel in panels for said in _unborne(panel, place[panel.name])]
     findings += [said for panel in panels for said in _bare_heads(panel, place[panel.name])]
     return [*fixed, *_stones(stones, place, unit)]
 
@@ -110,6 +112,20 @@ def _bearings(panel: Panel, lintels: Sequence[LaidLintel], asked: float, place: 
     )
     found = f'"{panel.name}": lintels do not bear {asked:.3g} m where other openings, walls or ends are near: {listed}'
     return [place.finding("W28", found, remedy="Draw the lintel as an outline on a layer LINTEL if it is another.")]
+
+
+def _unborne(panel: Panel, place: Place) -> list[Finding]:
+    """Return what is to be said of lintels that do not rest on their wall on both sides: friction at their ends holds them."""
+    loose = [(name, left, right) for name, left, right in bearings(panel) if min(left, right) <= LEVEL]
+    if is_single(panel) or not loose:
+        return []
+    listed = "; ".join(
+        f"{name} on neither side" if max(left, right) <= LEVEL else f"{name} only on the {'left' if left > right else 'right'}"
+        for name, left, right in loose
+    )
+    found = f'"{panel.name}": lintels that do not rest on the wall on both sides: {listed}'
+    remedy = "Draw them longer than the opening; friction at their ends alone holds them, and the shell takes them for held."
+    return [place.finding("W28", found, remedy=remedy)]
 
 
 def _bare_heads(panel: Panel, place: Place) -> list[Finding]:

@@ -202,5 +202,5 @@ def _check_apart(one: Panel, other: Panel) -> None:
             f"it lies in {one.name}",
             found=f"{area(shared):.4g} m2 in common, {high_s - low_s:.4g} x {high_t - low_t:.4g} m",
             expected="each wall drawn once",
-            remedy="Openings are drawn on a layer OPENING, or as holes through the body.",
+            remedy="Openings are drawn on a layer OPENING, or as holes through the body; lintels have a name or a layer LINTEL.",
         )

@@ -55,6 +55,27 @@ def bare_heads(panel: Panel) -> list[Head]:
     return [head for head in _heads(wall_region(panel)) if not _is_under(head, over)]
 
 
+def bearings(panel: Panel) -> list[tuple[str, float, float]]:
+    """Return the name of each lintel of a wall, and how far it rests on the wall on the left and on the right, m.
+
+    One below which the wall goes on from end to end rests on half of its length on either side, one beside which nothing stands
+    on nothing.
+    """
+    solid = wall_region(panel)
+    found: list[tuple[str, float, float]] = []
+    for region in panel.regions:
+        if region.pattern != "single":
+            continue
+        start, level, stop, _ = extent(polygon(region.outline)).tolist()
+        strip = boxes(np.array([[start, level - ABOVE, stop, level]]))[0]
+        spans = [extent(piece)[[0, 2]] for piece in pieces(common(strip, solid)) if area(piece) > LEVEL * area(strip)]
+        middle = 0.5 * (start + stop)
+        left = sum(max(0.0, min(float(high), middle) - float(low)) for low, high in spans)
+        right = sum(max(0.0, float(high) - max(float(low), middle)) for low, high in spans)
+        found.append((region.name, left, right))
+    return found
+
+
 def with_lintels(panels: Sequence[Panel], bearing: float) -> tuple[list[Panel], list[LaidLintel]]:
     """Return walls with a lintel over each flat head that has none, and the lintels that were laid.
 

@@ -1,5 +1,6 @@
 """Lintels over openings of walls that are given whole: drawn, or laid where asked."""
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -107,6 +108,22 @@ def test_a_lintel_that_is_drawn_is_not_laid_again(tmp_path: Path):
     assert has(stones, 1.5, 2.0, 3.2, 2.25)
     assert has(stones, 3.4, 2.0, 4.5, 2.25)
     assert "2 lintels" in said
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "said"),
+    [
+        (2.0, 3.0, "on neither side"),
+        (2.0, 3.3, "only on the right"),
+        (1.7, 3.0, "only on the left"),
+        (1.7, 3.3, ""),
+        (3.5, 4.5, ""),
+    ],
+)
+def test_a_lintel_that_does_not_bear_on_both_sides_is_said(tmp_path: Path, left, right, said):
+    _, findings = read(drawing(tmp_path, WALL, WINDOW, ("LINTEL", (left, 2.0, right, 2.25))))
+    assert bool(re.search(f"do not rest on the wall on both sides: LINTEL ({said})", findings)) == bool(said)
+    assert ("both sides" in findings) == bool(said)
 
 
 def test_an_opening_without_room_for_its_lintel_is_refused(tmp_path: Path):
