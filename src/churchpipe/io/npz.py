@@ -152,7 +152,9 @@ def _read(path: str | Path, kinds: dict[str, type]) -> Any:
         raise InputError(str(path), "cannot be read", found=error.strerror or error, expected=expected) from error
     except DAMAGE as error:
         # What NumPy says of a damaged file advises to unpickle it.
-        problem, remedy = "damaged, or not a file of churchpipe", "Delete the file and run the case again."
+        problem = "damaged, or not a file of churchpipe"
+        # Whoever names a wrong file, such as a script, must not be told to delete it.
+        remedy = "Name a file that churchpipe wrote; if it is one of a run, delete it and run the case again."
         raise InputError(str(path), problem, found=type(error).__name__, expected=expected, remedy=remedy) from error
     raise InputError(str(path), "another schema", found=schema, expected=wanted, remedy="Delete the file and run the case again.")
 

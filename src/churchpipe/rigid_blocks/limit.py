@@ -76,8 +76,8 @@ def limit_analysis(
     method
         Of the non-associative analysis: "default" seeks a certified state, "paper" is the iteration of the paper.
     start
-        Where the non-associative analysis begins: "dead-load", "associative" or "uniform", one or several; the lowest
-        certified load factor leads.
+        Where the non-associative analysis begins: "centre", "dead-load", "uniform", "associative" or "scattered", one or several;
+        the lowest certified load factor leads.
     bipotential_gap
         Gap over load factor at which a non-associative state is certified.
     ties
