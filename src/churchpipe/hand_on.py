@@ -3,11 +3,12 @@
 import os
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, replace
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
 from churchpipe import compare
+from churchpipe.code_check import Site
 from churchpipe.errors import Extra, InputError
 from churchpipe.io.recording import record_of, shell_record_of
 from churchpipe.io.records import Analysis
@@ -16,18 +17,22 @@ from churchpipe.match import match_models
 from churchpipe.model.arguments import check_kind, describe, listed, path_of
 from churchpipe.model.assemblage import Assemblage, checked_sequence
 from churchpipe.model.carried import Carried
+from churchpipe.model.checks import SafetyCheck
 from churchpipe.model.contacts import Contacts, check_contacts_of
 from churchpipe.model.fill import Fill
 from churchpipe.model.joint_group import JointGroup
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength
-from churchpipe.model.names import STRENGTH
+from churchpipe.model.names import GOOD, STRENGTH
 from churchpipe.model.placed_loads import Applied
 from churchpipe.model.results import CapacityCurve, LimitState, ShellLimitState
 from churchpipe.model.shell import ShellModel
 from churchpipe.model.ties import Tie
 from churchpipe.run_folder import versions
 from churchpipe.wording import counted
+
+if TYPE_CHECKING:
+    from churchpipe.report.given import Curves, Settlements
 
 Result = LimitState | ShellLimitState | CapacityCurve
 _MESH = "shell"
@@ -44,6 +49,9 @@ def write_report(
     loads: Iterable[Carried | Fill] = (),
     ties: Sequence[Tie] = (),
     joints: Sequence[JointGroup] = (),
+    curve: "Curves" = (),
+    settlement: "Settlements | None" = None,
+    site: Site | None = None,
     name: str = "Results",
 ) -> None:
     """Write results obtained in Python as the report that a run of a case makes: one HTML file, drawings and mechanisms in it.
@@ -55,7 +63,8 @@ def write_report(
     stones, contacts
         The structure.
     results
-        Load case and result of each analysis: states of the stones, and states or capacity curves of the shell.
+        Load case and result of each analysis: states of the stones, and states or capacity curves of the shell. It may be
+        empty where `curve` or `settlement` is given.
     materials
         Strength of the joints of each masonry, by name.
     shell
@@ -66,13 +75,24 @@ def write_report(
         Those of the analyses of the stones and of the shell.
     joints
         With a strength of their own in these analyses.
+    curve
+        Capacity curves of the stones, of `block_pushover`: a list of pairs of a load case and its curve. A curve alone is of
+        the load of the results, if these have one load. A third entry of a pair is the curve with steps half as long
+        (`halved=True`). The report draws each with its crack maps, its motion and its check by displacements.
+    settlement
+        The path of a support that moves, of `settlement_path`; of several, a dictionary of paths by their names. Where the path
+        is of other stones, as of those of a ground that was cut, it stands in a tuple with them: (stones, contacts, path).
+    site
+        What the earthquake asks, a `churchpipe.code_check.Site`: each result of the stones then has its safety check. None: the
+        checks say at which acceleration each mechanism starts, and compare it with nothing.
     name
         Title of the report.
 
     Raises
     ------
     InputError
-        Arguments of the wrong kind, a result of other stones or of another mesh, a package of `churchpipe[all]` that is missing.
+        Arguments of the wrong kind, a result of other stones or of another mesh, a curve without a load, a package of
+        `churchpipe[all]` that is missing.
     """
     check_kind("write_report: stones", stones, Assemblage)
     check_kind("write_report: contacts", contacts, Contacts)
@@ -80,11 +100,15 @@ def write_report(
     html = path_of("write_report: path", path)
     materials = listed("write_report: materials", materials, JointStrength)
     groups = listed("write_report: joints", joints, JointGroup)
+    if site is not None:
+        check_kind("write_report: site", site, Site)
     with Extra("the report"):
+        from churchpipe.report.given import curves_given, movements_given
         from churchpipe.report.html import write_report as write_html
     applied = Applied(place_loads(stones, loads), tuple(listed("write_report: ties", ties, Tie)))
     of_blocks: list[tuple[Analysis, LimitState]] = []
     of_shell: list[tuple[Analysis, str, ShellLimitState | CapacityCurve]] = []
+    pushes: list[LoadCase] = []
     for number, pair in enumerate(checked_sequence("write_report: results", results, "pairs of a load case and its result"), 1):
         check_kind(f"write_report: results[{number - 1}]", pair, tuple, list)
         if len(pair) != 2:
@@ -92,10 +116,12 @@ def write_report(
             raise InputError(f"write_report: results[{number - 1}]", "not a pair", found=found, expected=expected)
         load, result = pair
         check_kind("write_report: load", load, LoadCase)
+        pushes.append(load)
         name_of = f"{number} {load.name}"
         if isinstance(result, LimitState) and len(result.velocities) == stones.count:
             record = record_of(result, load, materials, ties=applied.ties, joints=groups)
-            of_blocks.append((replace(record, name=name_of, **compare.stone_parts(stones, result, load)), result))
+            found = compare.stone_parts(stones, result, load) | {"check": _check(stones, result, load, site, applied, materials)}
+            of_blocks.append((replace(record, name=name_of, **(found if result.status in GOOD else {})), result))
             continue
         motion = result.displacement if isinstance(result, CapacityCurve) else getattr(result, "velocities", ())
         if (
@@ -105,7 +131,9 @@ def write_report(
             or len(motion) != len(shell.points)
         ):
             expected = "a result of these stones" if shell is None else "a result of these stones or of this shell"
-            raise InputError("write_report: results", "not a result of this model", found=describe(result), expected=expected)
+            remedy = "Give capacity curves of the stones as curve=, and paths of supports as settlement=."
+            where, what = "write_report: results", "not a result of this model"
+            raise InputError(where, what, found=describe(result), expected=expected, remedy=remedy)
         method = "pushover" if isinstance(result, CapacityCurve) else "limit"
         record = shell_record_of(result, load, materials, method=method, planes=STRENGTH, ties=applied.ties, joints=groups)
         parts = compare.shell_parts(shell, result, load) if isinstance(result, ShellLimitState) else {}
@@ -115,10 +143,13 @@ def write_report(
         gate = match_models(stones, contacts, shell, applied.loads)
         size = float(np.sqrt(2 * np.median(shell.area)))
         meshes = {_MESH: compare.mesh_size(shell, gate, "base", round(size, 3))}
-    analyses = [record for record, *_ in (*of_blocks, *of_shell)]
+    followed = curves_given(curve, pushes, stones, materials, groups, applied, site)
+    moved = [] if settlement is None else movements_given(settlement, stones, contacts, materials, groups, applied)
+    analyses = [record for record, *_ in (*of_blocks, *of_shell, *followed)]
+    sizes, ways = {"base": compare.size(stones, contacts)}, [record for record, *_ in moved]
     write_html(
         html,
-        summary=compare.summary(name, {"base": compare.size(stones, contacts)}, meshes, analyses),
+        summary=compare.summary(name, sizes, meshes, analyses, movements=ways),
         stones=stones,
         contacts=contacts,
         results=of_blocks,
@@ -126,7 +157,25 @@ def write_report(
         shell_results=of_shell,
         project={"title": name},
         materials=[asdict(material) for material in materials],
-        applied={record.name: applied for record, _ in of_blocks},
+        moved=moved,
+        followed=followed,
+        applied={record.name: applied for record, _ in (*of_blocks, *followed)},
         case_text="",
         versions=versions(),
     )
+
+
+def _check(
+    stones: Assemblage,
+    state: LimitState,
+    load: LoadCase,
+    site: Site | None,
+    applied: Applied,
+    materials: Sequence[JointStrength],
+) -> SafetyCheck:
+    """Return the safety check of a state, or why there is none."""
+    from churchpipe.report.given import NOT_TOLD, crushing, told
+
+    if not told(load, applied):
+        return SafetyCheck(message=NOT_TOLD)
+    return compare.safety(stones, state, load, site, applied.loads, crushing=crushing(materials))

@@ -115,6 +115,8 @@ def test_python_of_the_pages_runs(page: Path, monkeypatch: pytest.MonkeyPatch) -
         # What the page says that its tower prints.
         assert names["held"].load_factor == pytest.approx(0.2276, abs=5e-5)
         assert names["held"].tie_forces == pytest.approx([27.2e3], rel=2e-3)
+        assert names["falls"].d0 == pytest.approx(0.5, abs=5e-3)
+        assert names["tilts"].ultimate == pytest.approx(0.46, abs=5e-3)
 
 
 def indented(text: str) -> list[str]:
