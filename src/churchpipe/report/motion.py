@@ -3,13 +3,17 @@
 import numpy as np
 
 from churchpipe.io.records import Analysis
-from churchpipe.mechanism import reference_speed, stone_of_point
+from churchpipe.mechanism import moving_stones, reference_speed, stone_of_point, stone_speed
 from churchpipe.model.arrays import BoolArray, FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.shell import ShellModel
 
 PUSH_LENGTH = 0.16
+# Degrees above the horizon from where pictures look.
+ELEVATION = 24.0
+# A side may hide this share of the moving stones that the best side shows; so many stones are looked for.
+HIDDEN, LOOKED_FOR = 0.5, 24
 
 
 def plastic_size(plastic: FloatArray, thickness: FloatArray) -> FloatArray:
@@ -85,7 +89,8 @@ def viewpoint(stones: Assemblage, velocities: FloatArray) -> FloatArray:
     """Return the unit vector (3,) towards a camera that sees both the breadth of the structure and its motion.
 
     The azimuth is the one that scores best for the width of the plan, for motion across the line of sight, and for looking
-    at the side towards which the stones move, where the joints open.
+    at the side towards which the stones move, where the joints open; of those from which the rest of the structure does not
+    hide what moves, as it does the one stone that comes out of the far wall.
     """
     free = ~stones.fixed
     plan = np.ptp(stones.points[free[stone_of_point(stones)], :2], axis=0)
@@ -97,8 +102,39 @@ def viewpoint(stones: Assemblage, velocities: FloatArray) -> FloatArray:
     width = np.abs(toward[:, 1]) * plan[0] + np.abs(toward[:, 0]) * plan[1]
     across = np.abs(toward[:, 0] * drift[1] - toward[:, 1] * drift[0])
     score = width / width.max() + 0.6 * across + 0.5 * toward @ drift
-    best = toward[np.argmax(score)]
-    return np.array([*(best * np.cos(np.deg2rad(24.0))), np.sin(np.deg2rad(24.0))])
+    rise = np.deg2rad(ELEVATION)
+    eyes = np.column_stack([np.cos(rise) * toward, np.full(len(toward), np.sin(rise))])
+    shown = _shown(stones, velocities, eyes)
+    return eyes[np.argmax(np.where(shown >= (1 - HIDDEN) * shown.max(), score, -np.inf))]
+
+
+def _shown(stones: Assemblage, velocities: FloatArray, toward: FloatArray) -> FloatArray:
+    """Return the share (k,) of the motion that no other stone hides from eyes far away in the directions (k, 3).
+
+    Of many stones that move some are looked for, from the fastest to the slowest, each weighed by its speed.
+    Stones hide as the boxes around them do; the neighbours of a stone, whose boxes begin within its own half diagonal, hide
+    nothing of it.
+    """
+    speed = stone_speed(stones, velocities)
+    moving = np.flatnonzero(moving_stones(speed) & ~stones.fixed)
+    if not len(moving):
+        return np.ones(len(toward))
+    # Stones of one wall follow each other where all are as fast: even steps through the order meet all walls.
+    steps = np.linspace(0, len(moving) - 1, min(len(moving), LOOKED_FOR)).astype(int)
+    looked = moving[np.argsort(-speed[moving], kind="stable")[steps]]
+    owner, free = stone_of_point(stones), np.flatnonzero(~stones.fixed)
+    low, high = np.full((stones.count, 3), np.inf), np.full((stones.count, 3), -np.inf)
+    np.minimum.at(low, owner, stones.points)
+    np.maximum.at(high, owner, stones.points)
+    radius = np.linalg.norm(high - low, axis=1) / 2
+    seen = np.zeros(len(toward))
+    for stone in looked:
+        start = (low[stone] + high[stone]) / 2
+        # The line of sight enters and leaves the slabs between opposite faces of each box: kne, of eye k, stone n and axis e.
+        faces = np.stack([low[free] - start, high[free] - start])[:, None] / toward[:, None]
+        enters, leaves = faces.min(axis=0).max(axis=2), faces.max(axis=0).min(axis=2)
+        seen += speed[stone] * ~((enters < leaves) & (enters > radius[stone])).any(axis=1)
+    return seen / speed[looked].sum()
 
 
 def camera_position(points: FloatArray, toward: FloatArray, view_angle: float, aspect: float) -> tuple[FloatArray, FloatArray]:
