@@ -20,6 +20,8 @@ from churchpipe.report.table import Row, amount, figure
 _ARROW, _ARROWS = 0.08, 25
 # Walls listed of an analysis.
 _GAINS = 4
+# A table of more rows than `_WHOLE` has so many before it, those that govern.
+_WHOLE, LEADING = 12, 8
 
 
 def load_rows(applied: Iterable[Applied]) -> list[list[str]]:
@@ -67,6 +69,30 @@ def tie_rows(rows: Sequence[Row]) -> list[list[str]]:
         for row in rows
         for tie in row.record.tie_forces
     ]
+
+
+def leading_ties(rows: Sequence[Row]) -> list[list[str]]:
+    """Return those rows of `tie_rows` that govern where there are many, else none: ties at their strength, and those nearest to
+    it."""
+    ties = [tie for row in rows for tie in row.record.tie_forces]
+    return _leading(tie_rows(rows), [tie.share for tie in ties], [tie.yielded for tie in ties])
+
+
+def leading_candidates(rows: Sequence[Row]) -> list[list[str]]:
+    """Return those rows of `candidate_rows` that govern where there are many, else none: ties that were analysed, and those that
+    may add most."""
+    ties = [(row.record.load_factor, tie) for row in rows for tie in row.record.tie_candidates]
+    # Analyses differ in their load factors: a tie adds to that of its own.
+    added = [math.nan if base is None else tie.most - base for base, tie in ties]
+    return _leading(candidate_rows(rows), added, [math.isfinite(tie.load_factor) for _, tie in ties])
+
+
+def _leading(rows: list[list[str]], size: Sequence[float], kept: Sequence[bool]) -> list[list[str]]:
+    """Return the rows to keep, and those of the largest size until they are `LEADING`, in their order; none of a short table."""
+    if len(rows) <= _WHOLE:
+        return []
+    order = sorted(range(len(rows)), key=lambda row: (not kept[row], math.isnan(size[row]), -size[row]))
+    return [rows[row] for row in sorted(order[: max(LEADING, sum(kept))])]
 
 
 def candidate_rows(rows: Sequence[Row]) -> list[list[str]]:

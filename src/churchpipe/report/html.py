@@ -20,7 +20,16 @@ from churchpipe.model.placed_loads import Applied
 from churchpipe.model.results import LimitState
 from churchpipe.model.shell import ShellModel
 from churchpipe.report import both, viewer
-from churchpipe.report.applied import beam_rows, candidate_rows, gain_table, load_rows, ring_beams, tie_rows
+from churchpipe.report.applied import (
+    beam_rows,
+    candidate_rows,
+    gain_table,
+    leading_candidates,
+    leading_ties,
+    load_rows,
+    ring_beams,
+    tie_rows,
+)
 from churchpipe.report.block_curves import block_curve_plots
 from churchpipe.report.contact_models import contact_model_rows
 from churchpipe.report.displacements import displacement_checks
@@ -132,7 +141,9 @@ def write_report(
             load_rows=load_rows((applied or {}).values()),
             beam_rows=beam_rows(stones),
             tie_rows=tie_rows(rows),
+            leading_ties=leading_ties(rows),
             candidate_rows=candidate_rows(rows),
+            leading_candidates=leading_candidates(rows),
             gains=gain_table([row for row in rows if not row.variant], float(stones.weight[~stones.fixed].sum())),
             notes=[(row.label, note) for row in rows if (note := status_note(stones, row))],
             published=published_rows(published, asis),

@@ -39,5 +39,5 @@ def _environment() -> jinja2.Environment:
     )
     environment.filters |= {"breakable": breakable, "capital": capital}
     macros = vars(environment.get_template("table.html").module)
-    environment.globals.update({name: macros[name] for name in ("table", "diagram")})
+    environment.globals.update({name: macros[name] for name in ("table", "long_table", "diagram")})
     return environment

@@ -20,7 +20,7 @@ document.querySelectorAll(".scroll > table").forEach((table, number) => {
     setTimeout(() => URL.revokeObjectURL(link.href), 1000);
   });
   table.parentElement.before(button);
-  const headings = [...(table.tHead?.rows[0]?.cells ?? [])].map((cell) => cell.innerText.trim());
+  const headings = [...(table.tHead?.rows[0]?.cells ?? [])].map((cell) => cell.textContent.trim());
   for (const row of table.tBodies[0].rows) [...row.cells].forEach((cell, place) => (cell.dataset.heading = headings[place] ?? ""));
 });
 
@@ -34,3 +34,7 @@ function stack() {
 }
 stack();
 addEventListener("resize", stack);
+// A table that was hidden had no width.
+addEventListener("toggle", stack, true);
+// Paper cannot be clicked.
+addEventListener("beforeprint", () => document.querySelectorAll("details.whole").forEach((whole) => (whole.open = true)));
