@@ -103,7 +103,7 @@ def test_a_sentence_says_which_load_factor_to_use_and_why_they_differ() -> None:
 def test_stones_that_may_come_out_are_named_for_every_load() -> None:
     told = "the state at -0.0979 from the start centre does not lead: in it 1 stone (N1) comes out whatever pushes"
     loose = [
-        analysed(0.2, load=load, flow="non-associative", status="converged", message=f"{told}; 24 factorisations")
+        analysed(0.2, load=load, flow="non-associative", status="converged", message=f"{told}; found in 24 steps")
         for load in ("+x", "-x", "+y", "-y")
     ]
     assert guidance(loose) == [*(f"Load {load}: {told}." for load in ("+x", "-x", "+y")), "1 other analysis found such stones."]

@@ -31,6 +31,7 @@ from churchpipe.rigid_blocks.sliding import Method, SlidingOptions, Start, slidi
 from churchpipe.rigid_blocks.ties import with_ties
 from churchpipe.rigid_blocks.torsion import shift_about_pressure
 from churchpipe.stones.joint_outlines import covered
+from churchpipe.wording import counted
 
 Progress = Callable[[str, float], None]
 # Friction follows the centres of pressure until the load factor changes by no more than this share, or for so many rounds, of
@@ -241,14 +242,18 @@ def _about_pressure(
         change = abs(found.load_factor - state.load_factor) / max(abs(found.load_factor), 1e-3)
         alike = state.interval[0] <= found.load_factor <= state.interval[1]
         alike = alike and found.interval[0] <= state.load_factor <= found.interval[1]
-        state = replace(found, message=f"{found.message}; friction about the centres of pressure, round {count}: {change:.0e}")
+        state = found
         if found.status == "converged" and (change <= _AT_REST or (alike and count == _ROUNDS)):
-            return state
-    return replace(
-        state,
-        status="not-converged",
-        message=f"{state.message}; the centres of pressure did not come to rest, last change of the load factor {change:.0e}",
-    )
+            rounds = (
+                f"{counted(count, 'round')} of friction about the centres of pressure, the last of which changed the load factor"
+            )
+            return replace(found, message=f"{found.message}; {rounds} by {_per_cent(change)}")
+    last = f": the load factor still changed by {_per_cent(change)}" if np.isfinite(change) else ""
+    return replace(state, status="not-converged", message=f"the centres of pressure did not come to rest{last}; {state.message}")
+
+
+def _per_cent(share: float) -> str:
+    return f"{100 * share:.1g} %" if share >= 1e-4 else "less than 0.01 %"
 
 
 def point_strength(

@@ -12,6 +12,7 @@ from churchpipe.rigid_blocks.equilibrium import Equilibrium
 from churchpipe.rigid_blocks.iterations import SlidingRun
 from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP
 from churchpipe.rigid_blocks.ties import point_forces
+from churchpipe.wording import counted
 
 
 class End(NamedTuple):
@@ -81,14 +82,11 @@ def sliding_state(
 
 
 def _cost(found: list[SlidingRun], associative: int, passed_over: list[str]) -> str:
-    """Say what does not lead, and what each run cost, in convex programs and in solves of the associative problem."""
-    costs = (
-        (f"{run.solves} convex programs, " if run.solves else "")
-        + f"{run.iterations} factorisations"
-        + (f" = {run.iterations / associative:.1f} associative solves" if associative else "")
-        for run in found
-    )
-    return "; ".join((*passed_over, *costs))
+    """Say what does not lead, and what all runs cost beside the associative analysis: a factorisation of a matrix is a step."""
+    spent = sum(run.iterations for run in found)
+    searches = f" of {len(found)} searches" if len(found) > 1 else ""
+    times = f", {spent / associative:.1f} times as many as in the associative analysis" if associative else ""
+    return "; ".join((*passed_over, f"found in {counted(spent, 'step')}{searches}{times}"))
 
 
 def _why(chosen: SlidingRun, certified: CoulombState | None, violation: float) -> str:

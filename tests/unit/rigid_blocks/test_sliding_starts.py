@@ -16,7 +16,7 @@ from churchpipe.rigid_blocks.certificate import Strength
 from churchpipe.rigid_blocks.coulomb import CoulombState, Near, bipotential_gap, dead_load_start
 from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
 from churchpipe.rigid_blocks.iterations import SlidingRun, certified_iteration, closed_gap, pair_of_programs, pairs_left
-from churchpipe.rigid_blocks.limit import point_strength
+from churchpipe.rigid_blocks.limit import limit_analysis, point_strength
 from churchpipe.rigid_blocks.settings import SchemeSettings
 from churchpipe.rigid_blocks.sliding import SlidingOptions, sliding_analysis
 from churchpipe.stones.contacts import find_contacts
@@ -25,10 +25,11 @@ from solids import box, moved, on_ground
 PUSH = LoadCase((1, 0, 0))
 
 
+WALL = [box((i + s, i + 1 + s), (0, 0.5), (z, z + 0.4)) for z, s in ((0, 0), (0.4, 0.5), (0.8, 0)) for i in range(3)]
+
+
 def wall() -> tuple[Equilibrium, Strength, Contacts]:
-    stones = on_ground(
-        *(box((i + s, i + 1 + s), (0, 0.5), (z, z + 0.4)) for z, s in ((0, 0), (0.4, 0.5), (0.8, 0)) for i in range(3))
-    )
+    stones = on_ground(*WALL)
     contacts = find_contacts(stones)
     balance = equilibrium(stones, contacts, PUSH)
     return balance, point_strength(contacts, 0.6, 0.0, balance.force), contacts
@@ -55,6 +56,38 @@ class OnlyAssociative:
             nothing = np.full((program.points, 3), np.nan)
             return ConeSolution(nothing, np.nan, np.full(len(program.constant), np.nan), "failed", 0, 0.0, "test")
         return self._solve(program, **options)
+
+
+@pytest.mark.parametrize("starts", [("centre",), ("dead-load", "associative")])
+def test_what_a_result_cost_is_told_beside_the_associative_analysis(starts: tuple[Any, ...]) -> None:
+    balance, strength, _ = wall()
+    solve = solver_for(balance.wrenches)
+    associative = associative_state(balance, strength, solve, 0.0)
+    state = sliding_analysis(balance, strength, associative, SlidingOptions(starts=starts), solve)
+    assert state.status == "converged"
+    told = state.message.split("; ")[-1]
+    times = f"{state.iterations / associative.iterations:.1f} times as many as in the associative analysis"
+    searches = f" of {len(starts)} searches" if len(starts) > 1 else ""
+    assert told == f"found in {state.iterations} steps{searches}, {times}"
+
+
+@pytest.mark.parametrize(
+    ("rounds", "told"),
+    [
+        (12, "2 rounds of friction about the centres of pressure, the last of which changed the load factor by less than 0.01 %"),
+        # Friction about the centres of pressure raises the load factor from .578 to .589.
+        (1, "the centres of pressure did not come to rest: the load factor still changed by 2 %"),
+        (0, "the centres of pressure did not come to rest"),
+    ],
+)
+def test_rounds_of_friction_are_told_in_words(rounds: int, told: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("churchpipe.rigid_blocks.limit._ROUNDS", rounds)
+    stones = on_ground(*WALL)
+    push = LoadCase((1, 1, 0))
+    state = limit_analysis(stones, find_contacts(stones), push, 0.6, flow="non-associative", contact_model="torsion")
+    assert state.status == ("converged" if rounds > 2 else "not-converged")
+    # What is wrong stands first.
+    assert state.message.split("; ")[-1 if rounds > 2 else 0] == told
 
 
 def test_where_no_start_leads_anywhere_the_associative_forces_are_told() -> None:
