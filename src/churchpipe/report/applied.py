@@ -88,11 +88,11 @@ def leading_candidates(rows: Sequence[Row]) -> list[list[str]]:
 
 
 def _leading(rows: list[list[str]], size: Sequence[float], kept: Sequence[bool]) -> list[list[str]]:
-    """Return the rows to keep, and those of the largest size until they are `LEADING`, in their order; none of a short table."""
+    """Return the rows to keep, and those of the largest size until they are `LEADING`, largest first; none of a short table."""
     if len(rows) <= _WHOLE:
         return []
     order = sorted(range(len(rows)), key=lambda row: (not kept[row], math.isnan(size[row]), -size[row]))
-    return [rows[row] for row in sorted(order[: max(LEADING, sum(kept))])]
+    return [rows[row] for row in order[: max(LEADING, sum(kept))]]
 
 
 def candidate_rows(rows: Sequence[Row]) -> list[list[str]]:

@@ -34,8 +34,7 @@ def tables(folder: Path, **parts: object) -> tuple[list[list[str]], list[list[st
 
 def test_the_most_stressed_of_many_ties_stand_before_all(tmp_path: Path) -> None:
     shown, whole, page = tables(tmp_path, tie_forces=ties(SHARES))
-    most = sorted(SHARES)[-LEADING:]
-    assert [float(row[4]) for row in shown] == [round(share, 2) for share in SHARES if share in most]
+    assert [float(row[4]) for row in shown] == [round(share, 2) for share in sorted(SHARES, reverse=True)[:LEADING]]
     assert [row[1] for row in whole] == [f"tie {number}" for number in range(19)]
     assert f"<summary>All {len(SHARES)} rows</summary>" in page
     assert f"The {LEADING} that govern: ties at their strength, and those nearest to it." in Page(page).text
