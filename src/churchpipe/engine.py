@@ -30,6 +30,8 @@ UNFINISHED = "unfinished.txt"
 LOCAL = "local"
 # Loads its libraries while the plan of the run is made, and waits for its orders.
 _WAITING = "churchpipe.waiting_engine"
+# What the engine says of the command of a stage that failed: its name, that of its result, and its exit status.
+_CRASHED = re.compile(r" stage -- (\w+) (\S+) .*returned non-zero exit status (\d+)")
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,7 +143,7 @@ def run(
         if not code and until:
             mark.write_text(f"it was asked for no more than the stage {until}\n", encoding="utf-8")
         elif code:
-            mark.write_text("\n".join(dict.fromkeys(errors)) or "a stage crashed, see run.log", encoding="utf-8")
+            mark.write_text("\n".join(dict.fromkeys(errors)) or crashes(folder), encoding="utf-8")
         else:
             mark.unlink()
         return code
@@ -241,6 +243,19 @@ def _errors(folder: Path, begin: float, watch: Callable[[Event], None]) -> list[
     for event in found:
         watch(event)
     return [event.text for event in found]
+
+
+def crashes(folder: Path) -> str:
+    """Return which stages ended without a word, and how, from what the engine says of their commands."""
+    log = (folder / "run.log").read_text(encoding="utf-8", errors="replace")
+    told: list[str] = []
+    for stage, name, code in _CRASHED.findall(log):
+        ended = f"it ended with status {code}"
+        if int(code) > 128:
+            ended = f"signal {int(code) - 128} ended it from outside, as where the machine has no memory left"
+        where = folder / "log" / stage / f"{name}.txt"
+        told.append(f"The stage {stage} of {name} crashed: {ended}. Run it again, what is finished stays; see {where}")
+    return "\n".join(dict.fromkeys(told)) or f"A stage crashed; see {folder / 'run.log'}"
 
 
 @contextmanager

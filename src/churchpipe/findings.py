@@ -284,7 +284,8 @@ def _line(kind: tuple[Finding, ...]) -> str:
     line += f" {first.remedy}" if first.remedy else ""
     if len(kind) == 1:
         return line
-    more = "; ".join(f.place or f.what for f in kind[1 : 1 + MORE_PLACES])
+    # What begins with the name of a wall says what no place does, such as how many stones were laid in it.
+    more = "; ".join(f.what if f.what.startswith('"') or not f.place else f.place for f in kind[1 : 1 + MORE_PLACES])
     rest = len(kind) - 1 - MORE_PLACES
     return f"{len(kind)} times: {line} Also: {more}" + (f"; and {rest} more." if rest > 0 else ".")
 

@@ -25,6 +25,21 @@ def test_a_line_of_the_engine_alone_has_no_news() -> None:
     assert engine.heard("Finished jobid: 3 (Rule: blocks)\n") is None
 
 
+@pytest.mark.parametrize(
+    ("status", "told"),
+    [(137, "signal 9 ended it from outside, as where the machine has no memory left"), (1, "it ended with status 1")],
+)
+def test_a_stage_that_ended_without_a_word_is_named(tmp_path: Path, status: int, told: str) -> None:
+    command = "python -I -S call_standby.py stage -- shell base shell/base/shell.npz 2>&1 | tee log/shell/base.txt"
+    engine_says = f"Command 'set -euo pipefail;  {command}' returned non-zero exit status {status}.\n"
+    (tmp_path / "run.log").write_text(f"Select jobs to execute...\n{engine_says}{engine_says}", encoding="utf-8")
+    (tmp_path / engine.UNFINISHED).write_text(engine.crashes(tmp_path), encoding="utf-8")
+    assert engine.unfinished(tmp_path).startswith(f"The stage shell of base crashed: {told}.")
+    assert engine.unfinished(tmp_path).count("crashed") == 1
+    (tmp_path / "run.log").write_text("WorkflowError\n", encoding="utf-8")
+    assert engine.crashes(tmp_path) == f"A stage crashed; see {tmp_path / 'run.log'}"
+
+
 def test_an_engine_without_orders_ends_with_what_it_was_started_for() -> None:
     with engine.started() as ready:
         assert ready.process.poll() is None

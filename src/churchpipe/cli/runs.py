@@ -121,7 +121,7 @@ def _run(
             err.print(text, style="red", soft_wrap=True)
         raise typer.Exit(FINDINGS)
     if code:
-        err.print(f"A stage crashed; see {folder / 'run.log'}", style="red", soft_wrap=True)
+        err.print(engine.unfinished(folder), style="red", markup=False, soft_wrap=True)
         raise typer.Exit(STRUCTURE)
     if until:
         out.print(f"Made as far as the stage {until}: {folder}", soft_wrap=True)

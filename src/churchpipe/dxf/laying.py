@@ -15,7 +15,7 @@ from churchpipe.model.building import Building, Panel
 from churchpipe.model.materials import UnitWeight
 from churchpipe.recognition.insets import is_single
 from churchpipe.recognition.laying import LaidBond, Volume, joined, laid_panel, lowest
-from churchpipe.recognition.lintels import LEVEL, LaidLintel, bare_heads, bearings, is_lintel, with_lintels
+from churchpipe.recognition.lintels import LEVEL, LaidLintel, bare_heads, bearings, beyond, is_lintel, with_lintels
 from churchpipe.recognition.squaring import squared
 from churchpipe.stones.blocks import derive_blocks
 from churchpipe.wording import counted
@@ -61,6 +61,7 @@ def laid_stones(bodies: Sequence[Stone], bond: LaidBond, unit: float, findings: 
     asked = bond.lintel_bearing or 0.0
     findings += [said for panel in panels for said in _bearings(panel, lintels, asked, place[panel.name])]
     findings += [said for panel in panels for said in _unborne(panel, place[panel.name])]
+    findings += [said for panel in panels for said in _beyond(panel, place[panel.name])]
     findings += [said for panel in panels for said in _bare_heads(panel, place[panel.name])]
     return [*fixed, *_stones(stones, place, unit)]
 
@@ -126,6 +127,14 @@ def _unborne(panel: Panel, place: Place) -> list[Finding]:
     found = f'"{panel.name}": lintels that do not rest on the wall on both sides: {listed}'
     remedy = "Draw them longer than the opening; friction at their ends alone holds them, and the shell takes them for held."
     return [place.finding("W28", found, remedy=remedy)]
+
+
+def _beyond(panel: Panel, place: Place) -> list[Finding]:
+    """Return what is to be said of lintels that reach beyond the ends or the top of their wall."""
+    if is_single(panel) or not (found := [f"{name} by {reach:.3g} m" for name, reach in beyond(panel)]):
+        return []
+    what = f'"{panel.name}": lintels that reach beyond the ends or the top of their wall: {"; ".join(found)}'
+    return [place.finding("W28", what, remedy="Draw them shorter if that is not meant.")]
 
 
 def _bare_heads(panel: Panel, place: Place) -> list[Finding]:

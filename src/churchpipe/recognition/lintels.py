@@ -76,6 +76,15 @@ def bearings(panel: Panel) -> list[tuple[str, float, float]]:
     return found
 
 
+def beyond(panel: Panel) -> list[tuple[str, float]]:
+    """Return the name of each lintel that reaches beyond the ends or the top of its wall, and by how far, m."""
+    lintels = [region for region in panel.regions if region.pattern == "single"]
+    start, _, stop, top = extent(less(wall_region(panel), [polygon(region.outline) for region in lintels])).tolist()
+    reach = [(region.name, extent(polygon(region.outline))) for region in lintels]
+    out = [(name, float(max(start - each[0], each[2] - stop, each[3] - top))) for name, each in reach]
+    return [(name, by) for name, by in out if by > LEVEL]
+
+
 def with_lintels(panels: Sequence[Panel], bearing: float) -> tuple[list[Panel], list[LaidLintel]]:
     """Return walls with a lintel over each flat head that has none, and the lintels that were laid.
 

@@ -180,6 +180,23 @@ def test_a_lintel_drawn_on_the_face_of_a_wall_is_as_deep_as_the_wall(tmp_path: P
     assert stones.volume[~stones.fixed].sum() == pytest.approx(0.5 * 14.0, rel=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("lintel", "by"), [((-0.3, 2.0, 3.3, 2.25), "0.3 m"), ((1.7, 2.0, 5.02, 2.25), "0.02 m"), ((1.7, 2.0, 3.3, 3.1), "0.1 m")]
+)
+def test_a_lintel_that_reaches_beyond_its_wall_is_said(tmp_path: Path, lintel, by):
+    stones, said = read(drawing(tmp_path, WALL, WINDOW, ("LINTEL", lintel)))
+    assert f'"WALL": lintels that reach beyond the ends or the top of their wall: LINTEL by {by}' in said
+    assert has(stones, *lintel)
+
+
+def test_what_was_laid_is_said_of_each_wall(tmp_path: Path):
+    """Equal findings are one line, and these are not quite equal."""
+    _, said = read(drawing(tmp_path, WALL, ("OTHER", (6.0, 0.0, 9.0, 2.0))))
+    assert '"WALL": laid' in said
+    assert '"OTHER": laid' in said
+    assert "; 2.4 m3" in said
+
+
 def test_a_lintel_thinner_than_its_wall_is_refused(tmp_path: Path):
     document = ezdxf.new("R2010", units=6)
     space = document.modelspace()
