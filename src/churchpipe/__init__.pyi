@@ -39,6 +39,7 @@ from .model.carried import PointLoad as PointLoad
 from .model.carried import Pressure as Pressure
 from .model.contacts import Contacts as Contacts
 from .model.diaphragm import Diaphragm as Diaphragm
+from .model.doubts import DoubtfulValue as DoubtfulValue
 from .model.fill import Fill as Fill
 from .model.gains import Sensitivities as Sensitivities
 from .model.joint_group import JointGroup as JointGroup

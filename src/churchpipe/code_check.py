@@ -10,6 +10,7 @@ from churchpipe.errors import InputError
 from churchpipe.model.arguments import check_kind, one_of
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.checks import SafetyCheck
+from churchpipe.model.doubts import doubt_fields
 from churchpipe.model.quantities import GRAVITY, Count, Quantity, Usual, check_ranges, in_range
 from churchpipe.spectrum import Demand, SiteSpectrum, Spectrum, StoreySpectrum
 
@@ -65,6 +66,7 @@ class Floor:
         if not 0 <= self.height <= self.building_height:
             expected = f"from 0 to the building's height of {float(self.building_height):g} m"
             raise InputError("check: height Z of the mechanism", "out of range", found=self.height, expected=expected)
+        doubt_fields(self)
 
     @property
     def acceleration(self) -> float:
@@ -112,6 +114,7 @@ class Site:
         if (self.soil_factor is None) != by_soil:
             problem = "a factor given twice" if by_soil else "missing key"
             raise InputError("check: soil_factor", problem, expected="either soil_factor or soil in [check.spectrum]")
+        doubt_fields(self)
 
     def confidence(self, crushing: bool) -> float:
         """Return FC of an analysis, whether or not the masonry crushes in it."""

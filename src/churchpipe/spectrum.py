@@ -10,6 +10,7 @@ from churchpipe.errors import InputError
 from churchpipe.model.arguments import one_of, positive
 from churchpipe.model.arrays import floats, store
 from churchpipe.model.checks import DemandCurve
+from churchpipe.model.doubts import doubt_fields
 from churchpipe.model.quantities import GRAVITY, Quantity, Usual
 
 # Bounds of the soil factor S_S = least <= top - slope F0 a_g/g <= most, and C_C = factor TC*^power (tables 3.2.IV and 3.2.V).
@@ -200,6 +201,7 @@ class SiteSpectrum:
                 expected="soil with it; a table and soil_factor of [check] have the topography in them",
             )
         self.of(1.0, 1.0)
+        doubt_fields(self)
 
     def of(self, ground: float, soil_factor: float | None) -> Spectrum | TabulatedSpectrum:
         """Return the spectrum of a site with this a_g, m/s2, and this S, None where it follows from the soil."""

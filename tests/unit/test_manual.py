@@ -5,6 +5,7 @@ import re
 import shlex
 import textwrap
 import tomllib
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -110,7 +111,9 @@ WITH_PYTHON = [page for page in PAGES if python_blocks(page)]
 def test_python_of_the_pages_runs(page: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)
     names: dict[str, Any] = {}
-    exec(compile(python_blocks(page), str(page), "exec"), names)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", churchpipe.DoubtfulValue)
+        exec(compile(python_blocks(page), str(page), "exec"), names)
     if page.name == "python.md":
         # What the page says that its tower prints.
         assert names["held"].load_factor == pytest.approx(0.2276, abs=5e-5)

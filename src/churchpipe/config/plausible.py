@@ -11,8 +11,9 @@ from churchpipe.errors import InputError
 from churchpipe.generators.house import HouseParameters
 from churchpipe.generators.house_plan import loose_ends
 from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.doubts import question
 from churchpipe.model.loads import LoadCase
-from churchpipe.model.quantities import UNITS, Unit, Usual, declared, unit_of, written
+from churchpipe.model.quantities import UNITS, Usual, declared, unit_of, written
 from churchpipe.shell_mesh.element_count import element_count
 
 if TYPE_CHECKING:
@@ -60,7 +61,7 @@ def size_questions(stones: Assemblage) -> list[str]:
     side, whole = (high - low).max(axis=1), high.max(axis=0) - low.min(axis=0)
     sizes = (("the height of the structure", HEIGHT, whole[2]), ("the length of the structure", LENGTH, whole[:2].max()))
     sides = [("the longest side of a stone", STONE, side.max()), ("the longest side of a stone", STONE, side.min())]
-    asked = [_question(name, float(found), usual, _METRES) for name, usual, found in (*sizes, *sides)]
+    asked = [question(name, float(found), usual, _METRES) for name, usual, found in (*sizes, *sides)]
     return list(dict.fromkeys(text for text in asked if text))
 
 
@@ -224,13 +225,4 @@ def _of_record(record: Any, place: str) -> Iterator[str]:
             yield from _of_record(value, f"{place}{item.key}.")
         elif item.quantity and item.quantity.usual and value is not None:
             for one in value if isinstance(value, tuple) else (value,):
-                yield _question(place + item.key, written(item.key, float(one)), item.quantity.usual, unit_of(item.key))
-
-
-def _question(name: str, value: float, usual: Usual, unit: Unit) -> str:
-    """Return what to ask about a value in a unit, "" where there is nothing to ask."""
-    # A value on the border has been converted to SI and back.
-    if usual.low * (1 - 1e-9) <= value <= usual.high * (1 + 1e-9):
-        return ""
-    words = f" {unit.name}" if unit.name else ""
-    return f"{name} is {value:.4g}{words}, usual are {usual.low:g} to {usual.high:g}{words}: {usual.reason}. Is it meant?"
+                yield question(place + item.key, written(item.key, float(one)), item.quantity.usual, unit_of(item.key))

@@ -26,7 +26,9 @@ from churchpipe.model.arrays import BoolArray, FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.block_curve import BlockCapacityCurve, CurveStatus, vanishing
 from churchpipe.model.contacts import Contacts
+from churchpipe.model.doubts import doubt_argument
 from churchpipe.model.loads import LoadCase
+from churchpipe.model.materials import JointStrength
 from churchpipe.model.names import ContactModel
 from churchpipe.model.results import LimitState
 from churchpipe.model.stone_path import HALO, no_step
@@ -141,6 +143,7 @@ def block_pushover(
         if given is not None:
             check_kind(f"block_pushover: {name}", given, kind)
     listed("block_pushover: ties", ties, Tie)
+    doubt_argument("block_pushover: friction", friction, JointStrength, "friction")
     one_of("block_pushover: contact_model", contact_model, *get_args(ContactModel))
     programmed = partial(limit_program, load=load, ties=ties, contact_model=contact_model)
     strengths = partial(_strengths, friction, compressive_strength)

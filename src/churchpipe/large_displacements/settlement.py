@@ -16,7 +16,9 @@ from churchpipe.model.arguments import check_kind, one_of
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
+from churchpipe.model.doubts import doubt_argument
 from churchpipe.model.loads import LoadCase
+from churchpipe.model.materials import JointStrength
 from churchpipe.model.names import ContactModel
 from churchpipe.model.settlement import SettlementState, SettlementStatus
 from churchpipe.rigid_blocks.associative import dead_load_analysis
@@ -77,6 +79,7 @@ def settlement_analysis(
         A support that is not there, not fixed or bears nothing, no direction, arguments out of range.
     """
     begin = perf_counter()
+    doubt_argument("settlement_analysis: friction", friction, JointStrength, "friction")
     one_of("settlement_analysis: flow", flow, "associative", "non-associative")
     one_of("settlement_analysis: contact_model", contact_model, *get_args(ContactModel))
     moved = (support, direction, about)

@@ -24,7 +24,9 @@ from churchpipe.model.arguments import check_call, check_kind
 from churchpipe.model.arrays import BoolArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
+from churchpipe.model.doubts import doubt_argument
 from churchpipe.model.loads import LoadCase
+from churchpipe.model.materials import JointStrength
 from churchpipe.model.names import ContactModel
 from churchpipe.model.settlement import SettlementEnding, SettlementPath, SettlementState
 from churchpipe.model.stone_path import HALO, no_step
@@ -87,6 +89,7 @@ def settlement_path(
     begin = perf_counter()
     for name, given, kind in (("stones", stones, Assemblage), ("contacts", contacts, Contacts)):
         check_kind(f"settlement_path: {name}", given, kind)
+    doubt_argument("settlement_path: friction", friction, JointStrength, "friction")
     halo = check_path("settlement_path", stones, step, steps, furthest, halo)
     for name, call in (("progress", progress), ("keep", keep)):
         check_call(f"settlement_path: {name}", call)

@@ -68,6 +68,12 @@ def finite(where: str, value: object) -> float:
     return number
 
 
+def check_order(where: str, begin: float | None, end: float | None) -> None:
+    """Raise InputError for two places, m, that are not in order; None: one that is not given."""
+    if begin is not None and end is not None and not finite(f"{where}: begin", begin) < finite(f"{where}: end", end):
+        raise InputError(where, "no length", found=f"from {begin:g} m to {end:g} m", expected="begin < end")
+
+
 def path_of(where: str, value: object) -> Path:
     """Return a path.
 

@@ -26,6 +26,8 @@ from churchpipe.model.arrays import (
     store_arrays,
 )
 from churchpipe.model.card import Shown
+from churchpipe.model.doubts import doubt_argument
+from churchpipe.model.materials import UnitWeight
 from churchpipe.model.pictures import picture
 from churchpipe.model.polyhedra import FLATNESS, LEAST_WARP, face_normals, solid_properties
 from churchpipe.model.surfaces import DOUBLED, SurfaceFault, coincident, surface_fault, weld
@@ -152,6 +154,9 @@ class Assemblage(Shown):
         InputError
             A solid that is open, flat or not planar, with its index.
         """
+        # Models without units are given a weight of one.
+        if not np.array_equal(unit_weight, 1.0):
+            doubt_argument("from_polyhedra: unit_weight", unit_weight, UnitWeight, "unit_weight")
         points: list[FloatArray] = []
         nodes: list[int] = []
         face_sizes: list[int] = []

@@ -7,6 +7,7 @@ from churchpipe.errors import InputError
 from churchpipe.model.arguments import positive, text
 from churchpipe.model.arrays import flags, floats, store
 from churchpipe.model.carried import TOWARD, Metres
+from churchpipe.model.doubts import doubt_fields
 from churchpipe.model.quantities import Quantity, Usual
 
 _Size = Annotated[
@@ -45,3 +46,4 @@ class Buttress:
             if getattr(self, key) is not None:
                 positive(f"{where}: {key}", getattr(self, key))
         store(self, along=along, bonded=bool(flags(f"{where}: bonded", self.bonded, ())))
+        doubt_fields(self)

@@ -8,8 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from churchpipe.errors import InputError
-from churchpipe.model.arguments import describe, finite, listed, text
+from churchpipe.model.arguments import check_order, describe, finite, listed, text
 from churchpipe.model.arrays import FloatArray, floats, store
+from churchpipe.model.doubts import doubt_fields
 from churchpipe.model.quantities import Quantity, Usual, in_range
 
 TOWARD = {"+x": (1.0, 0.0, 0.0), "-x": (-1.0, 0.0, 0.0), "+y": (0.0, 1.0, 0.0), "-y": (0.0, -1.0, 0.0)}
@@ -93,10 +94,11 @@ class LineLoad:
     ) -> None:
         where = _named(self, "line load", name, wall)
         _on_wall_or_at(where, "between", wall, between, begin=begin, end=end, height=height, eccentricity=eccentricity or None)
-        _check_order(where, begin, end)
+        check_order(where, begin, end)
         store(self, wall=wall, between=None if between is None else _points(floats(f"{where}: between", between, (2, 3))))
         _store_numbers(self, where, begin=begin, end=end, height=height)
         _store_load(self, where, dead, thrust, toward, eccentricity, mass)
+        doubt_fields(self)
 
     @property
     def called(self) -> str:
@@ -175,6 +177,7 @@ class PointLoad:
         store(self, wall=wall, at=None if at is None else tuple(floats(f"{where}: at", at, (3,)).tolist()))
         _store_numbers(self, where, along=along, height=height)
         _store_load(self, where, dead, thrust, toward, eccentricity, mass)
+        doubt_fields(self)
 
     @property
     def called(self) -> str:
@@ -244,10 +247,12 @@ class AreaLoad:
         in_range(AreaLoad, "bearing", f"{where}: bearing", bearing)
         if len(named) == 4 and not (begin is None and end is None):
             raise InputError(where, "begin and end of a floor between four walls", expected="the clear area between them")
-        _check_order(where, begin, end)
+        check_order(where, begin, end)
         store(self, walls=named, bearing=float(bearing))
         _store_numbers(self, where, begin=begin, end=end, height=height)
         _store_load(self, where, dead, 0.0, None, 0.0, mass)
+        if type(self) is AreaLoad:
+            doubt_fields(self)
 
     @property
     def called(self) -> str:
@@ -319,6 +324,7 @@ class Pressure:
             raise InputError(where, "no pressure", expected="a unit weight or a surcharge, and a coefficient, > 0")
         store(self, wall=wall, toward=_level(where, toward), unit_weight=float(unit_weight))
         store(self, coefficient=float(coefficient), surcharge=float(surcharge), top=finite(f"{where}: top", top))
+        doubt_fields(self)
 
     @property
     def called(self) -> str:
@@ -356,11 +362,6 @@ def _on_wall_or_at(where: str, key: str, wall: str | None, place: object, **on_w
     extra = [name for name, value in on_wall.items() if value is not None]
     if wall is None and extra:
         raise InputError(where, f"{', '.join(extra)} without a wall", expected=f"{key} alone, or a wall")
-
-
-def _check_order(where: str, begin: float | None, end: float | None) -> None:
-    if begin is not None and end is not None and not finite(f"{where}: begin", begin) < finite(f"{where}: end", end):
-        raise InputError(where, "no length", found=f"from {begin:g} m to {end:g} m", expected="begin < end")
 
 
 def _store_numbers(load: object, where: str, **values: float | None) -> None:

@@ -8,6 +8,7 @@ from churchpipe.errors import InputError
 from churchpipe.model.arguments import positive
 from churchpipe.model.arrays import floats, store
 from churchpipe.model.carried import AreaLoad
+from churchpipe.model.doubts import doubt_fields
 from churchpipe.model.quantities import Quantity, Usual, in_range
 
 TIMBER_MODULUS = 10e9
@@ -102,3 +103,4 @@ class Diaphragm(AreaLoad):
             in_range(Diaphragm, "bearing_length", f"{where}: bearing_length", bearing_length)
         store(self, spacing=float(spacing), friction=float(friction), fixing=float(fixing), joist=(width, depth))
         store(self, modulus=float(modulus), bearing_length=bearing_length)
+        doubt_fields(self)

@@ -7,6 +7,7 @@ from churchpipe.errors import InputError
 from churchpipe.model.arguments import listed, text
 from churchpipe.model.arrays import store
 from churchpipe.model.carried import Metres
+from churchpipe.model.doubts import doubt_fields
 from churchpipe.model.quantities import Quantity, Usual, check_ranges
 
 
@@ -38,6 +39,7 @@ class Fill:
         if not on:
             raise InputError(f"{self.called}: on", "nothing that it lies on", expected="names of vaults or walls")
         check_ranges(self, f"{self.called}: ")
+        doubt_fields(self)
 
     @property
     def called(self) -> str:

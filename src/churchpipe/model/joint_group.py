@@ -8,6 +8,7 @@ from churchpipe.model.arguments import finite, listed, one_of, text
 from churchpipe.model.arrays import store
 from churchpipe.model.carried import Metres
 from churchpipe.model.contacts import KINDS, ContactKind
+from churchpipe.model.doubts import doubt_fields
 from churchpipe.model.materials import COHESION, FRICTION
 from churchpipe.model.quantities import Quantity, check_ranges
 
@@ -50,6 +51,7 @@ class JointGroup:
         if heights[0] is not None and heights[1] is not None and not heights[0] < heights[1]:
             raise InputError(where, "no height", found=f"{heights[0]:g} to {heights[1]:g} m", expected="above < below")
         store(self, walls=walls, between=pair, above=heights[0], below=heights[1])
+        doubt_fields(self)
 
     @property
     def named(self) -> tuple[str, ...]:

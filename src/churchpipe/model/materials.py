@@ -7,6 +7,7 @@ from typing import Annotated, TypeVar
 
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import check_kind, finite, text
+from churchpipe.model.doubts import doubt_fields
 from churchpipe.model.quantities import Quantity, Usual, declared, in_range
 
 _MODULUS = (1e-3, 1e21)
@@ -49,6 +50,7 @@ class Elastic:
             _check_span("elastic.", self, key)
         for key in ("block_poisson", "joint_poisson"):
             in_range(Elastic, key, f"elastic.{key}", getattr(self, key))
+        doubt_fields(self)
 
 
 @dataclass(frozen=True)
@@ -67,6 +69,8 @@ class UnitWeight:
     def __post_init__(self) -> None:
         text("material: name", self.name)
         _check_span(f"material {self.name}: ", self, "unit_weight", or_zero=True)
+        if type(self) is UnitWeight:
+            doubt_fields(self)
 
 
 @dataclass(frozen=True)
@@ -98,6 +102,8 @@ class JointStrength:
             check_kind(f"{where}elastic", self.elastic, Elastic)
         if self.compressive_strength is not None:
             _check_span(where, self, "compressive_strength")
+        if type(self) is JointStrength:
+            doubt_fields(self)
 
 
 # Fields in the order of its bases from the last: name, unit_weight, friction, cohesion, elastic, compressive_strength.
@@ -115,6 +121,7 @@ class Material(JointStrength, UnitWeight):
     def __post_init__(self) -> None:
         UnitWeight.__post_init__(self)
         JointStrength.__post_init__(self)
+        doubt_fields(self)
 
 
 _Named = TypeVar("_Named", bound=UnitWeight | JointStrength)

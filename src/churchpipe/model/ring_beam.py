@@ -7,6 +7,7 @@ from churchpipe.errors import InputError
 from churchpipe.model.arguments import finite, listed, positive, text
 from churchpipe.model.arrays import flags, store
 from churchpipe.model.carried import Metres
+from churchpipe.model.doubts import doubt_fields
 from churchpipe.model.quantities import Quantity, Usual
 
 # How the names of beams as panels begin.
@@ -51,6 +52,7 @@ class RingBeam:
         for key in ("closed", "slab"):
             store(self, **{key: bool(flags(f"{where}: {key}", getattr(self, key), ()))})
         store(self, walls=walls, begin=begin, end=end)
+        doubt_fields(self)
 
     @property
     def bodies(self) -> tuple[str, ...]:

@@ -9,6 +9,7 @@ from churchpipe.errors import InputError
 from churchpipe.model.arguments import describe, finite, text
 from churchpipe.model.arrays import floats, store
 from churchpipe.model.carried import Metres, Point
+from churchpipe.model.doubts import doubt_fields
 from churchpipe.model.quantities import Quantity, Usual, in_range
 
 STEEL_MODULUS = 210e9
@@ -156,6 +157,7 @@ class TieBar:
         store(self, area=float(area), steel_strength=float(steel_strength), plate=sides, pretension=float(pretension))
         store(self, bearing_strength=bearing_strength, punching_strength=punching_strength)
         store(self, modulus=float(modulus), ultimate_strain=ultimate_strain)
+        doubt_fields(self)
 
     def capacity(self, thickness: tuple[float | None, float | None] = (None, None)) -> tuple[float, str]:
         """Return the largest tension, N, and what governs it.

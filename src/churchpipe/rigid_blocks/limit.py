@@ -15,7 +15,9 @@ from churchpipe.model.arguments import check_call, check_kind, listed, one_of
 from churchpipe.model.arrays import FloatArray, NameArray, array_of
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
+from churchpipe.model.doubts import doubt_argument
 from churchpipe.model.loads import LoadCase
+from churchpipe.model.materials import JointStrength
 from churchpipe.model.names import ContactModel, Flow
 from churchpipe.model.results import LimitState
 from churchpipe.model.ties import Tie
@@ -113,6 +115,7 @@ def limit_analysis(
     for name, value, kind in (("stones", stones, Assemblage), ("contacts", contacts, Contacts), ("load", load, LoadCase)):
         check_kind(f"limit_analysis: {name}", value, kind)
     check_call("limit_analysis: progress", progress)
+    doubt_argument("limit_analysis: friction", friction, JointStrength, "friction")
     one_of("limit_analysis: flow", flow, *get_args(Flow))
     starts: list[Start] = [start] if isinstance(start, str) else []
     if not starts and start is not None:

@@ -1,0 +1,72 @@
+"""Python asks about odd values as the case file does: by a warning of its own, and only whoever gives them by hand."""
+
+import warnings
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import churchpipe as cp
+from churchpipe.code_check import Site
+from churchpipe.spectrum import SiteSpectrum
+from solids import box, on_ground
+
+STONES = on_ground(box((0, 1), (0, 1), (0, 2)), unit_weight=2e4)
+CONTACTS = cp.find_contacts(STONES)
+PUSH = cp.LoadCase((1, 0, 0))
+SOUND = cp.Material("brick", 18e3, 0.6)
+
+CALLS: list[tuple[Callable[[], Any], str]] = [
+    (
+        lambda: cp.Material("brick", 18.0, 0.6),
+        r"Material\.unit_weight is 0\.018 kN/m3 \(given as 18 in SI units\), usual are 8 to",
+    ),
+    (lambda: cp.Material("brick", 18e3, 6.0), r"Material\.friction is 6, usual are 0\.1 to 1\.5: slopes of .* Is it meant\?"),
+    (lambda: cp.JointStrength("brick", 6.0), r"JointStrength\.friction is 6, usual"),
+    (lambda: replace(SOUND, friction=6.0), r"Material\.friction is 6, usual"),
+    (lambda: cp.Material("brick", 18e3, 0.6, compressive_strength=3.0), r"compressive_strength is 3e-06 MPa \(given as 3 in SI"),
+    (
+        lambda: Site(0.15, soil_factor=1.2),
+        r"Site\.ground_acceleration is 0\.0153 g \(given as 0\.15 in SI units\), usual are 0\.04",
+    ),
+    (
+        lambda: SiteSpectrum(amplification=25.0, start=0.35, soil="C"),
+        r"SiteSpectrum\.amplification is 25, usual are 2\.2 to 3\.2",
+    ),
+    (
+        lambda: cp.AreaLoad(["a", "b"], dead=1.5e6),
+        r"AreaLoad\.dead is 1500 kN/m2 \(given as 1\.5e\+06 in SI units\), usual are 0 to 50",
+    ),
+    (lambda: cp.JointGroup("beds", kind="bed", friction=6.0), r"JointGroup\.friction is 6, usual"),
+    (lambda: cp.limit_analysis(STONES, CONTACTS, PUSH, friction=6.0), r"limit_analysis: friction is 6, usual are 0\.1 to 1\.5"),
+    (lambda: cp.block_pushover(STONES, CONTACTS, PUSH, 6.0, steps=1), r"block_pushover: friction is 6, usual"),
+    (lambda: cp.settlement_analysis(STONES, CONTACTS, [0], friction=[6.0]), r"settlement_analysis: friction is 6, usual"),
+    (
+        lambda: cp.Assemblage.from_polyhedra([box((0, 1), (0, 1), (0, 1))], unit_weight=18.0),
+        r"from_polyhedra: unit_weight is 0\.018 kN/m3 \(given as 18 in SI units\)",
+    ),
+]
+
+
+@pytest.mark.parametrize(("call", "said"), CALLS)
+def test_an_odd_value_is_asked_about_where_it_is_given(call: Callable[[], Any], said: str) -> None:
+    with pytest.warns(cp.DoubtfulValue, match=said) as caught:
+        call()
+    assert {Path(one.filename).name for one in caught} == {Path(__file__).name}
+    assert len(caught) == 1
+
+
+def test_nothing_is_asked_about_usual_values_and_inside_the_package(tmp_path: Path) -> None:
+    case = tmp_path / "case.toml"
+    text = (Path(__file__).parents[3] / "pipeline" / "cases" / "wall.toml").read_text(encoding="utf-8")
+    case.write_text(text.replace("friction = ", "friction = 6.0 # "), encoding="utf-8")
+    assert "6.0 #" in case.read_text(encoding="utf-8")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", cp.DoubtfulValue)
+        replace(SOUND, friction=0.7)
+        cp.limit_analysis(STONES, CONTACTS, PUSH, friction=0.6)
+        cp.block_pushover(STONES, CONTACTS, PUSH, 0.6, steps=1)
+        # The case has its own questions.
+        cp.read_case(case)
