@@ -29,7 +29,8 @@ class ArchedOpening:
     wall: Annotated[str | Sequence[str], "Name of the wall, or a list of them."]
     centre: Annotated[
         Coordinate | Sequence[Coordinate],
-        "x in walls along x, y in walls along y, along the wall in round ones; one or several.",
+        "Of its middle: x itself in walls along x, y itself in walls along y, not from the end of the wall as `along_m` is; "
+        "along the wall in round ones; one or several.",
     ]
     width: Annotated[Length, "Clear width."]
     springing: Annotated[Length, "Height at which the arch begins; of a circle that of its centre."]

@@ -66,7 +66,7 @@ class Apse:
     inner_radius: Annotated[Length, "Inner radius."]
     thickness: Annotated[Length, "Thickness."]
     height: Annotated[Length, "Height."]
-    centre: Annotated[Coordinate, "x of its middle."] = 0.0
+    centre: Annotated[Coordinate, "x of its middle, not from the end of the wall as `along_m` is."] = 0.0
 
 
 def part_of(kind: type[Any], where: str, value: Any) -> Any:

@@ -17,7 +17,9 @@ from churchpipe.model.quantities import Count, Distance, Length, Whole
 class RectangularOpening:
     """A door or window in whole courses."""
 
-    start: Annotated[Distance, "Where it begins along the wall."]
+    start: Annotated[
+        Distance, "Where it begins, along the wall from its outer end with the smaller x (of a wall along y, the smaller y)."
+    ]
     width: Annotated[Length, "Clear width."]
     height_courses: Annotated[Count, "Height in courses."]
     lintel_bearing: Annotated[Distance, "Bearing of a lintel of one course on either side; 0: no lintel."] = 0.0

@@ -6,7 +6,7 @@ from typing import Annotated, cast
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import positive, text
 from churchpipe.model.arrays import flags, floats, store
-from churchpipe.model.carried import TOWARD, Metres
+from churchpipe.model.carried import FROM_ITS_END, TOWARD, Metres
 from churchpipe.model.doubts import doubt_fields
 from churchpipe.model.quantities import Quantity, Usual
 
@@ -26,7 +26,7 @@ class Buttress:
     """
 
     wall: Annotated[str, "The wall that they stand at."]
-    along: Annotated[tuple[Metres, ...], Quantity("_m"), "Where their middles are, along the wall as in `line_loads`."]
+    along: Annotated[tuple[Metres, ...], Quantity("_m"), f"Where their middles are, along the wall {FROM_ITS_END}."]
     toward: Annotated[str, 'The side of the wall that they stand on: "+x", "-x", "+y" or "-y".']
     width: Annotated[_Size, "Along the wall."]
     depth: Annotated[_Size, "From the face of the wall."]

@@ -17,9 +17,9 @@ TOWARD = {"+x": (1.0, 0.0, 0.0), "-x": (-1.0, 0.0, 0.0), "+y": (0.0, 1.0, 0.0), 
 Toward = str | npt.ArrayLike
 Metres = Annotated[float, Quantity("_m")]
 Point = tuple[Metres, Metres, Metres]
-_ALONG = "Along the wall, from its end with the smaller x (of a wall along y, the smaller y); by default its own end."
+FROM_ITS_END = "from its end with the smaller x (of a wall along y, the smaller y)"
+_ALONG = f"Along the wall, {FROM_ITS_END}; by default its own end."
 _TOWARD = "A level vector: where the thrust points, and to which side of the wall the eccentricity counts."
-_ECCENTRIC = "From the middle of the wall."
 _MASS = "Weight that the load factor multiplies; by default the dead load."
 _ON_A_LINE = Usual(0, 500, "roofs bring some 5, vaults and several floors up to 100")
 _LEVEL_ON_A_LINE = Usual(-200, 200, "rafters push with some 2, vaults with up to 100")
@@ -74,7 +74,7 @@ class LineLoad:
     dead: Annotated[float, Quantity("_kN_m", 0.0, usual=_ON_A_LINE), "Downwards."] = 0.0
     thrust: Annotated[float, Quantity("_kN_m", usual=_LEVEL_ON_A_LINE), "Level, in the direction `toward`."] = 0.0
     toward: Annotated[FloatArray | None, _TOWARD] = None
-    eccentricity: Annotated[Metres, _ECCENTRIC] = 0.0
+    eccentricity: Annotated[Metres, "From the middle of the wall."] = 0.0
     mass: Annotated[float | None, Quantity("_kN_m", 0.0, usual=_ON_A_LINE, key="seismic_mass_kN_m"), _MASS] = None
 
     def __init__(
@@ -153,7 +153,7 @@ class PointLoad:
     dead: Annotated[float, Quantity("_kN", 0.0, usual=_AT_A_POINT), "Downwards."] = 0.0
     thrust: Annotated[float, Quantity("_kN", usual=_LEVEL_AT_A_POINT), "Level, in the direction `toward`."] = 0.0
     toward: Annotated[FloatArray | None, _TOWARD] = None
-    eccentricity: Annotated[Metres, _ECCENTRIC] = 0.0
+    eccentricity: Annotated[Metres, "From the middle of the wall."] = 0.0
     mass: Annotated[float | None, Quantity("_kN", 0.0, key="seismic_mass_kN"), _MASS] = None
 
     def __init__(
@@ -220,7 +220,7 @@ class AreaLoad:
 
     walls: Annotated[tuple[str, ...], "Two parallel ones that it spans, over cross walls too, or four around a rectangle."]
     name: Annotated[str, "For messages and tables; by default those of the walls."] = ""
-    begin: Annotated[Metres | None, Quantity("_m", key="from_m"), "Of two walls: along the first one, as in `line_loads`."] = None
+    begin: Annotated[Metres | None, Quantity("_m", key="from_m"), f"Of two walls: along the first, {FROM_ITS_END}."] = None
     end: Annotated[Metres | None, Quantity("_m", key="to_m"), "Likewise its other end."] = None
     height: Annotated[Metres | None, "Where it bears, above z = 0; by default the tops of the walls."] = None
     dead: Annotated[float, Quantity("_kN_m2", 0.0, usual=_ON_AN_AREA), "Downwards, between the faces of the walls."] = 0.0
@@ -251,8 +251,7 @@ class AreaLoad:
         store(self, walls=named, bearing=float(bearing))
         _store_numbers(self, where, begin=begin, end=end, height=height)
         _store_load(self, where, dead, 0.0, None, 0.0, mass)
-        if type(self) is AreaLoad:
-            doubt_fields(self)
+        doubt_fields(self, AreaLoad)
 
     @property
     def called(self) -> str:

@@ -33,20 +33,25 @@ def question(name: str, value: float, usual: Usual, unit: Unit, given: str = "")
     )
 
 
-def doubt_fields(record: Any) -> None:
-    """Warn of the doubtful fields of a dataclass that is being made by a caller outside of this package; for `__post_init__`."""
+def doubt_fields(record: Any, kind: type | None = None) -> None:
+    """Warn of the doubtful fields of a dataclass that is being made by a caller outside of this package; for `__post_init__`.
+
+    kind: the class whose own it is, where others are made of it, which ask for themselves.
+    """
+    if kind is not None and record.__class__ is not kind:
+        return
     depth, frame = 1, _caller(currentframe())
     # `dataclasses.replace` makes them, too.
     while frame and frame.f_back and (frame.f_code.co_name in ("__post_init__", "__init__") or _module(frame) == "dataclasses"):
         depth, frame = depth + 1, frame.f_back
     if _module(frame).partition(".")[0] == _OURS:
         return
-    kind: type = record.__class__
-    for item in declared(kind).values():
+    own: type = record.__class__
+    for item in declared(own).values():
         value: object = getattr(record, item.name)
         if item.quantity and item.quantity.usual and value is not None:
             for one in cast("tuple[float, ...]", value if isinstance(value, tuple) else (value,)):
-                _warn(f"{kind.__name__}.{item.name}", float(one), item.key, item.quantity.usual, depth + 1)
+                _warn(f"{own.__name__}.{item.name}", float(one), item.key, item.quantity.usual, depth + 1)
 
 
 def doubt_argument(name: str, values: Any, kind: type, field: str) -> None:

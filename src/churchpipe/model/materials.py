@@ -69,8 +69,7 @@ class UnitWeight:
     def __post_init__(self) -> None:
         text("material: name", self.name)
         _check_span(f"material {self.name}: ", self, "unit_weight", or_zero=True)
-        if type(self) is UnitWeight:
-            doubt_fields(self)
+        doubt_fields(self, UnitWeight)
 
 
 @dataclass(frozen=True)
@@ -102,8 +101,7 @@ class JointStrength:
             check_kind(f"{where}elastic", self.elastic, Elastic)
         if self.compressive_strength is not None:
             _check_span(where, self, "compressive_strength")
-        if type(self) is JointStrength:
-            doubt_fields(self)
+        doubt_fields(self, JointStrength)
 
 
 # Fields in the order of its bases from the last: name, unit_weight, friction, cohesion, elastic, compressive_strength.

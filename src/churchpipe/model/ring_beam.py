@@ -6,7 +6,7 @@ from typing import Annotated
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import finite, listed, positive, text
 from churchpipe.model.arrays import flags, store
-from churchpipe.model.carried import Metres
+from churchpipe.model.carried import FROM_ITS_END, Metres
 from churchpipe.model.doubts import doubt_fields
 from churchpipe.model.quantities import Quantity, Usual
 
@@ -29,9 +29,7 @@ class RingBeam:
     walls: Annotated[tuple[str, ...], "Names of straight walls."]
     height: Annotated[_Size, "Of the beam."]
     width: Annotated[_Size | None, "Of the beam; left out: the thickness of each wall."] = None
-    begin: Annotated[Metres | None, Quantity("_m", key="from_m"), "Along each wall, as in `line_loads`; by default its end."] = (
-        None
-    )
+    begin: Annotated[Metres | None, Quantity("_m", key="from_m"), f"Along each wall, {FROM_ITS_END}; by default its end."] = None
     end: Annotated[Metres | None, Quantity("_m", key="to_m"), "Likewise its other end."] = None
     closed: Annotated[bool, "One rigid beam along all its walls, which have to meet; false: one on each wall."] = False
     slab: Annotated[bool, "One rigid plate over its walls and what lies between them: a floor or a roof."] = False

@@ -8,7 +8,7 @@ import numpy.typing as npt
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import describe, finite, text
 from churchpipe.model.arrays import floats, store
-from churchpipe.model.carried import Metres, Point
+from churchpipe.model.carried import FROM_ITS_END, Metres, Point
 from churchpipe.model.doubts import doubt_fields
 from churchpipe.model.quantities import Quantity, Usual, in_range
 
@@ -29,7 +29,7 @@ class AnchorPlace:
     wall
         Name of the wall.
     along
-        m along it, as in `LineLoad`.
+        m along it, from its end with the smaller x (of a wall along y, the smaller y).
     height
         m above z = 0.
     at
@@ -42,7 +42,7 @@ class AnchorPlace:
     """
 
     wall: Annotated[str | None, "The wall."] = None
-    along: Annotated[Metres | None, "Along it, as in `line_loads`."] = None
+    along: Annotated[Metres | None, f"Along it, {FROM_ITS_END}."] = None
     height: Annotated[Metres | None, "Above z = 0."] = None
     at: Annotated[Point | None, Quantity("_m"), "In place of a wall: the point."] = None
 

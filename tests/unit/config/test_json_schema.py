@@ -1,6 +1,7 @@
 """The schema for editors takes what the reader of cases takes, and the reference page is up to date."""
 
 import json
+import re
 import tomllib
 from dataclasses import replace
 from pathlib import Path
@@ -84,6 +85,16 @@ def test_an_imported_case_names_the_schema_and_stands_up_to_it(capsys: pytest.Ca
 def test_the_reference_page_is_up_to_date() -> None:
     made = "churchpipe schema --markdown > docs/reference_case.md"
     assert PAGE.read_text(encoding="utf-8") == reference_page(), f"make it again: {made}"
+
+
+def test_keys_of_places_along_a_wall_say_from_where_they_are_measured() -> None:
+    rows = re.findall(
+        r"^\| `(along_m|from_m|centre_mm|start_mm)` \| (.*?) \|", PAGE.read_text(encoding="utf-8"), flags=re.MULTILINE
+    )
+    assert {key for key, _ in rows} == {"along_m", "from_m", "centre_mm", "start_mm"}
+    for key, meaning in rows:
+        words = "not from the end of the wall as `along_m`" if key == "centre_mm" else "end with the smaller x"
+        assert words in meaning, f"{key}: {meaning}"
 
 
 def test_check_examines_a_case(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
