@@ -5,7 +5,7 @@ import pickle
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, contextmanager, nullcontext, suppress
 from multiprocessing import get_context
 from pathlib import Path
 from tempfile import TemporaryFile
@@ -120,7 +120,9 @@ def scene(path: str | Path, size: tuple[int, int]) -> Iterator[Any]:
     import pyvista as pv
     from PIL import Image
 
-    plotter = pv.Plotter(off_screen=True, window_size=[SAMPLES * side for side in size], lighting="none")
+    # VTK looks for an X server first, and warns of a bad one where there is none, before it draws without.
+    with nullcontext() if os.environ.get("DISPLAY") else pv.vtk_verbosity("error"):
+        plotter = pv.Plotter(off_screen=True, window_size=[SAMPLES * side for side in size], lighting="none")
     try:
         plotter.renderer.set_background("white")
         plotter.disable_anti_aliasing()

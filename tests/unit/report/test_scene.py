@@ -1,5 +1,8 @@
 """The scene of a picture: its size, its smooth edges, and what lies under something translucent."""
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -39,3 +42,13 @@ def test_a_scene_in_which_something_fails_leaves_no_picture(tmp_path: Path) -> N
     with pytest.raises(ZeroDivisionError), scene(tmp_path / "none.png", (150, 110)):
         raise ZeroDivisionError
     assert not list(tmp_path.iterdir())
+
+
+def test_without_a_screen_a_picture_is_drawn_in_silence(tmp_path: Path) -> None:
+    """As on a server, from which a notebook is used: VTK looks for an X server first, and complained."""
+    drawing = "import sys; from churchpipe.report.figures import scene\nwith scene(sys.argv[1], (60, 40)): pass"
+    environment = {name: value for name, value in os.environ.items() if name != "DISPLAY"}
+    command = [sys.executable, "-c", drawing, str(tmp_path / "picture.png")]
+    found = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+    assert imread(tmp_path / "picture.png").shape[:2] == (40, 60)
+    assert (found.stdout, found.stderr) == ("", "")
