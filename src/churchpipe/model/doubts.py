@@ -42,7 +42,7 @@ def doubt_fields(record: Any, kind: type | None = None) -> None:
         return
     depth, frame = 1, _caller(currentframe())
     # `dataclasses.replace` makes them, too.
-    while frame and frame.f_back and (frame.f_code.co_name in ("__post_init__", "__init__") or _module(frame) == "dataclasses"):
+    while frame and frame.f_back and (frame.f_locals.get("self") is record or _module(frame) == "dataclasses"):
         depth, frame = depth + 1, frame.f_back
     if _module(frame).partition(".")[0] == _OURS:
         return

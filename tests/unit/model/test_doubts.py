@@ -58,6 +58,20 @@ def test_an_odd_value_is_asked_about_where_it_is_given(call: Callable[[], Any], 
     assert len(caught) == 1
 
 
+class Survey:
+    """Somebody's own class, which makes a material as it is made."""
+
+    def __init__(self) -> None:
+        self.material = cp.Material("brick", 18e3, 6.0)
+
+
+def test_the_line_that_gives_the_value_is_named_in_whatever_function_it_stands() -> None:
+    with pytest.warns(cp.DoubtfulValue) as caught:
+        Survey()
+    (one,) = caught
+    assert one.lineno == Survey.__init__.__code__.co_firstlineno + 1
+
+
 def test_nothing_is_asked_about_usual_values_and_inside_the_package(tmp_path: Path) -> None:
     case = tmp_path / "case.toml"
     text = (Path(__file__).parents[3] / "pipeline" / "cases" / "wall.toml").read_text(encoding="utf-8")
