@@ -101,6 +101,18 @@ class Case:
         reading = self.source.reading if isinstance(self.source, Drawing) else AS_DRAWN
         return reading.tolerances({key: getattr(self.rigid, key) for key in TOLERANCES})
 
+    def loose_ends(self) -> tuple[str, ...]:
+        """Return what is to be said of walls of a house that may have been meant to meet; nothing of other sources."""
+        if isinstance(self.source, Drawing) or self.source.generator != "house":
+            return ()
+        from churchpipe.generators.house import HouseParameters
+        from churchpipe.generators.house_plan import loose_ends
+
+        try:
+            return tuple(loose_ends(HouseParameters(**self.source.parameters).layouts))
+        except InputError:
+            return ()  # Told, with its line, where the building is made.
+
     def located(self, error: InputError) -> InputError:
         """Return an error about the building with the line of the file that it is about."""
         generator = self.source.generator if isinstance(self.source, Generated) else ""

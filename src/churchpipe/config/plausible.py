@@ -7,9 +7,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from churchpipe.config.carries import KINDS, LOADS, plain
-from churchpipe.errors import InputError
-from churchpipe.generators.house import HouseParameters
-from churchpipe.generators.house_plan import loose_ends
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.doubts import question
 from churchpipe.model.loads import LoadCase
@@ -79,7 +76,7 @@ def _of_case(case: "Case") -> Iterator[str]:
         yield from _of_record(material, f"material.{material.name}.")
     yield from _of_directions(case)
     yield from _of_vaults(case)
-    yield from _of_house(case)
+    yield from (f"{said} Is it meant?" for said in case.loose_ends())
     yield from _of_beams(case)
     yield from _of_joints(case)
     for name, settings in (("rigid", case.rigid), ("shell", case.shell), ("check", case.check)):
@@ -111,17 +108,6 @@ def _of_directions(case: "Case") -> Iterator[str]:
 def _opposite(load: LoadCase, other: LoadCase) -> bool:
     alike = load.panels == other.panels and load.profile == other.profile
     return alike and np.allclose(other.direction[:2], -load.direction[:2])
-
-
-def _of_house(case: "Case") -> Iterator[str]:
-    """Yield what to ask about walls of a house that may have been meant to meet."""
-    if getattr(case.source, "generator", "") != "house":
-        return
-    try:
-        walls = HouseParameters(**getattr(case.source, "parameters", {})).layouts
-    except InputError:
-        return  # Told, with its line, where the building is made.
-    yield from (f"{said} Is it meant?" for said in loose_ends(walls))
 
 
 def _of_beams(case: "Case") -> Iterator[str]:

@@ -28,7 +28,10 @@ class HouseOpening:
 
     name: Annotated[str, "For messages, reports and the names of its parts."]
     wall: Annotated[str | Sequence[str], "Name of the wall, or a list of them."]
-    centre: Annotated[Coordinate | Sequence[Coordinate], "x in walls along x, y in walls along y; one or several."]
+    centre: Annotated[
+        Coordinate | Sequence[Coordinate],
+        "x in walls along x, y in walls along y, not from the end of the wall as `along_m`; one or several.",
+    ]
     width: Annotated[Length, "Clear width."]
     height: Annotated[Length | None, "From the sill to the lintel, or to the crown of the arch; of a circle left out."] = None
     sill: Annotated[Distance | Sequence[Distance], "Height of the sill over z = 0; one or several, such as one a storey."] = (

@@ -17,7 +17,20 @@ from churchpipe.stones.contacts import find_contacts
 CASES = Path(__file__).parents[3] / "pipeline" / "cases"
 # A few thousand stones, or some seconds a limit analysis.
 LARGE = ["church", "church_half_stones", "church_r", "church_stone_length", "church_strengthened", "church_vaults"]
-SMALL = ["apse", "apse_window", "arch", "arch_piers", "box", "chapel", "chapel_variants", "dome", "round_tower", "s22", "s5"]
+SMALL = [
+    "apse",
+    "apse_window",
+    "arch",
+    "arch_piers",
+    "box",
+    "chapel",
+    "chapel_variants",
+    "dome",
+    "house",
+    "round_tower",
+    "s22",
+    "s5",
+]
 SMALL += ["s5_parity", "s5_uncertain", "thick_wall", "tower", "vault", "wall"]
 # Small enough for three limit analyses.
 SOLVED = ["arch", "arch_piers", "wall"]
