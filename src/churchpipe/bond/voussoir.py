@@ -76,10 +76,10 @@ class VoussoirRing:
             place = f"from {low_s:.4g} to {high_s:.4g} m along the wall and from {low_t:.4g} to {high_t:.4g} m up"
             raise InputError(
                 field.name,
-                "the ring touches a junction (also of a buttress), an opening, another ring or the end of the wall",
+                "the ring touches a junction (also of a buttress), an opening, a lintel, another ring or the end of the wall",
                 found=f"{100 * missing / ring:.3g} % of the ring cut away, {place}",
                 expected=f"room for a ring {np.ptp(self.outline[:, 0]):.4g} m wide",
-                remedy="Move or narrow the opening, or make the ring thinner.",
+                remedy="Move or narrow the opening or the lintel, or make the ring thinner.",
             )
         return tiles_of(stones, np.full(self.pieces, -1, dtype=np.int64), field.name, voussoir=True)
 

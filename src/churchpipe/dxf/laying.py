@@ -1,5 +1,6 @@
 """Whole walls of a file to stones, where the person asked for a bond to be laid in them."""
 
+import re
 from collections import Counter
 from collections.abc import Sequence
 from itertools import count
@@ -58,6 +59,7 @@ def laid_stones(bodies: Sequence[Stone], bond: LaidBond, unit: float, findings: 
         findings.append(_refused(error, place))
         return fixed
     findings += [_finding(panel, stones, place[panel.name]) for panel in panels]
+    findings += [_alone(panel, place[panel.name]) for panel in panels if is_single(panel)]
     asked = bond.lintel_bearing or 0.0
     findings += [said for panel in panels for said in _bearings(panel, lintels, asked, place[panel.name])]
     findings += [said for panel in panels for said in _unborne(panel, place[panel.name])]
@@ -68,7 +70,10 @@ def laid_stones(bodies: Sequence[Stone], bond: LaidBond, unit: float, findings: 
 
 def _refused(error: InputError, place: dict[str, Place]) -> Finding:
     where = error.where.removeprefix("Panel ")
-    at = next((at for name, at in place.items() if where == name or where.startswith(f"{name},")), Place("", ""))
+    # Of a junction the place is that of its first wall; a wall may be named as part of another one is, and the whole name counts.
+    named = [found for name in place if (found := re.search(rf"(?<![\w-]){re.escape(name)}(?![\w-])", where))]
+    first = min(named, key=lambda found: (found.start(), -len(found.group())), default=None)
+    at = place[first.group()] if first else Place("", "")
     found = f"no stones can be laid in {where}: {error.problem}" + (f", {error.found}" if error.found else "")
     return at.finding("E28", found, expected=error.expected, remedy=error.remedy)
 
@@ -98,6 +103,12 @@ def _finding(panel: Panel, stones: Assemblage, place: Place) -> Finding:
 def _moved(name: str, by: float, place: Place) -> Finding:
     found = f'"{name}": moved by {1e3 * by:.2g} mm at most, to meet other walls at right angles and at their faces'
     remedy = "Draw it so that it ends on the face of the other wall, at a right angle, or further away from it than that."
+    return place.finding("W28", found, remedy=remedy)
+
+
+def _alone(lintel: Panel, place: Place) -> Finding:
+    found = f'"{lintel.name}": a lintel that neither lies in a wall nor touches one in its plane: it stands alone'
+    remedy = "Draw it on a face of its wall, as deep as the wall; or give it another name or layer if it is a wall."
     return place.finding("W28", found, remedy=remedy)
 
 
@@ -148,8 +159,10 @@ def _bare_heads(panel: Panel, place: Place) -> list[Finding]:
     found = f'"{panel.name}": {", ".join(kinds)}: friction of head joints holds the stones over it'
     remedy = (
         "No shell stands over it without cohesion: shear dies out towards its free edge, nothing else holds what hangs there. "
-        "Draw the lintel on a layer LINTEL, or an arch over it as a ring of its own; --lintel-bearing lays lintels."
+        "Draw the lintel on a layer LINTEL, or an arch over it as a ring of its own"
     )
+    # Over a curved head none is laid, whatever is asked.
+    remedy += "; --lintel-bearing lays lintels over flat heads." if flat else "."
     return [place.finding("W28", found, remedy=remedy)]
 
 

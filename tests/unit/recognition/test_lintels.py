@@ -208,6 +208,38 @@ def test_a_lintel_thinner_than_its_wall_is_refused(tmp_path: Path):
         cp.read_dxf(tmp_path / "wall.dxf", **OPTIONS)
 
 
+def test_a_lintel_in_no_wall_is_said(tmp_path: Path):
+    """It is one stone, and its support lies elsewhere: what is wrong is that it was drawn beside its wall."""
+    _, said = read(drawing(tmp_path, WALL, WINDOW, ("LINTEL", (7.0, 0.0, 8.6, 0.25))))
+    assert '"LINTEL": a lintel that neither lies in a wall nor touches one in its plane' in said
+    assert "stands alone" not in read(drawing(tmp_path, WALL, WINDOW, ("LINTEL", (1.7, 2.0, 3.3, 2.25))))[1]
+
+
+def test_over_a_curved_head_no_lintel_is_promised(tmp_path: Path):
+    turn = np.linspace(0, np.pi, 17)
+    arched = [(2.0, 1.0), (3.0, 1.0), *zip(2.5 + 0.5 * np.cos(turn), 2.0 + 0.5 * np.sin(turn), strict=True)]
+    path = drawing(tmp_path, WALL)
+    document = ezdxf.readfile(path)
+    document.modelspace().add_lwpolyline(arched, close=True, dxfattribs={"layer": "OPENING"})
+    document.saveas(path)
+    _, said = read(path, lintel_bearing=0.25)
+    assert "openings with a curved head and no arch (1)" in said
+    assert "--lintel-bearing" not in said
+    assert "--lintel-bearing lays lintels" in read(drawing(tmp_path, WALL, WINDOW))[1]
+
+
+def test_a_ring_that_a_lintel_cuts_is_refused_at_its_wall(tmp_path: Path):
+    turn = np.linspace(0, np.pi, 17)
+    arc = np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    path = drawing(tmp_path, WALL, ("LINTEL", (1.7, 2.0, 3.3, 2.25)))
+    document = ezdxf.readfile(path)
+    ring = np.concatenate([(2.5, 1.5) + 0.8 * arc, (2.5, 1.5) + 0.5 * arc[::-1]])
+    document.modelspace().add_lwpolyline(ring.tolist(), close=True, dxfattribs={"layer": "RING"})
+    document.saveas(path)
+    with pytest.raises(InputError, match=r"LWPOLYLINE #.* at .* in wall WALL, RING-ring: .*, a lintel, another ring"):
+        read(path)
+
+
 def test_two_lintels_in_one_place_are_refused(tmp_path: Path):
     lintels = [("LINTEL", (1.7, 2.0, 3.3, 2.25)), ("LINTEL", (1.6, 2.1, 3.2, 2.4))]
     with pytest.raises(InputError, match="lies in another lintel"):
