@@ -63,10 +63,8 @@ def stones_of_traces(
         left["outlines of openings"] += len(openings) - len(findings) + before
         findings += inside_others(outlines)
     walls = [outline for outline in outlines if _kind(outline.trace) == _Kind.STONE and not _spans(outline)] if cut else []
-    deep = _lintels([outline for outline in outlines if cut and _spans(outline)], walls)
-    shallow = [
-        outline for outline in outlines if not (outline.trace.depth or (id(outline) in deep and deep[id(outline)].trace.depth))
-    ]
+    deep = _lintels([outline for outline in outlines if cut and _spans(outline)], walls, thickness or 0.0)
+    shallow = [outline for outline in outlines if not deep.get(id(outline), outline).trace.depth]
     if shallow and thickness is None:
         remedy = "Pass --thickness, such as --thickness 0.12m."
         found = f"{counted(len(shallow), 'outline')} without a thickness"
@@ -102,12 +100,12 @@ def _cuts(walls: list[Outline], openings: list[Outline], thickness: float) -> di
     return cuts
 
 
-def _lintels(lintels: list[Outline], walls: list[Outline]) -> dict[int, Outline]:
+def _lintels(lintels: list[Outline], walls: list[Outline], thickness: float) -> dict[int, Outline]:
     """Return the wall on which each lintel without a thickness of its own is drawn, by the id of the lintel: it is as deep."""
     found: dict[int, Outline] = {}
     for lintel in (lintel for lintel in lintels if not lintel.trace.depth):
         across = [wall for wall in walls if parallel(wall, lintel) and area(common(wall.region, lintel.region)) > 0]
-        found |= {id(lintel): wall for wall in drawn_within(lintel, across, 0.0)[:1]}
+        found |= {id(lintel): wall for wall in drawn_within(lintel, across, thickness)[:1]}
     return found
 
 

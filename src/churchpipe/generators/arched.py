@@ -21,8 +21,26 @@ Given = Mapping[str, Any]
 Shape = Literal["round", "segmental", "pointed", "circle"]
 
 
+class InWalls:
+    """An opening in one wall or several, at one place or several of each."""
+
+    __slots__ = ()
+    wall: str | Sequence[str]
+    centre: float | Sequence[float]
+
+    @property
+    def walls(self) -> tuple[str, ...]:
+        """The walls it is in."""
+        return (self.wall,) if isinstance(self.wall, str) else tuple(self.wall)
+
+    @property
+    def centres(self) -> tuple[float, ...]:
+        """The places of its middle in each wall, m."""
+        return tuple(self.centre) if isinstance(self.centre, Sequence) else (float(self.centre),)
+
+
 @dataclass(frozen=True, slots=True)
-class ArchedOpening:
+class ArchedOpening(InWalls):
     """An opening under a ring of voussoirs, once or several times."""
 
     name: Annotated[str, "For messages, reports and the names of its parts."]
@@ -63,16 +81,6 @@ class ArchedOpening:
                 raise InputError(
                     f"{where}: rise", "out of range", found=f"{self.rise:g} m", expected=f"{low:g} to {high:g} m for this shape"
                 )
-
-    @property
-    def walls(self) -> tuple[str, ...]:
-        """The walls it is in."""
-        return (self.wall,) if isinstance(self.wall, str) else tuple(self.wall)
-
-    @property
-    def centres(self) -> tuple[float, ...]:
-        """The places of its middle in each wall, m."""
-        return tuple(self.centre) if isinstance(self.centre, Sequence) else (float(self.centre),)
 
     def hole(self, _wall: str, centre: float, name: str, /) -> "Hole":
         """Return it as it is at one of these places, m, in any of its walls."""

@@ -6,7 +6,7 @@ from typing import Annotated, Literal, get_args
 
 from churchpipe.bond.slivers import LEAST_WIDTH
 from churchpipe.errors import InputError
-from churchpipe.generators.arched import ArchedOpening, Hole, Shape, WallOpening
+from churchpipe.generators.arched import ArchedOpening, Hole, InWalls, Shape, WallOpening
 from churchpipe.generators.checks import whole_courses
 from churchpipe.generators.fields import coerce_fields
 from churchpipe.generators.layout import CLOSE
@@ -23,7 +23,7 @@ _BEARING = "Of the lintel on either side; by default about half a stone, up to a
 
 
 @dataclass(frozen=True, slots=True)
-class HouseOpening:
+class HouseOpening(InWalls):
     """A door or window, once or several times: under a lintel, or under a ring of voussoirs."""
 
     name: Annotated[str, "For messages, reports and the names of its parts."]
@@ -69,16 +69,6 @@ class HouseOpening:
         if not flat and self.height is not None and not self.height > self.arch_rise:
             expected = f"> {self.arch_rise:g} m, the rise of its arch"
             raise InputError(f"{where}: height", "no higher than its arch", found=f"{self.height:g} m", expected=expected)
-
-    @property
-    def walls(self) -> tuple[str, ...]:
-        """The walls it is in."""
-        return (self.wall,) if isinstance(self.wall, str) else tuple(self.wall)
-
-    @property
-    def centres(self) -> tuple[float, ...]:
-        """The places of its middle in each wall, m."""
-        return tuple(self.centre) if isinstance(self.centre, Sequence) else (float(self.centre),)
 
     @property
     def sills(self) -> tuple[float, ...]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import cast
 
 import numpy as np
 import numpy.typing as npt
@@ -65,6 +66,14 @@ class MovingModel:
     def large(self) -> bool:
         """True where most stones are held, or there are so many points that the certified analysis takes many minutes."""
         return bool(self.held.any()) or len(self.drawn.sliding) > PATH.large
+
+    @property
+    def least_factor(self) -> float:
+        """The load factor below which a push is lost in the balance of the forces, `PATH.balance` of the weight."""
+        driven = cast(TravellingLoads, self.driven)
+        drawn = np.broadcast_to(np.eye(3), (self.stones.count, 3, 3))
+        push = driven.rows(drawn, np.flatnonzero(~self.stones.fixed), self.force, self.length)
+        return PATH.balance / max(float(np.abs(push).sum()), PATH.balance)
 
     @property
     def demands(self) -> Demands:

@@ -19,7 +19,7 @@ from churchpipe.large_displacements.path_state import PathState, first_state
 from churchpipe.large_displacements.record import Progress, Record
 from churchpipe.large_displacements.settings import PATH
 from churchpipe.large_displacements.state_program import approached, as_in
-from churchpipe.large_displacements.travelling import TravellingLoads, live_loads
+from churchpipe.large_displacements.travelling import live_loads
 from churchpipe.mechanism import moving_stones, stone_speed
 from churchpipe.model.arguments import check_call, check_kind, listed, one_of
 from churchpipe.model.arrays import BoolArray, FloatArray
@@ -158,7 +158,6 @@ def block_pushover(
     moving = moving_stones(speed) & ~stones.fixed
     balance = equilibrium(stones, contacts, load)
     driven = live_loads(stones, load)
-    pushed = [load.direction, load.panels, load.profile, load.dead, load.live]
     model = moving_model(
         stones, contacts, load, driven, friction, balance, moving, step, solver, ties, compressive_strength, contact_model
     )
@@ -173,7 +172,8 @@ def block_pushover(
 
     model = replace(model, held=held_at_first(model, contacts.blocks, held_program, state, halo)) if halo else model
     record = _Curve(model, measure, furthest, progress, keep)
-    record.given = digests(load=pushed, friction=friction, strength=compressive_strength, ties=ties, contact_model=contact_model)
+    made_with = {"friction": friction, "strength": compressive_strength, "ties": ties, "contact_model": contact_model}
+    record.given = digests(load=[load.direction, load.panels, load.profile, load.dead, load.live], **made_with)
     if resume is not None and len(resume.position):
         start = record.go_on_from(resume, resume.displacement, resume.load_factor, halo=halo > 0)
         model = record.model
@@ -287,7 +287,7 @@ class _Curve(Record):
     ) -> None:
         super().__init__(model, control)
         self.furthest, self.progress, self.keep = furthest, progress, keep
-        self.nothing = _nothing_left(model)
+        self.nothing = model.least_factor
         self.broken: dict[str, float] = {}
         self.tensions: list[FloatArray] = []
 
@@ -376,14 +376,6 @@ class _Curve(Record):
             message="; ".join([*filter(None, [ending.message, self.resumed]), *lost]),
             seconds=seconds,
         )
-
-
-def _nothing_left(model: MovingModel) -> float:
-    """Return the load factor below which a push is lost in the balance of the forces, `PATH.balance` of the weight."""
-    driven = cast(TravellingLoads, model.driven)
-    drawn = np.broadcast_to(np.eye(3), (model.stones.count, 3, 3))
-    push = driven.rows(drawn, np.flatnonzero(~model.stones.fixed), model.force, model.length)
-    return PATH.balance / max(float(np.abs(push).sum()), PATH.balance)
 
 
 def _strengths(friction: npt.ArrayLike, compressive_strength: npt.ArrayLike | None, joints: BoolArray | None) -> dict[str, Any]:

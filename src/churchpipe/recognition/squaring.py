@@ -39,8 +39,9 @@ def squared(panels: Sequence[Panel]) -> tuple[list[Panel], dict[str, float]]:
     plane = [number for number, panel in enumerate(panels) if isinstance(panel.chart, PlaneChart)]
     out = list(panels)
     moved: dict[str, float] = {}
-    for number in sorted(plane, key=lambda one: -_size(panels[one])):
-        turned, by = _turned(out[number], [out[other] for other in plane if _size(panels[other]) > _size(panels[number])])
+    order = sorted(plane, key=lambda one: -_size(panels[one]))
+    for place, number in enumerate(order):
+        turned, by = _turned(out[number], [out[other] for other in order[:place]])
         out[number] = turned
         moved[turned.name] = by
     # Lintels last, for they go onto the ends of walls as these then are.
@@ -55,13 +56,13 @@ def _size(panel: Panel) -> float:
     return float(np.prod(np.ptp(panel.outline, axis=0)))
 
 
-def _turned(panel: Panel, larger: Sequence[Panel]) -> tuple[Panel, float]:
-    """Return a wall turned about its middle to be parallel to one of the larger walls, or at right angles to it, if it nearly is;
+def _turned(panel: Panel, before: Sequence[Panel]) -> tuple[Panel, float]:
+    """Return a wall turned about its middle to be parallel to one of those before it, or at right angles to it, if it nearly is;
     and by how far its ends moved, m."""
     chart = panel.chart
     assert isinstance(chart, PlaneChart)
     low, high = float(panel.outline[:, 0].min()), float(panel.outline[:, 0].max())
-    for other in larger:
+    for other in before:
         assert isinstance(other.chart, PlaneChart)
         axis = other.chart.s_axis
         cosine = float(axis @ chart.s_axis)

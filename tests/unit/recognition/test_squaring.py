@@ -11,6 +11,7 @@ import churchpipe as cp
 from churchpipe.geometry.prism import prism_of
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage, Polyhedron
+from churchpipe.model.building import PlaneChart
 from churchpipe.recognition.laying import LaidBond, Volume, joined, laid_panel
 from churchpipe.recognition.squaring import squared
 from mesh_files import write_obj, write_stl
@@ -107,3 +108,17 @@ def test_no_side_falls_onto_another():
     assert sorted(set(np.round(first.openings[0].outline[:, 0], 9))) == [0.5, 0.5022]
     assert second is panels[1]
     assert len(joined([second])) == 1
+
+
+def test_walls_as_large_as_each_other_are_squared():
+    """Of two walls of one size, as in a square house, the second goes by the first."""
+    bond = LaidBond("running", 0.25, 0.5)
+    flat, faces = box((0, 6), (0, THICKNESS), (0, 3))
+    bodies = [(flat, faces), (placed(flat, 90.003, (THICKNESS, 0.0)), faces)]
+    panels = [laid_panel(Volume(str(n), "default", *body), 0.0, bond) for n, body in enumerate(bodies)]
+    (first, second), moved = squared(panels)
+    assert isinstance(first.chart, PlaneChart)
+    assert isinstance(second.chart, PlaneChart)
+    assert first.chart.s_axis @ second.chart.s_axis == 0
+    # Its ends move by half its length, and along it by what half its thickness turned out of the face.
+    assert moved["1"] == pytest.approx((3 + 0.5 * THICKNESS) * np.radians(0.003), rel=0.01)
