@@ -12,8 +12,9 @@ from churchpipe.report.plots import new_plot, svg_of
 
 # Inches: two maps stand beside each other.
 _MAP = 4.8
-# Joints open by less than this share of the widest are drawn shut; so many of the widest have their figure.
-_SHUT, _FIGURES = 0.01, 6
+# Joints open by less than this share of the widest, or by less than so many metres, are drawn shut; so many of the widest have
+# their figure.
+_SHUT, _INVISIBLE, _FIGURES = 0.01, 1e-6, 6
 
 
 def crack_map_svg(stones: Assemblage, contacts: Contacts, opening: FloatArray, wall: str) -> str:
@@ -23,7 +24,7 @@ def crack_map_svg(stones: Assemblage, contacts: Contacts, opening: FloatArray, w
     """
     mine = np.flatnonzero((stones.panel == wall) & ~stones.fixed)
     own = np.isin(contacts.blocks, mine)
-    cracked = np.flatnonzero(own.any(axis=1) & (opening > _SHUT * float(opening.max(initial=0.0))) & (opening > 0))
+    cracked = np.flatnonzero(own.any(axis=1) & (opening > max(_SHUT * float(opening.max(initial=0.0)), _INVISIBLE)))
     if not len(mine) or not len(cracked):
         return ""
     axis = _direction(stones.centroid[mine, :2])

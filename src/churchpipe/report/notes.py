@@ -87,7 +87,9 @@ def _start_note(run: StartRun) -> str:
     """Return where one of several starts led."""
     start = "start that holds loose stones fast" if run.start == "held" else f"{run.start} start"
     words = f"The {start} {'led to' if run.converged else 'did not settle; it last was at'} {figure(run.load_factor, 4)}"
-    facts = [f"gap {small(run.gap / abs(run.load_factor))}"] if math.isfinite(run.gap) and run.load_factor else []
+    facts: list[str] = []
+    if math.isfinite(run.gap) and run.load_factor:
+        facts.append(f"forces and motion miss each other by {small(run.gap / abs(run.load_factor))} of it")
     low, high = run.interval
     facts += [f"interval {figure(low, 4)} to {figure(high, 4)}"] if math.isfinite(low) and math.isfinite(high) else []
     return f"{words} ({', '.join(facts)})." if facts else f"{words}."

@@ -64,3 +64,9 @@ def test_crack_maps_of_a_control_point_that_goes_backwards_or_to_and_fro(curve: 
     swaying = 1e-9 * (-1.0) ** np.arange(len(curve.displacement))
     for sign in (1.0, -1.0):
         assert len(crack_maps(STONES, CONTACTS, [(RECORD, replace(curve, displacement=sign * swaying))])) <= 1
+
+
+def test_joints_that_open_by_rounding_alone_have_no_map(curve: cp.BlockCapacityCurve) -> None:
+    lifted = curve.position[:1] + 1e-9 * np.arange(STONES.count)[None, :, None]
+    shut = replace(curve, position=np.repeat(lifted, len(curve.position), axis=0), rotation=np.zeros_like(curve.rotation))
+    assert not crack_maps(STONES, CONTACTS, [(RECORD, shut)])
