@@ -110,7 +110,8 @@ class Copy:
 def pristine(tmp_path_factory: pytest.TempPathFactory) -> Copy:
     """A copy in which the case has been run once."""
     copy = Copy(tmp_path_factory.mktemp("pristine"))
-    shutil.copytree(ROOT / "src", copy.root / "src", ignore=shutil.ignore_patterns("__pycache__"))
+    # With what is compiled, but for what another process writes at this moment.
+    shutil.copytree(ROOT / "src", copy.root / "src", ignore=shutil.ignore_patterns("*.tmp.*", "*.pyc.*"))
     shutil.copytree(ROOT / "pipeline", copy.root / "pipeline")
     # A machine without graphics: its report has a sentence in place of each picture, and is made faster.
     (copy.root / "src" / "pyvista.py").write_text("raise ImportError('no graphics here')\n")

@@ -187,7 +187,9 @@ GABLES = {f"church, ridge at {ridge:g} m": lambda ridge=ridge: with_ridge(ridge)
 GABLES["facade"] = facade_building
 
 
-@pytest.mark.parametrize("name", GABLES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow) if name.endswith((" 6.8 m", " 8 m")) else name for name in GABLES]
+)
 def test_a_fitted_gable_has_no_slivers(name, monkeypatch):
     # Not because the mesh welds what nearly meets: macro-elements reach to the slope, where their last stones end below it.
     monkeypatch.setattr(subdivision, "WELD", 1e-12)
