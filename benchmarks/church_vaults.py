@@ -1,4 +1,4 @@
-"""The tables of the vaulted church in docs/vaults.md: stones and shell, with each vault, under seven loads, with ties.
+"""The tables of the vaulted church in docs/vault_validation.md: stones and shell, with each vault, under seven loads, with ties.
 
     python benchmarks/church_vaults.py               # the rows of the stones, each in a process of its own
     python benchmarks/church_vaults.py 0 4           # some of them; the last two, without dilatancy, take longest

@@ -64,7 +64,7 @@ def test_least_thickness(
     check_least(build, sizes, friction, within, expected)
 
 
-@pytest.mark.slow("docs/vaults.md: least thickness of domes of 64 sides")
+@pytest.mark.slow("docs/vault_validation.md: least thickness of domes of 64 sides")
 @pytest.mark.parametrize(
     ("sizes", "friction", "within", "expected"),
     [

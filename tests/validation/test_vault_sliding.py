@@ -2,7 +2,7 @@
 
 "Own": value and interval computed for this project by separate code, which followed the forces from step to step, before this
 code existed. A load factor without dilatancy is one of many (docs/theory.md): two searches agree where their intervals meet.
-Where they do not, `most` is how far the value may be from theirs, as a share of it; docs/vaults.md names these cases.
+Where they do not, `most` is how far the value may be from theirs, as a share of it; docs/vault_validation.md names these cases.
 """
 
 from collections.abc import Callable
@@ -65,7 +65,7 @@ def test_a_barrel_with_courses_along_it_loses_nothing() -> None:
     slide(vault, 0.15, BARREL | {"length": 1.0}, (0.145338, 0.145338, 0.145338), most=1e-5)
 
 
-@pytest.mark.slow("docs/vaults.md: vaults without dilatancy")
+@pytest.mark.slow("docs/vault_validation.md: vaults without dilatancy")
 @pytest.mark.parametrize(
     "case",
     [
@@ -87,7 +87,7 @@ def test_other_vaults_slide(case: Case) -> None:
     slide(*case)
 
 
-@pytest.mark.slow("docs/vaults.md: vaults whose search without dilatancy ends elsewhere than the other one")
+@pytest.mark.slow("docs/vault_validation.md: vaults whose search without dilatancy ends elsewhere than the other one")
 @pytest.mark.parametrize(
     ("case", "most"),
     [
@@ -100,7 +100,7 @@ def test_domes_whose_value_is_not_unique(case: Case, most: float) -> None:
     slide(*case, most=most)
 
 
-@pytest.mark.slow("docs/vaults.md: a half dome pushed outwards, whose search without dilatancy settles nowhere")
+@pytest.mark.slow("docs/vault_validation.md: a half dome pushed outwards, whose search without dilatancy settles nowhere")
 def test_a_half_dome_pushed_outwards_is_not_settled() -> None:
     # Own: .0888, left at a gap of 1e-4. Here no start comes to that gap, and they end on both sides of it.
     stones = derive_blocks(dome(span=1.85, thickness=0.15, materials=MATERIAL, **HALF))

@@ -1,4 +1,4 @@
-"""The church with a barrel over its nave, a dome on slabs over its crossing and a half dome on its apse: docs/vaults.md."""
+"""A church with a barrel over its nave, a dome on slabs over its crossing, a half dome on its apse: docs/vault_validation.md."""
 
 from functools import cache
 
@@ -47,7 +47,7 @@ def test_stones_and_shell_are_one_church() -> None:
     assert shell.beams.count == 8
 
 
-@pytest.mark.slow("docs/vaults.md: the church with all its vaults, stones")
+@pytest.mark.slow("docs/vault_validation.md: the church with all its vaults, stones")
 @pytest.mark.parametrize("name", STONES)
 def test_the_stones_of_the_vaulted_church(name: str) -> None:
     case, stones, contacts, _ = church()
@@ -57,7 +57,7 @@ def test_the_stones_of_the_vaulted_church(name: str) -> None:
     assert state.load_factor == pytest.approx(STONES[name], abs=5.1e-5)
 
 
-@pytest.mark.slow("docs/vaults.md: the church with all its vaults, shell")
+@pytest.mark.slow("docs/vault_validation.md: the church with all its vaults, shell")
 @pytest.mark.parametrize("name", SHELL)
 def test_the_shell_of_the_vaulted_church(name: str) -> None:
     case, _, _, shell = church()

@@ -84,7 +84,7 @@ def test_a_groin_vault_pushed_along_its_diagonal() -> None:
 
 @pytest.mark.parametrize(("thickness", "alone", "expected"), [(0.15, 0.333668, 0.364575), (0.12, 0.218135, 0.317394)])
 def test_ribs_below_a_groin_vault(thickness: float, alone: float, expected: float) -> None:
-    # What docs/vaults.md says; of ribs there is no value by other code.
+    # What docs/vault_validation.md says; of ribs there is no value by other code.
     state, _, stones = push(vault, thickness, **GROIN, rib_width=0.12, rib_depth=0.1)
     assert stones == 97 + 37
     assert state.load_factor == pytest.approx(expected, abs=1.01e-6)
@@ -101,7 +101,8 @@ def test_ribs_below_a_groin_vault(thickness: float, alone: float, expected: floa
     ],
 )
 def test_a_dome_with_fewer_stones_towards_the_crown(sizes: dict[str, Any], count: int, expected: float) -> None:
-    # What docs/vaults.md says, our own figures. Another code has .647978 and .631879, of stones .02 % lighter: not the same ones.
+    # What docs/vault_validation.md says, our own figures. Another code has .647978 and .631879, of stones .02 % lighter: not the
+    # same ones.
     state, _, stones = push(dome, 0.1, **sizes)
     assert stones == count
     assert state.load_factor == pytest.approx(expected, abs=1.01e-6)
