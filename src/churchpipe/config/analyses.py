@@ -59,7 +59,12 @@ class CurveSettings:
 class RigidSettings:
     """The rigid-block analyses, and what stones may be apart and still make a joint."""
 
-    flow: Annotated[tuple[Flow, ...], Field(min_length=1), "Flow rules to analyse."] = ("associative",)
+    flow: Annotated[
+        tuple[Flow, ...],
+        Field(min_length=1),
+        BeforeValidator(listed, json_schema_input_type=list[Flow] | Flow),
+        "Flow rules to analyse.",
+    ] = ("associative",)
     solver: Annotated[str, AfterValidator(_known_solver), "Of the cone programs."] = "auto"
     method: Annotated[Literal["default", "paper"], "Scheme of sliding without dilatancy."] = "default"
     start: Annotated[tuple[Start, ...], Field(min_length=1), _OneOrMore, "Starts of its iteration."] | None = None
@@ -127,7 +132,12 @@ class ShellSettings:
     element_size: Annotated[Length, "Sides of the elements."]
     planes: Annotated[Planes, "Strength of the masonry: exact of the cell, or the planes of the paper."] = STRENGTH
     membrane: Annotated[Literal["LST", "CST"], "Membrane of the elements: linear or constant strain."] = "LST"
-    analyses: Annotated[tuple[Method, ...], Field(min_length=1), "The limit load, the capacity curve, or both."] = ("limit",)
+    analyses: Annotated[
+        tuple[Method, ...],
+        Field(min_length=1),
+        BeforeValidator(listed, json_schema_input_type=list[Method] | Method),
+        "The limit load, the capacity curve, or both.",
+    ] = ("limit",)
     solver: Annotated[Literal["auto", "interior-point", "clarabel"], "Of the cone programs."] = "auto"
     control_point: Annotated[Whole | None, "Node that the capacity curve follows; by default what moves most."] = None
     control_place: Annotated[

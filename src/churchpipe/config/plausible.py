@@ -76,6 +76,7 @@ def _of_case(case: "Case") -> Iterator[str]:
         yield from _of_record(material, f"material.{material.name}.")
     yield from _of_directions(case)
     yield from _of_vaults(case)
+    yield from _of_fills(case)
     yield from (f"{said} Is it meant?" for said in case.loose_ends())
     yield from _of_beams(case)
     yield from _of_joints(case)
@@ -200,6 +201,17 @@ def _of_vaults(case: "Case") -> Iterator[str]:
         yield (
             f"Stones of {given.get('stone_sides', 2)} sides are bowed in plan by {1e3 * bow:.3g} mm, which acts as additional "
             "thickness of their lunes. Is stone_sides = 1 meant?"
+        )
+
+
+def _of_fills(case: "Case") -> Iterator[str]:
+    """Yield what to ask where fill lies between walls that nothing presses on."""
+    given: dict[str, Any] = getattr(case.source, "parameters", {})
+    alone = getattr(case.source, "generator", "") in ("vault", "dome") and not {"wall_height", "drum_height"} & given.keys()
+    if case.carries.fills and not case.carries.pressures and not alone:
+        yield (
+            "[[fills]] press on what they lie on, and on nothing beside it. Loose fill pushes the walls of its vault outwards as "
+            "well, and without that they come out too strong: [[pressures]] on each of them say it. Is it left out on purpose?"
         )
 
 

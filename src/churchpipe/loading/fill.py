@@ -32,8 +32,9 @@ def with_fill(
     """Return a load case with loose fill on the backs of vaults, up to a level: its weight acts always, and where the load case
     pushes weight, the fill is pushed with it.
 
-    Each stone or facet carries the fill upright above it. Fill has no strength of its own here, which is safe: what it adds by
-    leaning on walls is left out. Its mass acts in the middle of each column.
+    Each stone or facet carries the fill upright above it, and its mass acts in the middle of each column. Fill has no strength of
+    its own here. That it holds the haunches is left out, which is safe for the vault. That it pushes the walls beside it outwards
+    is left out as well, which is not safe for them: give each of them a `Pressure`.
 
     Parameters
     ----------

@@ -80,7 +80,7 @@ def behind_one_another(where: str, leaf: int, others: int) -> InputError:
         where,
         "they lie behind one another, as in header-and-stretcher bond",
         found=f"{leaf} stones in planes beside that of {others} others",
-        expected="walls one stone thick: the shell is that of running bond",
+        expected="walls one stone thick: drawn walls are taken for a shell of running bond",
         remedy="Run the rigid blocks alone, or give each leaf a panel name of its own.",
     )
 

@@ -349,6 +349,13 @@ def test_a_capacity_curve_needs_elastic_constants(tmp_path: Path) -> None:
     assert read_case(case_file(tmp_path, SHELL.replace(stiff, "")), ['shell.analyses=["limit"]']).shell is not None
 
 
+def test_one_flow_rule_or_method_needs_no_brackets(tmp_path: Path) -> None:
+    overrides = ['rigid.flow="non-associative"', 'shell.analyses="limit"']
+    alone = plan(read_variants(case_file(tmp_path, SHELL), overrides))
+    listed = plan(read_variants(case_file(tmp_path, SHELL), ['rigid.flow=["non-associative"]', 'shell.analyses=["limit"]']))
+    assert list(alone.analyses) == list(listed.analyses) == ["+y_non-associative", "+y_limit"]
+
+
 def test_a_mark_of_byte_order_is_passed_over(tmp_path: Path) -> None:
     (tmp_path / "case.toml").write_bytes(b"\xef\xbb\xbf" + WALL.encode())
     assert read_case(tmp_path / "case.toml").loads[0].name == "+y"

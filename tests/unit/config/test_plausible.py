@@ -290,6 +290,44 @@ def test_a_load_below_a_ring_beam_is_questioned(beam: str, load: str, words: str
     assert [words in text for text in found] == ([True] if words else [])
 
 
+VAULT = """name = "v"
+[source]
+generator = "vault"
+span_m = 1.85
+thickness_m = 0.15
+courses = 27
+stone_length_m = 0.5
+{source}
+[material.default]
+unit_weight_kN_m3 = 18
+friction = 0.7
+[[load]]
+direction = [1, 0, 0]
+[rigid]
+flow = "non-associative"
+[[fills]]
+on = ["vault"]
+top_m = 2.2
+unit_weight_kN_m3 = 15
+"""
+PRESSURE = '[[pressures]]\nwall = "left"\ntoward = [-1, 0, 0]\nunit_weight_kN_m3 = 15\ncoefficient = 0.4\ntop_m = 1.0\n'
+
+
+@pytest.mark.parametrize(
+    ("source", "carried", "asked"),
+    [
+        ("wall_height_m = 1.0\nwall_thickness_m = 0.5\nwall_course_m = 0.25", "", True),
+        ("wall_height_m = 1.0\nwall_thickness_m = 0.5\nwall_course_m = 0.25", PRESSURE, False),
+        ("", "", False),
+    ],
+)
+def test_fill_that_presses_on_no_wall_beside_it_is_questioned(source: str, carried: str, asked: bool, tmp_path: Path) -> None:
+    path = tmp_path / "v.toml"
+    path.write_text(VAULT.format(source=source) + carried)
+    said = [text for text in questions([read_case(path)]) if text.startswith("[[fills]] press on")]
+    assert bool(said) == asked
+
+
 TABLES = [
     ('[[joints]]\nname = "j"\nkind = "base"\nfriction = 30', "joints.0.friction is 30, usual are"),
     ('[[joints]]\nname = "j"\nkind = "base"\ncohesion_kPa = 60000', "joints.0.cohesion_kPa is 6e+04 kPa, usual are"),
