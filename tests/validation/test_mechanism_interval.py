@@ -95,7 +95,7 @@ def test_ends_are_certified_and_as_far_apart_as_may_be(name: str) -> None:
     assert low <= state.load_factor <= high
 
 
-def test_a_state_that_is_not_certified_keeps_its_own_gap() -> None:
+def test_a_state_that_is_not_certified_has_the_gap_of_a_certified_one_beside_its_own() -> None:
     balance, strength = problem("4")
     solve = solver_for(balance.wrenches)
     answer = solve(associative_program(balance, strength), duality_gap=1e-6)
@@ -104,7 +104,9 @@ def test_a_state_that_is_not_certified_keeps_its_own_gap() -> None:
     assert state.relative_gap > 1e-3
     low, high = mechanism_ends(balance, strength, state)
     assert low.load_factor < state.load_factor <= high.load_factor
-    assert max(low.relative_gap, high.relative_gap) <= state.relative_gap * (1 + 1e-5)
+    # Its forces may be the nearest to its motion that there are.
+    assert low.relative_gap > state.relative_gap + 0.5e-5
+    assert max(low.relative_gap, high.relative_gap) <= state.relative_gap + 1.00001e-5
 
 
 def test_coefficients_of_the_gap() -> None:

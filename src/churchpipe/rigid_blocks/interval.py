@@ -31,11 +31,12 @@ def mechanism_interval(balance: Equilibrium, strength: Strength, state: CoulombS
 def mechanism_ends(balance: Equilibrium, strength: Strength, state: CoulombState) -> tuple[CoulombState, CoulombState]:
     """Return the states with the least and the greatest load factor that fit the mechanism of a given one.
 
-    For fixed velocities the compatible states are convex: equilibrium, friction cones, and a gap g of at most 1e-5 alpha, or as
-    much over alpha as that of the given state where it is not certified. The self-stress of sliding contacts is statically free,
-    so the interval has a length. g is linear in the forces: one more row of the balance, with a point of its own for what is left
-    to the gap allowed. The row is dense, but alone, so that the factor of the normal matrix gains no more than a row. The ends
-    are those of states that exist, inside the exact ones by some 1e-5 alpha; the given state, where no program was solved.
+    For fixed velocities the compatible states are convex: equilibrium, friction cones, and a gap g of at most 1e-5 alpha, or that
+    much more than the given state has over its alpha where it is not certified. (Its forces may be those of the least gap, and
+    then no others are as near.) The self-stress of sliding contacts is statically free, so the interval has a length. g is linear
+    in the forces: one more row of the balance, with a point of its own for what is left to the gap allowed. The row is dense, but
+    alone, so that the factor of the normal matrix gains no more than a row. The ends are those of states that exist, inside the
+    exact ones by some 1e-5 alpha; the given state, where no program was solved.
     """
     rows = _WithGap(balance, strength, state)
     return rows.farthest(-1.0), rows.farthest(1.0)
@@ -46,7 +47,8 @@ class _WithGap:
 
     def __init__(self, balance: Equilibrium, strength: Strength, state: CoulombState) -> None:
         self._balance, self._strength, self._state = balance, strength, state
-        self._share = max(BIPOTENTIAL_GAP, state.relative_gap)
+        certified = state.relative_gap <= BIPOTENTIAL_GAP
+        self._share = BIPOTENTIAL_GAP if certified else BIPOTENTIAL_GAP + state.relative_gap
         coefficients, self._constant = gap_coefficients(balance, strength, state.y)
         # In the size of the other rows: what is left to the gap is as large as the largest load.
         size = max(abs(state.load_factor), LEAST_FACTOR)
