@@ -7,14 +7,14 @@ import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.geometry.walls import points_of
-from churchpipe.model.arrays import FloatArray, IntArray, ragged_indices
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, ragged_indices
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.polyhedra import face_normals
 
 # Lengths below this are rounding, m.
 CLOSE = 1e-5
-# A face that looks up has at least this z in its normal.
-_UP = 0.05
+# A face that looks up has at least this z in its normal, and more than so much of plan, m2, unless it is a sliver.
+_UP, _SLIVER = 0.05, 1e-7
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +34,7 @@ def bearing_stones(
     """Return the stones that bear a line between two points (2,) m in plan.
 
     on_top: the highest stones under it, none above `height`; else the stones at that height, at a bed joint those below it. Where
-    the line runs along a joint both sides take half. Stones count by the convex hull of their plan.
+    the line runs along a joint both sides take half. Stones, and faces that look up, count by the convex hull of their plan.
 
     Raises
     ------
@@ -43,21 +43,24 @@ def bearing_stones(
     length = float(np.linalg.norm(end - start))
     axis = (end - start) / length if length else np.array([1.0, 0.0])
     low, high, candidates = _spans(stones, start, axis, length, height, on_top=on_top)
-    stops = np.unique(np.clip(np.concatenate([[0.0, length], low, high]), 0.0, length))
+    sides = _upper_sides(stones, candidates, start, axis) if on_top else None
+    # Where another face of a stone begins, such as at a ridge, its upper side goes on at another slope.
+    edges = [] if sides is None else [sides.enters[sides.met], sides.leaves[sides.met]]
+    stops = np.unique(np.clip(np.concatenate([[0.0, length], low, high, *edges]), 0.0, length))
     stops = stops[np.append(True, np.diff(stops) > CLOSE)]
     stops[-1] = length
     ends = np.stack([stops[:-1], stops[1:]], axis=1) if len(stops) > 1 else np.array([[0.0, 0.0]])
     middle = ends.mean(axis=1)
     part, rank = np.nonzero((low <= middle[:, None]) & (high >= middle[:, None]))
     z = np.full((len(part), 2), height)
-    if on_top:
-        sides = _upper_sides(stones, candidates)
-        top = _tops(sides, rank, start + middle[part, None] * axis)
+    if sides is not None:
+        top = _tops(sides, rank, middle[part], start + middle[part, None] * axis)
         highest = np.full(len(ends), -np.inf)
         np.maximum.at(highest, part, top)
         bears = top > highest[part] - CLOSE
         part, rank = part[bears], rank[bears]
-        z = np.stack([_tops(sides, rank, start + ends[part, side, None] * axis) for side in (0, 1)], axis=1)
+        way = middle[part]
+        z = np.stack([_tops(sides, rank, way, start + ends[part, side, None] * axis) for side in (0, 1)], axis=1)
     bearing = np.bincount(part, minlength=len(ends))
     if not bearing.all():
         nothing = np.append(start + middle[np.argmin(bearing)] * axis, height)
@@ -101,37 +104,54 @@ def _clipped(plan: FloatArray, start: FloatArray, axis: FloatArray) -> tuple[flo
 
 
 class _UpperSides(NamedTuple):
-    """Faces that look up, of one stone after another: unit normals and means (k, 3) m. first, number (n,): those of each stone.
-    least, most (n,) m: between which its upper side lies."""
+    """Faces that look up, of one stone after another: unit normals and means (k, 3) m; enters, leaves (k,) m: where a line enters
+    and leaves their plan, NaN where it misses it. first, number (n,): those of each stone. least, most (n,) m: between which its
+    upper side lies."""
 
     normal: FloatArray
     mean: FloatArray
+    enters: FloatArray
+    leaves: FloatArray
     first: IntArray
     number: IntArray
     least: FloatArray
     most: FloatArray
 
+    @property
+    def met(self) -> BoolArray:
+        """Which faces (k,) the line meets."""
+        return np.isfinite(self.enters)
 
-def _upper_sides(stones: Assemblage, chosen: IntArray) -> _UpperSides:
-    """Return the upper sides of stones (n,)."""
+
+def _upper_sides(stones: Assemblage, chosen: IntArray, start: FloatArray, axis: FloatArray) -> _UpperSides:
+    """Return the upper sides of stones (n,), and where a line passes over them."""
     faces = np.diff(stones.block_face_ptr)[chosen]
     face = ragged_indices(stones.block_face_ptr[chosen], faces)
     count = np.diff(stones.face_ptr)[face]
     nodes = stones.face_nodes[ragged_indices(stones.face_ptr[face], count)]
-    _, normal, mean = face_normals(stones.points, nodes, np.append(0, np.cumsum(count)))
+    pointers = np.append(0, np.cumsum(count))
+    vector, normal, mean = face_normals(stones.points, nodes, pointers)
     up = normal[:, 2] > _UP
+    span = np.full((len(face), 2), np.nan)
+    for k in np.flatnonzero(up & (vector[:, 2] > _SLIVER)).tolist():
+        met = _clipped(stones.points[nodes[pointers[k] : pointers[k + 1]], :2], start, axis)
+        span[k] = np.nan if met is None else met
     number = np.bincount(np.repeat(np.arange(len(chosen)), faces)[up], minlength=len(chosen))
     first = np.cumsum(number) - number
     z = stones.points[:, 2]
     least, most = (edge.reduceat(z, stones.block_point_ptr[:-1])[chosen] for edge in (np.minimum, np.maximum))
-    return _UpperSides(normal[up], mean[up], first, number, least, most)
+    return _UpperSides(normal[up], mean[up], span[up, 0], span[up, 1], first, number, least, most)
 
 
-def _tops(sides: _UpperSides, rank: IntArray, place: FloatArray) -> FloatArray:
-    """Return the z (k,) of upper sides, of stones taken as convex, at places (k, 2) m."""
+def _tops(sides: _UpperSides, rank: IntArray, way: FloatArray, place: FloatArray) -> FloatArray:
+    """Return the z (k,) of upper sides at places (k, 2) m: of the highest face that lies under the line where it has come so far
+    (k,) m. Where none does, the stone is taken as convex."""
     face = ragged_indices(sides.first[rank], sides.number[rank])
     owner = np.repeat(np.arange(len(rank)), sides.number[rank])
     n, mean = sides.normal[face], sides.mean[face]
-    z = np.full(len(rank), np.inf)
-    np.minimum.at(z, owner, mean[:, 2] - ((place[owner] - mean[:, :2]) * n[:, :2]).sum(axis=1) / n[:, 2])
-    return np.asarray(np.clip(z, sides.least[rank], sides.most[rank]))
+    height = mean[:, 2] - ((place[owner] - mean[:, :2]) * n[:, :2]).sum(axis=1) / n[:, 2]
+    under = (sides.enters[face] <= way[owner]) & (sides.leaves[face] >= way[owner])
+    highest, lowest = np.full(len(rank), -np.inf), np.full(len(rank), np.inf)
+    np.maximum.at(highest, owner[under], height[under])
+    np.minimum.at(lowest, owner, height)
+    return np.clip(np.where(np.isfinite(highest), highest, lowest), sides.least[rank], sides.most[rank])
