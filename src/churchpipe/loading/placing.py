@@ -28,6 +28,7 @@ class _Part:
     stone: int
     dead: FloatArray
     mass: float
+    foot: FloatArray | None = None
 
 
 def place_loads(stones: Assemblage, loads: Iterable[Carried | Fill]) -> PlacedLoads:
@@ -67,6 +68,7 @@ def place_loads(stones: Assemblage, loads: Iterable[Carried | Fill]) -> PlacedLo
         load=np.array([name for name, _ in parts], dtype=np.str_),
         dead=np.array([part.dead for _, part in parts]).reshape(-1, 3),
         mass=np.array([part.mass for _, part in parts], dtype=np.float64),
+        foot=np.array([part.point if part.foot is None else part.foot for _, part in parts]).reshape(-1, 3),
     )
 
 
@@ -82,12 +84,17 @@ def _parts(stones: Assemblage, load: Any, where: str) -> list[_Part]:
             wall = wall_line(stones, load.wall, load.called)
             return [_Part(point, stone, force, 0.0) for point, stone, force in pressure_forces(stones, wall, load)]
         case Fill():
-            share = load.pushed / load.unit_weight
-            down = np.array([0.0, 0.0, -1.0])
-            return [_Part(point, stone, weight * down, share * weight) for point, stone, weight in fill_weights(stones, load)]
+            return [_column(load, *part) for part in fill_weights(stones, load)]
         case _:
             found, expected = describe(load), "a LineLoad, PointLoad, AreaLoad, Pressure or Fill"
             raise InputError(where, "wrong kind", found=found, expected=expected)
+
+
+def _column(load: Fill, foot: FloatArray, stone: int, weight: float) -> _Part:
+    """Return a part of fill: its mass lies half way up between the stone and the surface."""
+    # The mean depth of a part, weighed by depth, is that of its foot: half of it is the mean over the volume.
+    middle = np.append(foot[:2], 0.5 * (foot[2] + load.top))
+    return _Part(middle, stone, np.array([0.0, 0.0, -weight]), weight * load.pushed / load.unit_weight, foot)
 
 
 def _line(stones: Assemblage, load: LineLoad) -> list[_Part]:

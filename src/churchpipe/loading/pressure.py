@@ -77,7 +77,7 @@ def _in_face(stones: Assemblage, wall: WallLine, outward: FloatArray) -> Iterato
 
 
 def fill_weights(stones: Assemblage, load: Fill) -> list[tuple[FloatArray, int, float]]:
-    """Return the weight of the fill over parts of the stones below it: point (3,) m, stone, weight N.
+    """Return the weight of the fill over parts of the stones below it: point (3,) m of the face under it, stone, weight N.
 
     Each column of fill stands on the face under it. What another stone covers bears none.
 

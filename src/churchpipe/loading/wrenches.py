@@ -104,7 +104,7 @@ def shell_loaded(
     check_kind("shell_loaded: shell", shell, ShellModel)
     placed = loads if isinstance(loads, PlacedLoads) else place_loads(stones, loads)
     bodies = _Bodies(shell.body_centroid, shell.body_weight, shell.body_panel, float(shell.points[:, 2].min()))
-    return _with(load, bodies, placed, bodies_of(shell, placed.point, placed.wall))
+    return _with(load, bodies, placed, bodies_of(shell, placed.foot, placed.wall))
 
 
 def bodies_of(shell: ShellModel, point: FloatArray, wall: NameArray) -> IntArray:
@@ -132,7 +132,7 @@ def resultants(stones: Assemblage, shell: ShellModel, placed: PlacedLoads) -> di
     """Return what the loads come to (6,) N and Nm on the stones and on the shell: the dead parts, and the masses' push along
     (1, 1, 1), which sees their places in all directions."""
     mass = placed.mass[:, None] * np.full(3, 1 / np.sqrt(3))
-    body = bodies_of(shell, placed.point, placed.wall)
+    body = bodies_of(shell, placed.foot, placed.wall)
     return {
         name: (
             resultant(stones.centroid, wrenches_of(stones.centroid, placed.point, force, placed.stone)),

@@ -1,11 +1,11 @@
 """Loads at their places: forces and masses at points of stones, the form that both models take."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 
 import numpy as np
 
-from churchpipe.model.arrays import FloatArray, IntArray, NameArray, rows_of, store_arrays
+from churchpipe.model.arrays import FloatArray, IntArray, NameArray, floats, rows_of, store, store_arrays
 from churchpipe.model.ties import Tie
 
 
@@ -27,6 +27,8 @@ class PlacedLoads:
         Its force (n, 3), N.
     mass
         Weight (n,), N, that a lateral load multiplies there.
+    foot
+        Where on the stone it stands (n, 3), m, such as below the middle of a column of fill; left out: where it acts.
     """
 
     point: FloatArray
@@ -35,10 +37,12 @@ class PlacedLoads:
     load: NameArray
     dead: FloatArray
     mass: FloatArray
+    foot: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
 
     def __post_init__(self) -> None:
         n = rows_of("PlacedLoads.stone", self.stone)
         store_arrays(self, point=(n, 3), stone=(n,), wall=(n,), load=(n,), dead=(n, 3), mass=(n,))
+        store(self, foot=floats("PlacedLoads.foot", self.foot if np.size(self.foot) else self.point, (n, 3)))
 
     @property
     def weight(self) -> FloatArray:

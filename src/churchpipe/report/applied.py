@@ -152,7 +152,7 @@ def add_applied(plotter: Any, stones: Assemblage, motion: FloatArray, amplitude:
     loads = applied.loads
     if not len(loads.load):
         return
-    at = loads.point + amplitude * velocity_at(stones, motion, loads.stone, loads.point)
+    at = loads.foot + amplitude * velocity_at(stones, motion, loads.stone, loads.foot)
     strongest = float(np.linalg.norm(loads.dead, axis=1).max()) or 1.0
     for name in dict.fromkeys(loads.load.tolist()):
         mine = np.flatnonzero((loads.load == name) & (np.linalg.norm(loads.dead, axis=1) > 0))

@@ -86,7 +86,7 @@ def viewer_loads(drawn: DrawnLoads, origin: FloatArray, size: float) -> dict[str
 def _in_cells(loads: PlacedLoads, name: str, cell: float) -> tuple[FloatArray, FloatArray]:
     """Return the places (n, 3) m and the forces (n, 3) N of a load, summed up in cubes."""
     mine = np.flatnonzero(loads.load == name)
-    point, force = loads.point[mine], loads.dead[mine]
+    point, force = loads.foot[mine], loads.dead[mine]
     _, group = np.unique(np.floor(point / cell), axis=0, return_inverse=True)
     group = group.ravel()
     # Where the forces of a cube act: their mean place, by size.
