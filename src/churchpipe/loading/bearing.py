@@ -34,7 +34,8 @@ def bearing_stones(
     """Return the stones that bear a line between two points (2,) m in plan.
 
     on_top: the highest stones under it, none above `height`; else the stones at that height, at a bed joint those below it. Where
-    the line runs along a joint both sides take half. Stones, and faces that look up, count by the convex hull of their plan.
+    the line runs along a joint both sides take half. On top, stones and their faces that look up count by the convex hull of
+    their plan, at a height by their section.
 
     Raises
     ------
@@ -77,16 +78,54 @@ def bearing_stones(
 def _spans(
     stones: Assemblage, start: FloatArray, axis: FloatArray, length: float, height: float, *, on_top: bool
 ) -> tuple[FloatArray, FloatArray, IntArray]:
-    """Return where the line enters and leaves the plan of each free stone at its level (n,), m, and those stones (n,)."""
+    """Return where the line enters and leaves free stones at its level (n,), m, and those stones (n,)."""
     low, high = (edge.reduceat(stones.points, stones.block_point_ptr[:-1], axis=0) for edge in (np.minimum, np.maximum))
     first, last = np.minimum(start, start + length * axis), np.maximum(start, start + length * axis)
     near = ((low[:, :2] <= last + CLOSE) & (high[:, :2] >= first - CLOSE)).all(axis=1) & ~stones.fixed
     near &= high[:, 2] <= height + CLOSE if on_top else (low[:, 2] < height - CLOSE) & (high[:, 2] >= height - CLOSE)
-    chosen = np.flatnonzero(near)
-    spans = [_clipped(points_of(stones, np.array([stone]))[:, :2], start, axis) for stone in chosen]
-    met = [number for number, span in enumerate(spans) if span is not None]
-    kept = np.array([span for span in spans if span is not None]).reshape(-1, 2)
-    return kept[:, 0], kept[:, 1], chosen[met]
+    spans: list[tuple[float, float]] = []
+    owner: list[int] = []
+    for stone in np.flatnonzero(near).tolist():
+        if on_top:
+            span = _clipped(points_of(stones, np.array([stone]))[:, :2], start, axis)
+            met = [] if span is None else [span]
+        else:
+            met = _within(*stones.solid(stone), start, axis, height - CLOSE)
+        spans += met
+        owner += [stone] * len(met)
+    kept = np.array(spans).reshape(-1, 2)
+    return kept[:, 0], kept[:, 1], np.array(owner, dtype=np.int64)
+
+
+def _within(
+    points: FloatArray, faces: list[list[int]], start: FloatArray, axis: FloatArray, level: float
+) -> list[tuple[float, float]]:
+    """Return from where to where a line is in a stone at a level, m along it; a stone around an arch it may enter twice."""
+    sides: list[FloatArray] = []
+    for face in faces:
+        corner, after = points[face], np.roll(points[face], -1, axis=0)
+        passed = (corner[:, 2] > level) != (after[:, 2] > level)
+        if passed.any():
+            one, step = corner[passed], (after - corner)[passed]
+            place = (one + ((level - one[:, 2]) / step[:, 2])[:, None] * step)[:, :2]
+            # The level cuts a face that is not convex more than twice.
+            sides += [place[np.argsort(place @ (place[1] - place[0]))].reshape(-1, 2, 2)]
+    section = np.concatenate(sides) - start
+    along, aside = section @ axis, section @ np.array([-axis[1], axis[0]])
+    found: list[tuple[float, float]] = []
+    # A line along a joint is in the stones on both sides of it.
+    for offset in (-CLOSE, CLOSE):
+        cut = (aside[:, 0] > offset) != (aside[:, 1] > offset)
+        share = (offset - aside[cut, 0]) / (aside[cut, 1] - aside[cut, 0])
+        ways = np.sort(along[cut, 0] + share * (along[cut, 1] - along[cut, 0])).tolist()
+        found += [(enters - CLOSE, leaves + CLOSE) for enters, leaves in zip(ways[::2], ways[1::2], strict=True)]
+    joined: list[tuple[float, float]] = []
+    for enters, leaves in sorted(found):
+        if joined and enters <= joined[-1][1]:
+            joined[-1] = joined[-1][0], max(joined[-1][1], leaves)
+        else:
+            joined.append((enters, leaves))
+    return joined
 
 
 def _clipped(plan: FloatArray, start: FloatArray, axis: FloatArray) -> tuple[float, float] | None:
