@@ -98,6 +98,8 @@ def write_report(
     check_kind("write_report: contacts", contacts, Contacts)
     check_contacts_of(stones, contacts)
     html = path_of("write_report: path", path)
+    if html.is_dir():
+        raise InputError("write_report: path", "a folder", found=html, expected="the file to write, such as report.html")
     materials = listed("write_report: materials", materials, JointStrength)
     groups = listed("write_report: joints", joints, JointGroup)
     if site is not None:

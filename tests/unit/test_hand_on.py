@@ -1,5 +1,6 @@
 """Results obtained in Python as a report: capacity curves of the stones, their checks, and supports that move."""
 
+import re
 from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
@@ -145,3 +146,27 @@ def test_paths_of_other_stones_are_named(curve: cp.BlockCapacityCurve, path: cp.
 def test_a_curve_among_the_results_is_told_its_place(curve: cp.BlockCapacityCurve, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"not a result of this model; .* Give capacity curves of the stones as curve="):
         written(tmp_path, [(PUSH, curve)])
+
+
+def test_a_curve_of_another_load_or_of_other_joints_than_its_pair_is_refused(
+    curve: cp.BlockCapacityCurve, tmp_path: Path
+) -> None:
+    sideways = cp.LoadCase((0, 1, 0))
+    for given in ([(sideways, curve)], [(PUSH, curve, cp.block_pushover(STONES, CONTACTS, sideways, 0.6, step=0.02))]):
+        with pytest.raises(InputError, match="write_report: curve: a curve of another load; found a pair with "):
+            written(tmp_path, curve=given)
+    state = cp.limit_analysis(STONES, CONTACTS, sideways, 0.6)
+    with pytest.raises(InputError, match=r"found a pair with \+y"):
+        written(tmp_path, [(sideways, state)], curve=curve)
+    smooth = cp.block_pushover(STONES, CONTACTS, PUSH, 0.5, step=0.02)
+    with pytest.raises(InputError, match="made with other values; found another friction"):
+        written(tmp_path, curve=[(PUSH, curve, smooth)])
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("folder", [".", "there"])
+def test_a_report_is_not_written_to_a_folder(folder: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "there").mkdir()
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(InputError, match="write_report: path: a folder; found '?" + re.escape(folder)):
+        cp.write_report(folder, STONES, CONTACTS, [], materials=MASONRY)

@@ -9,6 +9,7 @@ import numpy as np
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import positive, whole
 from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.loads import LoadCase
 
 
 def check_path(where: str, stones: Assemblage, step: float | None, steps: int, furthest: float | None, halo: int) -> int:
@@ -42,14 +43,20 @@ def digests(**given: Any) -> str:
     return " ".join(f"{name}:{sha256(_bytes(value)).hexdigest()[:12]}" for name, value in given.items())
 
 
+def load_digest(load: LoadCase) -> str:
+    """Return what `digests` makes of the load case of a path."""
+    return digests(load=[load.direction, load.panels, load.profile, load.dead, load.live])
+
+
+def differing(before: str, now: str) -> list[str]:
+    """Return what two paths were made with otherwise, by name; before, now: of `digests`, empty if unknown."""
+    pairs = zip(before.split(), now.split(), strict=False)
+    return [one.partition(":")[0].replace("_", " ") for one, other in pairs if one != other]
+
+
 def check_given(where: str, before: str, now: str) -> None:
-    """Raise InputError where a path that is to go on was made with other values; before, now: of `digests`, empty if unknown."""
-    if not before or not now:
-        return
-    differ = [
-        one.partition(":")[0].replace("_", " ") for one, other in zip(before.split(), now.split(), strict=False) if one != other
-    ]
-    if differ:
+    """Raise InputError where a path that is to go on was made with other values; before, now: as in `differing`."""
+    if differ := differing(before, now):
         remedy = "Begin a path of its own for other values."
         raise InputError(f"{where}: resume", "steps of another analysis", found=f"another {', '.join(differ)}", remedy=remedy)
 

@@ -14,7 +14,7 @@ from churchpipe.large_displacements.following import Ending, follow
 from churchpipe.large_displacements.halo import held_at_first
 from churchpipe.large_displacements.moving_model import MovingModel, bearing, moving_model
 from churchpipe.large_displacements.path import PathStep, solve_state
-from churchpipe.large_displacements.path_arguments import check_path, digests
+from churchpipe.large_displacements.path_arguments import check_path, digests, load_digest
 from churchpipe.large_displacements.path_state import PathState, first_state
 from churchpipe.large_displacements.record import Progress, Record
 from churchpipe.large_displacements.settings import PATH
@@ -173,7 +173,9 @@ def block_pushover(
     model = replace(model, held=held_at_first(model, contacts.blocks, held_program, state, halo)) if halo else model
     record = _Curve(model, measure, furthest, progress, keep)
     made_with = {"friction": friction, "strength": compressive_strength, "ties": ties, "contact_model": contact_model}
-    record.given = digests(load=[load.direction, load.panels, load.profile, load.dead, load.live], **made_with)
+    # A displacement is that of its control: those of two points are not one curve.
+    place = None if control is None else np.asarray(control, dtype=float)
+    record.given = f"{load_digest(load)} {digests(**made_with, control=place)}"
     if resume is not None and len(resume.position):
         start = record.go_on_from(resume, resume.displacement, resume.load_factor, halo=halo > 0)
         model = record.model

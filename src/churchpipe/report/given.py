@@ -12,6 +12,7 @@ from churchpipe.halved_steps import careful_check
 from churchpipe.io.movement_record import Shift, Turn, movement_record, widest_cracks
 from churchpipe.io.recording import curve_record_of, halved_record
 from churchpipe.large_displacements.cracks import joint_cracks
+from churchpipe.large_displacements.path_arguments import differing, load_digest
 from churchpipe.model.arguments import check_kind, describe
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage, checked_sequence
@@ -61,12 +62,13 @@ def curves_given(
 
     Raises
     ------
-    InputError: no curves, curves of other stones, a curve without its load.
+    InputError: no curves, curves of other stones or of another load, a curve without its load, a pair of unlike curves.
     """
     out: list[Followed] = []
     for number, (load, one, halved) in enumerate(_with_loads(curve, results), 1):
         for path in (one, *([halved] if halved else [])):
             _check_of(_CURVE, path, stones)
+            _check_made_with(path, load, one)
         record = curve_record_of(one, stones, load, materials, groups)
         check = DisplacementCheck(message=NOT_TOLD)
         if told(load, applied):
@@ -165,6 +167,19 @@ def _support_motion(stones: Assemblage, path: SettlementPath) -> tuple[FloatArra
     furthest = moved[int(np.argmax(np.linalg.norm(moved, axis=1)))]
     length = float(np.linalg.norm(furthest))
     return (furthest / length if length > 0 else np.zeros(3)), turns
+
+
+def _check_made_with(path: BlockCapacityCurve, load: LoadCase, beside: BlockCapacityCurve) -> None:
+    """Raise InputError where a curve is known to be of another load than the one given with it, or of other joints than the curve
+    that it stands beside."""
+    if path.given and load_digest(load) not in path.given.split():
+        expected = "the load case that its block_pushover was called with"
+        remedy = "Give each curve with its own load: curve=[(load, curve)]."
+        raise InputError(_CURVE, "a curve of another load", found=f"a pair with {load.name}", expected=expected, remedy=remedy)
+    if differ := differing(beside.given, path.given):
+        problem = "two curves of one entry that were made with other values"
+        remedy = "The second one is the same call with halved=True."
+        raise InputError(_CURVE, problem, found=f"another {', '.join(differ)}", remedy=remedy)
 
 
 def _check_of(where: str, path: StonePath, stones: Assemblage) -> None:

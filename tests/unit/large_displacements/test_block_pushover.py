@@ -219,6 +219,8 @@ def test_a_curve_goes_on_from_any_of_its_steps() -> None:
         ({"load": cp.LoadCase((1, 0, 0), profile="linear")}, "load"),
         ({"ties": ()}, "ties"),
         ({"ties": [replace(tie, strength=100.0)], "compressive_strength": 1e9}, "strength, ties"),
+        # Its displacements would be added to those of the mean.
+        ({"control": (0, 0, 1)}, "control"),
     ):
         with pytest.raises(InputError, match=f"block_pushover: resume: steps of another analysis; found another {named}"):
             cp.block_pushover(stones, contacts, **{"load": PUSH, "friction": 0.7, **options, **other}, resume=whole.until(3))
