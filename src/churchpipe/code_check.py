@@ -10,8 +10,8 @@ from churchpipe.errors import InputError
 from churchpipe.model.arguments import check_kind, one_of
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.checks import SafetyCheck
-from churchpipe.model.doubts import doubt_fields
-from churchpipe.model.quantities import GRAVITY, Count, Quantity, Usual, check_ranges, in_range
+from churchpipe.model.doubts import doubt_fields, question
+from churchpipe.model.quantities import GRAVITY, Count, Quantity, Usual, check_ranges, in_range, unit_of
 from churchpipe.spectrum import Demand, SiteSpectrum, Spectrum, StoreySpectrum
 
 KnowledgeLevel = Literal["LC1", "LC2", "LC3"]
@@ -32,6 +32,10 @@ _HIGH = Usual(1, 200, "houses to the tallest spires")
 _DAMPING = Usual(1, 20, "the code has 5")
 _FIRST = Usual(0.02, 4, "masonry buildings mostly have .1 to 1 s")
 _BEHAVIOUR = Quantity(low=1, usual=Usual(1, 4, "2 for local mechanisms, at most 3 to 4 for whole buildings of masonry"), key="q")
+# Of a table: S_e at the period 0 over a_g S, either way; the plateau over it, as F0 has it; where it ends.
+_FIRST_LEVEL = 1.25
+_PEAK = Usual(1.8, 3.5, "F0 is 2.2 to 3.2")
+_LAST = Usual(0.8, 20, "what rocks has some seconds, and beyond the table the displacement stays what it is there")
 _CONFIDENCE = Quantity(low=1, usual=Usual(1, 1.35, "the code has 1, 1.2 and 1.35"))
 
 
@@ -114,7 +118,28 @@ class Site:
         if (self.soil_factor is None) != by_soil:
             problem = "a factor given twice" if by_soil else "missing key"
             raise InputError("check: soil_factor", problem, expected="either soil_factor or soil in [check.spectrum]")
-        doubt_fields(self)
+        doubt_fields(self, asked=self.table_questions)
+
+    @property
+    def table_questions(self) -> list[str]:
+        """What to ask about a spectrum given as a table: whether it is one of this a_g and S, and in m/s2 and seconds."""
+        period, level = (self.spectrum.period, self.spectrum.level) if self.spectrum else (None, None)
+        if not period or not level or self.soil_factor is None:
+            return []
+        ground = self.ground_acceleration * self.soil_factor
+        asked: list[str] = []
+        if period[0] == 0 and not ground / _FIRST_LEVEL <= level[0] <= _FIRST_LEVEL * ground:
+            asked.append(
+                f"The table of the spectrum begins at the period 0 with {level[0]:.4g} m/s2, where S_e is a_g S, here "
+                f"{ground:.4g} m/s2. Is it meant?"
+            )
+        elif not _PEAK.low <= max(level) / ground <= _PEAK.high:
+            asked.append(
+                f"The table of the spectrum rises to {max(level):.4g} m/s2, {max(level) / ground:.3g} times a_g S = {ground:.4g} "
+                f"m/s2, usual are {_PEAK.low:g} to {_PEAK.high:g} times: {_PEAK.reason}. Is it meant?"
+            )
+        unit = unit_of("periods_s")
+        return [*asked, *filter(None, [question("the last period of the table of the spectrum", period[-1], _LAST, unit)])]
 
     def confidence(self, crushing: bool) -> float:
         """Return FC of an analysis, whether or not the masonry crushes in it."""

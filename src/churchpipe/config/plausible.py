@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import is_dataclass
+from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -85,6 +86,8 @@ def _of_case(case: "Case") -> Iterator[str]:
             yield from _of_record(settings, f"{name}.")
     if case.check is not None and case.check.spectrum is not None and case.rigid.curve is None:
         yield _NO_CURVE
+    if case.check is not None:
+        yield from case.check.table_questions
     added = {"joints": case.joints, "buttresses": case.buttresses, "ring_beams": case.ring_beams}
     for key, records in (*added.items(), *((key, getattr(case.carries, key)) for key in KINDS)):
         told = [plain(record) for record in records]
@@ -205,7 +208,15 @@ def _of_vaults(case: "Case") -> Iterator[str]:
 
 
 def _of_fills(case: "Case") -> Iterator[str]:
-    """Yield what to ask where fill lies between walls that nothing presses on."""
+    """Yield what to ask where fill lies in other fill, or between walls that nothing presses on."""
+    for (number, one), (later, other) in combinations(enumerate(case.carries.fills), 2):
+        shared = [name for name in one.on if name in other.on]
+        if shared and one != other:
+            level = f"{min(one.top, other.top):g} m"
+            yield (
+                f"fills.{number} and fills.{later} both lie on {' and '.join(shared)}, and below z = {level} both count. "
+                "Is it meant? In two layers the lower one has the difference of the unit weights."
+            )
     given: dict[str, Any] = getattr(case.source, "parameters", {})
     alone = getattr(case.source, "generator", "") in ("vault", "dome") and not {"wall_height", "drum_height"} & given.keys()
     if case.carries.fills and not case.carries.pressures and not alone:

@@ -6,6 +6,7 @@ The case file asks them as it is read (`config.plausible`). Here they are warnin
 """
 
 import warnings
+from collections.abc import Iterable
 from inspect import currentframe
 from types import FrameType
 from typing import Any, cast
@@ -33,10 +34,10 @@ def question(name: str, value: float, usual: Usual, unit: Unit, given: str = "")
     )
 
 
-def doubt_fields(record: Any, kind: type | None = None) -> None:
+def doubt_fields(record: Any, kind: type | None = None, asked: Iterable[str] = ()) -> None:
     """Warn of the doubtful fields of a dataclass that is being made by a caller outside of this package; for `__post_init__`.
 
-    kind: the class whose own it is, where others are made of it, which ask for themselves.
+    kind: the class whose own it is, where others are made of it, which ask for themselves. asked: what there is to ask besides.
     """
     if kind is not None and record.__class__ is not kind:
         return
@@ -52,6 +53,8 @@ def doubt_fields(record: Any, kind: type | None = None) -> None:
         if item.quantity and item.quantity.usual and value is not None:
             for one in cast("tuple[float, ...]", value if isinstance(value, tuple) else (value,)):
                 _warn(f"{own.__name__}.{item.name}", float(one), item.key, item.quantity.usual, depth + 1)
+    for sentence in asked:
+        warnings.warn(sentence, DoubtfulValue, stacklevel=depth + 1)
 
 
 def doubt_argument(name: str, values: Any, kind: type, field: str) -> None:

@@ -6,9 +6,10 @@ from typing import Annotated
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import listed, text
 from churchpipe.model.arrays import store
-from churchpipe.model.carried import Metres
 from churchpipe.model.doubts import doubt_fields
 from churchpipe.model.quantities import Quantity, Usual, check_ranges
+
+_TOP = Usual(-50, 100, "vaults below the ground to those of the tallest churches")
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +28,7 @@ class Fill:
     unit_weight: Annotated[
         float, Quantity("_kN_m3", 0.0, above=True, usual=Usual(1, 30, "light fill has some 5, rubble 15 to 20")), "Of the fill."
     ]
-    top: Annotated[Metres, "z of its surface."]
+    top: Annotated[float, Quantity("_m", usual=_TOP), "z of its surface."]
     mass: Annotated[
         float | None, Quantity("_kN_m3", 0.0, key="seismic_mass_kN_m3"), "Weight that the load factor multiplies; by default all."
     ] = None

@@ -328,6 +328,49 @@ def test_fill_that_presses_on_no_wall_beside_it_is_questioned(source: str, carri
     assert bool(said) == asked
 
 
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        (
+            '[[fills]]\non = ["vault"]\ntop_m = 1.0\nunit_weight_kN_m3 = 20\n',
+            ["fills.0 and fills.1 both lie on vault, and below z = 1 m"],
+        ),
+        (
+            '[[fills]]\non = ["vault"]\ntop_m = 2200\nunit_weight_kN_m3 = 15\n',
+            ["fills.0 and fills.1 both lie", "fills.1.top_m is 2200 m"],
+        ),
+        ("", []),
+    ],
+)
+def test_fill_in_other_fill_and_as_high_as_a_mountain_is_questioned(more: str, words: list[str], tmp_path: Path) -> None:
+    path = tmp_path / "v.toml"
+    path.write_text(VAULT.format(source="") + more)
+    asked = questions([read_case(path)])
+    assert [text.startswith(word) for text, word in zip(asked, words, strict=True)] == [True] * len(words)
+
+
+@pytest.mark.parametrize(
+    ("table", "words"),
+    [
+        # a_g S is 1.77 m/s2.
+        ("periods_s = [0, 0.2, 0.5, 2]\naccelerations_m_s2 = [1.77, 4.4, 4.4, 1.1]", []),
+        ("periods_s = [0, 0.2, 0.5, 2]\naccelerations_m_s2 = [0.18, 0.44, 0.44, 0.11]", ["The table of the spectrum begins"]),
+        ("periods_s = [0.2, 0.5, 2]\naccelerations_m_s2 = [0.44, 0.44, 0.11]", ["The table of the spectrum rises to 0.44"]),
+        ("periods_s = [0.2, 0.5, 2]\naccelerations_m_s2 = [4.4, 4.4, 1.1]", []),
+        ("periods_s = [0, 200, 500, 2000]\naccelerations_m_s2 = [1.77, 4.4, 4.4, 1.1]", ["the last period of the table"]),
+    ],
+)
+def test_a_table_of_a_spectrum_in_other_units_or_of_another_site_is_questioned(
+    table: str, words: list[str], tmp_path: Path
+) -> None:
+    path = tmp_path / "w.toml"
+    text = CASE.format(**SOUND)
+    path.write_text(f"{text}[check.spectrum]\n{table}\n[rigid.curve]\n")
+    asked = questions([read_case(path)])
+    assert len(asked) == len(words)
+    assert all(word in one for one, word in zip(asked, words, strict=True))
+
+
 TABLES = [
     ('[[joints]]\nname = "j"\nkind = "base"\nfriction = 30', "joints.0.friction is 30, usual are"),
     ('[[joints]]\nname = "j"\nkind = "base"\ncohesion_kPa = 60000', "joints.0.cohesion_kPa is 6e+04 kPa, usual are"),

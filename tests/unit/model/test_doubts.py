@@ -36,6 +36,10 @@ CALLS: list[tuple[Callable[[], Any], str]] = [
         r"SiteSpectrum\.amplification is 25, usual are 2\.2 to 3\.2",
     ),
     (
+        lambda: Site(1.5, 1.2, spectrum=SiteSpectrum(period=(0.0, 0.5, 2.0), level=(0.15, 0.4, 0.1))),
+        r"begins at the period 0 with 0\.15 m/s2, where S_e is a_g S, here 1\.8 m/s2\. Is it meant\?",
+    ),
+    (
         lambda: cp.AreaLoad(["a", "b"], dead=1.5e6),
         r"AreaLoad\.dead is 1500 kN/m2 \(given as 1\.5e\+06 in SI units\), usual are 0 to 50",
     ),
