@@ -221,3 +221,14 @@ def test_stones_beside_a_ring_are_not_taken_for_voussoirs():
         regions=(*front.regions, BondRegion("ring", ring, "voussoir", UnitCell(0.19, 0.3), centre=(1.5, 0.8), pieces=9)),
     )
     assert compare(arched, arched, 0.2).passed
+
+
+@pytest.mark.parametrize(("long", "high"), [(0.8, 0.4), (0.6, 0.4), (0.4, 0.4)])
+def test_a_wall_drawn_without_courses_matches_however_short_its_stones_are(long, high):
+    # Of a stone of the lowest or uppermost course the heads are as large as the bed shared with the next course, or larger.
+    laid = wall(length=8 * long, courses=5, brick=(long, 0.5, high))
+    stones, contacts = blocks_of(laid)
+    drawn = replace(stones, course=np.full(stones.count, -1))
+    match = match_models(drawn, contacts, derive_shell(laid, 0.6))
+    assert match.passed
+    assert {figure.name: figure.shell for figure in match.figures}["angle between beds, mean"] == pytest.approx(0, abs=1e-6)
