@@ -232,3 +232,21 @@ def test_a_wall_drawn_without_courses_matches_however_short_its_stones_are(long,
     match = match_models(drawn, contacts, derive_shell(laid, 0.6))
     assert match.passed
     assert {figure.name: figure.shell for figure in match.figures}["angle between beds, mean"] == pytest.approx(0, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    "ring",
+    [{"shape": "pointed", "rise": 2.2, "voussoirs": 16, "height": 4.5}, {"voussoirs": 15, "height": 3.75}],
+    ids=["pointed", "round"],
+)
+def test_an_arch_drawn_on_a_layer_of_its_own_matches_with_the_stones_that_it_cuts(ring):
+    stones, contacts = blocks_of(arch_on_piers(**ring))
+    layer = np.where(stones.coursed, stones.panel, "ring")
+    drawn = replace(stones, panel=np.where(stones.fixed, stones.panel, layer), course=np.full(stones.count, -1))
+    fitted = fit_panels(drawn)
+    (panel,) = fitted.panels
+    arcs = [region for region in panel.regions if region.pattern == "voussoir"]
+    assert len(arcs) == len(panel.parts) == (2 if "shape" in ring else 1)
+    shell = derive_shell(fitted.building(), 0.3)
+    assert set(shell.panel.tolist()) == {"arch", "ring"}
+    assert not failed(match_models(fitted.stones, contacts, shell))

@@ -17,8 +17,10 @@ from churchpipe.geometry.planar import (
     area,
     bounds,
     boxes,
+    centroids,
     clip,
     common_areas,
+    contains,
     extent,
     less,
     pieces,
@@ -31,9 +33,9 @@ from churchpipe.geometry.planar import (
 )
 from churchpipe.geometry.polygons import corners
 from churchpipe.model.arguments import check_kind, positive
-from churchpipe.model.arrays import FloatArray, NameArray
+from churchpipe.model.arrays import FloatArray, IntArray, NameArray
 from churchpipe.model.assemblage import Assemblage
-from churchpipe.model.building import BondRegion, Building, Opening, Panel, Support, UnitCell
+from churchpipe.model.building import BondRegion, Building, Opening, Panel, Part, Support, UnitCell
 from churchpipe.model.materials import UnitWeight
 from churchpipe.model.vault import Vault
 from churchpipe.recognition.elevations import sections
@@ -154,6 +156,7 @@ def _panel(stones: Assemblage, wall: StoneWall, walls: Sequence[StoneWall], cont
     marks = all_coordinates(filled)
     outline = _outline(whole, marks)
     lintels = _lintels(own[laid], openings, cell)
+    ringed = _ring_parts(wall, own, voussoirs, arches)
     regions = (*((BondRegion("bond", outline, _pattern(own[laid], cell), cell),) if len(laid) else ()), *lintels, *arches)
     materials, count = np.unique(stones.material[wall.stones], return_counts=True)
     return Panel(
@@ -165,8 +168,23 @@ def _panel(stones: Assemblage, wall: StoneWall, walls: Sequence[StoneWall], cont
         material=str(materials[np.argmax(count)]),
         openings=tuple(_opening(f"opening-{k}", hole, marks, arches, contact_gap) for k, hole in enumerate(openings, start=1)),
         runs_through=_parity(wall, walls, cell),
-        parts=wall_parts(wall, walls, outline, 0.5 * cell.b),
+        parts=(*ringed, *wall_parts(wall, walls, outline, 0.5 * cell.b, [part.name for part in ringed])),
     )
+
+
+def _ring_parts(wall: StoneWall, own: Polygons, voussoirs: IntArray, arches: Sequence[BondRegion]) -> list[Part]:
+    """Return the rings of voussoirs that have a name of their own in their wall, as of a layer, each as a part of the wall.
+
+    A name that is also that of other stones is none: its part is a box, of `wall_parts`.
+    """
+    found: list[Part] = []
+    for name in dict.fromkeys(wall.tag[voussoirs].tolist()):
+        stones = np.flatnonzero(wall.tag == name)
+        if name == wall.name or not np.isin(stones, voussoirs).all():
+            continue
+        middles = centroids(own[stones])
+        found += [Part(name, arch.outline) for arch in arches if contains(polygon(arch.outline), middles).any()]
+    return found
 
 
 def _beside(stones: Assemblage, wall: StoneWall, walls: Sequence[StoneWall], contact_gap: float) -> Polygons:

@@ -22,8 +22,8 @@ def voussoir_rings(polygons: Polygons, contact_gap: float) -> tuple[list[BondReg
     """Return the rings among the stones (n,) of a wall, and the stones that are voussoirs.
 
     A voussoir has four corners, those between the chords of a bent side not counted, and at most one edge that is level or
-    upright; so has a stone between two of them. Neighbours share radial joints, whose lines meet in the centre. Two stones alone
-    are a ring if their corners are on two circles. A full circle becomes two half rings.
+    upright; so has a stone between two of them. Neighbours share radial joints, whose lines meet in the centre. A pointed
+    arch is two rings. Two stones alone are a ring if their corners are on two circles. A full circle becomes two half rings.
 
     Parameters
     ----------
@@ -45,10 +45,11 @@ def voussoir_rings(polygons: Polygons, contact_gap: float) -> tuple[list[BondReg
         inside = linked & (part[first] == number)
         if len(pieces) < LEAST_PIECES or inside.sum() < 2:
             continue
-        found = _ring(shape[pieces], polygons[quads[pieces]], joint[inside], f"ring-{len(rings) + 1}")
-        if found:
-            rings += found
-            used[pieces] = True
+        for own, between in _about_one_centre(shape, np.stack([first, second], axis=1), joint, pieces, np.flatnonzero(inside)):
+            found = _ring(shape[own], polygons[quads[own]], joint[between], f"ring-{len(rings) + 1}")
+            if found:
+                rings += found
+                used[own] = True
     for pair in np.stack([first, second], axis=1)[(aligned[first] <= 2) & (aligned[second] <= 2)]:
         if used[pair].any() or (centre := _centre_of_two(shape[pair], contact_gap)) is None:
             continue
@@ -85,6 +86,30 @@ def _joints(shape: FloatArray, contact_gap: float) -> tuple[IntArray, IntArray, 
     keep = (one // 4 != other // 4) & (np.abs(length[one] - length[other]) < contact_gap)
     edge = np.stack([shape, after], axis=2).reshape(-1, 2, 2)
     return one[keep] // 4, other[keep] // 4, edge[one[keep]]
+
+
+def _about_one_centre(
+    shape: FloatArray, pair: IntArray, joint: FloatArray, pieces: IntArray, links: IntArray
+) -> list[tuple[IntArray, IntArray]]:
+    """Return linked stones and the joints between them, as one, or as the two arcs of a pointed arch, each about its own centre.
+
+    The joint at the crown, where the arcs meet, belongs to neither.
+
+    Parameters
+    ----------
+    pair (n, 2), joint (n, 2, 2): the stones of each joint, and its edge. pieces, links: the linked stones, and their joints.
+    """
+    if _meeting(joint[links], shape[pieces]) is None:
+        for crown in links:
+            rest = links[links != crown]
+            part = components(len(shape), pair[rest])
+            arcs = [pieces[part[pieces] == part[side]] for side in pair[crown]]
+            between = [rest[np.isin(pair[rest, 0], arc)] for arc in arcs]
+            if part[pair[crown, 0]] == part[pair[crown, 1]] or min(map(len, arcs)) < LEAST_PIECES:
+                continue
+            if all(_meeting(joint[own], shape[arc]) is not None for arc, own in zip(arcs, between, strict=True)):
+                return list(zip(arcs, between, strict=True))
+    return [(pieces, links)]
 
 
 def _ring(pieces: FloatArray, polygons: Polygons, joint: FloatArray, name: str) -> list[BondRegion]:

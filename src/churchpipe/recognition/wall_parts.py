@@ -33,15 +33,17 @@ def junction_spans(wall: StoneWall, walls: Sequence[StoneWall]) -> list[tuple[fl
     return found
 
 
-def wall_parts(wall: StoneWall, walls: Sequence[StoneWall], outline: FloatArray, near: float) -> tuple[Part, ...]:
+def wall_parts(
+    wall: StoneWall, walls: Sequence[StoneWall], outline: FloatArray, near: float, known: Sequence[str] = ()
+) -> tuple[Part, ...]:
     """Return the parts of a wall: for each other name of stones in it the box around these stones, from border to border.
 
     The border of two parts is an upright line, or a level one if they are above each other. It lies so that each part has as
     much area beyond it as the other; for a toothed border that is the mean. It is moved to a step of the outline or to the face
     of a crossing wall within `near` m. A side that is no border ends with the last stones, a few millimetres below the slope of a
-    gable; where the wall goes on by less than a square of `near`, it goes to the end of the wall.
+    gable; where the wall goes on by less than a square of `near`, it goes to the end of the wall. known: names left out.
     """
-    names = [name for name in dict.fromkeys(wall.tag.tolist()) if name != wall.name]
+    names = [name for name in dict.fromkeys(wall.tag.tolist()) if name not in (wall.name, *known)]
     if not names:
         return ()
     marks = [

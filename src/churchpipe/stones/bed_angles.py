@@ -10,9 +10,8 @@ from churchpipe.model.contacts import Contacts
 LEAST_CROSSING = 0.4
 # Weight of that line among the joints of its stone when their mean direction is formed.
 SLIGHT = 1e-3
-# A joint is level where its normal is upright to this cosine, some 10 degrees. Where heads are as large as beds, the level bed
-# below a stone leads by this share.
-LEVEL, LEADING = 0.985, 0.02
+# A joint is level or upright within this angle, rad: a millimetre of rounding in the height of a brick.
+ALIGNED = 0.02
 
 
 def angle_to_joints(stones: Assemblage, contacts: Contacts, along: FloatArray, across: FloatArray) -> FloatArray:
@@ -22,8 +21,8 @@ def angle_to_joints(stones: Assemblage, contacts: Contacts, along: FloatArray, a
     between the two fits. Its bed joints are those with its neighbours in the ring, stones without a course like itself. The last
     voussoir of a ring has one such neighbour; the joint opposite, with a stone of a pier, counts too. A stone with more
     neighbours, or with none, lies in a wall drawn without courses or stands alone: there the joints count that are within
-    45 degrees of the mean by area, and head joints do not. Of a stone of the lowest course or of the uppermost one the bed on
-    the ground counts too, and the bed that it lies on for the one that it lacks above: else its two heads would outweigh it.
+    45 degrees of the mean by area, and head joints do not. Where one of its joints is level and one upright, the level ones lead:
+    the heads of a short stone, or the back of an arch that cuts it, may be larger than its beds. No voussoir has both.
 
     Parameters
     ----------
@@ -45,9 +44,9 @@ def angle_to_joints(stones: Assemblage, contacts: Contacts, along: FloatArray, a
     # The extrados does not cross the line through its voussoir.
     crosses = np.abs(np.sin(turn - line[owner])) > LEAST_CROSSING
     leading |= (neighbours == 1)[owner] & crosses & (share > 0.5)
-    in_wall: BoolArray = (neighbours > 2)[owner]
-    leading |= in_wall & np.repeat(stones.fixed[contacts.blocks].any(axis=1), 2) & (share > 0.5)
-    weight = np.where(leading, area * share**2, 0.0) * np.where(in_wall, _beds_below(stones, contacts, area), 1.0)
+    flat, steep = leading & (np.abs(normal[:, 2]) > 1 - ALIGNED**2 / 2), leading & (np.abs(normal[:, 2]) < ALIGNED)
+    squared = (neighbours > 2) & (_any(stones.count, owner[flat]) & _any(stones.count, owner[steep]))
+    weight = np.where(leading, area * share**2, 0.0) * np.where(squared[owner] & ~flat, SLIGHT, 1.0)
     # Two joints at right angles have no mean direction: of the two bisectors the bed is the one across the line.
     slight = SLIGHT * np.bincount(owner, weight, minlength=stones.count)
     mean = _mean_direction(
@@ -67,24 +66,11 @@ def angle_to_joints(stones: Assemblage, contacts: Contacts, along: FloatArray, a
     return np.degrees(np.where(np.isfinite(low), np.minimum(outside, np.pi - outside), np.nan))
 
 
-def _beds_below(stones: Assemblage, contacts: Contacts, area: FloatArray) -> FloatArray:
-    """Return by how much each joint (2 ni,), as seen from its first stone, then from its second, counts among those of the stone:
-    a level joint below it up to twice, for as much of it as nothing lies on the stone above; all others once.
-
-    A level joint on which a stone lies leads where its heads are as large, as those of cubes are.
-    """
-    owner = contacts.blocks.ravel()
-    level = np.repeat(np.abs(contacts.frame[:, 0, 2]) > LEVEL, 2)
-    below = np.repeat(_places(contacts)[:, 2], 2) < stones.centroid[owner, 2]
-    under, over = (np.bincount(owner, area * (level & side), minlength=stones.count) for side in (below, ~below))
-    bare = np.clip(1.0 - over / np.where(under > 0, under, 1.0), 0.0, 1.0)
-    return np.where(level & below, (1.0 + bare[owner]) * (1.0 + LEADING), 1.0)
-
-
-def _places(contacts: Contacts) -> FloatArray:
-    """Return the middle (ni, 3) of the points of each joint, m."""
-    count = np.diff(contacts.point_ptr)
-    return np.add.reduceat(contacts.point, contacts.point_ptr[:-1], axis=0) / count[:, None]
+def _any(count: int, owner: IntArray) -> BoolArray:
+    """Return which of `count` stones are among the owners of joints."""
+    found = np.zeros(count, dtype=np.bool_)
+    found[owner] = True
+    return found
 
 
 def _inward_lines(
@@ -95,7 +81,8 @@ def _inward_lines(
     in_ring (2 ni,): of each joint as seen from its first stone, then from its second.
     """
     owner = contacts.blocks.ravel()
-    place = np.repeat(_places(contacts), 2, axis=0)
+    count = np.diff(contacts.point_ptr)
+    place = np.repeat(np.add.reduceat(contacts.point, contacts.point_ptr[:-1], axis=0) / count[:, None], 2, axis=0)
     inwards = np.zeros((stones.count, 3))
     inwards[owner[in_ring]] = stones.centroid[owner[in_ring]] - place[in_ring]
     return np.arctan2(np.einsum("bc,bc->b", inwards, across), np.einsum("bc,bc->b", inwards, along))
