@@ -110,7 +110,8 @@ def _in_turn(*solvers: _Solver) -> Solve:
         for solver in others:
             answer = _checked(program, solver(program, wanted), wanted)
             spent += answer.iterations
-            if answer.outcome != "failed" and (proves is None or proves(answer)):
+            # One that stops short of its own tolerance may have proved enough: what counts are its arrays.
+            if answer.outcome != "failed" if proves is None else proves(answer):
                 return replace(answer, iterations=spent)
             why = answer.message if answer.outcome == "failed" else "its answer proves nothing"
             failures.append(f"{answer.solver} failed ({why})")
@@ -148,11 +149,16 @@ def _whole(solve: Callable[[ConeProgram], ConeSolution]) -> _Solver:
 
 
 def _checked(program: ConeProgram, answer: ConeSolution, wanted: _Wanted) -> ConeSolution:
-    """Accept a solver's status only when its forces balance. Some report an infeasible program as solved, with huge numbers."""
-    if answer.outcome != "solved" or (wanted.velocities and np.isfinite(answer.y).all()):
+    """Accept a solver's status only when its forces balance. Some report an infeasible program as solved, with huge numbers.
+
+    Forces of a solver that failed are brought into balance as well: they may prove what it did not claim.
+    """
+    if answer.outcome not in ("solved", "failed") or (wanted.velocities and np.isfinite(answer.y).all()):
         return answer
     residual = program.imbalance(answer.x, answer.tau)
     if not residual <= _OUT_OF_BALANCE:
+        if answer.outcome == "failed":
+            return answer
         return replace(answer, outcome="failed", message=f"forces out of balance by {residual:.1e} after {answer.message}")
     x, tau = restore_balance(program, answer.x, answer.tau)
     return replace(answer, x=x, tau=tau)

@@ -50,8 +50,7 @@ class _ShareOfLoad:
 
     def standing(self, answer: ConeSolution) -> Standing:
         """Say "stable" when the forces prove that all is carried, "unstable" when the multipliers, a mechanism, deny it."""
-        # A solver that stops short of its own tolerance may have proved enough: what counts are its arrays.
-        if answer.outcome not in ("solved", "failed") or not (np.isfinite(answer.x).all() and np.isfinite(answer.y).all()):
+        if not _may_prove(answer):
             return "failed"
         certificate = certify(self._alone, self._strength, answer.x, answer.tau, answer.y)
         if answer.tau > 1 - _CARRIED and certificate.balanced:
@@ -62,11 +61,16 @@ class _ShareOfLoad:
         return "unstable" if most < 1 - _CARRIED and violation < FLOW_TOLERANCE else "failed"
 
 
+def _may_prove(answer: ConeSolution) -> bool:
+    """Return whether the arrays of an answer may prove it, as those of a solver may that stops short of its own tolerance."""
+    return answer.outcome in ("solved", "failed") and bool(np.isfinite(answer.x).all() and np.isfinite(answer.y).all())
+
+
 def associative_state(balance: Equilibrium, strength: Strength, solve: Solve, begin: float) -> LimitState:
     """Solve eqs. (1)-(2) and turn the answer into a certified result; `begin`: when the analysis began (perf_counter)."""
 
     def certificate(answer: ConeSolution) -> Certificate:
-        return certify(balance, strength, answer.x, answer.tau, answer.y) if answer.outcome == "solved" else UNPROVED
+        return certify(balance, strength, answer.x, answer.tau, answer.y) if _may_prove(answer) else UNPROVED
 
     answer = solve(
         associative_program(balance, strength),

@@ -1,17 +1,22 @@
 """Statuses of a limit analysis: what is stable, wedged or undecided, and why."""
 
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import churchpipe as cp
+from churchpipe import generators
 from churchpipe.conic.clarabel import solve_clarabel
 from churchpipe.conic.polish import restore_balance
+from churchpipe.conic.program import ConeProgram, ConeSolution
+from churchpipe.conic.solve import solve
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
-from churchpipe.rigid_blocks.associative import associative_program
+from churchpipe.rigid_blocks.associative import associative_program, associative_state
 from churchpipe.rigid_blocks.certificate import Certificate, certify
 from churchpipe.rigid_blocks.equilibrium import equilibrium
 from churchpipe.rigid_blocks.limit import limit_analysis, point_strength
@@ -182,3 +187,41 @@ def test_arrays_decide_where_a_solver_stops_short() -> None:
     stones = on_ground(*bricks)
     state = limit_analysis(stones, find_contacts(stones), LoadCase((1, 0, 0)), 0.3, solver="interior-point")
     assert state.status == "unstable"
+
+
+def test_what_a_solver_gave_up_counts_by_what_it_proves() -> None:
+    """The arrays of an answer are proof enough, whether or not its solver was content; others are none."""
+    stones = on_ground(*(box((s, s + 1), (0, 0.5), (0.4 * c, 0.4 * c + 0.4)) for c in range(4) for s in (0, 1, 2)))
+    contacts = find_contacts(stones)
+    balance = equilibrium(stones, contacts, PUSH)
+    strength = point_strength(contacts, 0.6, 500.0, balance.force)
+
+    def gives_up(program: ConeProgram, *, spoilt: float = 0.0, **_: object) -> ConeSolution:
+        answer = solve(program)
+        return replace(answer, y=answer.y * np.where(np.arange(len(answer.y)) % 3, 1.0, 1.0 + spoilt), outcome="failed")
+
+    proved = associative_state(balance, strength, gives_up, 0.0)
+    assert (proved.status, proved.load_factor) == ("optimal", limit_analysis(stones, contacts, PUSH, 0.6, 500.0).load_factor)
+    assert associative_state(balance, strength, partial(gives_up, spoilt=1e-3), 0.0).status == "failed"
+
+
+def test_a_house_with_weak_mortar_has_a_load_factor() -> None:
+    """Solvers stop short of their tolerance where cohesion is next to nothing: what they found is proved all the same."""
+    mortar = cp.Material("default", unit_weight=18e3, friction=0.57, cohesion=1e3)
+    walls = [
+        {"name": "south", "start": (0, 0), "end": (4.95, 0), "toward": "+y"},
+        {"name": "north", "start": (0, 3.85), "end": (4.95, 3.85), "toward": "-y"},
+        {"name": "west", "start": (0, 0), "end": (0, 3.85), "toward": "+x"},
+        {"name": "east", "start": (4.95, 0), "end": (4.95, 3.85), "toward": "-x", "thickness": 0.35},
+        {"name": "inner", "start": (0, 2.25), "end": (4.95, 2.25), "thickness": 0.35, "height": 1.2},
+    ]
+    openings = [
+        {"name": "window", "wall": "south", "centre": 2.228, "width": 0.9, "height": 0.9, "sill": 0.3},
+        {"name": "door", "wall": "inner", "centre": 2.475, "width": 1.0, "height": 0.6, "lintel_bearing": 0.25},
+    ]
+    size = {"course": 0.3, "stone_length": 1.0, "height": 1.5, "thickness": 0.4, "joints": "grid"}
+    stones = cp.derive_blocks(generators.house(**size, walls=walls, openings=openings, materials=(mortar,)))
+    push = LoadCase((-0.8056550590255067, -0.5923849473666657, 0))
+    state = limit_analysis(stones, find_contacts(stones), push, mortar.friction, mortar.cohesion)
+    # The value is that of a cone program of the same joints, written apart from this one.
+    assert (state.status, state.load_factor) == ("optimal", pytest.approx(0.608609, abs=2e-6))
