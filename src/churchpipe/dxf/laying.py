@@ -16,7 +16,7 @@ from churchpipe.model.building import Building, Panel
 from churchpipe.model.materials import UnitWeight
 from churchpipe.recognition.insets import is_single
 from churchpipe.recognition.laying import LaidBond, Volume, joined, laid_panel, lowest
-from churchpipe.recognition.lintels import LEVEL, LaidLintel, bare_heads, bearings, beyond, is_lintel, with_lintels
+from churchpipe.recognition.lintels import LEVEL, LaidLintel, bare_heads, bearings, beyond, is_lintel, slight, with_lintels
 from churchpipe.recognition.squaring import squared
 from churchpipe.stones.blocks import derive_blocks
 from churchpipe.wording import counted
@@ -63,6 +63,7 @@ def laid_stones(bodies: Sequence[Stone], bond: LaidBond, unit: float, findings: 
     asked = bond.lintel_bearing or 0.0
     findings += [said for panel in panels for said in _bearings(panel, lintels, asked, place[panel.name])]
     findings += [said for panel in panels for said in _unborne(panel, place[panel.name])]
+    findings += [said for panel in panels for said in _slight(panel, place[panel.name])]
     findings += [said for panel in panels for said in _beyond(panel, place[panel.name])]
     findings += [said for panel in panels for said in _bare_heads(panel, place[panel.name])]
     return [*fixed, *_stones(stones, place, unit)]
@@ -138,6 +139,18 @@ def _unborne(panel: Panel, place: Place) -> list[Finding]:
     found = f'"{panel.name}": lintels that do not rest on the wall on both sides: {listed}'
     remedy = "Draw them longer than the opening; friction at their ends alone holds them, and the shell takes them for held."
     return [place.finding("W28", found, remedy=remedy)]
+
+
+def _slight(panel: Panel, place: Place) -> list[Finding]:
+    """Return what is to be said of lintels so low, or so little borne, that a slip is likely."""
+    if is_single(panel) or not (found := slight(panel)):
+        return []
+    listed = "; ".join(
+        f"{name}, {1e3 * high:.3g} mm high and {long:.3g} m long, bears {1e3 * rests:.3g} mm at one end"
+        for name, high, long, rests in found
+    )
+    what = f'"{panel.name}": lintels lower, or borne by less, than a fiftieth of their length: {listed}'
+    return [place.finding("W28", what, remedy="Draw them as they are, or ask for more bearing, if that is not meant.")]
 
 
 def _beyond(panel: Panel, place: Place) -> list[Finding]:

@@ -9,7 +9,7 @@ import numpy as np
 from churchpipe.bond.junction import wall_junctions
 from churchpipe.bond.walls import wall_region
 from churchpipe.errors import InputError
-from churchpipe.geometry.planar import Region, area, boxes, common, extent, less, pieces, polygon, rings
+from churchpipe.geometry.planar import Polygons, Region, area, boxes, common, extent, less, pieces, polygon, rings
 from churchpipe.model.building import BondRegion, Panel
 
 _LINTEL = re.compile(r"(?:.*/)?lintels?(?![a-z])", re.IGNORECASE)
@@ -21,6 +21,8 @@ LEAST_HEIGHT, LEAST_BEARING = 0.5, 0.25
 LEAST_REST = 0.25
 # An opening has a lintel, or an arch, where this share of its head lies under one.
 UNDER = 0.9
+# A lintel that is lower than this share of its length, or bears on less, is asked about.
+SLIGHT = 0.02
 # How far above a head what lies over it is looked for, m.
 ABOVE = 1e-3
 
@@ -85,6 +87,15 @@ def beyond(panel: Panel) -> list[tuple[str, float]]:
     return [(name, by) for name, by in out if by > LEVEL]
 
 
+def slight(panel: Panel) -> list[tuple[str, float, float, float]]:
+    """Return name, height, length and least bearing, m, of lintels that hardly are any, as slips of the hand are: lower than a
+    fiftieth of their length, or borne on one side by less than that, though by more than nothing."""
+    size = {region.name: extent(polygon(region.outline)) for region in panel.regions if region.pattern == "single"}
+    found = [(name, size[name], min(left, right)) for name, left, right in bearings(panel)]
+    least = [(name, float(box[3] - box[1]), float(box[2] - box[0]), rests) for name, box, rests in found]
+    return [one for one in least if one[1] < SLIGHT * one[2] or LEVEL < one[3] < SLIGHT * one[2]]
+
+
 def with_lintels(panels: Sequence[Panel], bearing: float) -> tuple[list[Panel], list[LaidLintel]]:
     """Return walls with a lintel over each flat head that has none, and the lintels that were laid.
 
@@ -118,7 +129,7 @@ def with_lintels(panels: Sequence[Panel], bearing: float) -> tuple[list[Panel], 
             stone = boxes(np.array([[start, head.level, stop, top]]))[0]
             low_stone = top - head.level < (LEAST_HEIGHT - LEVEL) * panel.regions[0].cell.a
             if low_stone or min(own) < LEAST_BEARING * bearing or area(less(stone, [free])) > LEVEL * area(stone):
-                raise _no_room(panel, head, own, bearing)
+                raise _no_room(panel, head, own, bearing, top, free, boxes(zones))
             outline = np.array([[start, head.level], [stop, head.level], [stop, top], [start, top]])
             lintels.append(BondRegion(f"lintel-{len(lintels) + 1}", outline, "single", panel.regions[0].cell, yields=False))
             laid.append(LaidLintel(panel.name, head, own))
@@ -182,12 +193,33 @@ def _share_piers(heads: Sequence[Head], tops: Sequence[float], ends: list[list[f
             ends[one][1] = ends[other][0] = 0.5 * (heads[one].stop + heads[other].start)
 
 
-def _no_room(panel: Panel, head: Head, own: tuple[float, float], bearing: float) -> InputError:
+def _no_room(
+    panel: Panel, head: Head, own: tuple[float, float], bearing: float, top: float, free: Region, crossing: Polygons
+) -> InputError:
+    """Return what to say of a head, over which no lintel can go up to `top`, m; free: where it may lie; crossing: other walls."""
+    wanted = boxes(np.array([[head.start - bearing, head.level, head.stop + bearing, top]]))[0]
+    taken = less(boxes(np.array([[head.start, head.level, head.stop, top]]))[0], [free])
+    above = float(extent(taken)[1]) if area(taken) > LEVEL**2 else top
+    kinds = {"single": "the lintel", "voussoir": "the arch"}
+    there = [
+        f"{kinds[region.pattern]} {region.name}"
+        for region in panel.regions
+        if region.pattern in kinds and area(common(wanted, polygon(region.outline))) > LEVEL**2
+    ]
+    drawn = ", ".join(there)
+    crosses = any(area(common(wanted, zone)) > LEVEL**2 for zone in crossing)
+    there += ["a wall that crosses"] * crosses
+    remedy = "Draw the lintel of this opening as an outline on a layer LINTEL, or ask for a smaller bearing."
+    if crosses:
+        remedy = "Move the opening away from the wall that crosses, or draw its lintel, on a layer LINTEL, into that wall."
+    if drawn:
+        remedy = f"Draw {drawn} on the head, as wide as the opening and its bearings, or leave it out."
     return InputError(
         panel.name,
         "no room for a lintel over an opening",
-        found=f"{own[0]:.3g} m on the left and {own[1]:.3g} m on the right of the opening from {head.start:.4g} to "
-        f"{head.stop:.4g} m along the wall, whose head is {head.level:.4g} m high",
+        found=f"{own[0]:.3g} m on the left, {own[1]:.3g} m on the right and {above - head.level:.3g} m above the opening from "
+        f"{head.start:.4g} to {head.stop:.4g} m along the wall, whose head is {head.level:.4g} m high"
+        + (f", beside {' and '.join(there)}" if there else ""),
         expected=f"wall on both sides, {LEAST_BEARING * bearing:.3g} m at least, and {LEAST_HEIGHT:g} of a course above it",
-        remedy="Draw the lintel of this opening as an outline on a layer LINTEL, or ask for a smaller bearing.",
+        remedy=remedy,
     )

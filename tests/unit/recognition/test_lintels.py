@@ -135,6 +135,27 @@ def test_an_opening_without_room_for_its_lintel_is_refused(tmp_path: Path):
         read(drawing(tmp_path, WALL, end), lintel_bearing=0.3)
 
 
+@pytest.mark.parametrize(
+    ("lintel", "room"),
+    [((1.75, 2.1, 3.25, 2.35), "0.1 m above"), ((2.1, 2.0, 2.9, 2.25), "0 m above")],
+    ids=["above the head", "narrower than the opening"],
+)
+def test_a_drawn_lintel_that_leaves_no_room_for_one_is_named(tmp_path: Path, lintel, room: str):
+    with pytest.raises(
+        InputError, match=rf"{room} the opening .*, beside the lintel LINTEL: .* Draw the lintel LINTEL on the head"
+    ):
+        read(drawing(tmp_path, WALL, WINDOW, ("LINTEL", lintel)), lintel_bearing=0.25)
+
+
+def test_lintels_that_hardly_are_any_are_said(tmp_path: Path):
+    _, said = read(drawing(tmp_path, WALL, WINDOW, ("LINTEL", (1.75, 2.0, 3.25, 2.003))))
+    assert "lower, or borne by less, than a fiftieth of their length: LINTEL, 3 mm high and 1.5 m long, bears 250 mm" in said
+    _, said = read(drawing(tmp_path, WALL, WINDOW), lintel_bearing=0.001)
+    assert "lintel-1, 250 mm high and 1 m long, bears 1 mm at one end" in said
+    _, said = read(drawing(tmp_path, WALL, WINDOW), lintel_bearing=0.1)
+    assert "fiftieth" not in said
+
+
 def test_a_lintel_reaches_to_the_top_of_its_wall(tmp_path: Path):
     stones, _ = read(drawing(tmp_path, WALL, ("OPENING", (2.0, 1.0, 3.0, 2.8))), lintel_bearing=0.3)
     assert has(stones, 1.7, 2.8, 3.3, 3.0)
@@ -162,6 +183,12 @@ def test_lintels_keep_clear_of_crossing_walls(tmp_path: Path):
     assert len(lintel) == 1
     assert "0.2 m on the left and 0.3 m on the right" in str(findings)
     cp.check_soundness(stones, cp.find_contacts(stones))
+    front("OPENING", 4.0, 1.0, 4.9, 2.0, 0.0)
+    side("OTHER", 4.9)
+    document.saveas(tmp_path / "room.dxf")
+    remedy = "Move the opening away from the wall that crosses, or draw its lintel, on a layer LINTEL, into that wall"
+    with pytest.raises(InputError, match=f"0 m on the right .*, beside a wall that crosses: .* {remedy}"):
+        cp.read_dxf(tmp_path / "room.dxf", lintel_bearing=0.3, **OPTIONS)
 
 
 def test_a_lintel_drawn_on_the_face_of_a_wall_is_as_deep_as_the_wall(tmp_path: Path):
