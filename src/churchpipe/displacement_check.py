@@ -63,6 +63,7 @@ def displacement_check(
     demand = site.demand if site else None
     found = min(curves, key=lambda one: capacity(one.lumped, demand).ground) if demand else curves[0]
     careful = found.lumped
+    unproved = _unproved(curve, ended=found is curves[0], compared=demand is not None and len(curves) > 1)
     check = DisplacementCheck(
         alpha0=start.alpha0,
         moving_weight=start.moving_weight,
@@ -76,7 +77,7 @@ def displacement_check(
         acceleration=tuple(careful.acceleration.tolist()),
         idealised_d0=careful.idealised.ultimate,
         lost_seat="" if seat is None else seat.said(careful.seat),
-        unproved=_unproved(curve, ended=found is curves[0], compared=demand is not None and len(curves) > 1),
+        unproved=unproved,
     )
     if site is None:
         return replace(check, missing="what the earthquake asks: [check] with a_g_m_s2 and [check.spectrum]")
@@ -101,7 +102,7 @@ def displacement_check(
         satisfied_stones=of_stones["SLV"] >= ground,
         a_g_slv_idealised=capacity(careful.idealised, demand).ground,
         force_based=force,
-        governs=_governs(limits["SLV"], force),
+        governs=_governs(limits["SLV"], force, cut=bool(unproved) and found is curves[0]),
         demand={name: demand_curve(demand, ground, rule.damping, furthest) for name, rule in LIMIT_STATES.items()},
     )
 
@@ -216,10 +217,16 @@ def _limit_state(name: LimitName, found: LimitStateCapacity, demand: Demand, gro
     )
 
 
-def _governs(found: LimitStateCapacity, force: SafetyCheck) -> str:
-    """Return the sentence on which of the two checks governs, and why."""
+def _governs(found: LimitStateCapacity, force: SafetyCheck, *, cut: bool) -> str:
+    """Return the sentence on which of the two checks governs, and why; cut: whether the check ends the curve where its proofs do,
+    so that little travel is no property of the mechanism."""
     q, other, reach = force.q, force.a_g_slv, f"The mechanism may go {found.displacement * 1e3:.3g} mm"
-    if found.governed == "onset":
+    if cut and found.ground < other:
+        why = (
+            f"{reach} as far as the curve is proved, and how much further it goes is not known: the smaller value is for want of "
+            "proof. Shorter steps may prove more."
+        )
+    elif found.governed == "onset":
         why = f"{reach}, so little that it falls as soon as it starts, and q promises a reserve that it has not."
     elif found.ground < other:
         why = f"{reach}, less than q takes for granted, so the check with q alone is not safe here."

@@ -252,6 +252,12 @@ def test_a_curve_that_stops_where_no_motion_fits_is_checked_as_ended_there(curve
     # Its last steps need not be proved either.
     doubtful = replace(stopped, misfit=np.where(np.arange(last + 1) < last - 1, 0.0, 0.05))
     assert displacement_check(doubtful, LEANING, PUSH, SITED).unproved.startswith(f"{told}From step {last} of {last + 1} on")
+    # Where it ends before it is said to go little, this is no property of the mechanism.
+    early = displacement_check(replace(curve.until(1), status="not-converged"), LEANING, PUSH, SITED)
+    assert early.force_based is not None
+    assert early.a_g_slv < early.force_based.a_g_slv
+    assert "as far as the curve is proved, and how much further it goes is not known" in early.governs
+    assert "as soon as it starts" not in early.governs
     # One whose steps were used up may be followed further.
     assert "Follow the curve further" in displacement_check(replace(stopped, status="unfinished"), LEANING, PUSH, SITED).message
 
