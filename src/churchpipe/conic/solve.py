@@ -108,14 +108,14 @@ def _in_turn(*solvers: _Solver) -> Solve:
         failures: list[str] = []
         spent = 0
         for solver in others:
-            answer = _checked(program, solver(program, wanted), wanted)
+            answer = _checked(program, solver(program, wanted), wanted, proving=proves is not None)
             spent += answer.iterations
             # One that stops short of its own tolerance may have proved enough: what counts are its arrays.
             if answer.outcome != "failed" if proves is None else proves(answer):
                 return replace(answer, iterations=spent)
             why = answer.message if answer.outcome == "failed" else "its answer proves nothing"
             failures.append(f"{answer.solver} failed ({why})")
-        answer = _checked(program, last(program, wanted), wanted)
+        answer = _checked(program, last(program, wanted), wanted, proving=proves is not None)
         said = f"{answer.solver}: {answer.message}" if failures else answer.message
         return replace(answer, iterations=spent + answer.iterations, message="; ".join([*failures, said]))
 
@@ -148,12 +148,13 @@ def _whole(solve: Callable[[ConeProgram], ConeSolution]) -> _Solver:
     return whole
 
 
-def _checked(program: ConeProgram, answer: ConeSolution, wanted: _Wanted) -> ConeSolution:
+def _checked(program: ConeProgram, answer: ConeSolution, wanted: _Wanted, *, proving: bool) -> ConeSolution:
     """Accept a solver's status only when its forces balance. Some report an infeasible program as solved, with huge numbers.
 
-    Forces of a solver that failed are brought into balance as well: they may prove what it did not claim.
+    proving: whether forces of a solver that failed are brought into balance as well. They may prove what it did not claim.
     """
-    if answer.outcome not in ("solved", "failed") or (wanted.velocities and np.isfinite(answer.y).all()):
+    worth = ("solved", "failed") if proving else ("solved",)
+    if answer.outcome not in worth or (wanted.velocities and np.isfinite(answer.y).all()):
         return answer
     residual = program.imbalance(answer.x, answer.tau)
     if not residual <= _OUT_OF_BALANCE:
