@@ -176,8 +176,8 @@ def _check(
     materials: Sequence[JointStrength],
 ) -> SafetyCheck:
     """Return the safety check of a state, or why there is none."""
-    from churchpipe.report.given import NOT_TOLD, crushing, told
+    from churchpipe.report.given import crushing, unchecked
 
-    if not told(load, applied):
-        return SafetyCheck(message=NOT_TOLD)
+    if why := unchecked(load, applied):
+        return SafetyCheck(message=why)
     return compare.safety(stones, state, load, site, applied.loads, crushing=crushing(materials))

@@ -95,6 +95,17 @@ def test_a_check_of_what_is_pushed_besides_wants_to_know_it(tmp_path: Path) -> N
     assert "give what the stones carry as loads=" in Page(written(tmp_path, [(pushed, state)], site=site)).text
 
 
+def test_a_load_that_pushes_nothing_sideways_has_no_check_and_says_why(tmp_path: Path) -> None:
+    beam = cp.Assemblage.from_polyhedra(
+        [box((0, 1), (0, 1), (-1, 0)), box((2, 3), (0, 1), (-1, 0)), box((0, 3.5), (0, 1), (0, 0.5))], 2e4, fixed=[0, 1]
+    )
+    joints, above = cp.find_contacts(beam), cp.load_from_above(beam, (3.25, 0.5), 1e3)
+    state = cp.limit_analysis(beam, joints, above, 0.6)
+    html = written(tmp_path, [(above, state)], stones=beam, contacts=joints, site=SITE)
+    assert "no check. the load pushes no weight: the check is of loads that push the building sideways" in Page(html).text
+    assert repr(above) == "Load case: name from above; pushes no weight; live (x, y, z), kN (0, 0, -1)"
+
+
 def test_a_support_that_moves_has_its_reaction_and_its_cracks(path: cp.SettlementPath, tmp_path: Path) -> None:
     contacts = cp.find_contacts(TWO_PADS)
     text = Page(written(tmp_path, stones=TWO_PADS, contacts=contacts, settlement=path)).text

@@ -13,7 +13,7 @@ import pytest
 
 import churchpipe as cp
 from churchpipe.errors import InputError
-from churchpipe.generators import dome, vault
+from churchpipe.generators import arch, dome, vault
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import Building
 from solids import box, on_ground
@@ -176,3 +176,19 @@ def test_outward_load_needs_an_axis_beside_the_stones() -> None:
     stones = on_ground(box((-1, 1), (-1, 1), (0, 1)))
     with pytest.raises(InputError, match=r"outward_load: axis: no stone lies beside it"):
         cp.outward_load(stones)
+
+
+def test_a_segmental_vault_falls_by_its_skewbacks_where_friction_does_not_hold_them() -> None:
+    bridge: dict[str, Any] = {"span": 6.0, "rise": 1.5, "shape": "segmental", "courses": 25, "foot": "abutments"}
+    bridge |= {"stone_length": 1.0, "length": 1.0}
+    for friction, within, least in ((0.65, (0.42, 0.44), 0.428), (0.9, (0.07, 0.075), 0.073)):
+        found = cp.minimum_thickness(lambda t: cp.derive_blocks(vault(thickness=t, **bridge)), *within, friction)
+        assert found.stands == pytest.approx(least, rel=5e-3)
+    half = np.arcsin(3.0 / 3.75)
+    size: dict[str, Any] = {"width": 1.0, "voussoirs": 25, "half_angle": half}
+    held = cp.minimum_thickness(lambda t: cp.derive_blocks(arch(mean_radius=3.75 + t / 2, thickness=t, **size)), 0.05, 0.06, 0.65)
+    assert held.stands == pytest.approx(0.054, rel=1e-2)
+    # By hand: the skewbacks of a thick vault slide where half of all weight, times friction, is the thrust.
+    stones = cp.derive_blocks(vault(thickness=0.5, **bridge))
+    most = cp.thrust_range(stones, cp.find_contacts(stones), [0], (1, 0, 0), 0.65).greatest
+    assert most == pytest.approx(0.65 * stones.weight[~stones.fixed].sum() / 2, rel=1e-5)

@@ -1,5 +1,6 @@
 """Lateral load cases."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
@@ -9,11 +10,12 @@ import numpy.typing as npt
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import listed, one_of, text
 from churchpipe.model.arrays import FloatArray, NameArray, floats, store
+from churchpipe.model.card import Shown
 from churchpipe.model.quantities import as_written, declared
 
 
-@dataclass(frozen=True, slots=True)
-class LoadCase:
+@dataclass(frozen=True, slots=True, repr=False)
+class LoadCase(Shown):
     """A lateral load proportional to weight, multiplied by the load factor.
 
     direction (3,) is normalised; None, kept as zeros: no weight is pushed, nothing grows but `live`. `name` defaults to the
@@ -71,6 +73,18 @@ class LoadCase:
             dead_virial=_virial("dead_virial", dead_virial, dead),
             live_virial=_virial("live_virial", live_virial, live),
         )
+
+    def _rows(self) -> tuple[str, Mapping[str, object]]:
+        rows: dict[str, object] = {"name": self.name, "pushes": "all" if self.panels is None else ", ".join(self.panels)}
+        if not self.direction.any():
+            rows["pushes"] = "no weight"
+        elif self.profile != "uniform":
+            rows["profile"] = self.profile
+        for name, wrench in (("dead", self.dead), ("live", self.live)):
+            if wrench is not None:
+                parts = [round(float(1e-3 * wrench[:, axis].sum()), 9) + 0.0 for axis in range(3)]
+                rows[f"{name} (x, y, z), kN"] = f"({', '.join(f'{part:.4g}' for part in parts)})"
+        return "Load case", rows
 
 
 def nearest_virial(wrench: FloatArray) -> FloatArray:

@@ -44,9 +44,12 @@ def crushing(materials: Sequence[JointStrength]) -> bool:
     return bool(materials) and all(one.compressive_strength is not None for one in materials)
 
 
-def told(load: LoadCase, applied: Applied) -> bool:
-    """Return whether it is known what a load case pushes: the masses in its `live` are among what the stones carry."""
-    return load.live is None or bool(applied.loads.mass.any())
+def unchecked(load: LoadCase, applied: Applied) -> str:
+    """Return why a load case can have no check: it pushes no weight, or masses in its `live` that are not among what the stones
+    carry; "" where it can."""
+    if not load.direction.any():
+        return "the load pushes no weight: the check is of loads that push the building sideways"
+    return "" if load.live is None or applied.loads.mass.any() else NOT_TOLD
 
 
 def curves_given(
@@ -70,8 +73,8 @@ def curves_given(
             _check_of(_CURVE, path, stones)
             _check_made_with(path, load, one)
         record = curve_record_of(one, stones, load, materials, groups)
-        check = DisplacementCheck(message=NOT_TOLD)
-        if told(load, applied):
+        check = DisplacementCheck(message=unchecked(load, applied))
+        if not check.message:
             check = careful_check(one, halved, stones, load, site, applied, crushing=crushing(materials))
         more = halved_record(one, halved) if halved else None
         known = record.status in ("converged", "not-converged")
