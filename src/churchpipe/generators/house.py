@@ -63,6 +63,12 @@ class HouseParameters:
         """Return how its walls are laid, without what they have of their own. material: its name."""
         cell = UnitCell(a=self.course, b=self.stone_length)
         given = [as_dataclass(HouseOpening, f"house.openings.{k}", value) for k, value in enumerate(self.openings)]
+        for k, opening in enumerate(given):
+            if any(opening.name == other.name and set(opening.walls) & set(other.walls) for other in given[:k]):
+                expected = "one each; several places of one opening are a list in centre or sill"
+                raise InputError(
+                    f"house.openings.{k}.name", "two openings of one name in a wall", found=opening.name, expected=expected
+                )
         bonds = tuple(as_dataclass(WallBond, f"house.bonds.{k}", value) for k, value in enumerate(self.bonds))
         return Bonding(cell, self.joints, material, tuple(one for opening in given for one in opening.laid(cell)), bonds)
 

@@ -115,10 +115,10 @@ def _check_fit(hole: Hole, layout: WallLayout, outline: Region, layouts: Sequenc
     if s0 < start - CLOSE or s1 > stop + CLOSE:
         raise InputError(
             where,
-            "wider than its wall",
+            "wider than its wall" if s1 - s0 > stop - start + CLOSE else "reaches beyond an end of its wall",
             found=f"{s0:.4g} to {s1:.4g} m with its {hole.around} ({s1 - s0:.4g} m)",
             expected=f"within {start:.4g} to {stop:.4g} m ({stop - start:.4g} m)",
-            remedy="Move or narrow it.",
+            remedy=f"Move or narrow it, or make its {'bearing shorter' if hole.around == 'lintel' else 'voussoirs less deep'}.",
         )
     if area(less(_with_rings(hole), [outline])) > CLOSE:
         raise InputError(

@@ -301,11 +301,13 @@ class Building:
                     f"junction of {' and '.join(junction.walls)}", "no such wall", found=name, expected=", ".join(panels)
                 )
         known = {m.name for m in self.materials}
-        used = [(f"Panel {p.name}", {p.material, *(region.material for region in p.regions)}) for p in self.panels]
+        used = [(f"Panel {p.name}", {p.material}) for p in self.panels]
+        used += [(f"Panel {p.name}: {region.name}", {region.material}) for p in self.panels for region in p.regions]
         used += [(f"Vault {vault.name}", {vault.material}) for vault in self.vaults]
         for owner, materials in used + [(f"ring beam {' '.join(beam.walls)}", {beam.material}) for beam in self.ring_beams]:
             for name in materials - known - {""}:
-                raise InputError(f"{owner}.material", "unknown material", found=name, expected=", ".join(sorted(known)))
+                expected, remedy = ", ".join(sorted(known)), f"Name one of these, or add the material {name}."
+                raise InputError(f"{owner}.material", "unknown material", found=name, expected=expected, remedy=remedy)
 
     @property
     def macro_elements(self) -> tuple[str, ...]:
