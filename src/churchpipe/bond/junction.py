@@ -1,5 +1,6 @@
 """Junctions of walls: where footprints cross, and which wall each course of the crossing belongs to."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
@@ -11,7 +12,10 @@ from churchpipe.geometry.charts import along, base_level, footprint
 from churchpipe.geometry.planar import Region, area, areas, boxes, common, common_areas, pieces, vertices
 from churchpipe.geometry.polygons import TOLERANCE, snap_onto
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
-from churchpipe.model.building import Junction, Panel
+from churchpipe.model.building import Junction, Panel, PlaneChart
+
+# Cosine of the angle of two walls above which they are no longer at right angles.
+SQUARE = 1e-4
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,12 +129,19 @@ def _zone_span(panels: Sequence[Panel], index: int, zone: Region, pair: tuple[in
     s = along(panel.chart, vertices(zone))
     span = snap_onto(np.array([s.min(), s.max()]), panel.outline[:, 0])
     if abs(area(footprint(panel.chart, panel.thickness, span[0], span[1])) - area(zone)) > 1e-6 * area(zone):
+        found, remedy = "", "Extend the outline to the far face of the other wall, or stop it at the near face."
+        charts = [panels[k].chart for k in pair]
+        if isinstance(charts[0], PlaneChart) and isinstance(charts[1], PlaneChart):
+            cosine = min(abs(float(charts[0].s_axis @ charts[1].s_axis)), 1.0)
+            if cosine > SQUARE:
+                found = f"walls at {math.degrees(math.acos(cosine)):.4g} degrees, with "
+                remedy = "Draw them at right angles, end one before the other, or draw the stones where they meet."
         raise InputError(
             f"junction of {panels[pair[0]].name} and {panels[pair[1]].name}",
             "the walls do not cross squarely, face to face",
-            found=f"an overlap of {area(zone):.4g} m2 in plan",
+            found=f"{found}an overlap of {area(zone):.4g} m2 in plan",
             expected="footprints that cross at right angles, each through the whole thickness of the other or up to its face",
-            remedy="Extend the outline to the far face of the other wall, or stop it at the near face.",
+            remedy=remedy,
         )
     return span
 

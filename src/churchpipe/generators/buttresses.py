@@ -1,12 +1,13 @@
 """Buttresses and pilasters: short walls square to a straight wall, bonded with it or built against it."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.geometry import planar
+from churchpipe.geometry.charts import footprint
 from churchpipe.model.arguments import check_kind, listed
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, Building, Junction, Panel, PlaneChart
@@ -49,6 +50,8 @@ def with_buttresses(building: Building, buttresses: Iterable[Buttress]) -> Build
             remedy = 'Give them a name of their own: name = "west", say. Buttresses alike may be one table with several places.'
             raise InputError(f"{where}: name", "not the only ones of their name", found=taken[0], remedy=remedy)
         made = tuple(_panel(where, wall, buttress, *one) for one in zip(buttress.along, names, strict=True))
+        for along, panel in zip(buttress.along, made, strict=True):
+            _check_corner(f"{where}: along", panel, along, [other for other in building.panels if other is not wall])
         loose = () if buttress.bonded else tuple(Junction((wall.name, name)) for name in names)
         building = replace(building, panels=(*building.panels, *made), junctions=(*building.junctions, *loose))
     return building
@@ -85,6 +88,26 @@ def _panel(where: str, wall: Panel, buttress: Buttress, along: float, name: str)
         material=buttress.material or wall.material,
         runs_through=1 if wall.runs_through == 0 else 0,
     )
+
+
+def _check_corner(where: str, buttress: Panel, along: float, others: Sequence[Panel]) -> None:
+    """Refuse a buttress that stands partly before a wall which meets its own there: the two have no bond."""
+    chart, own = buttress.chart, _plan(buttress)
+    for other in others:
+        if not isinstance(other.chart, PlaneChart) or not isinstance(chart, PlaneChart):
+            continue
+        normal = np.cross(chart.s_axis, chart.t_axis)
+        aside = abs(float((other.chart.origin - chart.origin) @ normal))
+        alike = aside < _WHOLE and abs(other.thickness - buttress.thickness) < _WHOLE
+        parallel = abs(float(other.chart.s_axis @ normal)) < _WHOLE
+        if parallel and not alike and planar.area(planar.common(own, _plan(other))) > _WHOLE:
+            expected = f"a place clear of that wall, {(other.thickness + buttress.thickness) / 2:g} m from its middle or more"
+            expected += f"; or, over its middle, a buttress {other.thickness:g} m wide"
+            raise InputError(where, f"stands partly in the wall {other.name}", found=f"{along:g} m", expected=expected)
+
+
+def _plan(panel: Panel) -> planar.Region:
+    return footprint(panel.chart, panel.thickness, float(panel.outline[:, 0].min()), float(panel.outline[:, 0].max()))
 
 
 def _check_openings(where: str, wall: Panel, along: float, s: float, width: float, height: float) -> None:

@@ -4,6 +4,7 @@ Source: by moments a body turns over at (its weight x the distance of its centro
 """
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -141,3 +142,18 @@ def test_two_tables_of_buttresses_on_one_wall_have_names_of_their_own() -> None:
     assert named.macro_elements[-1] == "south buttress 1"
     with pytest.raises(InputError, match=r"buttress of wall: width: wider than the wall wall; found 600 m; expected at most 4 m"):
         wall(width=600.0)
+
+
+def test_a_buttress_that_stands_partly_in_a_crossing_wall_is_refused() -> None:
+    size: dict[str, Any] = {"course": 0.5, "stone_length": 1.0, "width": 6.0, "length": 10.0, "height": 4.0, "thickness": 0.8}
+    corner: dict[str, Any] = {"wall": "nave_left", "toward": "-x", "depth": 0.8}
+    said = r"along: stands partly in the wall facade; found 0\.6 m; expected .* 0\.9 m from its middle or more"
+    with pytest.raises(InputError, match=said):
+        generators.with_buttresses(generators.chapel(**size), [cp.Buttress(along=(0.6,), width=1.0, **corner)])
+    # In line with the facade, and as wide as it is thick, it lengthens it.
+    assert (
+        cp.derive_blocks(
+            generators.with_buttresses(generators.chapel(**size), [cp.Buttress(along=(0.4,), width=0.8, **corner)])
+        ).count
+        > 1
+    )
