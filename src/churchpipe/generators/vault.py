@@ -108,8 +108,12 @@ class VaultParameters:
             raise InputError("vault.arches", "arches of a groin vault spring from the ground", expected="no wall_height")
         if self.wall_top is None:
             return
-        if self.wall_height is None or self.wall_course is None or self.shape == "segmental":
-            raise InputError("vault.wall_top", "no wall goes on", expected="walls, below a vault that springs upright")
+        if self.shape == "segmental":
+            expected, remedy = 'shape = "round" or "pointed", which spring upright', "Or leave wall_top out."
+            problem = "no wall goes on beside a segmental vault, whose skewbacks take its place"
+            raise InputError("vault.wall_top", problem, found=self.shape, expected=expected, remedy=remedy)
+        if self.wall_height is None or self.wall_course is None:
+            raise InputError("vault.wall_top", "no wall goes on", expected="wall_height and wall_course, of the walls below")
         if self.wall_top <= self.wall_height or not self.beside > 1e-6:
             raise InputError(
                 "vault.wall_top",

@@ -331,3 +331,20 @@ def test_what_does_not_fit_is_named(build: str, change: dict[str, Any], message:
     }[build]
     with pytest.raises(InputError, match=message):
         getattr(generators, build)(**(base | change))
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"shape": "segmental", "rise": 0.5}, r"wall_top: no wall goes on beside a segmental vault.* leave wall_top out"),
+        (
+            dict.fromkeys(("wall_height", "wall_thickness", "wall_course")),
+            "wall_top: no wall goes on; expected wall_height and wall_course",
+        ),
+    ],
+)
+def test_why_no_wall_goes_on_beside_a_vault_is_said(changes: dict[str, Any], said: str) -> None:
+    given: dict[str, Any] = {"span": 3.0, "thickness": 0.3, "courses": 11, "stone_length": 0.6, "length": 2.0}
+    walls = {"wall_height": 1.0, "wall_thickness": 0.9, "wall_course": 0.5, "wall_top": 2.0}
+    with pytest.raises(InputError, match=said):
+        generators.vault(**{key: value for key, value in (given | walls | changes).items() if value is not None})
