@@ -7,6 +7,7 @@ from itertools import combinations
 
 import numpy as np
 
+from churchpipe.bond.zones import merged
 from churchpipe.errors import InputError
 from churchpipe.geometry.charts import along, base_level, footprint
 from churchpipe.geometry.planar import Region, area, areas, boxes, common, common_areas, pieces, vertices
@@ -20,13 +21,18 @@ SQUARE = 1e-4
 
 @dataclass(frozen=True, slots=True)
 class WallJunctions:
-    """The junctions of one wall: zones (nz, 2), s from face to face, disjoint and sorted; ceded (nl, 4), rectangles s0, t0,
-    s1, t1 of the zones that belong to other walls; dry (nd, 4), those of them that the wall butts against without mortar. All in
-    m, chart coordinates."""
+    """The junctions of one wall: crossed (nc, 4), s0, t0, s1, t1 of each wall that crosses it, from face to face and where both
+    are; ceded (nl, 4), the rectangles of them that belong to other walls; dry (nd, 4), those of these that the wall butts against
+    without mortar. All in m, chart coordinates."""
 
-    zones: FloatArray
+    crossed: FloatArray
     ceded: FloatArray
     dry: FloatArray
+
+    @property
+    def zones(self) -> FloatArray:
+        """The zones of the whole height (nz, 2), s from face to face in m, disjoint and sorted."""
+        return merged(self.crossed[:, [0, 2]])
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +110,8 @@ def crossings(panels: Sequence[Panel], solids: Sequence[Region], junctions: Sequ
 
 def wall_junctions(panels: Sequence[Panel], solids: Sequence[Region], junctions: Sequence[Junction] = ()) -> list[WallJunctions]:
     """Return the junctions of each wall: their extent, and which parts belong to other walls. Arguments as for `crossings`."""
-    zones: list[list[FloatArray]] = [[] for _ in panels]
+    none = np.empty((0, 4))
+    crossed: list[list[FloatArray]] = [[none] for _ in panels]
     ceded: list[list[FloatArray]] = [[] for _ in panels]
     dry: list[list[FloatArray]] = [[] for _ in panels]
     for crossing in crossings(panels, solids, junctions):
@@ -113,13 +120,13 @@ def wall_junctions(panels: Sequence[Panel], solids: Sequence[Region], junctions:
             base = base_level(panels[wall].chart)
             low, high = crossing.levels[:-1][loses] - base, crossing.levels[1:][loses] - base
             rectangles = np.stack([np.full(len(low), span[0]), low, np.full(len(low), span[1]), high], axis=1)
-            zones[wall].append(span)
+            bottom, top = crossing.levels[[0, -1]] - base
+            crossed[wall].append(np.array([[span[0], bottom, span[1], top]]))
             ceded[wall].append(rectangles)
             dry[wall].append(rectangles[crossing.dry[loses]])
-    none = np.empty((0, 4))
     return [
-        WallJunctions(_merged(z), np.concatenate([none, *all_ceded]), np.concatenate([none, *all_dry]))
-        for z, all_ceded, all_dry in zip(zones, ceded, dry, strict=True)
+        WallJunctions(np.concatenate(all_crossed), np.concatenate([none, *all_ceded]), np.concatenate([none, *all_dry]))
+        for all_crossed, all_ceded, all_dry in zip(crossed, ceded, dry, strict=True)
     ]
 
 
@@ -209,14 +216,3 @@ def _first_comes_first(first: Panel, second: Panel, course: IntArray) -> BoolArr
         return np.where(course % 2 == panel.runs_through, 1, 2)
 
     return rank(first) <= rank(second)
-
-
-def _merged(spans: Sequence[FloatArray]) -> FloatArray:
-    """Return overlapping or touching intervals joined, sorted."""
-    joined: list[FloatArray] = []
-    for span in sorted(spans, key=lambda s: (s[0], s[1])):
-        if joined and span[0] <= joined[-1][1] + TOLERANCE:
-            joined[-1] = np.array([joined[-1][0], max(joined[-1][1], span[1])])
-        else:
-            joined.append(span)
-    return np.array(joined) if joined else np.empty((0, 2))

@@ -1,5 +1,7 @@
 """Laying a whole wall: its junctions, then each bond region in turn."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from churchpipe.bond.field import Field
@@ -8,9 +10,10 @@ from churchpipe.bond.junction import WallJunctions
 from churchpipe.bond.patterns import bond_of
 from churchpipe.bond.tiles import TileSet, join, sorted_by_course
 from churchpipe.bond.voids import voids_of
+from churchpipe.bond.zones import Band, bands_of
 from churchpipe.errors import InputError
 from churchpipe.geometry.charts import check_upright, closes
-from churchpipe.geometry.planar import Region, area, boxes, common, less, polygon, why_invalid
+from churchpipe.geometry.planar import Region, area, boxes, common, extent, less, polygon, why_invalid
 from churchpipe.model.building import CylinderChart, Panel
 
 
@@ -32,32 +35,19 @@ def lay_wall(panel: Panel, solid: Region, junctions: WallJunctions) -> TileSet:
 
     Parameters
     ----------
-    panel: the wall. solid: its outline less openings. junctions: its zones, and the rectangles of them that other walls own.
+    panel: the wall. solid: its outline less openings. junctions: where other walls cross it, and the rectangles that they own.
     """
     own = less(solid, boxes(junctions.ceded))
-    span = (float(panel.outline[:, 0].min()), float(panel.outline[:, 0].max()))
-    voids = voids_of(panel)
     sets: list[TileSet] = []
     for number, region in enumerate(panel.regions):
         above = [polygon(later.outline) for later in panel.regions[number + 1 :]]
         part = less(common(polygon(region.outline), own), above)
-        if area(part) == 0 and region.pattern in ("running", "stack", "header-stretcher"):
-            continue
-        field = Field(
-            name=region.name,
-            solid=part,
-            span=span,
-            through=panel.runs_through or 0,
-            zones=junctions.zones,
-            ceded=junctions.ceded,
-            closed=closes(panel.chart, *span),
-            voids=voids,
-            radius=panel.chart.radius if isinstance(panel.chart, CylinderChart) else np.inf,
-        )
+        in_courses = region.pattern in ("running", "stack", "header-stretcher")
         try:
-            if region.pattern == "header-stretcher":
+            if area(part) > 0 and region.pattern == "header-stretcher":
                 check_leaves(panel, region)
-            sets.append(bond_of(region).tiles(field))
+            fields = _fields(panel, region.name, part, junctions, in_bands=in_courses)
+            sets += [bond_of(region).tiles(field) for field in fields if area(field.solid) > 0 or not in_courses]
         except InputError as error:
             raise InputError(
                 f"wall {panel.name}, {error.where}",
@@ -69,3 +59,26 @@ def lay_wall(panel: Panel, solid: Region, junctions: WallJunctions) -> TileSet:
     if not sets:
         raise InputError(f"wall {panel.name}", "nothing is left of the wall", remedy="Other walls own all of it.")
     return sorted_by_course(join(sets))
+
+
+def _fields(panel: Panel, name: str, part: Region, junctions: WallJunctions, *, in_bands: bool) -> Iterator[Field]:
+    """Yield what one bond fills: one field, or where crossing walls get thinner one for each band of height (in_bands)."""
+    span = (float(panel.outline[:, 0].min()), float(panel.outline[:, 0].max()))
+    bands = bands_of(junctions.crossed)
+    curved = isinstance(panel.chart, CylinderChart)
+    if curved or not in_bands or len(bands) == 1:
+        bands = [Band(-np.inf, np.inf, junctions.zones)]
+    _, bottom, _, top = extent(polygon(panel.outline))
+    for band in bands:
+        window = boxes(np.array([[span[0], max(band.low, bottom), span[1], min(band.high, top)]]))[0]
+        yield Field(
+            name=name,
+            solid=part if len(bands) == 1 else common(part, window),
+            span=span,
+            through=panel.runs_through or 0,
+            zones=band.zones,
+            ceded=junctions.ceded,
+            closed=closes(panel.chart, *span),
+            voids=voids_of(panel),
+            radius=panel.chart.radius if isinstance(panel.chart, CylinderChart) else np.inf,
+        )

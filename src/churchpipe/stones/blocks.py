@@ -60,7 +60,7 @@ def derive_blocks(building: Building) -> Assemblage:
     stations = [stations_of(panel.chart, wall) for panel, wall in zip(building.panels, tiles, strict=True)]
     expected = sum(vault.volume for vault in building.vaults)
     if building.panels:
-        expected += masonry_volume(building.panels, solids, [wall.zones.ravel() for wall in junctions], stations)
+        expected += masonry_volume(building.panels, solids, [wall.crossed[:, [0, 2]].ravel() for wall in junctions], stations)
     found = float(stones.volume[~stones.fixed].sum())
     if abs(found - expected) > VOLUME_TOLERANCE * expected:
         raise InputError(
