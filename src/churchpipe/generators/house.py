@@ -11,6 +11,7 @@ from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_
 from churchpipe.generators.house_openings import HouseOpening
 from churchpipe.generators.house_plan import HouseWall, house_walls
 from churchpipe.generators.house_stops import between_stops
+from churchpipe.generators.house_storeys import Storey, bonds_of_storeys, junctions_of_storeys, openings_in_storeys
 from churchpipe.generators.laying import Bonds, Course, FirstCourse, Joints, Junctions, StoneLength, junctions_of
 from churchpipe.generators.layout import WallLayout, wall_panels
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
@@ -46,17 +47,27 @@ class HouseParameters:
         walls = tuple(as_dataclass(HouseWall, f"house.walls.{k}", wall) for k, wall in enumerate(self.walls))
         if not walls:
             raise InputError("house.walls", "no walls", expected="at least one")
-        names = [wall.name for wall in walls]
+        names: list[str] = []
         for number, wall in enumerate(walls):
-            if wall.name in names[:number]:
+            if {*wall.names} & {*names}:
                 raise InputError(f"house.walls.{number}.name", "two walls of one name", found=wall.name, expected="one each")
+            names += wall.names
             if wall.height is not None:
                 whole_courses(f"wall {wall.name}: height", wall.height, self.course)
-        return walls
+        return tuple(self._in_courses(wall) for wall in walls)
+
+    def _in_courses(self, wall: HouseWall) -> HouseWall:
+        """Return a wall whose storeys begin where a course does."""
+        storeys: list[Storey] = []
+        for number, storey in enumerate(wall.own_storeys):
+            whole_courses(f"wall {wall.name}: storeys.{number}.above", storey.above, self.course)
+            # Products of whole numbers, as the levels of the courses are.
+            storeys.append(replace(storey, above=round(storey.above / self.course) * self.course))
+        return replace(wall, storeys=storeys)
 
     @property
     def layouts(self) -> list[WallLayout]:
-        """Its walls as they meet."""
+        """The storeys of its walls as they meet."""
         return house_walls(self.own_walls, self.thickness, self.height, self.stone_length, x_first=self.first_course == "x")
 
     def bonding(self, material: str) -> Bonding:
@@ -83,11 +94,15 @@ def house(*, name: str = "house", materials: tuple[UnitWeight, ...] = (DEFAULT_M
     """
     p = as_dataclass(HouseParameters, "house", parameters)
     materials = materials_of("house", materials)
-    walls = p.own_walls
-    own = tuple(OwnWall(wall.name, material=wall.material) for wall in walls)
-    bonding = replace(p.bonding(materials[0].name), walls=own)
-    check_walls(bonding, [wall.name for wall in walls], "house")
-    layouts = p.layouts
-    bonding = replace(bonding, openings=between_stops(bonding.openings, layouts, bonding.cell))
+    walls, layouts = p.own_walls, iter(p.layouts)
+    storeys = {wall.name: [next(layouts) for _ in wall.names] for wall in walls}
+    own = [OwnWall(wall.names, material=wall.material) for wall in walls]
+    thinner = [OwnWall(wall.names[1 + k], material=one.material) for wall in walls for k, one in enumerate(wall.own_storeys)]
+    bonding = replace(p.bonding(materials[0].name), walls=(*thinner, *own))
+    check_walls(bonding, [name for wall in walls for name in wall.names], "house")
+    layouts = [layout for wall in storeys.values() for layout in wall]
+    openings = between_stops(openings_in_storeys(bonding.openings, storeys), layouts, bonding.cell)
+    bonding = replace(bonding, openings=openings, bonds=bonds_of_storeys(bonding.bonds, storeys))
     panels = tuple(wall_panels(layouts, bonding))
-    return Building(name, panels, materials, junctions=junctions_of("house", p.junctions))
+    junctions = junctions_of_storeys(junctions_of("house", p.junctions), storeys)
+    return Building(name, panels, materials, junctions=junctions)

@@ -1,13 +1,15 @@
 """The walls of a house laid out from lines in plan: what they meet, and how far they reach."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from itertools import combinations
+from dataclasses import dataclass, replace
+from itertools import combinations, pairwise
 from typing import Annotated, Literal
 
 from churchpipe.bond.slivers import LEAST_WIDTH
 from churchpipe.errors import InputError
-from churchpipe.generators.fields import coerce_fields
+from churchpipe.generators.arched import Given
+from churchpipe.generators.fields import as_dataclass, coerce_fields
+from churchpipe.generators.house_storeys import Storey, check_storeys
 from churchpipe.generators.layout import WallLayout
 from churchpipe.model.arguments import text
 from churchpipe.model.quantities import Coordinate, Length
@@ -37,6 +39,12 @@ class HouseWall:
     height: Annotated[Length | None, "Height, below a gable that of the eaves; by default that of the house."] = None
     ridge: Annotated[Length | None, "Height of the ridge of a gable, in the middle of the wall; by default there is none."] = None
     material: Annotated[str | None, "Name of its material; by default the first one."] = None
+    storeys: Annotated[
+        Sequence[Storey | Given],
+        "Where it gets thinner: a table of each storey above the lowest, from below upwards. The line stays where it is: with "
+        "`toward` that face is flush, without it the middle. Loads, ties, beams and reports know them as walls of their own, "
+        "NAME storey 2 and so on.",
+    ] = ()
 
     def __post_init__(self) -> None:
         where = f"wall {text('wall: name', self.name)}"
@@ -65,10 +73,21 @@ class HouseWall:
         """The axis it runs along."""
         return "x" if abs(self.end[0] - self.start[0]) > CLOSE else "y"
 
-    def placed(self, thickness: float) -> "Placed":
-        """Return where it stands, its ends as they are given. thickness: by default, m."""
+    @property
+    def own_storeys(self) -> tuple[Storey, ...]:
+        """Its storeys above the lowest, checked each by itself."""
+        return tuple(as_dataclass(Storey, f"wall {self.name}: storeys.{k}", one) for k, one in enumerate(self.storeys))
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of its storeys as walls, from below upwards; that of the lowest is its own."""
+        return self.name, *(f"{self.name} storey {number}" for number in range(2, 2 + len(self.storeys)))
+
+    def placed(self, thickness: float, level: float = 0.0) -> "Placed":
+        """Return where it stands at a level, m, its ends as they are given. thickness: by default, m."""
         axis = 0 if self.along == "x" else 1
         thick = thickness if self.thickness is None else self.thickness
+        thick = next((one.thickness for one in reversed(self.own_storeys) if one.above < level + CLOSE), thick)
         # Ends of one line may differ by rounding.
         line = (self.start[1 - axis] + self.end[1 - axis]) / 2
         away = {None: 0.0, "+": thick / 2, "-": -thick / 2}[self.toward and self.toward[0]]
@@ -95,7 +114,7 @@ class Placed:
 def house_walls(
     walls: Sequence[HouseWall], thickness: float, height: float, stone_length: float, *, x_first: bool
 ) -> list[WallLayout]:
-    """Return the walls of a house, each reaching through those that it meets.
+    """Return the storeys of the walls of a house, wall by wall from below upwards, each reaching through those that it meets.
 
     Walls along x run through the junctions on even courses, those along y on odd ones, or the other way about, so that any two
     that meet are toothed.
@@ -108,22 +127,40 @@ def house_walls(
     Raises
     ------
     InputError: walls that lie in each other or in one line end to end, that all but meet, that are shorter than another one is
-        thick; a ridge below the eaves.
+        thick; a ridge below the eaves; storeys that do not stand on each other.
     """
-    given = [wall.placed(thickness) for wall in walls]
-    placed = [_reaching(wall, given) for wall in given]
-    for first, second in combinations(placed, 2):
+    for wall in walls:
+        thick = thickness if wall.thickness is None else wall.thickness
+        check_storeys(wall.name, wall.own_storeys, thick, height if wall.height is None else wall.height)
+    levels = sorted({0.0, *(storey.above for wall in walls for storey in wall.own_storeys)})
+    given = [[wall.placed(thickness, level) for wall in walls] for level in levels]
+    placed = [[_reaching(wall, given[0], now) for wall in given[0]] for now in given]
+    # Above, walls are nowhere nearer to each other than at the ground.
+    for first, second in combinations(placed[0], 2):
         _check_pair(first, second, LEAST_WIDTH * stone_length)
-    parity: dict[str, Literal[0, 1]] = {"x": 0, "y": 1} if x_first else {"x": 1, "y": 0}
     return [
-        WallLayout(at.name, at.along, at.at, at.thickness, _top(wall, at, height), parity[at.along])
-        for wall, at in zip(walls, placed, strict=True)
+        layout
+        for number, wall in enumerate(walls)
+        for layout in _storeys(wall, list(zip(levels, (now[number] for now in placed), strict=True)), height, x_first=x_first)
     ]
+
+
+def _storeys(wall: HouseWall, placed: Sequence[tuple[float, Placed]], height: float, *, x_first: bool) -> Iterator[WallLayout]:
+    """Yield the storeys of a wall that stands so at some levels, m."""
+    parity: dict[str, Literal[0, 1]] = {"x": 0, "y": 1} if x_first else {"x": 1, "y": 0}
+    eaves = height if wall.height is None else wall.height
+    feet = [0.0, *(storey.above for storey in wall.own_storeys), eaves]
+    for name, (foot, top) in zip(wall.names, pairwise(feet), strict=True):
+        own = [(level, at) for level, at in placed if foot - CLOSE < level < top - CLOSE]
+        at = own[0][1]
+        line = _top(wall, own, top, gable=top == eaves)
+        yield WallLayout(name, at.along, at.at, at.thickness, line, parity[at.along], foot=foot)
 
 
 def loose_ends(walls: Sequence[WallLayout]) -> list[str]:
     """Return the sentences on walls that may have been meant to meet others: they end near one, or meet none at all."""
     said: list[str] = []
+    walls = [wall for wall in walls if not wall.foot]
     for wall in walls:
         faces = [
             (other.name, other.at - other.thickness / 2, other.at + other.thickness / 2)
@@ -140,31 +177,49 @@ def loose_ends(walls: Sequence[WallLayout]) -> list[str]:
     return said
 
 
-def _top(wall: HouseWall, placed: Placed, height: float) -> tuple[tuple[float, float], ...]:
-    """Return the upper outline of a wall; gables slope from its ends to the ridge in its middle."""
-    eaves = height if wall.height is None else wall.height
-    start, stop = placed.span
-    if wall.ridge is None:
-        return (start, eaves), (stop, eaves)
-    if not wall.ridge > eaves + CLOSE:
-        raise InputError(f"wall {wall.name}: ridge", "not above the eaves", found=f"{wall.ridge:g} m", expected=f"> {eaves:g} m")
-    return (start, eaves), ((start + stop) / 2, wall.ridge), (stop, eaves)
+def _top(wall: HouseWall, own: Sequence[tuple[float, Placed]], top: float, *, gable: bool) -> tuple[tuple[float, float], ...]:
+    """Return the upper outline of a storey: gables slope from its ends to the ridge in its middle.
+
+    own: how it stands from some levels on, m. Where a wall at its end gets thinner about its middle it steps back with it.
+    """
+    (start, stop), left, right = own[0][1].span, list[tuple[float, float]](), list[tuple[float, float]]()
+    for level, placed in own[1:]:
+        low, high = placed.span
+        if abs(low - start) > CLOSE:
+            left += [(start, level), (low, level)]
+            start = low
+        if abs(high - stop) > CLOSE:
+            right = [(high, level), (stop, level), *right]
+            stop = high
+    ridge: list[tuple[float, float]] = []
+    if wall.ridge is not None and gable:
+        if not wall.ridge > top + CLOSE:
+            raise InputError(
+                f"wall {wall.name}: ridge", "not above the eaves", found=f"{wall.ridge:g} m", expected=f"> {top:g} m"
+            )
+        ridge = [((start + stop) / 2, wall.ridge)]
+    return (*left, (start, top), *ridge, (stop, top), *right)
 
 
-def _reaching(wall: Placed, given: Sequence[Placed]) -> Placed:
-    """Return a wall that goes on, from each end within the thickness of another wall, to the far face of that one."""
-    start, stop = wall.span
-    for low, high, other in _across(wall, given):
+def _reaching(wall: Placed, ground: Sequence[Placed], now: Sequence[Placed]) -> Placed:
+    """Return a wall at some level: from each end within the thickness of another wall it goes on to the far face of that one.
+
+    wall: at the ground, where it shows which walls it ends at. ground, now: all walls at the ground, and at the level.
+    """
+    starts, stops = list[float](), list[float]()
+    above = {other.name: other for other in now}
+    for low, high, other in _across(wall, ground):
         if low - CLOSE <= wall.span[0] and wall.span[1] <= high + CLOSE:
             found, expected = f"{wall.span[1] - wall.span[0]:g} m", f"> {high - low:g} m"
             raise InputError(
                 f"wall {wall.name}: end", f"no longer than the wall {other.name} is thick", found=found, expected=expected
             )
         if low - CLOSE <= wall.span[0] <= high + CLOSE:
-            start = min(start, low)
+            starts.append(above[other.name].faces[0])
         if low - CLOSE <= wall.span[1] <= high + CLOSE:
-            stop = max(stop, high)
-    return Placed(wall.name, wall.along, wall.at, wall.thickness, (start, stop))
+            stops.append(above[other.name].faces[1])
+    start, stop = min(starts, default=wall.span[0]), max(stops, default=wall.span[1])
+    return replace(above[wall.name], span=(start, stop))
 
 
 def _across(wall: Placed, others: Sequence[Placed]) -> Iterator[tuple[float, float, Placed]]:

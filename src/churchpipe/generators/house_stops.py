@@ -26,11 +26,11 @@ def between_stops(openings: Sequence[WallOpening], layouts: Sequence[WallLayout]
 
 def _of_walls(layout: WallLayout, layouts: Sequence[WallLayout]) -> Iterator[Stop]:
     """Yield the ends of a wall, and the faces of those that cross it."""
-    yield from ((end, 0.0, layout.height) for end in layout.span)
+    yield from ((end, layout.foot, layout.height) for end in layout.span)
     for other in layouts:
         height = top_at(other, layout.at)
-        if other.along != layout.along and height > 0:
-            yield from ((other.at + sign * other.thickness / 2, 0.0, height) for sign in (-1, 1))
+        if other.along != layout.along and height > other.foot:
+            yield from ((other.at + sign * other.thickness / 2, other.foot, height) for sign in (-1, 1))
 
 
 def _of_openings(found: Sequence[Hole], stone: float) -> Iterator[Stop]:

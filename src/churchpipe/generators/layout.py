@@ -22,7 +22,7 @@ CLOSE = 1e-9
 class WallLayout:
     """One straight wall: along x or y, its centreline at y or x = `at`, thickness, m; top: its upper outline from one end to
     the other, (s, z) in m, s being x or y. runs_through: parity of the courses on which it runs through its junctions. parts:
-    macro-elements as (name, start, stop), m."""
+    macro-elements as (name, start, stop), m. foot: z at which it begins, m."""
 
     name: str
     along: Literal["x", "y"]
@@ -31,6 +31,7 @@ class WallLayout:
     top: tuple[tuple[float, float], ...]
     runs_through: Literal[0, 1]
     parts: tuple[tuple[str, float, float], ...] = ()
+    foot: float = 0.0
 
     @property
     def span(self) -> tuple[float, float]:
@@ -55,7 +56,7 @@ def wall_panels(layouts: Sequence[WallLayout], bonding: Bonding, obstacles: Sequ
 
 def _panel(layout: WallLayout, bonding: Bonding, layouts: Sequence[WallLayout]) -> Panel:
     start, stop = layout.span
-    outline = np.array([(start, 0.0), (stop, 0.0), *layout.top[::-1]])
+    outline = np.array([(start, layout.foot), (stop, layout.foot), *layout.top[::-1]])
     found = holes(bonding.openings, layout.name)
     for hole in found:
         _check_fit(hole, layout, polygon(outline), layouts)
@@ -71,7 +72,7 @@ def _panel(layout: WallLayout, bonding: Bonding, layouts: Sequence[WallLayout]) 
         material=bonding.material_of(layout.name),
         openings=tuple(hole.opening for hole in found),
         runs_through=layout.runs_through,
-        parts=tuple(Part(name, rectangle(low, 0.0, high, layout.height)) for name, low, high in layout.parts),
+        parts=tuple(Part(name, rectangle(low, layout.foot, high, layout.height)) for name, low, high in layout.parts),
     )
 
 
@@ -125,13 +126,14 @@ def _check_fit(hole: Hole, layout: WallLayout, outline: Region, layouts: Sequenc
             where,
             "reaches beyond the top or the foot of its wall",
             found=f"z = {t0:.4g} to {t1:.4g} m with its {hole.around}",
-            expected=f"within 0 to {top_at(layout, 0.5 * (s0 + s1)):.4g} m, less where the top slopes",
+            expected=f"within {layout.foot:.4g} to {top_at(layout, 0.5 * (s0 + s1)):.4g} m, less where the top slopes",
             remedy="Lower the springing, or make it smaller." if hole.opening.rings else "Lower it, or make it smaller.",
         )
     for other in layouts:
         low, high = other.at - other.thickness / 2, other.at + other.thickness / 2
         crossing = other.along != layout.along and start < high and stop > low
-        if crossing and s0 < high - CLOSE and s1 > low + CLOSE and t0 < top_at(other, layout.at) - CLOSE:
+        level = t0 < top_at(other, layout.at) - CLOSE and t1 > other.foot + CLOSE
+        if crossing and level and s0 < high - CLOSE and s1 > low + CLOSE:
             raise InputError(
                 where,
                 f"reaches into the wall {other.name}",

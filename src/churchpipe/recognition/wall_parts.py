@@ -6,6 +6,7 @@ from itertools import combinations
 import numpy as np
 from scipy.optimize import brentq
 
+from churchpipe.geometry.charts import base_level
 from churchpipe.geometry.planar import Polygons, areas, boxes, centroids, common_areas, polygon, total_extent, united, within
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import Part
@@ -15,10 +16,12 @@ TOUCH = 1e-6
 
 
 def junction_spans(wall: StoneWall, walls: Sequence[StoneWall]) -> list[tuple[float, float]]:
-    """Return s of the two faces of each wall that crosses, or ends at, a wall, m."""
+    """Return s of the two faces of each wall that crosses, or ends at, a wall at some height of both, m."""
     found: list[tuple[float, float]] = []
+    low, high = _heights(wall)
+    beside = [other for other in walls if _heights(other)[0] < high - TOUCH and _heights(other)[1] > low + TOUCH]
     for own in stretches(wall):
-        for other in walls:
+        for other in beside:
             for cross in stretches(other) if other is not wall else ():
                 normal = np.cross(cross.chart.s_axis, cross.chart.t_axis)
                 slope = float(normal @ own.chart.s_axis)
@@ -31,6 +34,12 @@ def junction_spans(wall: StoneWall, walls: Sequence[StoneWall]) -> list[tuple[fl
                 if meets and stop > own.low + TOUCH and start < own.high - TOUCH:
                     found.append((start, stop))
     return found
+
+
+def _heights(wall: StoneWall) -> tuple[float, float]:
+    """Return z of the lowest and the highest point of a wall, m."""
+    _, low, _, high = total_extent(wall.elevations)
+    return float(low) + base_level(wall.chart), float(high) + base_level(wall.chart)
 
 
 def wall_parts(

@@ -1,5 +1,6 @@
-"""Where vaults stand on walls whose mid-planes lie elsewhere: the edges of their feet, and the edges of the walls' tops below."""
+"""Where vaults and thinner walls stand on walls with other mid-planes: the edges of their feet, and those of the tops below."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -29,6 +30,33 @@ def with_ledges(shell: ShellModel, vaulted: BoolArray) -> tuple[ShellModel, Bool
     foot = foot[~shell.on_beam[edge[foot]].all(axis=1)]
     if not len(foot):
         return shell, vaulted
+    shell, chosen = _on_tops(shell, edge, facet, foot, top)
+    return shell, vaulted[chosen]
+
+
+def with_tiers(shell: ShellModel, levels: Sequence[float]) -> ShellModel:
+    """Return a shell whose walls above some heights, m, go with those below, the tiers of which are side by side.
+
+    Over an opening, or where no wall is below, the foot of a wall is free.
+    """
+    edge, facet, foot, top = _feet_and_tops(shell, shell.centroid[:, 2] > levels[0])
+    z = shell.points[edge[:, 0], 2]
+    at_level = (np.abs(z[:, None] - np.asarray(levels)) < NODE_TOLERANCE).any(axis=1)
+    foot = foot[at_level[foot] & ~shell.on_beam[edge[foot]].all(axis=1)]
+    return _on_tops(shell, edge, facet, foot, top, may_be_free=True)[0]
+
+
+def _on_tops(
+    shell: ShellModel, edge: IntArray, facet: IntArray, foot: IntArray, top: IntArray, *, may_be_free: bool = False
+) -> tuple[ShellModel, IntArray]:
+    """Return a shell whose feet (nf,) among its edges go with tops (nt,) among them, and of each of its facets the one before.
+
+    may_be_free: what is above no wall is left free.
+
+    Raises
+    ------
+    InputError: a foot that stands on no wall.
+    """
     nodes, triangles, of_facet = (
         [shell.points],
         [np.delete(shell.triangles, facet[foot], axis=0)],
@@ -52,6 +80,8 @@ def with_ledges(shell: ShellModel, vaulted: BoolArray) -> tuple[ShellModel, Bool
         for part, middle in zip(parts, (place[:-1] + place[1:]) / 2, strict=True):
             apart, turned = _distances(middle[:2], ends[:, :2], bars)
             if not (apart < reach).any():
+                if may_be_free:
+                    continue
                 raise InputError(
                     f"shell of {shell.panel[facet[own]]}",
                     "its foot stands on no wall",
@@ -70,9 +100,9 @@ def with_ledges(shell: ShellModel, vaulted: BoolArray) -> tuple[ShellModel, Bool
         triangles=np.concatenate(triangles),
         supported=np.append(shell.supported, np.zeros(count - len(shell.points), np.bool_)),
         **{key: getattr(shell, key)[chosen] for key in _BY_FACET},
-        ledges=np.array(ledges),
+        ledges=np.concatenate([shell.ledges, np.array(ledges, dtype=np.int64).reshape(-1, 2, 2)]),
     )
-    return cut, vaulted[chosen]
+    return cut, chosen
 
 
 def feet(shell: ShellModel, vaulted: BoolArray) -> IntArray:

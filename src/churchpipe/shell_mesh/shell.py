@@ -1,6 +1,8 @@
 """From the description of a building to its mid-surfaces as one conforming mesh of triangles."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import reduce
 
 import numpy as np
 
@@ -18,14 +20,14 @@ from churchpipe.model.building import BondRegion, Building, PlaneChart, Support
 from churchpipe.model.materials import by_name
 from churchpipe.model.polyhedra import face_normals
 from churchpipe.model.shell import ShellModel
-from churchpipe.model.shell_beams import ShellBeams
 from churchpipe.shell_mesh.beams import beams_of, shell_beams, with_bearings, with_vaults_on
 from churchpipe.shell_mesh.butt_joints import with_butt_joints
 from churchpipe.shell_mesh.element_count import check_elements, check_longest, vault_elements, wall_elements
-from churchpipe.shell_mesh.ledges import side_by_side, with_ledges
+from churchpipe.shell_mesh.ledges import side_by_side, with_ledges, with_tiers
 from churchpipe.shell_mesh.midplanes import MidSurface, mid_surfaces
 from churchpipe.shell_mesh.self_weight import weight_factors
 from churchpipe.shell_mesh.subdivision import Subdivision, subdivide
+from churchpipe.shell_mesh.tiers import tier_levels, tiers
 from churchpipe.shell_mesh.triangulation import Mesh, signed_areas, triangulated
 from churchpipe.shell_mesh.vault_ends import with_end_joints
 from churchpipe.shell_mesh.vault_facets import vault_facets
@@ -64,7 +66,7 @@ def derive_shell(building: Building, element_size: float, sizes: Mapping[str, fl
     if bodies and not building.panels:
         found, remedy = ", ".join(bodies[0].panel[bodies[1]].tolist()), "Rigid blocks take them as they are."
         raise InputError(f"building {building.name}", "the shell of a vault alone has no ring beams", found=found, remedy=remedy)
-    parts = [_wall_shell(building, bodies, element_size, sizes or {})] if building.panels else []
+    parts = [_walls(building, bodies, _sizes(building, element_size, sizes or {}))] if building.panels else []
     if building.vaults:
         vaults = _vault_shell(building, element_size)
         shell = side_by_side(parts[0], vaults) if parts else vaults
@@ -78,17 +80,27 @@ def derive_shell(building: Building, element_size: float, sizes: Mapping[str, fl
     return shell
 
 
+def _walls(building: Building, bodies: tuple[Assemblage, IntArray] | None, sizes: Mapping[str, float]) -> ShellModel:
+    """Return the mid-surfaces of the panels of a building, under its rigid bodies; sizes: of the elements of each, m."""
+    levels = tier_levels(building.panels)
+    found = [_wall_shell(tier, bodies, sizes) for tier in (tiers(building, levels) if levels else [building])]
+    shell = reduce(side_by_side, (tier for tier, _ in found))
+    if bodies:
+        bearing = np.concatenate([own for _, own in found])
+        shell = replace(shell, beams=shell_beams(building, *bodies, shell.points, bearing))
+    return with_tiers(shell, levels) if levels else shell
+
+
 def _wall_shell(
-    building: Building, bodies: tuple[Assemblage, IntArray] | None, element_size: float, sizes: Mapping[str, float]
-) -> ShellModel:
-    """Return the mid-surfaces of the panels of a building, under its rigid bodies."""
-    lengths = _sizes(building, element_size, sizes)
+    building: Building, bodies: tuple[Assemblage, IntArray] | None, sizes: Mapping[str, float]
+) -> tuple[ShellModel, IntArray]:
+    """Return the mid-surfaces of the panels of a building without its rigid bodies, and which of these each facet is under."""
     panels, names = with_butt_joints(building)
     bearing = np.empty(0, dtype=np.int64)
     if bodies:
         panels, names, bearing = with_bearings(panels, names, *bodies)
     surfaces = mid_surfaces(panels, building.junctions)
-    meshes = _meshes(surfaces, subdivide(surfaces, lengths))
+    meshes = _meshes(surfaces, subdivide(surfaces, [sizes[panel.name] for panel in panels]))
     counts = [len(mesh.bond) for mesh in meshes]
     points, triangles = _merged(surfaces, meshes)
     facets = [points[part] for part in np.split(triangles, np.cumsum(counts)[:-1])]
@@ -106,7 +118,7 @@ def _wall_shell(
     bond = np.concatenate([mesh.bond + offset for mesh, offset in zip(meshes, start[:-1], strict=True)])
     weights = {name: material.unit_weight for name, material in by_name(building.materials).items()}
     material = np.array([region.material or panel.material for panel in panels for region in panel.regions])[bond]
-    return ShellModel(
+    shell = ShellModel(
         points=points,
         triangles=triangles,
         axes=np.concatenate([_axes(*part) for part in zip(surfaces, meshes, facets, strict=True)]),
@@ -120,8 +132,8 @@ def _wall_shell(
         panel=np.concatenate([part_names(p, m.corners.mean(axis=1)) for p, m in zip(panels, meshes, strict=True)]),
         yields=np.array([bond[2] for bond in bonds])[bond],
         supported=_supported(building, points),
-        beams=shell_beams(building, *bodies, points, bearing[bond]) if bodies else ShellBeams(),
     )
+    return shell, bearing[bond] if bodies else bearing
 
 
 def _vault_shell(building: Building, element_size: float) -> ShellModel:
@@ -155,7 +167,7 @@ def _vault_shell(building: Building, element_size: float) -> ShellModel:
     )
 
 
-def _sizes(building: Building, element_size: float, sizes: Mapping[str, float]) -> list[float]:
+def _sizes(building: Building, element_size: float, sizes: Mapping[str, float]) -> dict[str, float]:
     names = [panel.name for panel in building.panels]
     check_kind("derive_shell: sizes", sizes, Mapping, remedy="Pass the element size of each panel, m, by its name.")
     for name in sizes:
@@ -167,7 +179,7 @@ def _sizes(building: Building, element_size: float, sizes: Mapping[str, float]) 
             raise InputError(f"element size of {name}", "out of range", found=size, expected="> 0 m")
         check_longest(building.panels, size, f"element size of {name}")
     check_elements(wall_elements(building.panels, out), min(out))
-    return out
+    return dict(zip(names, out, strict=True))
 
 
 def _meshes(surfaces: Sequence[MidSurface], cuts: Sequence[Subdivision]) -> list[Mesh]:
