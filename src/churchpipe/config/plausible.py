@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from churchpipe.config.carries import KINDS, LOADS, plain
+from churchpipe.config.storeys import storeys_above
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.doubts import question
 from churchpipe.model.loads import LoadCase
@@ -79,6 +80,7 @@ def _of_case(case: "Case") -> Iterator[str]:
     yield from _of_vaults(case)
     yield from _of_fills(case)
     yield from (f"{said} Is it meant?" for said in case.loose_ends())
+    yield from _of_storeys(case)
     yield from _of_beams(case)
     yield from _of_joints(case)
     for name, settings in (("rigid", case.rigid), ("shell", case.shell), ("check", case.check)):
@@ -112,6 +114,23 @@ def _of_directions(case: "Case") -> Iterator[str]:
 def _opposite(load: LoadCase, other: LoadCase) -> bool:
     alike = load.panels == other.panels and load.profile == other.profile
     return alike and np.allclose(other.direction[:2], -load.direction[:2])
+
+
+def _of_storeys(case: "Case") -> Iterator[str]:
+    """Yield what to ask about loads in the middle of the top of a wall that an upper storey stands on: roofs lie higher up."""
+    above = storeys_above(case)
+    for key in LOADS if above else ():
+        for number, load in enumerate(getattr(case.carries, key)):
+            named = load.walls if hasattr(load, "walls") else (getattr(load, "wall", None),)
+            aside = getattr(load, "bearing", 0.0) or getattr(load, "eccentricity", 0.0)
+            below = [wall for wall in named if wall in above]
+            if not below or aside or not hasattr(load, "height") or load.height is not None:
+                continue
+            upper, level = above[below[0]]
+            yield (
+                f"{key}.{number} lies on the top of {below[0]}, at {level:g} m, under the storey on it. A roof names the upper "
+                f'storey, "{upper}"; a floor on the offset has its place there (bearing_m, eccentricity_m). Is it meant?'
+            )
 
 
 def _of_beams(case: "Case") -> Iterator[str]:

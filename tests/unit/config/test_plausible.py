@@ -202,6 +202,32 @@ def test_a_wall_of_a_house_that_is_refused_is_not_questioned(tmp_path: Path) -> 
     assert questions([read_case(path)]) == []
 
 
+@pytest.mark.parametrize(
+    ("load", "asked"),
+    [
+        ('[[line_loads]]\nwall = "south"\ndead_kN_m = 2\n', True),
+        ('[[line_loads]]\nwall = "south storey 2"\ndead_kN_m = 2\n', False),
+        ('[[line_loads]]\nwall = "south"\ndead_kN_m = 2\nheight_m = 3.0\n', False),
+        ('[[line_loads]]\nwall = "south"\ndead_kN_m = 2\neccentricity_m = 0.2\ntoward = [0, 1, 0]\n', False),
+        ('[[area_loads]]\nwalls = ["south", "north"]\nfrom_m = 0.6\nto_m = 4.4\ndead_kN_m2 = 2\nbearing_m = 0.2\n', False),
+    ],
+)
+def test_a_load_below_an_upper_storey_is_questioned(load: str, asked: bool, tmp_path: Path) -> None:
+    path = tmp_path / "w.toml"
+    text = sample_case("house").replace('walls = ["south", "north"]', 'walls = ["south storey 2", "north storey 2"]')
+    for side in ("+y", "-y"):
+        storeys = "storeys = [{ above_m = 3.0, thickness_m = 0.3 }]"
+        text = text.replace(f'toward = "{side}"\n', f'toward = "{side}"\n{storeys}\n')
+    path.write_text(f"{text}\n{load}")
+    case = read_case(path)
+    case.building()
+    said = [text for text in questions([case]) if "under the storey on it" in text]
+    assert len(said) == asked
+    if asked:
+        assert said[0].startswith("line_loads.0 lies on the top of south, at 3 m, under the storey on it. A roof names")
+        assert '"south storey 2"' in said[0]
+
+
 def test_a_spectrum_without_the_curves_that_it_is_for_is_questioned(tmp_path: Path) -> None:
     path = tmp_path / "w.toml"
     spectrum = "[check.spectrum]\nF0 = 2.5\nTC_star_s = 0.35\n"
