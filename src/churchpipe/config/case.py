@@ -113,6 +113,17 @@ class Case:
         except InputError:
             return ()  # Told, with its line, where the building is made.
 
+    def storeys_above(self) -> dict[str, tuple[str, float]]:
+        """Return of each wall that another storey of a house stands on its name and height, m; nothing of other sources."""
+        if isinstance(self.source, Drawing) or self.source.generator != "house":
+            return {}
+        from churchpipe.generators.house import HouseParameters
+
+        try:
+            return HouseParameters(**self.source.parameters).storeys_above
+        except InputError:
+            return {}  # Told, with its line, where the building is made.
+
     def located(self, error: InputError) -> InputError:
         """Return an error about the building with the line of the file that it is about."""
         generator = self.source.generator if isinstance(self.source, Generated) else ""

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from churchpipe.config.carries import KINDS, LOADS, plain
-from churchpipe.config.storeys import storeys_above
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.doubts import question
 from churchpipe.model.loads import LoadCase
@@ -118,7 +117,7 @@ def _opposite(load: LoadCase, other: LoadCase) -> bool:
 
 def _of_storeys(case: "Case") -> Iterator[str]:
     """Yield what to ask about loads in the middle of the top of a wall that an upper storey stands on: roofs lie higher up."""
-    above = storeys_above(case)
+    above = case.storeys_above()
     for key in LOADS if above else ():
         for number, load in enumerate(getattr(case.carries, key)):
             named = load.walls if hasattr(load, "walls") else (getattr(load, "wall", None),)

@@ -70,6 +70,15 @@ class HouseParameters:
         """The storeys of its walls as they meet."""
         return house_walls(self.own_walls, self.thickness, self.height, self.stone_length, x_first=self.first_course == "x")
 
+    @property
+    def storeys_above(self) -> dict[str, tuple[str, float]]:
+        """Of each wall that another storey stands on the name of that, and the height at which it begins, m."""
+        return {
+            below: (upper, storey.above)
+            for wall in self.own_walls
+            for below, upper, storey in zip(wall.names[:-1], wall.names[1:], wall.own_storeys, strict=True)
+        }
+
     def bonding(self, material: str) -> Bonding:
         """Return how its walls are laid, without what they have of their own. material: its name."""
         cell = UnitCell(a=self.course, b=self.stone_length)
