@@ -236,6 +236,9 @@ def test_a_curve_whose_last_steps_are_not_proved_is_checked_as_far_as_they_are(c
         shown = displacement_checks([replace(analysis(method="curve"), check=found)], None)
         assert shown is not None
         assert shown["checks"][0].unproved == found.unproved
+    jumping = replace(curve, misfit=np.where(np.arange(count) < count // 2, 0.0, 3.0))
+    told = displacement_check(jumping, LEANING, PUSH, SITED).unproved
+    assert "is proved: the structure jumps on the way, or stones of it hang, and these load factors are no equilibria" in told
     nothing = replace(curve, misfit=np.full(count, 0.05))
     assert "no proved step" in displacement_check(nothing, LEANING, PUSH, SITED).message
 

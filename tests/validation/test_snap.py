@@ -124,7 +124,12 @@ SHORT = pytest.mark.slow("docs/capacity_curve.md: arch on two columns that snaps
 def test_a_snap_is_no_collapse(step: float) -> None:
     curve, weight = _curve(step)
     other, _ = _curve(0.01)
-    assert curve.proved
+    # In the snap, and in that at the end, no forces across closed joints are in balance.
+    jumps = curve.misfit > 0.1
+    assert curve.misfit[~jumps].max() < 1e-3
+    assert np.abs(curve.displacement[jumps] - 0.061).min() < 1e-3
+    assert "are no equilibria: from 61 mm on the structure jumps" in curve.message
+    assert not jumps[curve.displacement < 0.06].any()
     assert curve.load_factor[-1] < 0.02 * curve.load_factor[0]
     # Beyond, at a fortieth of the first load factor, rounding may choose a last snap, whose point goes back.
     assert _nearly_gone(curve) == pytest.approx(_nearly_gone(other), rel=0.03)

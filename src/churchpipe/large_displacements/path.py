@@ -26,7 +26,8 @@ class PathStep:
     """A program solved at a state: its answer, velocities (nb, 6), speeds (nb,) and rates (nc, 3) n, t1, t2 of the points.
 
     state: that at which it was solved, sliding and length of step as they became. way: to the next state, m per unit of work.
-    friction_power: work of friction over the weight per unit of work. falling (nb,): stones that fall, held (nb,): those held.
+    across: `StepSearch.across`. friction_power: work of friction over the weight per unit of work. falling (nb,): stones
+    that fall, held (nb,): those held.
     """
 
     state: PathState
@@ -35,9 +36,15 @@ class PathStep:
     velocity: FloatArray
     rate: FloatArray
     way: float
+    across: float
     friction_power: float
     falling: BoolArray
     held: BoolArray
+
+    @property
+    def misfit(self) -> float:
+        """What the step lacks of one without dilatancy whose forces act across closed gaps alone, over the load factor."""
+        return self.answer.misfit + self.across
 
 
 def solve_state(
@@ -82,11 +89,14 @@ def _solved(model: MovingModel, state: PathState, programs: int, pairs: int) -> 
     demands = model.demands if state.before is not None else replace(model.demands, fitting=model.demands.begins)
     search = StepSearch(program, gap, solve, motions.longest, motions.falls, state.length, model.step, demands)
     attempt = sought(motions, search, program, gap, programs, pairs)
+    attempt = search.closing(attempt, pairs)
+    across = 0.0
     answer, way, length, joints = attempt.answer, 0.0, attempt.length, state.joints
     if answer.outcome == "solved":
         at = search.within(attempt.length)
         sliding = at.slip(answer.y)
         way, length = search.way(attempt), search.next_length(attempt)
+        across = search.across(attempt)
         joints = replace(_pressed(model, state, attempt), sliding=sliding[: len(joints.sliding)])
         answer = _with_present_tensions(model, state, at, answer, sliding, solve)
         state = replace(state, load_factor=answer.load_factor)
@@ -100,6 +110,7 @@ def _solved(model: MovingModel, state: PathState, programs: int, pairs: int) -> 
         velocity=velocity,
         rate=rate,
         way=way,
+        across=across,
         friction_power=-_work(model, answer, rate),
         falling=motions.falling(answer, rests=attempt.falls),
         held=model.held,
@@ -153,7 +164,7 @@ def _work(model: MovingModel, answer: StepAnswer, rate: FloatArray) -> float:
 
 def next_state(model: MovingModel, step: PathStep, furthest: float = np.inf) -> PathState:
     """Return the state after a step, its contacts found anew; furthest: m per unit of work, the longest way that it may go."""
-    return onward(model, step.state, step.velocity, step.way, step.answer.misfit, furthest)
+    return onward(model, step.state, step.velocity, step.way, step.misfit, furthest)
 
 
 def onward(

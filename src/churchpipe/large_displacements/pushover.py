@@ -375,7 +375,7 @@ class _Curve(Record):
             status=cast(CurveStatus, ending.status),
             d0=d0,
             fallen=tuple(self.fallen),
-            message="; ".join([*filter(None, [ending.message, self.resumed]), *lost]),
+            message="; ".join([*filter(None, [ending.message, self.resumed]), *self.jumps(), *lost]),
             seconds=seconds,
         )
 

@@ -68,7 +68,7 @@ class Record(ABC):
         self.friction_power, self.velocity = power, step.velocity
         self.step = step
         self.poses.append(poses)
-        self.proofs.append((answer.residual, answer.violation, answer.misfit))
+        self.proofs.append((answer.residual, answer.violation, step.misfit))
         self.displacement.append(gone)
         self.load_factor.append(answer.load_factor)
         away = np.linalg.norm(poses.centroid - self.model.stones.centroid, axis=1)[standing]
@@ -78,6 +78,17 @@ class Record(ABC):
     def gone(self, step: PathStep) -> float:
         """Return how far the control point has gone from the last step to this one, m."""
         return self.control.between(self.poses[-1], step.state.poses, _standing(self.model, step))
+
+    def jumps(self) -> list[str]:
+        """Return in words which steps are no equilibria, but with forces across gaps."""
+        jump = [misfit > PATH.credible for _, _, misfit in self.proofs]
+        edges = np.flatnonzero(np.diff([False, *jump, False]))
+        said = []
+        for first, end in edges.reshape(-1, 2):
+            steps = f"step {first + 1} is no equilibrium" if end == first + 1 else f"steps {first + 1} to {end} are no equilibria"
+            place = f"{1e3 * self.displacement[first]:.3g} mm"
+            said.append(f"{steps}: from {place} on the structure jumps, or stones of it hang, with forces across open gaps")
+        return said
 
     def _steady(self, velocity: FloatArray) -> bool:
         """Return whether the motion (nb, 6) at the end of a step is that of the step, as in `path.onward`.

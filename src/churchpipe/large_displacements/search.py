@@ -75,6 +75,26 @@ class StepSearch:
         way = self._may_go(attempt)
         return way if self._of_any_length else min(attempt.length, way)
 
+    def across(self, attempt: Attempt) -> float:
+        """Return the work that forces need across gaps, over that of the load; a gap that closes on the way counts as closed.
+
+        But where that of gaps wider than `PATH.drift` exceeds `PATH.credible` none counts as closed: without such forces nothing
+        would be in balance.
+        """
+        whole = self._work_across(attempt, np.where(self._gap > PATH.drift * self._most, self._gap, 0.0)) / self.way(attempt)
+        return whole if whole > PATH.credible else self._left_across(attempt)
+
+    def _left_across(self, attempt: Attempt) -> float:
+        """Return as `across` the work that a program has not charged, where the motion goes less far than its length.
+
+        A gap g is charged as g / L for a length L, and a motion of a way w < L would have to close it at the rate g / w.
+        """
+        return self._work_across(attempt, np.maximum(self._gap, 0.0)) * (1.0 / self.way(attempt) - 1.0 / attempt.length)
+
+    def _work_across(self, attempt: Attempt, gap: FloatArray) -> float:
+        n = np.where(self._program.softness > 0.0, 0.0, np.maximum(attempt.answer.forces[:, 0], 0.0))
+        return float(n @ gap) / max(abs(attempt.answer.load_factor), PATH.least)
+
     def _may_go(self, attempt: Attempt) -> float:
         longest = self._longest(attempt.answer.y)
         return min(attempt.length, longest) if attempt.blocked else longest
@@ -100,6 +120,28 @@ class StepSearch:
             return self._fall(y, misfit, rests) or (misfit > self._demands.enough and self._longest(y) > further)
 
         return settled
+
+    def closing(self, attempt: Attempt, pairs: int) -> Attempt:
+        """Return an attempt whose gaps close within the way that it goes, or the one given where a shorter length leads to none.
+
+        Where the structure jumps there is none: without forces across its gaps it would not be in balance at all.
+        """
+        while attempt.answer.outcome == "solved" and not attempt.falls:
+            left = self._left_across(attempt)
+            if left <= self._demands.across:
+                break
+            shorter = attempt._replace(length=self.way(attempt), blocked=True)
+            shorter = self.by_pairs(shorter, pairs) if attempt.paired else self._again(shorter)
+            if not shorter.fits(self._demands.enough) or self._left_across(shorter) > 0.5 * left:
+                break
+            attempt = shorter
+        return attempt
+
+    def _again(self, attempt: Attempt) -> Attempt:
+        """Return an attempt of the same length in which points slide as they did in the one given."""
+        program = self.within(attempt.length)
+        answer = solve_step(program, program.slip(attempt.answer.y), self._solve, self._demands.duality_gap)
+        return attempt._replace(answer=answer, falls=self._falls(answer))
 
     def by_pairs(self, attempt: Attempt, pairs: int, solve: Solve | None = None, astray: float = np.inf) -> Attempt:
         """Return an attempt that fits, sought from the forces of another one in so many pairs of programs at the most.

@@ -5,6 +5,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from churchpipe.errors import InputError
+from churchpipe.model.stone_path import CREDIBLE
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,11 +17,12 @@ class Demands:
     hardly gain, and which is kept, in a small model, rather than looked for by other ways; resting: so many pairs in a row that
     hardly gain end every search. astray: where the forces of the last step miss a motion by more, they do not lead on, and no
     more programs are spent on them. shorter: a motion may go so many times less far than the length that its programs charge
-    the gaps for. further: one that does not fit and may go so many times further is sought anew with that length.
-    faster: very few stones, whose motion does not come to fit, fall when they are so many times faster than usual, see
-    `PathSettings.few` and `falling.usual_speed`. onward: whether pairs begin near the pair before them where no motion is known.
-    duality_gap: error of the associative programs, whose velocities may move the stones. closed: gaps narrower than this share of
-    the step are closed: programs that are solved roughly open joints by as much while they bear.
+    the gaps for. across: where forces would need more work than this share of the load's across gaps that this leaves open, the
+    step is sought again with the length that it goes. further: one that does not fit and may go so many times further is sought
+    anew with that length. faster: very few stones, whose motion does not come to fit, fall when they are so many times faster
+    than usual, see `PathSettings.few` and `falling.usual_speed`. onward: whether pairs begin near the pair before them where no
+    motion is known. duality_gap: error of the associative programs, whose velocities may move the stones. closed: gaps narrower
+    than this share of the step are closed: programs that are solved roughly open joints by as much while they bear.
     """
 
     fitting: float
@@ -29,6 +31,7 @@ class Demands:
     resting: float
     astray: float
     shorter: float
+    across: float
     further: float
     faster: float
     onward: bool
@@ -51,7 +54,8 @@ class PathSettings:
         within a step, the place is sought to `located` of it; bend: or, unless the model is large, by this share more than it
         would along the last step, as when a joint stops sliding or another hinge opens. lengths: times that pairs of programs
         are begun, each with the length of step of the last motion. open: a joint of a large model that is wider than this share
-        of the step holds nothing as it begins.
+        of the step holds nothing as it begins. drift: a gap narrower than this share of the step is one that steps make
+        themselves; forces across wider ones are told as a jump.
 
     Programs of a step:
         first_programs, programs: as drawn, where the sliding is unknown, and later. pairs: of programs that make forces and
@@ -102,6 +106,7 @@ class PathSettings:
     bend: float = 0.01
     located: float = 0.1
     open: float = 0.25
+    drift: float = 0.02
     lengths: int = 3
     first_programs: int = 12
     programs: int = 4
@@ -113,7 +118,7 @@ class PathSettings:
     least: float = 0.01
     started: float = 0.01
     higher: float = 5e-3
-    credible: float = 0.1
+    credible: float = CREDIBLE
     steady: float = 0.3
     still: float = 1e-3
     rim: float = 1e-2
@@ -160,6 +165,7 @@ EXACTING = Demands(
     resting=np.inf,
     astray=np.inf,
     shorter=PATH.right,
+    across=1e-5,
     further=np.inf,
     faster=PATH.faster,
     onward=False,
@@ -174,6 +180,7 @@ THRIFTY = Demands(
     resting=2,
     astray=0.1,
     shorter=25.0,
+    across=8e-3,
     further=4.0,
     faster=5.0,
     onward=True,

@@ -195,7 +195,7 @@ class _Movement(Record):
             least=self.least,
             status=cast(SettlementEnding, ending.status),
             fallen=tuple(self.fallen),
-            message="; ".join(filter(None, [ending.message, self.resumed])),
+            message="; ".join([*filter(None, [ending.message, self.resumed]), *self.jumps()]),
             seconds=seconds,
         )
 

@@ -10,6 +10,8 @@ from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, flags, floa
 
 # A path is proved when forces balance and keep to their friction cones to the first, and motions fit forces to the second.
 _EXACT, _FITS = 1e-8, 1e-2
+# A step that misses more is no equilibrium at all.
+CREDIBLE = 0.1
 # Contacts from a stone that moves to those that are held.
 HALO = 5
 
@@ -70,7 +72,8 @@ class StonePath:
     residual, violation (ns,): of the balance and of the friction cones, over the weight. misfit (ns,): what the motion of the
     step lacks of one without dilatancy, over the load factor (at least .01): how far the kinematic value of the motion lies above
     the static value of the forces, both in the geometry as displaced (of a step in which the load does little work, over the work
-    of the weight at the same speed).
+    of the weight at the same speed); and the work that forces would need across gaps, over that of the load, where the step
+    leaves them open, or where nothing would be in balance without these forces: in a jump it is one or far more.
     fallen: stones taken out on the way. message: what is to be said. seconds: time it took. last: what the last step leaves
     to the next. given: load, strength and ties that it was made with, each as a digest; empty where they are not known.
     """
