@@ -106,6 +106,7 @@ def curve_record_of(
         fallen_stones=tuple(str(name) for part in curve.fallen for name in stones.block_id[part.stones].tolist()),
         fell_at=tuple(part.displacement for part in curve.fallen for _ in part.stones),
         misfit=float(curve.misfit.max(initial=0.0)),
+        no_equilibria=tuple((1 + np.flatnonzero(curve.jumps)).tolist()),
         steps=len(curve.displacement),
     )
 

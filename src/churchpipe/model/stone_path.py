@@ -115,6 +115,11 @@ class StonePath:
         """True when all steps are proved."""
         return self.proved_steps == len(self.misfit)
 
+    @property
+    def jumps(self) -> BoolArray:
+        """Which steps (ns,) are no equilibria: forces would have to act across open gaps, as where the structure jumps."""
+        return self.misfit > CREDIBLE
+
     def first_steps(self, step: int, travel: FloatArray) -> Self:
         """Return the path up to a step, that included; travel (ns,): what `FallenStones.displacement` is measured by."""
         whole(f"{type(self).__name__}.until: step", step, least=0, most=len(travel) - 1)

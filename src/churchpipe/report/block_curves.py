@@ -41,6 +41,10 @@ def _svg(records: Sequence[Analysis], shells: Sequence[Analysis]) -> str:
     for record in records:
         places = 1e3 * np.array(record.displacement)
         (line,) = axes.plot(places, record.load_factors, "-o", ms=2.5, lw=1.4, label=curve_label(record))
+        if record.no_equilibria:
+            jumps = np.array(record.no_equilibria) - 1
+            label = f"{curve_label(record)}, no equilibria"
+            axes.plot(places[jumps], np.array(record.load_factors)[jumps], "x", ms=6, color=line.get_color(), label=label)
         if (again := record.halved) and again.displacement:
             label = f"{curve_label(record)}, steps half as long"
             axes.plot(1e3 * np.array(again.displacement), again.load_factors, ":", lw=1.4, color=line.get_color(), label=label)
@@ -74,7 +78,8 @@ def _sentence(record: Analysis) -> str:
     names = ", ".join(f"{name} (at {at * 1e3:.3g} mm)" for name, at in fell)
     fallen = f". On the way fell {names}" if names else ""
     start = f"{curve_label(record)}: it starts at a load factor of {record.load_factor:.4f}"
-    return f"{start} and ends at {last * 1e3:.4g} mm, where {_ENDINGS[str(record.ending)]}{fallen}.{_halved(record)}"
+    jumps = " Crosses are no equilibria: there the structure jumps, or stones of it hang." if record.no_equilibria else ""
+    return f"{start} and ends at {last * 1e3:.4g} mm, where {_ENDINGS[str(record.ending)]}{fallen}.{jumps}{_halved(record)}"
 
 
 def _halved(record: Analysis) -> str:

@@ -135,6 +135,14 @@ def test_the_report_shows_each_load_once(curve: BlockCapacityCurve) -> None:
     assert sentences[1].startswith("friction = 0.5")
     assert sentences[1].endswith("not followed further. On the way fell a7 (at 100 mm).")
     assert block_curve_plots([record], "other") == []
+    assert "no equilibria" not in plot
+    jumping = replace(curve, misfit=np.where(np.arange(len(curve.misfit)) == 2, 3.0, 0.0))
+    assert curve_record_of(curve, BLOCK, PUSH, [DRY]).no_equilibria == ()
+    jumped = curve_record_of(jumping, BLOCK, PUSH, [DRY])
+    assert jumped.no_equilibria == (3,)
+    ((_, plot, sentences),) = block_curve_plots([jumped], None)
+    assert "friction 0.6, no equilibria" in plot
+    assert sentences[0].endswith("Crosses are no equilibria: there the structure jumps, or stones of it hang.")
 
 
 def test_curves_take_no_part_in_the_advice_nor_in_the_comparison(curve: BlockCapacityCurve) -> None:
