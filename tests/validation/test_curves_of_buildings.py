@@ -51,7 +51,10 @@ def test_steps_fit_past_stones_that_fall() -> None:
     past = curve(5, "church", 36)
     # What has fallen does not hold up the rest: most of the way is made after the first stone fell.
     assert 0.0 < past.fallen[0].displacement < 0.6 * past.displacement[-1]
-    assert past.proved
+    # Where a stone hangs until it falls a step or two are no equilibria.
+    hanging, fell = past.misfit > 0.01, np.array([part.displacement for part in past.fallen])
+    assert hanging.sum() <= 4
+    assert all(np.abs(fell - at).min() < 1e-3 for at in past.displacement[hanging])
 
 
 @pytest.mark.slow("docs/capacity_curve.md: tower of the church, and steps of half the length")

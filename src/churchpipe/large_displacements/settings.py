@@ -15,20 +15,22 @@ class Demands:
     fitting: a motion that misses its forces by no more fits them; begins: the same of the first step, which decides on which of
     several ways a path goes. enough: the same of a motion that goes on from the last one, on which no more pairs are spent that
     hardly gain, and which is kept, in a small model, rather than looked for by other ways; resting: so many pairs in a row that
-    hardly gain end every search. astray: where the forces of the last step miss a motion by more, they do not lead on, and no
-    more programs are spent on them. shorter: a motion may go so many times less far than the length that its programs charge
-    the gaps for. across: where forces would need more work than this share of the load's across gaps that this leaves open, the
-    step is sought again with the length that it goes. further: one that does not fit and may go so many times further is sought
-    anew with that length. faster: very few stones, whose motion does not come to fit, fall when they are so many times faster
-    than usual, see `PathSettings.few` and `falling.usual_speed`. onward: whether pairs begin near the pair before them where no
-    motion is known. duality_gap: error of the associative programs, whose velocities may move the stones. closed: gaps narrower
-    than this share of the step are closed: programs that are solved roughly open joints by as much while they bear.
+    hardly gain end every search. far: pairs that miss by more than so many times `enough` end where they will not come to it at
+    the rate of the last. astray: where the forces of the last step miss a motion by more, they do not lead on, and no more
+    programs are spent on them. shorter: a motion may go so many times less far than the length that its programs charge the gaps
+    for. across: where forces would need more work than this share of the load's across gaps that this leaves open, the step is
+    sought again with the length that it goes. further: one that does not fit and may go so many times further is sought anew with
+    that length. faster: very few stones, whose motion does not come to fit, fall when they are so many times faster than usual,
+    see `PathSettings.few` and `falling.usual_speed`. onward: whether pairs begin near the pair before them where no motion is
+    known. duality_gap: error of the associative programs, whose velocities may move the stones. closed: gaps narrower than this
+    share of the step are closed: programs that are solved roughly open joints by as much while they bear.
     """
 
     fitting: float
     begins: float
     enough: float
     resting: float
+    far: float
     astray: float
     shorter: float
     across: float
@@ -163,6 +165,7 @@ EXACTING = Demands(
     begins=2e-3,
     enough=2e-3,
     resting=np.inf,
+    far=np.inf,
     astray=np.inf,
     shorter=PATH.right,
     across=1e-5,
@@ -178,6 +181,7 @@ THRIFTY = Demands(
     begins=5e-3,
     enough=0.01,
     resting=2,
+    far=2.0,
     astray=0.1,
     shorter=25.0,
     across=8e-3,

@@ -171,8 +171,8 @@ def without_dilatancy(
     """Return forces and motion without dilatancy, sought from the forces of an answer in pairs of programs, so many at the most.
 
     Of each pair one finds the velocities that fit the forces, the other the forces that fit the velocities, see `closed_gap`.
-    It ends where the misfit is as small as wanted, or small enough and hardly falls any more, or has come to rest, or a few
-    stones fall, or the first pair goes astray; where the misfit grows
+    It ends where the misfit is as small as wanted, or small enough and hardly falls any more, or has come to rest, or will not be
+    small enough at the rate of the last pair, or a few stones fall, or the first pair goes astray; where the misfit grows
     instead, or no velocities are found, the answer given is returned, which need not have a motion ("failed"). Its multipliers,
     where it has any, are where the search begins; its forces are kept where they are in balance, with a load factor, and fit the
     first velocities found.
@@ -200,9 +200,10 @@ def without_dilatancy(
         resting = resting + 1 if rests else 0
         seen.append((gap, state))
         fallen = fall(y, gap, rests)
-        return (
-            fallen or (len(seen) == 1 and gap > demands.astray) or (rests and gap <= demands.enough) or resting >= demands.resting
-        )
+        far = len(seen) > 1 and gap > demands.far * demands.enough
+        hopeless = far and _pairs_left(seen, demands.enough) > pairs - len(seen)
+        astray = hopeless or (len(seen) == 1 and gap > demands.astray)
+        return fallen or astray or (rests and gap <= demands.enough) or resting >= demands.resting
 
     run = closed_gap(program, program.strength, n, solve, settings, near=near, begun=begun, onward=demands.onward, enough=enough)
     if run is None:
@@ -214,6 +215,12 @@ def without_dilatancy(
         return found
     given = bipotential_gap(program, program.strength, answer.forces, answer.y)
     return found if found.gap <= given else replace(answer, gap=given)
+
+
+def _pairs_left(seen: list[tuple[float, CoulombState]], wanted: float) -> float:
+    """Return how many more pairs lower a misfit to the one wanted at the rate of the last, infinite where it does not fall."""
+    before, gap = seen[-2][0], seen[-1][0]
+    return float(np.log(gap / wanted) / np.log(before / gap)) if gap < before else np.inf
 
 
 def fitting_forces(program: StepProgram, answer: StepAnswer, solve: Solve) -> StepAnswer:

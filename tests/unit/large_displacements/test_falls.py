@@ -160,15 +160,18 @@ def test_a_few_stones_that_would_hold_all_others_back_give_way() -> None:
     assert search(falls=False).giving_way(0.06) is None
 
 
-@pytest.mark.parametrize(("falls", "astray", "programs"), [(True, np.inf, 2), (False, 1e-9, 2), (False, np.inf, 12)])
-def test_no_more_is_asked_of_a_fall_than_which_stones_fall(falls: bool, astray: float, programs: int) -> None:
+@pytest.mark.parametrize(
+    ("falls", "astray", "far", "programs"),
+    [(True, np.inf, np.inf, 2), (False, 1e-9, np.inf, 2), (False, np.inf, 2.0, 4), (False, np.inf, np.inf, 12)],
+)
+def test_no_more_is_asked_of_a_fall_than_which_stones_fall(falls: bool, astray: float, far: float, programs: int) -> None:
     """Stones that slide are sought in pairs of programs until they fit. A fall ends the search with the first pair, and so do
-    forces that miss every motion by more than is worth going on with."""
+    forces that miss every motion by more than is worth going on with; the second pair, where six will not be enough."""
     model, state = pebble()
     program = step_program(model, state)
     solve = SolveCount(solver_for(program.balance))
     gap = np.zeros(len(program.closing))
-    unending = replace(EXACTING, fitting=1e-300, enough=1e-300)
+    unending = replace(EXACTING, fitting=1e-300, enough=1e-300, far=far)
     search = StepSearch(program, gap, solve, lambda _: 0.01, lambda *_: falls, 0.01, 0.02, unending)
     forces = np.zeros((len(gap), 3))
     forces[:, 0] = 0.25 * np.where(np.arange(len(gap)) < 4, 1.0, 1e-3)
@@ -221,6 +224,8 @@ def test_a_large_model_asks_first_what_the_dead_load_brings_down(monkeypatch: py
         # Not small enough: twice in a row ends it, with the best.
         (THRIFTY, (0.04, 0.0118, 0.0117, 0.0155, 0.008), [False, False, True, True], 0.0117),
         (THRIFTY, (0.04, 0.0118, 0.0117, 0.009, 0.004), [False, False, True, False, False], 0.004),
+        # Far away, and at this rate six pairs will not be enough.
+        (THRIFTY, (0.04, 0.031, 0.004), [False, False], 0.031),
         (EXACTING, (0.04, 0.0118, 0.0117, 0.0155, 0.008), [False, False, True, True, False], 0.008),
     ],
 )
