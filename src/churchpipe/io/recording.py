@@ -107,6 +107,7 @@ def curve_record_of(
         fell_at=tuple(part.displacement for part in curve.fallen for _ in part.stones),
         misfit=float(curve.misfit.max(initial=0.0)),
         no_equilibria=tuple((1 + np.flatnonzero(curve.jumps)).tolist()),
+        proved_steps=curve.proved_steps,
         steps=len(curve.displacement),
     )
 

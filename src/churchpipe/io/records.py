@@ -57,7 +57,8 @@ class Analysis:
     analysis, see `LimitState`; history holds its load factors. control: of a capacity curve of the shell, at the node
     control_point. ending to misfit: of a capacity curve of the stones, see `BlockCapacityCurve`; largest_displacement is of all
     stones, fallen_stones are names, and fell_at is the displacement at which each fell. no_equilibria: the numbers of its steps
-    that are none, the first as drawn is 1. halved: the curve in steps half as long.
+    that are none, the first as drawn is 1. proved_steps: of the first ones, those proved one after the other. halved: the curve
+    in steps half as long.
     element_size, elements: of its mesh.
     parts, mechanism: the macro-elements that move, and their name. check: the safety check.
 
@@ -107,6 +108,7 @@ class Analysis:
     fell_at: Displacements = None
     misfit: float | None = None
     no_equilibria: tuple[int, ...] | None = None
+    proved_steps: int | None = None
     halved: HalvedSteps | None = None
     steps: int | None = None
     control_point: int | None = None

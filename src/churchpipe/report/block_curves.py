@@ -39,12 +39,17 @@ def block_curve_plots(analyses: Sequence[Analysis], geometry: str | None) -> lis
 def _svg(records: Sequence[Analysis], shells: Sequence[Analysis]) -> str:
     figure, (axes,) = new_plot(1, (WIDTH, 3.0))
     for record in records:
-        places = 1e3 * np.array(record.displacement)
-        (line,) = axes.plot(places, record.load_factors, "-o", ms=2.5, lw=1.4, label=curve_label(record))
+        places, factors = 1e3 * np.array(record.displacement), np.array(record.load_factors)
+        proved = _proved(record)
+        (line,) = axes.plot(places[:proved], factors[:proved], "-o", ms=2.5, lw=1.4, label=curve_label(record))
+        if proved < len(places):
+            # From the last step that is proved, so that no piece of the line is missing.
+            rest, label = slice(max(proved - 1, 0), None), f"{curve_label(record)}, steps not proved"
+            look = {"lw": 0.8, "alpha": 0.6, "ms": 3.5, "mfc": "white", "zorder": 1}
+            axes.plot(places[rest], factors[rest], "-o", color=line.get_color(), label=label, **look)
         if record.no_equilibria:
-            jumps = np.array(record.no_equilibria) - 1
-            label = f"{curve_label(record)}, no equilibria"
-            axes.plot(places[jumps], np.array(record.load_factors)[jumps], "x", ms=6, color=line.get_color(), label=label)
+            jumps, label = np.array(record.no_equilibria) - 1, f"{curve_label(record)}, no equilibria"
+            axes.plot(places[jumps], factors[jumps], "x", ms=6, color=line.get_color(), label=label)
         if (again := record.halved) and again.displacement:
             label = f"{curve_label(record)}, steps half as long"
             axes.plot(1e3 * np.array(again.displacement), again.load_factors, ":", lw=1.4, color=line.get_color(), label=label)
@@ -78,8 +83,24 @@ def _sentence(record: Analysis) -> str:
     names = ", ".join(f"{name} (at {at * 1e3:.3g} mm)" for name, at in fell)
     fallen = f". On the way fell {names}" if names else ""
     start = f"{curve_label(record)}: it starts at a load factor of {record.load_factor:.4f}"
+    end = f"{start} and ends at {last * 1e3:.4g} mm, where {_ENDINGS[str(record.ending)]}{fallen}."
     jumps = " Crosses are no equilibria: there the structure jumps, or stones of it hang." if record.no_equilibria else ""
-    return f"{start} and ends at {last * 1e3:.4g} mm, where {_ENDINGS[str(record.ending)]}{fallen}.{jumps}{_halved(record)}"
+    return f"{end}{_not_proved(record)}{jumps}{_halved(record)}"
+
+
+def _proved(record: Analysis) -> int:
+    """Return how many steps from the first one on are proved; all of them where an old record does not say."""
+    count = len(record.displacement or ())
+    return count if record.proved_steps is None else min(record.proved_steps, count)
+
+
+def _not_proved(record: Analysis) -> str:
+    """Return from where on the steps of a curve are not proved, "" where all are."""
+    places, proved = record.displacement or (), _proved(record)
+    if proved == len(places):
+        return ""
+    beyond = f"Beyond {1e3 * places[proved - 1]:.3g} mm" if proved else "From the first step on"
+    return f" {beyond} (hollow points) the steps are not proved: do not rely on load factors and displacements from there on."
 
 
 def _halved(record: Analysis) -> str:

@@ -107,7 +107,11 @@ def _gone(curve: BlockCapacityCurve, step: int) -> FloatArray:
 
 
 def _words(curve: BlockCapacityCurve, step: int) -> str:
-    return f"{1e3 * curve.displacement[step]:.3g} mm, load factor {curve.load_factor[step]:.4f}"
+    """Return where a step is, and whether it is an equilibrium: a picture of one that is none must not look like another."""
+    proof = ""
+    if step >= curve.proved_steps:
+        proof = ", no equilibrium" if curve.jumps[step] else ", not proved"
+    return f"{1e3 * curve.displacement[step]:.3g} mm, load factor {curve.load_factor[step]:.4f}{proof}"
 
 
 def _snapshot(

@@ -145,6 +145,21 @@ def test_the_report_shows_each_load_once(curve: BlockCapacityCurve) -> None:
     assert sentences[0].endswith("Crosses are no equilibria: there the structure jumps, or stones of it hang.")
 
 
+def test_the_report_marks_the_steps_that_are_not_proved(curve: BlockCapacityCurve) -> None:
+    count = len(curve.misfit)
+    late = curve_record_of(replace(curve, misfit=np.append(curve.misfit[:-2], [0.05, 0.5])), BLOCK, PUSH, [DRY])
+    assert late.proved_steps == count - 2
+    ((_, plot, (sentence,)),) = block_curve_plots([late], None)
+    assert f"Beyond {1e3 * curve.displacement[-3]:.3g} mm (hollow points) the steps are not proved" in sentence
+    assert "steps not proved" in plot
+    # Nothing is marked where all are proved, nor where an old record does not say; all is where none is.
+    for record in (curve_record_of(curve, BLOCK, PUSH, [DRY]), replace(late, proved_steps=None)):
+        ((_, plot, (sentence,)),) = block_curve_plots([record], None)
+        assert "not proved" not in sentence + plot
+    ((_, _, (sentence,)),) = block_curve_plots([replace(late, proved_steps=0)], None)
+    assert "From the first step on (hollow points)" in sentence
+
+
 def test_curves_take_no_part_in_the_advice_nor_in_the_comparison(curve: BlockCapacityCurve) -> None:
     record = replace(curve_record_of(curve, BLOCK, PUSH, [DRY]), name="a")
     shell = replace(record, name="s", model="homogenised-shell", method="limit")

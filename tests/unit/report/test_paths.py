@@ -56,6 +56,20 @@ def test_crack_maps_show_the_joint_that_opens(curve: cp.BlockCapacityCurve) -> N
     assert drawing.startswith("<svg")
 
 
+def test_pictures_of_steps_that_are_not_proved_say_so(curve: cp.BlockCapacityCurve, tmp_path: Path) -> None:
+    last = len(curve.misfit) - 1
+    misfit = np.zeros(last + 1)
+    misfit[1], misfit[last] = 0.05, 0.5
+    jumps = replace(curve, misfit=misfit)
+    half_way, end = (label for label, _, _ in snapshots(STONES, [(RECORD, jumps)], tmp_path))
+    assert half_way.endswith(", not proved")
+    assert end.endswith(", no equilibrium")
+    ((words, _),) = crack_maps(STONES, CONTACTS, [(RECORD, jumps)])
+    assert words.endswith(", not proved")
+    assert viewer_path(STONES, RECORD, jumps, origin_of(STONES))["path"]["words"][0] == "0 mm, load factor 0.2000"
+    assert not any("proved" in label for label, _, _ in snapshots(STONES, [(RECORD, curve)], tmp_path))
+
+
 def test_crack_maps_of_a_control_point_that_goes_backwards_or_to_and_fro(curve: cp.BlockCapacityCurve) -> None:
     ((_, expected),) = crack_maps(STONES, CONTACTS, [(RECORD, curve)])
     ((words, drawing),) = crack_maps(STONES, CONTACTS, [(RECORD, replace(curve, displacement=-curve.displacement))])
