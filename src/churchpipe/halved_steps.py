@@ -53,7 +53,8 @@ def careful_check(
     because = f"; of {left} there is none: {why.removeprefix('check: ')}" if why else ", which withstands no more."
     ends = f"It ends at {_end(halved)} instead of {_end(curve)}."
     taken = "" if lead.message else f" The check takes {which}{because}"
-    return replace(lead, halved=f"{_apart(curve, halved)} {ends}{taken}")
+    unproved = f"Of the curve with steps half as long: {lead.unproved}" if lead is other and lead.unproved else lead.unproved
+    return replace(lead, unproved=unproved, halved=f"{_apart(curve, halved)} {ends}{taken}")
 
 
 def _apart(curve: BlockCapacityCurve, halved: BlockCapacityCurve) -> str:

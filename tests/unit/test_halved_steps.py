@@ -11,6 +11,7 @@ from case_texts import WALL, case_file
 from churchpipe.code_check import Site
 from churchpipe.config.plan import plan
 from churchpipe.displacement_check import displacement_check
+from churchpipe.errors import InputError
 from churchpipe.halved_steps import careful_check
 from churchpipe.io.recording import halved_record
 from churchpipe.model.block_curve import BlockCapacityCurve, step_difference
@@ -64,6 +65,8 @@ def test_the_difference_of_two_curves_by_hand(curve: BlockCapacityCurve) -> None
     leaning = on_ground(box((0, 1), (0, 1), (0, 1)), box((0.6, 1.6), (0, 1), (1, 2)))
     nothing = cp.block_pushover(leaning, cp.find_contacts(leaning), PUSH)
     assert np.isnan(step_difference(line, nothing)[0])
+    with pytest.raises(InputError, match="step_difference: halved"):
+        step_difference(line, None)  # pyright: ignore[reportArgumentType]
 
 
 def test_the_check_takes_the_curve_that_withstands_less(curve: BlockCapacityCurve) -> None:
@@ -80,6 +83,9 @@ def test_the_check_takes_the_curve_that_withstands_less(curve: BlockCapacityCurv
     found = careful_check(shortened(curve, 0.6), curve, TALL, PUSH, SITED)
     assert found.a_g_slv == less.a_g_slv
     assert "takes the curve with whole steps, which withstands no more" in found.halved
+    late = np.where(np.arange(len(curve.misfit)) < len(curve.misfit) - 2, 0.0, 0.05)
+    doubtful = careful_check(curve, replace(shortened(curve, 0.6), misfit=late), TALL, PUSH, SITED)
+    assert doubtful.unproved.startswith("Of the curve with steps half as long: From step ")
     # Without a spectrum the shorter one is the careful one.
     assert careful_check(curve, shortened(curve, 0.6), TALL, PUSH, None).d0 == pytest.approx(0.6 * whole.d0, rel=1e-9)
 

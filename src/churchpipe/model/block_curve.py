@@ -77,7 +77,13 @@ def step_difference(curve: BlockCapacityCurve, halved: BlockCapacityCurve) -> tu
 
     A share of the first load factor of the first one; NaN where one of them has no steps. Where a curve goes back, as in a snap,
     it is taken from where it is further than ever before.
+
+    Raises
+    ------
+    InputError: something that is no capacity curve of the stones.
     """
+    for name, each in (("curve", curve), ("halved", halved)):
+        check_kind(f"step_difference: {name}", each, BlockCapacityCurve)
     if not len(curve.displacement) or not len(halved.displacement):
         return np.nan, np.nan
     one, other = _advancing(curve), _advancing(halved)
