@@ -4,6 +4,7 @@ import copy
 import re
 import tomllib
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -108,10 +109,9 @@ class Case:
         from churchpipe.generators.house import HouseParameters
         from churchpipe.generators.house_plan import loose_ends
 
-        try:
+        with suppress(InputError):  # Told, with its line, where the building is made.
             return tuple(loose_ends(HouseParameters(**self.source.parameters).layouts))
-        except InputError:
-            return ()  # Told, with its line, where the building is made.
+        return ()
 
     def storeys_above(self) -> dict[str, tuple[str, float]]:
         """Return of each wall that another storey of a house stands on its name and height, m; nothing of other sources."""
@@ -119,10 +119,19 @@ class Case:
             return {}
         from churchpipe.generators.house import HouseParameters
 
-        try:
+        with suppress(InputError):  # Told, with its line, where the building is made.
             return HouseParameters(**self.source.parameters).storeys_above
-        except InputError:
-            return {}  # Told, with its line, where the building is made.
+        return {}
+
+    def hanging(self) -> tuple[str, ...]:
+        """Return what is to be said of masonry that hangs over rectangular openings; of a drawing its reader says it."""
+        if isinstance(self.source, Drawing) or self.source.generator not in ("wall", "box", "house", "prototype"):
+            return ()
+        from churchpipe.recognition.overhangs import hanging
+
+        with suppress(InputError):  # Told, with its line, where the building is made.
+            return tuple(hanging(self.laid().panels))
+        return ()
 
     def located(self, error: InputError) -> InputError:
         """Return an error about the building with the line of the file that it is about."""

@@ -78,7 +78,7 @@ def _of_case(case: "Case") -> Iterator[str]:
     yield from _of_directions(case)
     yield from _of_vaults(case)
     yield from _of_fills(case)
-    yield from (f"{said} Is it meant?" for said in case.loose_ends())
+    yield from (f"{said} Is it meant?" for said in (*case.loose_ends(), *case.hanging()))
     yield from _of_storeys(case)
     yield from _of_beams(case)
     yield from _of_joints(case)

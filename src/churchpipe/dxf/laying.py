@@ -10,13 +10,14 @@ import numpy as np
 from churchpipe.dxf.stones import Stone
 from churchpipe.errors import InputError
 from churchpipe.findings import Finding, Place
-from churchpipe.model.arrays import ragged_indices
+from churchpipe.model.arrays import FloatArray, ragged_indices
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import Building, Panel
 from churchpipe.model.materials import UnitWeight
 from churchpipe.recognition.insets import is_single
 from churchpipe.recognition.laying import LaidBond, Volume, joined, laid_panel, lowest
 from churchpipe.recognition.lintels import LEVEL, LaidLintel, bare_heads, bearings, beyond, is_lintel, slight, with_lintels
+from churchpipe.recognition.overhangs import FREE, overhangs
 from churchpipe.recognition.squaring import squared
 from churchpipe.stones.blocks import derive_blocks
 from churchpipe.wording import counted
@@ -66,6 +67,8 @@ def laid_stones(bodies: Sequence[Stone], bond: LaidBond, unit: float, findings: 
     findings += [said for panel in panels for said in _slight(panel, place[panel.name])]
     findings += [said for panel in panels for said in _beyond(panel, place[panel.name])]
     findings += [said for panel in panels for said in _bare_heads(panel, place[panel.name])]
+    supports = [body.points * unit for body in fixed]
+    findings += [said for panel in panels for said in _overhangs(panel, panels, supports, place[panel.name])]
     return [*fixed, *_stones(stones, place, unit)]
 
 
@@ -177,6 +180,18 @@ def _bare_heads(panel: Panel, place: Place) -> list[Finding]:
     # Over a curved head none is laid, whatever is asked.
     remedy += "; --lintel-bearing lays lintels over flat heads." if flat else "."
     return [place.finding("W28", found, remedy=remedy)]
+
+
+def _overhangs(panel: Panel, walls: Sequence[Panel], supports: Sequence[FloatArray], place: Place) -> list[Finding]:
+    """Return what is to be said of masonry over openings that has a free end: no lintel can be laid there."""
+    if is_single(panel) or not (found := overhangs(panel, walls, supports)):
+        return []
+    what = (
+        f'"{panel.name}": masonry that is {FREE}: {"; ".join(map(str, found))}. Friction of head joints and the weight of the '
+        "wall on its other end hold it, and a lintel on it bears on what hangs"
+    )
+    remedy = "Draw what bears its free end, such as a pier, or one head at one height from side to side with a lintel over it."
+    return [place.finding("W28", what, remedy=remedy)]
 
 
 def _stones(stones: Assemblage, place: dict[str, Place], unit: float) -> list[Stone]:

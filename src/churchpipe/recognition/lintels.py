@@ -1,7 +1,7 @@
 """Lintels of walls that are given whole: known by their names, or laid over openings that have a flat head."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,6 +10,7 @@ from churchpipe.bond.junction import wall_junctions
 from churchpipe.bond.walls import wall_region
 from churchpipe.errors import InputError
 from churchpipe.geometry.planar import Polygons, Region, area, boxes, common, extent, less, pieces, polygon, rings
+from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, Panel
 
 _LINTEL = re.compile(r"(?:.*/)?lintels?(?![a-z])", re.IGNORECASE)
@@ -137,11 +138,9 @@ def with_lintels(panels: Sequence[Panel], bearing: float) -> tuple[list[Panel], 
     return out, laid
 
 
-def _heads(solid: Region) -> list[Head]:
-    """Return the heads of openings: chains of edges of a wall that run to the right, with the wall above them, from one upright
-    side to another."""
-    found: list[Head] = []
-    base = float(extent(solid)[1])
+def undersides(solid: Region) -> Iterator[tuple[FloatArray, bool, bool]]:
+    """Yield each chain (n, 2) m of edges of a wall that run to the right, with the wall above them; whether the wall goes down
+    before it, and whether after it."""
     for piece in pieces(solid):
         for number, ring in enumerate(rings(piece)):
             points = ring[:-1]
@@ -153,10 +152,17 @@ def _heads(solid: Region) -> list[Head]:
             for first in np.flatnonzero(right & ~np.roll(right, 1)):
                 count = int(np.argmin(np.roll(right, -first)))
                 chain = np.take(points, range(first, first + count + 1), axis=0, mode="wrap")
-                rises, falls = step[first - 1, 1] > LEVEL, step[(first + count) % len(points), 1] < -LEVEL
-                if rises and falls and chain[:, 1].max() > base + LEVEL:
-                    flat = bool(np.ptp(chain[:, 1]) <= LEVEL)
-                    found.append(Head(float(chain[0, 0]), float(chain[-1, 0]), float(chain[:, 1].max()), flat))
+                yield chain, bool(step[first - 1, 1] > LEVEL), bool(step[(first + count) % len(points), 1] < -LEVEL)
+
+
+def _heads(solid: Region) -> list[Head]:
+    """Return the heads of openings: undersides of a wall from one upright side to another."""
+    found: list[Head] = []
+    base = float(extent(solid)[1])
+    for chain, rises, falls in undersides(solid):
+        if rises and falls and chain[:, 1].max() > base + LEVEL:
+            flat = bool(np.ptp(chain[:, 1]) <= LEVEL)
+            found.append(Head(float(chain[0, 0]), float(chain[-1, 0]), float(chain[:, 1].max()), flat))
     return sorted(found, key=lambda head: (head.start, head.level))
 
 

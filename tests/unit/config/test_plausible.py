@@ -196,6 +196,32 @@ def test_a_wall_of_a_house_that_all_but_meets_another_is_questioned(
     assert questions([read_case(path)]) == asked
 
 
+@pytest.mark.parametrize(
+    ("openings", "asked"),
+    [
+        ([(1.0, 1.0, 5, 0.0), (2.0, 1.0, 7, 0.0)], "from 1 to 2 m along the wall, 1 m high"),
+        ([(3.0, 1.0, 5, 0.0)], "from 3 to 4 m along the wall, 1 m high"),
+        ([(1.0, 1.0, 5, 0.0)], "1 opening with a flat head and no lintel"),
+        ([(1.0, 1.0, 5, 0.2)], ""),
+    ],
+    ids=["an L of two that touch", "at the end", "no lintel", "a lintel"],
+)
+def test_masonry_that_hangs_over_an_opening_is_questioned(openings: list[tuple[float, ...]], asked: str, tmp_path: Path) -> None:
+    keys = ("start_m", "width_m", "height_courses", "lintel_bearing_m")
+    told = ", ".join(
+        "{ " + ", ".join(f"{key} = {value}" for key, value in zip(keys, one, strict=True)) + " }" for one in openings
+    )
+    path = tmp_path / "w.toml"
+    path.write_text(
+        'name = "w"\n[source]\ngenerator = "wall"\nlength_m = 4.0\nbrick_m = [0.4, 0.3, 0.2]\ncourses = 12\n'
+        f"openings = [{told}]\n[material.default]\nunit_weight_kN_m3 = 18\nfriction = 0.6\n[[load]]\ndirection = [1, 0, 0]\n"
+    )
+    case = read_case(path)
+    case.building()
+    said = [text for text in questions([case]) if "friction of head joints" in text.lower()]
+    assert any(asked in text for text in said) if asked else not said
+
+
 def test_a_wall_of_a_house_that_is_refused_is_not_questioned(tmp_path: Path) -> None:
     path = tmp_path / "house.toml"
     path.write_text(sample_case("house").replace("start_m = [5.0, 0.0]", "start_m = [4.0, 0.0]"))

@@ -11,7 +11,9 @@ import shapely
 
 import churchpipe as cp
 from churchpipe.errors import InputError
+from churchpipe.model.building import BondRegion, Panel, PlaneChart, UnitCell
 from churchpipe.recognition.lintels import is_lintel
+from churchpipe.recognition.overhangs import overhangs
 from churchpipe.recognition.panels import fit_panels
 from solids import standing
 
@@ -308,3 +310,43 @@ def test_random_walls_with_lintels_are_filled_exactly(tmp_path: Path, seed: int)
     for _, (left, _, right, head) in holes:
         over = (np.abs(found[:, 1] - head) < 1e-9) & (found[:, 0] < left - 0.06) & (found[:, 2] > right + 0.06)
         assert over.sum() == 1
+
+
+@pytest.mark.parametrize("bearing", [{}, {"lintel_bearing": 0.25}])
+@pytest.mark.parametrize(
+    ("openings", "place"),
+    [
+        ([(1.0, -0.1, 2.0, 1.5), (2.0, -0.1, 3.0, 2.0)], "from 1 to 2 m along the wall, 1.5 m high"),
+        ([(1.0, 0.5, 2.0, 2.0), (2.0, 0.5, 3.0, 1.5)], "from 2 to 3 m along the wall, 1.5 m high"),
+        ([(4.0, 1.0, 5.1, 2.0)], "from 4 to 5 m along the wall, 2 m high"),
+        ([(-0.1, -0.1, 1.0, 2.0)], "from 0 to 1 m along the wall, 2 m high"),
+    ],
+    ids=["L on the left", "L on the right", "window at the end", "door at the beginning"],
+)
+def test_masonry_with_a_free_end_is_said(tmp_path: Path, openings, place: str, bearing):
+    """No lintel can bear on both sides of it, so none is laid, whatever is asked."""
+    _, said = read(drawing(tmp_path, WALL, *(("OPENING", box) for box in openings)), **bearing)
+    assert said.count("held on one side only") == 1
+    assert place in said
+
+
+def test_masonry_with_something_below_its_free_end_is_not_said(tmp_path: Path):
+    """The end of an opening at the end of its wall stands on a support, in another drawing on a wall that crosses."""
+    wall, opening = WALL, ("OPENING", (4.0, -0.1, 5.1, 2.0))
+    _, said = read(drawing(tmp_path, wall, opening, ("SUPPORT", (4.5, 1.5, 5.0, 2.0)), ("SUPPORT", (0.0, -0.5, 4.0, 0.0))))
+    assert "held on one side only" not in said
+
+
+def test_the_free_end_of_a_wall_may_stand_on_a_crossing_wall():
+    """Of two walls that cross at their ends, one has its opening up to the inner face of the other."""
+    cell = UnitCell(a=COURSE, b=STONE)
+
+    def wall(name: str, origin: tuple[float, float, float], axis: tuple[float, float, float], outline: list) -> Panel:
+        chart = PlaneChart(origin, axis, (0.0, 0.0, 1.0))
+        return Panel(name, chart, np.array(outline), THICKNESS, (BondRegion("bond", np.array(outline), "running", cell),))
+
+    notched = [(0.0, 0.0), (4.0, 0.0), (4.0, 2.0), (5.0, 2.0), (5.0, 3.0), (0.0, 3.0)]
+    one = wall("one", (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), notched)
+    other = wall("other", (4.8, -0.2, 0.0), (0.0, 1.0, 0.0), [(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0)])
+    assert [str(found) for found in overhangs(one)] == ["from 4 to 5 m along the wall, 2 m high"]
+    assert overhangs(one, [one, other]) == []

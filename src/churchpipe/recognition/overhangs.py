@@ -1,0 +1,98 @@
+"""Masonry over openings that is held on one side only: L-shaped openings, and those that reach the end of their wall."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from churchpipe.bond.walls import wall_region
+from churchpipe.errors import InputError
+from churchpipe.geometry.charts import along, base_level, footprint, lift
+from churchpipe.geometry.planar import contains, extent, polygon
+from churchpipe.model.arrays import BoolArray, FloatArray
+from churchpipe.model.building import Panel
+from churchpipe.recognition.lintels import ABOVE, LEVEL, UNDER, bare_heads, undersides
+from churchpipe.wording import counted
+
+# Where along what hangs there is looked for what is below it, and over it.
+_PLACES = np.linspace(0.02, 0.98, 49)
+_UP = np.array([0.0, ABOVE])
+FREE = "held on one side only, as over an L-shaped opening or one that reaches the end of the wall"
+
+
+@dataclass(frozen=True, slots=True)
+class Overhang:
+    """Masonry of a wall over nothing, m in its chart: from start to stop at the height `level`, with a free end."""
+
+    start: float
+    stop: float
+    level: float
+
+    def __str__(self) -> str:
+        return f"from {self.start:.4g} to {self.stop:.4g} m along the wall, {self.level:.4g} m high"
+
+
+def overhangs(panel: Panel, walls: Sequence[Panel] = (), supports: Sequence[FloatArray] = ()) -> list[Overhang]:
+    """Return where a wall hangs over nothing at one end or both, without an arch or a lintel there.
+
+    walls: those that may stand below a free end, the wall itself as well; supports: points (n, 3) m of each body that may.
+    """
+    solid = wall_region(panel)
+    base = float(extent(solid)[1])
+    over = [polygon(region.outline) for region in panel.regions if region.pattern in ("single", "voussoir")]
+    others = [wall for wall in walls if wall is not panel]
+    found: list[Overhang] = []
+    for chain, rises, falls in undersides(solid):
+        if (rises and falls) or chain[:, 1].max() <= base + LEVEL:
+            continue
+        place = chain[0, 0] + _PLACES * (chain[-1, 0] - chain[0, 0])
+        edge = np.column_stack([place, np.interp(place, chain[:, 0], chain[:, 1])])
+        covered = np.zeros(len(edge), dtype=bool)
+        for region in over:
+            covered |= contains(region, edge + _UP)
+        if covered.mean() >= UNDER:
+            continue
+        free = np.array([not rises, not falls])
+        if (free & ~_borne(lift(panel.chart, edge[[0, -1]] - _UP), others, supports)).any():
+            found.append(Overhang(float(chain[0, 0]), float(chain[-1, 0]), float(chain[:, 1].max())))
+    return sorted(found, key=lambda one: (one.start, one.level))
+
+
+def hanging(panels: Sequence[Panel]) -> Iterator[str]:
+    """Yield of each upright wall what is to be said of masonry that hangs over its openings."""
+    walls = [panel for panel in panels if _upright(panel)]
+    for panel in walls:
+        flat = [head for head in bare_heads(panel) if head.flat]
+        if flat:
+            over = "it" if len(flat) == 1 else "them"
+            yield (
+                f'"{panel.name}" has {counted(len(flat), "opening")} with a flat head and no lintel: friction of head joints '
+                f"holds the stones over {over}, and no shell stands there without cohesion."
+            )
+        if found := overhangs(panel, walls):
+            yield (
+                f'"{panel.name}" has masonry that is {FREE}: {"; ".join(map(str, found))}. Friction of head joints and the '
+                "weight of the wall on its other end hold it, and a lintel on it bears on what hangs."
+            )
+
+
+def _borne(points: FloatArray, walls: Sequence[Panel], supports: Sequence[FloatArray]) -> BoolArray:
+    """Return of points (n, 3) m whether a wall or a support is there."""
+    found = np.zeros(len(points), dtype=bool)
+    for body in supports:
+        found |= ((points >= body.min(axis=0) - ABOVE) & (points <= body.max(axis=0) + ABOVE)).all(axis=1)
+    for wall in walls:
+        start, _, stop, _ = extent(polygon(wall.outline)).tolist()
+        inside = contains(footprint(wall.chart, wall.thickness, start, stop), points[:, :2])
+        if inside.any():
+            flat = np.column_stack([along(wall.chart, points[:, :2]), points[:, 2] - base_level(wall.chart)])
+            found |= inside & contains(wall_region(wall), flat)
+    return found
+
+
+def _upright(panel: Panel) -> bool:
+    try:
+        wall_region(panel)
+    except InputError:
+        return False
+    return True
