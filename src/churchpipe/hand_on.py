@@ -91,7 +91,8 @@ def write_report(
     Raises
     ------
     InputError
-        Arguments of the wrong kind, a result of other stones or of another mesh, a curve without a load, a package of
+        Arguments of the wrong kind, a result of other stones, loads or ties or of another mesh, loads that no load
+        case has, a curve without a load, a package of
         `churchpipe[all]` that is missing.
     """
     check_kind("write_report: stones", stones, Assemblage)
@@ -107,20 +108,24 @@ def write_report(
     with Extra("the report"):
         from churchpipe.report.given import curves_given, movements_given
         from churchpipe.report.html import write_report as write_html
+        from churchpipe.report.of_stones import check_loads_in, check_state_of
     applied = Applied(place_loads(stones, loads), tuple(listed("write_report: ties", ties, Tie)))
-    of_blocks: list[tuple[Analysis, LimitState]] = []
-    of_shell: list[tuple[Analysis, str, ShellLimitState | CapacityCurve]] = []
-    pushes: list[LoadCase] = []
-    for number, pair in enumerate(checked_sequence("write_report: results", results, "pairs of a load case and its result"), 1):
-        check_kind(f"write_report: results[{number - 1}]", pair, tuple, list)
+    pairs: list[tuple[LoadCase, Result]] = []
+    for number, pair in enumerate(checked_sequence("write_report: results", results, "pairs of a load case and its result")):
+        check_kind(f"write_report: results[{number}]", pair, tuple, list)
         if len(pair) != 2:
             found, expected = counted(len(pair), "entry", "entries"), "a load case and its result"
-            raise InputError(f"write_report: results[{number - 1}]", "not a pair", found=found, expected=expected)
-        load, result = pair
-        check_kind("write_report: load", load, LoadCase)
-        pushes.append(load)
+            raise InputError(f"write_report: results[{number}]", "not a pair", found=found, expected=expected)
+        check_kind("write_report: load", pair[0], LoadCase)
+        pairs.append((pair[0], pair[1]))
+    followed = curves_given(curve, [load for load, _ in pairs], stones, materials, groups, applied, site)
+    of_blocks: list[tuple[Analysis, LimitState]] = []
+    of_shell: list[tuple[Analysis, str, ShellLimitState | CapacityCurve]] = []
+    for number, (load, result) in enumerate(pairs, 1):
         name_of = f"{number} {load.name}"
         if isinstance(result, LimitState) and len(result.velocities) == stones.count:
+            check_loads_in(f"write_report: results[{number - 1}]", load, stones, applied.loads)
+            check_state_of(f"write_report: results[{number - 1}]", result, stones, contacts, load, applied.ties)
             record = record_of(result, load, materials, ties=applied.ties, joints=groups)
             found = compare.stone_parts(stones, result, load) | {"check": _check(stones, result, load, site, applied, materials)}
             of_blocks.append((replace(record, name=name_of, **(found if result.status in GOOD else {})), result))
@@ -145,7 +150,6 @@ def write_report(
         gate = match_models(stones, contacts, shell, applied.loads)
         size = float(np.sqrt(2 * np.median(shell.area)))
         meshes = {_MESH: compare.mesh_size(shell, gate, "base", round(size, 3))}
-    followed = curves_given(curve, pushes, stones, materials, groups, applied, site)
     moved = [] if settlement is None else movements_given(settlement, stones, contacts, materials, groups, applied)
     analyses = [record for record, *_ in (*of_blocks, *of_shell, *followed)]
     sizes, ways = {"base": compare.size(stones, contacts)}, [record for record, *_ in moved]

@@ -175,6 +175,56 @@ def test_a_curve_of_another_load_or_of_other_joints_than_its_pair_is_refused(
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize(
+    ("other", "said"),
+    [
+        ((0.4, 1.0, (0.5, 0.5, 1.0, 0.5)), "forces that leave 0.25 of the weight"),
+        # As heavy, and half as deep: the forces balance, their moments do not.
+        ((0.2, 2.0, (0.5, 0.5, 0.5, 0.5)), "a moment of "),
+    ],
+    ids=["heavier", "of the same weight"],
+)
+def test_a_state_of_other_stones_with_as_many_joints_is_refused(
+    other: tuple[float, float, tuple[float, ...]], said: str, tmp_path: Path
+) -> None:
+    depth, width, heights = other
+    tops = np.cumsum(heights)
+    bodies = [box((0, depth), (0, width), (top - height, top)) for top, height in zip(tops, heights, strict=True)]
+    stones = on_ground(*bodies, unit_weight=2e4)
+    contacts = cp.find_contacts(stones)
+    assert (stones.count, len(contacts.point)) == (STONES.count, len(CONTACTS.point))
+    for flow in ("associative", "non-associative"):
+        state = cp.limit_analysis(stones, contacts, PUSH, 0.6, flow=flow)
+        with pytest.raises(InputError, match=r"write_report: results\[0\]: a result of another structure.*" + said):
+            written(tmp_path, [(PUSH, state)])
+        written(tmp_path, [(PUSH, cp.limit_analysis(STONES, CONTACTS, PUSH, 0.6, flow=flow, contact_model="torsion"))])
+
+
+def test_a_state_of_another_load_or_of_ties_that_are_not_given_is_refused(tmp_path: Path) -> None:
+    state = cp.limit_analysis(STONES, CONTACTS, PUSH, 0.6)
+    with pytest.raises(InputError, match=r"a result of another structure, load or ties.*balance \+y"):
+        written(tmp_path, [(cp.LoadCase((0, 1, 0)), state)])
+    tie = cp.Tie("tie", (0.2, 0.5, 2.0), (0.2, 0.5, 0.0), stones=(4, 0), strength=1e4)
+    tied = cp.limit_analysis(STONES, CONTACTS, PUSH, 0.6, ties=[tie])
+    with pytest.raises(InputError, match="found one of 1 ties; expected one of 0"):
+        written(tmp_path, [(PUSH, tied)])
+    written(tmp_path, [(PUSH, tied)], ties=[tie])
+
+
+def test_loads_that_no_load_case_has_are_refused(curve: cp.BlockCapacityCurve, tmp_path: Path) -> None:
+    roof = cp.LineLoad("pier", name="roof", dead=5e3)
+    state = cp.limit_analysis(STONES, CONTACTS, PUSH, 0.6)
+    said = "loads= names a load that the load case has not; found line load roof, and nothing of it in"
+    with pytest.raises(InputError, match=r"write_report: results\[0\]: " + said):
+        written(tmp_path, [(PUSH, state)], loads=[roof])
+    with pytest.raises(InputError, match=r"write_report: curve\[0\]: " + said):
+        written(tmp_path, curve=[(PUSH, curve)], loads=[roof])
+    pushed = cp.loaded(PUSH, STONES, [roof])
+    written(tmp_path, [(pushed, cp.limit_analysis(STONES, CONTACTS, pushed, 0.6))], loads=[roof])
+    with pytest.raises(InputError, match="a result of another structure, load or ties"):
+        written(tmp_path, [(pushed, state)], loads=[roof])
+
+
 @pytest.mark.parametrize("folder", [".", "there"])
 def test_a_report_is_not_written_to_a_folder(folder: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "there").mkdir()

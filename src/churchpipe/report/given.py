@@ -25,6 +25,7 @@ from churchpipe.model.materials import JointStrength
 from churchpipe.model.placed_loads import Applied
 from churchpipe.model.settlement import SettlementPath
 from churchpipe.model.stone_path import StonePath
+from churchpipe.report.of_stones import check_loads_in
 from churchpipe.report.paths import Followed
 from churchpipe.wording import counted
 
@@ -72,6 +73,7 @@ def curves_given(
         for path in (one, *([halved] if halved else [])):
             _check_of(_CURVE, path, stones)
             _check_made_with(path, load, one)
+        check_loads_in(f"{_CURVE}[{number - 1}]", load, stones, applied.loads)
         record = curve_record_of(one, stones, load, materials, groups)
         check = DisplacementCheck(message=unchecked(load, applied))
         if not check.message:

@@ -111,7 +111,7 @@ def test_a_model_of_one_brick_has_figures(tmp_path: Path) -> None:
     drawings = dict(drawings_svg(stones, drawn_loads(stones, [])))
     assert "0.015 m" in drawings["Elevation from \u2212y"]
     assert "Plan, cut 0.0075 m above the foot" in drawings
-    contacts, load = cp.find_contacts(stones), cp.LoadCase((0, 1, 0))
+    contacts, load = cp.find_contacts(stones), cp.loaded(cp.LoadCase((0, 1, 0)), stones, loads)
     state = cp.limit_analysis(stones, contacts, load, 0.6)
     cp.write_report(tmp_path / "r.html", stones, contacts, [(load, state)], materials=MATERIALS, loads=loads)
     text = (tmp_path / "r.html").read_text(encoding="utf-8")
