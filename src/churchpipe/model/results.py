@@ -53,7 +53,8 @@ class StartRun:
 class LimitState(Shown):
     """The result of a rigid-block limit analysis.
 
-    load_factor: NaN when unstable or failed, inf when unbounded. lower_bound, upper_bound: static and kinematic bounds
+    load_factor: NaN when unstable or failed, or where only dilatancy is known to hold any load (not-converged), inf when
+    unbounded. lower_bound, upper_bound: static and kinematic bounds
     (NaN for a non-associative result, which has none). forces (nc, 3) N, components n, t1, t2; velocities (nb, 6),
     translation of the centroid and rotation, scaled to f_L . u = 1 per total weight (for an unstable structure: the
     falling mechanism, f_D . u = 1 per total weight). equilibrium_residual and cone_violation are relative to the total weight.

@@ -27,12 +27,15 @@ def status_note(stones: Assemblage, row: Row) -> str:
         case "unbounded":
             return (
                 "No lateral load of this kind brings the structure down: friction and geometry hold at any load factor. "
-                "Check the direction, the loaded panels and the supports; a real structure would crush or slide elsewhere first."
+                "Check the direction, the loaded panels and the supports; a real structure would crush or slide elsewhere first, "
+                "and with a compressive strength of its materials it has a load factor."
                 f"{message}"
             )
         case "not-converged" if row.record.method == "curve":
             said = f": {row.record.message}" if row.record.message else ""
             return f"The capacity curve is not proved to its end{said}. The load factor is that at which it starts."
+        case "not-converged" if row.state and math.isnan(row.state.load_factor):
+            return f"There is no load factor without dilatancy.{message}"
         case "not-converged":
             return "The iteration did not reach a certified state without dilatancy. " + _unfinished(row)
         case "failed":

@@ -106,6 +106,7 @@ def unbounded_state(balance: Equilibrium, ray: ConeSolution, seconds: float, flo
     )
     if flow == "non-associative":
         message += "; they need no friction"
+    message += "; stones that do not crush never fail so, and a compressive strength gives a load factor"
     still = replace(ray, y=np.full_like(ray.y, np.nan))
     proof = Certificate(np.inf, np.inf, residual, 0.0, residual, 0.0)
     return _state(balance, still, "unbounded", np.inf, proof, seconds, flow=flow, message=message)

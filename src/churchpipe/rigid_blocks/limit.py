@@ -40,6 +40,12 @@ Progress = Callable[[str, float], None]
 # which the last two may not be told apart. Runs from the centre, after two, follow half of the way, or they would go to and fro.
 _AT_REST = 5e-4
 _ROUNDS, _WHOLE_WAY, _SHARE = 12, 2, 0.5
+# Where friction that dilates holds at any load factor, and the search without dilatancy ends nowhere.
+WEDGED = (
+    "no load factor is known: the load wedges the stones, so that joints that dilate hold it however large it is; without "
+    "dilatancy that proves nothing, and no collapse was found either. Stones that do not crush may never fail so: give their "
+    "compressive strength"
+)
 
 
 def limit_analysis(
@@ -105,7 +111,8 @@ def limit_analysis(
     -------
     LimitState
         Status "unstable" when dead load alone brings the structure down (velocities: how it falls), "unbounded" when no
-        lateral load of this kind does, "failed" when no certified answer was found.
+        lateral load of this kind does, "not-converged" without a load factor where sliding that dilates alone is known to
+        hold any, "failed" when no certified answer was found.
 
     Raises
     ------
@@ -200,7 +207,12 @@ def analysed(
         ray = wedge(balance, replace(strength, friction=np.zeros_like(strength.friction)), solve)
         if ray is not None:
             return unbounded_state(balance, ray, perf_counter() - begin, flow)
-    elif state.status != "optimal":
+        found = sliding_analysis(balance, strength, state, options, solve, progress, names)
+        if found.status == "converged":
+            return found
+        # The load factor at which the search gave up, even one below zero, says nothing.
+        return replace(found, load_factor=np.nan, interval=(np.nan, np.nan), message=f"{WEDGED}; {found.message}")
+    if state.status != "optimal":
         return replace(state, flow=flow)
     return sliding_analysis(balance, strength, state, options, solve, progress, names)
 

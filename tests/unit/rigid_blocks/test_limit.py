@@ -170,6 +170,25 @@ def test_a_wedge_of_friction_alone_slides_without_dilatancy(taper: float) -> Non
     assert [run.start for run in alone.starts] == ["dead-load"]
 
 
+def test_an_arch_that_is_pressed_at_its_crown_says_why_it_has_no_load_factor() -> None:
+    """With friction a thick arch of few stones holds any load at its crown; sliding without dilatancy is not decided by that, and
+    the search once ended at a load factor of -3.9. With a compressive strength there is one."""
+    stones = cp.derive_blocks(generators.arch(mean_radius=1.0, thickness=0.4, width=0.5, voussoirs=3, half_angle=np.radians(60)))
+    contacts = find_contacts(stones)
+    live = np.zeros((stones.count, 6))
+    live[int(np.argmax(stones.centroid[:, 2])), 2] = -1e3
+    load = LoadCase(name="crown", live=live)
+    dilating = limit_analysis(stones, contacts, load, 0.7)
+    assert dilating.status == "unbounded"
+    assert "a compressive strength gives a load factor" in dilating.message
+    state = limit_analysis(stones, contacts, load, 0.7, flow="non-associative", start="dead-load")
+    assert state.status == "not-converged"
+    assert np.isnan([state.load_factor, *state.interval]).all()
+    assert state.message.startswith("no load factor is known: the load wedges the stones")
+    assert "give their compressive strength" in state.message
+    assert limit_analysis(stones, contacts, load, 0.7, compressive_strength=2e6).status == "optimal"
+
+
 def test_a_certificate_names_what_it_lacks() -> None:
     found = Certificate(0.39659686, 0.39659687, 4.6e-10, 0.0, 4.3e-6, 2e-9)
     assert not found.holds
