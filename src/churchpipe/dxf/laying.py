@@ -16,7 +16,7 @@ from churchpipe.model.building import Building, Panel
 from churchpipe.model.materials import UnitWeight
 from churchpipe.recognition.insets import is_single
 from churchpipe.recognition.laying import LaidBond, Volume, joined, laid_panel, lowest
-from churchpipe.recognition.lintels import LEVEL, LaidLintel, bare_heads, bearings, beyond, is_lintel, slight, with_lintels
+from churchpipe.recognition.lintels import LEVEL, SEAT, LaidLintel, bare_heads, bearings, beyond, is_lintel, slight, with_lintels
 from churchpipe.recognition.overhangs import FREE, overhangs
 from churchpipe.recognition.squaring import squared
 from churchpipe.stones.blocks import derive_blocks
@@ -152,7 +152,8 @@ def _slight(panel: Panel, place: Place) -> list[Finding]:
         f"{name}, {1e3 * high:.3g} mm high and {long:.3g} m long, bears {1e3 * rests:.3g} mm at one end"
         for name, high, long, rests in found
     )
-    what = f'"{panel.name}": lintels lower, or borne by less, than a fiftieth of their length: {listed}'
+    few = f"borne by less than {1e3 * SEAT:g} mm, or lower, or borne by less, than a fiftieth of their length"
+    what = f'"{panel.name}": lintels {few}: {listed}'
     return [place.finding("W28", what, remedy="Draw them as they are, or ask for more bearing, if that is not meant.")]
 
 

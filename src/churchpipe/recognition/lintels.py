@@ -24,6 +24,8 @@ LEAST_REST = 0.25
 UNDER = 0.9
 # A lintel that is lower than this share of its length, or bears on less, is asked about.
 SLIGHT = 0.02
+# So does one that bears on less than this, m, where it is as high, unlike those of small models: the edge below it spalls.
+SEAT = 0.05
 # How far above a head what lies over it is looked for, m.
 ABOVE = 1e-3
 
@@ -90,11 +92,11 @@ def beyond(panel: Panel) -> list[tuple[str, float]]:
 
 def slight(panel: Panel) -> list[tuple[str, float, float, float]]:
     """Return name, height, length and least bearing, m, of lintels that hardly are any, as slips of the hand are: lower than a
-    fiftieth of their length, or borne on one side by less than that, though by more than nothing."""
+    fiftieth of their length, or borne on one side by less than that, or by less than `SEAT`, though by more than nothing."""
     size = {region.name: extent(polygon(region.outline)) for region in panel.regions if region.pattern == "single"}
     found = [(name, size[name], min(left, right)) for name, left, right in bearings(panel)]
     least = [(name, float(box[3] - box[1]), float(box[2] - box[0]), rests) for name, box, rests in found]
-    return [one for one in least if one[1] < SLIGHT * one[2] or LEVEL < one[3] < SLIGHT * one[2]]
+    return [one for one in least if one[1] < SLIGHT * one[2] or LEVEL < one[3] < max(SLIGHT * one[2], min(SEAT, one[1]) - LEVEL)]
 
 
 def with_lintels(panels: Sequence[Panel], bearing: float) -> tuple[list[Panel], list[LaidLintel]]:

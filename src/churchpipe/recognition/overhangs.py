@@ -11,7 +11,7 @@ from churchpipe.geometry.charts import along, base_level, footprint, lift
 from churchpipe.geometry.planar import contains, extent, polygon
 from churchpipe.model.arrays import BoolArray, FloatArray
 from churchpipe.model.building import Panel
-from churchpipe.recognition.lintels import ABOVE, LEVEL, UNDER, bare_heads, undersides
+from churchpipe.recognition.lintels import ABOVE, LEVEL, SEAT, UNDER, bare_heads, slight, undersides
 from churchpipe.wording import counted
 
 # Where along what hangs there is looked for what is below it, and over it.
@@ -59,7 +59,7 @@ def overhangs(panel: Panel, walls: Sequence[Panel] = (), supports: Sequence[Floa
 
 
 def hanging(panels: Sequence[Panel]) -> Iterator[str]:
-    """Yield of each upright wall what is to be said of masonry that hangs over its openings."""
+    """Yield of each upright wall what is to be said of masonry that hangs over its openings, or nearly does."""
     walls = [panel for panel in panels if _upright(panel)]
     for panel in walls:
         flat = [head for head in bare_heads(panel) if head.flat]
@@ -68,6 +68,11 @@ def hanging(panels: Sequence[Panel]) -> Iterator[str]:
             yield (
                 f'"{panel.name}" has {counted(len(flat), "opening")} with a flat head and no lintel: friction of head joints '
                 f"holds the stones over {over}, and no shell stands there without cohesion."
+            )
+        for name, high, long, rests in slight(panel):
+            yield (
+                f'"{panel.name}": {name}, {1e3 * high:.3g} mm high and {long:.3g} m long, bears {1e3 * rests:.3g} mm at one end; '
+                f"usual are {1e3 * SEAT:g} mm and more, as edges spall: lintel_bearing says otherwise."
             )
         if found := overhangs(panel, walls):
             yield (

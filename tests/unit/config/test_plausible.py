@@ -222,6 +222,15 @@ def test_masonry_that_hangs_over_an_opening_is_questioned(openings: list[tuple[f
     assert any(asked in text for text in said) if asked else not said
 
 
+@pytest.mark.parametrize(("bearing", "asked"), [(0.001, "1 mm"), (0.04, "40 mm"), (0.05, ""), (0.3, "")])
+def test_a_lintel_that_bears_on_next_to_nothing_is_questioned(bearing: float, asked: str, tmp_path: Path) -> None:
+    path = tmp_path / "house.toml"
+    path.write_text(sample_case("house").replace("# lintel_bearing_m = 0.3", f"lintel_bearing_m = {bearing}"))
+    said = [text for text in questions([read_case(path)]) if "bears" in text]
+    assert bool(said) == bool(asked)
+    assert all(f"bears {asked} at one end; usual are 50 mm and more" in text for text in said)
+
+
 def test_a_wall_of_a_house_that_is_refused_is_not_questioned(tmp_path: Path) -> None:
     path = tmp_path / "house.toml"
     path.write_text(sample_case("house").replace("start_m = [5.0, 0.0]", "start_m = [4.0, 0.0]"))

@@ -154,6 +154,9 @@ def test_lintels_that_hardly_are_any_are_said(tmp_path: Path):
     assert "lower, or borne by less, than a fiftieth of their length: LINTEL, 3 mm high and 1.5 m long, bears 250 mm" in said
     _, said = read(drawing(tmp_path, WALL, WINDOW), lintel_bearing=0.001)
     assert "lintel-1, 250 mm high and 1 m long, bears 1 mm at one end" in said
+    _, said = read(drawing(tmp_path, WALL, WINDOW), lintel_bearing=0.03)
+    assert "lintels borne by less than 50 mm, or" in said
+    assert "bears 30 mm at one end" in said
     _, said = read(drawing(tmp_path, WALL, WINDOW), lintel_bearing=0.1)
     assert "fiftieth" not in said
 
