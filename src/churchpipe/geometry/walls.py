@@ -36,6 +36,14 @@ class WallLine:
         """Return the point (2,) m at these distances along the wall and from its middle."""
         return self.origin + along * self.axis + aside * self.normal
 
+    @property
+    def way(self) -> str:
+        """How messages say along which side of the wall, or of a vault, places are measured, and from where."""
+        east, north = (self.axis.round(3) + 0.0).tolist()
+        named = {(1.0, 0.0): "+x", (0.0, 1.0): "+y"}.get((east, north), f"({east:g}, {north:g})")
+        x, y = (self.origin.round(3) + 0.0).tolist()
+        return f"along its longer side in plan, {named} from ({x:g}, {y:g})"
+
     def side(self, where: str, toward: FloatArray) -> float:
         """Return 1 or -1: which side of the wall a direction (3,) names.
 

@@ -191,9 +191,8 @@ def _force(dead: float, thrust: float, toward: FloatArray | None) -> FloatArray:
 def _check_within(where: str, wall: WallLine, begin: float, end: float) -> None:
     if min(begin, end) < -CLOSE or max(begin, end) > wall.length + CLOSE:
         found = f"{begin:g} m" if begin == end else f"from {begin:g} m to {end:g} m"
-        raise InputError(
-            where, f"beyond the wall {wall.name}", found=found, expected=f"within 0 and {wall.length:.6g} m along it"
-        )
+        expected = f"within 0 and {wall.length:.6g} m along it: {wall.way}"
+        raise InputError(where, f"beyond the wall {wall.name}", found=found, expected=expected)
 
 
 def _aside(where: str, wall: WallLine, eccentricity: float, toward: FloatArray | None) -> float:

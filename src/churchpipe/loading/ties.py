@@ -186,7 +186,7 @@ def _middle(stones: Assemblage, where: str, place: AnchorPlace, wall: WallLine |
     if wall is None or place.along is None or place.height is None:
         return np.array(place.at)
     if not -_CLOSE <= place.along <= wall.length + _CLOSE:
-        expected = f"within 0 and {wall.length:.6g} m along it"
+        expected = f"within 0 and {wall.length:.6g} m along it: {wall.way}"
         raise InputError(where, f"beyond the wall {wall.name}", found=f"{place.along:g} m", expected=expected)
     foot = float(points_of(stones, wall.stones)[:, 2].min())
     if place.height < foot - _CLOSE:

@@ -18,7 +18,7 @@ Toward = str | npt.ArrayLike
 Metres = Annotated[float, Quantity("_m")]
 Point = tuple[Metres, Metres, Metres]
 FROM_ITS_END = "from its end with the smaller x (of a wall along y, the smaller y)"
-_ALONG = f"Along the wall, {FROM_ITS_END}; by default its own end."
+_ALONG = f"Along the wall, {FROM_ITS_END}; of a vault along its longer side in plan; by default its own end."
 _TOWARD = "A level vector: where the thrust points, and to which side of the wall the eccentricity counts."
 _MASS = "Weight that the load factor multiplies; by default the dead load."
 _ON_A_LINE = Usual(0, 500, "roofs bring some 5, vaults and several floors up to 100")
@@ -120,7 +120,7 @@ class PointLoad:
     wall
         Its name, as the stones have it.
     along
-        m along the wall, as in `LineLoad`.
+        m along the wall, as in `LineLoad`; of a vault along its longer side in plan, of a square one along x.
     at
         In place of a wall: the point (3,) m.
     height
