@@ -1,9 +1,12 @@
 """Structured meshes of walls, plates and roofs, made by hand."""
 
 from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
+from churchpipe.homogenised_shell.element import shell_elements
 from churchpipe.model.shell import ShellModel
 
 
@@ -70,3 +73,16 @@ def joined_walls(walls: list[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray
     triangles = np.vstack([start + facets for start, (_, facets) in zip(starts[:-1], walls, strict=True)])
     _, first, same = np.unique(points.round(8), axis=0, return_index=True, return_inverse=True)
     return points[first], same.ravel()[triangles]
+
+
+def check_follows_rigid_motions(shell: ShellModel, seed: int) -> None:
+    """Assert that feet follow any rigid motion of what they stand on, without strain, where nothing supports the shell."""
+    elements: Any = shell_elements(replace(shell, supported=np.zeros(len(shell.points), dtype=np.bool_)))
+    velocity, spin = np.random.default_rng(seed).normal(size=(2, 3))
+    moved = velocity + np.cross(spin, shell.points)
+    turned = elements.edges.directions(shell.points) @ spin
+    unknowns = np.concatenate([moved.ravel(), turned, np.zeros(len(elements.bubble_edge))])
+    unknowns[elements.clamped] = 0.0
+    np.testing.assert_allclose(elements.translations(unknowns), moved, atol=1e-12)
+    np.testing.assert_allclose(elements.edge_rotation(unknowns), turned, atol=1e-12)
+    np.testing.assert_allclose(elements.strain @ unknowns, 0.0, atol=1e-8)

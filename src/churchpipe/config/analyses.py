@@ -2,7 +2,7 @@
 
 import re
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field
 
@@ -23,7 +23,11 @@ _OVERLAP = Quantity("_mm", 0.0, above=True, usual=Usual(1e-6, 50, "stones that a
 _FURTHEST = Quantity("_deg", 6e-5, key="furthest_deg")
 _Way = Annotated[float, Quantity("_mm", 1e-3)]
 _Part = Annotated[float, Quantity()]
-_OneOrMore = BeforeValidator(listed, json_schema_input_type=list[Start] | Start)
+
+
+def _one_or_more(kind: Any) -> BeforeValidator:
+    """Return what makes a list of one value that is given alone; kind: of the values."""
+    return BeforeValidator(listed, json_schema_input_type=list[kind] | kind)
 
 
 def _known_solver(value: str) -> str:
@@ -62,16 +66,16 @@ class RigidSettings:
     flow: Annotated[
         tuple[Flow, ...],
         Field(min_length=1),
-        BeforeValidator(listed, json_schema_input_type=list[Flow] | Flow),
+        _one_or_more(Flow),
         "Flow rules to analyse.",
     ] = ("associative",)
     solver: Annotated[str, AfterValidator(_known_solver), "Of the cone programs."] = "auto"
     method: Annotated[Literal["default", "paper"], "Scheme of sliding without dilatancy."] = "default"
-    start: Annotated[tuple[Start, ...], Field(min_length=1), _OneOrMore, "Starts of its iteration."] | None = None
+    start: Annotated[tuple[Start, ...], Field(min_length=1), _one_or_more(Start), "Starts of its iteration."] | None = None
     contact_model: Annotated[
         tuple[ContactModel, ...],
         Field(min_length=1),
-        BeforeValidator(listed, json_schema_input_type=list[ContactModel] | ContactModel),
+        _one_or_more(ContactModel),
         "Where friction acts in a joint: at its corners, which overrates torsion, or nearer to its middle; or both.",
     ] = (CONTACT_MODEL,)
     crushing_parts: Annotated[
@@ -135,7 +139,7 @@ class ShellSettings:
     analyses: Annotated[
         tuple[Method, ...],
         Field(min_length=1),
-        BeforeValidator(listed, json_schema_input_type=list[Method] | Method),
+        _one_or_more(Method),
         "The limit load, the capacity curve, or both.",
     ] = ("limit",)
     solver: Annotated[Literal["auto", "interior-point", "clarabel"], "Of the cone programs."] = "auto"

@@ -294,6 +294,7 @@ def test_slender_piers_of_a_groin_vault_are_questioned(tmp_path: Path) -> None:
         (["shell.element_size_mm=10"], "shell.element_size_mm is 10, which makes about 120,000 elements"),
         (["rigid.curve.steps=1000000"], "rigid.curve.steps is 1,000,000, each of them an analysis"),
         (["shell.element_size_mm=250", "shell.steps=6000"], "shell.steps is 6,000"),
+        (['movements=[{support="wall",steps=1000000}]'], "movements.0.steps is 1,000,000, each of them an analysis"),
         (
             ["sample.number=9000", 'sample.parameters=[{key="check.ag_g",distribution="uniform",low=0.1,high=0.2}]'],
             "sample.number is 9,000",
