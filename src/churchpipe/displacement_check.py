@@ -18,7 +18,6 @@ from churchpipe.model.checks import DisplacementCheck, LimitStateCheck, SafetyCh
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.lost_seat import LostSeat
 from churchpipe.model.placed_loads import PlacedLoads
-from churchpipe.model.stone_path import CREDIBLE
 from churchpipe.oscillator import FOLLOW, LIMIT_STATES, LimitName, LimitStateCapacity, Oscillator, capacity, oscillator
 from churchpipe.rigid_blocks.equilibrium import lateral_weight
 from churchpipe.spectrum import Demand, demand_curve, spectral_displacement
@@ -179,7 +178,7 @@ def _unproved(curve: BlockCapacityCurve, *, ended: bool, compared: bool) -> str:
     proved, count = curve.proved_steps, len(curve.misfit)
     worst, place = float(curve.misfit[proved:].max()), 1e3 * float(curve.displacement[proved - 1])
     missed = f": motions miss their forces by up to {100 * worst:.2g} %" if worst > 0.01 else ""
-    if worst > CREDIBLE:
+    if curve.jumps.any():
         missed = ": the structure jumps on the way, or stones of it hang, and these load factors are no equilibria"
     taken = "as ended before them" if ended else "as it was found"
     taken += ", which withstands less" if compared else ""

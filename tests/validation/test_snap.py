@@ -128,6 +128,7 @@ def test_a_snap_is_no_collapse(step: float) -> None:
     jumps = curve.misfit > 0.1
     assert curve.misfit[~jumps].max() < 1e-3
     assert np.abs(curve.displacement[jumps] - 0.061).min() < 1e-3
+    assert step != 0.02 or 10 <= jumps.sum() <= 14
     assert "are no equilibria: from 61 mm on the structure jumps" in curve.message
     assert not jumps[curve.displacement < 0.06].any()
     assert curve.load_factor[-1] < 0.02 * curve.load_factor[0]

@@ -80,7 +80,7 @@ class Record(ABC):
         return self.control.between(self.poses[-1], step.state.poses, _standing(self.model, step))
 
     def jumps(self) -> list[str]:
-        """Return in words which steps are no equilibria, but with forces across gaps."""
+        """Return in words which steps are no equilibria, see `StonePath.jumps`."""
         jump = [misfit > PATH.credible for _, _, misfit in self.proofs]
         edges = np.flatnonzero(np.diff([False, *jump, False]))
         said = []

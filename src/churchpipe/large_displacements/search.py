@@ -76,10 +76,10 @@ class StepSearch:
         return way if self._of_any_length else min(attempt.length, way)
 
     def across(self, attempt: Attempt) -> float:
-        """Return the work that forces need across gaps, over that of the load; a gap that closes on the way counts as closed.
+        """Return the work that forces need across the gaps which a motion leaves open, over that of the load.
 
-        But where that of gaps wider than `PATH.drift` exceeds `PATH.credible` none counts as closed: without such forces nothing
-        would be in balance.
+        Where all gaps wider than `PATH.drift`, those that close on the way as well, need more than `PATH.credible`, it is the
+        work across these: nothing would be in balance without such forces.
         """
         whole = self._work_across(attempt, np.where(self._gap > PATH.drift * self._most, self._gap, 0.0)) / self.way(attempt)
         return whole if whole > PATH.credible else self._left_across(attempt)

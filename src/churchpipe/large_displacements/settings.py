@@ -18,12 +18,12 @@ class Demands:
     hardly gain end every search. far: pairs that miss by more than so many times `enough` end where they will not come to it at
     the rate of the last. astray: where the forces of the last step miss a motion by more, they do not lead on, and no more
     programs are spent on them. shorter: a motion may go so many times less far than the length that its programs charge the gaps
-    for. across: where forces would need more work than this share of the load's across gaps that this leaves open, the step is
-    sought again with the length that it goes. further: one that does not fit and may go so many times further is sought anew with
-    that length. faster: very few stones, whose motion does not come to fit, fall when they are so many times faster than usual,
-    see `PathSettings.few` and `falling.usual_speed`. onward: whether pairs begin near the pair before them where no motion is
-    known. duality_gap: error of the associative programs, whose velocities may move the stones. closed: gaps narrower than this
-    share of the step are closed: programs that are solved roughly open joints by as much while they bear.
+    for. across: where forces would need more work than this share of the load's across the gaps that such a motion leaves open,
+    the step is sought again with the length that it goes. further: one that does not fit and may go so many times further is
+    sought anew with that length. faster: very few stones, whose motion does not come to fit, fall when they are so many times
+    faster than usual, see `PathSettings.few` and `falling.usual_speed`. onward: whether pairs begin near the pair before them
+    where no motion is known. duality_gap: error of the associative programs, whose velocities may move the stones. closed: gaps
+    narrower than this share of the step are closed: programs that are solved roughly open joints by as much while they bear.
     """
 
     fitting: float
