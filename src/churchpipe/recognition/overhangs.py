@@ -72,7 +72,7 @@ def hanging(panels: Sequence[Panel]) -> Iterator[str]:
         for name, high, long, rests in slight(panel):
             yield (
                 f'"{panel.name}": {name}, {1e3 * high:.3g} mm high and {long:.3g} m long, bears {1e3 * rests:.3g} mm at one end; '
-                f"usual are bearings of {1e3 * SEAT:g} mm and more, as edges spall, and heights and bearings above a fiftieth of the length."
+                f"usual are {1e3 * SEAT:g} mm and more, as edges spall, and heights and bearings above a fiftieth of the length."
             )
         if found := overhangs(panel, walls):
             yield (
