@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from churchpipe.code_check import CONFIDENCE_FACTOR, Site, activation, along, verified
 from churchpipe.errors import InputError
+from churchpipe.large_displacements.path_arguments import of_load
 from churchpipe.loading.wrenches import pushed_masses
 from churchpipe.mechanism import moving_stones, stone_speed
 from churchpipe.model.arguments import check_kind
@@ -45,7 +46,7 @@ def displacement_check(
 
     Raises
     ------
-    InputError: arguments of the wrong kind.
+    InputError: arguments of the wrong kind, a load other than that of the curve.
     """
     given = (curve, BlockCapacityCurve), (stones, Assemblage), (load, LoadCase), (crushing, bool)
     for value, kind in (
@@ -55,6 +56,9 @@ def displacement_check(
         *((seat, LostSeat),) * (seat is not None),
     ):
         check_kind("displacement_check", value, kind)
+    if not of_load(curve.given, load, pushed_alike=True):
+        expected = "the load case that its block_pushover was called with"
+        raise InputError("displacement_check: load", "the curve is of another load", found=load.name, expected=expected)
     try:
         bodies = _bodies(curve, stones, load, loads)
         curves, start = _mechanism(curve, bodies, site.confidence(crushing) if site else CONFIDENCE_FACTOR, seat)

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import numpy as np
 
-from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, NameArray
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, NameArray, ragged_indices
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.quantities import Quantity
 
@@ -69,11 +69,15 @@ def stone_of_point(stones: Assemblage) -> IntArray:
 
 def stone_speed(stones: Assemblage, velocities: FloatArray) -> FloatArray:
     """Return the speed (nb,) of the fastest vertex of each stone; velocities (nb, 6): translation of the centroid, rotation."""
-    owner = stone_of_point(stones)
-    arm = stones.points - stones.centroid[owner]
+    speed, moving = np.zeros(stones.count), np.flatnonzero(velocities.any(axis=1))
+    if not len(moving):
+        return speed
+    # On a path most stones of a building are held, and this is asked for many times a step.
+    first, count = stones.block_point_ptr[moving], np.diff(stones.block_point_ptr)[moving]
+    owner = np.repeat(moving, count)
+    arm = stones.points[ragged_indices(first, count)] - stones.centroid[owner]
     velocity = velocities[owner, :3] + np.cross(velocities[owner, 3:], arm)
-    speed = np.zeros(stones.count)
-    np.maximum.at(speed, owner, np.linalg.norm(velocity, axis=1))
+    speed[moving] = np.maximum.reduceat(np.linalg.norm(velocity, axis=1), np.append(0, np.cumsum(count)[:-1]))
     return speed
 
 

@@ -21,7 +21,7 @@ class Uncertainty:
 
     capacity: (n,) ascending; infinite where no load is too large, 0 where the structure does not bear its own weight.
     unknown: samples without a load factor, which are left out of all figures.
-    mean, standard_deviation: of the load factors. quantiles: by level.
+    mean, standard_deviation: of the load factors, NaN where there are none. quantiles: by level.
     median, dispersion: of the lognormal fragility curve, exp of the mean and the standard deviation of the logarithms of the load
         factors above 0; NaN where there are none.
     rank_correlation: (np,) of Spearman, of each parameter with the load factor; NaN where one of both does not vary.
@@ -87,7 +87,7 @@ def assess_uncertainty(points: FloatArray, load_factors: FloatArray) -> Uncertai
     known = ~np.isnan(factors)
     points, factors = points[known], factors[known]
     unlimited = np.isinf(factors).any()
-    spread = 0.0 if not len(factors) or np.ptp(factors) == 0 else np.nan if unlimited else float(factors.std(ddof=1))
+    spread = np.nan if unlimited or not len(factors) else 0.0 if np.ptp(factors) == 0 else float(factors.std(ddof=1))
     logarithms = np.log(factors[(factors > 0) & np.isfinite(factors)])
     correlation, explained = _ranks(points, factors)
     quantiles = np.quantile(factors, LEVELS, method="inverted_cdf" if unlimited else "linear") if len(factors) else [np.nan] * 5

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 _ELEMENTS, _STEPS, _SAMPLES = 100_000, 5_000, 2_000
 
 _METRES = UNITS["_m"]
+_RECTANGLE = Usual(50.0, 100e3, "a pier of a model to half a church")
 # Piers thinner than this many thicknesses of their groin vault are questioned.
 _PIER = 2.0
 _DILATANT_VAULT = (
@@ -82,6 +83,7 @@ def _of_case(case: "Case") -> Iterator[str]:
     yield from _of_storeys(case)
     yield from _of_beams(case)
     yield from _of_joints(case)
+    yield from _of_movements(case)
     for name, settings in (("rigid", case.rigid), ("shell", case.shell), ("check", case.check)):
         if settings is not None:
             yield from _of_record(settings, f"{name}.")
@@ -169,6 +171,14 @@ def _of_joints(case: "Case") -> Iterator[str]:
             f"joints.{number} are those {what}, and the shell has one strength for all joints of a place: it will have no load "
             "factor, the rigid blocks will. Is [shell] meant?"
         )
+
+
+def _of_movements(case: "Case") -> Iterator[str]:
+    """Yield what to ask about rectangles of ground that are narrower than a foundation, as those in metres are."""
+    for number, movement in enumerate(case.movements):
+        if movement.within is not None:
+            side = 1e3 * float(np.ptp(movement.within, axis=0).min())
+            yield question(f"the shorter side of movements.{number}.within_mm", side, _RECTANGLE, UNITS["_mm"])
 
 
 def _of_work(case: "Case") -> Iterator[str]:

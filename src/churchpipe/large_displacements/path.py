@@ -193,7 +193,7 @@ def onward(
     short = 4 * state.length * reference_speed(speed) < model.step
     fastest = state.fastest
     if misfit < PATH.credible:
-        fastest = usual_speed(speed, fastest, model.stones.weight, expendable(model, state))
+        fastest = usual_speed(speed, fastest, model.stones.weight, expendable(model, state), of_many=model.large)
     return renewed_state(
         model,
         replace(

@@ -10,6 +10,7 @@ from churchpipe.errors import InputError
 from churchpipe.model.arguments import positive, whole
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.loads import LoadCase
+from churchpipe.model.quantities import MOST_COUNTED
 
 
 def check_path(where: str, stones: Assemblage, step: float | None, steps: int, furthest: float | None, halo: int) -> int:
@@ -21,7 +22,7 @@ def check_path(where: str, stones: Assemblage, step: float | None, steps: int, f
     ------
     InputError: values out of range, a step longer than the structure, as in other units.
     """
-    whole(f"{where}: steps", steps, least=1)
+    whole(f"{where}: steps", steps, least=1, most=MOST_COUNTED)
     whole(f"{where}: halo", halo, least=0)
     for name, value in (("step", step), ("furthest", furthest)):
         if value is not None:
@@ -44,8 +45,17 @@ def digests(**given: Any) -> str:
 
 
 def load_digest(load: LoadCase) -> str:
-    """Return what `digests` makes of the load case of a path."""
-    return digests(load=[load.direction, load.panels, load.profile, load.dead, load.live])
+    """Return what `digests` makes of the load case of a path: where it pushes, and what the stones carry."""
+    return digests(load=[load.direction, load.panels, load.profile], carried_load=[load.dead, load.live])
+
+
+def of_load(given: str, load: LoadCase, *, pushed_alike: bool = False) -> bool:
+    """True where a path that was made with `given`, of `digests`, is of this load case, or not known to be of another one.
+
+    pushed_alike: whether what the stones carry may differ.
+    """
+    pushes, carries = load_digest(load).split()
+    return not given or ({pushes} if pushed_alike else {pushes, carries}) <= set(given.split())
 
 
 def differing(before: str, now: str) -> list[str]:

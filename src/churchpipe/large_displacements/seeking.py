@@ -60,7 +60,8 @@ def _of_large(
     # A program that has no solution need not be shown twice to have none: the search from nothing shows it once more.
     own = solver_for(program.balance, "interior-point") if model.solver == "auto" else None
     attempt = search.by_pairs(last, pairs, own, model.demands.astray)
-    if not attempt.will_do(model.demands.enough) and len(last.answer.y):
+    if not attempt.will_do(PATH.credible) and len(last.answer.y):
+        # Where the last forces lead to a motion that nearly fits, these lead to the same one.
         attempt = _better(attempt, search.fitted(last, pairs, own))
     if attempt.answer.outcome == "failed":
         # Mostly because stones fall. The search from nothing would show it too, but at many times the price.

@@ -46,6 +46,7 @@ def _draw(plot: Any, axes: Any, outlines: list[FloatArray], lines: list[FloatArr
     """Draw stones and, above them, joints (k) open by width (k,) mm, the widest with their figures."""
     from matplotlib.collections import LineCollection, PolyCollection
     from matplotlib.colors import LinearSegmentedColormap
+    from matplotlib.patheffects import withStroke
 
     colour = LinearSegmentedColormap.from_list("opening", colours.SPEED_STOPS[1:])
     axes.add_collection(PolyCollection(outlines, facecolor="#f6f3ec", edgecolor="#cfc8ba", lw=0.4))
@@ -55,8 +56,11 @@ def _draw(plot: Any, axes: Any, outlines: list[FloatArray], lines: list[FloatArr
     )
     joints.set_clim(0.0, float(width.max()))
     axes.add_collection(joints)
+    # Figures stand out against joints as dark as they are.
+    halo = [withStroke(linewidth=2.0, foreground="white")]
     for i in _apart(order[::-1], lines):
-        axes.annotate(f"{width[i]:.3g}", lines[i].mean(axis=0), xytext=(3, 3), textcoords="offset points", fontsize=8)
+        middle, text = lines[i].mean(axis=0), f"{width[i]:.3g}"
+        axes.annotate(text, middle, xytext=(3, 3), textcoords="offset points", fontsize=8, path_effects=halo)
     axes.autoscale_view()
     bar = plot.colorbar(joints, ax=axes, shrink=0.7)
     bar.set_label("opening, mm", fontsize=8)

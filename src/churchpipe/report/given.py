@@ -12,7 +12,7 @@ from churchpipe.halved_steps import careful_check
 from churchpipe.io.movement_record import Shift, Turn, movement_record, widest_cracks
 from churchpipe.io.recording import curve_record_of, halved_record
 from churchpipe.large_displacements.cracks import joint_cracks
-from churchpipe.large_displacements.path_arguments import differing, load_digest
+from churchpipe.large_displacements.path_arguments import differing, of_load
 from churchpipe.model.arguments import check_kind, describe
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage, checked_sequence
@@ -177,7 +177,7 @@ def _support_motion(stones: Assemblage, path: SettlementPath) -> tuple[FloatArra
 def _check_made_with(path: BlockCapacityCurve, load: LoadCase, beside: BlockCapacityCurve) -> None:
     """Raise InputError where a curve is known to be of another load than the one given with it, or of other joints than the curve
     that it stands beside."""
-    if path.given and load_digest(load) not in path.given.split():
+    if not of_load(path.given, load):
         expected = "the load case that its block_pushover was called with"
         remedy = "Give each curve with its own load: curve=[(load, curve)]."
         raise InputError(_CURVE, "a curve of another load", found=f"a pair with {load.name}", expected=expected, remedy=remedy)

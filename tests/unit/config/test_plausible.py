@@ -47,6 +47,14 @@ def test_a_check_from_one_side_only_is_questioned(tmp_path: Path) -> None:
     assert questions([read_case(path)]) == []
 
 
+def test_a_rectangle_of_ground_in_metres_is_questioned(tmp_path: Path) -> None:
+    path = tmp_path / "w.toml"
+    path.write_text(CASE.format(**SOUND))
+    assert questions([read_case(path, ["movements=[{within_mm=[[0,0],[500,250]]}]"])]) == []
+    [question] = questions([read_case(path, ["movements=[{within_mm=[[0,0],[0.5,0.25]]}]"])])
+    assert question.startswith("the shorter side of movements.0.within_mm is 0.25 mm, usual are 50 to 100000 mm")
+
+
 @pytest.mark.parametrize("key", ["contact_gap_mm", "overlap_mm"])
 def test_tolerances_larger_than_any_joint_are_questioned(key: str, tmp_path: Path) -> None:
     """With them stones of a drawing in another unit meet, or lie in each other, and nothing is said."""

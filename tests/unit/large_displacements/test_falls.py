@@ -100,17 +100,29 @@ def test_a_stone_that_runs_ahead_falls_and_the_others_go_on_as_they_did() -> Non
 
 def test_a_stone_that_gets_faster_from_step_to_step_is_measured_by_the_motion_of_the_whole() -> None:
     weight, spared = np.array([1000.0, 1000.0, 1.0]), 50.0
-    whole = usual_speed(np.array([1.0, 2.0, 2.5]), np.inf, weight, spared)
+    whole = usual_speed(np.array([1.0, 2.0, 2.5]), np.inf, weight, spared, of_many=False)
     assert whole == 2.5
     # Eight times faster than the step before, twice.
     for fast, away in ((20.0, False), (160.0, True)):
         speed = np.array([0.2, 0.1, fast])
         assert stones_ahead(speed, whole, weight, spared, PATH.faster).tolist() == [False, False, away]
-        whole = usual_speed(speed, whole, weight, spared)
+        whole = usual_speed(speed, whole, weight, spared, of_many=False)
     assert whole == 2.5
     # Another motion of the whole is a measure again, and so is that of a few stones with which a path begins.
-    assert usual_speed(np.array([8.0, 0.0, 8.0]), whole, weight, spared) == 8.0
-    assert usual_speed(np.array([0.0, 0.0, 8.0]), np.inf, weight, spared) == 8.0
+    assert usual_speed(np.array([8.0, 0.0, 8.0]), whole, weight, spared, of_many=False) == 8.0
+    assert usual_speed(np.array([0.0, 0.0, 8.0]), np.inf, weight, spared, of_many=False) == 8.0
+
+
+def test_among_many_stones_one_that_runs_ahead_by_and_by_is_measured_by_most_of_them() -> None:
+    # A voussoir slips through its opening arch: each step twice or three times as fast as in the one before.
+    weight, spared, usual = np.ones(200), 10.0, np.inf
+    for fast, away in ((1.0, False), (2.1, False), (6.5, True)):
+        speed = np.append(np.linspace(0.2, 1.0, 199), fast)
+        found = stones_ahead(speed, usual, weight, spared, THRIFTY.faster)
+        assert np.flatnonzero(found).tolist() == [199] * away
+        usual = usual_speed(speed, usual, weight, spared, of_many=True)
+    # Measured by the fastest one it would never have been known.
+    assert not stones_ahead(speed, 2.1, weight, spared, THRIFTY.faster).any()
 
 
 def test_very_few_stones_are_known_to_fall_by_less_where_a_motion_does_not_fit() -> None:
