@@ -32,8 +32,7 @@ def plot(curve: CapacityCurve | BlockCapacityCurve | SettlementPath) -> Any:
     InputError
         Not a curve, or one without steps; a package of `churchpipe[all]` is missing.
     """
-    if not isinstance(curve, BlockCapacityCurve | SettlementPath):
-        check_kind("plot: curve", curve, CapacityCurve)
+    check_kind("plot: curve", curve, CapacityCurve, BlockCapacityCurve, SettlementPath)
     with Extra("a diagram"):
         from churchpipe.report.plots import new_plot
 
