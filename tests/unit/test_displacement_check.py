@@ -311,14 +311,14 @@ def test_a_mechanism_at_the_foot_of_the_building_has_a_floor_like_the_ground(cur
 
 @pytest.mark.parametrize("direction", [(-1, 0, 0), (0, 1, 0)])
 def test_a_curve_that_does_not_go_along_its_load_has_no_check(curve: BlockCapacityCurve, direction: tuple[float, ...]) -> None:
-    unknown = replace(curve, given="")
-    assert "the mechanism does not go along its load" in displacement_check(unknown, LEANING, cp.LoadCase(direction), SITED).message
+    found = displacement_check(replace(curve, given=""), LEANING, cp.LoadCase(direction), SITED)
+    assert "the mechanism does not go along its load" in found.message
 
 
 @pytest.mark.parametrize("other", [{"direction": (1, 0.2, 0)}, {"direction": (-1, 0, 0)}, {"profile": "linear"}])
 def test_the_curve_of_another_load_is_refused(curve: BlockCapacityCurve, other: dict[str, Any]) -> None:
     load = cp.LoadCase(**{"direction": (1, 0, 0), **other})
-    with pytest.raises(InputError, match=rf"displacement_check: load: the curve is of another load; found {re.escape(load.name)}"):
+    with pytest.raises(InputError, match=rf"load: the curve is of another load; found {re.escape(load.name)}"):
         displacement_check(curve, LEANING, load, SITED)
 
 

@@ -52,6 +52,7 @@ def test_what_has_no_load_factor_is_told_apart() -> None:
     assert found.probability(0.25)[0] == pytest.approx(4 / 9)
     assert found.quantiles[0.5] == pytest.approx(0.3)
     assert found.mean == np.inf
+    assert np.isnan(assess_uncertainty(points, np.full(10, np.nan)).standard_deviation)
     with pytest.raises(cp.InputError, match="as many"):
         assess_uncertainty(points, capacity[:-1])
 

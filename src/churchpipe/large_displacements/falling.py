@@ -37,6 +37,6 @@ def of_few(speed: FloatArray, weight: FloatArray, spared: float) -> bool:
 
 
 def _fast(speed: FloatArray, weight: FloatArray, spared: float, share: float) -> tuple[BoolArray, bool]:
-    """Return the stones (nb,) with more than this share of the speed of the fastest one, and whether they are a few light ones."""
+    """Return the stones (nb,) with more than this share of the fastest speed, and whether they are a few light ones."""
     ahead = speed > share * float(speed.max(initial=0.0))
     return ahead, float(weight[ahead].sum()) < spared

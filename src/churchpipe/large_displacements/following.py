@@ -1,6 +1,5 @@
 """Step after step along a path, until something ends it."""
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -58,14 +57,13 @@ class Steps(Protocol):
 def follow(model: MovingModel, state: PathState, steps: int, record: Steps, rings: int, last: Departure | None = None) -> Ending:
     """Solve and keep at most so many steps of a path, and return how it ended.
 
-    A step is solved on the stones that move and those near to them: the first one so many contacts away (`rings`), which decides
-    on which way the path goes, later ones `PATH.near` times as many. Stones that stand still by now are held; where a step moves others, it is solved again with more. Where stones fall in it, it is solved again without
+    A step is solved on the stones that move and those near to them, so many contacts away (`rings`). Stones that stand still by
+    now are held; where a step moves others, it is solved again with more. Where stones fall in it, it is solved again without
     them, unless the structure cannot spare them. Where much is lost on the way to it (`Steps.drops`), it goes half as far, until
     that place is known to `PATH.located` of a step. last: the step that led to the state, where it is known.
     """
     for _ in range(steps):
-        near = rings if state.before is None else math.ceil(PATH.near * rings)
-        model, state = shrunk(model, state, near)
+        model, state = shrunk(model, state, rings)
         whole = True
         while True:
             step = solve_state(model, state)
@@ -73,10 +71,10 @@ def follow(model: MovingModel, state: PathState, steps: int, record: Steps, ring
             if falls and may_go_on(model, step):
                 record.fall(step)
                 state, whole = without(model, state, step), False
-            elif not falls and (wider := grown(model, step, near)) is not None:
+            elif not falls and (wider := grown(model, step, rings)) is not None:
                 model, state = wider
             elif last and whole and state.way > PATH.located * last.way and record.drops(step):
-                model, state = shrunk(last.model, last.along(0.5 * state.way), near)
+                model, state = shrunk(last.model, last.along(0.5 * state.way), rings)
             else:
                 break
         if (ending := _no_further(model, state, step) or record.add(step)) is not None:

@@ -72,8 +72,7 @@ class PathSettings:
         did when no stone's speed has changed by more than this share of the fastest.
 
     Stones that move, by shares of the fastest speed:
-        still: slower ones stand still. near: after the first step the halo is this share as wide. rim: a stone at
-        the rim of the halo that is faster moves. worth: a halo that leaves no
+        still: slower ones stand still. rim: a stone at the rim of the halo that is faster moves. worth: a halo that leaves no
         more than this share of the stones out is not worth having. kept: a halo keeps the first load factor within this share.
         large: with more points of contact the certified analysis takes many minutes. falling, ahead: those that take part in a
         fall, or in a motion that has gone local. faster: a motion so many times faster than that of the last step is one of a
@@ -124,7 +123,6 @@ class PathSettings:
     credible: float = CREDIBLE
     steady: float = 0.3
     still: float = 1e-3
-    near: float = 0.4
     rim: float = 1e-2
     worth: float = 0.2
     kept: float = 0.01
