@@ -8,7 +8,6 @@ from scipy.spatial.transform import Rotation
 
 from churchpipe.code_check import CONFIDENCE_FACTOR, Site, activation, along, verified
 from churchpipe.errors import InputError
-from churchpipe.large_displacements.path_arguments import of_load
 from churchpipe.loading.wrenches import pushed_masses
 from churchpipe.mechanism import moving_stones, stone_speed
 from churchpipe.model.arguments import check_kind
@@ -16,6 +15,7 @@ from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.block_curve import BlockCapacityCurve, vanishing
 from churchpipe.model.checks import DisplacementCheck, LimitStateCheck, SafetyCheck
+from churchpipe.model.digests import of_load
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.lost_seat import LostSeat
 from churchpipe.model.placed_loads import PlacedLoads

@@ -14,7 +14,7 @@ from churchpipe.large_displacements.following import Ending, follow
 from churchpipe.large_displacements.halo import held_at_first
 from churchpipe.large_displacements.moving_model import MovingModel, bearing, moving_model
 from churchpipe.large_displacements.path import PathStep, solve_state
-from churchpipe.large_displacements.path_arguments import check_path, digests, load_digest
+from churchpipe.large_displacements.path_arguments import check_path
 from churchpipe.large_displacements.path_state import PathState, first_state
 from churchpipe.large_displacements.record import Progress, Record
 from churchpipe.large_displacements.settings import PATH
@@ -26,6 +26,7 @@ from churchpipe.model.arrays import BoolArray, FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.block_curve import BlockCapacityCurve, CurveStatus, vanishing
 from churchpipe.model.contacts import Contacts
+from churchpipe.model.digests import digests, load_digest
 from churchpipe.model.doubts import doubt_argument
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength

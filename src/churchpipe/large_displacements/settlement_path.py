@@ -13,7 +13,7 @@ from churchpipe.large_displacements.following import Ending, follow
 from churchpipe.large_displacements.halo import held_around
 from churchpipe.large_displacements.moving_model import MovingModel
 from churchpipe.large_displacements.path import PathStep
-from churchpipe.large_displacements.path_arguments import check_path, digests
+from churchpipe.large_displacements.path_arguments import check_path
 from churchpipe.large_displacements.path_state import first_state
 from churchpipe.large_displacements.record import Progress, Record
 from churchpipe.large_displacements.settings import PATH
@@ -24,6 +24,7 @@ from churchpipe.model.arguments import check_call, check_kind
 from churchpipe.model.arrays import BoolArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
+from churchpipe.model.digests import digests
 from churchpipe.model.doubts import doubt_argument
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength

@@ -12,13 +12,13 @@ from churchpipe.halved_steps import careful_check
 from churchpipe.io.movement_record import Shift, Turn, movement_record, widest_cracks
 from churchpipe.io.recording import curve_record_of, halved_record
 from churchpipe.large_displacements.cracks import joint_cracks
-from churchpipe.large_displacements.path_arguments import differing, of_load
 from churchpipe.model.arguments import check_kind, describe
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage, checked_sequence
 from churchpipe.model.block_curve import BlockCapacityCurve
 from churchpipe.model.checks import DisplacementCheck
 from churchpipe.model.contacts import Contacts, check_contacts_of
+from churchpipe.model.digests import differing, of_load
 from churchpipe.model.joint_group import JointGroup
 from churchpipe.model.loads import LoadCase, direction_name
 from churchpipe.model.materials import JointStrength

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import churchpipe as cp
-from churchpipe.large_displacements.path_arguments import check_given, digests
+from churchpipe.large_displacements.path_arguments import check_given
+from churchpipe.model.digests import digests
 
 TWO = cp.Anchor(stone=[1, 2], point=[[0, 0, 1], [0, 0, 2]], share=[0.5, 0.5], wall=["nave", "nave"])
 ONE = cp.Anchor(stone=[3], point=[[4, 0, 1]], share=[1.0], wall=["apse"])
