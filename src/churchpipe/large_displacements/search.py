@@ -18,6 +18,7 @@ from churchpipe.large_displacements.step import (
     without_dilatancy,
 )
 from churchpipe.model.arrays import FloatArray
+from churchpipe.rigid_blocks.settings import SchemeSettings
 
 
 class Attempt(NamedTuple):
@@ -124,9 +125,10 @@ class StepSearch:
     def closing(self, attempt: Attempt, pairs: int) -> Attempt:
         """Return an attempt whose gaps close within the way that it goes, or the one given where a shorter length leads to none.
 
-        Where the structure jumps there is none: without forces across its gaps it would not be in balance at all.
+        Where the structure jumps there is none: without forces across its gaps it would not be in balance at all. None is sought
+        for an attempt that is not credible.
         """
-        while attempt.answer.outcome == "solved" and not attempt.falls:
+        while attempt.fits(PATH.credible) and not attempt.falls:
             left = self._left_across(attempt)
             if left <= self._demands.across:
                 break
@@ -179,12 +181,14 @@ class StepSearch:
         """Return the attempt in which stones fall that the dead load alone brings down, or one without motion."""
         return Attempt(fallen_alone(self.within(self._begin), self._solve), self._begin)
 
-    def giving_way(self, load_factor: float) -> Attempt | None:
+    def giving_way(self, load_factor: float, solve: Solve | None) -> Attempt | None:
         """Return the fall of a few stones with which the structure would stand less than a load factor, None where none fall.
 
-        An associative program tells: with these stones it stands no more, however they slide.
+        An associative program tells: with these stones it stands no more, however they slide. solve: as in `by_pairs`. What is
+        told need not be exact, and where the program is hard to solve the stones are told by the searches that follow.
         """
-        answer = solve_step(self.within(self._begin), np.zeros_like(self._gap), self._solve, self._demands.duality_gap)
+        still = np.zeros_like(self._gap)
+        answer = solve_step(self.within(self._begin), still, solve or self._solve, SchemeSettings().roughest)
         if answer.outcome != "solved" or answer.load_factor >= load_factor or not self._fall(answer.y, 0.0, True):
             return None
         return Attempt(answer, self._begin, falls=True)

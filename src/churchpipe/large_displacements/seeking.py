@@ -68,7 +68,7 @@ def _of_large(
         attempt = search.under_dead_load()
     if attempt.will_do(PATH.credible) or attempt.answer.outcome == "infeasible":
         return attempt
-    if (fall := search.giving_way(PATH.withstood * motions.state.load_factor)) is not None:
+    if (fall := search.giving_way(PATH.withstood * motions.state.load_factor, own)) is not None:
         return fall
     return _better(attempt, search.onward(sliding, last.answer.y, pairs, own))
 

@@ -163,13 +163,13 @@ def test_a_few_stones_that_would_hold_all_others_back_give_way() -> None:
     def search(falls: bool) -> StepSearch:
         return StepSearch(program, gap, solve, lambda _: 0.01, lambda *_: falls, 0.01, 0.02, THRIFTY)
 
-    found = search(falls=True).giving_way(0.06)
+    found = search(falls=True).giving_way(0.06, None)
     assert found is not None
     assert found.falls
     assert found.answer.load_factor == pytest.approx(0.05, rel=1e-4)
     assert solve.solves == 1
-    assert search(falls=True).giving_way(0.04) is None
-    assert search(falls=False).giving_way(0.06) is None
+    assert search(falls=True).giving_way(0.04, None) is None
+    assert search(falls=False).giving_way(0.06, None) is None
 
 
 @pytest.mark.parametrize(
