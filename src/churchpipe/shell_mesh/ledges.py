@@ -41,7 +41,7 @@ def with_tiers(shell: ShellModel, levels: Sequence[float]) -> ShellModel:
     """
     edge, facet, foot, top = _feet_and_tops(shell, shell.centroid[:, 2] > levels[0])
     z = shell.points[edge[:, 0], 2]
-    at_level = (np.abs(z[:, None] - np.asarray(levels)) < NODE_TOLERANCE).any(axis=1)
+    at_level: BoolArray = np.asarray((np.abs(z[:, None] - np.asarray(levels)) < NODE_TOLERANCE).any(axis=1))
     foot = foot[at_level[foot] & ~shell.on_beam[edge[foot]].all(axis=1)]
     return _on_tops(shell, edge, facet, foot, top, may_be_free=True)[0]
 
