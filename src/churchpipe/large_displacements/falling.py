@@ -11,8 +11,8 @@ def stones_ahead(speed: FloatArray, before: float, weight: FloatArray, spared: f
     """Return which stones (nb,) leave all others behind: none where they are no few light ones.
 
     speed (nb,): of the fastest vertex of each stone; before: the `usual_speed` of the last step, infinite at the first.
-    weight (nb,) N; spared N: the weight of a few light stones. faster: so many times faster than `before`, and than all others,
-    is ahead; than all others, ten times (`PATH.ahead`) is enough.
+    weight (nb,) N; spared N: the weight of a few light stones. faster: they are ahead where the fastest is so many times faster
+    than `before`, and than all others; ten times faster than all others (`PATH.ahead`) is always enough.
     """
     ahead, light = _fast(speed, weight, spared, max(PATH.ahead, 1.0 / faster))
     return ahead & (light and float(speed.max(initial=0.0)) > faster * before)
