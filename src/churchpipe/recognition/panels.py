@@ -8,7 +8,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from churchpipe.errors import InputError
-from churchpipe.geometry.noding import joined_over_gaps, notches
+from churchpipe.geometry.noding import notches
 from churchpipe.geometry.planar import (
     Polygon,
     Polygons,
@@ -18,16 +18,13 @@ from churchpipe.geometry.planar import (
     bounds,
     boxes,
     centroids,
-    clip,
     common_areas,
     contains,
     extent,
-    less,
     pieces,
     polygon,
     rings,
     total_extent,
-    touching,
     united,
     within,
 )
@@ -38,9 +35,9 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import BondRegion, Building, Opening, Panel, Part, Support, UnitCell
 from churchpipe.model.materials import UnitWeight
 from churchpipe.model.vault import Vault
-from churchpipe.recognition.elevations import sections
 from churchpipe.recognition.rings import voussoir_rings
-from churchpipe.recognition.stone_walls import StoneWall, stone_walls, stretches
+from churchpipe.recognition.separate_walls import GRID, closed, filled, separate_walls
+from churchpipe.recognition.stone_walls import StoneWall, stone_walls
 from churchpipe.recognition.supports import support_of
 from churchpipe.recognition.vaults import VAULT, fit_vaults
 from churchpipe.recognition.wall_parts import junction_spans, wall_parts
@@ -50,7 +47,6 @@ from churchpipe.stones.mortar import with_mortar
 LINTEL = 1.25
 # A hole smaller than this part of a stone is a gap between corners, such as mortar where three stones meet, and no opening.
 LEAST_OPENING = 0.02
-GRID = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,7 +111,9 @@ def fit_panels(stones: Assemblage, *, contact_gap: float = 1e-3, joint: float | 
     if vaults:
         named = np.where(stones.fixed | (stones.panel != ""), stones.panel, VAULT)
         return FittedPanels((), supports, np.empty(0, dtype=np.str_), replace(stones, panel=named), vaults)
-    walls, unfit = stone_walls(stones, contact_gap)
+    planes, unfit = stone_walls(stones, contact_gap)
+    walls, loose = separate_walls(stones, planes, contact_gap)
+    unfit = np.union1d(unfit, loose)
     if not walls:
         raise InputError(
             "stones",
@@ -146,14 +144,14 @@ def wall_names(stones: Assemblage, joint: float | None) -> NameArray:
 
 def _panel(stones: Assemblage, wall: StoneWall, walls: Sequence[StoneWall], contact_gap: float) -> Panel:
     own = wall.elevations
-    filled = np.concatenate([own, _beside(stones, wall, walls, contact_gap)])
-    region = _closed(filled, own, contact_gap)
+    sections = filled(stones, wall, walls, contact_gap)
+    region = max(closed(sections, contact_gap), key=lambda part: float(common_areas(own, part).sum()))
     whole, openings = _openings(region)
     arches, voussoirs = voussoir_rings(own, contact_gap)
     laid = np.setdiff1d(np.arange(len(own)), voussoirs)
     cell = _cell(own[laid], stones.volume[wall.stones[laid]]) if len(laid) else arches[0].cell
     openings = [hole for hole in openings if area(hole) > LEAST_OPENING * cell.a * cell.b]
-    marks = all_coordinates(filled)
+    marks = all_coordinates(sections)
     outline = _outline(whole, marks)
     lintels = _lintels(own[laid], openings, cell)
     ringed = _ring_parts(wall, own, voussoirs, arches)
@@ -185,35 +183,6 @@ def _ring_parts(wall: StoneWall, own: Polygons, voussoirs: IntArray, arches: Seq
         middles = centroids(own[stones])
         found += [Part(name, arch.outline) for arch in arches if contains(polygon(arch.outline), middles).any()]
     return found
-
-
-def _beside(stones: Assemblage, wall: StoneWall, walls: Sequence[StoneWall], contact_gap: float) -> Polygons:
-    """Return the sections of all other stones with the plane stretches of a wall, within the extent of the wall.
-
-    In a junction the wall is as high as its own stones in it or beside it. What is higher there belongs to the crossing wall.
-    """
-    others = np.setdiff1d(np.flatnonzero(~stones.fixed), wall.stones)
-    _, bottom, _, top = total_extent(wall.elevations)
-    alone: list[FloatArray] = []
-    for start, stop in junction_spans(wall, walls):
-        near = touching(wall.elevations, _box(start - contact_gap, bottom, stop + contact_gap, top))
-        if near.any():
-            _, low, _, high = total_extent(wall.elevations[near])
-            alone += [np.array([start, bottom - 1.0, stop, low]), np.array([start, high, stop, top + 1.0])]
-    found = [np.empty(0, dtype=np.object_)]
-    for stretch in stretches(wall):
-        window = less(_box(stretch.low, bottom, stretch.high, top), boxes(np.array(alone).reshape(-1, 4)))
-        found.append(clip(sections(stones, others, stretch.chart, contact_gap), window)[0])
-    return np.concatenate(found)
-
-
-def _box(s0: float, t0: float, s1: float, t1: float) -> Polygon:
-    return boxes(np.array([[s0, t0, s1, t1]]))[0]
-
-
-def _closed(polygons: Polygons, own: Polygons, contact_gap: float) -> Polygon:
-    """Return the union closed across joints: the connected part that contains most of the wall's own stones."""
-    return max(joined_over_gaps(polygons, contact_gap, GRID), key=lambda part: float(common_areas(own, part).sum()))
 
 
 def _openings(region: Polygon) -> tuple[Region, list[Polygon]]:
@@ -282,10 +251,10 @@ def _parity(wall: StoneWall, walls: Sequence[StoneWall], cell: UnitCell) -> Lite
     _, low, _, high = total_extent(wall.elevations)
     middle = bounds(wall.elevations)[:, [1, 3]].mean(axis=1)
     odd = np.floor(middle / cell.a).astype(np.int64) % 2 == 1
-    filled = np.zeros(2)
+    share = np.zeros(2)
     for start, stop in junction_spans(wall, walls):
-        area = common_areas(wall.elevations, _box(start, low, stop, high))
-        filled += [area[~odd].sum(), area[odd].sum()]
-    if filled.min() > 0.8 * filled.max() > 0:
+        area = common_areas(wall.elevations, boxes(np.array([[start, low, stop, high]]))[0])
+        share += [area[~odd].sum(), area[odd].sum()]
+    if share.min() > 0.8 * share.max() > 0:
         return None
-    return 1 if filled[1] > filled[0] else 0
+    return 1 if share[1] > share[0] else 0

@@ -59,7 +59,9 @@ def wall_parts(
         np.concatenate([outline[:, 0], np.array(junction_spans(wall, walls)).reshape(-1)]),
         outline[:, 1],
     ]
-    elevations = {name: wall.elevations[wall.tag == name] for name in [wall.name, *names]}
+    # A wall that stands apart from another of its name has stones of that name alone.
+    present = [name for name in (wall.name, *names) if (wall.tag == name).any()]
+    elevations = {name: wall.elevations[wall.tag == name] for name in present}
     extents = {name: total_extent(polygons) for name, polygons in elevations.items()}
     free = {name: [True] * 4 for name in elevations}
     unions = {name: united(polygons) for name, polygons in elevations.items()}

@@ -5,6 +5,7 @@ import numpy as np
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
+from churchpipe.model.polyhedra import face_normals
 
 # A joint crosses the line through a voussoir where the sine of their angle is at least this.
 LEAST_CROSSING = 0.4
@@ -19,7 +20,8 @@ def angle_to_joints(stones: Assemblage, contacts: Contacts, along: FloatArray, a
 
     The joints of a voussoir are not parallel: inside it the bed direction turns from one joint to the other, so any direction
     between the two fits. Its bed joints are those with its neighbours in the ring, stones without a course like itself. The last
-    voussoir of a ring has one such neighbour; the joint opposite, with a stone of a pier, counts too. A stone with more
+    voussoir of a ring has one such neighbour; the joint opposite, with a stone of a pier, counts too, or where it bears on
+    nothing, as at the end of a ruined arch, the face opposite. A stone with more
     neighbours, or with none, lies in a wall drawn without courses or stands alone: there the joints count that are within
     45 degrees of the mean by area, and head joints do not. Where one of its joints is level and one upright, the level ones lead:
     the heads of a short stone, or the back of an arch that cuts it, may be larger than its beds. No voussoir has both.
@@ -30,10 +32,7 @@ def angle_to_joints(stones: Assemblage, contacts: Contacts, along: FloatArray, a
     """
     owner = contacts.blocks.ravel()
     normal, area = np.repeat(contacts.frame[:, 0], 2, axis=0), np.repeat(contacts.area, 2)
-    # A joint is at right angles to its normal. What faces the front or back of the wall has no direction within it.
-    up, level = np.einsum("kc,kc->k", normal, across[owner]), np.einsum("kc,kc->k", normal, along[owner])
-    share: FloatArray = np.hypot(up, level)
-    turn: FloatArray = np.arctan2(-level, up)
+    share, turn = _within_wall(normal, along[owner], across[owner])
     loose = ~stones.coursed & ~stones.fixed
     in_ring = np.repeat(loose[contacts.blocks].all(axis=1), 2) & (share > 0.5)
     neighbours = np.bincount(owner[in_ring], minlength=stones.count)
@@ -44,6 +43,11 @@ def angle_to_joints(stones: Assemblage, contacts: Contacts, along: FloatArray, a
     # The extrados does not cross the line through its voussoir.
     crosses = np.abs(np.sin(turn - line[owner])) > LEAST_CROSSING
     leading |= (neighbours == 1)[owner] & crosses & (share > 0.5)
+    unborne = (neighbours == 1) & ~_any(stones.count, owner[leading & ~in_ring])
+    end, end_normal, end_area = _free_ends(stones, np.flatnonzero(unborne), line, along, across)
+    owner, normal, area = np.concatenate([owner, end]), np.concatenate([normal, end_normal]), np.concatenate([area, end_area])
+    leading = np.concatenate([leading, np.ones(len(end), dtype=np.bool_)])
+    share, turn = _within_wall(normal, along[owner], across[owner])
     flat, steep = leading & (np.abs(normal[:, 2]) > 1 - ALIGNED**2 / 2), leading & (np.abs(normal[:, 2]) < ALIGNED)
     squared = (neighbours > 2) & (_any(stones.count, owner[flat]) & _any(stones.count, owner[steep]))
     weight = np.where(leading, area * share**2, 0.0) * np.where(squared[owner] & ~flat, SLIGHT, 1.0)
@@ -64,6 +68,38 @@ def angle_to_joints(stones: Assemblage, contacts: Contacts, along: FloatArray, a
     field = _half_turn(-mean)
     outside = np.maximum(np.maximum(low - field, field - high), 0.0)
     return np.degrees(np.where(np.isfinite(low), np.minimum(outside, np.pi - outside), np.nan))
+
+
+def _within_wall(normal: FloatArray, along: FloatArray, across: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the part of unit normals (k, 3) within the plane of the wall (k,), and the direction of their joints (k,), rad.
+
+    A joint is at right angles to its normal. What faces the front or back of the wall has no direction within it.
+    """
+    up, level = np.einsum("kc,kc->k", normal, across), np.einsum("kc,kc->k", normal, along)
+    return np.hypot(up, level), np.arctan2(-level, up)
+
+
+def _free_ends(
+    stones: Assemblage, last: IntArray, line: FloatArray, along: FloatArray, across: FloatArray
+) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Return the last voussoirs (k,) that end in a face across the line through them, its normal (k, 3) and its area (k,), m2.
+
+    last (m,): voussoirs that bear on one neighbour only. line (nb,): from that joint through the stone, rad from the bed.
+    """
+    found: list[int] = []
+    normals: list[FloatArray] = []
+    for stone in last.tolist():
+        faces = slice(*stones.block_face_ptr[stone : stone + 2])
+        pointer = stones.face_ptr[faces.start : faces.stop + 1]
+        vector, unit, _ = face_normals(stones.points, stones.face_nodes[pointer[0] : pointer[-1]], pointer - pointer[0])
+        inwards = np.cos(line[stone]) * along[stone] + np.sin(line[stone]) * across[stone]
+        facing = int(np.argmax(unit @ inwards))
+        if unit[facing] @ inwards > LEAST_CROSSING:
+            found.append(stone)
+            normals.append(vector[facing])
+    normal = np.array(normals).reshape(-1, 3)
+    area = np.linalg.norm(normal, axis=1)
+    return np.array(found, dtype=np.int64), normal / area[:, None], area
 
 
 def _any(count: int, owner: IntArray) -> BoolArray:
