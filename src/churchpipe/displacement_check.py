@@ -46,7 +46,7 @@ def displacement_check(
 
     Raises
     ------
-    InputError: arguments of the wrong kind, a load other than that of the curve.
+    InputError: arguments of the wrong kind, other stones or another load than those of the curve.
     """
     given = (curve, BlockCapacityCurve), (stones, Assemblage), (load, LoadCase), (crushing, bool)
     for value, kind in (
@@ -56,6 +56,7 @@ def displacement_check(
         *((seat, LostSeat),) * (seat is not None),
     ):
         check_kind("displacement_check", value, kind)
+    curve.check_of("displacement_check: curve", stones, "a curve")
     if not of_load(curve.given, load, pushed_alike=True):
         expected = "the load case that its block_pushover was called with"
         raise InputError("displacement_check: load", "the curve is of another load", found=load.name, expected=expected)
@@ -128,9 +129,6 @@ def _bodies(curve: BlockCapacityCurve, stones: Assemblage, load: LoadCase, loads
     if len(curve.displacement) < 2:
         found, expected = f"{counted(len(curve.displacement), 'step')} of the curve", "two or more"
         raise InputError("check", "no mechanism", found=found, expected=expected, remedy=FOLLOW)
-    if curve.position.shape[1] != stones.count:
-        found = f"{curve.position.shape[1]} stones"
-        raise InputError("check", "a curve of other stones", found=found, expected=str(stones.count))
     first = np.concatenate([np.diff(part[:2], axis=0)[0] for part in (curve.position, curve.rotation)], axis=1)
     moving = moving_stones(stone_speed(stones, first)) & ~stones.fixed
     stone, weight, pushed = np.arange(stones.count), stones.weight, lateral_weight(stones, load)

@@ -14,6 +14,7 @@ import churchpipe as cp
 from churchpipe.code_check import Floor, Site
 from churchpipe.displacement_check import displacement_check
 from churchpipe.errors import InputError
+from churchpipe.halved_steps import careful_check
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.block_curve import BlockCapacityCurve
 from churchpipe.model.checks import DisplacementCheck, SafetyCheck
@@ -322,9 +323,18 @@ def test_the_curve_of_another_load_is_refused(curve: BlockCapacityCurve, other: 
         displacement_check(curve, LEANING, load, SITED)
 
 
-def test_the_curve_of_other_stones_has_no_check(curve: BlockCapacityCurve) -> None:
-    more = on_ground(box((0, 0.5), (0, 1), (0, 2)), box((2, 3), (0, 1), (0, 2)))
-    assert "a curve of other stones; found 2 stones; expected 3" in displacement_check(curve, more, PUSH, SITED).message
+@pytest.mark.parametrize(
+    ("other", "found"),
+    [
+        ([box((0, 0.5), (0, 1), (0, 2)), box((2, 3), (0, 1), (0, 2))], "2 stones; expected 3 stones"),
+        ([box((0, 0.5), (0, 1), (0, 4))], "1e\\+03 mm from where stone B1 is; expected a curve of these stones"),
+    ],
+)
+def test_the_curve_of_other_stones_is_refused(curve: BlockCapacityCurve, other: list[Any], found: str) -> None:
+    with pytest.raises(InputError, match=rf"displacement_check: curve: a curve of other stones; found {found}"):
+        displacement_check(curve, on_ground(*other), PUSH, SITED)
+    with pytest.raises(InputError, match="a curve of other stones"):
+        careful_check(curve, curve, on_ground(*other), PUSH, SITED)
 
 
 def test_what_moves_later_does_not_make_the_oscillator_go_further() -> None:

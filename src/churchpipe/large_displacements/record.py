@@ -7,7 +7,6 @@ from functools import partial
 
 import numpy as np
 
-from churchpipe.errors import InputError
 from churchpipe.large_displacements.control import Control
 from churchpipe.large_displacements.following import Departure, Ending
 from churchpipe.large_displacements.going_on import gone_on, last_step
@@ -22,8 +21,6 @@ from churchpipe.model.arrays import BoolArray, FloatArray
 from churchpipe.model.stone_path import FallenStones, LastStep, StepArrays, StonePath
 
 Progress = Callable[[str, float], None]
-# A path begins where its stones are, to this share of their size: what a file of coordinates rounds away.
-_SAME = 1e-6
 
 
 class Record(ABC):
@@ -112,16 +109,8 @@ class Record(ABC):
         held at all; where it is not known which of them the last step held, those that have moved are held no more. Raises
         InputError where the path is that of other stones, or of another load, strength or ties.
         """
+        path.check_of(f"{self.where}: resume", self.model.stones, "steps")
         count, last = self.model.stones.count, len(path.position) - 1
-        if path.position.shape[1] != count:
-            found, expected = f"{path.position.shape[1]} stones", f"{count} stones"
-            raise InputError(f"{self.where}: resume", "steps of other stones", found=found, expected=expected)
-        stones = self.model.stones
-        apart = np.linalg.norm(path.position[0] - stones.centroid, axis=1)
-        far = int(apart.argmax())
-        if apart[far] > _SAME * stones.size:
-            found = f"{1e3 * apart[far]:.3g} mm from where stone {stones.block_id[far]} is"
-            raise InputError(f"{self.where}: resume", "steps of other stones", found=found, expected="those of these stones")
         check_given(self.where, path.given, self.given)
         moved = (path.position[-1] != path.position[0]) | (path.rotation[-1] != path.rotation[0])
         held = path.last.held if halo and len(path.last.held) == count else self.model.held & ~moved.any(axis=1)

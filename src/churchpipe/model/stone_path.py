@@ -5,8 +5,10 @@ from typing import Any, Self, TypedDict
 
 import numpy as np
 
+from churchpipe.errors import InputError
 from churchpipe.model.arguments import check_kind, listed, whole
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, flags, floats, indices, rows_of, store
+from churchpipe.model.assemblage import Assemblage
 
 # A path is proved when forces balance and keep to their friction cones to the first, and motions fit forces to the second.
 _EXACT, _FITS = 1e-8, 1e-2
@@ -14,6 +16,8 @@ _EXACT, _FITS = 1e-8, 1e-2
 CREDIBLE = 0.1
 # Contacts from a stone that moves to those that are held.
 HALO = 5
+# A path begins where its stones are, to this share of their size: what a file of coordinates rounds away.
+_SAME = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,6 +123,19 @@ class StonePath:
     def jumps(self) -> BoolArray:
         """Which steps (ns,) are no equilibria: forces would have to act across open gaps, as where the structure jumps."""
         return self.misfit > CREDIBLE
+
+    def check_of(self, where: str, stones: Assemblage, what: str = "a path") -> None:
+        """Raise InputError, that of an argument `where`, unless what is given there is a path of these stones."""
+        problem, count = f"{what} of other stones", self.position.shape[1]
+        if count != stones.count:
+            raise InputError(where, problem, found=f"{count} stones", expected=f"{stones.count} stones")
+        if not len(self.position):
+            return
+        apart = np.linalg.norm(self.position[0] - stones.centroid, axis=1)
+        far = int(apart.argmax())
+        if apart[far] > _SAME * stones.size:
+            found = f"{1e3 * apart[far]:.3g} mm from where stone {stones.block_id[far]} is"
+            raise InputError(where, problem, found=found, expected=f"{what} of these stones")
 
     def first_steps(self, step: int, travel: FloatArray) -> Self:
         """Return the path up to a step, that included; travel (ns,): what `FallenStones.displacement` is measured by."""

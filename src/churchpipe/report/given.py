@@ -24,7 +24,6 @@ from churchpipe.model.loads import LoadCase, direction_name
 from churchpipe.model.materials import JointStrength
 from churchpipe.model.placed_loads import Applied
 from churchpipe.model.settlement import SettlementPath
-from churchpipe.model.stone_path import StonePath
 from churchpipe.report.of_stones import check_loads_in
 from churchpipe.report.paths import Followed
 from churchpipe.wording import counted
@@ -35,8 +34,6 @@ Settled = SettlementPath | tuple[Assemblage, Contacts, SettlementPath]
 Settlements = Settled | Mapping[str, Settled]
 
 _CURVE, _SETTLEMENT = "write_report: curve", "write_report: settlement"
-# The first step of a path has the stones where they are drawn, but for rounding.
-_SAME = 1e-6
 NOT_TOLD = "the load pushes more than the weight of the stones: give what the stones carry as loads="
 
 
@@ -71,7 +68,7 @@ def curves_given(
     out: list[Followed] = []
     for number, (load, one, halved) in enumerate(_with_loads(curve, results), 1):
         for path in (one, *([halved] if halved else [])):
-            _check_of(_CURVE, path, stones)
+            path.check_of(_CURVE, stones)
             _check_made_with(path, load, one)
         check_loads_in(f"{_CURVE}[{number - 1}]", load, stones, applied.loads)
         record = curve_record_of(one, stones, load, materials, groups)
@@ -142,7 +139,7 @@ def movements_given(
         check_kind(where, own, Assemblage)
         check_kind(where, joints, Contacts)
         check_contacts_of(own, joints)
-        _check_of(where, path, own)
+        path.check_of(where, own)
         direction, turns = _support_motion(own, path)
         way = f"support that {'turns about' if turns else 'moves along'} {direction_name(direction)}" if direction.any() else ""
         settings = {
@@ -185,17 +182,3 @@ def _check_made_with(path: BlockCapacityCurve, load: LoadCase, beside: BlockCapa
         problem = "two curves of one entry that were made with other values"
         remedy = "The second one is the same call with halved=True."
         raise InputError(_CURVE, problem, found=f"another {', '.join(differ)}", remedy=remedy)
-
-
-def _check_of(where: str, path: StonePath, stones: Assemblage) -> None:
-    """Raise InputError unless a path is that of these stones."""
-    if path.position.shape[1] != stones.count:
-        found = f"{path.position.shape[1]} stones"
-        raise InputError(where, "a path of other stones", found=found, expected=str(stones.count))
-    if not len(path.position):
-        return
-    apart = np.linalg.norm(path.position[0] - stones.centroid, axis=1)
-    far = int(apart.argmax())
-    if apart[far] > _SAME * stones.size:
-        found = f"{1e3 * apart[far]:.3g} mm from where stone {stones.block_id[far]} is"
-        raise InputError(where, "a path of other stones", found=found, expected="one of these stones")
