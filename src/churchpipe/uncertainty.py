@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from churchpipe.errors import InputError
+from churchpipe.model.arguments import finite
 from churchpipe.model.arrays import FloatArray, floats
 
 LEVELS = (0.05, 0.16, 0.5, 0.84, 0.95)
@@ -21,9 +22,10 @@ class Uncertainty:
 
     capacity: (n,) ascending; infinite where no load is too large, 0 where the structure does not bear its own weight.
     unknown: samples without a load factor, which are left out of all figures.
-    mean, standard_deviation: of the load factors, NaN where there are none. quantiles: by level.
+    mean, standard_deviation: of the load factors, NaN where there are none; one alone has no standard deviation. quantiles: by
+        level.
     median, dispersion: of the lognormal fragility curve, exp of the mean and the standard deviation of the logarithms of the load
-        factors above 0; NaN where there are none.
+        factors above 0; NaN where there are none, and the dispersion where there is but one.
     rank_correlation: (np,) of Spearman, of each parameter with the load factor; NaN where one of both does not vary.
     explained: share of the variance of the ranks that a linear combination of the parameters' ranks accounts for; below some 0.7
         parameters act together, or not in one direction only.
@@ -45,7 +47,13 @@ class Uncertainty:
         return len(self.capacity)
 
     def probability(self, demand: float) -> tuple[float, float, float]:
-        """Return the probability that a structure bears less than a demand, and the limits of its band: see `band`."""
+        """Return the probability that a structure bears less than a demand, and the limits of its band: see `band`.
+
+        Raises
+        ------
+        InputError: a demand that is no finite number.
+        """
+        demand = finite("probability: demand", demand)
         below = int(np.searchsorted(self.capacity, demand, side="left"))
         low, high = band(np.array([below]), self.count)
         return below / self.count if self.count else np.nan, float(low[0]), float(high[0])
@@ -77,17 +85,20 @@ def assess_uncertainty(points: FloatArray, load_factors: FloatArray) -> Uncertai
 
     Raises
     ------
-    InputError: not as many load factors as points, points that are not finite numbers.
+    InputError: not as many load factors as points, points that are not finite numbers, load factors below 0.
     """
     points = floats("assess_uncertainty: points", points, (None, None))
     factors = floats("assess_uncertainty: load_factors", load_factors, (None,), finite=False)
     if len(factors) != len(points):
         found, expected = f"{factors.shape} and {points.shape}", "as many as points (n, np)"
         raise InputError("assess_uncertainty: load_factors", "wrong shape", found=found, expected=expected)
+    if (factors < 0).any():
+        found = f"{factors[factors < 0][0]:g}"
+        raise InputError("assess_uncertainty: load_factors", "out of range", found=found, expected="numbers >= 0, or NaN")
     known = ~np.isnan(factors)
     points, factors = points[known], factors[known]
     unlimited = np.isinf(factors).any()
-    spread = np.nan if unlimited or not len(factors) else 0.0 if np.ptp(factors) == 0 else float(factors.std(ddof=1))
+    spread = np.nan if unlimited or len(factors) < 2 else 0.0 if np.ptp(factors) == 0 else float(factors.std(ddof=1))
     logarithms = np.log(factors[(factors > 0) & np.isfinite(factors)])
     correlation, explained = _ranks(points, factors)
     quantiles = np.quantile(factors, LEVELS, method="inverted_cdf" if unlimited else "linear") if len(factors) else [np.nan] * 5
@@ -98,7 +109,7 @@ def assess_uncertainty(points: FloatArray, load_factors: FloatArray) -> Uncertai
         spread,
         dict(zip(LEVELS, map(float, quantiles), strict=True)),
         float(np.exp(logarithms.mean())) if len(logarithms) else np.nan,
-        float(logarithms.std(ddof=min(1, len(logarithms) - 1))) if len(logarithms) else np.nan,
+        float(logarithms.std(ddof=1)) if len(logarithms) > 1 else np.nan,
         correlation,
         explained,
     )

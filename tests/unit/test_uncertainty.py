@@ -1,5 +1,7 @@
 """Statistics of sampled load factors, against closed forms."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy import stats
@@ -64,3 +66,22 @@ def test_a_value_that_never_changes_has_no_rank() -> None:
     assert found.probability(0.3)[0] == 0.0
     assert found.probability(0.31)[0] == 1.0
     assert found.dispersion == 0.0
+
+
+def test_one_sample_says_nothing_of_the_spread() -> None:
+    found = assess_uncertainty(np.array([[0.5]]), np.array([0.4]))
+    assert (found.mean, found.median) == pytest.approx((0.4, 0.4))
+    assert np.isnan([found.standard_deviation, found.dispersion]).all()
+
+
+@pytest.mark.parametrize("demand", [np.nan, "0.4", None, True])
+def test_a_demand_is_a_number(demand: Any) -> None:
+    known = assess_uncertainty(np.array([[0.5], [0.6]]), np.array([0.4, 0.5]))
+    with pytest.raises(cp.InputError, match="probability: demand"):
+        known.probability(demand)
+
+
+@pytest.mark.parametrize("factor", [-0.1, -np.inf])
+def test_load_factors_are_not_negative(factor: float) -> None:
+    with pytest.raises(cp.InputError, match="load_factors: out of range; found -"):
+        assess_uncertainty(np.array([[0.5], [0.6]]), np.array([0.4, factor]))

@@ -60,7 +60,8 @@ def uncertainty_lines(study: SampleStudy | None, rows: Sequence[Row]) -> list[st
         row = dict(zip(_HEADINGS, _row(one), strict=True))
         words = f"{label[one.name]}: {counted(one.count, 'sample')}"
         if one.count:
-            words += f", load factor {row['mean']} in the mean, CoV {row['CoV']}, 90 % of them from {row['5 %']} to {row['95 %']}"
+            spread = f", CoV {row['CoV']}" if row["CoV"] else ""
+            words += f", load factor {row['mean']} in the mean{spread}, 90 % of them from {row['5 %']} to {row['95 %']}"
         lines.append("; ".join([words, *([f"it hangs on {_matters(one)}"] if _matters(one) else []), *_left_out(one)]) + ".")
         kinds = one.mechanisms[:3] if len(one.mechanisms) > 1 else ()
         lines += [f"  {100 * kind.share:.0f} % fall by: {kind.moves} (mean {figure(kind.mean, 4)})" for kind in kinds]
