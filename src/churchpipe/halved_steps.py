@@ -12,7 +12,7 @@ from churchpipe.code_check import Site
 from churchpipe.displacement_check import displacement_check
 from churchpipe.large_displacements.seats import lost_seat
 from churchpipe.model.assemblage import Assemblage
-from churchpipe.model.block_curve import BlockCapacityCurve, step_difference
+from churchpipe.model.block_curve import ALIKE, BlockCapacityCurve, step_difference
 from churchpipe.model.checks import DisplacementCheck
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.placed_loads import Applied
@@ -51,7 +51,8 @@ def careful_check(
         lead = min(found, other, key=lambda check: check.a_g_slv if np.isfinite(check.a_g_slv) else check.d0)
     which, left, why = ("it", "that with whole steps", found.message) if lead is other else (_WHOLE, "it", other.message)
     because = f"; of {left} there is none: {why.removeprefix('check: ')}" if why else ", which withstands no more."
-    ends = f"It ends at {_end(halved)} instead of {_end(curve)}."
+    end, before = _end(halved), _end(curve)
+    ends = f"It ends at {end}, too." if end == before else f"It ends at {end} instead of {before}."
     taken = "" if lead.message else f" The check takes {which}{because}"
     unproved = f"Of the curve with steps half as long: {lead.unproved}" if lead is other and lead.unproved else lead.unproved
     return replace(lead, unproved=unproved, halved=f"{_apart(curve, halved)} {ends}{taken}")
@@ -61,6 +62,8 @@ def _apart(curve: BlockCapacityCurve, halved: BlockCapacityCurve) -> str:
     share, place = step_difference(curve, halved)
     if not np.isfinite(share):
         return "With steps half as long the curve has no steps."
+    if share < ALIKE:
+        return "With steps half as long the curve is the same."
     told = (
         f"With steps half as long the curve is up to {100 * share:.2g} % of its first load factor away, at {1e3 * place:.3g} mm."
     )

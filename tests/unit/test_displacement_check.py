@@ -22,6 +22,7 @@ from churchpipe.model.lost_seat import LostSeat
 from churchpipe.model.quantities import GRAVITY, as_written
 from churchpipe.oscillator import Oscillator, capacity, oscillator
 from churchpipe.report.displacements import displacement_checks
+from churchpipe.report.page import template
 from churchpipe.run_folder import RunFolder
 from churchpipe.spectrum import SiteSpectrum, Spectrum, StoreySpectrum, spectral_displacement
 from records import analysis
@@ -392,4 +393,5 @@ def test_the_report_shows_the_check(curve: BlockCapacityCurve) -> None:
     unsited = displacement_checks([replace(record, check=displacement_check(curve, LEANING, PUSH, None))], None)
     assert unsited is not None
     assert (unsited["checks"][0].rows, unsited["checks"][0].governs) == ([], "")
+    assert " with e* = 1.<" in template("displacements.html").render(displacements=unsited)
     assert displacement_checks([record], None) is None

@@ -13,7 +13,7 @@ from churchpipe.config.plan import plan
 from churchpipe.displacement_check import displacement_check
 from churchpipe.errors import InputError
 from churchpipe.halved_steps import careful_check
-from churchpipe.io.recording import halved_record
+from churchpipe.io.recording import curve_record_of, halved_record
 from churchpipe.model.block_curve import BlockCapacityCurve, step_difference
 from churchpipe.report.block_curves import block_curve_plots
 from churchpipe.report.displacements import displacement_checks
@@ -67,6 +67,15 @@ def test_the_difference_of_two_curves_by_hand(curve: BlockCapacityCurve) -> None
     assert np.isnan(step_difference(line, nothing)[0])
     with pytest.raises(InputError, match="step_difference: halved"):
         step_difference(line, None)  # pyright: ignore[reportArgumentType]
+
+
+def test_curves_that_are_apart_by_rounding_are_the_same(curve: BlockCapacityCurve) -> None:
+    again = replace(curve, load_factor=curve.load_factor * (1 + 3e-9))
+    told = careful_check(curve, again, TALL, PUSH, SITED).halved
+    assert told.startswith(f"With steps half as long the curve is the same. It ends at {1e3 * curve.d0:.4g} mm, too. The check")
+    record = replace(curve_record_of(curve, TALL, PUSH, [cp.JointStrength("default", 0.6)]), halved=halved_record(curve, again))
+    (shown,) = block_curve_plots([record], None)
+    assert "With steps half as long (dotted) it is the same, and ends at" in str(shown)
 
 
 def test_the_check_takes_the_curve_that_withstands_less(curve: BlockCapacityCurve) -> None:

@@ -84,7 +84,8 @@ def curve_record_of(
     lost = ["cohesion, which opening joints lose, is left out"] if any(one.cohesion for one in (*materials, *joints)) else []
     status: Status = "converged" if curve.proved and curve.status != "not-converged" else "not-converged"
     if curve.proved_steps < len(curve.misfit):
-        lost = [f"only the first {curve.proved_steps} of its {len(curve.misfit)} steps are proved", *lost]
+        proved = f"only the first {curve.proved_steps} of its {len(curve.misfit)} steps are proved; a shorter step may prove more"
+        lost = [proved, *lost]
     if curve.status in ("unstable", "failed") or (curve.status == "unbounded" and not len(curve.displacement)):
         status = curve.status
     return Analysis(

@@ -62,9 +62,8 @@ def with_fill(
     names = (panels,) if isinstance(panels, str) else tuple(listed("with_fill: panels", panels, str))
     missing = sorted(set(names) - set(body.panel.tolist()))
     if missing:
-        raise InputError(
-            "with_fill: panels", "no such panel", found=", ".join(missing), expected=", ".join(np.unique(body.panel))
-        )
+        expected = ", ".join(sorted(set(body.panel.tolist()) - {""})) or "stones with names of walls"
+        raise InputError("with_fill: panels", "no such panel", found=", ".join(missing), expected=expected)
     if load.profile != "uniform":
         raise InputError("with_fill: load", "not pushed alike at all heights", found=load.profile, expected='profile = "uniform"')
     count, centre = (body.count, body.centroid) if isinstance(body, Assemblage) else (len(body.triangles), body.centroid)

@@ -15,6 +15,9 @@ from churchpipe.model.stone_path import StonePath
 CurveStatus = Literal["vanished", "collapsed", "unfinished", "not-converged", "unstable", "unbounded", "failed"]
 CURVE_STATUSES = ("vanished", "collapsed", "unfinished", "not-converged", "unstable", "unbounded", "failed")
 
+# Curves that are apart by less than this share of the first load factor are one: the steps of either are known no better.
+ALIKE = 1e-5
+
 
 def vanishing(displacement: FloatArray, load_factor: FloatArray) -> float:
     """Return where a curve (ns,) that came down to zero vanishes, m.

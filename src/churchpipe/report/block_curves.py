@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from churchpipe.io.records import Analysis
+from churchpipe.model.block_curve import ALIKE
 from churchpipe.report.plots import WIDTH, legend_below, new_plot, svg_of
 from churchpipe.report.table import by_material
 
@@ -110,4 +111,5 @@ def _halved(record: Analysis) -> str:
         return ""
     last = again.displacement[-1] if math.isnan(again.d0) else again.d0
     away = f"up to {100 * again.difference:.2g} % of the first load factor away, at {1e3 * again.difference_at:.3g} mm"
+    away = "the same" if again.difference < ALIKE else away
     return f" With steps half as long (dotted) it is {away}, and ends at {last * 1e3:.4g} mm, where {_ENDINGS[again.ending]}."

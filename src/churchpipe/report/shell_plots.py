@@ -16,6 +16,8 @@ Line = tuple[str, float]
 _STYLES = ("--", ":", "-.", (0, (6, 1, 1, 1)), (0, (1, 3)))
 _N11, _N22, _N12, _M11, _M22, _M12 = range(6)
 _RAYS = 48
+# Sections narrower than this, in units of the membrane force, are a line or a point.
+_NOTHING = 1e-6
 # Sections of the strength domain: title, first and second stress, stresses that stay as they are; in units of the membrane force
 # across the bed joints, moments over the wall's thickness.
 _SECTIONS = (
@@ -143,5 +145,6 @@ def _frame(values: FloatArray, most: float = 3.0) -> tuple[float, float]:
     """Return limits around the finite part of a section, cut off where it runs away."""
     seen = np.clip(values[np.isfinite(values)], -most, most)
     low, high = (float(seen.min()), float(seen.max())) if len(seen) else (-1.0, 1.0)
-    room = 0.12 * (high - low) + 1e-9
+    # A bond without strength there has but rounding to show.
+    room = 0.12 * (high - low) if high - low > _NOTHING else 1.0
     return low - room, high + room

@@ -1,6 +1,7 @@
 """Loose fill on the back of a vault: its weight, where it acts, and what it does to the load factor."""
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -73,6 +74,9 @@ def test_what_cannot_be_filled_is_named() -> None:
     contacts = cp.find_contacts(stones)
     with pytest.raises(InputError, match=r"with_fill: panels: no such panel; found roof; expected ground, vault"):
         cp.with_fill(PUSH, stones, "roof", 1.0, 15e3, contacts)
+    nameless = replace(stones, panel=np.full(stones.count, ""))
+    with pytest.raises(InputError, match=r"no such panel; found roof; expected stones with names of walls"):
+        cp.with_fill(PUSH, nameless, "roof", 1.0, 15e3, contacts)
     with pytest.raises(InputError, match=r"with_fill: level: no back lies below it; found -1 m"):
         cp.with_fill(PUSH, stones, "vault", -1.0, 15e3, contacts)
     with pytest.raises(InputError, match=r"with_fill: contacts: missing"):

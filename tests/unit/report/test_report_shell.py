@@ -15,6 +15,7 @@ from churchpipe.io.summary import Pair
 from churchpipe.model.results import CapacityCurve, CapacityStep, ShellLimitState
 from churchpipe.report.both import capacity_plots, compared, mesh_plot, partner
 from churchpipe.report.motion import joint_opening, opened_joints, plastic_size, reference_strain
+from churchpipe.report.page import template
 from churchpipe.report.shell_picture import shell_picture
 from churchpipe.report.shell_plots import bend_of, capacity_svg, domain_section, domain_svg
 from churchpipe.report.shell_view import borders, joint_outlines, shell_data
@@ -180,7 +181,23 @@ def test_sections_of_the_domain_agree_with_the_planes_where_these_are_exact() ->
     assert (stress @ known.normal.T - known.limit).max() < 1e-6
 
 
+@pytest.mark.parametrize(
+    ("overlap", "told"),
+    [
+        ("0.0 %", "come to as much as"),
+        ("-0.0 %", "come to as much as"),
+        ("-0.3 %", "come to 0.3 % less than"),
+        ("0.6 %", "0.6 % of"),
+    ],
+)
+def test_the_gate_says_what_mid_surfaces_come_to(overlap: str, told: str) -> None:
+    match = {"passed": True, "message": "", "unfit": (), "rows": [["weight", "1 N", "1 N", "0", "1 %", "agrees"]]}
+    assert told in " ".join(template("match.html").render(match={**match, "junction_overlap": overlap}).split())
+
+
 def test_the_plot_of_the_domain_names_its_axes() -> None:
     text = re.sub("<[^>]*>", " ", domain_svg(0.03, 0.08, 0.04, 0.7))
+    # What has no strength is drawn to the scale of the compression, not to that of its rounding.
+    assert not re.search(r"1e.\d", re.sub("<[^>]*>", " ", domain_svg(0.03, 0.08, 0.04, 0.7, "stack")))
     for word in ("unit cell", "eight planes", "M12 / h", "N22 and N12, N11 = 0"):
         assert word in text
