@@ -12,9 +12,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import churchpipe as cp
+from churchpipe import generators
 from churchpipe.homogenised_shell.limit import shell_limit_analysis
 from churchpipe.model.loads import LoadCase
-from churchpipe.model.materials import Material
+from churchpipe.model.materials import Material, UnitWeight
 from churchpipe.model.results import ShellLimitState
 from churchpipe.model.shell import ShellModel
 from shell_meshes import grid, joined_walls, plate_points, shell, wall_points
@@ -155,3 +157,27 @@ def test_s5_with_quadratic_membrane_at_40_by_45_mm() -> None:
     model = prototype_s5(0.04, 0.045, 2)
     assert push(model, OUT, planes="paper").load_factor == pytest.approx(0.316, abs=5e-4)
     assert push(model, OUT, planes="paper+torsion").load_factor == pytest.approx(0.316, abs=5e-4)
+
+
+@pytest.mark.parametrize(
+    ("load", "of_shell", "of_stones"),
+    [
+        ({}, 0.4323, 0.6206),
+        ({"dead": 200.0}, 0.2362, 0.6141),
+        ({"dead": 1e3}, None, 0.5979),
+        ({"dead": 1e3, "begin": 0.25, "end": 1.75}, 0.4079, 0.6394),
+    ],
+)
+def test_a_line_load_up_to_a_free_end_brings_it_down(load: dict[str, float], of_shell: float | None, of_stones: float) -> None:
+    """Our own figures of docs/limits.md."""
+    building = generators.wall(length=2.0, brick=(0.25, 0.25, 0.1), courses=12, materials=(UnitWeight("default", 18e3),))
+    stones, model = cp.derive_blocks(building), cp.derive_shell(building, 0.12)
+    carried = [cp.LineLoad("wall", **load)] if load else []
+    state = shell_limit_analysis(model, cp.shell_loaded(ALONG, model, stones, carried), [Material("default", 18e3, 0.7)])
+    held = cp.limit_analysis(stones, cp.find_contacts(stones), cp.loaded(ALONG, stones, carried), 0.7)
+    assert held.load_factor == pytest.approx(of_stones, abs=1e-3)
+    if of_shell is None:
+        assert state.status == "unstable"
+        assert "nor a load that goes up to the free end of a wall" in state.message
+    else:
+        assert state.load_factor == pytest.approx(of_shell, abs=2e-3)
