@@ -92,7 +92,7 @@ def show(model: Assemblage | Contacts | ShellModel, state: LimitState | ShellLim
                 raise InputError("show: model", "no joints to show", found="none", expected="at least one")
             joints_picture(model, path, _OBLIQUE)
         else:
-            check_kind("show: model", model, ShellModel)
+            check_kind("show: model", model, Assemblage, Contacts, ShellModel)
             motion, plastic = np.zeros((len(model.points), 3)), np.zeros((len(model.triangles), 6))
             if state is not None:
                 found = _of_shell(state, model)

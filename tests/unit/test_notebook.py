@@ -89,6 +89,10 @@ def test_pictures_of_a_model_and_of_its_mechanism_differ() -> None:
     other = on_ground(box((0, 1), (0, 1), (0, 2)), unit_weight=2e4, reach=3)
     with pytest.raises(InputError, match="not a result of these stones"):
         cp.show(other, STATE)
+    with pytest.raises(
+        InputError, match="show: model: wrong kind; found None; expected an Assemblage or a Contacts or a ShellModel"
+    ):
+        cp.show(None)  # pyright: ignore[reportArgumentType]
 
 
 def test_joints_are_shown_in_the_colours_of_their_kinds() -> None:

@@ -296,6 +296,8 @@ def cases_of(
 
 # Of the values that a distribution gives, one in a million is beyond its least or its greatest that are checked.
 _TAILS = np.array([1e-6, 1 - 1e-6])
+_NARROWER = "Bound it by low and high, or take a lognormal, uniform or beta distribution."
+_ANOTHER = "Not even its median is a value of the key: sample one that takes numbers with decimals, in its own range."
 
 
 def _check_sample(table: dict[str, Any], path: Path, overrides: Sequence[str], cases: Sequence[Case]) -> None:
@@ -311,12 +313,13 @@ def _check_sample(table: dict[str, Any], path: Path, overrides: Sequence[str], c
             if key in cases[0].swept or key in ("name", "sample"):
                 problem = "swept and sampled" if key in cases[0].swept else "not to be sampled"
                 raise located(InputError(f"{place}.key", problem, found=key, expected="another key"), path, overrides)
-        for value in quantile(parameter, _TAILS).tolist():
+        for share in (0.5, *_TAILS):
+            value = float(quantile(parameter, np.array([share]))[0])
             try:
                 cases_of(table, path, overrides, dict.fromkeys(parameter.key, value))
             except InputError as error:
                 first = error.problems[0] if isinstance(error, GatheredError) else error
-                remedy = first.remedy or "Bound it by low and high, or take a lognormal, uniform or beta distribution."
+                remedy = first.remedy or (_ANOTHER if share == 0.5 else _NARROWER)
                 problem = f"its distribution reaches {value:.4g}: {first.problem}"
                 raise InputError(first.where, problem, found=first.found, expected=first.expected, remedy=remedy) from error
 

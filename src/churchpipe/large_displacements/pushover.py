@@ -134,7 +134,8 @@ def block_pushover(
         Arguments out of range, stones without a path to a support.
     """
     begin = perf_counter()
-    for name, given, kind in (("stones", stones, Assemblage), ("contacts", contacts, Contacts), ("load", load, LoadCase)):
+    model_of = (("stones", stones, Assemblage), ("contacts", contacts, Contacts), ("load", load, LoadCase))
+    for name, given, kind in (*model_of, ("halved", halved, bool)):
         check_kind(f"block_pushover: {name}", given, kind)
     states = (("state", state, LimitState), ("sliding", sliding, LimitState), ("resume", resume, BlockCapacityCurve))
     halo = check_path("block_pushover", stones, step, steps, furthest, halo)

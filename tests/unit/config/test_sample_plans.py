@@ -44,6 +44,10 @@ def test_a_sample_is_read(tmp_path: Path) -> None:
             '{ key = "source.brick_mm.1", distribution = "normal", mean = 10, standard_deviation = 9 }',
             ["source.brick_mm", "reaches -"],
         ),
+        (
+            '{ key = "source.courses", distribution = "uniform", low = 4, high = 5 }',
+            ["source.courses", "found 4.5; expected a whole number. Not even its median is a value of the key"],
+        ),
     ],
 )
 def test_what_cannot_be_is_refused_with_its_line(tmp_path: Path, parameter: str, words: list[str]) -> None:

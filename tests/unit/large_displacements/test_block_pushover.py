@@ -26,6 +26,7 @@ PUSH = cp.LoadCase((1, 0, 0))
         ({"step": "a"}, "block_pushover: step: not a number"),
         ({"steps": 0}, "block_pushover: steps: out of range"),
         ({"halo": -1}, "block_pushover: halo: out of range"),
+        ({"halved": "no"}, "block_pushover: halved: wrong kind; found 'no'; expected a bool"),
         ({"steps": 10**30}, "block_pushover: steps: out of range"),
         ({"furthest": -1.0}, "block_pushover: furthest: out of range"),
         ({"control": (0, 0)}, "block_pushover: control: wrong shape"),
