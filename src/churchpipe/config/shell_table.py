@@ -46,6 +46,9 @@ def shell_table(stones: Assemblage, elastic: Mapping[str, bool], joint: float | 
     parts = [part for vault in fitted.vaults for part in vault.parts] or [panel.name for panel in fitted.panels]
     what = "A vault" if fitted.vaults else counted(len(parts), "wall")
     note = f"{what} fitted for the shell: {', '.join(parts)}."
+    # Walls of one name that do not touch: it is the name of their stones that loads go by.
+    if unnamed := [] if fitted.vaults else [name for name in parts if name not in fitted.panel]:
+        note += f" No stones are called {', '.join(unnamed)}: a load on the name in the drawing reaches all walls that have it."
     if len(fitted.unfit):
         few = ", ".join(fitted.unfit[:8])
         note += f" {counted(len(fitted.unfit), 'stone fits', 'stones fit')} none: {few}{' ...' if len(fitted.unfit) > 8 else ''}."

@@ -1,10 +1,12 @@
 """Walls in one plane that do not touch: each has a panel of its own, and nothing of them is missing from the shell."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from churchpipe.config.shell_table import shell_table
 from churchpipe.errors import InputError
 from churchpipe.loading.placing import place_loads
 from churchpipe.match import match_models
@@ -69,6 +71,16 @@ def test_each_of_three_piers_in_a_row_is_a_wall():
     assert sorted(float(np.ptp(panel.outline[:, 0])) for panel in fitted.panels) == pytest.approx([0.75, 1.0, 2.0])
     assert all(panel.outline[:, 0].min() == pytest.approx(0.0, abs=1e-9) for panel in fitted.panels)
     assert sorted(set(fitted.panel[1:].tolist())) == ["wall-1", "wall-2", "wall-3"]
+
+
+def test_the_note_of_an_import_says_which_names_no_load_can_have():
+    piers = on_ground(*bricks(0.0, 2.0, 6), *bricks(3.0, 1.5, 6))
+    assert "No stones are called" not in shell_table(piers, {"default": False}).note
+    named = replace(piers, panel=np.where(piers.fixed, "", "piers"))
+    said = (
+        "fitted for the shell: piers, piers-2. No stones are called piers-2: a load on the name in the drawing reaches all walls"
+    )
+    assert said in shell_table(named, {"default": False}).note
 
 
 def test_a_load_on_a_name_reaches_both_of_its_walls():
