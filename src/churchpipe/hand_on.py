@@ -118,7 +118,10 @@ def write_report(
             raise InputError(f"write_report: results[{number}]", "not a pair", found=found, expected=expected)
         check_kind("write_report: load", pair[0], LoadCase)
         pairs.append((pair[0], pair[1]))
+    check_kind("write_report: name", name, str)
     followed = curves_given(curve, [load for load, _ in pairs], stones, materials, groups, applied, site)
+    if not pairs and not followed and settlement is None:
+        raise InputError("write_report: results", "nothing to report", found="none", expected="results, a curve or a settlement")
     of_blocks: list[tuple[Analysis, LimitState]] = []
     of_shell: list[tuple[Analysis, str, ShellLimitState | CapacityCurve]] = []
     for number, (load, result) in enumerate(pairs, 1):

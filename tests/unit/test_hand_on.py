@@ -137,6 +137,8 @@ WRONG: list[tuple[dict[str, Any], str]] = [
     ),
     ({"settlement": {"a": 3}}, r"write_report: settlement a: wrong kind; found 3"),
     ({"site": 3}, r"write_report: site: wrong kind; found 3; expected a Site"),
+    ({"name": 3}, r"write_report: name: wrong kind; found 3; expected a str"),
+    ({}, r"write_report: results: nothing to report; found none; expected results, a curve or a settlement"),
 ]
 
 
