@@ -11,7 +11,7 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -39,6 +39,34 @@ RESULTS = {"compare": 1, "report": 1, "all": 1}
 SHELL = {"shell": 1, "match": 1, "limit": 1}
 ALL = {"source": 1, "blocks": 1, "contacts": 1, "rigid": 2, **RESULTS}
 CONFIGURE = "import sys; from churchpipe.configuring import configure; configure(sys.argv[1], sys.argv[2], sys.argv[3:])"
+# Stands by with the libraries that configuring and the engine take seconds to load. Each line of its input is an order to a fork
+# of it: a case or nothing, a run folder, changes of the case, the arguments of Snakemake, and where what they say is written.
+FORKS = """
+import json, os, sys, traceback
+from churchpipe.configuring import configure
+from snakemake.cli import main
+for line in sys.stdin:
+    case, out, changes, arguments, said = json.loads(line)
+    if not os.fork():
+        code = 1
+        os.dup2(os.open(said, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), 1)
+        os.dup2(1, 2)
+        try:
+            if case:
+                configure(case, out, changes)
+            main(arguments)
+        except SystemExit as end:
+            code = int(end.code or 0)
+        except BaseException:
+            traceback.print_exc()
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(code)
+    print(os.waitstatus_to_exitcode(os.wait()[1]), flush=True)
+"""
+
+
+EDITED = pytest.mark.slow("docs/run_folder.md: an edited source runs again what depends on it")
 
 
 def stages_of(jobs: dict[str, int]) -> dict[str, int]:
@@ -53,6 +81,7 @@ class Copy:
     root: Path
     name: str = "tiny"
     folder: str = "run"
+    forks: "subprocess.Popen[str] | None" = None
 
     @property
     def case(self) -> Path:
@@ -72,6 +101,7 @@ class Copy:
             [sys.executable, *module, *map(str, arguments)],
             cwd=self.root,
             env=environment,
+            stdin=subprocess.PIPE if arguments[-1] == FORKS else None,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
@@ -93,21 +123,31 @@ class Copy:
         """News of the last run."""
         return [event for line in (self.out / "run.log").read_text().splitlines() if (event := engine.heard(line))]
 
-    def stale(self, *changes: str) -> dict[str, int]:
-        """Jobs that a run would do now, by rule."""
-        status, out, err = self.call("-c", CONFIGURE, self.case, self.out, *changes)
-        assert status == 0, out + err
-        command = [part.replace(str(ROOT), str(self.root)) for part in engine.command(self.out, 1)[2:]]
-        status, out, err = self.call(*command, "--dry-run", "--quiet", "rules")
-        assert status == 0, out + err
-        return {rule: int(count) for rule, count in re.findall(r"^(\w+) +(\d+)$", out + err, re.MULTILINE) if rule != "total"}
+    def stale(self, *changes: str, edited: bool = False) -> dict[str, int]:
+        """Jobs that a run would do now, by rule. edited: its sources are others than those that stand by."""
+        if edited:
+            status, out, err = self.call("-c", CONFIGURE, self.case, self.out, *changes)
+            assert status == 0, out + err
+        arguments = [part.replace(str(ROOT), str(self.root)) for part in engine.command(self.out, 1)[3:]]
+        said = self.root / "said.txt"
+        case = "" if edited else str(self.case)
+        assert self.forks
+        assert self.forks.stdin
+        assert self.forks.stdout
+        order = [case, str(self.out), changes, [*arguments, "--dry-run", "--quiet", "rules"], str(said)]
+        self.forks.stdin.write(json.dumps(order) + "\n")
+        self.forks.stdin.flush()
+        status = self.forks.stdout.readline()
+        assert status == "0\n", said.read_text()
+        found = re.findall(r"^(\w+) +(\d+)$", said.read_text(), re.MULTILINE)
+        return {rule: int(count) for rule, count in found if rule != "total"}
 
     def summary(self) -> dict[str, Any]:
         return json.loads((self.out / "summary.json").read_text())
 
 
 @pytest.fixture(scope="module")
-def pristine(tmp_path_factory: pytest.TempPathFactory) -> Copy:
+def pristine(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Copy]:
     """A copy in which the case has been run once."""
     copy = Copy(tmp_path_factory.mktemp("pristine"))
     # With what is compiled, but for what another process writes at this moment.
@@ -122,13 +162,15 @@ def pristine(tmp_path_factory: pytest.TempPathFactory) -> Copy:
     assert [event.share for event in copy.events() if event.kind == "total"] == [sum(copy.done().values())]
     assert "-x    associative" in out
     assert "rigid     -x_non-associative" in err
-    return copy
+    with copy.start("-c", FORKS) as forks:
+        yield replace(copy, forks=forks)
+        forks.communicate()
 
 
 @pytest.fixture(scope="module")
 def with_shell(pristine: Copy) -> Copy:
     """The same package, and a case with a shell that has been run once."""
-    copy = Copy(pristine.root, "shell", "run-shell")
+    copy = Copy(pristine.root, "shell", "run-shell", pristine.forks)
     copy.case.write_text(CASE.replace(', "non-associative"', "") + "[shell]\nelement_size_mm = 400\n")
     code, out, err = copy.run("--jobs", 2)
     assert code == 0, out + err + (copy.out / "run.log").read_text()
@@ -244,22 +286,22 @@ def test_a_sweep_makes_the_stones_once(pristine: Copy) -> None:
 @pytest.mark.parametrize(
     ("name", "jobs"),
     [
-        ("src/churchpipe/rigid_blocks/limit.py", {"rigid": 2, **RESULTS}),
+        pytest.param("src/churchpipe/rigid_blocks/limit.py", {"rigid": 2, **RESULTS}, marks=EDITED),
         ("src/churchpipe/stones/contacts.py", {"contacts": 1, "rigid": 2, **RESULTS}),
-        ("src/churchpipe/config/settings.py", ALL),
-        ("src/churchpipe/generators/wall.py", ALL),
-        ("src/churchpipe/report/html.py", {"report": 1, "all": 1}),
+        pytest.param("src/churchpipe/config/settings.py", ALL, marks=EDITED),
+        pytest.param("src/churchpipe/generators/wall.py", ALL, marks=EDITED),
+        pytest.param("src/churchpipe/report/html.py", {"report": 1, "all": 1}, marks=EDITED),
         ("src/churchpipe/report/templates/report.html", {"report": 1, "all": 1}),
         # What reads the case decides through the settings, and a comment changes none.
         ("src/churchpipe/config/case.py", {}),
-        ("src/churchpipe/cli/runs.py", {}),
+        pytest.param("src/churchpipe/cli/runs.py", {}, marks=EDITED),
     ],
 )
 def test_an_edited_source_reruns_what_depends_on_it(
     name: str, jobs: dict[str, int], pristine: Copy, edited: Callable[[str, Callable[[str], str]], None]
 ) -> None:
     edited(name, lambda text: text + ("\n# edited\n" if name.endswith(".py") else "\n"))
-    assert pristine.stale() == jobs
+    assert pristine.stale(edited=True) == jobs
 
 
 def test_an_edited_reader_of_cases_reruns_what_it_decides(
@@ -267,16 +309,16 @@ def test_an_edited_reader_of_cases_reruns_what_it_decides(
 ) -> None:
     less = 'values | {"friction": 0.9 * values["friction"]}'
     edited("src/churchpipe/config/case.py", lambda text: text.replace("record(Material, values,", f"record(Material, {less},"))
-    assert pristine.stale() == {"rigid": 2, **RESULTS}
+    assert pristine.stale(edited=True) == {"rigid": 2, **RESULTS}
 
 
-@pytest.mark.parametrize("stage", ["rigid", "report"])
+@pytest.mark.parametrize("stage", ["rigid", pytest.param("report", marks=EDITED)])
 def test_an_edited_stage_reruns_itself_alone(
     stage: str, pristine: Copy, edited: Callable[[str, Callable[[str], str]], None]
 ) -> None:
     head = f"\ndef {stage}("
     edited("src/churchpipe/stages.py", lambda text: text.replace(head, f"\n@(lambda work: work){head}"))
-    assert pristine.stale() == ({"rigid": 2, **RESULTS} if stage == "rigid" else {"report": 1, "all": 1})
+    assert pristine.stale(edited=True) == ({"rigid": 2, **RESULTS} if stage == "rigid" else {"report": 1, "all": 1})
 
 
 def test_a_dry_run_says_what_would_be_done_and_does_nothing(pristine: Copy) -> None:
@@ -327,7 +369,7 @@ def test_what_was_deleted_is_made_again(pristine: Copy) -> None:
 def test_what_takes_longest_begins_first(pristine: Copy, tmp_path: Path) -> None:
     elastic = "elastic = { block_E_GPa = 3, block_nu = 0.2, joint_E_GPa = 0.3, joint_nu = 0.3, joint_thickness_mm = 1 }"
     case = CASE.replace("friction = 0.6", f"friction = 0.6\n{elastic}")
-    (tmp_path / "both.toml").write_text(f'{case}[shell]\nelement_size_mm = 400\nanalyses = ["limit", "pushover"]\n')
+    (tmp_path / "both.toml").write_text(f'{case}[shell]\nelement_size_mm = 800\nanalyses = ["limit", "pushover"]\n')
     code, out, err = pristine.call("churchpipe", "run", tmp_path / "both.toml", "--out", tmp_path / "run", "--jobs", 1)
     assert code == 0, out + err
     begun = [event.name for event in Copy(tmp_path).events() if event.kind == "start" and event.name.startswith("-x_")]
@@ -358,15 +400,15 @@ def test_a_sweep_of_meshes_reruns_the_shell_alone(with_shell: Copy) -> None:
     ("name", "jobs"),
     [
         ("src/churchpipe/homogenised_shell/limit.py", {"limit": 1, **RESULTS}),
-        ("src/churchpipe/match.py", {"match": 1, "limit": 1, **RESULTS}),
-        ("src/churchpipe/rigid_blocks/limit.py", {"rigid": 1, **RESULTS}),
+        pytest.param("src/churchpipe/match.py", {"match": 1, "limit": 1, **RESULTS}, marks=EDITED),
+        pytest.param("src/churchpipe/rigid_blocks/limit.py", {"rigid": 1, **RESULTS}, marks=EDITED),
     ],
 )
 def test_an_edited_source_of_one_model_leaves_the_other(
     name: str, jobs: dict[str, int], with_shell: Copy, edited: Callable[[str, Callable[[str], str]], None]
 ) -> None:
     edited(name, lambda text: text + "\n# edited\n")
-    assert with_shell.stale() == jobs
+    assert with_shell.stale(edited=True) == jobs
 
 
 # A lintel that bears on a junction, which only laying finds.
@@ -413,6 +455,7 @@ def test_a_structure_that_falls_is_3_with_its_report(pristine: Copy, tmp_path: P
     assert pristine.call("churchpipe", "show", tmp_path / "run")[1] == out.replace(out.splitlines(keepends=True)[-1], "")
 
 
+@pytest.mark.slow("docs/drawings.md: any name of a drawing, to the end of its run")
 def test_a_drawing_may_have_braces_in_its_name(pristine: Copy, tmp_path: Path) -> None:
     shutil.copy(pristine.out / "geometry" / "base" / "stones.dxf", tmp_path / "a{b} c.dxf")
     case = CASE[CASE.index("[material") :].replace(', "non-associative"', "")
@@ -424,8 +467,9 @@ def test_a_drawing_may_have_braces_in_its_name(pristine: Copy, tmp_path: Path) -
 
 
 def test_a_wall_that_a_drawing_has_not_is_named_with_its_line(pristine: Copy, tmp_path: Path) -> None:
-    shutil.copy(pristine.out / "geometry" / "base" / "stones.dxf", tmp_path / "stones.dxf")
-    text = f'name = "drawn"\n[source]\ndxf = "stones.dxf"\n{CASE[CASE.index("[material") :]}'
+    # Nor do braces in the name of a drawing matter.
+    shutil.copy(pristine.out / "geometry" / "base" / "stones.dxf", tmp_path / "a{b} c.dxf")
+    text = f'name = "drawn"\n[source]\ndxf = "a{{b}} c.dxf"\n{CASE[CASE.index("[material") :]}'
     case = tmp_path / "drawn.toml"
     case.write_text(f'{text}\n[[line_loads]]\nname = "roof"\nwall = "nave"\ndead_kN_m = 3.0\n')
     code, out, err = pristine.call("churchpipe", "run", case, "--out", tmp_path / "run")
