@@ -161,11 +161,12 @@ def test_bonds_and_junctions_hold_for_all_storeys() -> None:
         assert stones.butts[contacts.blocks[pair]].any(axis=1).all()
 
 
+@pytest.mark.parametrize("number", [1, pytest.param(4, marks=pytest.mark.slow("docs/house.md: random houses, their volume"))])
 @pytest.mark.parametrize("joints", ["bay", "grid"])
-def test_random_houses_have_the_volume_of_their_walls(joints: str) -> None:
+def test_random_houses_have_the_volume_of_their_walls(joints: str, number: int) -> None:
     rng = np.random.default_rng(list(joints.encode()))
     count = 0
-    while count < 4:
+    while count < number:
         width, depth, at = rng.uniform(7, 11), rng.uniform(6, 9), rng.uniform(3, 4)
         flush = rng.random() < 0.5
 

@@ -51,7 +51,9 @@ def test_left_and_right_are_unlike() -> None:
     assert set(stones.material[stones.panel == "nave_right"]) == {"rubble"}
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize(
+    "seed", [0, 3, *(pytest.param(seed, marks=pytest.mark.slow("docs/church.md: random chapels")) for seed in (1, 2, 4, 5))]
+)
 def test_random_chapels_are_sound_and_as_large_as_their_walls(seed: int) -> None:
     rng = np.random.default_rng([15, seed])
     thick = {name: float(rng.uniform(0.4, 1.1)) for name in ("facade", "nave_left", "nave_right", "east")}

@@ -26,6 +26,9 @@ BARREL = {"over": "nave", "thickness": 0.3, "courses": 13}
 HALF_DOME = {"over": "apse", "kind": "half_dome", "thickness": 0.3, "courses": 6}
 
 
+MORE = pytest.mark.slow("docs/vaults.md: vaults of a chapel are sound")
+
+
 def sound(building: cp.Building) -> tuple[cp.Assemblage, cp.Contacts]:
     stones = cp.derive_blocks(building)
     contacts = cp.find_contacts(stones)
@@ -37,10 +40,12 @@ def sound(building: cp.Building) -> tuple[cp.Assemblage, cp.Contacts]:
     "vaults",
     [
         (BARREL, HALF_DOME),
-        (BARREL | {"shape": "segmental", "rise": 1.0, "backing": 0.6}, HALF_DOME | {"heads": "aligned"}),
-        (BARREL | {"shape": "pointed", "rise": 3.0},),
+        pytest.param(
+            (BARREL | {"shape": "segmental", "rise": 1.0, "backing": 0.6}, HALF_DOME | {"heads": "aligned"}), marks=MORE
+        ),
+        pytest.param((BARREL | {"shape": "pointed", "rise": 3.0},), marks=MORE),
         (BARREL | {"kind": "groin", "thickness": 0.4, "backing": 0.8},),
-        (BARREL | {"kind": "pavilion", "corner": "alternate"},),
+        pytest.param((BARREL | {"kind": "pavilion", "corner": "alternate"},), marks=MORE),
     ],
 )
 def test_vaults_of_a_chapel_are_sound(vaults: tuple[dict[str, Any], ...]) -> None:
@@ -125,6 +130,7 @@ def test_arches_below_a_barrel_stand_on_the_walls() -> None:
     assert [np.abs(points[:, 0]).min() for points in on_wall] == pytest.approx([2.3, 2.55])
 
 
+@pytest.mark.slow("docs/vaults.md: a barrel pushes its walls apart")
 def test_a_barrel_pushes_its_walls_apart() -> None:
     # The load factor falls by more than half where a barrel presses on the walls without ties.
     factors = []
