@@ -27,6 +27,8 @@ from churchpipe.shell_mesh.shell import derive_shell
 from churchpipe.stones.contacts import find_contacts
 from churchpipe.stones.soundness import check_soundness
 
+JOINTS = pytest.mark.slow("docs/drawings.md: joints of brick walls with steep arches")
+GATE = pytest.mark.slow("docs/drawings.md: the shell of a wall with mortar")
 READING: dict[str, Any] = {"thickness": 0.12, "joint": 0.010, "repair": True, "support": "base", "unit_weight": 18e3}
 
 
@@ -130,7 +132,10 @@ def test_a_wall_with_two_arches(tmp_path: Path) -> None:
     check_sliding(drawing, 0.479392)
 
 
-@pytest.mark.parametrize(("mode", "mortar"), [("grow", "ignored"), ("keep", "counted"), ("keep", "ignored")])
+@pytest.mark.parametrize(
+    ("mode", "mortar"),
+    [pytest.param("grow", "ignored", marks=GATE), ("keep", "counted"), pytest.param("keep", "ignored", marks=GATE)],
+)
 def test_the_shell_of_a_wall_with_mortar_passes_the_gate(mode: str, mortar: str, tmp_path: Path) -> None:
     write_wall(brick_wall(12, 16, [Opening(2, 3, 0, 6), Opening(7, 3, 3, 4)]), tmp_path / "wall.dxf", unclosed=1, doubled=0)
     drawn = {key: READING[key] for key in ("thickness", "joint", "support")}
@@ -146,6 +151,7 @@ def test_a_joint_wider_than_the_stones_in_the_unit_that_was_asked_for_is_refused
     assert [finding.code for finding in caught.value.findings.errors] == ["E26"]
 
 
+@JOINTS
 def test_bricks_with_sharp_tips_rest_on_the_voussoirs_drawn_below_them(tmp_path: Path) -> None:
     # Two tips of this wall reach over the next voussoir unless they are cut off. The rule was made on the wall of 1500 bricks.
     check_drawing(brick_wall(16, 22, [Opening(2, 5, 0, 8, 0.75), Opening(9, 4, 2, 8, 0.9)]), tmp_path / "wall.dxf", unclosed=7)
@@ -177,6 +183,7 @@ def test_every_joint_of_sixty_walls_is_found_or_named(seed: int, tmp_path: Path,
     check_joints(wall, tmp_path / "wall.dxf", joint)
 
 
+@JOINTS
 def test_steep_arches_keep_their_joints(tmp_path: Path) -> None:
     # Tips of bricks at the haunch are not cut off by a neighbour that they do not lie on.
     wall = brick_wall(16, 22, [Opening(2, 5, 0, 8, 0.55), Opening(9, 4, 2, 8, 0.62)])

@@ -22,16 +22,17 @@ DOME: dict[str, Any] = {"span": 1.9, "thickness": 0.1, "rings": 8, "sides": 16}
 DRUM: dict[str, Any] = {"drum_height": 0.6, "drum_thickness": 0.1, "drum_course": 0.15}
 LANTERN: dict[str, Any] = {"oculus": 0.5, "lantern_height": 0.4, "lantern_course": 0.1, "lantern_thickness": 0.08}
 
-CASES: list[tuple[Callable[..., Building], dict[str, Any]]] = [
+TABLE = pytest.mark.slow("docs/vaults.md: vaults in drawings")
+CASES: list[Any] = [
     (vault, BARREL),
     (vault, BARREL | WALLS),
     (vault, BARREL | {"shape": "segmental", "rise": 0.4}),
     (dome, DOME),
-    (dome, DOME | DRUM),
+    pytest.param(dome, DOME | DRUM, marks=TABLE),
     (dome, DOME | LANTERN),
-    (dome, DOME | {"laid": "lunes"}),
+    pytest.param(dome, DOME | {"laid": "lunes"}, marks=TABLE),
     (dome, DOME | {"plan": "half"}),
-    (dome, DOME | {"rings": 16, "sides": 64, "shortest_stone": 0.1}),
+    pytest.param(dome, DOME | {"rings": 16, "sides": 64, "shortest_stone": 0.1}, marks=TABLE),
 ]
 # Of a pointed key, laid in two halves, the drawing shows one stone, and of the stones around an oculus not where their upper
 # joint would be: the mid-surface is slightly another one.
@@ -77,7 +78,7 @@ def test_keys_and_oculi_have_a_shell_that_matches(build: Callable[..., Building]
     check_match(stones, fitted, cp.derive_shell(fitted.building(MATERIAL), 0.3))
 
 
-@pytest.mark.parametrize("build", ["barrel", "dome"])
+@pytest.mark.parametrize("build", ["barrel", pytest.param("dome", marks=TABLE)])
 def test_load_factors_are_those_of_the_generator(build: str) -> None:
     # Turned by 0.3 rad, both the stones and the push.
     building = vault(**BARREL, materials=MATERIAL) if build == "barrel" else dome(**DOME | {"laid": "lunes"}, materials=MATERIAL)
@@ -88,8 +89,17 @@ def test_load_factors_are_those_of_the_generator(build: str) -> None:
     assert cp.shell_limit_analysis(drawn, push, MATERIAL).load_factor == pytest.approx(expected, rel=1e-6)
 
 
-@pytest.mark.parametrize("kind", ["dxf", "obj", "obj-triangles"])
-@pytest.mark.parametrize("build", ["barrel", "dome"])
+@pytest.mark.parametrize(
+    ("build", "kind"),
+    [
+        ("barrel", "obj-triangles"),
+        ("dome", "dxf"),
+        *(
+            pytest.param(*case, marks=TABLE)
+            for case in (("barrel", "dxf"), ("barrel", "obj"), ("dome", "obj"), ("dome", "obj-triangles"))
+        ),
+    ],
+)
 def test_a_file_of_stones_has_the_shell_of_a_vault(build: str, kind: str, tmp_path: Path) -> None:
     building = vault(**BARREL | WALLS, materials=MATERIAL) if build == "barrel" else dome(**DOME | DRUM, materials=MATERIAL)
     stones = cp.derive_blocks(building)

@@ -294,7 +294,18 @@ def test_names_of_lintels(name: str, means: bool):
     assert is_lintel(name) == bool(means)
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize(
+    "seed",
+    [
+        4,
+        5,
+        9,
+        *(
+            pytest.param(seed, marks=pytest.mark.slow("docs/drawings.md: walls with lintels"))
+            for seed in (0, 1, 2, 3, 6, 7, 8, 10, 11)
+        ),
+    ],
+)
 def test_random_walls_with_lintels_are_filled_exactly(tmp_path: Path, seed: int):
     rng = np.random.default_rng(seed)
     length, top = float(rng.uniform(4, 9)), float(rng.uniform(2.6, 4.0))

@@ -43,11 +43,14 @@ def placed(points: FloatArray, degrees: float, at: tuple[float, float]) -> Float
     return np.stack([np.cos(turn) * x - np.sin(turn) * y + at[0], np.sin(turn) * x + np.cos(turn) * y + at[1], z], axis=1)
 
 
+TURNED = pytest.mark.slow("docs/drawings.md: walls at any angle")
+
+
 @pytest.mark.parametrize(
     ("degrees", "at", "digits", "scale"),
     [
-        (33.0, (12.0, -7.0), ".6f", 1.0),
-        (33.0, (12.0, -7.0), ".3f", 1e3),
+        pytest.param(33.0, (12.0, -7.0), ".6f", 1.0, marks=TURNED),
+        pytest.param(33.0, (12.0, -7.0), ".3f", 1e3, marks=TURNED),
         (71.3, (0.2, 0.1), ".3f", 1.0),
         (117.0, (450_000.0, 5_100_000.0), ".4f", 1.0),
     ],

@@ -149,7 +149,14 @@ def test_a_face_whose_corners_are_one_point_is_left_out() -> None:
     assert len(find_contacts(on_ground((points, faces), box((0, 1), (0, 1), (1, 2)))).blocks) == 2
 
 
-@pytest.mark.parametrize("name", ["s22", "church", "apse_window", "round_tower"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "s22",
+        "apse_window",
+        *(pytest.param(name, marks=pytest.mark.slow("docs/contacts.md: exact stones")) for name in ("church", "round_tower")),
+    ],
+)
 def test_exact_stones_give_the_joints_in_one_plane_to_the_last_bit(name: str) -> None:
     stones = derive_blocks(read_case(CASES / f"{name}.toml").building())
     faces = np.ones(len(stones.face_ptr) - 1, dtype=np.bool_)

@@ -20,6 +20,7 @@ from churchpipe.stones.contacts import find_contacts
 from sound import laid
 
 PHASES = (Phase.explicit, Phase.generate)
+SLOW = pytest.mark.slow("docs/church.md: arched openings in curved walls")
 STONE = Material("default", 18e3, 0.6)
 APSE = {
     "course": 0.275,
@@ -87,10 +88,10 @@ def test_voussoirs_have_plane_joints_that_meet_in_a_line():
 @pytest.mark.parametrize(
     "changes",
     [
-        {"shape": "segmental", "rise": 0.2},
+        pytest.param({"shape": "segmental", "rise": 0.2}, marks=SLOW),
         {"shape": "pointed", "rise": 0.6, "voussoirs": 8},
-        {"shape": "circle", "voussoirs": 12},
-        {"sill": 0.0},
+        pytest.param({"shape": "circle", "voussoirs": 12}, marks=SLOW),
+        pytest.param({"sill": 0.0}, marks=SLOW),
         {"centre": [-1.5, 0.0, 1.5], "width": 0.4, "depth": 0.25},
     ],
     ids=["segmental", "pointed", "circle", "door", "three"],
@@ -105,6 +106,7 @@ def test_openings_of_all_shapes_match_their_shell(changes):
     assert weight.difference < 0.001
 
 
+@SLOW
 def test_a_round_tower_with_a_door_and_windows_all_round(tmp_path):
     windows = {"name": "w", "wall": "round", "centre": [2.67, 5.34, 8.01], "width": 0.5, "sill": 1.0, "springing": 1.75}
     windows |= {"voussoirs": 7, "depth": 0.3}
@@ -139,6 +141,7 @@ def test_a_door_that_filled_again_leaves_a_slit_is_laid():
     laid(chapel(**size, apse=half_round, openings=[door | {"springing": 2.675, "voussoirs": 19}]))
 
 
+@SLOW
 @settings(max_examples=4, deadline=None, derandomize=True, phases=PHASES)
 @given(
     radius=st.floats(1.2, 3.0),
@@ -163,7 +166,7 @@ def test_any_window_in_any_apse(radius, thickness, share, centre, stone, springi
 
 
 # A window and a leg of the apse lie within one stone's length of each other, or far apart; both rules of joints.
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=SLOW) for seed in range(1, 4))])
 def test_an_apse_with_a_window_on_the_grid_fills_its_walls(seed):
     rng = np.random.default_rng(seed)
     radius, thickness = rng.uniform(1.2, 2.5), rng.uniform(0.5, 0.9)
@@ -176,7 +179,7 @@ def test_an_apse_with_a_window_on_the_grid_fills_its_walls(seed):
     laid(apse(**(APSE | sizes | {"wall_length": 9.0, "first_course": first}), openings=[WINDOW | opening]))
 
 
-@pytest.mark.parametrize("turns", [-1, 0, 1])
+@pytest.mark.parametrize("turns", [-1, pytest.param(0, marks=SLOW), pytest.param(1, marks=SLOW)])
 def test_a_centre_on_a_round_tower_may_be_negative_or_beyond_one_turn(turns):
     girth = math.pi * (TOWER["width"] - TOWER["thickness"])
     door = next(iter(tower(**TOWER, openings=[DOOR | {"centre": -0.2}]).panels[0].openings))
@@ -188,7 +191,7 @@ def test_a_centre_on_a_round_tower_may_be_negative_or_beyond_one_turn(turns):
     assert -0.2 < ring[:, 1].mean() < -0.15
 
 
-@pytest.mark.parametrize("centre", [-0.2, -0.05])
+@pytest.mark.parametrize("centre", [pytest.param(-0.2, marks=SLOW), -0.05])
 def test_a_stone_beside_a_door_may_cross_the_seam(centre):
     windows = DOOR | {"name": "windows", "centre": (2.67, 5.34, 8.01), "width": 0.5, "sill": 1.0, "voussoirs": 7, "depth": 0.25}
     laid(tower(**TOWER, openings=[DOOR | {"centre": centre, "springing": 2.0}, windows]))
@@ -214,6 +217,9 @@ def test_what_does_not_fit_is_told_with_the_numbers(changes, said):
         apse(**APSE, openings=[WINDOW | changes])
 
 
-@pytest.mark.parametrize("change", ["inner_radius_m=1.5", "inner_radius_m=2.0", "thickness_m=1.2"])
+@pytest.mark.parametrize(
+    "change",
+    ["inner_radius_m=1.5", *(pytest.param(change, marks=SLOW) for change in ("inner_radius_m=2.0", "thickness_m=1.2"))],
+)
 def test_joints_of_two_courses_that_differ_in_the_last_digit_are_one(change):
     laid(read_case(pipeline_folder() / "cases" / "apse_window.toml", [f"source.{change}"]).building())

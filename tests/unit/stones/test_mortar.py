@@ -102,7 +102,10 @@ def test_stones_of_different_size_and_noise_still_meet_in_one_bed() -> None:
     assert closed.volume.sum() == pytest.approx((5 * 0.26 - JOINT) * 0.12 * (4 * 0.075 - JOINT), rel=5e-3)
 
 
-@pytest.mark.parametrize("noise", [1e-6, 1e-4, 1e-3])
+@pytest.mark.parametrize(
+    "noise",
+    [1e-3, *(pytest.param(noise, marks=pytest.mark.slow("docs/contacts.md: four stones that meet")) for noise in (1e-6, 1e-4))],
+)
 def test_stones_across_from_each_other_do_not_touch_where_four_meet(noise: float) -> None:
     # Two leaves, each brick behind one of the other leaf: such strips bore beds, and the load factor across rose by a half.
     tolerances = Reading(joint=JOINT).tolerances({})
