@@ -75,7 +75,12 @@ def test_wall_bends_by_hand_until_it_cracks() -> None:
 
 
 @pytest.mark.parametrize(
-    ("planes", "membrane", "load"), [("paper", "CST", OUT), ("paper", "LST", ASKEW), ("paper+torsion", "LST", ASKEW)]
+    ("planes", "membrane", "load"),
+    [
+        pytest.param("paper", "CST", OUT, marks=pytest.mark.slow("docs/shell.md: curves end on the limit load")),
+        ("paper", "LST", ASKEW),
+        ("paper+torsion", "LST", ASKEW),
+    ],
 )
 def test_plateau_is_the_limit_load(planes: Planes, membrane: str, load: LoadCase) -> None:
     model = wall(4)

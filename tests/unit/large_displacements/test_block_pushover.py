@@ -96,15 +96,15 @@ def test_known_limit_states_are_not_made_again_and_those_of_other_stones_are(mon
     assert len(made) == 2
     np.testing.assert_allclose(found.load_factor, expected.load_factor, rtol=1e-6)
     for wrong in (other, replace(known, load_factor=0.9 * known.load_factor), replace(known, forces=known.forces[1:])):
-        cp.block_pushover(BLOCK, contacts, PUSH, 0.6, step=0.1, state=wrong, sliding=sliding)
+        cp.block_pushover(BLOCK, contacts, PUSH, 0.6, step=0.1, steps=1, state=wrong, sliding=sliding)
     assert made[2:] == ["associative"] * 3
     still = replace(sliding, velocities=np.zeros_like(sliding.velocities))
     beyond = replace(sliding, load_factor=0.9 * sliding.load_factor)
     for wrong in (known, beyond, replace(sliding, forces=sliding.forces[1:]), replace(sliding, status="not-converged"), still):
-        cp.block_pushover(BLOCK, contacts, PUSH, 0.6, step=0.1, state=known, sliding=wrong)
+        cp.block_pushover(BLOCK, contacts, PUSH, 0.6, step=0.1, steps=1, state=known, sliding=wrong)
     assert made[5:] == ["non-associative"] * 5
     # Friction below that of the states: their forces leave their cones, and the block slides.
-    curve = cp.block_pushover(BLOCK, contacts, PUSH, 0.1, step=0.1, state=known, sliding=sliding)
+    curve = cp.block_pushover(BLOCK, contacts, PUSH, 0.1, step=0.1, steps=1, state=known, sliding=sliding)
     assert curve.initial == pytest.approx(0.1, abs=1e-6)
 
 

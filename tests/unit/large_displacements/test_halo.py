@@ -46,7 +46,7 @@ def test_stones_far_from_what_moves_are_held() -> None:
     assert not held_around(stones, contacts.blocks, np.zeros(stones.count, dtype=bool), 2).any()
 
 
-@pytest.mark.parametrize("halo", [1, 3])
+@pytest.mark.parametrize("halo", [1, pytest.param(3, marks=pytest.mark.slow("docs/capacity_curve.md: halos"))])
 def test_the_curve_is_that_of_the_full_model(halo: int) -> None:
     stones, contacts = row(20, 4)
     part = cp.block_pushover(stones, contacts, PUSH, 0.6, step=0.02, halo=halo)

@@ -60,7 +60,7 @@ def test_fill_of_a_case_is_that_of_python() -> None:
 
 
 def test_fill_changes_the_load_factor_of_both_models_alike() -> None:
-    stones, shell = cp.derive_blocks(BARREL), cp.derive_shell(BARREL, 0.1)
+    stones, shell = cp.derive_blocks(BARREL), cp.derive_shell(BARREL, 0.2)
     contacts = cp.find_contacts(stones)
     filled = cp.limit_analysis(stones, contacts, cp.with_fill(PUSH, stones, "vault", 0.6, 15e3, contacts), 0.7)
     bare = cp.limit_analysis(stones, contacts, PUSH, 0.7)

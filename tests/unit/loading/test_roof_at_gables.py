@@ -15,7 +15,9 @@ WALLS = [
 ]
 
 
-@pytest.mark.parametrize("element_size", [0.5, 0.8])
+@pytest.mark.parametrize(
+    "element_size", [pytest.param(0.5, marks=pytest.mark.slow("docs/walls.md: a roof out to the gables, finer elements")), 0.8]
+)
 def test_a_roof_out_to_the_gables_does_not_bring_the_shell_down(element_size: float) -> None:
     """The slivers of the gables at their eaves do not bear it: the load is as if it began a little further in."""
     house = generators.house(walls=WALLS, course=0.3, stone_length=0.75, height=3.0, thickness=0.5, materials=MASONRY)

@@ -9,7 +9,10 @@ from churchpipe.rigid_blocks.loose import any_load_words, held_fast, loose_stone
 from flat_heads import flat_headed_wall
 
 
-@pytest.mark.parametrize(("top", "count", "toppling"), [(2.25, 3, 0.2342), (2.5, 5, 0.2056)])
+@pytest.mark.parametrize(
+    ("top", "count", "toppling"),
+    [(2.25, 3, 0.2342), pytest.param(2.5, 5, 0.2056, marks=pytest.mark.slow("docs/limits.md: stones over an opening"))],
+)
 def test_the_building_leads_and_the_stones_over_the_opening_are_named(top: float, count: int, toppling: float) -> None:
     stones, contacts = flat_headed_wall(top)
     load = cp.LoadCase((0, -1, 0))

@@ -14,14 +14,13 @@ from churchpipe.conic.interior_point.warm import centred
 from churchpipe.conic.program import ConeProgram, WarmStart
 from churchpipe.conic.solve import Solve, solver_for
 from churchpipe.model.arrays import FloatArray
-from churchpipe.model.loads import LoadCase
 from churchpipe.rigid_blocks.certificate import Strength
 from churchpipe.rigid_blocks.coulomb import Near, nearest_forces, sliding_program, sliding_velocities
 from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
 from churchpipe.rigid_blocks.iterations import SolveCount
 from churchpipe.rigid_blocks.limit import point_strength
 from cone_programs import KINDS_OF_POINTS, stated, three_stones
-from models import tilting_test
+from models import TILTING_LOADS, tilting_test
 
 
 @pytest.mark.parametrize(("limit", "slope"), [(0.0, 0.7), (0.3, 0.0), (0.0, 0.0), (0.2, 0.5)])
@@ -48,10 +47,10 @@ def test_a_centred_pair_stays() -> None:
     np.testing.assert_allclose(centred(points, x, np.stack([0.6 * z[0], z[1], z[2]]), mu), x, rtol=1e-9)
 
 
-def s22() -> tuple[Equilibrium, Strength, Solve, FloatArray]:
-    """Return S22 pushed along -y, its solver, and normal forces that are as good as any to begin with."""
-    stones, contacts = tilting_test("S22")
-    balance = equilibrium(stones, contacts, LoadCase((0, -1, 0)))
+def tilted(test: str = "S5") -> tuple[Equilibrium, Strength, Solve, FloatArray]:
+    """Return a tilting test, its solver, and normal forces that are as good as any to begin with."""
+    stones, contacts = tilting_test(test)
+    balance = equilibrium(stones, contacts, TILTING_LOADS[test])
     strength = point_strength(contacts, 0.7, 0.0, balance.force)
     solve = solver_for(balance.balance, "interior-point")
     found = solve(balance.program(strength.cohesion, strength.friction, strength.bound), duality_gap=1e-4)
@@ -60,7 +59,7 @@ def s22() -> tuple[Equilibrium, Strength, Solve, FloatArray]:
 
 def test_forces_that_go_on_from_others_take_fewer_iterations() -> None:
     # Pairs of programs that come to rest: each finds velocities, and the forces that fit them, from those of the pair before.
-    balance, strength, solve, n = s22()
+    balance, strength, solve, n = tilted()
     fitting = partial(nearest_forces, balance, strength, solve=solve, nearness=3e-3, duality_gap=1e-3)
     x: FloatArray | None = None
     iterations: list[tuple[int, int]] = []
@@ -87,7 +86,7 @@ def dissipation(program: ConeProgram, y: FloatArray) -> float:
 
 def test_velocities_alone() -> None:
     # The value of their program is that of the whole one; the forces beside them are not asked for.
-    balance, strength, solve, n = s22()
+    balance, strength, solve, n = tilted()
     program = sliding_program(balance, strength, strength.shear(n))
     whole, alone = solve(program, duality_gap=1e-5), solve(program, duality_gap=1e-6, velocities=True)
     rates = program.rates(alone.y / float(program.growth @ alone.y))
@@ -97,7 +96,7 @@ def test_velocities_alone() -> None:
 
 def test_velocities_that_go_on_from_others_take_half_the_iterations() -> None:
     # The mechanisms of normal forces that have changed by a hundredth at random, from the one of before.
-    balance, strength, solve, n = s22()
+    balance, strength, solve, n = tilted()
     before = solve(sliding_program(balance, strength, strength.shear(n)), duality_gap=1e-3)
     from_nothing, from_before = SolveCount(solve), SolveCount(solve)
     find = partial(sliding_velocities, balance, strength, duality_gap=1e-3, alone=True)
@@ -113,7 +112,7 @@ def test_velocities_that_go_on_from_others_take_half_the_iterations() -> None:
 
 def test_a_start_that_is_not_near_a_solution_is_given_up() -> None:
     # A thousandth of the normal forces holds so much less that another start is better.
-    balance, strength, solve, n = s22()
+    balance, strength, solve, n = tilted()
     before = solve(sliding_program(balance, strength, strength.shear(n)), duality_gap=1e-3)
     less = sliding_program(balance, strength, 1e-3 * strength.shear(n))
     near = WarmStart(before.x, before.tau, before.y, only=True)
@@ -163,7 +162,7 @@ def test_a_start_that_leads_nowhere_is_paid_for(only: bool, monkeypatch: pytest.
 
 def test_a_start_that_has_come_near_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
     # From the iterate at which it stopped, where another one is begun anew.
-    balance, strength, solve, n = s22()
+    balance, strength, solve, n = tilted("S22")
     before = solve(sliding_program(balance, strength, strength.shear(n)), duality_gap=1e-3)
     changed = n * (1.0 + 0.01 * np.random.default_rng(3).uniform(-1, 1, len(n)))
     monkeypatch.setattr(solver_module, "WARM_ITERATIONS", 8)
@@ -179,7 +178,7 @@ def test_a_start_that_has_come_near_goes_on(monkeypatch: pytest.MonkeyPatch) -> 
 
 
 def test_a_loop_factorises_no_more_often_than_it_may(monkeypatch: pytest.MonkeyPatch) -> None:
-    balance, strength, solve, n = s22()
+    balance, strength, solve, n = tilted()
     before = solve(sliding_program(balance, strength, strength.shear(n)), duality_gap=1e-3)
     monkeypatch.setattr(solver_module, "WARM_ITERATIONS", 3)
     count = SolveCount(solve)
