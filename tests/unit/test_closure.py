@@ -3,7 +3,7 @@
 import ast
 import subprocess
 import sys
-from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -101,8 +101,9 @@ def test_several_stages_read_each_source_once(package: Path, monkeypatch: pytest
     assert len(read) == len(set(read)) > 0
 
 
-def modules(stage: str) -> Iterator[str]:
-    return (name for name in names(code_of(stage)) if name.endswith(".py"))
+@cache
+def modules(stage: str) -> tuple[str, ...]:
+    return tuple(name for name in names(code_of(stage)) if name.endswith(".py"))
 
 
 def test_the_solves_know_neither_cases_nor_generators() -> None:

@@ -102,7 +102,10 @@ def test_the_local_profile_loads_no_plugins_of_clusters() -> None:
     assert not [name for name in known if name.startswith("snakemake_executor_plugin_") or name == "pandas"]
 
 
-@pytest.mark.parametrize(("code", "seen"), [("0", 0), ("1", 1), ("None", 0), ("'no such file'", 1)])
+@pytest.mark.parametrize(
+    ("code", "seen"),
+    [("0", 0), ("'no such file'", 1), *(pytest.param(*case, marks=pytest.mark.slow) for case in (("1", 1), ("None", 0)))],
+)
 def test_an_engine_leaves_with_the_code_of_snakemake_and_all_it_said(code: str, seen: int) -> None:
     ours, theirs = socket.socketpair()
     with ours, theirs:

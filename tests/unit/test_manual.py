@@ -107,7 +107,15 @@ def python_blocks(page: Path) -> str:
 WITH_PYTHON = [page for page in PAGES if python_blocks(page)]
 
 
-@pytest.mark.parametrize("page", WITH_PYTHON, ids=lambda page: page.name)
+# Seven seconds each and more; what they call is in tests of their own.
+LONG = pytest.mark.slow("docs/: the Python of the pages on vaults, strengthening and variants of a building")
+OF_PAGES = [
+    pytest.param(page, marks=LONG if page.name in ("strengthening.md", "vaults.md", "what_if.md") else (), id=page.name)
+    for page in WITH_PYTHON
+]
+
+
+@pytest.mark.parametrize("page", OF_PAGES)
 def test_python_of_the_pages_runs(page: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)
     names: dict[str, Any] = {}

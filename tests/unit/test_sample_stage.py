@@ -124,7 +124,7 @@ def test_curves_that_are_checked_are_followed_in_half_the_step_and_those_of_samp
 ) -> None:
     monkeypatch.chdir(tmp_path)
     spectrum = THICKNESS.replace("number = 24", "number = 2").replace(
-        "[sample]", "[check.spectrum]\nF0 = 2.5\nTC_star_s = 0.35\n[rigid.curve]\nstep_mm = 30\n[sample]"
+        "[sample]", "[check.spectrum]\nF0 = 2.5\nTC_star_s = 0.35\n[rigid.curve]\nstep_mm = 60\n[sample]"
     )
     summary = json.loads((run_all(tmp_path, WALL + spectrum) / "summary.json").read_text())
     (record,) = [record for record in summary["analyses"] if record.get("method") == "curve"]
