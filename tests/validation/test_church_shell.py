@@ -45,6 +45,7 @@ def test_limit_loads(name: str, planes: str, ours: float, blocks: float) -> None
     assert 0.75 * blocks < state.load_factor < blocks
 
 
+@pytest.mark.slow("docs/development.md: bounds of the church as a shell")
 def test_the_bounds_of_the_church_meet_as_closely_as_the_solver_aims() -> None:
     # Our own figure. Where points settled before the forces balanced, 40 iterations ended at bounds 9e-7 apart.
     shell, case = meshed()

@@ -11,6 +11,7 @@ import churchpipe as cp
 from solids import box
 
 B, H, Z = 1.0, 4.0, 3.5
+MORE = pytest.mark.slow("docs/capacity_curve.md: a block with a tie")
 PUSH = cp.LoadCase((1, 0, 0))
 STONES = cp.Assemblage.from_polyhedra(
     [box((-9, 9), (-5, 5), (-1, 0)), box((-4, -3), (0, 1), (0, 4)), box((0, B), (0, 1), (0, H))], 18e3, fixed=[0, 1]
@@ -39,7 +40,9 @@ def expected(curve: cp.BlockCapacityCurve, pull: np.ndarray) -> np.ndarray:
     return (-(centre - toe)[:, 0] + pull * back) / centre[:, 1]
 
 
-@pytest.mark.parametrize(("share", "start"), [(0.02, 0.285), (0.05, 0.3375), (0.1, 0.425)])
+@pytest.mark.parametrize(
+    ("share", "start"), [(0.02, 0.285), pytest.param(0.05, 0.3375, marks=MORE), pytest.param(0.1, 0.425, marks=MORE)]
+)
 def test_a_tie_that_yields(share: float, start: float) -> None:
     curve = curve_with(share)
     assert curve.load_factor[0] == pytest.approx(start, abs=1e-6)
@@ -53,7 +56,10 @@ def test_a_tie_that_yields(share: float, start: float) -> None:
     assert work == pytest.approx(lifted + curve.dissipation[-1], rel=2e-3)
 
 
-@pytest.mark.parametrize(("stiffness", "pretension", "ultimate"), [(0.3, 0.0, np.inf), (0.3, 0.02, 0.4), (20.0, 0.05, np.inf)])
+@pytest.mark.parametrize(
+    ("stiffness", "pretension", "ultimate"),
+    [pytest.param(0.3, 0.0, np.inf, marks=MORE), (0.3, 0.02, 0.4), pytest.param(20.0, 0.05, np.inf, marks=MORE)],
+)
 def test_an_elastic_tie(stiffness: float, pretension: float, ultimate: float) -> None:
     curve = curve_with(0.1, stiffness=stiffness * WEIGHT, pretension=pretension * WEIGHT, ultimate=ultimate)
     longer = _elongation(curve)

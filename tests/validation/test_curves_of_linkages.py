@@ -14,6 +14,7 @@ from churchpipe.model.arrays import FloatArray
 from linkages import Body, Hinge, Linkage, Point, Pull, Slider
 from solids import box, prism
 
+MORE = pytest.mark.slow("docs/capacity_curve.md: linkages")
 GROUND = box((-5, 5), (-5, 5), (-1, 0))
 PLANE = [(-4.0, -1.0), (4.0, -1.0), (4.0, 0.0), (-4.0, 0.0)]
 
@@ -61,7 +62,7 @@ def assert_follows(bodies: Sequence[Body], linkage: Linkage, within: float, *arg
     return plain.load_factor
 
 
-@pytest.mark.parametrize("slope", [np.radians(6), np.radians(-6)])
+@pytest.mark.parametrize("slope", [pytest.param(np.radians(6), marks=MORE), np.radians(-6)])
 def test_a_block_on_a_slope(slope: float) -> None:
     along, up = np.array([np.cos(slope), np.sin(slope)]), np.array([-np.sin(slope), np.cos(slope)])
     outline = [tuple(map(float, p)) for p in (0 * along, 0.6 * along, 0.6 * along + 2 * up, 2 * up)]
@@ -74,7 +75,7 @@ def test_a_block_on_a_slope(slope: float) -> None:
     assert slides.load_factor == pytest.approx(np.tan(np.arctan(0.2) + slope), abs=1e-7)
 
 
-@pytest.mark.parametrize(("direction", "toe"), [((1.0, 0.0), (1.0, 0.0)), ((-1.0, 0.0), (0.0, 0.0))])
+@pytest.mark.parametrize(("direction", "toe"), [pytest.param((1.0, 0.0), (1.0, 0.0), marks=MORE), ((-1.0, 0.0), (0.0, 0.0))])
 def test_an_irregular_stone(direction: Point, toe: Point) -> None:
     body = Body([(0, 0), (1, 0), (0.8, 1.7), (0.1, 1.9)])
     linkage = Linkage([body], [Hinge(0, toe, None, toe)], direction=direction)
@@ -93,7 +94,12 @@ def test_an_eccentric_roof_travels_with_its_wall() -> None:
 
 
 @pytest.mark.parametrize(
-    ("stiffness", "pretension", "strength", "ultimate"), [(0.5, 0.01, 0.06, np.inf), (3.0, 0.0, 0.04, 0.3), (0.2, 0.0, 0.2, 0.08)]
+    ("stiffness", "pretension", "strength", "ultimate"),
+    [
+        pytest.param(0.5, 0.01, 0.06, np.inf, marks=MORE),
+        (3.0, 0.0, 0.04, 0.3),
+        pytest.param(0.2, 0.0, 0.2, 0.08, marks=MORE),
+    ],
 )
 def test_a_slanted_bar(stiffness: float, pretension: float, strength: float, ultimate: float) -> None:
     body = Body([(0, 0), (0.6, 0), (0.6, 3), (0, 3)])
@@ -126,7 +132,7 @@ def test_a_portal_of_unequal_columns() -> None:
     assert_follows([left, right, lintel], linkage, 1e-4, [GROUND], 0.9, step=0.04)
 
 
-@pytest.mark.parametrize("friction", [0.0, 0.25])
+@pytest.mark.parametrize("friction", [pytest.param(0.0, marks=MORE), 0.25])
 def test_three_blocks_against_a_prop(friction: float) -> None:
     # The lower two turn as one about their toe, the upper one leans on the foot of the prop and slides up along it.
     t, low, top, foot = 0.25, 1.9, 2.7, 2.5

@@ -80,6 +80,7 @@ def test_the_sample_box_as_a_house() -> None:
     assert load_factor(house, cp.LoadCase((1, 0, 0))) == pytest.approx(0.30353, abs=5e-6)
 
 
+@pytest.mark.slow("docs/house.md: load factors of the ready house")
 def test_the_ready_house_of_the_manual() -> None:
     case = cp.read_case(ROOT / "pipeline" / "cases" / "house.toml")
     stones = cp.derive_blocks(case.building())

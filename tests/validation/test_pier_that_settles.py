@@ -72,7 +72,10 @@ def _least(friction: float, direction: tuple[float, float], about: tuple[float, 
     return float(found.fun / weight[free].sum())
 
 
-@pytest.mark.parametrize("friction", [0.3, 0.6, 0.9])
+PIER = pytest.mark.slow("docs/settlement.md: a pier that moves")
+
+
+@pytest.mark.parametrize("friction", [pytest.param(0.3, marks=PIER), 0.6, pytest.param(0.9, marks=PIER)])
 @pytest.mark.parametrize("direction", [(0.0, -1.0), (0.4, -1.0), (1.0, 0.0)])
 def test_a_pier_that_moves(friction: float, direction: tuple[float, float]) -> None:
     stones = _assemblage()

@@ -10,6 +10,7 @@ from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
 from churchpipe.shell_mesh.shell import derive_shell
 
+BOX = pytest.mark.slow("docs/shell_results.md: Walls and boxes of several bonds")
 STONE = (Material("default", 18e3, 0.6),)
 OUT, ALONG = (0, 1, 0), (1, 0, 0)
 # The wall of docs/validation.md: 1.5 x 3.9 m, .5 m thick, ten courses. The rigid blocks carry .07640 without headers, .12253 in
@@ -47,7 +48,10 @@ def test_leaves_with_and_without_headers(headers: str, out: float, along: float)
     assert load_factor(ALONG, pattern="header-stretcher", headers=headers) == pytest.approx(along, abs=2e-5)
 
 
-@pytest.mark.parametrize(("headers", "expected"), [("english", 0.33869), ("flemish", 0.37624), ("none", 0.26442)])
+@pytest.mark.parametrize(
+    ("headers", "expected"),
+    [pytest.param("english", 0.33869, marks=BOX), pytest.param("flemish", 0.37624, marks=BOX), ("none", 0.26442)],
+)
 def test_a_box_of_two_leaves(headers: Literal["english", "flemish", "none"], expected: float) -> None:
     building = box(
         brick=(0.5, 0.25, 0.25),

@@ -139,7 +139,15 @@ def roof_edge(cells: int, cut: int, membrane: Membrane) -> float:
     return elements.translations(motion)[corner, 2]
 
 
-@pytest.mark.parametrize(("cut", "membrane"), [(2, "LST"), (4, "LST"), (2, "CST"), (4, "CST")])
+@pytest.mark.parametrize(
+    ("cut", "membrane"),
+    [
+        (2, "LST"),
+        pytest.param(4, "LST", marks=pytest.mark.slow("docs/shell.md: the roof of Scordelis and Lo")),
+        (2, "CST"),
+        (4, "CST"),
+    ],
+)
 def test_scordelis_lo_roof(cut: int, membrane: Membrane) -> None:
     # Cells cut in four ripple the roof: a mid-side free to move across the surface would make it 22 % too soft.
     assert roof_edge(32, cut, membrane) == pytest.approx(-0.3024, rel=0.02)

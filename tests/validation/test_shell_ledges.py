@@ -33,7 +33,10 @@ def stepped(thin: float = THIN, length: float = 0.5) -> Building:
     return Building("stepped", (), MATERIAL, vaults=(courses.vault("walls", "default"),))
 
 
-@pytest.mark.parametrize(("thin", "way"), [(0.3, 1.0), (0.3, -1.0), (0.15, 1.0)])
+@pytest.mark.parametrize(
+    ("thin", "way"),
+    [pytest.param(0.3, 1.0, marks=pytest.mark.slow("docs/vault_validation.md: walls on ledges")), (0.3, -1.0), (0.15, 1.0)],
+)
 def test_a_wall_turns_with_what_stands_on_its_edge(thin: float, way: float) -> None:
     # About the toe ahead: (W1 T/2 + W2 arm) / (W1 h1/2 + W2 (h1 + h2/2)), arm = T - t/2 outwards and t/2 inwards; the upper wall
     # alone: t/h2.
@@ -73,7 +76,10 @@ def test_a_foot_follows_every_rigid_motion_of_its_wall(build: Callable[[], Build
     check_follows_rigid_motions(shell, seed=0)
 
 
-@pytest.mark.parametrize("sizes", [{}, {"wall_top": 5.0}])
+@pytest.mark.parametrize(
+    "sizes",
+    [{}, pytest.param({"wall_top": 5.0}, marks=pytest.mark.slow("docs/vault_validation.md: a barrel between walls that go on"))],
+)
 def test_two_walls_and_a_barrel_fall_as_their_stones_do(sizes: dict[str, float]) -> None:
     building, load = barrel(**sizes), cp.LoadCase((1, 0, 0))
     stones = cp.derive_blocks(building)

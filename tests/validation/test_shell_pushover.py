@@ -24,6 +24,7 @@ def coarse(name: str, size: float) -> tuple[cp.ShellModel, cp.LoadCase, list[cp.
     return cp.derive_shell(case.building(), element_size=size), case.loads[0], materials
 
 
+@pytest.mark.slow("docs/shell_results.md: S5, its curve ends on its limit load")
 def test_plateau_of_s5_is_its_limit_load() -> None:
     shell, load, materials = coarse("s5", 0.08)
     curve = cp.pushover(shell, load, materials)

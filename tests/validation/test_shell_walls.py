@@ -147,6 +147,7 @@ def prototype_s5(dx: float, dz: float, cut: int) -> ShellModel:
     return shell(points, triangles, bed=(1, 1, 0), surface_weight=28.6e3 * 0.04, supported=lambda p: p[:, 2] < 1e-9)
 
 
+@pytest.mark.slow("docs/shell_results.md: S5 in elements of constant strain")
 def test_s5_with_constant_strain_at_20_by_30_mm() -> None:
     factor = push(prototype_s5(0.02, 0.03, 4), OUT, planes="paper", membrane="CST").load_factor
     assert 0.3155 < factor < 0.322

@@ -15,6 +15,7 @@ from churchpipe import generators
 
 # Thickness and height, m.
 Storey = tuple[float, float]
+MORE = pytest.mark.slow("docs/house.md: walls with a thinner storey, as a shell")
 COURSE, LENGTH = 0.3, 3.0
 MATERIALS = (cp.Material("default", 18e3, 0.9), cp.Material("light", 9e3, 0.9))
 
@@ -86,7 +87,7 @@ def test_a_lighter_upper_storey() -> None:
     assert state.load_factor == pytest.approx(turns_at(below, above, -1, flush=True, weights=(2.0, 1.0)), abs=1e-6)
 
 
-@pytest.mark.parametrize(("flush", "way"), [(True, 1), (True, -1), (False, 1)])
+@pytest.mark.parametrize(("flush", "way"), [pytest.param(True, 1, marks=MORE), (True, -1), pytest.param(False, 1, marks=MORE)])
 def test_the_shell_turns_about_the_same_edges(flush: bool, way: int) -> None:
     # It spreads a hinge over a row of elements, in these walls as in a plain one (5.5 % with elements of 0.25 m): what is left
     # is how the upper storey stands on the lower one, in the middle or on one side of it.
@@ -108,7 +109,9 @@ def test_the_shell_turns_about_the_same_edges(flush: bool, way: int) -> None:
     assert found / spread == pytest.approx(turns_at(below, above, way, flush=flush), rel=0.005)
 
 
-@pytest.mark.parametrize(("where", "load", "aside", "level"), [("a", 10e3, 0.225, 3.0), ("a storey 2", 1e3, 0.0, 6.0)])
+@pytest.mark.parametrize(
+    ("where", "load", "aside", "level"), [("a", 10e3, 0.225, 3.0), pytest.param("a storey 2", 1e3, 0.0, 6.0, marks=MORE)]
+)
 def test_a_floor_on_the_offset_and_a_roof_on_the_top(where: str, load: float, aside: float, level: float) -> None:
     # Both lie on the top of their storey, which needs no height: the floor in the middle of the offset of 0.15 m, 0.225 m from
     # the middle of the wall below; the roof in the middle of the thin wall.

@@ -15,6 +15,7 @@ from models import TILTING_LOADS, tilting_test
 from solids import box, on_ground
 
 MU = 0.7
+TABLE = pytest.mark.slow("docs/contact_models.md: eccentric torque, of stones that crush")
 
 
 def twisted(stones: cp.Assemblage, contact_model: ContactModel, **options: Any) -> cp.LimitState:
@@ -98,7 +99,7 @@ def eccentric(e: tuple[float, float], b: float, h: float) -> tuple[cp.Assemblage
     return stones, cp.LoadCase(dead=dead, live=live)
 
 
-@pytest.mark.parametrize("crushing", [None, 1e9])
+@pytest.mark.parametrize("crushing", [None, pytest.param(1e9, marks=TABLE)])
 @pytest.mark.parametrize("e", [(0.0, 0.0), (0.2, 0.0), (0.15, 0.1), (0.45, 0.0), (-0.3, 0.2)])
 def test_eccentric_torque_without_dilatancy(e: tuple[float, float], crushing: float | None) -> None:
     b, h = 1.2, 0.7

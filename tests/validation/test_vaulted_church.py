@@ -38,6 +38,7 @@ def church() -> tuple[Case, cp.Assemblage, cp.Contacts, cp.ShellModel]:
     return case, stones, cp.find_contacts(stones), cp.derive_shell(building, 1.0)
 
 
+@pytest.mark.slow("docs/vault_validation.md: the church with all its vaults, one building in both models")
 def test_stones_and_shell_are_one_church() -> None:
     _, stones, contacts, shell = church()
     match = cp.match_models(stones, contacts, shell)
