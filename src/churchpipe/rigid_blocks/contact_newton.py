@@ -21,7 +21,6 @@ from dataclasses import dataclass
 import numba
 import numpy as np
 
-from churchpipe.conic.block_matrix import BlockMatrix, BlockPattern
 from churchpipe.conic.cholesky import Cholesky, NotDefiniteError
 from churchpipe.conic.interior_point.normal import NormalMatrix
 from churchpipe.conic.interior_point.second_order import SecondOrder, SecondOrderScaling
@@ -29,7 +28,6 @@ from churchpipe.conic.interior_point.wrenches import WrenchCoupling
 from churchpipe.conic.wrenches import BODY
 from churchpipe.model.arrays import BoolArray, FloatArray
 from churchpipe.rigid_blocks.certificate import Strength
-from churchpipe.rigid_blocks.conjugate_directions import Directions
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
 from churchpipe.rigid_blocks.settings import CentralSettings
 
@@ -69,7 +67,6 @@ class ContactSystem:
         self.points = len(self.friction)
         self.coupling = WrenchCoupling(balance.wrenches)
         self.normal = NormalMatrix(self.coupling)
-        self.blocks = BlockPattern(self.coupling)
         self.factors = Cholesky(self.normal.pattern, BODY), Cholesky(self.normal.pattern, BODY)
         self.cone = SecondOrder(3, 1, self.points)
         self.unit = self.cone.identity()[:, 0]
@@ -124,7 +121,9 @@ class ContactSystem:
         ------
         NotDefiniteError
         """
-        values = self.normal.assemble(self._plain(compliance))
+        n = np.ones((3, self.points))
+        n[0] /= self.friction
+        values = self.normal.assemble(np.ascontiguousarray(compliance * n[:, None] * n))
         diagonal = values[self.normal.diagonal]
         shift = _REGULARISATION * (diagonal + _OF_STONE * np.repeat(diagonal.reshape(-1, BODY).max(axis=1), BODY))
         for attempt in range(_ATTEMPTS):
@@ -137,16 +136,6 @@ class ContactSystem:
                     raise
         self.factorisations += 1
         return self.factors[which].solve(self.live)
-
-    def assemble(self, inner: FloatArray) -> BlockMatrix:
-        """Return the matrix B S B^T of 3 x 3 blocks S (3, 3, nc) that need not be symmetric."""
-        return BlockMatrix(self.blocks, self._plain(inner))
-
-    def _plain(self, inner: FloatArray) -> FloatArray:
-        """Return blocks (3, 3, nc) for forces n in place of mu n."""
-        n = np.ones((3, self.points))
-        n[0] /= self.friction
-        return np.ascontiguousarray(inner * n[:, None] * n)
 
 
 class Scaled:
@@ -170,12 +159,7 @@ class Scaled:
 
 
 class Linearisation(Scaled):
-    """The matrices of the steps from one state, factorised.
-
-    Without the forces, which A = B W^2 B^T / (1 + damping) gives back, the velocities of a step solve H dy = right, where
-    H = F + C^T A^-1 C among those that do no work with the load, C = B W^2 J B^T / (1 + damping) and
-    F = damping (2 + damping) / (1 + damping) B J^T W^2 J B^T. Conjugate gradients take 1 + damping times B J^T W^2 J B^T for it.
-    """
+    """The matrices of the steps from one state, factorised."""
 
     def __init__(
         self,
@@ -206,11 +190,9 @@ class Linearisation(Scaled):
         self._bound = np.ones(system.points) if released is None else np.where(released, 0.0, 1.0)
         self._plain, self._mixed = plain / (1.0 + damping), self._bound * mixed / (1.0 + damping)
         both *= self._bound
-        self._both = system.assemble(damping * (2.0 + damping) / (1.0 + damping) * both)
-        self._crossing = system.assemble(self._mixed)
+        self._both = damping * (2.0 + damping) / (1.0 + damping) * both
         self._lever = system.factorise(0, self._plain)
         self._guess = system.factorise(1, (1.0 + damping) * both)
-        self._directions, self._largest = Directions.none(len(system.live)), 0.0
         self._stiffness, self._guess_work = float(system.live @ self._lever), float(system.live @ self._guess)
 
     def tangent(self, rates: FloatArray) -> FloatArray:
@@ -222,11 +204,11 @@ class Linearisation(Scaled):
         system, damping, live = self._system, self._damping, self._system.live
         wanted = self.scaled(target) / (1.0 + damping)
         raised = self._bound * (np.stack([np.zeros(system.points), wanted[1], wanted[2]]) + self._slope * wanted[0])
-        lack = self._solve(0, system.couple(wanted) + residual)
-        wanted_of_rates = self._crossing.transposed_times(self._free(lack) - self._lever * (pull / self._stiffness))
-        y, crossed = self._velocities(damping * system.couple(raised) + wanted_of_rates, excess)
+        rows = system.couple(wanted) + residual
+        right = damping * system.couple(raised) + self._crossed(self._free(rows) - self._lever * (pull / self._stiffness), True)
+        y = self._velocities(right, excess)
         rates = system.rates(y)
-        lack -= crossed
+        lack = self._solve(0, rows - system.couple(multiply(self._mixed, rates)))
         gain = (float(live @ lack) + pull) / self._stiffness
         u = system.rates(lack - self._lever * gain)
         forces = wanted - multiply(self._mixed, rates) - multiply(self._plain, u)
@@ -243,48 +225,40 @@ class Linearisation(Scaled):
         forces = -multiply(self._plain, system.rates(left - self._lever * share))
         return ContactState(forces, -share, np.zeros_like(residual), np.zeros_like(forces))
 
-    def _velocities(self, right: FloatArray, excess: float) -> tuple[FloatArray, FloatArray]:
-        """Return dy with H dy = right and f_L . dy = -excess, by conjugate gradients, and A^-1 C dy, of which H is made.
-
-        All right sides of one state have the same H. What the directions tried for earlier ones can do for this one is taken
-        first, and those that follow are conjugate to them (Erhel and Guyomarc'h 2000). The error counts by the largest of them:
-        a small correction need not be more exact than the step that it corrects.
-        """
+    def _velocities(self, right: FloatArray, excess: float) -> FloatArray:
+        """Return dy with H dy = right, f_L . dy = -excess, by conjugate gradients."""
         y = self._guess * (-excess / self._guess_work)
-        bent, crossed = self._hessian(y) if excess else (np.zeros_like(y), np.zeros_like(y))
-        left = right - bent
-        before = self._directions
-        share = before.shares(left)
-        y, left, crossed = y + share @ before.y, left - share @ before.bent, crossed + share @ before.crossed
+        left = right - self._hessian(y) if excess else right
         change = self._near(left)
-        along, size = before.conjugate(change), float(left @ change)
-        self._largest = max(self._largest, size + float(share**2 @ before.work))
-        goal = self._system.settings.inner**2 * self._largest
-        tried: list[tuple[FloatArray, FloatArray, FloatArray]] = []
+        along, size = change, float(left @ change)
+        goal = self._system.settings.inner**2 * size
         for _ in range(self._system.settings.inner_steps):
             if not size > goal:
                 break
-            bent, through = self._hessian(along)
-            tried.append((along, bent, through))
+            bent = self._hessian(along)
             length = size / float(along @ bent)
-            y, left, crossed = y + length * along, left - length * bent, crossed + length * through
+            y, left = y + length * along, left - length * bent
             change = self._near(left)
-            last, size = size, float(left @ change)
-            along = before.conjugate(change) + (size / last) * along
-        self._directions = before.with_more(tried)
-        return y, crossed
+            before, size = size, float(left @ change)
+            along = change + (size / before) * along
+        return y
 
-    def _hessian(self, y: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return H y and A^-1 C y."""
-        crossed = self._solve(0, self._crossing.times(y))
-        return self._both.times(y) + self._crossing.transposed_times(self._free(crossed)), crossed
+    def _hessian(self, y: FloatArray) -> FloatArray:
+        system = self._system
+        rates = system.rates(y)
+        free = self._free(system.couple(multiply(self._mixed, rates)))
+        return system.couple(multiply(self._both, rates) + multiply(self._mixed, system.rates(free), True))
 
-    def _free(self, found: FloatArray) -> FloatArray:
-        """Return what a solution with A has that does no work with the live load."""
+    def _crossed(self, y: FloatArray, transposed: bool) -> FloatArray:
+        return self._system.couple(multiply(self._mixed, self._system.rates(y), transposed))
+
+    def _free(self, rows: FloatArray) -> FloatArray:
+        """Return the solution for these rows that does no work with the live load."""
+        found = self._solve(0, rows)
         return found - self._lever * (float(self._system.live @ found) / self._stiffness)
 
     def _near(self, rows: FloatArray) -> FloatArray:
-        """Return the solution, with the matrix that stands for H, that does no work with the live load."""
+        """Return the same with the matrix that stands for H."""
         found = self._solve(1, rows)
         return found - self._guess * (float(self._system.live @ found) / self._guess_work)
 
@@ -302,17 +276,21 @@ def squared(scaling: SecondOrderScaling) -> FloatArray:
     return blocks * square
 
 
-def multiply(blocks: FloatArray, v: FloatArray) -> FloatArray:
-    """Return blocks_ijk v_jk (3, nc)."""
+def multiply(blocks: FloatArray, v: FloatArray, transposed: bool = False) -> FloatArray:
+    """Return blocks_ijk v_jk, or blocks_jik v_jk (3, nc)."""
     out = np.empty_like(v)
-    _multiply(blocks, v, out)
+    _multiply(blocks, v, transposed, out)
     return out
 
 
 @numba.njit(cache=True)
-def _multiply(blocks: FloatArray, v: FloatArray, out: FloatArray) -> None:
-    """Write blocks_ijk v_jk into out_ik."""
+def _multiply(blocks: FloatArray, v: FloatArray, transposed: bool, out: FloatArray) -> None:
+    """Write blocks_ijk v_jk, or blocks_jik v_jk, into out_ik."""
     for k in range(v.shape[1]):
         a, b, c = v[0, k], v[1, k], v[2, k]
-        for i in range(3):
-            out[i, k] = blocks[i, 0, k] * a + blocks[i, 1, k] * b + blocks[i, 2, k] * c
+        if transposed:
+            for i in range(3):
+                out[i, k] = blocks[0, i, k] * a + blocks[1, i, k] * b + blocks[2, i, k] * c
+        else:
+            for i in range(3):
+                out[i, k] = blocks[i, 0, k] * a + blocks[i, 1, k] * b + blocks[i, 2, k] * c

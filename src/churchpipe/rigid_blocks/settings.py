@@ -47,18 +47,17 @@ class CentralSettings:
     """Constants of the run from the centre of the cones (`central.py`, `contact_newton.py`).
 
     force: the first normal force of a point, over the mean weight that a point would carry alone. roundness: how round the
-    multipliers are where a point neither opens nor slides; other_roundness: that of the second run. damping: of the steps, least
-    and most. pull: towards low load factors, over the sum of the products. correctors: of centrality, at most. inner,
-    inner_steps: error of the conjugate gradients, over the largest right side of a state, and their steps. clip: a correction of
-    the second order counts at most this share of the mean product. fraction: of the way to the boundary of the cones that a step
-    goes. steps: at most; patience: steps without half the gap after which a run stops, less patient once the gap is below
-    `near`: then stage B may close it from there, its programs solved to `duality_gap`, so that velocities overlap nowhere, with
-    a proximal weight `nearness` times the gap and a `momentum` of its own (`SchemeSettings`), for at most `polish` steps, and
-    while at the rate of the last one no more than `light_outlook` others are needed. The gap is concave in the forces, so that a
-    step that nothing holds back lowers it most. A run whose gap is below `foreseen` is left where at the rate of its last steps
-    it would need more than `outlook` others, which cost what a pair of programs costs that closes it from there. Where the pair
-    does not, the run goes on if it needs no more than `resumed` others, and may be left again where the gap has fallen to the
-    share `again`.
+    multipliers are where a point neither opens nor slides; other_roundness: that of the second run.
+    damping: of the steps, least and most. pull: towards low load factors, over the sum of the products. correctors: of
+    centrality, at most. inner, inner_steps: error and steps of the conjugate gradients. clip: a correction of the second order
+    counts at most this share of the mean product. fraction: of the way to the boundary of the cones that a step goes. steps: at
+    most; patience: steps without half the gap after which a run stops, less patient once the gap is below `near`: then stage B
+    may close it from there, its programs solved to `duality_gap`, so that velocities overlap nowhere, with a proximal weight
+    `nearness` times the gap and a `momentum` of its own (`SchemeSettings`), for at most `polish` steps, and while at the rate of
+    the last one no more than `light_outlook` others are needed. The gap is concave in the forces, so that a step that nothing
+    holds back lowers it most. A run whose gap is below `foreseen` is left where at the rate of its last steps it would need
+    more than `outlook` others, which cost what a pair of programs costs that closes it from there. Where the pair does not, the
+    run goes on if it needs no more than `resumed` others, and may be left again where the gap has fallen to the share `again`.
     whole_patience: of the last run, in which no point stops short and stage B has the constants of other searches.
     blocked, held, ignored: after a step shorter than the first, points that are left behind are released from their rates
     (`central_steps.py`). From so many short steps on, the second number where points were released, far from a state as yet,
@@ -76,7 +75,7 @@ class CentralSettings:
     damping: tuple[float, float] = (0.01, 0.1)
     pull: float = 0.2
     correctors: int = 5
-    inner: float = 1e-3
+    inner: float = 1e-2
     inner_steps: int = 40
     clip: float = 0.5
     fraction: float = 0.95
