@@ -294,8 +294,8 @@ def cases_of(
     return tuple(cases)
 
 
-# Of the values that a distribution gives, one in a million is beyond its least or its greatest that are checked.
-_TAILS = np.array([1e-6, 1 - 1e-6])
+# What is checked of a distribution: its median, and a least and a greatest value that one in a million is beyond.
+_LOOKED_AT = np.array([0.5, 1e-6, 1 - 1e-6])
 _NARROWER = "Bound it by low and high, or take a lognormal, uniform or beta distribution."
 _ANOTHER = "Not even its median is a value of the key: sample one that takes numbers with decimals, in its own range."
 
@@ -313,8 +313,7 @@ def _check_sample(table: dict[str, Any], path: Path, overrides: Sequence[str], c
             if key in cases[0].swept or key in ("name", "sample"):
                 problem = "swept and sampled" if key in cases[0].swept else "not to be sampled"
                 raise located(InputError(f"{place}.key", problem, found=key, expected="another key"), path, overrides)
-        for share in (0.5, *_TAILS):
-            value = float(quantile(parameter, np.array([share]))[0])
+        for share, value in zip(_LOOKED_AT, quantile(parameter, _LOOKED_AT).tolist(), strict=True):
             try:
                 cases_of(table, path, overrides, dict.fromkeys(parameter.key, value))
             except InputError as error:
