@@ -30,7 +30,7 @@ Progress = Callable[[str, float], None]
 
 FALLS = (
     "the dead load alone brings it down: a continuum without cohesion cannot hold a flat soffit, nor a load that goes up to the "
-    "free end of a wall; openings need lintels that do not yield, or arches, and loads a distance to the end"
+    "free end of a wall; openings need lintels that do not yield, or arches, and loads must end a stone before the wall does"
 )
 
 

@@ -16,6 +16,7 @@ from churchpipe.recognition.stone_walls import StoneWall, stretches
 from churchpipe.recognition.wall_parts import junction_spans
 from churchpipe.recognition.wall_planes import LEAST_STONES
 
+# Coordinates of elevations are rounded to this, m, where they are united.
 GRID = 1e-6
 
 
@@ -31,9 +32,16 @@ def separate_walls(stones: Assemblage, walls: Sequence[StoneWall], contact_gap: 
     taken = {wall.name for wall in walls}
     for wall in walls:
         parts = _parts(stones, wall, walls, contact_gap)
-        large = [part for part in parts if len(part) >= LEAST_STONES] or parts[:1]
-        loose += [wall.stones[part] for part in parts if not any(part is kept for kept in large)]
-        found += [_part(stones, wall, part, taken, main=part is large[0]) for part in large] if len(parts) > 1 else [wall]
+        if len(parts) == 1:
+            found.append(wall)
+            continue
+        main, *others = parts
+        found.append(_part(stones, wall, main, taken, main=True))
+        for part in others:
+            if len(part) >= LEAST_STONES:
+                found.append(_part(stones, wall, part, taken, main=False))
+            else:
+                loose.append(wall.stones[part])
     found.sort(key=lambda wall: wall.name)
     return found, np.concatenate(loose)
 
@@ -65,13 +73,13 @@ def closed(polygons: Polygons, contact_gap: float) -> list[Polygon]:
 
 
 def _parts(stones: Assemblage, wall: StoneWall, walls: Sequence[StoneWall], contact_gap: float) -> list[IntArray]:
-    """Return which of a wall's stones hang together, as numbers into them, the largest part first."""
+    """Return which of a wall's stones hang together, as numbers into them, the largest part of enough stones first."""
     regions = closed(filled(stones, wall, walls, contact_gap), contact_gap)
     if len(regions) == 1:
         return [np.arange(len(wall.stones))]
     inside = np.argmax([common_areas(wall.elevations, region) for region in regions], axis=0)
     parts = [np.flatnonzero(inside == number) for number in np.unique(inside)]
-    return sorted(parts, key=lambda part: -float(stones.volume[wall.stones[part]].sum()))
+    return sorted(parts, key=lambda part: (len(part) < LEAST_STONES, -float(stones.volume[wall.stones[part]].sum())))
 
 
 def _part(stones: Assemblage, wall: StoneWall, part: IntArray, taken: set[str], *, main: bool) -> StoneWall:

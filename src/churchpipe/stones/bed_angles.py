@@ -20,11 +20,11 @@ def angle_to_joints(stones: Assemblage, contacts: Contacts, along: FloatArray, a
 
     The joints of a voussoir are not parallel: inside it the bed direction turns from one joint to the other, so any direction
     between the two fits. Its bed joints are those with its neighbours in the ring, stones without a course like itself. The last
-    voussoir of a ring has one such neighbour; the joint opposite, with a stone of a pier, counts too, or where it bears on
-    nothing, as at the end of a ruined arch, the face opposite. A stone with more
-    neighbours, or with none, lies in a wall drawn without courses or stands alone: there the joints count that are within
-    45 degrees of the mean by area, and head joints do not. Where one of its joints is level and one upright, the level ones lead:
-    the heads of a short stone, or the back of an arch that cuts it, may be larger than its beds. No voussoir has both.
+    voussoir of a ring has one such neighbour; the joint opposite, with a stone of a pier, counts too, and where there is none,
+    as at the end of a ruined arch, the face opposite. A stone with more neighbours, or with none, lies in a wall drawn without
+    courses or stands alone: there the joints count that are within 45 degrees of the mean by area, and head joints do not. Where
+    one of its joints is level and one upright, the level ones lead: the heads of a short stone, or the back of an arch that cuts
+    it, may be larger than its beds. No voussoir has both.
 
     Parameters
     ----------
@@ -43,8 +43,8 @@ def angle_to_joints(stones: Assemblage, contacts: Contacts, along: FloatArray, a
     # The extrados does not cross the line through its voussoir.
     crosses = np.abs(np.sin(turn - line[owner])) > LEAST_CROSSING
     leading |= (neighbours == 1)[owner] & crosses & (share > 0.5)
-    unborne = (neighbours == 1) & ~_any(stones.count, owner[leading & ~in_ring])
-    end, end_normal, end_area = _free_ends(stones, np.flatnonzero(unborne), line, along, across)
+    one_joint = (neighbours == 1) & ~_any(stones.count, owner[leading & ~in_ring])
+    end, end_normal, end_area = _free_ends(stones, np.flatnonzero(one_joint), line, along, across)
     owner, normal, area = np.concatenate([owner, end]), np.concatenate([normal, end_normal]), np.concatenate([area, end_area])
     leading = np.concatenate([leading, np.ones(len(end), dtype=np.bool_)])
     share, turn = _within_wall(normal, along[owner], across[owner])

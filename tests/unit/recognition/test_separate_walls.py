@@ -85,9 +85,7 @@ def test_the_note_of_an_import_says_which_names_no_load_can_have():
 
 def test_a_load_on_a_name_reaches_both_of_its_walls():
     stones = on_ground(*bricks(0.0, 2.0, 6), *bricks(3.0, 1.5, 6))
-    named = type(stones).from_polyhedra(
-        [stones.solid(k) for k in range(stones.count)], 18e3, fixed=[0], panel=["", *["north"] * (stones.count - 1)]
-    )
+    named = replace(stones, panel=np.where(stones.fixed, "", "north"))
     fitted, match = gate(
         named, [LineLoad("north", begin=0.0, end=2.0, dead=5e3), LineLoad("north", begin=3.0, end=4.5, dead=5e3)]
     )
