@@ -18,7 +18,7 @@ from churchpipe.errors import InputError
 from churchpipe.model.building import MOST_STONES
 from churchpipe.model.buttress import Buttress
 from churchpipe.model.joint_group import JointGroup
-from churchpipe.model.loads import LoadCase
+from churchpipe.model.loads import WRENCHES, LoadCase
 from churchpipe.model.materials import Material
 from churchpipe.model.quantities import MOST_COUNTED
 from churchpipe.model.ring_beam import RingBeam
@@ -27,7 +27,7 @@ from churchpipe.model.ring_beam import RingBeam
 NAME_PATTERN = r"^\w[\w .+-]*$"
 _Name = Annotated[str, Field(pattern=NAME_PATTERN, max_length=100)]
 _MATERIAL = table_of(Material, "Material", without=("name",), may_lack=("unit_weight", "friction"))
-_LOAD = table_of(LoadCase, "Load", without=("dead", "live", "dead_virial", "live_virial"))
+_LOAD = table_of(LoadCase, "Load", without=WRENCHES)
 _RIGID, _SHELL = table_of(RigidSettings, "Rigid"), table_of(ShellSettings, "Shell")
 _CHECK = table_of(Site, "Check")
 _PUBLISHED, _VARIANT = table_of(Published, "Published"), table_of(Variant, "Variant")

@@ -129,18 +129,23 @@ def facet_at(shell: ShellModel, points: FloatArray, panel: str | None) -> tuple[
     from scipy.spatial import cKDTree
 
     members = np.arange(len(shell.panel)) if panel is None else np.flatnonzero(shell.panel == panel)
-    corner = shell.points[shell.triangles[members]]
-    near = cKDTree(corner.mean(axis=1)).query(points, k=min(NEIGHBOURS, len(members)))[1].reshape(len(points), -1)
-    # Heights of the point over the three edges of each candidate: all positive inside.
-    after = np.roll(corner, -1, axis=1)
-    normal = shell.axes[members, 2]
-    turn = np.sign(np.einsum("tc,tc->t", np.cross(after[:, 0] - corner[:, 0], after[:, 1] - corner[:, 1]), normal))
-    inward = np.cross(normal[:, None], after - corner) * turn[:, None, None]
-    inward /= np.linalg.norm(inward, axis=2, keepdims=True)
-    height = np.einsum("nkec,nkec->nke", points[:, None, None] - corner[near], inward[near]).min(axis=2)
+    near = cKDTree(shell.centroid[members]).query(points, k=min(NEIGHBOURS, len(members)))[1].reshape(len(points), -1)
+    height = heights_over_edges(shell, points, members[near]).min(axis=2)
     best = np.argmax(height, axis=1)
     row = np.arange(len(points))
     return members[near[row, best]], np.maximum(-height[row, best], 0.0)
+
+
+def heights_over_edges(shell: ShellModel, points: FloatArray, facets: IntArray) -> FloatArray:
+    """Return how far (n, k, e) m points (n, 3) m lie inwards of edge e, from corner e to corner e + 1, of facets (n, k), seen
+    along their normals: all three are positive inside."""
+    corner = shell.points[shell.triangles[facets]]
+    after = np.roll(corner, -1, axis=2)
+    normal = shell.axes[facets, 2]
+    turn = np.sign(np.einsum("nkc,nkc->nk", np.cross(after[:, :, 0] - corner[:, :, 0], after[:, :, 1] - corner[:, :, 1]), normal))
+    inward = np.cross(normal[:, :, None], after - corner) * turn[:, :, None, None]
+    inward /= np.linalg.norm(inward, axis=3, keepdims=True)
+    return np.einsum("nkec,nkec->nke", points[:, None, None] - corner, inward)
 
 
 def _surface_triangles(stones: Assemblage, blocks: IntArray) -> tuple[FloatArray, IntArray]:

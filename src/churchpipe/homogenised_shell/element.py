@@ -154,14 +154,24 @@ def surface_load(elements: ShellElements, pressure: FloatArray) -> FloatArray:
     third = pressure * shell.area[:, None] / 3
     nodes = np.zeros((len(shell.points), 3))
     np.add.at(nodes, shell.triangles, third[:, None, :])
-    in_plane = third - np.einsum("fc,fc->f", third, shell.axes[:, 2])[:, None] * shell.axes[:, 2]
     # The mid-side function 4 lambda_i lambda_j (lambda: barycentric coordinates) has the integral A / 3 over the area A. It
     # comes on top of A / 3 for each corner.
-    sides = np.zeros((len(elements.edges.nodes), 3))
-    np.add.at(sides, elements.edges.of_facet, in_plane[:, None, :])
-    bubbles = np.einsum("bc,bc->b", sides[elements.bubble_edge], elements.bubble_direction)
-    own = np.concatenate([nodes.ravel(), np.zeros(len(elements.edges.nodes)), bubbles])
-    return elements.conjugate(own, np.zeros((shell.beams.count, 6)))
+    return node_load(elements, nodes, np.repeat(third[:, None], 3, axis=1))
+
+
+def node_load(elements: ShellElements, nodes: FloatArray, sides: FloatArray) -> FloatArray:
+    """Return the work-conjugate forces (n,), N and Nm, of forces on the nodes (nn, 3) and on the sides of facets (nt, k, 3), N:
+    side k from corner k to the next, with the motion of its middle beyond the mean of its ends.
+
+    On the sides only what acts in the plane of the facet counts, since bending does not depend on them.
+    """
+    normal = elements.shell.axes[:, 2]
+    in_plane = sides - np.einsum("fkc,fc->fk", sides, normal)[..., None] * normal[:, None]
+    total = np.zeros((len(elements.edges.nodes), 3))
+    np.add.at(total, elements.edges.of_facet, in_plane)
+    bubbles = np.einsum("bc,bc->b", total[elements.bubble_edge], elements.bubble_direction)
+    own = np.concatenate([nodes.ravel(), np.zeros(len(total)), bubbles])
+    return elements.conjugate(own, np.zeros((elements.shell.beams.count, 6)))
 
 
 def _bubbles(shell: ShellModel, edges: Edges) -> tuple[IntArray, FloatArray]:

@@ -29,8 +29,8 @@ Solver = Literal["auto", "interior-point", "clarabel"]
 Progress = Callable[[str, float], None]
 
 FALLS = (
-    "the dead load alone brings it down: a continuum without cohesion cannot hold a flat soffit, nor a load that goes up to the "
-    "free end of a wall; openings need lintels that do not yield, or arches, and loads must end a stone before the wall does"
+    "the dead load alone brings it down: a continuum without cohesion cannot hold a flat soffit, nor a load on the very end of a "
+    "wall; openings need lintels that do not yield, or arches, and a point load needs the middle of a stone below it"
 )
 
 

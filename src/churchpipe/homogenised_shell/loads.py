@@ -6,7 +6,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from churchpipe.errors import InputError
-from churchpipe.homogenised_shell.element import ShellElements, surface_load
+from churchpipe.homogenised_shell.element import ShellElements, node_load, surface_load
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.loads import LoadCase, pushed_share
 from churchpipe.model.shell import ShellModel
@@ -64,7 +64,7 @@ def dead_load(elements: ShellElements, load: LoadCase) -> FloatArray:
     """
     shell = elements.shell
     own = surface_load(elements, dead_pressure(shell)) + _of_beams(elements, shell.beams.weight, np.array([0.0, 0.0, -1.0]))
-    return own + _given(elements, "LoadCase.dead", load.dead)
+    return own + _given(elements, "LoadCase.dead", load.dead, load.dead_nodes)
 
 
 def live_load(elements: ShellElements, load: LoadCase) -> FloatArray:
@@ -77,7 +77,7 @@ def live_load(elements: ShellElements, load: LoadCase) -> FloatArray:
     shell = elements.shell
     share = pushed(shell, load)[len(shell.triangles) :]
     own = surface_load(elements, live_pressure(shell, load)) + _of_beams(elements, share * shell.beams.weight, load.direction)
-    return own + _given(elements, "LoadCase.live", load.live)
+    return own + _given(elements, "LoadCase.live", load.live, load.live_nodes)
 
 
 def load_vectors(elements: ShellElements, load: LoadCase) -> LoadVectors:
@@ -113,15 +113,28 @@ def _of_beams(elements: ShellElements, force: FloatArray, direction: FloatArray)
     return body_forces(elements, wrench)
 
 
-def _given(elements: ShellElements, name: str, wrench: FloatArray | None) -> FloatArray:
-    """Return the forces (n,) of the wrenches that a load case gives, if any: `body_forces`."""
+def _given(elements: ShellElements, name: str, wrench: FloatArray | None, nodes: FloatArray | None) -> FloatArray:
+    """Return the forces (n,) of the wrenches that a load case gives, if any, and of what of them acts on nodes and mid-sides."""
     if wrench is None:
         return np.zeros(elements.unknowns)
-    expected = (len(elements.shell.body_weight), 6)
-    if wrench.shape != expected:
-        remedy = "churchpipe.shell_loaded puts what a building carries on the facets of its shell."
-        raise InputError(name, "wrong shape", found=wrench.shape, expected=str(expected), remedy=remedy)
-    return body_forces(elements, wrench)
+    shell = elements.shell
+    for found, item, expected in (
+        (wrench, name, (len(shell.body_weight), 6)),
+        (nodes, f"{name}_nodes", (len(shell.triangles), 6, 3)),
+    ):
+        if found is not None and found.shape != expected:
+            remedy = "churchpipe.shell_loaded puts what a building carries on the facets of its shell."
+            raise InputError(item, "wrong shape", found=found.shape, expected=str(expected), remedy=remedy)
+    if nodes is None:
+        return body_forces(elements, wrench)
+    on_corners = nodes[:, :3]
+    arm = shell.points[shell.triangles] - shell.centroid[:, None]
+    rest = wrench.copy()
+    rest[: len(nodes), :3] -= on_corners.sum(axis=1)
+    rest[: len(nodes), 3:] -= np.cross(arm, on_corners).sum(axis=1)
+    corners = np.zeros((len(shell.points), 3))
+    np.add.at(corners, shell.triangles, on_corners)
+    return body_forces(elements, rest) + node_load(elements, corners, nodes[:, 3:])
 
 
 def body_forces(elements: ShellElements, wrench: FloatArray) -> FloatArray:

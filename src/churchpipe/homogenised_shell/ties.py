@@ -26,7 +26,7 @@ from churchpipe.homogenised_shell.loads import nodal_forces
 from churchpipe.homogenised_shell.settings import SOLVER
 from churchpipe.loading.wrenches import bodies_of, wrenches_of
 from churchpipe.model.arrays import FloatArray
-from churchpipe.model.loads import LoadCase
+from churchpipe.model.loads import LoadCase, replaced
 from churchpipe.model.results import ShellLimitState
 from churchpipe.model.shell import ShellModel
 from churchpipe.model.ties import Tie
@@ -73,7 +73,7 @@ def tied_analysis(
     cuts: list[_Cut] = []
 
     def at(tension: FloatArray) -> _Cut:
-        case = _with_dead(load, dead + np.einsum("t,tfc->fc", tension, pull))
+        case = replaced(load, dead=dead + np.einsum("t,tfc->fc", tension, pull))
         # Once a structure stands with its ties, a load factor is enough; what has none is looked at again from its dead load on.
         state = analysed(case, not cuts)
         if cuts and state.status != "optimal":
@@ -160,8 +160,3 @@ def _nearest(place: FloatArray, slopes: FloatArray, least: FloatArray) -> FloatA
         settings,
     ).solve()
     return np.clip(answer.x, 0.0, 1.0) if str(answer.status) == "Solved" else None
-
-
-def _with_dead(load: LoadCase, dead: FloatArray) -> LoadCase:
-    direction = load.direction if load.direction.any() else None
-    return LoadCase(direction, load.name, load.panels, load.profile, dead=dead, live=load.live)

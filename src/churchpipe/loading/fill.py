@@ -11,7 +11,7 @@ from churchpipe.model.arguments import check_kind, listed, positive
 from churchpipe.model.arrays import BoolArray, FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts, check_contacts_of
-from churchpipe.model.loads import LoadCase, nearest_virial
+from churchpipe.model.loads import LoadCase, nearest_virial, replaced
 from churchpipe.model.polyhedra import face_normals
 from churchpipe.model.shell import ShellModel
 
@@ -87,9 +87,8 @@ def with_fill(
         raise InputError(
             "with_fill: level", "no back lies below it", found=f"{level:g} m", expected="a level above the springing"
         )
-    direction = load.direction if load.direction.any() else None
     found = {"live": live, "live_virial": virials[1]} if live.any() else {}
-    return LoadCase(direction, load.name, load.panels, load.profile, dead=dead, dead_virial=virials[0], **found)
+    return replaced(load, dead=dead, dead_virial=virials[0], **found)
 
 
 def _backs(body: Assemblage | ShellModel, chosen: BoolArray, contacts: Contacts | None) -> Iterator[tuple[int, FloatArray]]:

@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 
 from churchpipe.errors import InputError
-from churchpipe.geometry.walls import WallLine, wall_line
-from churchpipe.loading.bearing import CLOSE, bearing_stones
+from churchpipe.geometry.walls import WallLine, points_of, wall_line
+from churchpipe.loading.bearing import CLOSE, bearing_stones, pressed_length
 from churchpipe.loading.floors import floor_lines
 from churchpipe.loading.pressure import fill_weights, pressure_forces
 from churchpipe.model.arguments import check_kind, describe
-from churchpipe.model.arrays import FloatArray
+from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage, checked_sequence
 from churchpipe.model.carried import AreaLoad, Carried, LineLoad, PointLoad, Pressure
 from churchpipe.model.fill import Fill
@@ -29,6 +29,7 @@ class _Part:
     dead: FloatArray
     mass: float
     foot: FloatArray | None = None
+    reach: FloatArray | None = None
 
 
 def place_loads(stones: Assemblage, loads: Iterable[Carried | Fill]) -> PlacedLoads:
@@ -69,6 +70,7 @@ def place_loads(stones: Assemblage, loads: Iterable[Carried | Fill]) -> PlacedLo
         dead=np.array([part.dead for _, part in parts]).reshape(-1, 3),
         mass=np.array([part.mass for _, part in parts], dtype=np.float64),
         foot=np.array([part.point if part.foot is None else part.foot for _, part in parts]).reshape(-1, 3),
+        reach=np.array([np.zeros(3) if part.reach is None else part.reach for _, part in parts]).reshape(-1, 3),
     )
 
 
@@ -146,28 +148,47 @@ def _along(
             amount = 0.5 * (low + high) * (b - a) * share
             if not amount:
                 continue
-            centre = a + (b - a) * (low + 2 * high) / (3 * (low + high))
-            level = z[0] + (z[1] - z[0]) * (centre - start) / (end - start)
-            point = np.append(first + centre * axis, level)
-            parts.append(_Part(point, int(stone), amount * dead, amount * mass))
+            slope = (z[1] - z[0]) / (end - start)
+            centre, middle = a + (b - a) * (low + 2 * high) / (3 * (low + high)), 0.5 * (a + b)
+            point, foot = (np.append(first + way * axis, z[0] + slope * (way - start)) for way in (centre, middle))
+            reach = 0.5 * (b - a) * np.append(axis, slope)
+            parts.append(_Part(point, int(stone), amount * dead, amount * mass, foot, reach))
     return parts
 
 
 def _point(stones: Assemblage, load: PointLoad) -> list[_Part]:
     if load.at is not None:
         place, height, on_top = np.array(load.at[:2]), load.at[2], _touches_tops(stones, load.at[2])
+        axis = None
     else:
         wall = wall_line(stones, load.wall or "", load.called)
         along = load.along or 0.0
         _check_within(load.called, wall, along, along)
         place = wall.at(along, _aside(load.called, wall, load.eccentricity, load.toward))
         height, on_top = (wall.top, True) if load.height is None else (load.height, False)
+        axis = wall.axis
     found = bearing_stones(stones, place, place, height, on_top=on_top, where=load.called)
     dead = _force(load.dead, load.thrust, load.toward)
-    return [
-        _Part(np.append(place, z[0]), int(stone), share * dead, float(share) * load.pushed)
-        for stone, share, z in zip(found.stone, found.share, found.z, strict=True)
-    ]
+    middle, reach = _pressed(stones, found.stone, place, axis)
+    parts: list[_Part] = []
+    for stone, share, z in zip(found.stone, found.share, found.z, strict=True):
+        point = np.append(place, z[0])
+        mass = float(share) * load.pushed
+        parts.append(_Part(point, int(stone), share * dead, mass, point + middle, reach))
+    return parts
+
+
+def _pressed(stones: Assemblage, bearing: IntArray, place: FloatArray, axis: FloatArray | None) -> tuple[FloatArray, FloatArray]:
+    """Return the way (3,) m from a place (2,) m to the middle of what stones press on there, and from that to its end: along a
+    wall's axis (2,), or that of the wall they belong to. Zero where this is not straight."""
+    if axis is None:
+        try:
+            axis = wall_line(stones, str(stones.panel[bearing[0]]), "").axis
+        except InputError:
+            return np.zeros(3), np.zeros(3)
+    middle, half = pressed_length(points_of(stones, bearing)[:, :2] @ axis, float(place @ axis))
+    way = np.append(axis, 0.0)
+    return middle * way, half * way
 
 
 def _area(stones: Assemblage, load: AreaLoad) -> list[_Part]:

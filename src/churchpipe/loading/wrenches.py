@@ -5,20 +5,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from churchpipe.geometry.locate import facet_at
+from churchpipe.loading.facets import Pieces, bodies_of, pieces_on
 from churchpipe.loading.placing import place_loads
 from churchpipe.model.arguments import check_kind
 from churchpipe.model.arrays import FloatArray, IntArray, NameArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.carried import Carried
 from churchpipe.model.fill import Fill
-from churchpipe.model.loads import LoadCase, nearest_virial, pushed_share
+from churchpipe.model.loads import LoadCase, nearest_virial, pushed_share, replaced
 from churchpipe.model.placed_loads import PlacedLoads
 from churchpipe.model.shell import ShellModel
-
-# A load bears on what lies below its point: of the facets that meet there, on the one at a point so much lower, m. At the eaves a
-# gable goes on above them with a sliver, which would bear the roof on its free edge.
-_BELOW = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +55,8 @@ def loaded(load: LoadCase, stones: Assemblage, loads: "PlacedLoads | Iterable[Ca
     """
     check_kind("loaded: load", load, LoadCase)
     placed = loads if isinstance(loads, PlacedLoads) else place_loads(stones, loads)
-    return _with(load, _stones(stones), placed, placed.stone)
+    bodies = _stones(stones)
+    return _with(load, bodies, placed, _as_placed(placed), _push(load, bodies, placed))
 
 
 def pushed_masses(load: LoadCase, stones: Assemblage, placed: PlacedLoads) -> tuple[FloatArray, FloatArray]:
@@ -104,22 +101,14 @@ def shell_loaded(
     check_kind("shell_loaded: shell", shell, ShellModel)
     placed = loads if isinstance(loads, PlacedLoads) else place_loads(stones, loads)
     bodies = _Bodies(shell.body_centroid, shell.body_weight, shell.body_panel, float(shell.points[:, 2].min()))
-    return _with(load, bodies, placed, bodies_of(shell, placed.foot, placed.wall))
-
-
-def bodies_of(shell: ShellModel, point: FloatArray, wall: NameArray) -> IntArray:
-    """Return the facet (n,) nearest to each point (n, 3) m, among those of its wall, or of all where the shell lacks that; of a
-    beam, nt and its number."""
-    out = np.zeros(len(point), dtype=np.int64)
-    for number, name in enumerate(shell.beams.name.tolist()):
-        out[wall == name] = len(shell.triangles) + number
-    on_beam = np.isin(wall, shell.beams.name)
-    known = np.isin(wall, shell.panel)
-    for name in [*np.unique(wall[known]).tolist(), None]:
-        mine = ~(known | on_beam) if name is None else wall == name
-        if mine.any():
-            out[mine] = facet_at(shell, point[mine] - [0.0, 0.0, _BELOW], name)[0]
-    return out
+    pieces = pieces_on(shell, placed)
+    push = _push(load, bodies, placed)
+    whole = _with(load, bodies, placed, pieces, push)
+    nodes = [
+        _nodes_of(len(shell.triangles), pieces, force) + (0.0 if own is None else own)
+        for force, own in ((placed.dead, load.dead_nodes), (push[0], load.live_nodes))
+    ]
+    return replaced(whole, dead_nodes=nodes[0], live_nodes=nodes[1])
 
 
 def resultant(centroid: FloatArray, wrench: FloatArray) -> FloatArray:
@@ -142,15 +131,17 @@ def resultants(stones: Assemblage, shell: ShellModel, placed: PlacedLoads) -> di
     }
 
 
-def _with(load: LoadCase, bodies: _Bodies, placed: PlacedLoads, owner: IntArray) -> LoadCase:
-    masses = np.zeros_like(placed.dead)
-    more = np.zeros_like(bodies.centroid)
-    if load.direction.any():
-        push = _masses_pushed(load, bodies, placed)
-        masses, more = push.masses[:, None] * load.direction, push.more_of_bodies[:, None] * load.direction
-    dead, live = (wrenches_of(bodies.centroid, placed.point, force, owner) for force in (placed.dead, masses))
+def _as_placed(placed: PlacedLoads) -> Pieces:
+    n = len(placed.stone)
+    return Pieces(np.arange(n), np.ones(n), placed.point, placed.stone, np.zeros((n, 6)))
+
+
+def _with(load: LoadCase, bodies: _Bodies, placed: PlacedLoads, pieces: Pieces, push: tuple[FloatArray, FloatArray]) -> LoadCase:
+    masses, more = push
+    forces = [pieces.share[:, None] * force[pieces.part] for force in (placed.dead, masses)]
+    dead, live = (wrenches_of(bodies.centroid, pieces.point, force, pieces.body) for force in forces)
     live[:, :3] += more
-    virials = [_virial_of(bodies.centroid, placed.point, force, owner) for force in (placed.dead, masses)]
+    virials = [_virial_of(bodies.centroid, pieces.point, force, pieces.body) for force in forces]
     for total, virial, wrench, own in (
         (dead, virials[0], load.dead, load.dead_virial),
         (live, virials[1], load.live, load.live_virial),
@@ -158,16 +149,23 @@ def _with(load: LoadCase, bodies: _Bodies, placed: PlacedLoads, owner: IntArray)
         if wrench is not None:
             total += wrench
             virial += nearest_virial(wrench) if own is None else own
-    return LoadCase(
-        load.direction if load.direction.any() else None,
-        load.name,
-        load.panels,
-        load.profile,
-        dead=dead,
-        live=live,
-        dead_virial=virials[0],
-        live_virial=virials[1],
-    )
+    return replaced(load, dead=dead, live=live, dead_virial=virials[0], live_virial=virials[1])
+
+
+def _push(load: LoadCase, bodies: _Bodies, placed: PlacedLoads) -> tuple[FloatArray, FloatArray]:
+    """Return what a load case pushes of the masses (n, 3) and of the bodies (nb, 3) beyond what it does without masses, N."""
+    if not load.direction.any():
+        return np.zeros_like(placed.dead), np.zeros_like(bodies.centroid)
+    push = _masses_pushed(load, bodies, placed)
+    return push.masses[:, None] * load.direction, push.more_of_bodies[:, None] * load.direction
+
+
+def _nodes_of(facets: int, pieces: Pieces, force: FloatArray) -> FloatArray:
+    """Return what forces (n, 3) N of placed loads put on corners and mid-sides of facets (nt, 6, 3), N: `LoadCase.dead_nodes`."""
+    out = np.zeros((facets, 6, 3))
+    on = np.flatnonzero(pieces.body < facets)
+    np.add.at(out, pieces.body[on], (pieces.shape[on] * pieces.share[on, None])[:, :, None] * force[pieces.part[on], None])
+    return out
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,6 +13,9 @@ from churchpipe.model.arrays import FloatArray, NameArray, floats, store
 from churchpipe.model.card import Shown
 from churchpipe.model.quantities import as_written, declared
 
+# What belongs to the stones or facets of one model, and has no place in a case file.
+WRENCHES = ("dead", "live", "dead_virial", "live_virial", "dead_nodes", "live_nodes")
+
 
 @dataclass(frozen=True, slots=True, repr=False)
 class LoadCase(Shown):
@@ -24,7 +27,10 @@ class LoadCase(Shown):
     shear over weight of the loaded part. `dead` and `live` are extra wrenches (nb, 6) N and Nm about the centroids: dead ones
     act always, live ones grow with the load factor. `dead_virial` and `live_virial` (nb, i, j) Nm are the sums of r_i F_j of
     their forces F at points r from the centroids (i, j: axes), for paths on which stones turn, and their forces with them;
-    left out, each force acts at the point of its line nearest to the centroid.
+    left out, each force acts at the point of its line nearest to the centroid. `dead_nodes` and `live_nodes` (nt, k, c) N, of a
+    shell, are those components c of the wrenches that act on the corners of each facet (k = 0, 1, 2) and on its sides from
+    corner k - 3 to the next (k = 3, 4, 5), with the motion of the middle beyond the mean of the ends; what they leave of the
+    wrenches acts on the facet as a whole.
     """
 
     direction: Annotated[FloatArray, "Where the load pushes: a vector of any length; z is up."]
@@ -35,6 +41,8 @@ class LoadCase(Shown):
     live: FloatArray | None = None
     dead_virial: FloatArray | None = None
     live_virial: FloatArray | None = None
+    dead_nodes: FloatArray | None = None
+    live_nodes: FloatArray | None = None
 
     def __init__(
         self,
@@ -46,6 +54,8 @@ class LoadCase(Shown):
         live: npt.ArrayLike | None = None,
         dead_virial: npt.ArrayLike | None = None,
         live_virial: npt.ArrayLike | None = None,
+        dead_nodes: npt.ArrayLike | None = None,
+        live_nodes: npt.ArrayLike | None = None,
     ) -> None:
         if isinstance(direction, str):
             raise InputError(
@@ -70,8 +80,10 @@ class LoadCase(Shown):
             profile=profile,
             dead=None if dead is None else floats("LoadCase.dead", dead, (None, 6)),
             live=grows,
-            dead_virial=_virial("dead_virial", dead_virial, dead),
-            live_virial=_virial("live_virial", live_virial, live),
+            dead_virial=_of_wrenches("dead_virial", dead_virial, dead, (3, 3)),
+            live_virial=_of_wrenches("live_virial", live_virial, live, (3, 3)),
+            dead_nodes=_of_wrenches("dead_nodes", dead_nodes, dead, (6, 3)),
+            live_nodes=_of_wrenches("live_nodes", live_nodes, live, (6, 3)),
         )
 
     def _rows(self) -> tuple[str, Mapping[str, object]]:
@@ -95,12 +107,22 @@ def nearest_virial(wrench: FloatArray) -> FloatArray:
     return arm[:, :, None] * force[:, None, :]
 
 
-def _virial(name: str, value: npt.ArrayLike | None, wrench: npt.ArrayLike | None) -> FloatArray | None:
+def replaced(load: LoadCase, **wrenches: FloatArray | None) -> LoadCase:
+    """Return a load case with other wrenches, or with other virials or forces on nodes of them, by their names."""
+    kept = {name: getattr(load, name) for name in WRENCHES}
+    direction = load.direction if load.direction.any() else None
+    return LoadCase(direction, load.name, load.panels, load.profile, **{**kept, **wrenches})
+
+
+def _of_wrenches(
+    name: str, value: npt.ArrayLike | None, wrench: npt.ArrayLike | None, shape: tuple[int, int]
+) -> FloatArray | None:
     if value is None:
         return None
     if wrench is None:
-        raise InputError(f"LoadCase.{name}", "no wrenches", expected=f"{name.removesuffix('_virial')} with it")
-    return floats(f"LoadCase.{name}", value, (len(np.asarray(wrench)), 3, 3))
+        raise InputError(f"LoadCase.{name}", "no wrenches", expected=f"{name.partition('_')[0]} with it")
+    rows = len(np.asarray(wrench)) if shape == (3, 3) else None
+    return floats(f"LoadCase.{name}", value, (rows, *shape))
 
 
 def load_keys() -> tuple[str, ...]:

@@ -28,7 +28,11 @@ class PlacedLoads:
     mass
         Weight (n,), N, that a lateral load multiplies there.
     foot
-        Where on the stone it stands (n, 3), m, such as below the middle of a column of fill; left out: where it acts.
+        Where on the stone it stands (n, 3), m, such as below the middle of a column of fill; left out: where it acts. Of a part
+        of a line the middle.
+    reach
+        Of a part of a line, the way (n, 3) m from its middle to its end; its density is linear, so that `point` is its centre.
+        Zero, as where left out: a part at one point.
     """
 
     point: FloatArray
@@ -38,11 +42,16 @@ class PlacedLoads:
     dead: FloatArray
     mass: FloatArray
     foot: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
+    reach: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
 
     def __post_init__(self) -> None:
         n = rows_of("PlacedLoads.stone", self.stone)
         store_arrays(self, point=(n, 3), stone=(n,), wall=(n,), load=(n,), dead=(n, 3), mass=(n,))
-        store(self, foot=floats("PlacedLoads.foot", self.foot if np.size(self.foot) else self.point, (n, 3)))
+        store(
+            self,
+            foot=floats("PlacedLoads.foot", self.foot if np.size(self.foot) else self.point, (n, 3)),
+            reach=floats("PlacedLoads.reach", self.reach if np.size(self.reach) else np.zeros((n, 3)), (n, 3)),
+        )
 
     @property
     def weight(self) -> FloatArray:

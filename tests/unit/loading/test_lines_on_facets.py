@@ -1,0 +1,135 @@
+"""Lines of load on the facets of a shell: the work of what reaches corners and mid-sides is that of the line itself.
+
+An element whose membrane has linear strain moves by any field that is quadratic in the plane of its wall, corner by corner and
+mid-side by mid-side, so that the work of the forces there must be the integral of load and motion along the line: worked out
+here by hand, as an integral of polynomials.
+"""
+
+import numpy as np
+import pytest
+
+import churchpipe as cp
+from churchpipe import generators
+from churchpipe.homogenised_shell.element import ShellElements, shell_elements
+from churchpipe.homogenised_shell.loads import dead_load, live_load
+from churchpipe.loading.bearing import pressed_length
+from churchpipe.loading.wrenches import resultant
+from churchpipe.model.placed_loads import PlacedLoads
+from churchpipe.model.shell import ShellModel
+from shell_meshes import grid, shell, wall_points
+
+LENGTH, HEIGHT = 2.0, 1.2
+
+
+def crooked_wall() -> ShellModel:
+    """A wall in the plane y = 0, its inner nodes moved about."""
+    points, triangles = grid(7, 5, LENGTH, HEIGHT)
+    inside = (points > 1e-9).all(axis=1) & (points < np.array([LENGTH, HEIGHT]) - 1e-9).all(axis=1)
+    points[inside] += np.random.default_rng(3).uniform(-0.03, 0.03, (int(inside.sum()), 2))
+    return shell(wall_points(points), triangles, thickness=0.25, surface_weight=1e3, supported=lambda p: p[:, 2] < 1e-9)
+
+
+def motion(at: np.ndarray) -> np.ndarray:
+    """A motion (n, 3) in the plane of the wall, quadratic in x and z."""
+    x, z = at[:, 0], at[:, 2]
+    along = 0.3 + 0.2 * x - 0.4 * z + 0.7 * x * x - 0.1 * x * z + 0.2 * z * z
+    up = -0.1 + 0.5 * x + 0.3 * z - 0.6 * x * x + 0.8 * x * z - 0.3 * z * z
+    return np.stack([along, np.zeros(len(at)), up], axis=1)
+
+
+def as_unknowns(elements: ShellElements) -> np.ndarray:
+    """The unknowns that describe `motion`."""
+    points, ends = elements.shell.points, elements.edges.nodes
+    nodes = motion(points)
+    beyond = motion(points[ends].mean(axis=1)) - nodes[ends].mean(axis=1)
+    bubbles = np.einsum("bc,bc->b", beyond[elements.bubble_edge], elements.bubble_direction)
+    return np.concatenate([nodes.ravel(), np.zeros(len(ends)), bubbles])
+
+
+def placed(start: np.ndarray, end: np.ndarray, force: np.ndarray, parts: int, lean: float) -> PlacedLoads:
+    """A line from start to end whose density over the mean is 1 + 3 lean s, s from -1 to 1, in parts of one length."""
+    stops = np.linspace(-1.0, 1.0, parts + 1)
+    low, high = stops[:-1], stops[1:]
+    share = (high - low) / 2 + 3 * lean * (high**2 - low**2) / 4
+    moment = (high**2 - low**2) / 4 + lean * (high**3 - low**3) / 2
+    way, middle = (end - start) / 2, (start + end) / 2
+    return PlacedLoads(
+        point=middle + (moment / share)[:, None] * way,
+        foot=middle + ((low + high) / 2)[:, None] * way,
+        reach=((high - low) / 2)[:, None] * way,
+        stone=np.zeros(parts, dtype=np.int64),
+        wall=np.full(parts, "wall"),
+        load=np.full(parts, "line"),
+        dead=share[:, None] * force,
+        mass=share * 5e3,
+    )
+
+
+LINES = {
+    "top": ([0.0, 0.0, HEIGHT], [LENGTH, 0.0, HEIGHT]),
+    "part of the top": ([0.31, 0.0, HEIGHT], [1.57, 0.0, HEIGHT]),
+    "within a facet": ([0.30, 0.0, 1.15], [0.36, 0.0, 1.15]),
+    "across": ([0.13, 0.0, 0.71], [1.91, 0.0, 0.71]),
+    "askew": ([0.13, 0.0, 0.31], [1.91, 0.0, 1.13]),
+}
+
+
+@pytest.mark.parametrize("lean", [0.0, 0.3])
+@pytest.mark.parametrize("parts", [1, 9])
+@pytest.mark.parametrize("line", LINES)
+def test_the_work_is_that_of_the_line(line: str, parts: int, lean: float) -> None:
+    model = crooked_wall()
+    start, end = (np.array(place) for place in LINES[line])
+    force = np.array([300.0, 0.0, -1000.0])
+    stones = cp.derive_blocks(generators.wall(length=LENGTH, brick=(0.25, 0.25, 0.1), courses=12))
+    load = cp.shell_loaded(cp.LoadCase((1, 0, 0)), model, stones, placed(start, end, force, parts, lean))
+    elements = shell_elements(model)
+    unknowns = as_unknowns(elements)
+    # Gauss's rule of four points is exact for the line's linear density times the square of the motion.
+    place, weight = np.polynomial.legendre.leggauss(4)
+    moved = motion((start + end) / 2 + place[:, None] * (end - start) / 2)
+    mean = (weight * (1 + 3 * lean * place) / 2) @ moved
+    alone = dead_load(elements, cp.LoadCase((1, 0, 0)))
+    assert float((dead_load(elements, load) - alone) @ unknowns) == pytest.approx(force @ mean, rel=1e-9)
+    pushed = live_load(elements, load) - live_load(elements, cp.LoadCase((1, 0, 0)))
+    assert float(pushed @ unknowns) == pytest.approx(5e3 * mean[0], rel=1e-9)
+
+
+def test_a_line_beside_the_middle_of_the_wall_keeps_its_moment() -> None:
+    model = crooked_wall()
+    start, end = np.array([0.13, 0.1, 0.71]), np.array([1.91, 0.1, 0.71])
+    force = np.array([300.0, 70.0, -1000.0])
+    stones = cp.derive_blocks(generators.wall(length=LENGTH, brick=(0.25, 0.25, 0.1), courses=12))
+    load = cp.shell_loaded(cp.LoadCase((1, 0, 0)), model, stones, placed(start, end, force, 5, 0.2))
+    elements = shell_elements(model)
+    carried = dead_load(elements, load) - dead_load(elements, cp.LoadCase((1, 0, 0)))
+    nodes = carried[: 3 * len(model.points)].reshape(-1, 3)
+    centre = start + (end - start) * 0.6
+    expected = np.concatenate([force, np.cross(centre, force)])
+    moment = np.cross(model.points, nodes).sum(axis=0)
+    np.testing.assert_allclose(np.concatenate([nodes.sum(axis=0), moment]), expected, rtol=1e-9, atol=1e-9 * 1e3)
+    np.testing.assert_allclose(resultant(model.centroid, load.dead), expected, rtol=1e-9, atol=1e-9 * 1e3)
+
+
+def test_a_line_that_leaves_the_wall_is_carried_whole() -> None:
+    """Beyond the end of the facets, as over a corner's outer half, what is carried there goes to the facet next to it."""
+    model = crooked_wall()
+    start, end = np.array([-0.12, 0.0, HEIGHT]), np.array([LENGTH, 0.0, HEIGHT])
+    force = np.array([0.0, 0.0, -1000.0])
+    stones = cp.derive_blocks(generators.wall(length=LENGTH, brick=(0.25, 0.25, 0.1), courses=12))
+    load = cp.shell_loaded(cp.LoadCase((1, 0, 0)), model, stones, placed(start, end, force, 9, 0.0))
+    elements = shell_elements(model)
+    carried = dead_load(elements, load) - dead_load(elements, cp.LoadCase((1, 0, 0)))
+    nodes = carried[: 3 * len(model.points)].reshape(-1, 3)
+    np.testing.assert_allclose(nodes.sum(axis=0), force, atol=1e-6)
+    np.testing.assert_allclose(
+        np.cross(model.points, nodes).sum(axis=0), np.cross((start + end) / 2, force), rtol=1e-9, atol=1e-6
+    )
+
+
+@pytest.mark.parametrize(
+    ("place", "middle", "half"), [(0.5, 0.0, 0.5), (0.4, 0.1, 0.5), (0.9, -0.05, 0.15), (0.1, 0.05, 0.15), (1.0, 0.0, 0.0)]
+)
+def test_a_stone_presses_on_its_bed_without_pull(place: float, middle: float, half: float) -> None:
+    """Over its whole length of 1 m under a force on the middle third, else over three times the distance to the end."""
+    assert pressed_length(np.array([0.0, 1.0, 1.0, 0.0]), place) == pytest.approx((middle, half))
