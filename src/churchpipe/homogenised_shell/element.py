@@ -156,22 +156,34 @@ def surface_load(elements: ShellElements, pressure: FloatArray) -> FloatArray:
     np.add.at(nodes, shell.triangles, third[:, None, :])
     # The mid-side function 4 lambda_i lambda_j (lambda: barycentric coordinates) has the integral A / 3 over the area A. It
     # comes on top of A / 3 for each corner.
-    return node_load(elements, nodes, np.repeat(third[:, None], 3, axis=1))
+    third = np.repeat(third[:, None], 3, axis=1)
+    return node_load(elements, nodes, third, np.zeros_like(third))
 
 
-def node_load(elements: ShellElements, nodes: FloatArray, sides: FloatArray) -> FloatArray:
-    """Return the work-conjugate forces (n,), N and Nm, of forces on the nodes (nn, 3) and on the sides of facets (nt, k, 3), N:
-    side k from corner k to the next, with the motion of its middle beyond the mean of its ends.
+def node_load(elements: ShellElements, nodes: FloatArray, sides: FloatArray, moments: FloatArray) -> FloatArray:
+    """Return the work-conjugate forces (n,), N and Nm, of forces on the nodes (nn, 3) N, and of forces N and moments Nm in the
+    plane of the facets on their sides, both (nt, k, 3): side k from corner k to the next, forces with the motion of its middle
+    beyond the mean of its ends, moments with the rotation there.
 
-    On the sides only what acts in the plane of the facet counts, since bending does not depend on them.
+    Of forces on the sides only what acts in the plane of the facet counts, since bending does not depend on them. A side turns
+    about itself by its own rotation, and square to itself as its ends rise, by the slope (w_j - w_i) / L of Morley's triangle.
     """
-    normal = elements.shell.axes[:, 2]
-    in_plane = sides - np.einsum("fkc,fc->fk", sides, normal)[..., None] * normal[:, None]
-    total = np.zeros((len(elements.edges.nodes), 3))
-    np.add.at(total, elements.edges.of_facet, in_plane)
+    shell, edges = elements.shell, elements.edges
+    normal = shell.axes[:, None, 2]
+    in_plane = sides - np.einsum("fkc,fkc->fk", sides, np.broadcast_to(normal, sides.shape))[..., None] * normal
+    total, about = np.zeros((len(edges.nodes), 3)), np.zeros(len(edges.nodes))
+    np.add.at(total, edges.of_facet, in_plane)
     bubbles = np.einsum("bc,bc->b", total[elements.bubble_edge], elements.bubble_direction)
-    own = np.concatenate([nodes.ravel(), np.zeros(len(total)), bubbles])
-    return elements.conjugate(own, np.zeros((elements.shell.beams.count, 6)))
+    along = edges.directions(shell.points)[edges.of_facet]
+    np.add.at(about, edges.of_facet, np.einsum("fkc,fkc->fk", moments, along))
+    ends = edges.nodes[edges.of_facet]
+    length = np.linalg.norm(shell.points[ends[..., 1]] - shell.points[ends[..., 0]], axis=2)
+    rise = np.einsum("fkc,fkc->fk", np.cross(np.broadcast_to(normal, moments.shape), moments), along) / length
+    lifted = nodes.copy()
+    for end, sign in ((1, 1.0), (0, -1.0)):
+        np.add.at(lifted, ends[..., end], sign * rise[..., None] * normal)
+    own = np.concatenate([lifted.ravel(), about, bubbles])
+    return elements.conjugate(own, np.zeros((shell.beams.count, 6)))
 
 
 def _bubbles(shell: ShellModel, edges: Edges) -> tuple[IntArray, FloatArray]:

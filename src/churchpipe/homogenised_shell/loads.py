@@ -120,7 +120,7 @@ def _given(elements: ShellElements, name: str, wrench: FloatArray | None, nodes:
     shell = elements.shell
     for found, item, expected in (
         (wrench, name, (len(shell.body_weight), 6)),
-        (nodes, f"{name}_nodes", (len(shell.triangles), 6, 3)),
+        (nodes, f"{name}_nodes", (len(shell.triangles), 9, 3)),
     ):
         if found is not None and found.shape != expected:
             remedy = "churchpipe.shell_loaded puts what a building carries on the facets of its shell."
@@ -131,10 +131,10 @@ def _given(elements: ShellElements, name: str, wrench: FloatArray | None, nodes:
     arm = shell.points[shell.triangles] - shell.centroid[:, None]
     rest = wrench.copy()
     rest[: len(nodes), :3] -= on_corners.sum(axis=1)
-    rest[: len(nodes), 3:] -= np.cross(arm, on_corners).sum(axis=1)
+    rest[: len(nodes), 3:] -= np.cross(arm, on_corners).sum(axis=1) + nodes[:, 6:].sum(axis=1)
     corners = np.zeros((len(shell.points), 3))
     np.add.at(corners, shell.triangles, on_corners)
-    return body_forces(elements, rest) + node_load(elements, corners, nodes[:, 3:])
+    return body_forces(elements, rest) + node_load(elements, corners, nodes[:, 3:6], nodes[:, 6:])
 
 
 def body_forces(elements: ShellElements, wrench: FloatArray) -> FloatArray:

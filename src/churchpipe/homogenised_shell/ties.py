@@ -24,7 +24,8 @@ from scipy.optimize import linprog
 
 from churchpipe.homogenised_shell.loads import nodal_forces
 from churchpipe.homogenised_shell.settings import SOLVER
-from churchpipe.loading.wrenches import bodies_of, wrenches_of
+from churchpipe.loading.facets import bodies_of
+from churchpipe.loading.wrenches import wrenches_of
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.loads import LoadCase, replaced
 from churchpipe.model.results import ShellLimitState

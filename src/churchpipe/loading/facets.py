@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from churchpipe.geometry.locate import NEIGHBOURS, facet_at, heights_over_edges
+from churchpipe.loading.lines import lines_of, main_walls, shares_within
 from churchpipe.model.arrays import FloatArray, IntArray, NameArray
 from churchpipe.model.placed_loads import PlacedLoads
 from churchpipe.model.shell import ShellModel
@@ -21,17 +22,20 @@ _BELOW = 1e-3
 _OUTSIDE = 2 * _BELOW
 # Lengths below this share of a line or of a facet are rounding.
 _ONE = 1e-9
-# Gauss's rule of two points: exact where the density of a line is linear and the motion under it quadratic.
-_GAUSS = np.array([-1.0, 1.0]) / np.sqrt(3.0)
+# A wall runs along a line if its normal meets it at less than this cosine.
+_ALONG = 0.3
+# Gauss's rule of three points: exact where the density of a line is quadratic, and the motion under it.
+_GAUSS, _WEIGHTS = np.polynomial.legendre.leggauss(3)
 
 
 @dataclass(frozen=True, slots=True)
 class Pieces:
     """k pieces of placed loads, each at one point of a facet or a beam.
 
-    part (k,): which load; share (k,): of it, of one part 1 in sum; point (k, 3) m; body (k,): facet, or nt and the number of a
-    beam; shape (k, 6): how much of the piece acts on the facet's corners, and on its mid-sides beyond the mean of their ends
-    (side k from corner k to corner k + 1); all zero where it acts on the facet as a whole.
+    part (k,): which load; share (k,): of it, of one line 1 in sum; point (k, 3) m; body (k,): facet, or nt and the number of a
+    beam. shape (k, 9): how much of the force acts on the facet's corners, and on its mid-sides beyond the mean of their ends
+    (side k from corner k to corner k + 1), and how much of its moment on the rotations of its sides; all zero where it acts on
+    the facet as a whole. arm (k, 3) m: from the middle of the facet's thickness to the point.
     """
 
     part: IntArray
@@ -39,6 +43,7 @@ class Pieces:
     point: FloatArray
     body: IntArray
     shape: FloatArray
+    arm: FloatArray
 
 
 def bodies_of(shell: ShellModel, point: FloatArray, wall: NameArray) -> IntArray:
@@ -61,7 +66,8 @@ def pieces_on(shell: ShellModel, placed: PlacedLoads) -> Pieces:
         share=np.ones(len(alone)),
         point=placed.point[alone],
         body=bodies_of(shell, placed.foot[alone], placed.wall[alone]),
-        shape=np.zeros((len(alone), 6)),
+        shape=np.zeros((len(alone), 9)),
+        arm=np.zeros((len(alone), 3)),
     )
     if not len(line):
         return whole
@@ -69,18 +75,43 @@ def pieces_on(shell: ShellModel, placed: PlacedLoads) -> Pieces:
     return Pieces(*(np.concatenate([getattr(part, name) for part in (whole, cut)]) for name in Pieces.__slots__))
 
 
-def _cut(shell: ShellModel, placed: PlacedLoads, line: IntArray) -> Pieces:
-    """Return the parts of lines among the loads, piece by piece, two points each."""
-    foot, reach, wall = placed.foot[line], placed.reach[line], placed.wall[line]
+def _cut(shell: ShellModel, placed: PlacedLoads, chosen: IntArray) -> Pieces:
+    """Return the parts of lines among the loads, piece by piece, three points each."""
+    foot, reach = placed.foot[chosen], placed.reach[chosen]
+    line, place = lines_of(placed, chosen)
+    wall = _walls_under(shell, placed, chosen, line)
     # From -1 to 1 along each part the density is (1 + 3 lean s) / 2 of the whole.
-    lean = np.einsum("nc,nc->n", placed.point[line] - foot, reach) / (reach**2).sum(axis=1)
+    lean = np.einsum("nc,nc->n", placed.point[chosen] - foot, reach) / (reach**2).sum(axis=1)
     owner, begin, end = _stretches(shell, foot, reach, wall)
     body = _facets_of(shell, foot[owner] + (0.5 * (begin + end))[:, None] * reach[owner], wall[owner])
     way = (0.5 * (begin + end)[:, None] + 0.5 * (end - begin)[:, None] * _GAUSS).ravel()
+    weight = (0.5 * (end - begin)[:, None] * _WEIGHTS).ravel()
     owner, body = np.repeat(owner, len(_GAUSS)), np.repeat(body, len(_GAUSS))
-    length = np.repeat(end - begin, len(_GAUSS)) / len(_GAUSS)
     point = foot[owner] + way[:, None] * reach[owner]
-    return Pieces(line[owner], 0.5 * (1 + 3 * lean[owner] * way) * length, point, body, _shapes(shell, point, body))
+    share = 0.5 * (1 + 3 * lean[owner] * way) * weight
+    shape = _shapes(shell, point, body)
+    within = np.asarray(shape.any(axis=1))
+    size = np.linalg.norm(reach, axis=1)
+    amount = np.linalg.norm(placed.dead[chosen], axis=1) + placed.mass[chosen]
+    share = shares_within(share, amount[owner], place[owner] + way * size[owner], line[owner], within)
+    # What stays outside is borne by the wall of its stone.
+    outside = np.flatnonzero(~within)
+    body[outside] = bodies_of(shell, point[outside], placed.wall[chosen][owner[outside]])
+    normal = shell.axes[body, 2]
+    arm = np.einsum("kc,kc->k", point - shell.centroid[body], normal)[:, None] * normal
+    kept = share != 0
+    return Pieces(chosen[owner][kept], share[kept], point[kept], body[kept], shape[kept], arm[kept])
+
+
+def _walls_under(shell: ShellModel, placed: PlacedLoads, chosen: IntArray, line: IntArray) -> NameArray:
+    """Return the wall whose facets bear each part (n,) of a line: that of its stone, if it runs along the line and reaches so
+    far, else the one that most of the line lies on. At a corner the stones of both walls take turns."""
+    foot, reach, own = placed.foot[chosen], placed.reach[chosen], placed.wall[chosen]
+    size = np.linalg.norm(reach, axis=1)
+    facet = bodies_of(shell, foot, own)
+    across = np.abs(np.einsum("nc,nc->n", shell.axes[facet, 2], reach)) > _ALONG * size
+    beyond = heights_over_edges(shell, foot, facet[:, None])[:, 0].min(axis=1) < -_OUTSIDE
+    return np.where(across | beyond, main_walls(line, size, own), own)
 
 
 def _facets_of(shell: ShellModel, middle: FloatArray, wall: NameArray) -> IntArray:
@@ -131,7 +162,9 @@ def _crossings(shell: ShellModel, begin: FloatArray, end: FloatArray, wall: Name
 
 
 def _shapes(shell: ShellModel, point: FloatArray, body: IntArray) -> FloatArray:
-    """Return the shape functions (k, 6) of facets at points (k, 3) m seen along their normals; zero where these lie outside."""
+    """Return the shape functions (k, 9) of facets at points (k, 3) m seen along their normals, zero where these lie outside: of
+    the linear displacement of corners, of the quadratic one of mid-sides, and of the linear rotation that sides have in
+    their middles."""
     height = heights_over_edges(shell, point, body[:, None])[:, 0]
     corner = shell.points[shell.triangles[body]]
     side = np.linalg.norm(np.roll(corner, -1, axis=1) - corner, axis=2)
@@ -139,7 +172,7 @@ def _shapes(shell: ShellModel, point: FloatArray, body: IntArray) -> FloatArray:
     across = height * side / (2 * shell.area[body])[:, None]
     corners = np.maximum(np.roll(across, 2, axis=1), 0.0)
     corners /= corners.sum(axis=1, keepdims=True)
-    shape = np.concatenate([corners, 4 * corners * np.roll(corners, -1, axis=1)], axis=1)
+    shape = np.concatenate([corners, 4 * corners * np.roll(corners, -1, axis=1), 1 - 2 * np.roll(corners, 1, axis=1)], axis=1)
     return np.where(height.min(axis=1)[:, None] < -_OUTSIDE, 0.0, shape)
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from churchpipe.loading.facets import Pieces, bodies_of, pieces_on
+from churchpipe.loading.facets import Pieces, pieces_on
 from churchpipe.loading.placing import place_loads
 from churchpipe.model.arguments import check_kind
 from churchpipe.model.arrays import FloatArray, IntArray, NameArray
@@ -121,19 +121,20 @@ def resultants(stones: Assemblage, shell: ShellModel, placed: PlacedLoads) -> di
     """Return what the loads come to (6,) N and Nm on the stones and on the shell: the dead parts, and the masses' push along
     (1, 1, 1), which sees their places in all directions."""
     mass = placed.mass[:, None] * np.full(3, 1 / np.sqrt(3))
-    body = bodies_of(shell, placed.foot, placed.wall)
+    on_stones, on_shell = _as_placed(placed), pieces_on(shell, placed)
+
+    def total(centroid: FloatArray, pieces: Pieces, force: FloatArray) -> FloatArray:
+        return resultant(centroid, wrenches_of(centroid, pieces.point, pieces.share[:, None] * force[pieces.part], pieces.body))
+
     return {
-        name: (
-            resultant(stones.centroid, wrenches_of(stones.centroid, placed.point, force, placed.stone)),
-            resultant(shell.body_centroid, wrenches_of(shell.body_centroid, placed.point, force, body)),
-        )
+        name: (total(stones.centroid, on_stones, force), total(shell.body_centroid, on_shell, force))
         for name, force in (("dead", placed.dead), ("masses", mass))
     }
 
 
 def _as_placed(placed: PlacedLoads) -> Pieces:
     n = len(placed.stone)
-    return Pieces(np.arange(n), np.ones(n), placed.point, placed.stone, np.zeros((n, 6)))
+    return Pieces(np.arange(n), np.ones(n), placed.point, placed.stone, np.zeros((n, 9)), np.zeros((n, 3)))
 
 
 def _with(load: LoadCase, bodies: _Bodies, placed: PlacedLoads, pieces: Pieces, push: tuple[FloatArray, FloatArray]) -> LoadCase:
@@ -161,10 +162,12 @@ def _push(load: LoadCase, bodies: _Bodies, placed: PlacedLoads) -> tuple[FloatAr
 
 
 def _nodes_of(facets: int, pieces: Pieces, force: FloatArray) -> FloatArray:
-    """Return what forces (n, 3) N of placed loads put on corners and mid-sides of facets (nt, 6, 3), N: `LoadCase.dead_nodes`."""
-    out = np.zeros((facets, 6, 3))
+    """Return what forces (n, 3) N of placed loads put on facets' corners and sides (nt, 9, 3), N, Nm: `LoadCase.dead_nodes`."""
     on = np.flatnonzero(pieces.body < facets)
-    np.add.at(out, pieces.body[on], (pieces.shape[on] * pieces.share[on, None])[:, :, None] * force[pieces.part[on], None])
+    own = pieces.share[on, None] * force[pieces.part[on]]
+    acts = np.repeat(np.stack([own, np.cross(pieces.arm[on], own)], axis=1), (6, 3), axis=1)
+    out = np.zeros((facets, 9, 3))
+    np.add.at(out, pieces.body[on], pieces.shape[on, :, None] * acts)
     return out
 
 

@@ -27,10 +27,11 @@ class LoadCase(Shown):
     shear over weight of the loaded part. `dead` and `live` are extra wrenches (nb, 6) N and Nm about the centroids: dead ones
     act always, live ones grow with the load factor. `dead_virial` and `live_virial` (nb, i, j) Nm are the sums of r_i F_j of
     their forces F at points r from the centroids (i, j: axes), for paths on which stones turn, and their forces with them;
-    left out, each force acts at the point of its line nearest to the centroid. `dead_nodes` and `live_nodes` (nt, k, c) N, of a
-    shell, are those components c of the wrenches that act on the corners of each facet (k = 0, 1, 2) and on its sides from
-    corner k - 3 to the next (k = 3, 4, 5), with the motion of the middle beyond the mean of the ends; what they leave of the
-    wrenches acts on the facet as a whole.
+    left out, each force acts at the point of its line nearest to the centroid. `dead_nodes` and `live_nodes` (nt, k, c), of a
+    shell, are what of the wrenches acts on corners and sides of each facet, components c: forces N on the corners (k = 0, 1, 2)
+    and on the sides from corner k - 3 to the next (k = 3, 4, 5), with the motion of the middle beyond the mean of the ends, and
+    moments Nm on the same sides (k = 6, 7, 8), with the rotation of the middle. What they leave of the wrenches acts on the
+    facet as a whole.
     """
 
     direction: Annotated[FloatArray, "Where the load pushes: a vector of any length; z is up."]
@@ -82,8 +83,8 @@ class LoadCase(Shown):
             live=grows,
             dead_virial=_of_wrenches("dead_virial", dead_virial, dead, (3, 3)),
             live_virial=_of_wrenches("live_virial", live_virial, live, (3, 3)),
-            dead_nodes=_of_wrenches("dead_nodes", dead_nodes, dead, (6, 3)),
-            live_nodes=_of_wrenches("live_nodes", live_nodes, live, (6, 3)),
+            dead_nodes=_of_wrenches("dead_nodes", dead_nodes, dead, (9, 3)),
+            live_nodes=_of_wrenches("live_nodes", live_nodes, live, (9, 3)),
         )
 
     def _rows(self) -> tuple[str, Mapping[str, object]]:
