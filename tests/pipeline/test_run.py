@@ -270,11 +270,13 @@ def test_a_new_friction_reruns_the_solves_alone(pristine: Copy) -> None:
     assert pristine.stale() == {}
 
 
+@pytest.mark.slow
 def test_a_new_length_reruns_everything(pristine: Copy) -> None:
     assert pristine.stale("source.length_mm=1200") == ALL
     assert pristine.stale() == {}
 
 
+@pytest.mark.slow
 def test_a_sweep_makes_the_stones_once(pristine: Copy) -> None:
     sweep = 'sweep={"material.default.friction"=[0.4,0.5,0.6,0.7]}'
     assert pristine.stale(sweep) == {"rigid": 8, **RESULTS}
@@ -366,6 +368,7 @@ def test_what_was_deleted_is_made_again(pristine: Copy) -> None:
     assert pristine.stale() == {}
 
 
+@pytest.mark.slow
 def test_what_takes_longest_begins_first(pristine: Copy, tmp_path: Path) -> None:
     elastic = "elastic = { block_E_GPa = 3, block_nu = 0.2, joint_E_GPa = 0.3, joint_nu = 0.3, joint_thickness_mm = 1 }"
     case = CASE.replace("friction = 0.6", f"friction = 0.6\n{elastic}")
@@ -389,6 +392,7 @@ def test_a_sweep_of_frictions_reruns_the_solves_of_both_models(with_shell: Copy)
     assert with_shell.stale('sweep={"material.default.friction"=[0.5,0.6]}') == {"rigid": 2, "limit": 2, **RESULTS}
 
 
+@pytest.mark.slow
 def test_a_sweep_of_meshes_reruns_the_shell_alone(with_shell: Copy) -> None:
     sweep = 'sweep={"shell.element_size_mm"=[400,200]}'
     assert with_shell.stale(sweep) == {"shell": 2, "match": 2, "limit": 2, **RESULTS}

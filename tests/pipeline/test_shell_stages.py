@@ -335,6 +335,7 @@ def test_what_the_shell_refuses_does_not_stop_the_stones(case: Path) -> None:
     assert again["analyses"][1]["status"] == "optimal"
 
 
+@pytest.mark.slow
 def test_planes_of_the_paper_say_that_they_are_too_strong(case: Path) -> None:
     summary = make(case, "shell.planes=paper", "shell.element_size_mm=600")
     (limit,) = (record for record in summary["analyses"] if record["model"] == "homogenised-shell")

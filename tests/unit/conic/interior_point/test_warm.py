@@ -57,6 +57,7 @@ def tilted(test: str = "S5") -> tuple[Equilibrium, Strength, Solve, FloatArray]:
     return balance, strength, solve, np.maximum(found.x[:, 0], 0.0)
 
 
+@pytest.mark.slow
 def test_forces_that_go_on_from_others_take_fewer_iterations() -> None:
     # Pairs of programs that come to rest: each finds velocities, and the forces that fit them, from those of the pair before.
     balance, strength, solve, n = tilted()
