@@ -32,18 +32,34 @@ _GAUSS, _WEIGHTS = np.polynomial.legendre.leggauss(3)
 class Pieces:
     """k pieces of placed loads, each at one point of a facet or a beam.
 
-    part (k,): which load; share (k,): of it, of one line 1 in sum; point (k, 3) m; body (k,): facet, or nt and the number of a
-    beam. shape (k, 9): how much of the force acts on the facet's corners, and on its mid-sides beyond the mean of their ends
-    (side k from corner k to corner k + 1), and how much of its moment on the rotations of its sides; all zero where it acts on
-    the facet as a whole. arm (k, 3) m: from the middle of the facet's thickness to the point.
+    part (k,): which load; share (k,): of it, of one part 1 in sum; point (k, 3) m; body (k,): facet, or nt and the number of a
+    beam. line, place (k,): which line of load a piece is on, -1 for none, and where along it, m. shape (k, 9): how much of the
+    force acts on the facet's corners, and on its mid-sides beyond the mean of their ends (side k from corner k to corner k + 1),
+    and how much of its moment on the rotations of its sides; all zero where it acts on the facet as a whole. arm (k, 3) m: from
+    the middle of the facet's thickness to the point.
     """
 
     part: IntArray
     share: FloatArray
     point: FloatArray
     body: IntArray
+    line: IntArray
+    place: FloatArray
     shape: FloatArray
     arm: FloatArray
+
+    def forces(self, force: FloatArray) -> FloatArray:
+        """Return the force (k, 3) N of each piece, of forces (n, 3) N of the parts; of lines what lies beyond the facets is
+        borne by the rest of the line, where that can be."""
+        amount = np.linalg.norm(force, axis=1)[self.part]
+        within = (self.line < 0) | np.asarray(self.shape.any(axis=1))
+        return shares_within(self.share, amount, self.place, self.line, within)[:, None] * force[self.part]
+
+
+def pieces_of(part: IntArray, point: FloatArray, body: IntArray) -> Pieces:
+    """Return whole parts (n,) of loads as pieces at points (n, 3) m of bodies (n,)."""
+    n = len(part)
+    return Pieces(part, np.ones(n), point, body, np.full(n, -1), np.zeros(n), np.zeros((n, 9)), np.zeros((n, 3)))
 
 
 def bodies_of(shell: ShellModel, point: FloatArray, wall: NameArray) -> IntArray:
@@ -61,14 +77,7 @@ def pieces_on(shell: ShellModel, placed: PlacedLoads) -> Pieces:
     """Return placed loads piece by piece: lines cut where they pass from facet to facet, other loads as they are."""
     line = np.flatnonzero(placed.reach.any(axis=1) & ~np.isin(placed.wall, shell.beams.name))
     alone = np.setdiff1d(np.arange(len(placed.stone)), line)
-    whole = Pieces(
-        part=alone,
-        share=np.ones(len(alone)),
-        point=placed.point[alone],
-        body=bodies_of(shell, placed.foot[alone], placed.wall[alone]),
-        shape=np.zeros((len(alone), 9)),
-        arm=np.zeros((len(alone), 3)),
-    )
+    whole = pieces_of(alone, placed.point[alone], bodies_of(shell, placed.foot[alone], placed.wall[alone]))
     if not len(line):
         return whole
     cut = _cut(shell, placed, line)
@@ -92,15 +101,12 @@ def _cut(shell: ShellModel, placed: PlacedLoads, chosen: IntArray) -> Pieces:
     shape = _shapes(shell, point, body)
     within = np.asarray(shape.any(axis=1))
     size = np.linalg.norm(reach, axis=1)
-    amount = np.linalg.norm(placed.dead[chosen], axis=1) + placed.mass[chosen]
-    share = shares_within(share, amount[owner], place[owner] + way * size[owner], line[owner], within)
-    # What stays outside is borne by the wall of its stone.
+    # What lies outside is borne by the wall of its stone, if the rest of the line cannot.
     outside = np.flatnonzero(~within)
     body[outside] = bodies_of(shell, point[outside], placed.wall[chosen][owner[outside]])
     normal = shell.axes[body, 2]
     arm = np.einsum("kc,kc->k", point - shell.centroid[body], normal)[:, None] * normal
-    kept = share != 0
-    return Pieces(chosen[owner][kept], share[kept], point[kept], body[kept], shape[kept], arm[kept])
+    return Pieces(chosen[owner], share, point, body, line[owner], place[owner] + way * size[owner], shape, arm)
 
 
 def _walls_under(shell: ShellModel, placed: PlacedLoads, chosen: IntArray, line: IntArray) -> NameArray:

@@ -5,8 +5,12 @@ import numpy as np
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, NameArray
 from churchpipe.model.placed_loads import PlacedLoads
 
-# Parts belong to one line if their directions, and their places across it in m, agree to so many digits.
+# Parts belong to one line if their directions, their places across it in m, and the directions of their forces agree to so many
+# digits.
 _DIGITS = 6
+
+# A line whose rest lies in so few places has no second moment.
+_SINGULAR = 1e12
 
 
 def lines_of(placed: PlacedLoads, chosen: IntArray) -> tuple[IntArray, FloatArray]:
@@ -16,7 +20,10 @@ def lines_of(placed: PlacedLoads, chosen: IntArray) -> tuple[IntArray, FloatArra
     place = np.einsum("nc,nc->n", foot, axis)
     across = foot - place[:, None] * axis
     _, load = np.unique(placed.load[chosen], return_inverse=True)
-    key = np.column_stack([load, np.round(np.concatenate([axis, across], axis=1), _DIGITS) + 0.0])
+    # Two loads may have one name. Where one of them ends, what the other bears is not to change.
+    force = placed.dead[chosen]
+    force = force / np.maximum(np.linalg.norm(force, axis=1, keepdims=True), np.finfo(float).tiny)
+    key = np.column_stack([load, np.round(np.concatenate([axis, across, force], axis=1), _DIGITS) + 0.0])
     return np.unique(key, axis=0, return_inverse=True)[1].ravel(), place
 
 
@@ -46,14 +53,14 @@ def shares_within(share: FloatArray, amount: FloatArray, place: FloatArray, line
     out = share.copy()
     for number in np.unique(line[~within]).tolist():
         own, beyond = np.flatnonzero(within & (line == number)), np.flatnonzero(~within & (line == number))
-        if not len(own):
+        weight = share * amount
+        if not (weight[own].any() and weight[beyond].any()):
             continue
         middle = float(place[own].mean())
         at = place - middle
-        weight = share * amount
         rows = np.stack([np.ones(len(own)), at[own]])
         moments = (rows * weight[own]) @ rows.T
-        if np.linalg.cond(moments) * np.finfo(float).eps > 1e-3:
+        if not np.linalg.cond(moments) < _SINGULAR:
             continue
         factor = 1.0 + np.linalg.solve(moments, [weight[beyond].sum(), weight[beyond] @ at[beyond]]) @ rows
         if factor.min() >= 0:

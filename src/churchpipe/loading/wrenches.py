@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from churchpipe.loading.facets import Pieces, pieces_on
+from churchpipe.loading.facets import Pieces, pieces_of, pieces_on
 from churchpipe.loading.placing import place_loads
 from churchpipe.model.arguments import check_kind
 from churchpipe.model.arrays import FloatArray, IntArray, NameArray
@@ -124,7 +124,7 @@ def resultants(stones: Assemblage, shell: ShellModel, placed: PlacedLoads) -> di
     on_stones, on_shell = _as_placed(placed), pieces_on(shell, placed)
 
     def total(centroid: FloatArray, pieces: Pieces, force: FloatArray) -> FloatArray:
-        return resultant(centroid, wrenches_of(centroid, pieces.point, pieces.share[:, None] * force[pieces.part], pieces.body))
+        return resultant(centroid, wrenches_of(centroid, pieces.point, pieces.forces(force), pieces.body))
 
     return {
         name: (total(stones.centroid, on_stones, force), total(shell.body_centroid, on_shell, force))
@@ -133,13 +133,12 @@ def resultants(stones: Assemblage, shell: ShellModel, placed: PlacedLoads) -> di
 
 
 def _as_placed(placed: PlacedLoads) -> Pieces:
-    n = len(placed.stone)
-    return Pieces(np.arange(n), np.ones(n), placed.point, placed.stone, np.zeros((n, 9)), np.zeros((n, 3)))
+    return pieces_of(np.arange(len(placed.stone)), placed.point, placed.stone)
 
 
 def _with(load: LoadCase, bodies: _Bodies, placed: PlacedLoads, pieces: Pieces, push: tuple[FloatArray, FloatArray]) -> LoadCase:
     masses, more = push
-    forces = [pieces.share[:, None] * force[pieces.part] for force in (placed.dead, masses)]
+    forces = [pieces.forces(force) for force in (placed.dead, masses)]
     dead, live = (wrenches_of(bodies.centroid, pieces.point, force, pieces.body) for force in forces)
     live[:, :3] += more
     virials = [_virial_of(bodies.centroid, pieces.point, force, pieces.body) for force in forces]
@@ -164,7 +163,7 @@ def _push(load: LoadCase, bodies: _Bodies, placed: PlacedLoads) -> tuple[FloatAr
 def _nodes_of(facets: int, pieces: Pieces, force: FloatArray) -> FloatArray:
     """Return what forces (n, 3) N of placed loads put on facets' corners and sides (nt, 9, 3), N, Nm: `LoadCase.dead_nodes`."""
     on = np.flatnonzero(pieces.body < facets)
-    own = pieces.share[on, None] * force[pieces.part[on]]
+    own = pieces.forces(force)[on]
     acts = np.repeat(np.stack([own, np.cross(pieces.arm[on], own)], axis=1), (6, 3), axis=1)
     out = np.zeros((facets, 9, 3))
     np.add.at(out, pieces.body[on], pieces.shape[on, :, None] * acts)

@@ -176,6 +176,8 @@ def test_what_lies_beyond_the_wall_is_spread_over_the_rest_of_its_line() -> None
     # Half of it beyond the wall: the rest would have to pull.
     kept = shares_within(share, np.ones(1200), place, np.zeros(1200, dtype=np.int64), place > 0.4)
     np.testing.assert_array_equal(kept, share)
+    # Nothing to bear, as of masses where no weight is pushed.
+    np.testing.assert_array_equal(shares_within(share, np.zeros(1200), place, np.zeros(1200, dtype=np.int64), place > 0), share)
 
 
 SQUARE = [
@@ -184,6 +186,34 @@ SQUARE = [
     {"name": "west", "start": (0, 0), "end": (0, 3), "toward": "+x"},
     {"name": "east", "start": (4, 0), "end": (4, 3), "toward": "-x"},
 ]
+
+
+def test_two_lines_of_one_name_keep_what_each_bears() -> None:
+    """One along all of a wall, out over its corners, and one that pushes the middle of it outwards."""
+    masonry = (cp.Material("default", 20e3, 0.6),)
+    house = generators.house(walls=SQUARE, course=0.25, stone_length=0.6, height=2.5, thickness=0.4, materials=masonry)
+    stones, model = cp.derive_blocks(house), cp.derive_shell(house, 0.8)
+    lines = [cp.LineLoad("south", dead=4e3), cp.LineLoad("south", thrust=500.0, toward="-y", begin=1.3, end=1.9)]
+    held, borne = cp.loaded(cp.LoadCase((1, 0, 0)), stones, lines), cp.shell_loaded(cp.LoadCase((1, 0, 0)), model, stones, lines)
+    assert held.dead is not None
+    assert borne.dead is not None
+    expected = resultant(stones.centroid, held.dead)
+    np.testing.assert_allclose(resultant(model.centroid, borne.dead), expected, rtol=1e-9, atol=1e-9 * 16e3)
+
+
+def test_where_one_wall_is_pushed_the_masses_of_its_own_stones_alone_are() -> None:
+    """The corner stones of the walls across bear a part of the line, and are not pushed."""
+    masonry = (cp.Material("default", 20e3, 0.6),)
+    house = generators.house(walls=SQUARE, course=0.25, stone_length=0.6, height=2.5, thickness=0.4, materials=masonry)
+    stones, model = cp.derive_blocks(house), cp.derive_shell(house, 0.8)
+    load = cp.LoadCase((0, 1, 0), panels=("south",))
+    line = [cp.LineLoad("south", dead=4e3)]
+    held, borne = cp.loaded(load, stones, line), cp.shell_loaded(load, model, stones, line)
+    assert held.live is not None
+    assert borne.live is not None
+    pushed = resultant(stones.centroid, held.live)
+    assert 0 < pushed[1] < 16e3
+    np.testing.assert_allclose(resultant(model.centroid, borne.live), pushed, rtol=1e-9, atol=1e-9 * 16e3)
 
 
 @pytest.mark.parametrize("eccentricity", [0.0, 0.15])
