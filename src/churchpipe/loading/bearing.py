@@ -75,17 +75,16 @@ def bearing_stones(
     return Stretches(ends[part, 0], ends[part, 1], candidates[rank], 1.0 / bearing[part], z)
 
 
-def pressed_length(along: FloatArray, place: float) -> tuple[float, float]:
+def pressed_length(along: FloatArray, place: float, most: float) -> tuple[float, float]:
     """Return the middle, from a place on it, and half the length, m, over which a stone presses on its bed under a force.
 
-    along (n,): how far its corners lie along the wall, m; place: where the force stands. A stone is rigid, and its bed bears no
-    pull: the pressure is linear over all of the stone for a force on its middle third, else over three times the force's distance
-    from the nearer end.
+    along (n,): how far its corners lie along the wall, m; place: where the force stands; most: the longest that such a length
+    may be. A stone is rigid, and its bed bears no pull: the pressure is linear over all of the stone for a force on its middle
+    third, else over three times the force's distance from the nearer end.
     """
     before, after = place - float(along.min()), float(along.max()) - place
-    length = min(before + after, 3 * max(min(before, after), 0.0))
-    begin = -before if before <= after else after - length
-    return begin + 0.5 * length, 0.5 * length
+    length = min(before + after, most, 3 * max(min(before, after), 0.0))
+    return max(min(0.0, after - 0.5 * length), 0.5 * length - before), 0.5 * length
 
 
 def _spans(

@@ -20,6 +20,9 @@ from churchpipe.model.placed_loads import PlacedLoads
 
 # Parts that the share of one stone is cut into: facets of a shell may be smaller than stones.
 PARTS = 4
+# A stone spreads a point load along the wall by at most so many times its thickness: as far as 45 degrees to each side reach in
+# that height. A macro-element is as long as its wall.
+_SPREAD = 2.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -186,7 +189,9 @@ def _pressed(stones: Assemblage, bearing: IntArray, place: FloatArray, axis: Flo
             axis = wall_line(stones, str(stones.panel[bearing[0]]), "").axis
         except InputError:
             return np.zeros(3), np.zeros(3)
-    middle, half = pressed_length(points_of(stones, bearing)[:, :2] @ axis, float(place @ axis))
+    plan = points_of(stones, bearing)[:, :2]
+    most = _SPREAD * float(np.ptp(plan @ np.array([-axis[1], axis[0]])))
+    middle, half = pressed_length(plan @ axis, float(place @ axis), most)
     way = np.append(axis, 0.0)
     return middle * way, half * way
 

@@ -240,8 +240,18 @@ def test_a_line_over_the_corners_of_a_house_is_borne_by_its_own_wall(eccentricit
 
 
 @pytest.mark.parametrize(
-    ("place", "middle", "half"), [(0.5, 0.0, 0.5), (0.4, 0.1, 0.5), (0.9, -0.05, 0.15), (0.1, 0.05, 0.15), (1.0, 0.0, 0.0)]
+    ("place", "most", "middle", "half"),
+    [
+        (0.5, 9.0, 0.0, 0.5),
+        (0.4, 9.0, 0.1, 0.5),
+        (0.9, 9.0, -0.05, 0.15),
+        (0.1, 9.0, 0.05, 0.15),
+        (1.0, 9.0, 0.0, 0.0),
+        (0.5, 0.4, 0.0, 0.2),
+        (0.85, 0.4, -0.05, 0.2),
+        (0.1, 0.4, 0.05, 0.15),
+    ],
 )
-def test_a_stone_presses_on_its_bed_without_pull(place: float, middle: float, half: float) -> None:
+def test_a_stone_presses_on_its_bed_without_pull(place: float, most: float, middle: float, half: float) -> None:
     """Over its whole length of 1 m under a force on the middle third, else over three times the distance to the end."""
-    assert pressed_length(np.array([0.0, 1.0, 1.0, 0.0]), place) == pytest.approx((middle, half))
+    assert pressed_length(np.array([0.0, 1.0, 1.0, 0.0]), place, most) == pytest.approx((middle, half))
