@@ -8,7 +8,6 @@ from churchpipe.model.placed_loads import PlacedLoads
 # Parts belong to one line if their directions, their places across it in m, and the directions of their forces agree to so many
 # digits.
 _DIGITS = 6
-
 # A line whose rest lies in so few places has no second moment.
 _SINGULAR = 1e12
 
@@ -50,14 +49,12 @@ def shares_within(share: FloatArray, amount: FloatArray, place: FloatArray, line
     within
         Which pieces (k,) lie on a facet.
     """
-    out = share.copy()
+    out, weight = share.copy(), share * amount
     for number in np.unique(line[~within]).tolist():
         own, beyond = np.flatnonzero(within & (line == number)), np.flatnonzero(~within & (line == number))
-        weight = share * amount
         if not (weight[own].any() and weight[beyond].any()):
             continue
-        middle = float(place[own].mean())
-        at = place - middle
+        at = place - place[own].mean()
         rows = np.stack([np.ones(len(own)), at[own]])
         moments = (rows * weight[own]) @ rows.T
         if not np.linalg.cond(moments) < _SINGULAR:

@@ -122,6 +122,7 @@ def _of_wrenches(
         return None
     if wrench is None:
         raise InputError(f"LoadCase.{name}", "no wrenches", expected=f"{name.partition('_')[0]} with it")
+    # Of a shell there are wrenches of beams besides, so that only the analysis knows how many facets there are.
     rows = len(np.asarray(wrench)) if shape == (3, 3) else None
     return floats(f"LoadCase.{name}", value, (rows, *shape))
 
