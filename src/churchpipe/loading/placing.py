@@ -20,8 +20,8 @@ from churchpipe.model.placed_loads import PlacedLoads
 
 # Parts that the share of one stone is cut into: facets of a shell may be smaller than stones.
 PARTS = 4
-# A stone spreads a point load along the wall by at most so many times its thickness: as far as 45 degrees to each side reach in
-# that height. A macro-element is as long as its wall.
+# A point load spreads along the wall, inside its stone, by at most so many times the stone's thickness: at 45 degrees to each
+# side over that depth. A macro-element, one stone as long as its wall, would spread it over all of the wall.
 _SPREAD = 2.0
 
 
