@@ -1,5 +1,7 @@
 from collections.abc import Callable
-from typing import TypeVar
+from typing import Any, TypeVar
+
+types: Any
 
 _F = TypeVar("_F", bound=Callable[..., object])
 

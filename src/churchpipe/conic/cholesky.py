@@ -1,20 +1,12 @@
-"""Sparse Cholesky factorisation of many matrices with one pattern. The order is found on the graph of blocks.
-
-Small ones are CHOLMOD's, which knows one thread only; large ones are shared out to threads (`multifrontal`).
-"""
+"""Sparse Cholesky factorisation of many matrices with one pattern. The order is found on the graph of blocks."""
 
 from importlib.util import find_spec
 
 import numpy as np
 import scipy.sparse as sp
-from cvxopt import amd, cholmod, matrix, spmatrix
 
 from churchpipe.conic.multifrontal import Multifrontal
 from churchpipe.model.arrays import FloatArray, IntArray
-
-# From about so many rows on a factor no longer fits the cache. `multifrontal` then wins more in the solves, of which each
-# factorisation is followed by several, than it loses itself.
-_LARGE = 12_000
 
 
 class NotDefiniteError(ArithmeticError):
@@ -30,7 +22,7 @@ class Cholesky:
         columns = np.repeat(np.arange(n), np.diff(pattern.indptr))
         rows = np.asarray(pattern.indices, dtype=np.int64)
         order = _block_order(rows, columns, n, block)
-        self._engine = Multifrontal(pattern, order) if n >= _LARGE else _Cholmod(rows, columns, order)
+        self._fronts = Multifrontal(pattern, order)
 
     def factor(self, values: FloatArray) -> None:
         """Factorise the matrix with these nonzeros, in the order of the pattern.
@@ -39,45 +31,23 @@ class Cholesky:
         ------
         NotDefiniteError
         """
-        self._engine.take(values)
+        self._fronts.take(values)
         self.factor_again()
 
     def factor_again(self) -> None:
         """Factorise the last matrix once more, as a benchmark does."""
         try:
-            self._engine.factor()
+            self._fronts.factor()
         except ArithmeticError as error:
             raise NotDefiniteError(f"at column {error.args[0]}") from error
 
     def solve(self, right: FloatArray) -> FloatArray:
         """Return N^-1 right, right (n,) or (n, k)."""
-        return self._engine.solve(right)
+        return self._fronts.solve(right)
 
     def nonzeros(self) -> int:
         """Number of stored entries of the factor."""
-        return self._engine.nonzeros()
-
-
-class _Cholmod:
-    """Supernodal factor by CHOLMOD of a lower triangle with entries at these rows and columns."""
-
-    def __init__(self, rows: IntArray, columns: IntArray, order: IntArray) -> None:
-        self._matrix = spmatrix(1.0, rows, columns, (len(order), len(order)))
-        self._factor = cholmod.symbolic(self._matrix, p=matrix(order))
-
-    def take(self, values: FloatArray) -> None:
-        self._matrix.V = matrix(values)
-
-    def factor(self) -> None:
-        cholmod.numeric(self._matrix, self._factor)
-
-    def solve(self, right: FloatArray) -> FloatArray:
-        solved = matrix(np.asfortranarray(right))
-        cholmod.solve(self._factor, solved)
-        return np.array(solved).reshape(right.shape)
-
-    def nonzeros(self) -> int:
-        return len(cholmod.getfactor(self._factor))
+        return self._fronts.nonzeros()
 
 
 def _block_order(rows: IntArray, columns: IntArray, n: int, block: int) -> IntArray:
@@ -100,5 +70,7 @@ def _dissection(graph: sp.csr_matrix[np.float64]) -> IntArray:
 
 
 def _minimum_degree(graph: sp.csr_matrix[np.float64]) -> IntArray:
+    from cvxopt import amd, spmatrix
+
     entry = sp.coo_matrix(graph)
     return np.array(amd.order(spmatrix(1.0, entry.row, entry.col, graph.shape))).ravel().astype(np.int64)

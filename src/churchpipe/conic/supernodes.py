@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
+from churchpipe.conic.tiles import COLUMNS, padded
 from churchpipe.model.arrays import FloatArray, IntArray, ragged_indices
 
 # A subtree with more than one of so many shares of the work is split.
@@ -22,6 +23,9 @@ _ENTRY = 40.0
 # A supernode is joined to its parent up to a width, if less than a share of the joint panel is zeros; columns alike come first.
 _ALIKE = ((1 << 30, 0.0),)
 _JOINED = ((4, 1.0), (16, 0.8), (48, 0.1), (1 << 30, 0.05))
+
+# Numbers that a column of a front has more than rows, and columns more: tiles reach beyond the last ones.
+SPARE = COLUMNS
 
 _Int32s = npt.NDArray[np.int32]
 
@@ -33,7 +37,8 @@ class Supernodes(NamedTuple):
     front. panel (m + 1,): where each panel, row by row, starts. at (m + 1,): where the rows of a supernode start in below: their
     numbers, and place: their places in the front of the parent. parent (m,), -1 at a root; child (m + 1,): where its children
     start in children. update (m,): where the update matrix of each is written in a work space of size space[0]. entry (m + 1,):
-    where the entries of the matrix in the columns of each start in taken, their numbers, and put, their places in the panel.
+    where the entries of the matrix in the columns of each start in taken, their numbers, and put, their places among its
+    columns, which are rows + SPARE numbers apart.
     part_first, part_last, part_work (parts,): supernodes and work of each part; top: the supernodes above. reach (parts + 1,):
     where the rows that each part changes above itself start in reached.
     """
@@ -269,8 +274,8 @@ def _places(sizes: _Sizes, at: IntArray, below: IntArray, parent: IntArray) -> I
 
 @numba.njit(cache=True)
 def _put(sizes: _Sizes, at: IntArray, below: IntArray, pointer: IntArray, row: IntArray) -> _Int32s:
-    """Return the places of the entries of the matrix in the panels, column by column."""
-    start, width, _ = sizes
+    """Return the places of the entries of the matrix among the columns of their fronts."""
+    start, width, rows = sizes
     out = np.empty(len(row), dtype=np.int32)
     for s in range(len(start)):
         end = start[s] + width[s]
@@ -283,7 +288,7 @@ def _put(sizes: _Sizes, at: IntArray, below: IntArray, pointer: IntArray, row: I
                     while below[k] != row[p]:
                         k += 1
                     local = width[s] + k - at[s]
-                out[p] = local * width[s] + j - start[s]
+                out[p] = (j - start[s]) * (rows[s] + SPARE) + local
     return out
 
 
@@ -342,10 +347,10 @@ def _updates(parent: IntArray, deep: IntArray, part: IntArray, parts: int) -> tu
         own = 2 * (part[s] if part[s] >= 0 else parts) + depth[s]
         height[own + 1 - 2 * depth[s]] -= waiting[s]
         out[s] = height[own]
-        height[own] += deep[s] ** 2
+        height[own] += padded(deep[s]) ** 2
         most[own + 1] = max(most[own + 1], height[own])
         if parent[s] >= 0 and part[parent[s]] == part[s]:
-            waiting[parent[s]] += deep[s] ** 2
+            waiting[parent[s]] += padded(deep[s]) ** 2
     first = np.cumsum(most)
     for s in range(m):
         out[s] += first[2 * (part[s] if part[s] >= 0 else parts) + depth[s]]

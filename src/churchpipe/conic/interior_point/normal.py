@@ -11,7 +11,11 @@ import scipy.sparse as sp
 from churchpipe.conic.interior_point.coupling import Coupling
 from churchpipe.conic.interior_point.division import Division, divided
 from churchpipe.conic.threads import in_shares, shares_of
+from churchpipe.conic.tiles import COLUMNS, padded, subtract_products
 from churchpipe.model.arrays import FloatArray, IntArray, ragged_indices
+
+# So many local problems of an element are summed at a time.
+_TOGETHER = 16
 
 
 class NormalMatrix:
@@ -64,33 +68,35 @@ def _kernel(dimension: int, block: int, widest: int) -> Callable[..., Any]:
         out: FloatArray,
     ) -> None:
         order, ends, pointer, blocks, rank_pointer, rank, columns = elements
-        total = np.empty((widest, widest, block, block))
-        flexed = np.empty((widest, dimension, block))
+        most, wide = padded(widest * block), padded(dimension)
+        columns_of_pairs = dimension * _TOGETHER + COLUMNS
+        pairs, total = np.empty(columns_of_pairs * (2 * most + wide)), np.empty(most * most)
         for looked in range(first[share], first[share + 1]):
             element = members[looked]
-            total[:] = 0.0
             start = pointer[order[ends[element]]]
             width = pointer[order[ends[element]] + 1] - start
-            for member in range(ends[element], ends[element + 1]):
-                k = order[member]
-                touch = pointer[k]
-                for p in range(width):
+            rows = int(width * block)
+            # Columns of B_k^T, below them those of -B_k^T S_k, and S_k.
+            line = padded(rows)
+            apart = 2 * line + wide
+            for begin in range(ends[element], ends[element + 1], _TOGETHER):
+                length = 0
+                for member in range(begin, min(begin + _TOGETHER, ends[element + 1])):
+                    k = order[member]
+                    own = pairs[length * apart :]
                     for a in range(dimension):
-                        for c in range(block):
-                            value = 0.0
-                            for b in range(dimension):
-                                value += compliance[a, b, k] * coupled[touch + p, b, c]
-                            flexed[p, a, c] = value
-                for p in range(width):
-                    for q in range(p + 1):
-                        if owner[blocks[start + q]] != share:
-                            continue
-                        for c in range(block):
-                            for r in range(block):
-                                value = 0.0
-                                for a in range(dimension):
-                                    value += coupled[touch + p, a, r] * flexed[q, a, c]
-                                total[p, q, c, r] += value
+                        column = own[a * apart :]
+                        for p in range(width):
+                            for c in range(block):
+                                column[p * block + c] = coupled[pointer[k] + p, a, c]
+                        column[rows:line] = 0.0
+                        for b in range(dimension):
+                            column[2 * line + b] = compliance[a, b, k]
+                    for a in range(0, dimension, COLUMNS):
+                        subtract_products(own, own[line:], 0, rows, 2 * line + a, a, apart, dimension, apart, True)
+                    length += dimension
+                for j in range(0, rows, COLUMNS):
+                    subtract_products(pairs, total, j, rows, line + j, j, apart, length, line, begin == ends[element])
             pair = rank_pointer[element]
             for p in range(width):
                 for q in range(p + 1):
@@ -100,8 +106,9 @@ def _kernel(dimension: int, block: int, widest: int) -> Callable[..., Any]:
                         continue
                     for c in range(block):
                         at = columns[blocks[start + q] * block + c] + place - c
+                        sums = total[(q * block + c) * line + p * block :]
                         for r in range(c if p == q else 0, block):
-                            out[at + r] += total[p, q, c, r]
+                            out[at + r] += sums[r]
 
     return assemble
 
