@@ -1,4 +1,4 @@
-"""Sparse Cholesky factorisation of many matrices with one pattern. The order is found on the graph of blocks."""
+"""Sparse factorisation of many symmetric matrices with one pattern. The order is found on the graph of blocks."""
 
 from importlib.util import find_spec
 
@@ -6,23 +6,29 @@ import numpy as np
 import scipy.sparse as sp
 
 from churchpipe.conic.multifrontal import Multifrontal
-from churchpipe.model.arrays import FloatArray, IntArray
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 
 
 class NotDefiniteError(ArithmeticError):
-    """The matrix has no Cholesky factor in double precision."""
+    """The matrix has no factor of the kind asked for in double precision."""
 
 
 class Cholesky:
-    """Factor of matrices with one sparsity pattern: symbolic analysis once, then `factor(values)` and `solve`."""
+    """Factor of matrices with one sparsity pattern: symbolic analysis once, then `factor(values)` and `solve`.
 
-    def __init__(self, pattern: sp.csc_matrix[np.float64], block: int) -> None:
-        """Analyse a lower triangle (n, n) with sorted indices, whose rows come in blocks of `block`."""
+    Of positive definite matrices, or of quasidefinite ones (`multifrontal`).
+    """
+
+    def __init__(self, pattern: sp.csc_matrix[np.float64], block: int, negative: BoolArray | None = None) -> None:
+        """Analyse a lower triangle (n, n) with sorted indices, whose rows come in blocks of `block`.
+
+        negative (n,): the rows of the negative definite block, None where there is none.
+        """
         n = pattern.shape[0]
         columns = np.repeat(np.arange(n), np.diff(pattern.indptr))
         rows = np.asarray(pattern.indices, dtype=np.int64)
         order = _block_order(rows, columns, n, block)
-        self._fronts = Multifrontal(pattern, order)
+        self._fronts = Multifrontal(pattern, order, negative)
 
     def factor(self, values: FloatArray) -> None:
         """Factorise the matrix with these nonzeros, in the order of the pattern.
