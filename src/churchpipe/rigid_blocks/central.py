@@ -27,7 +27,12 @@ def runs_from_centre(balance: Equilibrium, strength: Strength) -> bool:
 
 
 def from_centre(
-    balance: Equilibrium, strength: Strength, bipotential_gap: float, solve: Solve, progress: Progress | None = None
+    balance: Equilibrium,
+    strength: Strength,
+    bipotential_gap: float,
+    solve: Solve,
+    progress: Progress | None = None,
+    settings: CentralSettings | None = None,
 ) -> SlidingRun | None:
     """Return the run from the centre, closed by stage B where it stops near a state.
 
@@ -37,14 +42,15 @@ def from_centre(
     other multipliers, and the least damping throughout. In the last one no point stops short, and its programs do not begin near
     each other: they find the most central forces, which a joint that holds the gap may need.
     """
-    settings = CentralSettings()
+    settings = settings or CentralSettings()
     least = settings.damping[0]
     rough = replace(settings, gradients=True)
     other = replace(rough, roundness=settings.other_roundness, damping=(least, least))
     whole = replace(rough, patience=settings.whole_patience, damping=(least, least))
     found: list[SlidingRun] = []
     count, spent = SolveCount(solve), 0
-    for each, short in ((settings, True), (rough, True), (other, True), (whole, False)):
+    exact = () if settings.gradients else ((settings, True),)
+    for each, short in (*exact, (rough, True), (other, True), (whole, False)):
         descent, goes_on = Descent(balance, strength, bipotential_gap, each, progress, short=short), True
         while goes_on and not _certified(found, bipotential_gap):
             goes_on = descent.lower()
