@@ -78,7 +78,7 @@ def test_meshes_have_a_cell_a_stone_and_a_facet() -> None:
     assert sum(len(block.data) for block in mesh.cells) == STONES.count
     shell = cp.derive_shell(BUILDING, element_size=0.5)
     assert len(cp.to_meshio(shell).cells[0].data) == len(shell.triangles)
-    with pytest.raises(InputError, match="to_meshio: model: wrong kind"):
+    with pytest.raises(InputError, match="to_meshio: model: wrong kind; found Contacts; expected an Assemblage or a ShellModel"):
         cp.to_meshio(CONTACTS)
 
 

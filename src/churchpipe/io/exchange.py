@@ -106,7 +106,5 @@ def to_meshio(model: Assemblage | ShellModel) -> Any:
     InputError
         Something else; meshio is not installed.
     """
-    if isinstance(model, Assemblage):
-        return stones_mesh(model)
-    check_kind("to_meshio: model", model, ShellModel)
-    return shell_mesh(model)
+    check_kind("to_meshio: model", model, Assemblage, ShellModel)
+    return stones_mesh(model) if isinstance(model, Assemblage) else shell_mesh(model)
