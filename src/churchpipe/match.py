@@ -9,11 +9,11 @@ from churchpipe.errors import InputError
 from churchpipe.geometry.clusters import components
 from churchpipe.geometry.locate import facet_at, inside_stones, interior_points
 from churchpipe.loading.wrenches import resultants
-from churchpipe.model.arguments import check_kind, finite, text
+from churchpipe.model.arguments import check_kind, finite, listed, text
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, NameArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts, check_contacts_of
-from churchpipe.model.placed_loads import PlacedLoads
+from churchpipe.model.placed_loads import PlacedLoads, check_loads_of
 from churchpipe.model.polyhedra import face_normals
 from churchpipe.model.shell import ShellModel
 from churchpipe.shell_mesh.beams import APART
@@ -97,9 +97,12 @@ def match_models(
     for name, value, kind in (("stones", stones, Assemblage), ("contacts", contacts, Contacts), ("shell", shell, ShellModel)):
         check_kind(f"match_models: {name}", value, kind)
     check_contacts_of(stones, contacts)
+    several = [] if loads is None else [loads] if isinstance(loads, PlacedLoads) else loads
+    cases = listed("match_models: loads", several, PlacedLoads)
+    for case in cases:
+        check_loads_of(stones, case)
     # Beams are bodies of both models. All else is of the masonry, of which they are no part.
     drawn, stones = stones, replace(stones, fixed=stones.fixed | np.isin(stones.panel, shell.beams.name))
-    cases = () if loads is None else (loads,) if isinstance(loads, PlacedLoads) else tuple(loads)
     free = ~stones.fixed
     # Stones without a panel have no mid-surface to compare with; the figures of the whole count them.
     panels = np.setdiff1d(np.concatenate([stones.panel[free], shell.panel]), [""])

@@ -13,7 +13,7 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.carried import Carried
 from churchpipe.model.fill import Fill
 from churchpipe.model.loads import LoadCase, nearest_virial, pushed_share, replaced
-from churchpipe.model.placed_loads import PlacedLoads
+from churchpipe.model.placed_loads import PlacedLoads, check_loads_of
 from churchpipe.model.shell import ShellModel
 
 
@@ -51,10 +51,13 @@ def loaded(load: LoadCase, stones: Assemblage, loads: "PlacedLoads | Iterable[Ca
     Raises
     ------
     InputError
-        As `place_loads`; wrenches of the load case that are not those of these stones.
+        As `place_loads`; loads placed on other stones; wrenches of the load case that are not those of these stones.
     """
     check_kind("loaded: load", load, LoadCase)
+    check_kind("loaded: stones", stones, Assemblage)
     placed = loads if isinstance(loads, PlacedLoads) else place_loads(stones, loads)
+    if placed is loads:
+        check_loads_of(stones, placed)
     bodies = _stones(stones)
     return _with(load, bodies, placed, _as_placed(placed), _push(load, bodies, placed))
 

@@ -5,8 +5,13 @@ from dataclasses import dataclass, field, fields
 
 import numpy as np
 
+from churchpipe.errors import InputError
 from churchpipe.model.arrays import FloatArray, IntArray, NameArray, floats, rows_of, store, store_arrays
+from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.ties import Tie
+
+# How far beside its stone a load may stand, over the diagonal of the stone.
+_SLACK = 0.1
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,6 +71,27 @@ def joined_loads(parts: Sequence[PlacedLoads]) -> PlacedLoads:
     every = [none, *parts]
     merged = {item.name: np.concatenate([getattr(each, item.name) for each in every]) for item in fields(PlacedLoads)}
     return PlacedLoads(**merged)
+
+
+def check_loads_of(stones: Assemblage, placed: PlacedLoads) -> None:
+    """Raise InputError for loads placed on another assemblage: on stones that are not there, of other walls or elsewhere."""
+    on, remedy = placed.stone, "Place the loads on these stones."
+    away = on[(on < 0) | (on >= stones.count)]
+    if len(away):
+        expected = f"stones 0 to {stones.count - 1}"
+        raise InputError("loads", "placed on another assemblage", found=int(away.max()), expected=expected, remedy=remedy)
+    low, high = (edge.reduceat(stones.points, stones.block_point_ptr[:-1], axis=0)[on] for edge in (np.minimum, np.maximum))
+    slack = _SLACK * np.linalg.norm(high - low, axis=1)[:, None]
+    beside = np.any((placed.foot < low - slack) | (placed.foot > high + slack), axis=1)
+    bad = np.flatnonzero(beside | (placed.wall != stones.panel[on]))
+    if len(bad):
+        first = bad[0]
+        raise InputError(
+            "loads",
+            "placed on another assemblage",
+            found=f"{placed.load[first]} on {stones.block_id[on[first]]} at {placed.foot[first].round(4).tolist()} m, beside it",
+            remedy=remedy,
+        )
 
 
 @dataclass(frozen=True, slots=True)
