@@ -24,8 +24,9 @@ from churchpipe.model.arguments import finite, path_of
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.carried import LineLoad
+from churchpipe.model.doubts import doubt_argument
 from churchpipe.model.loads import LoadCase
-from churchpipe.model.materials import Material
+from churchpipe.model.materials import Material, UnitWeight
 from churchpipe.model.tie_bars import TieBar
 from churchpipe.stones.ground import level_supports
 from churchpipe.wording import counted
@@ -68,6 +69,9 @@ def read_dxf(
     options
         As in `read_stones`, but for up and scale.
     """
+    given = list(unit_weight.values()) if isinstance(unit_weight, Mapping) else unit_weight
+    if given is not None:
+        doubt_argument("read_dxf: unit_weight", given, UnitWeight, "unit_weight")
     drawing = read_drawing(path, unit_weight=unit_weight, **options)
     return drawing.stones, drawing.findings
 

@@ -11,6 +11,8 @@ from churchpipe.model.arguments import check_kind, listed, positive
 from churchpipe.model.arrays import BoolArray, FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts, check_contacts_of
+from churchpipe.model.doubts import doubt_argument
+from churchpipe.model.fill import Fill
 from churchpipe.model.loads import LoadCase, nearest_virial, replaced
 from churchpipe.model.polyhedra import face_normals
 from churchpipe.model.shell import ShellModel
@@ -58,6 +60,7 @@ def with_fill(
     """
     check_kind("with_fill: load", load, LoadCase)
     positive("with_fill: unit_weight", unit_weight)
+    doubt_argument("with_fill: unit_weight", unit_weight, Fill, "unit_weight")
     check_kind("with_fill: body", body, Assemblage, ShellModel)
     names = (panels,) if isinstance(panels, str) else tuple(listed("with_fill: panels", panels, str))
     missing = sorted(set(names) - set(body.panel.tolist()))

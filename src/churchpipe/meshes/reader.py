@@ -41,6 +41,8 @@ from churchpipe.meshes.threedec import read_3dec
 from churchpipe.meshes.threemf import read_3mf
 from churchpipe.model.arguments import path_of
 from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.doubts import doubt_argument
+from churchpipe.model.materials import UnitWeight
 from churchpipe.wording import counted
 
 READERS: Final[dict[str, Callable[[Path], Source]]] = {
@@ -97,6 +99,9 @@ def read_stones(
     InputError
         An argument that cannot be taken.
     """
+    given = list(unit_weight.values()) if isinstance(unit_weight, Mapping) else unit_weight
+    if given is not None:
+        doubt_argument("read_stones: unit_weight", given, UnitWeight, "unit_weight")
     read = read_file(path, unit_weight=unit_weight, **options)
     return read.stones, read.findings
 

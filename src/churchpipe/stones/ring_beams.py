@@ -14,6 +14,8 @@ from churchpipe.geometry.walls import WallLine, wall_line
 from churchpipe.model.arguments import check_kind, listed, positive
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage, Polyhedron, assemble
+from churchpipe.model.doubts import doubt_argument
+from churchpipe.model.materials import UnitWeight
 from churchpipe.model.ring_beam import RING_BEAM, RingBeam
 
 # A wall's top is level to this, m.
@@ -89,6 +91,7 @@ def with_ring_beams(
     """
     check_kind("with_ring_beams: stones", stones, Assemblage)
     positive("ring beam: unit weight", unit_weight)
+    doubt_argument("with_ring_beams: unit_weight", unit_weight, UnitWeight, "unit_weight")
     beam = RingBeam(tuple(listed("with_ring_beams: walls", walls, str)), height, width, begin, end, closed, slab)
     return add_beams(stones, [beam], dict.fromkeys(stones.material.tolist(), unit_weight))
 

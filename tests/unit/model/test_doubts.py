@@ -10,12 +10,15 @@ import pytest
 
 import churchpipe as cp
 from churchpipe.code_check import Site
+from churchpipe.generators import wall
 from churchpipe.spectrum import SiteSpectrum
 from solids import box, on_ground
 
 STONES = on_ground(box((0, 1), (0, 1), (0, 2)), unit_weight=2e4)
 CONTACTS = cp.find_contacts(STONES)
 PUSH = cp.LoadCase((1, 0, 0))
+CORPUS = Path(__file__).parents[2] / "corpus"
+WALL = cp.derive_blocks(wall(length=1.2, brick=(0.4, 0.2, 0.2), courses=2))
 SOUND = cp.Material("brick", 18e3, 0.6)
 
 CALLS: list[tuple[Callable[[], Any], str]] = [
@@ -50,6 +53,19 @@ CALLS: list[tuple[Callable[[], Any], str]] = [
     (
         lambda: cp.Assemblage.from_polyhedra([box((0, 1), (0, 1), (0, 1))], unit_weight=18.0),
         r"from_polyhedra: unit_weight is 0\.018 kN/m3 \(given as 18 in SI units\)",
+    ),
+    (
+        lambda: cp.read_stones(CORPUS / "sound.obj", unit_weight=18.0),
+        r"read_stones: unit_weight is 0\.018 kN/m3 \(given as 18",
+    ),
+    (
+        lambda: cp.read_dxf(CORPUS / "sound.dxf", unit_weight={"default": 18e3, "granite": 26.0}, thickness=0.12),
+        r"read_dxf: unit_weight is 0\.026 kN/m3 \(given as 26 in SI",
+    ),
+    (lambda: cp.with_ring_beams(WALL, ["wall"], height=0.2, unit_weight=25.0), r"with_ring_beams: unit_weight is 0\.025 kN/m3"),
+    (
+        lambda: cp.with_fill(PUSH, WALL, "wall", 2.0, 15.0, cp.find_contacts(WALL)),
+        r"with_fill: unit_weight is 0\.015 kN/m3 \(given as 15 in SI",
     ),
 ]
 
