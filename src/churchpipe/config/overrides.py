@@ -121,6 +121,9 @@ def combinations(table: Table) -> Iterator[tuple[Table, Table]]:
         raise InputError(
             "sweep.name", "not to be swept", found=lists["name"], remedy="The name is that of the run: leave it out."
         )
+    for key in lists:
+        if key.partition(".")[0] == "sweep":
+            raise InputError(f"sweep.{key}", "not to be swept", remedy="Give the values of its key in [sweep] itself.")
     count = math.prod(map(len, lists.values()))
     if count > MOST_COMBINATIONS:
         raise InputError(

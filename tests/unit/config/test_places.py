@@ -192,6 +192,8 @@ def test_what_set_broke_is_not_blamed_on_the_file_alone(change: str, said: str, 
         ),
         ('"material.default.friction" = [0.5, nan]', r"line 13, \[sweep\], material\.default\.friction: wrong value; found nan;"),
         ('"rigid.frow" = [1, 2]', r"line 13, \[sweep\], rigid\.frow: unknown key"),
+        ('"sweep" = [1]', r"line 13, sweep\.sweep: not to be swept\. Give the values of its key in \[sweep\] itself"),
+        ('"sweep.rigid.solver" = ["auto"]', r"line 13, sweep\.sweep\.rigid\.solver: not to be swept"),
     ],
 )
 def test_what_was_swept_is_named_with_its_value(swept: str, said: str, tmp_path: Path) -> None:
