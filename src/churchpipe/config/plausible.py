@@ -1,9 +1,9 @@
 """Questions about values that no masonry building has. They refuse nothing: a slip of a unit is found, a study goes on."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import is_dataclass
 from itertools import combinations
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 _ELEMENTS, _STEPS, _SAMPLES = 100_000, 5_000, 2_000
 
 _METRES = UNITS["_m"]
+# Tables of a case whose texts name the materials that something is made of.
+_MADE = ("source", "buttresses", "ring_beams")
 _RECTANGLE = Usual(50.0, 100e3, "a pier of a model to half a church")
 # Piers thinner than this many thicknesses of their groin vault are questioned.
 _PIER = 2.0
@@ -40,7 +42,7 @@ STONE = Usual(0.005, 25.0, "bricks of models to the largest cut stones")
 def questions(cases: Sequence["Case"]) -> list[str]:
     """Return what to ask about materials and site of a case's variants, each once."""
     asked = [text for case in cases for text in _of_case(case) if text]
-    return list(dict.fromkeys((*asked, *_of_variants(cases))))
+    return list(dict.fromkeys((*asked, *_of_variants(cases), *_of_unused_materials(cases))))
 
 
 def unanswered(asked: Sequence[str]) -> list[str]:
@@ -71,6 +73,32 @@ def _of_variants(cases: Sequence["Case"]) -> Iterator[str]:
     for case, table in zip(cases, plain_tables, strict=True):
         if case.variant and not case.variant.cost and table in as_it_is:
             yield f'The variant "{case.variant.name}" changes nothing: it is the building as it is. Is it meant?'
+
+
+def _of_unused_materials(cases: Sequence["Case"]) -> Iterator[str]:
+    """Yield what to ask about materials of a generated building of which nothing is made, in no variant of it."""
+    generated = [case for case in cases if getattr(case.source, "generator", "")]
+    named = {word for case in generated for key in _MADE for word in _words(case.table.get(key))}
+    # What names no material is of the first one, or of the next where the first is a backfill.
+    plain_ones = [next((m.name for m in case.materials if m.name != _backfill(case)), "") for case in generated]
+    for name in dict.fromkeys(material.name for case in generated for material in case.materials):
+        if name not in named and name not in plain_ones:
+            yield f'Nothing is made of the material "{name}": what names no material is of "{plain_ones[0]}". Is it meant?'
+
+
+def _backfill(case: "Case") -> str:
+    given: dict[str, Any] = getattr(case.source, "parameters", {})
+    return given.get("backfill", "")
+
+
+def _words(value: Any) -> Iterator[str]:
+    """Yield all texts in a value of a case file."""
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, dict | list):
+        inner = cast("Iterable[Any]", value.values() if isinstance(value, dict) else value)
+        for one in inner:
+            yield from _words(one)
 
 
 def _of_case(case: "Case") -> Iterator[str]:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from churchpipe.config.case import read_case
+from churchpipe.config.case import read_case, read_variants
 from churchpipe.config.plausible import questions, size_questions, unanswered, work_questions
 from churchpipe.errors import InputError
 from churchpipe.resources import sample_case, sample_names
@@ -166,6 +166,25 @@ def test_a_floor_out_of_all_reason_is_questioned(values: dict[str, float], words
     path.write_text(CASE.format(**SOUND) + "[rigid.curve]\n[check.floor]\n" + lines)
     [question] = questions([read_case(path)])
     assert question.startswith(words)
+
+
+@pytest.mark.parametrize(("wall", "asked"), [("", True), ('material = "tuff"\n', False)])
+def test_a_material_of_which_nothing_is_made_is_questioned(wall: str, asked: bool, tmp_path: Path) -> None:
+    text, first = sample_case("house"), "[[source.walls]]\n"
+    assert first in text
+    path = tmp_path / "house.toml"
+    path.write_text(text.replace(first, first + wall, 1) + "[material.tuff]\nunit_weight_kN_m3 = 15\nfriction = 0.5\n")
+    said = [
+        question for question in questions(read_variants(path)) if question.startswith('Nothing is made of the material "tuff"')
+    ]
+    assert len(said) == asked
+
+
+def test_a_material_that_a_variant_alone_is_made_of_is_not_questioned(tmp_path: Path) -> None:
+    path = tmp_path / "w.toml"
+    beam = '[[variants]]\nname = "beam"\n[[variants.add.ring_beams]]\nwalls = ["wall"]\nheight_m = 0.2\nmaterial = "concrete"\n'
+    path.write_text(CASE.format(**SOUND) + "[material.concrete]\nunit_weight_kN_m3 = 25\nfriction = 0.6\n" + beam)
+    assert questions(read_variants(path)) == []
 
 
 def test_a_seat_of_joists_out_of_all_reason_is_questioned(tmp_path: Path) -> None:
