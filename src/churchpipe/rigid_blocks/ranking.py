@@ -18,6 +18,7 @@ from churchpipe.model.motion import velocity_at
 from churchpipe.model.results import LimitState
 from churchpipe.model.ties import RankedTie, Tie
 from churchpipe.rigid_blocks.limit import limit_analysis
+from churchpipe.rigid_blocks.sensitivity import check_state_of
 
 
 def elongation_rate(stones: Assemblage, velocities: FloatArray, tie: Tie) -> float:
@@ -70,12 +71,14 @@ def rank_ties(
     Raises
     ------
     InputError
-        A state without a mechanism of the lateral load; candidates that are anchored in no stone.
+        A state of other stones or of another load, or without a mechanism of the lateral load; candidates that are anchored in no
+        stone.
     """
     check_kind("rank_ties: state", state, LimitState)
     check_kind("rank_ties: stones", stones, Assemblage)
     candidates = listed("rank_ties: candidates", candidates, Tie)
     whole("rank_ties: verify", verify, least=0)
+    check_state_of("rank_ties", state, stones, contacts, load)
     if not np.isfinite(state.load_factor) or not np.isfinite(state.velocities).all():
         raise InputError("rank_ties: state", "no mechanism", found=state.status, expected="a state with a load factor")
     weight = float(stones.weight.sum())

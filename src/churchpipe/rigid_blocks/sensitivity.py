@@ -15,7 +15,11 @@ from churchpipe.model.gains import COHESION_MORE, WEIGHT_MORE, Sensitivities
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.motion import velocity_at
 from churchpipe.model.results import LimitState
+from churchpipe.rigid_blocks.equilibrium import equilibrium
 from churchpipe.rigid_blocks.limit import limit_analysis
+
+# A mechanism does unit work with its own load, but for this: files keep fewer digits.
+_UNIT_WORK = 1e-3
 
 
 def sensitivities(state: LimitState, stones: Assemblage, contacts: Contacts, load: LoadCase) -> Sensitivities:
@@ -35,14 +39,15 @@ def sensitivities(state: LimitState, stones: Assemblage, contacts: Contacts, loa
     Raises
     ------
     InputError
-        Arguments of the wrong kind; a state without a mechanism of the lateral load, or of an analysis without dilatancy, which
-        has no such rates.
+        Arguments of the wrong kind; a state of other stones or of another load; a state without a mechanism of the lateral load,
+        or of an analysis without dilatancy, which has no such rates.
     """
     check_kind("sensitivities: state", state, LimitState)
     check_kind("sensitivities: stones", stones, Assemblage)
     check_kind("sensitivities: contacts", contacts, Contacts)
     check_kind("sensitivities: load", load, LoadCase)
     check_contacts_of(stones, contacts)
+    check_state_of("sensitivities", state, stones, contacts, load)
     if state.flow != "associative" or not np.isfinite(state.load_factor) or not state.velocities.any():
         found = f"{state.flow}, {state.status}"
         raise InputError("sensitivities: state", "no rates", found=found, expected="an associative state with a load factor")
@@ -63,6 +68,22 @@ def sensitivities(state: LimitState, stones: Assemblage, contacts: Contacts, loa
     volume = np.where(free, stones.volume, 0.0)[free]
     spread = volume / np.bincount(which.ravel(), volume)[which.ravel()]
     return Sensitivities(panel, cohesion, np.bincount(which.ravel(), spread * gain[free], len(panel)) / weight, joint)
+
+
+def check_state_of(where: str, state: LimitState, stones: Assemblage, contacts: Contacts, load: LoadCase) -> None:
+    """Raise an InputError where a state is of other stones, or of another load: its velocities do unit work with its own."""
+    remedy = "give the stones, contacts and load of the analysis that made it"
+    counts = (("stones", len(state.velocities), stones.count), ("contact points", len(state.forces), len(contacts.point)))
+    for name, found, expected in counts:
+        if found != expected:
+            raise InputError(f"{where}: state", f"has other {name}", found=found, expected=expected, remedy=remedy)
+    if not np.isfinite(state.load_factor) or not state.velocities.any():
+        return
+    balance = equilibrium(stones, contacts, load)
+    work = float(balance.live @ balance.multipliers(state.velocities))
+    if abs(work - 1.0) > _UNIT_WORK:
+        found = f"its mechanism does {work:.4g} of the unit work with this one"
+        raise InputError(f"{where}: state", "is of another load, or of other stones", found=found, expected="1", remedy=remedy)
 
 
 def verify_gains(
