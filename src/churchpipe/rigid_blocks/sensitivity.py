@@ -76,7 +76,7 @@ def check_state_of(where: str, state: LimitState, stones: Assemblage, contacts: 
     counts = (("stones", len(state.velocities), stones.count), ("contact points", len(state.forces), len(contacts.point)))
     for name, found, expected in counts:
         if found != expected:
-            raise InputError(f"{where}: state", f"has other {name}", found=found, expected=expected, remedy=remedy)
+            raise InputError(f"{where}: state", f"has other {name}", found=found, expected=str(expected), remedy=remedy)
     if not np.isfinite(state.load_factor) or not state.velocities.any():
         return
     balance = equilibrium(stones, contacts, load)
