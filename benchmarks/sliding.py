@@ -6,8 +6,7 @@
     PYTHONPATH=tests python benchmarks/sliding.py wall1 S5 S22 --search
     PYTHONPATH=tests python benchmarks/sliding.py box apse+y apse-y wall4 wall6 S5 S22 --whole --starts 12
 
-With --search the sequence of programs from the dead-load forces instead. With --gradients all directions by conjugate
-gradients, none by a factor of the whole step. With --whole the analysis that names no start:
+With --search the sequence of programs from the dead-load forces instead. With --whole the analysis that names no start:
 associative solve, both starts and interval. A disturbed start is the model with each dead load changed by a ten-millionth.
 """
 
@@ -30,7 +29,7 @@ from churchpipe.rigid_blocks.coulomb import EXACT, dead_load_start
 from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
 from churchpipe.rigid_blocks.iterations import SlidingRun, certified_iteration
 from churchpipe.rigid_blocks.limit import analysed, point_strength
-from churchpipe.rigid_blocks.settings import CentralSettings, SchemeSettings
+from churchpipe.rigid_blocks.settings import SchemeSettings
 from churchpipe.rigid_blocks.sliding import SlidingOptions
 from churchpipe.stones.contacts import find_contacts
 from models import (
@@ -130,7 +129,6 @@ def main() -> None:
     parser.add_argument("--starts", type=int, default=1)
     parser.add_argument("--search", action="store_true")
     parser.add_argument("--whole", action="store_true")
-    parser.add_argument("--gradients", action="store_true")
     arguments = parser.parse_args()
     if arguments.whole:
         whole(arguments.models, arguments.starts)
@@ -153,9 +151,7 @@ def main() -> None:
                 settings = SchemeSettings(bipotential_gap=arguments.gap)
                 run = certified_iteration(disturbed, strength, dead_load_start(disturbed), solve, settings)
             else:
-                run = from_centre(
-                    disturbed, strength, arguments.gap, solve, settings=CentralSettings(gradients=arguments.gradients)
-                )
+                run = from_centre(disturbed, strength, arguments.gap, solve)
             seconds.append(process_time() - begin)
             if run is not None:
                 found.append(run)

@@ -1,4 +1,4 @@
-"""Sparse factorisation of many symmetric matrices with one pattern. The order is found on the graph of blocks."""
+"""Sparse Cholesky factorisation of many matrices with one pattern. The order is found on the graph of blocks."""
 
 from importlib.util import find_spec
 
@@ -6,29 +6,23 @@ import numpy as np
 import scipy.sparse as sp
 
 from churchpipe.conic.multifrontal import Multifrontal
-from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
+from churchpipe.model.arrays import FloatArray, IntArray
 
 
 class NotDefiniteError(ArithmeticError):
-    """The matrix has no factor of the kind asked for in double precision."""
+    """The matrix has no Cholesky factor in double precision."""
 
 
 class Cholesky:
-    """Factor of matrices with one sparsity pattern: symbolic analysis once, then `factor(values)` and `solve`.
+    """Factor of matrices with one sparsity pattern: symbolic analysis once, then `factor(values)` and `solve`."""
 
-    Of positive definite matrices, or of quasidefinite ones (`multifrontal`).
-    """
-
-    def __init__(self, pattern: sp.csc_matrix[np.float64], block: int, negative: BoolArray | None = None) -> None:
-        """Analyse a lower triangle (n, n) with sorted indices, whose rows come in blocks of `block`.
-
-        negative (n,): the rows of the negative definite block, None where there is none.
-        """
+    def __init__(self, pattern: sp.csc_matrix[np.float64], block: int) -> None:
+        """Analyse a lower triangle (n, n) with sorted indices, whose rows come in blocks of `block`."""
         n = pattern.shape[0]
         columns = np.repeat(np.arange(n), np.diff(pattern.indptr))
         rows = np.asarray(pattern.indices, dtype=np.int64)
         order = _block_order(rows, columns, n, block)
-        self._fronts = Multifrontal(pattern, order, negative)
+        self._fronts = Multifrontal(pattern, order)
 
     def factor(self, values: FloatArray) -> None:
         """Factorise the matrix with these nonzeros, in the order of the pattern.

@@ -1,12 +1,9 @@
-"""Multifrontal factorisation of many symmetric matrices with one sparsity pattern, on all cores (Duff and Reid 1983; Liu 1992).
+"""Multifrontal Cholesky factorisation of many matrices with one sparsity pattern, on all cores (Duff and Reid 1983; Liu 1992).
 
 A front begins with the entries of the matrix in its columns and with the update matrices of its children. Dense algebra
 factorises its columns and leaves an update matrix to its parent. Disjoint subtrees know nothing of each other. Sums are made in
 one order, whatever the number of threads. The dense algebra is our own, because a BLAS has threads of its own, which
 would wait for each other: no faster, and on a busy machine a hundred times slower.
-
-The matrix is L D L^T with D = 1, or -1 in rows that are known beforehand. In any order there is such a factor of a positive
-definite matrix, and of one with a positive definite block beside a negative definite one (quasidefinite, Vanderbei 1995).
 """
 
 import numba
@@ -16,19 +13,15 @@ import scipy.sparse as sp
 from churchpipe.conic.supernodes import SPARE, Supernodes, supernodes
 from churchpipe.conic.threads import threads, together
 from churchpipe.conic.tiles import COLUMNS, padded, subtract_products
-from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
+from churchpipe.model.arrays import FloatArray, IntArray
 
 
 class Multifrontal:
     """Factor of matrices with one sparsity pattern: symbolic analysis once, then `take(values)`, `factor` and `solve`."""
 
-    def __init__(self, pattern: sp.csc_matrix[np.float64], order: IntArray, negative: BoolArray | None = None) -> None:
-        """Analyse a lower triangle (n, n) with sorted indices, to be eliminated about in this order (n,).
-
-        negative (n,): rows where D is -1; None: nowhere.
-        """
+    def __init__(self, pattern: sp.csc_matrix[np.float64], order: IntArray) -> None:
+        """Analyse a lower triangle (n, n) with sorted indices, to be eliminated about in this order (n,)."""
         self._tree = supernodes(pattern, order)
-        self._signs = np.zeros(0) if negative is None else np.where(negative[self._tree.order], -1.0, 1.0)
         self._panels, self._updates = np.empty(int(self._tree.panel[-1])), np.empty(int(self._tree.space[0]))
         self._values = np.zeros(0)
         self._shared: dict[int, list[IntArray]] = {}
@@ -43,12 +36,12 @@ class Multifrontal:
         Raises
         ------
         ArithmeticError
-            A pivot has not the sign of D; with the row where that is found.
+            The matrix is not positive definite; with the row where that is found.
         """
         tree, parts = self._tree, len(self._tree.part_first)
-        # One more than the first column of each part, and of those above, whose pivot has another sign.
+        # One more than the first column of each part, and of those above, that is not positive.
         failed = np.zeros(parts + 1, dtype=np.int64)
-        work = (tree, self._values, self._panels, self._updates, self._signs)
+        work = (tree, self._values, self._panels, self._updates)
         together(*((_factor_parts, share, *work, failed) for share in self._shares()))
         if not failed.any():
             _factor_fronts(tree.top, *work, failed[parts:])
@@ -62,12 +55,10 @@ class Multifrontal:
         carried, beyond = np.empty((len(x), len(tree.reached))), np.zeros((len(shares), *x.shape))
         work = (tree, self._panels, x)
         if len(shares) == 1:
-            _solve_alone(shares[0], *work, self._signs, beyond[0], carried)
+            _solve_alone(shares[0], *work, beyond[0], carried)
         else:
             together(*((_forward_parts, parts, *work, beyond[k], carried) for k, parts in enumerate(shares)))
             _forward_top(*work, carried)
-            if len(self._signs):
-                x *= self._signs
             _backward(tree.top, *work)
             together(*((_backward_parts, parts, *work) for parts in shares))
         out = np.empty_like(x)
@@ -94,45 +85,30 @@ class Multifrontal:
 
 @numba.njit(cache=True, error_model="numpy", nogil=True)
 def _factor_parts(
-    parts: IntArray,
-    tree: Supernodes,
-    values: FloatArray,
-    panels: FloatArray,
-    updates: FloatArray,
-    signs: FloatArray,
-    failed: IntArray,
+    parts: IntArray, tree: Supernodes, values: FloatArray, panels: FloatArray, updates: FloatArray, failed: IntArray
 ) -> None:
     for k in range(len(parts)):
         part = int(parts[k])
         mine = np.arange(int(tree.part_first[part]), int(tree.part_last[part]) + 1)
-        _factor_fronts(mine, tree, values, panels, updates, signs, failed[part : part + 1])
+        _factor_fronts(mine, tree, values, panels, updates, failed[part : part + 1])
 
 
 @numba.njit(cache=True, error_model="numpy", nogil=True)
 def _factor_fronts(
-    fronts: IntArray,
-    tree: Supernodes,
-    values: FloatArray,
-    panels: FloatArray,
-    updates: FloatArray,
-    signs: FloatArray,
-    failed: IntArray,
+    fronts: IntArray, tree: Supernodes, values: FloatArray, panels: FloatArray, updates: FloatArray, failed: IntArray
 ) -> None:
-    """Factorise these fronts, children first, or write into `failed` one more than the column whose pivot has another sign."""
-    signed = len(signs) > 0
-    work = np.empty((2 if signed else 1) * ((tree.width + SPARE) * (tree.rows + SPARE)).max())
+    """Factorise these fronts, children first, or write into `failed` one more than the column that is not positive."""
+    work = np.empty(((tree.width + SPARE) * (tree.rows + SPARE)).max())
     for k in range(len(fronts)):
         s = int(fronts[k])
         width, rows = tree.width[s], tree.rows[s]
         deep = rows - width
-        # Columns of the front one after the other, and room for what tiles have beyond the last column and row. Where there are
-        # signs, the columns of L D come after those of L, `times` numbers on.
+        # Columns of the front one after the other, and room for what tiles have beyond the last column and row.
         line, across = rows + SPARE, padded(deep)
-        size = (width + SPARE) * line
-        columns, times = work[: 2 * size if signed else size], size if signed else 0
+        columns = work[: (width + SPARE) * line]
         update = updates[tree.update[s] : tree.update[s] + across * across]
         _assemble(s, tree, values, columns, updates)
-        column = _eliminate(columns, width, rows, times, signs[tree.start[s] :])
+        column = _eliminate(columns, width, rows)
         if column > 0:
             failed[0] = tree.start[s] + column
             return
@@ -142,7 +118,7 @@ def _factor_fronts(
             for j in range(np.uint64(width)):
                 row[j] = columns[j * np.uint64(line) + np.uint64(i)]
         for j in range(0, deep, COLUMNS):
-            subtract_products(columns[width:], update, j, deep, times + j, j, line, width, across, True)
+            subtract_products(columns[width:], update, j, deep, j, j, line, width, across, True)
         _extend(s, tree, update, updates)
 
 
@@ -188,88 +164,71 @@ def _inside(place: IntArray, width: int) -> int:
 
 
 @numba.njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract"})
-def _eliminate(columns: FloatArray, width: int, rows: int, times: int, signs: FloatArray) -> int:
-    """Factorise the columns of a front, and return one more than the one whose pivot has another sign, or 0.
-
-    times: as in `_factor_fronts`, with the signs of the columns from the first one on.
-    """
+def _eliminate(columns: FloatArray, width: int, rows: int) -> int:
+    """Factorise the columns of a front, and return one more than the one that is not positive, or 0."""
     line = rows + SPARE
     for first in range(0, width, COLUMNS):
         last = min(first + COLUMNS, width)
         if first > 0:
-            subtract_products(columns, columns, first, rows, times + first, first, line, first, line, False)
+            subtract_products(columns, columns, first, rows, first, first, line, first, line, False)
         if last - first == COLUMNS:
-            place = _eliminate_tile(columns[first * line :], first, rows, line, times, signs[first:])
+            failed = _eliminate_tile(columns[first * line :], first, rows, line)
         else:
-            place = _eliminate_rest(columns, first, last, rows, times, signs)
-        if place > 0:
-            return place
+            failed = _eliminate_rest(columns, first, last, rows)
+        if failed > 0:
+            return failed
     return 0
 
 
 @numba.njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract"})
-def _eliminate_rest(columns: FloatArray, first: int, last: int, rows: int, times: int, signs: FloatArray) -> int:
-    """Factorise the last columns of a front, fewer than a tile has, of which the products with those before are subtracted."""
-    line = rows + SPARE
-    for j in range(first, last):
-        sign = signs[j] if times > 0 else 1.0
-        column = columns[j * line : j * line + rows]
-        for k in range(first, j):
-            other, factor = columns[k * line : k * line + rows], columns[k * line + times + j]
-            for i in range(np.uint64(j), np.uint64(rows)):
-                column[i] -= factor * other[i]
-        # A number that is none fails here as well.
-        if not sign * column[j] > 0.0:
-            return j + 1
-        column[j] = np.sqrt(sign * column[j])
-        inverse = sign / column[j]
-        for i in range(np.uint64(j + 1), np.uint64(rows)):
-            column[i] *= inverse
-        if times > 0:
-            signed = columns[j * line + times : j * line + times + rows]
-            for i in range(np.uint64(j), np.uint64(rows)):
-                signed[i] = sign * column[i]
-    return 0
-
-
-@numba.njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract"})
-def _eliminate_tile(columns: FloatArray, j: int, rows: int, line: int, times: int, signs: FloatArray) -> int:
-    """Do the same with four columns in one pass over their rows; j: the row of the first pivot."""
+def _eliminate_tile(columns: FloatArray, j: int, rows: int, line: int) -> int:
+    """Factorise four columns in one pass over their rows, less the products with those before; j: row of the first pivot."""
     a0, a1, a2, a3 = columns, columns[line:], columns[2 * line :], columns[3 * line :]
-    s0, s1, s2, s3 = (signs[0], signs[1], signs[2], signs[3]) if times > 0 else (1.0, 1.0, 1.0, 1.0)
-    p0 = s0 * a0[j]
-    if not p0 > 0.0:
+    # A number that is none fails here as well.
+    if not a0[j] > 0.0:
         return j + 1
-    d0 = s0 / np.sqrt(p0)
+    d0 = 1.0 / np.sqrt(a0[j])
     l10, l20, l30 = a0[j + 1] * d0, a0[j + 2] * d0, a0[j + 3] * d0
-    m10, m20, m30 = s0 * l10, s0 * l20, s0 * l30
-    p1 = s1 * (a1[j + 1] - m10 * l10)
-    if not p1 > 0.0:
+    pivot = a1[j + 1] - l10 * l10
+    if not pivot > 0.0:
         return j + 2
-    d1 = s1 / np.sqrt(p1)
-    l21, l31 = (a1[j + 2] - m10 * l20) * d1, (a1[j + 3] - m10 * l30) * d1
-    m21, m31 = s1 * l21, s1 * l31
-    p2 = s2 * (a2[j + 2] - m20 * l20 - m21 * l21)
-    if not p2 > 0.0:
+    d1 = 1.0 / np.sqrt(pivot)
+    l21, l31 = (a1[j + 2] - l10 * l20) * d1, (a1[j + 3] - l10 * l30) * d1
+    pivot = a2[j + 2] - l20 * l20 - l21 * l21
+    if not pivot > 0.0:
         return j + 3
-    d2 = s2 / np.sqrt(p2)
-    l32 = (a2[j + 3] - m20 * l30 - m21 * l31) * d2
-    m32 = s2 * l32
-    p3 = s3 * (a3[j + 3] - m30 * l30 - m31 * l31 - m32 * l32)
-    if not p3 > 0.0:
+    d2 = 1.0 / np.sqrt(pivot)
+    l32 = (a2[j + 3] - l20 * l30 - l21 * l31) * d2
+    pivot = a3[j + 3] - l30 * l30 - l31 * l31 - l32 * l32
+    if not pivot > 0.0:
         return j + 4
-    d3 = s3 / np.sqrt(p3)
+    d3 = 1.0 / np.sqrt(pivot)
     for i in range(np.uint64(j), np.uint64(rows)):
         x0 = a0[i] * d0
-        x1 = (a1[i] - x0 * m10) * d1
-        x2 = (a2[i] - x0 * m20 - x1 * m21) * d2
-        a3[i] = (a3[i] - x0 * m30 - x1 * m31 - x2 * m32) * d3
+        x1 = (a1[i] - x0 * l10) * d1
+        x2 = (a2[i] - x0 * l20 - x1 * l21) * d2
+        a3[i] = (a3[i] - x0 * l30 - x1 * l31 - x2 * l32) * d3
         a0[i], a1[i], a2[i] = x0, x1, x2
-    if times > 0:
-        for c in range(COLUMNS):
-            sign, column, signed = signs[c], columns[c * line :], columns[c * line + times :]
+    return 0
+
+
+@numba.njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract"})
+def _eliminate_rest(columns: FloatArray, first: int, last: int, rows: int) -> int:
+    """Do the same with the last columns of a front, fewer than a tile has."""
+    line = rows + SPARE
+    for j in range(first, last):
+        column = columns[j * line : j * line + rows]
+        for k in range(first, j):
+            other = columns[k * line : k * line + rows]
+            factor = other[j]
             for i in range(np.uint64(j), np.uint64(rows)):
-                signed[i] = sign * column[i]
+                column[i] -= factor * other[i]
+        if not column[j] > 0.0:
+            return j + 1
+        column[j] = np.sqrt(column[j])
+        inverse = 1.0 / column[j]
+        for i in range(np.uint64(j + 1), np.uint64(rows)):
+            column[i] *= inverse
     return 0
 
 
@@ -355,19 +314,10 @@ def _backward(fronts: IntArray, tree: Supernodes, panels: FloatArray, x: FloatAr
 
 @numba.njit(cache=True, error_model="numpy", nogil=True)
 def _solve_alone(
-    parts: IntArray,
-    tree: Supernodes,
-    panels: FloatArray,
-    x: FloatArray,
-    signs: FloatArray,
-    beyond: FloatArray,
-    carried: FloatArray,
+    parts: IntArray, tree: Supernodes, panels: FloatArray, x: FloatArray, beyond: FloatArray, carried: FloatArray
 ) -> None:
-    """Solve L D L^T y = x with one thread: in a single call, since several take a tenth of the time of a small solve."""
+    """Solve L L^T y = x with one thread: in a single call, which takes a tenth of the time of a small solve."""
     _forward_parts(parts, tree, panels, x, beyond, carried)
     _forward_top(tree, panels, x, carried)
-    for c in range(len(x)):
-        for i in range(len(signs)):
-            x[c, i] *= signs[i]
     _backward(tree.top, tree, panels, x)
     _backward_parts(parts, tree, panels, x)

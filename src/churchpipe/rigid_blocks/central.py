@@ -27,30 +27,22 @@ def runs_from_centre(balance: Equilibrium, strength: Strength) -> bool:
 
 
 def from_centre(
-    balance: Equilibrium,
-    strength: Strength,
-    bipotential_gap: float,
-    solve: Solve,
-    progress: Progress | None = None,
-    settings: CentralSettings | None = None,
+    balance: Equilibrium, strength: Strength, bipotential_gap: float, solve: Solve, progress: Progress | None = None
 ) -> SlidingRun | None:
     """Return the run from the centre, closed by stage B where it stops near a state.
 
     A run is left where a pair of programs may close the gap sooner. Where the pair does not, a run that falls fast goes on, and
-    is left again ten times as near; otherwise stage B goes on. Where that is not certified other runs follow, which take other
-    paths. The directions of the first run are exact, those of the others are found by conjugate gradients. The third one has
-    other multipliers, and the least damping throughout. In the last one no point stops short, and its programs do not begin near
-    each other: they find the most central forces, which a joint that holds the gap may need.
+    is left again ten times as near; otherwise stage B goes on. Where that is not certified another run follows, which takes
+    another path: it has other multipliers, and the least damping throughout. In a third one no point stops short, and its
+    programs do not begin near each other: they find the most central forces, which a joint that holds the gap may need.
     """
-    settings = settings or CentralSettings()
+    settings = CentralSettings()
     least = settings.damping[0]
-    rough = replace(settings, gradients=True)
-    other = replace(rough, roundness=settings.other_roundness, damping=(least, least))
-    whole = replace(rough, patience=settings.whole_patience, damping=(least, least))
+    other = replace(settings, roundness=settings.other_roundness, damping=(least, least))
+    whole = replace(settings, patience=settings.whole_patience, damping=(least, least))
     found: list[SlidingRun] = []
     count, spent = SolveCount(solve), 0
-    exact = () if settings.gradients else ((settings, True),)
-    for each, short in (*exact, (rough, True), (other, True), (whole, False)):
+    for each, short in ((settings, True), (other, True), (whole, False)):
         descent, goes_on = Descent(balance, strength, bipotential_gap, each, progress, short=short), True
         while goes_on and not _certified(found, bipotential_gap):
             goes_on = descent.lower()

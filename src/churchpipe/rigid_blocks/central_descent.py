@@ -11,7 +11,7 @@ from churchpipe.model.results import Iteration
 from churchpipe.rigid_blocks.central_start import first_rates
 from churchpipe.rigid_blocks.central_steps import advance
 from churchpipe.rigid_blocks.certificate import FLOW_TOLERANCE, RESIDUAL_TOLERANCE, Strength
-from churchpipe.rigid_blocks.contact_system import ContactState, ContactSystem
+from churchpipe.rigid_blocks.contact_newton import ContactState, ContactSystem
 from churchpipe.rigid_blocks.coulomb import CoulombState, bipotential_gap
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
 from churchpipe.rigid_blocks.iterations import Progress, SlidingRun, sliding_run

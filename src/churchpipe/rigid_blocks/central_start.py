@@ -12,8 +12,7 @@ import numpy as np
 
 from churchpipe.model.arrays import FloatArray
 from churchpipe.rigid_blocks.central_steps import CENTRING, LEAST, SHORTER, SHORTEST, WIN, ahead_of, least_product, recentring
-from churchpipe.rigid_blocks.contact_newton import Scaled, squared
-from churchpipe.rigid_blocks.contact_system import ContactState, ContactSystem, multiply
+from churchpipe.rigid_blocks.contact_newton import ContactState, ContactSystem, Scaled, multiply, squared
 
 # Steps at most, and the error of the work of the load after which the products follow from the rates.
 _STEPS, _WORKS = 40, 0.1
@@ -98,21 +97,20 @@ class _Matrix(Scaled):
         scaling = system.scaling(forces, z)
         super().__init__(scaling)
         self._system, self._square = system, squared(scaling)
-        system.factorise(system.balance, self._square)
-        self._lever = system.balance.solve(system.live)
+        self._lever = system.factorise(0, self._square)
         self._stiffness = float(system.live @ self._lever)
 
     def step(self, target: FloatArray, residual: FloatArray, excess: float) -> ContactState:
         """Return the step W^-1 dX + W dR = target (3, nc) that removes a residual (6 nf,) and an excess of work."""
         system = self._system
         wanted = self.scaled(target)
-        y = system.balance.solve(system.couple(wanted) + residual)
+        y = system.factors[0].solve(system.couple(wanted) + residual)
         load_factor = -(excess + float(system.live @ y)) / self._stiffness
         y += load_factor * self._lever
         rates = system.rates(y)
         forces = wanted - multiply(self._square, rates)
         for _ in range(_SWEEPS):
-            left = system.balance.solve(system.couple(forces) + load_factor * system.live + residual)
+            left = system.factors[0].solve(system.couple(forces) + load_factor * system.live + residual)
             more = float(system.live @ left) / self._stiffness
             forces, load_factor = forces - multiply(self._square, system.rates(left - more * self._lever)), load_factor - more
         return ContactState(forces, load_factor, y, rates)

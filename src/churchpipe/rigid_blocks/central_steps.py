@@ -17,8 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from churchpipe.model.arrays import BoolArray, FloatArray
-from churchpipe.rigid_blocks.contact_newton import Linearisation
-from churchpipe.rigid_blocks.contact_system import ContactState, ContactSystem
+from churchpipe.rigid_blocks.contact_newton import ContactState, ContactSystem, Linearisation
 
 # A step keeps the least eigenvalue of the products above this share of their mean, which may grow by the second factor.
 LEAST, _GROWTH = 1e-3, 1.3

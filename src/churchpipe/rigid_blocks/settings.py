@@ -47,11 +47,10 @@ class CentralSettings:
     """Constants of the run from the centre of the cones (`central.py`, `contact_newton.py`).
 
     force: the first normal force of a point, over the mean weight that a point would carry alone. roundness: how round the
-    multipliers are where a point neither opens nor slides; other_roundness: that of the last run but one.
+    multipliers are where a point neither opens nor slides; other_roundness: that of the second run.
     damping: of the steps, least and most. pull: towards low load factors, over the sum of the products. correctors: of
-    centrality, at most. gradients: whether all directions are those of conjugate gradients (`contact_directions.py`), as those of
-    all runs but the first one are; inner, inner_steps: their error and their steps. clip: a correction of the second order counts
-    at most this share of the mean product. fraction: of the way to the boundary of the cones that a step goes. steps: at
+    centrality, at most. inner, inner_steps: error and steps of the conjugate gradients. clip: a correction of the second order
+    counts at most this share of the mean product. fraction: of the way to the boundary of the cones that a step goes. steps: at
     most; patience: steps without half the gap after which a run stops, less patient once the gap is below `near`: then stage B
     may close it from there, its programs solved to `duality_gap`, so that velocities overlap nowhere, with a proximal weight
     `nearness` times the gap and a `momentum` of its own (`SchemeSettings`), for at most `polish` steps, and while at the rate of
@@ -76,7 +75,6 @@ class CentralSettings:
     damping: tuple[float, float] = (0.01, 0.1)
     pull: float = 0.2
     correctors: int = 5
-    gradients: bool = False
     inner: float = 1e-2
     inner_steps: int = 40
     clip: float = 0.5
@@ -164,7 +162,7 @@ class SchemeSettings:
 def _check_positive(settings: PaperSettings | CentralSettings | SchemeSettings) -> None:
     for field in fields(settings):
         value = getattr(settings, field.name)
-        if not isinstance(value, bool) and not all(item > 0 for item in (value if isinstance(value, tuple) else (value,))):
+        if not all(item > 0 for item in (value if isinstance(value, tuple) else (value,))):
             raise InputError(f"{type(settings).__name__}.{field.name}", "out of range", found=value, expected="> 0")
 
 

@@ -149,35 +149,3 @@ def test_a_matrix_that_is_not_definite_is_told_by_the_same_name() -> None:
     triangle = lower(MATRICES["grid"])
     with pytest.raises(NotDefiniteError, match="at column"):
         Cholesky(triangle, 3).factor(-triangle.data)
-
-
-@pytest.mark.parametrize("name", MATRICES)
-def test_a_quasidefinite_matrix_is_solved_in_any_order(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    random = np.random.default_rng(5)
-    one = MATRICES[name]
-    size = one.shape[0]
-    negative = random.permutation(np.arange(2 * size) < size)
-    place = np.concatenate([np.flatnonzero(~negative), np.flatnonzero(negative)])
-    beside = sp.csc_matrix(one.multiply(sp.csc_matrix(random.normal(size=one.shape))))
-    whole = sp.bmat([[one, beside], [beside.T, -0.02 * one]]).tocoo()
-    matrix = sp.csc_matrix((whole.data, (place[whole.row], place[whole.col])), shape=whole.shape)
-    triangle = lower(matrix)
-    right = random.normal(size=(2 * size, 2))
-    order = random.permutation(2 * size)
-    found = []
-    for threads in ("1", "2"):
-        monkeypatch.setenv("OMP_NUM_THREADS", threads)
-        factor = Multifrontal(triangle, order, negative)
-        factor.take(triangle.data)
-        factor.factor()
-        found.append(factor.solve(right))
-    assert np.array_equal(*found)
-    np.testing.assert_allclose(matrix @ found[0], right, atol=1e-7)
-
-
-def test_a_matrix_that_is_not_quasidefinite_is_told() -> None:
-    triangle = lower(sp.csc_matrix([[1.0, 0.0], [0.0, 1.0]]))
-    factor = Multifrontal(triangle, np.arange(2), np.array([False, True]))
-    factor.take(triangle.data)
-    with pytest.raises(ArithmeticError, match="1"):
-        factor.factor()

@@ -11,7 +11,7 @@ from churchpipe.rigid_blocks import central_descent
 from churchpipe.rigid_blocks.central import central_run
 from churchpipe.rigid_blocks.central_descent import Descent, falls_too_slowly, steps_left
 from churchpipe.rigid_blocks.central_steps import Move
-from churchpipe.rigid_blocks.contact_system import ContactState, ContactSystem
+from churchpipe.rigid_blocks.contact_newton import ContactState, ContactSystem
 from churchpipe.rigid_blocks.equilibrium import equilibrium
 from churchpipe.rigid_blocks.limit import point_strength
 from churchpipe.rigid_blocks.settings import CentralSettings

@@ -11,7 +11,7 @@ from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
 from churchpipe.rigid_blocks.central_start import first_rates
 from churchpipe.rigid_blocks.central_steps import LEAST, least_product
-from churchpipe.rigid_blocks.contact_system import ContactSystem
+from churchpipe.rigid_blocks.contact_newton import ContactSystem
 from churchpipe.rigid_blocks.equilibrium import equilibrium
 from churchpipe.rigid_blocks.limit import point_strength
 from churchpipe.rigid_blocks.settings import CentralSettings

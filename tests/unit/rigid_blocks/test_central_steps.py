@@ -10,23 +10,18 @@ from churchpipe.model.arrays import FloatArray
 from churchpipe.model.loads import LoadCase
 from churchpipe.rigid_blocks.central_start import first_rates
 from churchpipe.rigid_blocks.central_steps import advance, least_product, left_behind
-from churchpipe.rigid_blocks.contact_newton import Linearisation
-from churchpipe.rigid_blocks.contact_system import ContactState, ContactSystem
+from churchpipe.rigid_blocks.contact_newton import ContactState, ContactSystem, Linearisation
 from churchpipe.rigid_blocks.equilibrium import equilibrium
 from churchpipe.rigid_blocks.limit import point_strength
 from churchpipe.rigid_blocks.settings import CentralSettings
 from models import facade
 
 
-def system_with(settings: CentralSettings) -> ContactSystem:
-    stones, contacts = facade("small")
-    balance = equilibrium(stones, contacts, LoadCase((1, 0, 0)))
-    return ContactSystem(balance, point_strength(contacts, 0.7, 0.0, balance.force), settings)
-
-
 @pytest.fixture(scope="module")
 def system() -> ContactSystem:
-    return system_with(CentralSettings(gradients=True))
+    stones, contacts = facade("small")
+    balance = equilibrium(stones, contacts, LoadCase((1, 0, 0)))
+    return ContactSystem(balance, point_strength(contacts, 0.7, 0.0, balance.force), CentralSettings())
 
 
 @pytest.fixture(scope="module")
@@ -118,25 +113,3 @@ def test_the_least_products_may_be_left_out(system: ContactSystem) -> None:
     forces[0, :3] = 1e-6, 1e-5, 1e-4
     found = [least_product(system, forces, z, ignored) for ignored in range(4)]
     assert found == pytest.approx(np.array([1e-6, 1e-5, 1e-4, 1.0]), rel=5e-3)
-
-
-@pytest.mark.parametrize("released", [False, True])
-@pytest.mark.parametrize("damping", [0.01, 0.1])
-def test_conjugate_gradients_find_the_directions_of_the_factor(beginning: ContactState, damping: float, released: bool) -> None:
-    steps: list[ContactState] = []
-    for settings in (CentralSettings(), CentralSettings(gradients=True, inner=1e-9, inner_steps=1000)):
-        system = system_with(settings)
-        few = np.arange(system.points) % 50 == 0
-        z = system.multipliers(beginning.rates)
-        linear = Linearisation(system, beginning.forces, z, beginning.rates, damping, few if released else None)
-        target = linear.divide(-system.product(linear.point, linear.point))
-        steps.append(linear.step(target, np.full_like(system.live, 1e-4), 0.01, 0.002))
-    exact, near = steps
-    for name in ("forces", "y", "rates"):
-        one, other = getattr(exact, name), getattr(near, name)
-        assert np.abs(one - other).max() < 1e-6 * np.abs(other).max()
-    assert exact.load_factor == pytest.approx(near.load_factor, rel=1e-6)
-    # The work asked for and the balance hold whatever else does.
-    assert float(system.live @ exact.y) == pytest.approx(-0.01, rel=1e-7)
-    left = system.couple(exact.forces) + exact.load_factor * system.live + np.full_like(system.live, 1e-4)
-    assert np.abs(left).max() < 1e-12 * np.abs(exact.forces).max()
