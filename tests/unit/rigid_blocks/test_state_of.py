@@ -9,7 +9,7 @@ import churchpipe as cp
 from churchpipe.generators import wall
 from churchpipe.stones.blocks import derive_blocks
 
-UPWARDS = cp.Tie("tie", (0.25, 0.0, 0.6), (1.75, 0.0, 0.6), strength=1e3)
+BAR = cp.Tie("tie", (0.25, 0.0, 0.6), (1.75, 0.0, 0.6), strength=1e3)
 
 
 def pile(height: float) -> tuple[cp.Assemblage, cp.Contacts]:
@@ -22,7 +22,7 @@ def rates(state: cp.LimitState, stones: cp.Assemblage, contacts: cp.Contacts, lo
 
 
 def ranks(state: cp.LimitState, stones: cp.Assemblage, contacts: cp.Contacts, load: cp.LoadCase) -> Any:
-    return cp.rank_ties(state, [UPWARDS], stones, contacts, load, verify=0)
+    return cp.rank_ties(state, [BAR], stones, contacts, load, verify=0)
 
 
 @pytest.mark.parametrize("use", [rates, ranks])
