@@ -199,7 +199,7 @@ def test_a_bar_that_breaks_leaves_the_wall_to_itself() -> None:
     model, tie = wall_and_post(4, 0.02, stiffness=2e6, ultimate=0.0006)
     curve = cp.pushover(model, cp.LoadCase((0, 1, 0)), [brick], membrane="CST", ties=[tie])
     bare = cp.pushover(model, cp.LoadCase((0, 1, 0)), [brick], membrane="CST")
-    assert curve.tie_forces[-1, 0] == pytest.approx(0.0, abs=1e-9)
+    assert curve.tie_forces[-1, 0] == 0.0
     assert curve.load_factor[-1] == pytest.approx(bare.load_factor[-1], rel=5e-3)
     assert curve.plateau > 1.05 * bare.plateau
 

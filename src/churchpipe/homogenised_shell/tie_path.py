@@ -74,7 +74,8 @@ class TiePath:
                 return state, tension, stretched
             changed = apart - changed
             slope = slope + np.outer(changed - slope @ moved, moved) / max(float(moved @ moved), np.finfo(float).tiny)
-            target: FloatArray = np.clip(tension - np.linalg.lstsq(slope, apart, rcond=None)[0], 0.0, self._most)
+            most = np.where(self._broken, 0.0, self._most)
+            target: FloatArray = np.clip(tension - np.linalg.lstsq(slope, apart, rcond=None)[0], 0.0, most)
             if np.abs(target - tension).max() <= SOLVER.tie_tension * self._most.max():
                 # At a bound that the slope points beyond.
                 target = 0.5 * (tension + self._law(stretched))
