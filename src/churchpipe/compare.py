@@ -96,6 +96,8 @@ _REASONS = {
     "non-associative": "joints of a non-associative one slide without opening, under thrusts that are one possibility of several",
     "shell": "the shell is associative too, with infinitely small stones, cracks as wide as an element and walls that meet on "
     "their mid-planes, so it may err to either side",
+    "cohesion": "joints with cohesion bear tension in the shell (up to the cohesion over the friction coefficient) and none "
+    "between stones, so the shell may be far too strong",
     "torsion": "friction at the corners of a joint overrates its resistance to torsion, which the torsion model gets right under "
     "uniform pressure",
     "crushing": "the masonry crushes in analyses of the stones and in a shell of cells alone",
@@ -134,9 +136,9 @@ def guidance(analyses: Sequence[Analysis], vaults: Mapping[str, Sequence[str]] |
     """
     asked = [[record for record in records if record.stands] for records in _asked(analyses).values()]
     # One that is below zero is told of even where it stands alone.
-    several = [sorted(own, key=_carefulness) for own in asked if len(own) > 1 or any(record.load_factor < 0 for record in own)]
+    several = [sorted(own, key=_carefulness) for own in asked if len(own) > 1 or any(_below(record) for record in own)]
     first = _of_vaults(asked, list(dict.fromkeys(name for names in (vaults or {}).values() for name in names)))
-    below = [records for records in several if records[0].load_factor < 0]
+    below = [records for records in several if _below(records[0])]
     first += [_below_zero(records) for records in below] + _loose_stones([record for records in asked for record in records])
     several = [records for records in several if records not in below]
     sentences = [_advice(records) for records in several]
@@ -162,9 +164,9 @@ def _of_vaults(asked: Sequence[Sequence[Analysis]], names: Sequence[str]) -> lis
 
 def _advice(records: Sequence[Analysis]) -> str:
     first = records[0]
-    least = f"{first.load_factor:.4f}"
-    alike = [record for record in records if f"{record.load_factor:.4f}" == least]
-    others = [f"{record.load_factor:.4f} ({_kind(record)})" for record in records if record not in alike]
+    least = f"{first.load_factor:z.4f}"
+    alike = [record for record in records if f"{record.load_factor:z.4f}" == least]
+    others = [f"{record.load_factor:z.4f} ({_kind(record)})" for record in records if record not in alike]
     start = f"{_load_words(first)}: use {least} ({'; '.join(map(_kind, alike))})"
     if not others:
         return f"{start}, in which all analyses agree."
@@ -183,12 +185,17 @@ def _loose_stones(analyses: Sequence[Analysis]) -> list[str]:
 def _below_zero(records: Sequence[Analysis]) -> str:
     """Return what a load factor below zero means, as a sentence; the one that leads is one."""
     first = records[0]
-    start = f"{_load_words(first)}: {first.load_factor:.4f} ({_kind(first)}) is below zero, and no load factor of the building: "
+    start = f"{_load_words(first)}: {first.load_factor:z.4f} ({_kind(first)}) is below zero, and no load factor of the building: "
     start += "in the state that was found stones fall under the dead load alone, before anything pushes. Only thrusts that need "
     start += "not be there can hold them, as over an opening with a flat head. Look at what moves: it needs a lintel, an arch or "
     start += "a tie."
-    above = [f"{record.load_factor:.4f} ({_kind(record)})" for record in records if record.load_factor >= 0]
+    above = [f"{record.load_factor:z.4f} ({_kind(record)})" for record in records if not _below(record)]
     return f"{start} What the other analyses found takes these thrusts for granted: {', '.join(above)}." if above else start
+
+
+def _below(record: Analysis) -> bool:
+    # Nothing to four digits is nothing, as without any friction.
+    return round(record.load_factor, 4) < 0
 
 
 def _load_words(record: Analysis) -> str:
@@ -203,10 +210,11 @@ def _kind(record: Analysis) -> str:
 def _reasons(records: Sequence[Analysis]) -> str:
     keys = {"shell" if record.of_shell else str(record.flow) for record in records}
     flows = {"associative", "non-associative"}
-    if flows <= keys and len({f"{record.load_factor:.4f}" for record in records if not record.of_shell}) == 1:
+    if flows <= keys and len({f"{record.load_factor:z.4f}" for record in records if not record.of_shell}) == 1:
         # Stones that agree under both differ from the shell for other reasons.
         keys -= flows
     keys |= {"planes" for record in records if record.planes in OUTER}
+    keys |= {"cohesion"} if any(record.of_shell and record.coheres for record in records) else set()
     keys |= {"torsion"} if len({record.contact_model for record in records if record.contact_model}) > 1 else set()
     keys |= {"crushing"} if len({record.crushes for record in records}) > 1 else set()
     return "; ".join(reason for key, reason in _REASONS.items() if key in keys)

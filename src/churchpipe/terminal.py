@@ -207,7 +207,7 @@ def mechanism_table(summary: Summary) -> Table | None:
         check = _activated(one)
         figures = [in_unit(check, name)[0] for name in ("moving_weight", "a0_lumped", "mass_fraction")] if check else [""] * 3
         words = [what_moves(one)] if named else []
-        table.add_row(one.name or one.load, *words, *(v if v == "" else f"{v:.4g}" for v in figures))
+        table.add_row(one.name or one.load, *words, *(v if v == "" else f"{round(v, 9):z.4g}" for v in figures))
     return table
 
 
@@ -339,7 +339,7 @@ def _bounds(analysis: Analysis) -> str:
 
 
 def _figure(value: float | None, digits: int = 6) -> str:
-    return "none" if value is None or not math.isfinite(value) else f"{value:.{digits}f}"
+    return "none" if value is None or not math.isfinite(value) else f"{value:z.{digits}f}"
 
 
 def _words(value: object) -> str:

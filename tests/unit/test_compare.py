@@ -100,6 +100,21 @@ def test_a_sentence_says_which_load_factor_to_use_and_why_they_differ() -> None:
     assert "planes of the paper are an outer approximation" in sentence
 
 
+def test_cohesion_is_named_where_it_makes_the_shell_stronger() -> None:
+    both = {"cohesion_kPa": 5.0}
+    stones, shell = analysed(0.25, flow="associative", **both), analysed(0.355, method="limit", **both)
+    [sentence] = guidance([stones, shell])
+    assert "joints with cohesion bear tension in the shell" in sentence
+    by_material = {"cohesion_kPa": {"a": 0.0, "b": 5.0}}
+    [sentence] = guidance([analysed(0.25, flow="associative", **by_material), analysed(0.355, method="limit", **by_material)])
+    assert "joints with cohesion bear tension in the shell" in sentence
+    # Nothing of it where joints have none, nor of stones alone.
+    [sentence] = guidance([analysed(0.25, flow="associative"), analysed(0.355, method="limit")])
+    assert "cohesion" not in sentence
+    [sentence] = guidance([stones, analysed(0.2, flow="non-associative", **both)])
+    assert "cohesion" not in sentence
+
+
 def test_stones_that_may_come_out_are_named_for_every_load() -> None:
     told = "the state at -0.0979 from the start centre does not lead: in it 1 stone (N1) comes out whatever pushes"
     loose = [
@@ -119,6 +134,13 @@ def test_a_load_factor_below_zero_is_none_to_use() -> None:
     assert "use -" not in sentence
     [alone] = guidance([sliding])
     assert alone.endswith("it needs a lintel, an arch or a tie.")
+
+
+def test_a_load_factor_that_rounds_to_nothing_is_not_below_zero() -> None:
+    nothing = [analysed(-5e-11, flow="associative"), analysed(-4e-5, flow="non-associative")]
+    assert guidance(nothing) == [
+        "Load -y: use 0.0000 (rigid blocks, associative; rigid blocks, non-associative), in which all analyses agree."
+    ]
 
 
 def test_there_is_nothing_to_say_of_one_value_or_of_none() -> None:

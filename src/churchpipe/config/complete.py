@@ -14,7 +14,7 @@ def check_complete(checked: Table, file: str) -> None:
 
     Raises
     ------
-    InputError: something is missing.
+    InputError: something is missing, or a shell is asked for whose joints have no friction.
     """
     materials: dict[str, Table] = checked.get("material") or {"default": {}}
     needed = [key for key in required(Material) if key != "name"]
@@ -29,6 +29,18 @@ def check_complete(checked: Table, file: str) -> None:
         meant = next((nearest(name, {*materials} - {*bare}) for name in bare if len(bare) < len(materials)), "")
         remedy = "Neither the file nor its drawing says them, and nothing is assumed."
         raise InputError(file, "missing keys", expected=", ".join(missing), remedy=f"{remedy} {meant}".strip())
+    if "shell" in checked:
+        _check_friction(checked, materials, file)
+
+
+def _check_friction(checked: Table, materials: Mapping[str, Table], file: str) -> None:
+    """Raise InputError where joints of the shell have no friction: its strength, an apex at cohesion over friction, is none."""
+    given = {f"material.{name}.friction": materials[name]["friction"] for name in _of_walls(checked, materials)}
+    given |= {f"joints.{n}.friction": group.get("friction") for n, group in enumerate(checked.get("joints", []))}
+    for key, value in given.items():
+        if value == 0:
+            remedy = "Leave out [shell]: the rigid blocks are analysed without friction too. Or give a small friction."
+            raise InputError(f"{file}: {key}", "no friction, which the shell needs", found=0, expected="> 0", remedy=remedy)
 
 
 def _of_walls(checked: Table, materials: Mapping[str, Table]) -> list[str]:

@@ -102,6 +102,8 @@ def not_swept(table: Table, key: str) -> None:
     sweep = table.get("sweep")
     if isinstance(sweep, dict) and not key.startswith("sweep.") and key in flatten(sweep):
         table["sweep"] = {swept: values for swept, values in flatten(sweep).items() if swept != key}
+        if not table["sweep"]:
+            del table["sweep"]
 
 
 def combinations(table: Table) -> Iterator[tuple[Table, Table]]:
@@ -114,9 +116,13 @@ def combinations(table: Table) -> Iterator[tuple[Table, Table]]:
     if not isinstance(sweep, dict):
         raise InputError("sweep", "not a table", found=sweep, expected='lists such as "material.default.friction" = [0.5, 0.6]')
     lists = flatten(sweep)
+    if "sweep" in table and not lists:
+        raise InputError("sweep", "nothing to sweep", found="an empty table", remedy="Give keys their values, or leave it out.")
     for key, values in lists.items():
         if not isinstance(values, list) or not values:
             raise InputError(f"sweep.{key}", "nothing to sweep", found=values, expected="a list of at least one value")
+        if twice := [value for number, value in enumerate(values) if value in values[:number]]:
+            raise InputError(f"sweep.{key}", "a value given twice", found=twice[0], expected="each value once")
     if "name" in lists:
         raise InputError(
             "sweep.name", "not to be swept", found=lists["name"], remedy="The name is that of the run: leave it out."

@@ -22,7 +22,7 @@ _ELEMENTS, _STEPS, _SAMPLES = 100_000, 5_000, 2_000
 
 _METRES = UNITS["_m"]
 # Tables of a case whose texts name the materials that something is made of.
-_MADE = ("source", "buttresses", "ring_beams")
+_MADE = ("source", "buttresses", "ring_beams", "variants")
 _RECTANGLE = Usual(50.0, 100e3, "a pier of a model to half a church")
 # Piers thinner than this many thicknesses of their groin vault are questioned.
 _PIER = 2.0

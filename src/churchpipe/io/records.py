@@ -156,6 +156,12 @@ class Analysis:
         return (not self.of_shell or self.planes == "cell") and bool(self.compressive_strength)
 
     @property
+    def coheres(self) -> bool:
+        """Whether some of its joints have cohesion."""
+        values = self.cohesion.values() if isinstance(self.cohesion, dict) else [self.cohesion]
+        return any(value > 0 for value in values) or any((group.cohesion or 0) > 0 for group in self.joints)
+
+    @property
     def kind(self) -> str:
         """Flow rule or method in words: with what its joints do besides rubbing at their corners, and with the strength of a
         shell where it is not the exact one."""

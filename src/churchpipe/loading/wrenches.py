@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from churchpipe.errors import InputError
 from churchpipe.loading.facets import Pieces, pieces_of, pieces_on
 from churchpipe.loading.placing import place_loads
 from churchpipe.model.arguments import check_kind
@@ -99,10 +100,11 @@ def shell_loaded(
     Raises
     ------
     InputError
-        As `loaded`.
+        As `loaded`; loads on walls that the shell does not have.
     """
     check_kind("shell_loaded: shell", shell, ShellModel)
     placed = loads if isinstance(loads, PlacedLoads) else place_loads(stones, loads)
+    _check_walls(shell, placed)
     bodies = _Bodies(shell.body_centroid, shell.body_weight, shell.body_panel, float(shell.points[:, 2].min()))
     pieces = pieces_on(shell, placed)
     push = _push(load, bodies, placed)
@@ -112,6 +114,21 @@ def shell_loaded(
         for force, own in ((placed.dead, load.dead_nodes), (push[0], load.live_nodes))
     ]
     return replaced(whole, dead_nodes=nodes[0], live_nodes=nodes[1])
+
+
+def _check_walls(shell: ShellModel, placed: PlacedLoads) -> None:
+    """Raise InputError for loads on walls that a shell does not have: they are of another building."""
+    known = np.union1d(shell.panel, shell.beams.name)
+    strange = np.flatnonzero(~np.isin(placed.wall, known))
+    if len(strange):
+        first = strange[0]
+        raise InputError(
+            "loads",
+            "on a wall that the shell does not have",
+            found=f"{placed.load[first]} on {placed.wall[first]}",
+            expected=", ".join(known.tolist()),
+            remedy="Give the shell and the stones of one building.",
+        )
 
 
 def resultant(centroid: FloatArray, wrench: FloatArray) -> FloatArray:

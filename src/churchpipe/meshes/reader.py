@@ -235,7 +235,8 @@ def _coarse(source: Source, size: float) -> list[Finding]:
     with np.errstate(over="ignore", invalid="ignore"):
         single = points.astype(np.float32)
         step = float(np.spacing(np.abs(single).max(initial=0.0)))
-    if step <= COARSE[0] * size or (single != points).any():
+    # Rounded numbers end in either bit; round ones, which happen to be numbers of 32 bits, in zeros.
+    if step <= COARSE[0] * size or (single != points).any() or not (single.view(np.uint32) & 1).any():
         return []
     found = "the coordinates are numbers of 32 bits, which are {} apart so far from the origin"
     code = "E47" if step > COARSE[1] * size else "W47"

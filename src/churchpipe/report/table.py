@@ -104,7 +104,7 @@ def figure(value: object, digits: int = 6) -> str:
         return "none"
     if math.isinf(value):
         return "no limit"
-    return minus(f"{value:.{digits}f}")
+    return minus(f"{value:z.{digits}f}")
 
 
 def amount(value: object, digits: int) -> str:

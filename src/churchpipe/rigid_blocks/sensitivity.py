@@ -113,10 +113,21 @@ def verify_gains(
     Raises
     ------
     InputError
-        Arguments of the wrong kind.
+        Arguments of the wrong kind; rates or contacts of other stones.
     """
     check_kind("verify_gains: rates", rates, Sensitivities)
     check_kind("verify_gains: stones", stones, Assemblage)
+    check_kind("verify_gains: contacts", contacts, Contacts)
+    check_contacts_of(stones, contacts)
+    walls = np.unique(stones.panel[~stones.fixed])
+    if not np.array_equal(rates.panel, walls) or len(rates.joint) != len(contacts.area):
+        raise InputError(
+            "verify_gains: rates",
+            "are of other stones",
+            found=f"walls {', '.join(rates.panel.tolist())}; {len(rates.joint)} joints",
+            expected=f"{', '.join(walls.tolist())}; {len(contacts.area)} joints",
+            remedy="Give the stones and contacts from which sensitivities made them.",
+        )
     whole("verify_gains: best", best, least=0)
     with_cohesion, with_weight = rates.with_cohesion.copy(), rates.with_weight.copy()
     for wall in np.argsort(-rates.cohesion, kind="stable")[:best].tolist():

@@ -13,7 +13,7 @@ from churchpipe.errors import InputError
 from churchpipe.model.arguments import check_kind, listed, one_of
 from churchpipe.model.arrays import FloatArray, array_of
 from churchpipe.model.assemblage import Assemblage
-from churchpipe.model.contacts import Contacts
+from churchpipe.model.contacts import Contacts, check_contacts_of
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.names import ContactModel, Flow
 from churchpipe.model.results import LimitState
@@ -43,7 +43,7 @@ class LimitStudy:
     Raises
     ------
     InputError
-        Arguments of the wrong kind.
+        Arguments of the wrong kind; contacts of other stones.
     """
 
     def __init__(
@@ -57,6 +57,7 @@ class LimitStudy:
     ) -> None:
         check_kind("LimitStudy: stones", stones, Assemblage)
         check_kind("LimitStudy: contacts", contacts, Contacts)
+        check_contacts_of(stones, contacts)
         one_of("LimitStudy: contact_model", contact_model, "corners", "torsion")
         self._stones, self._contacts, self._solver = stones, contacts, solver
         self._model: ContactModel = contact_model

@@ -184,6 +184,22 @@ def test_what_set_broke_is_not_blamed_on_the_file_alone(change: str, said: str, 
 
 
 @pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ("material.default.friction=0", "--set, material.default.friction: no friction, which the shell needs; found 0"),
+        ('joints=[{name="a", kind="bed", friction=0}]', "--set, joints.0.friction: no friction, which the shell needs; found 0"),
+    ],
+)
+def test_a_shell_has_friction(change: str, said: str, tmp_path: Path) -> None:
+    path = case_file(tmp_path, WALL)
+    assert read_case(path, [change])
+    with pytest.raises(InputError) as caught:
+        read_case(path, ["shell.element_size_mm=400", change])
+    assert said in str(caught.value)
+    assert "Leave out [shell]" in str(caught.value)
+
+
+@pytest.mark.parametrize(
     ("swept", "said"),
     [
         (
@@ -192,6 +208,11 @@ def test_what_set_broke_is_not_blamed_on_the_file_alone(change: str, said: str, 
         ),
         ('"material.default.friction" = [0.5, nan]', r"line 13, \[sweep\], material\.default\.friction: wrong value; found nan;"),
         ('"rigid.frow" = [1, 2]', r"line 13, \[sweep\], rigid\.frow: unknown key"),
+        (
+            '"material.default.friction" = [0.5, 0.6, 0.5]',
+            r"line 13, \S+: a value given twice; found 0\.5; expected each value once",
+        ),
+        ("", r"line 12, sweep: nothing to sweep; found an empty table\. Give keys their values, or leave it out"),
         ('"sweep" = [1]', r"line 13, sweep\.sweep: not to be swept\. Give the values of its key in \[sweep\] itself"),
         ('"sweep.rigid.solver" = ["auto"]', r"line 13, sweep\.sweep\.rigid\.solver: not to be swept"),
     ],

@@ -184,7 +184,7 @@ def test_a_material_that_a_variant_alone_is_made_of_is_not_questioned(tmp_path: 
     path = tmp_path / "w.toml"
     beam = '[[variants]]\nname = "beam"\n[[variants.add.ring_beams]]\nwalls = ["wall"]\nheight_m = 0.2\nmaterial = "concrete"\n'
     path.write_text(CASE.format(**SOUND) + "[material.concrete]\nunit_weight_kN_m3 = 25\nfriction = 0.6\n" + beam)
-    assert questions(read_variants(path)) == []
+    assert questions(read_variants(path)) == questions([read_case(path)]) == []
 
 
 def test_a_seat_of_joists_out_of_all_reason_is_questioned(tmp_path: Path) -> None:

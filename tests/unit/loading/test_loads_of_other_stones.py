@@ -7,7 +7,7 @@ import pytest
 
 import churchpipe as cp
 from churchpipe.errors import InputError
-from churchpipe.generators import wall
+from churchpipe.generators import box, wall
 
 MASONRY = (cp.Material("default", 2e4, 0.6),)
 SHORT, LONG = (wall(length=length, brick=(0.5, 0.25, 0.25), courses=3, materials=MASONRY) for length in (2.0, 3.0))
@@ -36,3 +36,11 @@ def test_the_gate_says_that_it_takes_placed_loads() -> None:
     shell = cp.derive_shell(SHORT, 0.5)
     with pytest.raises(InputError, match=r"match_models: loads\[0\]: wrong kind; found LineLoad; expected a PlacedLoads"):
         cp.match_models(STONES, cp.find_contacts(STONES), shell, cast("Any", [ROOF]))
+
+
+def test_a_shell_without_the_wall_of_a_load_is_refused() -> None:
+    placed = cp.place_loads(STONES, [ROOF])
+    room = cp.derive_shell(box(length=2.0, width=2.0, brick=(0.5, 0.25, 0.25), courses=3, materials=MASONRY), 0.5)
+    said = "loads: on a wall that the shell does not have; found line load roof on wall; expected east, north, south, west"
+    with pytest.raises(InputError, match=said):
+        cp.shell_loaded(PUSH, room, STONES, placed)

@@ -57,6 +57,15 @@ def test_single_precision_far_from_the_origin_is_told(shift: float, code: str, t
         assert "near the origin" in str(findings)
 
 
+def test_round_coordinates_far_from_the_origin_are_not_coarse(tmp_path: Path) -> None:
+    # Whole metres and halves at 4000 km are numbers of 32 bits by themselves, and nothing was rounded.
+    bricks = [box((0.5 * k, 0.5 * k + 0.5), (4e6, 4e6 + 0.5), (0.5 * z, 0.5 * z + 0.5)) for k in range(4) for z in range(3)]
+    path = write_obj(Assemblage.from_polyhedra(bricks, 1.0), tmp_path / "wall.obj")
+    stones, findings = cp.read_stones(path, unit_weight=20e3, support="base")
+    assert not [found for found in findings.codes if found.endswith("47")]
+    assert stones.centroid[~stones.fixed, 1].tolist() == [4e6 + 0.25] * len(bricks)
+
+
 def read(path: Path, exact: Assemblage, expected: set[str]) -> tuple[Assemblage, Contacts]:
     """The stones of a file and their joints, which are those of the exact stones; the file has the findings expected."""
     stones, findings = cp.read_stones(path, unit_weight=20e3)
