@@ -205,9 +205,10 @@ def mechanism_table(summary: Summary) -> Table | None:
     table.caption = _folded(len(listed))
     for one in listed[:MOST_ROWS]:
         check = _activated(one)
-        figures = [in_unit(check, name)[0] for name in ("moving_weight", "a0_lumped", "mass_fraction")] if check else [""] * 3
+        names = ("moving_weight", "a0_lumped", "mass_fraction")
+        figures = [f"{round(in_unit(check, name)[0], 9):z.4g}" for name in names] if check else [""] * 3
         words = [what_moves(one)] if named else []
-        table.add_row(one.name or one.load, *words, *(v if v == "" else f"{round(v, 9):z.4g}" for v in figures))
+        table.add_row(one.name or one.load, *words, *figures)
     return table
 
 

@@ -1,6 +1,7 @@
 """Questions about values that no masonry building has. They refuse nothing: a slip of a unit is found, a study goes on."""
 
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import is_dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING, Any, cast
@@ -8,7 +9,10 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from churchpipe.config.carries import KINDS, LOADS, plain
+from churchpipe.errors import InputError
+from churchpipe.geometry.charts import lift
 from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.building import Panel
 from churchpipe.model.doubts import question
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.quantities import UNITS, Usual, declared, unit_of, written
@@ -26,6 +30,8 @@ _MADE = ("source", "buttresses", "ring_beams", "variants")
 _RECTANGLE = Usual(50.0, 100e3, "a pier of a model to half a church")
 # Piers thinner than this many thicknesses of their groin vault are questioned.
 _PIER = 2.0
+# Surfaces that are higher than a wall by more, m, are questioned.
+_LEVEL = 0.01
 _DILATANT_VAULT = (
     "A vault is analysed with joints that open as they slide, an upper estimate, up to twice the load factor that is "
     'safe: flow = "non-associative" in [rigid] gives the value to use. Is it left out on purpose?'
@@ -107,6 +113,7 @@ def _of_case(case: "Case") -> Iterator[str]:
     yield from _of_directions(case)
     yield from _of_vaults(case)
     yield from _of_fills(case)
+    yield from _of_pressures(case)
     yield from (f"{said} Is it meant?" for said in (*case.loose_ends(), *case.hanging()))
     yield from _of_storeys(case)
     yield from _of_beams(case)
@@ -280,6 +287,22 @@ def _of_fills(case: "Case") -> Iterator[str]:
             "[[fills]] press on what they lie on, and on nothing beside it. Loose fill pushes the walls of its vault outwards as "
             "well, and without that they come out too strong: [[pressures]] on each of them say it. Is it left out on purpose?"
         )
+
+
+def _of_pressures(case: "Case") -> Iterator[str]:
+    """Yield what to ask about soil or water whose surface is above the wall that it presses on."""
+    panels: Sequence[Panel] = ()
+    if case.carries.pressures and hasattr(case.source, "generator"):
+        with suppress(InputError):  # Told, with its line, where the building is made.
+            panels = case.laid().panels
+    tops = {panel.name: float(lift(panel.chart, panel.outline)[:, 2].max()) for panel in panels}
+    for number, pressure in enumerate(case.carries.pressures):
+        top = tops.get(pressure.wall, np.inf)
+        if pressure.top > top + _LEVEL:
+            yield (
+                f"pressures.{number}.top_m is {pressure.top:g}, and {pressure.wall} ends at z = {top:.4g} m: what is higher would "
+                "spill over the wall, and its weight is taken as one on the surface of what is below. Is it meant?"
+            )
 
 
 def _of_record(record: Any, place: str) -> Iterator[str]:

@@ -55,6 +55,16 @@ def test_a_rectangle_of_ground_in_metres_is_questioned(tmp_path: Path) -> None:
     assert question.startswith("the shorter side of movements.0.within_mm is 0.25 mm, usual are 50 to 100000 mm")
 
 
+@pytest.mark.parametrize(("top", "asked"), [(30.0, 1), (2.05, 1), (2.0, 0), (0.3, 0), (-1.0, 0)])
+def test_soil_above_its_wall_is_questioned(top: float, asked: int, tmp_path: Path) -> None:
+    path = tmp_path / "w.toml"
+    path.write_text(CASE.format(**SOUND))
+    soil = f'pressures=[{{wall="wall", toward=[0, 1, 0], unit_weight_kN_m3=18, top_m={top}}}]'
+    said = questions([read_case(path, [soil])])
+    assert len(said) == asked
+    assert all(text.startswith(f"pressures.0.top_m is {top:g}, and wall ends at z = 2 m: what is higher") for text in said)
+
+
 @pytest.mark.parametrize("key", ["contact_gap_mm", "overlap_mm"])
 def test_tolerances_larger_than_any_joint_are_questioned(key: str, tmp_path: Path) -> None:
     """With them stones of a drawing in another unit meet, or lie in each other, and nothing is said."""
