@@ -2,6 +2,7 @@
 
 import html
 import re
+from types import ModuleType
 from typing import Any
 
 from mkdocs.config.defaults import MkDocsConfig
@@ -38,7 +39,8 @@ def python_api() -> str:
     objects = {name: getattr(cp, name) for name in sorted(vars(cp)["__all__"], key=str.lower)}
     kinds = {FUNCTIONS: [], CLASSES: []}
     for name, item in objects.items():
-        if not isinstance(item, str):
+        # The generators take the keys of a case file, and have their tables there.
+        if not isinstance(item, str | ModuleType):
             kinds[CLASSES if isinstance(item, type) else FUNCTIONS].append(f"::: {item.__module__}.{name}")
     parts = ["# Python", "All names are those of `import churchpipe as cp`. Units are SI: metres, newtons, pascals, radians."]
     for title, entries in kinds.items():

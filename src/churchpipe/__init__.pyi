@@ -1,3 +1,4 @@
+from . import generators as generators
 from ._version import __version__ as __version__
 from .config.case import read_case as read_case
 from .config.distributions import SampledParameter as SampledParameter

@@ -292,8 +292,9 @@ def sample(settings: Path, file: Path, record: Path, *shared: Path) -> None:
 def compare(plan: Path, summary: Path, table: Path, samples: Path | None = None) -> None:
     """All analyses of a plan -> summary.json and table.csv; those of all samples -> samples.csv."""
     from churchpipe import compare as results
-    from churchpipe.config.plausible import size_questions, unanswered
+    from churchpipe.config.plausible import unanswered
     from churchpipe.run_folder import read_run
+    from churchpipe.stones.sizes import size_questions
 
     run = read_run(plan)
     sizes, meshes = {name: results.size(*run.stones(name)) for name in run.index["geometries"]}, run.meshes()

@@ -11,8 +11,8 @@ import numpy as np
 from churchpipe.config.carries import KINDS, LOADS, plain
 from churchpipe.errors import InputError
 from churchpipe.geometry.charts import lift
-from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import Panel
+from churchpipe.model.carried import SURFACE
 from churchpipe.model.doubts import question
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.quantities import UNITS, Usual, declared, unit_of, written
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 # More is asked about before a run (docs/benchmarks_shell.md).
 _ELEMENTS, _STEPS, _SAMPLES = 100_000, 5_000, 2_000
 
-_METRES = UNITS["_m"]
 # Tables of a case whose texts name the materials that something is made of.
 _MADE = ("source", "buttresses", "ring_beams", "variants")
 _RECTANGLE = Usual(50.0, 100e3, "a pier of a model to half a church")
@@ -40,9 +39,6 @@ _NO_CURVE = (
     "check.spectrum is for the check by displacements, which follows the stones along a capacity curve, and the case asks for no "
     "curve: a table [rigid.curve] does, without any key. Is it left out on purpose?"
 )
-HEIGHT = Usual(0.05, 200.0, "models of tilting tests to the tallest spires")
-LENGTH = Usual(0.05, 500.0, "models of tilting tests to the longest churches")
-STONE = Usual(0.005, 25.0, "bricks of models to the largest cut stones")
 
 
 def questions(cases: Sequence["Case"]) -> list[str]:
@@ -59,17 +55,6 @@ def unanswered(asked: Sequence[str]) -> list[str]:
 def work_questions(cases: Sequence["Case"]) -> list[str]:
     """Return what to ask before a run that would take days or all memory, each once."""
     return list(dict.fromkeys(text for case in cases for text in _of_work(case)))
-
-
-def size_questions(stones: Assemblage) -> list[str]:
-    """Return what to ask about the extents of a structure and of its stones, supports left out."""
-    first = stones.block_point_ptr[:-1]
-    low, high = (reduce.reduceat(stones.points, first)[~stones.fixed] for reduce in (np.minimum, np.maximum))
-    side, whole = (high - low).max(axis=1), high.max(axis=0) - low.min(axis=0)
-    sizes = (("the height of the structure", HEIGHT, whole[2]), ("the length of the structure", LENGTH, whole[:2].max()))
-    sides = [("the longest side of a stone", STONE, side.max()), ("the longest side of a stone", STONE, side.min())]
-    asked = [question(name, float(found), usual, _METRES) for name, usual, found in (*sizes, *sides)]
-    return list(dict.fromkeys(text for text in asked if text))
 
 
 def _of_variants(cases: Sequence["Case"]) -> Iterator[str]:
@@ -298,10 +283,11 @@ def _of_pressures(case: "Case") -> Iterator[str]:
     tops = {panel.name: float(lift(panel.chart, panel.outline)[:, 2].max()) for panel in panels}
     for number, pressure in enumerate(case.carries.pressures):
         top = tops.get(pressure.wall, np.inf)
-        if pressure.top > top + _LEVEL:
+        # Higher ones are questioned by themselves.
+        if top + _LEVEL < pressure.top <= SURFACE.high:
             yield (
-                f"pressures.{number}.top_m is {pressure.top:g}, and {pressure.wall} ends at z = {top:.4g} m: what is higher would "
-                "spill over the wall, and its weight is taken as one on the surface of what is below. Is it meant?"
+                f"pressures.{number}.top_m is {pressure.top:g}, and {pressure.wall} ends at z = {top:.4g} m: what is higher "
+                "would spill over the wall, and its weight is taken as one on the surface of what is below. Is it meant?"
             )
 
 

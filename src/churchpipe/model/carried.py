@@ -26,7 +26,7 @@ _LEVEL_ON_A_LINE = Usual(-200, 200, "rafters push with some 2, vaults with up to
 _AT_A_POINT = Usual(0, 5000, "beams bring 10 to 100, columns of upper storeys some hundreds")
 _LEVEL_AT_A_POINT = Usual(-2000, 2000, "ropes, props and arches push and pull with some 10 to 500")
 _EARTH = Usual(0, 15, "active earth pressure has 0.2 to 0.5, water 1, passive up to 10")
-_SURFACE = Usual(-50, 50, "ground and water beside buildings")
+SURFACE = Usual(-50, 50, "ground and water beside buildings")
 _ON_SOIL = Usual(0, 200, "traffic brings some 10, buildings beside the wall up to 100")
 _ON_AN_AREA = Usual(0, 50, "roofs have 1 to 3, floors with what stands on them up to 15")
 
@@ -298,7 +298,7 @@ class Pressure:
     unit_weight: Annotated[
         float, Quantity("_kN_m3", 0.0, usual=Usual(0, 30, "water has 10, soil 15 to 22")), "Of the soil or water."
     ]
-    top: Annotated[float, Quantity("_m", usual=_SURFACE), "z of its surface."]
+    top: Annotated[float, Quantity("_m", usual=SURFACE), "z of its surface."]
     coefficient: Annotated[
         float, Quantity("", 0.0, usual=_EARTH), "1 for water; of soil that of its pressure, active or at rest."
     ] = 1.0

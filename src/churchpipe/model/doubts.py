@@ -72,6 +72,13 @@ def doubt_argument(name: str, values: Any, kind: type, field: str) -> None:
         _warn(name, one, item.key, item.quantity.usual, 3)
 
 
+def doubt(sentences: Iterable[str]) -> None:
+    """Warn of what there is to ask in the public function that calls this; not where it is called from inside this package."""
+    if _module(_caller(_caller(currentframe()))).partition(".")[0] != _OURS:
+        for sentence in sentences:
+            warnings.warn(sentence, DoubtfulValue, stacklevel=3)
+
+
 def _caller(frame: FrameType | None) -> FrameType | None:
     return frame.f_back if frame else None
 

@@ -18,10 +18,12 @@ from churchpipe.model.arguments import check_kind
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage, assemble
 from churchpipe.model.building import Building, CylinderChart, Panel
+from churchpipe.model.doubts import doubt
 from churchpipe.model.materials import by_name
 from churchpipe.stones.pierced import pierced_solids
 from churchpipe.stones.prisms import Solids, solids_of, stations_of, thicken
 from churchpipe.stones.ring_beams import add_beams
+from churchpipe.stones.sizes import size_questions
 from churchpipe.vaults.stones import stone_parts, vault_stones
 
 # Relative difference allowed between the stones and the walls.
@@ -31,7 +33,7 @@ GROUND = "ground"
 
 def derive_blocks(building: Building) -> Assemblage:
     """Return the stones of a building: first the fixed bodies (ground plate, supports), then the stones of the walls, panel by
-    panel, then those of the vaults, and ring beams.
+    panel, then those of the vaults, and ring beams. Sizes that no building has are warned of (`DoubtfulValue`).
 
     Stones are named "panel-course-number", numbered along the course; voussoirs "panel-region-number". The volume of the stones
     is checked against that of the walls and vaults.
@@ -70,6 +72,7 @@ def derive_blocks(building: Building) -> Assemblage:
             expected=f"{expected:.9g} m3 of walls and vaults",
             remedy="Look for rings, lintels or walls that overlap, or parts of a wall without a bond.",
         )
+    doubt(size_questions(stones))
     return add_beams(stones, building.ring_beams, {material.name: material.unit_weight for material in building.materials})
 
 

@@ -131,6 +131,12 @@ def test_a_failed_write_leaves_the_old_drawing(tmp_path: Path, monkeypatch: pyte
     assert list(tmp_path.iterdir()) == [path]
 
 
+def test_a_drawing_has_the_name_of_one(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"write_dxf: path: not the name of a drawing; found a\.obj; expected .* ends in \.dxf"):
+        write_dxf(wedge_and_ground(), tmp_path / "a.obj")
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_missing_folder_is_an_input_error(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="cannot be written"):
         write_dxf(wedge_and_ground(), tmp_path / "none" / "a.dxf")

@@ -62,6 +62,10 @@ CALLS: list[tuple[Callable[[], Any], str]] = [
         lambda: cp.read_dxf(CORPUS / "sound.dxf", unit_weight={"default": 18e3, "granite": 26.0}, thickness=0.12),
         r"read_dxf: unit_weight is 0\.026 kN/m3 \(given as 26 in SI",
     ),
+    (
+        lambda: cp.derive_blocks(cp.generators.wall(length=1200, brick=(0.4, 0.25, 0.2), courses=3)),
+        r"the length of the structure is 1200 m, usual are 0\.05 to 500 m",
+    ),
     (lambda: cp.with_ring_beams(WALL, ["wall"], height=0.2, unit_weight=25.0), r"with_ring_beams: unit_weight is 0\.025 kN/m3"),
     (
         lambda: cp.with_fill(PUSH, WALL, "wall", 2.0, 15.0, cp.find_contacts(WALL)),
