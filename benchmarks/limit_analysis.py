@@ -1,13 +1,13 @@
 """Speed and size of limit analysis on box buildings and other shapes: our interior-point core, Clarabel, cvxpy.
 
     PYTHONPATH=tests python benchmarks/limit_analysis.py --models 1k 5k 10k 20k 50k
-    PYTHONPATH=tests python benchmarks/limit_analysis.py --models low tube street church --solvers interior-point clarabel --to X
-    PYTHONPATH=tests python benchmarks/limit_analysis.py --models 20k 100k --solvers interior-point --threads 1 2 --to X
+    PYTHONPATH=tests python benchmarks/limit_analysis.py --models low tube street church --solvers interior-point clarabel
+    PYTHONPATH=tests python benchmarks/limit_analysis.py --models 20k 100k --solvers interior-point --threads 1 2
 
 Every run is a process of its own, with one thread unless more are asked for, so that peak memory and processor time are its
 own. Clarabel has its default settings and the form that suits it best (kinematic, forces in the weight of a stone). With
 `--mkl DIR` it also runs with the PARDISO of an MKL wheel: DIR must hold libmkl_rt.so (a link to the wheel's libmkl_rt.so.N).
-Writes docs/benchmarks_limit_analysis.md.
+Prints a table for docs/benchmarks_limit_analysis.md.
 """
 
 import argparse
@@ -16,7 +16,6 @@ import os
 import resource
 import subprocess
 import sys
-from pathlib import Path
 from time import perf_counter, process_time
 from typing import Any
 
@@ -25,7 +24,6 @@ import numpy as np
 # The largest model of each, and the cap of one run, s.
 LIMITS = {"interior-point": 10**6, "clarabel": 6000, "clarabel-mkl": 21000, "cvxpy": 6000}
 CAP = 600
-DOCUMENT = Path(__file__).parents[1] / "docs" / "benchmarks_limit_analysis.md"
 
 
 def model(name: str) -> tuple[Any, Any]:
@@ -108,12 +106,12 @@ def in_child(name: str, solver: str, threads: int, mkl: str, cap: float) -> dict
     return json.loads(done.stdout.splitlines()[-1]) | {"threads": threads}
 
 
-def table(rows: list[dict[str, Any]], command: str) -> str:
-    """Return the document: one row a run, then exponents of growth and the distance from bare factorisations."""
+def table(rows: list[dict[str, Any]]) -> str:
+    """Return the table: one row a run, then exponents of growth and the distance from bare factorisations."""
     head = (
         "| model | stones | points | solver | outcome | iterations | processor s | wall s | memory MiB | nonzeros of L | bounds |"
     )
-    lines = ["# Limit analysis: speed and size", "", f"    {command}", "", head, "|" + "---|" * 11]
+    lines = [head, "|" + "---|" * 11]
     for row in rows:
         bounds = f"{row['lower']:.8f} .. {row['upper']:.8f}" if "lower" in row else ""
         cells = [row.get(key, "") for key in ("model", "stones", "points", "solver", "outcome", "iterations")]
@@ -148,17 +146,16 @@ def table(rows: list[dict[str, Any]], command: str) -> str:
             f"{row['model']}: one factorisation {bare:.3f} s; an iteration costs {share:.1f} of them, "
             f"the solve {row['processor'] / (25 * bare):.1f} times 25 of them."
         )
-    return "\n".join(lines) + "\n"
+    return "\n".join(lines)
 
 
 def main() -> None:
-    """Run the chosen models, solvers interleaved, and write the document."""
+    """Run the chosen models, solvers interleaved, and print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--models", nargs="+", default=["1k", "5k", "10k", "20k", "50k"])
     parser.add_argument("--solvers", nargs="+", default=["interior-point", "clarabel", "cvxpy"], choices=LIMITS)
     parser.add_argument("--threads", nargs="+", type=int, default=[1], help="of our own solver; the others have one")
     parser.add_argument("--mkl", default="", metavar="DIR", help="folder with libmkl_rt.so, for clarabel-mkl")
-    parser.add_argument("--to", type=Path, default=DOCUMENT, help="file that the table is written to")
     parser.add_argument("--cap", type=float, default=CAP, help="of one run, s of wall time")
     parser.add_argument("--one", nargs=2, metavar=("MODEL", "SOLVER"), help="one run, as JSON")
     chosen = parser.parse_args()
@@ -171,12 +168,8 @@ def main() -> None:
             if all(row.get("stones", 0) <= LIMITS[solver] for row in rows if row["model"] == name):
                 for threads in chosen.threads if solver == "interior-point" else [1]:
                     rows.append(in_child(name, solver, threads, chosen.mkl, chosen.cap))
-                    print(rows[-1], flush=True)
-    command = f"PYTHONPATH=tests python benchmarks/limit_analysis.py --models {' '.join(chosen.models)}"
-    command += f" --solvers {' '.join(chosen.solvers)}"
-    command += f" --threads {' '.join(map(str, chosen.threads))}" if chosen.threads != [1] else ""
-    command += " --mkl DIR" if chosen.mkl else ""
-    chosen.to.write_text(table(rows, command), encoding="utf-8")
+                    print(rows[-1], file=sys.stderr, flush=True)
+    print(table(rows))
 
 
 if __name__ == "__main__":

@@ -28,7 +28,14 @@ def check_complete(checked: Table, file: str) -> None:
         bare = [name for name, table in materials.items() if needed[0] not in table]
         meant = next((nearest(name, {*materials} - {*bare}) for name in bare if len(bare) < len(materials)), "")
         remedy = "Neither the file nor its drawing says them, and nothing is assumed."
-        raise InputError(file, "missing keys", expected=", ".join(missing), remedy=f"{remedy} {meant}".strip())
+        # Of one material alone: where it stands.
+        alone = [f"material.{name}" for name in checked.get("material", {}) if all(f".{name}." in key for key in missing)]
+        raise InputError(
+            f"{file}: {alone[0]}" if alone else file,
+            "missing keys",
+            expected=", ".join(missing),
+            remedy=f"{remedy} {meant}".strip(),
+        )
     if "shell" in checked:
         _check_friction(checked, materials, file)
 

@@ -150,7 +150,7 @@ SET = (
         ("source.dxf=a.dxf", "line 2 with --set source.dxf, source: no single source"),
         ("source.openings.0.start_mm=9e4", "line 7 with --set source.openings.0.start_mm, source.openings: an opening"),
         ("material.default.friction=-1", "--set, material.default.friction: wrong value; found -1"),
-        ("material.new.friction=.5", "case.toml: missing keys; expected material.new.unit_weight_kN_m3."),
+        ("material.new.friction=.5", "case.toml: --set, material.new: missing keys; expected material.new.unit_weight_kN_m3."),
         ("load.0.direction=[1,0]", "--set, load.0.direction: wrong value; found [1, 0]"),
         ("load.0.direction=[0,0,0]", "line 11 with --set load.0.direction, load.0: no direction"),
         ("load.3.direction=[1,0,0]", "--set load.3.direction: no such entry; found 3; expected 0, the only one"),
@@ -207,6 +207,7 @@ def test_a_shell_has_friction(change: str, said: str, tmp_path: Path) -> None:
             r"case\.toml: line 13, \[sweep\], source\.courses: wrong value; found 3\.5; expected a whole number",
         ),
         ('"material.default.friction" = [0.5, nan]', r"line 13, \[sweep\], material\.default\.friction: wrong value; found nan;"),
+        ('"material.defult.friction" = [0.5]', r'line 13 .*, material\.defult: missing keys; .* Did you mean "default"\?'),
         ('"rigid.frow" = [1, 2]', r"line 13, \[sweep\], rigid\.frow: unknown key"),
         (
             '"material.default.friction" = [0.5, 0.6, 0.5]',

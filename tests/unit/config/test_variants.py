@@ -170,7 +170,10 @@ REFUSED = [
     ('remove = ["variants"]', r"variants\.0\.remove: a variant of variants"),
     ('add.variants = [{ name = "b" }]', r"variants\.0\.add: a variant of variants"),
     ('remove = ["load"]', r': variant "a" of line \d+: missing keys; expected load'),
-    ('remove = ["material.default.friction"]', r': variant "a" of line \d+: missing keys; expected material\.default\.friction'),
+    (
+        'remove = ["material.default.friction"]',
+        r': line \d+ with variant "a" of line \d+, material.default: missing keys; expected material\.default\.friction',
+    ),
     ('remove = ["source"]', r'line 1 with variant "a" of line \d+, source: missing key'),
 ]
 
