@@ -181,10 +181,23 @@ def results_table(summary: Summary) -> Table:
             Text(analysis.status, STATUS_STYLES.get(analysis.status, "red")),
             *([Text(word := verdict(check), "red" if word == NOT_SATISFIED else "")] if safety else []),
         )
-    table.caption = _folded(len(analyses))
+    if analyses:
+        _explain(table, len(analyses), [*_WORDS, *(_OF_CHECK if safety else [])])
     # A case may move supports alone.
     table.show_header = bool(analyses)
     return table
+
+
+# What columns are, for whoever sees them for the first time.
+_WORDS = ("load factor: load that brings it down, over the weight that is pushed", "bounds apart: proved from below and above")
+_OF_CHECK = ("zeta_E: earthquake that it withstands, over that of the site",)
+_OF_MECHANISM = ("a0*: acceleration that starts it, as one body", "e* of stones: share of its mass that takes part")
+
+
+def _explain(table: Table, rows: int, words: Sequence[str]) -> None:
+    """Write below a table what its columns are, and how many rows are left out."""
+    table.caption = "\n".join([*filter(None, [_folded(rows)]), *words])
+    table.caption_justify = "left"
 
 
 def _folded(count: int) -> str | None:
@@ -202,7 +215,7 @@ def mechanism_table(summary: Summary) -> Table | None:
         table.add_column("what moves: share of the motion")
     for title in ("moving, kN", "a0*, m/s2", "e* of stones"):
         table.add_column(title, justify="right")
-    table.caption = _folded(len(listed))
+    _explain(table, len(listed), _OF_MECHANISM)
     for one in listed[:MOST_ROWS]:
         check = _activated(one)
         names = ("moving_weight", "a0_lumped", "mass_fraction")

@@ -233,8 +233,8 @@ def _print_results(path: Path) -> None:
     from churchpipe.terminal import mechanism_table, remarks, results_table
 
     summary = read_summary(path)
-    out.print(results_table(summary))
-    if mechanisms := mechanism_table(summary):
-        out.print(mechanisms)
+    for table in filter(None, (results_table(summary), mechanism_table(summary))):
+        out.print(table)
+        out.print()
     for line in remarks(summary):
         out.print(line, soft_wrap=True)
