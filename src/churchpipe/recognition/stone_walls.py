@@ -17,7 +17,7 @@ from churchpipe.recognition.elevations import elevations
 from churchpipe.recognition.wall_planes import LEAST_LEAF, PLANE_TOLERANCE, WallPlane, behind_one_another, wall_planes
 
 # Walls further from the origin than this, m, are sought beside it: rounded coordinates turn their planes about the origin.
-_FAR = 1e4
+_FAR = 10.0
 
 
 @dataclass(frozen=True, slots=True)

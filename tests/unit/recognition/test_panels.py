@@ -313,6 +313,17 @@ def _polyhedron(stones, number):
     return stones.points[start:stop], nodes
 
 
+@pytest.mark.parametrize("away", [100.0, 1000.0])
+def test_a_turned_wall_away_from_the_origin_is_one_wall_in_rounded_coordinates(away) -> None:
+    # Meshes are written to the micrometre, or to a hundredth of a millimetre: planes turn by 2e-6 or 2e-5 rad.
+    laid = derive_blocks(wall(length=2.5, brick=(0.5, 0.4, 0.25), courses=6, materials=(TUFF,)))
+    turn = np.radians(30.0)
+    rotation = np.array([[np.cos(turn), -np.sin(turn), 0.0], [np.sin(turn), np.cos(turn), 0.0], [0.0, 0.0, 1.0]])
+    far = moved(laid, rotation, np.array([away, 0.2 * away, 5.0]))
+    rounded = replace(far, points=np.round(far.points, 5 if away < 1000 else 6))
+    assert [(panel.name, round(panel.thickness, 4)) for panel in fit_panels(rounded).panels] == [("wall-1", 0.4)]
+
+
 @pytest.mark.parametrize("build", [box, apse])
 def test_walls_in_the_coordinates_of_a_map_are_those_at_the_origin(build) -> None:
     # Half a million metres from the origin, the rounding of coordinates turned planes by more than walls are told apart by.
