@@ -27,7 +27,7 @@ from churchpipe.config.ready import farthest_number
 from churchpipe.config.schema import NAME_PATTERN, check
 from churchpipe.config.section import LETTERS, GatheredError, Section, Table, nearest
 from churchpipe.config.tables import record
-from churchpipe.config.variants import Variant, applied, variants_of
+from churchpipe.config.variants import Variant, variant_combinations, variants_of
 from churchpipe.dxf.reading import AS_DRAWN, Reading
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import path_of
@@ -284,8 +284,7 @@ def cases_of(
             cases.append(_case(path, changed, swept, tuple(overrides)))
         swept = {}
         for number, variant in enumerate(variants_of(cases[0].table.get("variants", []))):
-            other = {key: value for key, value in applied(table, number, variant).items() if key != "variants"}
-            for changed, swept in changes.combinations(other):
+            for changed, swept in variant_combinations(table, number, variant):
                 cases.append(replace(_case(path, changed, swept, tuple(overrides)), variant=variant))
                 _check_source(cases[0], cases[-1], f"{path}: variants.{number}")
     except InputError as error:

@@ -11,6 +11,7 @@ from typing import Any
 from churchpipe.config.section import Table
 from churchpipe.errors import InputError, UsageError
 from churchpipe.model.arguments import listed
+from churchpipe.model.quantities import bare
 
 # Each is analysed at least once, and a stage each.
 MOST_COMBINATIONS = 10_000
@@ -77,6 +78,8 @@ def override(table: Table, overrides: Sequence[str]) -> None:
     for key, value in map(parse_override, listed("overrides", overrides, str)):
         if key in SWITCHES and isinstance(value, bool):
             _switch(table, key, value)
+            if value:
+                continue
         else:
             try:
                 set_key(table, key, value)
@@ -98,20 +101,34 @@ def _switch(table: Table, key: str, on: bool) -> None:
 
 
 def not_swept(table: Table, key: str) -> None:
-    """Take a key that is set out of the sweep of a table."""
+    """Take a key that is set out of the sweep of a table, in whatever unit, with what lies within it and what it lies within."""
     sweep = table.get("sweep")
-    if isinstance(sweep, dict) and not key.startswith("sweep.") and key in flatten(sweep):
-        table["sweep"] = {swept: values for swept, values in flatten(sweep).items() if swept != key}
-        if not table["sweep"]:
-            del table["sweep"]
+    if not isinstance(sweep, dict) or key.startswith("sweep."):
+        return
+    table["sweep"] = {swept: values for swept, values in flatten(sweep).items() if not _overlap(swept, key)}
+    if not table["sweep"]:
+        del table["sweep"]
+
+
+def _overlap(one: str, other: str) -> bool:
+    return bare(one) == bare(other) or one.startswith(f"{other}.") or other.startswith(f"{one}.")
 
 
 def combinations(table: Table) -> Iterator[tuple[Table, Table]]:
-    """Yield (table, swept values) for the product of all lists under [sweep]; the file's own table when there is none.
+    """Yield (table, swept values) for the product of all lists under [sweep]; the file's own table when there is none."""
+    base = {key: value for key, value in table.items() if key != "sweep"}
+    for swept in swept_values(table):
+        changed = copy.deepcopy(base)
+        for key, value in swept.items():
+            set_key(changed, key, value)
+        yield changed, swept
+
+
+def swept_values(table: Table) -> Iterator[Table]:
+    """Yield the values by dotted keys, for the product of all lists under [sweep]; nothing swept, once, where there is none.
 
     Keys may be quoted ("material.default.friction") or written as nested tables.
     """
-    base = {key: value for key, value in table.items() if key != "sweep"}
     sweep = table.get("sweep", {})
     if not isinstance(sweep, dict):
         raise InputError("sweep", "not a table", found=sweep, expected='lists such as "material.default.friction" = [0.5, 0.6]')
@@ -140,11 +157,7 @@ def combinations(table: Table) -> Iterator[tuple[Table, Table]]:
             remedy="Sweep fewer values, or split the case.",
         )
     for values in itertools.product(*lists.values()):
-        swept = dict(zip(lists, values, strict=True))
-        changed = copy.deepcopy(base)
-        for key, value in swept.items():
-            set_key(changed, key, value)
-        yield changed, swept
+        yield dict(zip(lists, values, strict=True))
 
 
 def flatten(table: Table, prefix: str = "") -> Table:

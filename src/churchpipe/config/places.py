@@ -10,7 +10,7 @@ from typing import Any
 
 from churchpipe.config.overrides import apply_overrides, parse_override, set_key
 from churchpipe.config.section import MISSING, WRONG, GatheredError, gathered, shortened
-from churchpipe.config.variants import Variant, applied
+from churchpipe.config.variants import Variant, with_swept
 from churchpipe.errors import InputError
 from churchpipe.model.quantities import bare, si, unit_of
 
@@ -59,11 +59,12 @@ def located(
         # They may be what is wrong: no tables, or of no name.
         listed = asked["variants"] if variant and isinstance(asked.get("variants"), list) else []
         number = next((n for n, one in enumerate(listed) if variant and one["name"] == variant.name), None)
-        if variant and number is not None and not in_itself:
-            table = applied(asked, number, variant)
         distribution = _distributions(asked) if drawn else {}
-        for new_key, new_value in {**drawn, **swept}.items():
+        in_file = drawn if variant and number is not None and not in_itself else {**drawn, **swept}
+        for new_key, new_value in in_file.items():
             set_key(table, new_key, new_value)
+        if variant and number is not None and not in_itself:
+            table = with_swept(table, swept, number, variant)
     except (OSError, ValueError):
         return error
     parts = _table_of(key, table) if in_words else re.sub(r"\[(\d+)\]", r".\1", key).split(".")

@@ -1,11 +1,11 @@
 """The [[variants]] of a case: the building with something changed, added or taken away, beside the building as it is."""
 
 import copy
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Annotated, Any
 
-from churchpipe.config.overrides import flatten, not_swept
+from churchpipe.config.overrides import flatten, not_swept, set_key, swept_values
 from churchpipe.config.section import Number, Table, nearest
 from churchpipe.config.tables import record
 from churchpipe.errors import InputError
@@ -58,26 +58,82 @@ def applied(table: Table, number: int, variant: Variant) -> Table:
     InputError: a change to, or the removal of, something that is not there; an addition that is.
     """
     out = copy.deepcopy(table)
+    file = _file_keys(out)
     for key in variant.remove:
         place, last = _reached(out, key, f"variants.{number}.remove")
+        where = f"variants.{number}.remove"
         if isinstance(place, list):
-            del place[_entry(place, last, f"variants.{number}.remove")]
+            last = str(_entry(place, last, where))
+        _not_swept(out, file, place, last)
+        if isinstance(place, list):
+            del place[int(last)]
         elif place.pop(last, None) is None:
-            raise _absent(f"variants.{number}.remove", key, place, last)
+            raise _absent(where, key, place, last)
     for key, value in flatten(variant.change).items():
         where = f"variants.{number}.change.{key}"
         place, last = _reached(out, key, where)
         if isinstance(place, list):
-            place[_entry(place, last, where)] = value
+            last = str(_entry(place, last, where))
+        _not_swept(out, file, place, last)
+        if isinstance(place, list):
+            place[int(last)] = value
         else:
             # The same key in another unit is changed, not given twice.
             for other in [known for known in place if bare(known) == bare(last)]:
                 del place[other]
             place[last] = value
-        not_swept(out, key)
     for key, value in flatten(variant.add).items():
         _add(out, key, value, f"variants.{number}.add.{key}")
     return out
+
+
+def variant_combinations(table: Table, number: int, variant: Variant) -> Iterator[tuple[Table, Table]]:
+    """Yield (table, swept values) of a variant for all that it leaves to be swept, as `overrides.combinations` does.
+
+    Swept keys are set before the variant is applied, so that the numbers in them are those of the file.
+
+    Raises
+    ------
+    InputError: as of `applied`.
+    """
+    for swept in swept_values(applied(table, number, variant)):
+        changed = {key: value for key, value in with_swept(table, swept, number, variant).items() if key != "sweep"}
+        yield {key: value for key, value in changed.items() if key != "variants"}, swept
+
+
+def with_swept(table: Table, swept: Mapping[str, Any], number: int, variant: Variant) -> Table:
+    """Return the table of a variant, as `applied` does, with swept values of its file, and of its own, set."""
+    own = flatten(table.get("sweep", {})).keys()
+    changed = copy.deepcopy(table)
+    for key in swept.keys() & own:
+        set_key(changed, key, swept[key])
+    changed = applied(changed, number, variant)
+    for key in swept.keys() - own:
+        set_key(changed, key, swept[key])
+    return changed
+
+
+def _file_keys(table: Table) -> dict[int, tuple[str, Any]]:
+    """Return the dotted key of each table and list of a case by its identity; with each itself, which so stays its own."""
+    found: dict[int, tuple[str, Any]] = {}
+    inner: list[tuple[str, Any]] = [("", table)]
+    while inner:
+        key, value = inner.pop()
+        if isinstance(value, dict | list):
+            found[id(value)] = (key, value)
+            parts = value.items() if isinstance(value, dict) else enumerate(value)
+            inner += [(f"{key}.{part}" if key else str(part), item) for part, item in parts]
+    return found
+
+
+def _not_swept(table: Table, file: Mapping[int, tuple[str, Any]], place: Table | list[Any], last: str) -> None:
+    """Take what a variant changes out of the sweep, by the key that it has in the file whatever was taken away before it."""
+    inner = place[int(last)] if isinstance(place, list) else None
+    if id(inner) in file:
+        not_swept(table, file[id(inner)][0])
+    elif id(place) in file:
+        key = file[id(place)][0]
+        not_swept(table, f"{key}.{last}" if key else last)
 
 
 def _add(table: Table, key: str, value: Any, where: str) -> None:

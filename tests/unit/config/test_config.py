@@ -282,6 +282,12 @@ def test_set_key_reaches_lists_and_makes_tables() -> None:
 SWEEP = WALL.replace("friction = 0.6\n", "") + '[sweep]\n"material.default.friction" = [0.4, 0.5]\nsource.courses = [3, 4, 5]\n'
 
 
+def test_a_table_that_is_left_out_is_not_swept(tmp_path: Path) -> None:
+    path = case_file(tmp_path, SHELL + '[sweep]\n"shell.element_size_mm" = [200, 100]\n')
+    assert [(case.swept, case.shell) for case in read_variants(path, ["shell=false"])] == [({}, None)]
+    assert len(read_variants(path, ["shell=true"])) == 2
+
+
 def test_a_sweep_is_a_product(tmp_path: Path) -> None:
     cases = read_variants(case_file(tmp_path, SWEEP))
     assert [(c.materials[0].friction, c.swept["source.courses"]) for c in cases] == [

@@ -84,6 +84,42 @@ def test_variants_are_swept_too_but_for_what_they_change(tmp_path: Path) -> None
     assert len(todo.geometries) == 3
 
 
+ROOFS = """
+[[line_loads]]
+name = "roof"
+wall = "wall"
+dead_kN_m = 4.0
+[[line_loads]]
+name = "floor"
+wall = "wall"
+dead_kN_m = 9.0
+[[variants]]
+name = "other"
+"""
+
+
+@pytest.mark.parametrize(
+    ("swept", "change", "expected"),
+    [
+        # By its name, and by a table that holds it: what a variant changes is not swept.
+        ("line_loads.0.dead_kN_m", 'change = { "line_loads.roof.dead_kN_m" = 2 }', [[2e3, 9e3]]),
+        ("line_loads.1.dead_kN_m", 'change = { "line_loads.floor.dead_kN_m" = 2 }', [[4e3, 2e3]]),
+        ("line_loads.1.dead_kN_m", 'change = { line_loads = [{ wall = "wall", dead_kN_m = 3.0 }] }', [[3e3]]),
+        ("line_loads.0.dead_kN_m", 'remove = ["line_loads.roof"]', [[9e3]]),
+        # The numbers of a sweep are those of the file, whatever a variant takes away before them.
+        ("line_loads.1.dead_kN_m", 'remove = ["line_loads.roof"]', [[0.5e3], [8e3]]),
+        ("line_loads.1.dead_kN_m", 'change = { "line_loads.roof.dead_kN_m" = 2 }', [[2e3, 0.5e3], [2e3, 8e3]]),
+    ],
+)
+def test_a_sweep_follows_the_entries_that_a_variant_changes_or_takes_away(
+    swept: str, change: str, expected: list[list[float]], tmp_path: Path
+) -> None:
+    sweep = f'[sweep]\n"{swept}" = [0.5, 8]\n'
+    cases = read_variants(case_file(tmp_path, f"{WALL}{ROOFS}{change}\n{sweep}"))
+    found = [[load.dead for load in case.carries.line_loads] for case in cases if case.variant]
+    assert found == expected
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [
@@ -182,6 +218,13 @@ REFUSED = [
 def test_what_is_wrong_is_said_of_the_variant(text: str, said: str, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=said):
         read_variants(case_file(tmp_path, f'{WALL}[[variants]]\nname = "a"\n{text}\n'))
+
+
+def test_a_length_that_a_variant_gives_in_another_unit_is_not_swept(tmp_path: Path) -> None:
+    sweep = '[sweep]\n"source.length_m" = [2.0, 3.2]\n'
+    path = case_file(tmp_path, WALL + '[[variants]]\nname = "short"\nchange."source.length_mm" = 1600\n' + sweep)
+    lengths = [case.source.parameters["length"] for case in read_variants(path) if isinstance(case.source, Generated)]
+    assert lengths == [2.0, 3.2, 1.6]
 
 
 def test_a_variant_is_not_called_as_the_building_as_it_is(tmp_path: Path) -> None:
