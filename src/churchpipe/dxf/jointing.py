@@ -39,7 +39,7 @@ def jointed(
         findings.append(Finding("E26", what, remedy=remedy, lengths=(joint, size, widest)))
         return stones, np.ones(len(stones))
     closed = close_joints([(stone.points, stone.faces) for stone in stones], joint)
-    count = len(closed.joints.width)
+    count = len(np.unique(closed.joints.joint))
     # A stone without a volume, of which another finding tells, has no mortar either.
     share = np.divide(closed.volume_before, closed.volume, out=np.ones(len(stones)), where=closed.volume != 0)
     if not count:
@@ -65,12 +65,13 @@ def jointed(
 
 def unnamed_joints(stones: Sequence[Stone], unit: float) -> list[Finding]:
     """Return what is to be said of stones that do not touch because mortar was left out between them."""
-    width = open_joints([(stone.points, stone.faces) for stone in stones]).width
+    joints = open_joints([(stone.points, stone.faces) for stone in stones])
     # Hairlines, such as between the chords of two curves, are joints without being asked for.
-    width = width[width > HAIRLINE * float(np.median([np.ptp(stone.points, axis=0).min() for stone in stones]))]
-    if len(width) < MANY * len(stones):
+    wide = joints.width > HAIRLINE * float(np.median([np.ptp(stone.points, axis=0).min() for stone in stones]))
+    width, count = joints.width[wide], len(np.unique(joints.joint[wide]))
+    if count < MANY * len(stones):
         return []
     low, usual, high = (float(value) for value in np.quantile(width, (0.0, 0.5, 1.0)))
-    what = f"{len(width)} gaps between the stones, from {{}} to {{}}, most about {{}}"
+    what = f"{count} gaps between the stones, from {{}} to {{}}, most about {{}}"
     remedy = f"Pass --joint {1e3 * unit * usual:.3g}mm to grow the stones until they meet in the middle."
     return [Finding("E26", what, "stones that touch, or the width of their joints", remedy, lengths=(low, high, usual))]

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from churchpipe.geometry.clusters import components
+from churchpipe.geometry.clusters import clusters, components
 from churchpipe.geometry.manifolds import trimmed
 from churchpipe.geometry.mending import signed_volume
 from churchpipe.geometry.planar import area, common, outlined, overlapping, vertices, widened
@@ -44,11 +44,12 @@ WIDEST_OF_STONE = 0.35
 @dataclass(frozen=True, slots=True)
 class Joints:
     """Pairs of faces that face each other: faces (k, 2), indices into all faces in their order; width (k,), the mean of each
-    joint; middle: points (m, 3) of its mid-surface for each."""
+    joint; middle: points (m, 3) of its mid-surface for each; joint (k,): its number, one for all triangles of two flat sides."""
 
     faces: IntArray
     width: FloatArray
     middle: tuple[FloatArray, ...]
+    joint: IntArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -237,7 +238,17 @@ def _joints(flat: _Faces, joint: float) -> Joints:
         weight.append(size / gap.mean() ** 2)
     kept = _one_surface_a_face(pairs, middle, weight, ASTRAY * joint)
     faces = np.array([pairs[k] for k in kept], dtype=np.int64).reshape(-1, 2)
-    return Joints(faces, np.array([width[k] for k in kept]), tuple(middle[k] for k in kept))
+    return Joints(faces, np.array([width[k] for k in kept]), tuple(middle[k] for k in kept), _numbers(flat, faces, joint))
+
+
+def _numbers(flat: _Faces, faces: IntArray, joint: float) -> IntArray:
+    """Return the number of the joint of each pair of faces (k, 2): pairs of the same two stones in one plane are one joint."""
+    if len(faces) == 0:
+        return np.empty(0, dtype=np.int64)
+    stones = flat.solid[faces]
+    first = faces[np.arange(len(faces)), np.argmin(stones, axis=1)]
+    level = flat.level[first] * FACING_ANGLE / joint
+    return clusters(np.column_stack([np.sort(stones, axis=1).astype(np.float64), flat.normal[first], level]), FACING_ANGLE)
 
 
 def _one_surface_a_face(pairs: list[tuple[int, int]], middle: list[FloatArray], weight: list[float], off: float) -> list[int]:

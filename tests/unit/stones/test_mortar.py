@@ -11,7 +11,7 @@ import churchpipe
 from churchpipe.dxf.jointing import jointed
 from churchpipe.dxf.reading import Reading
 from churchpipe.dxf.stones import Stone
-from churchpipe.findings import Place
+from churchpipe.findings import Finding, Place
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.stones.contacts import find_contacts
 from churchpipe.stones.ground import level_supports
@@ -150,3 +150,16 @@ def test_meshes_with_joints_between_them_grow_too(tmp_path: Path) -> None:
     assert "W26" in findings.codes
     # One head joint below, two above, four beds, two feet.
     assert len(find_contacts(stones).blocks) == 1 + 2 + 4 + 2
+
+
+def test_a_joint_between_sides_in_triangles_is_one_joint() -> None:
+    drawn = [*bricks(2, 2), box((-0.26, 0, 0), (0.25, 0.12, 0.065)), box((-0.26, 0, 0.075), (0.25, 0.12, 0.055))]
+    split = [(points, [three for a, b, c, d in faces for three in ((a, b, c), (a, c, d))]) for points, faces in drawn]
+    findings: list[Finding] = []
+    for solids in (drawn, split):
+        stones = [
+            Stone(points, tuple(map(tuple, faces)), False, Place("solid", "", ""), "", "default") for points, faces in solids
+        ]
+        jointed(stones, JOINT, "grow", "counted", 1.0, findings)
+    # Heads: one below, two above; beds: four; at the end two heads and a bed.
+    assert [finding.found.split(" of ")[0] for finding in findings] == 2 * ["10 joints"]
