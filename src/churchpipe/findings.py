@@ -60,6 +60,7 @@ CODES: Final = {
     "W46": "bytes that are no text in the encoding of the file",
     "E47": "coordinates rounded by more than a hundredth of a stone",
     "W47": "coordinates rounded by more than a thousandth of a stone",
+    "W48": "a stone far thinner than the others",
 }
 
 # What to do about a finding, where nothing nearer is known. A warning is nothing to mend if what it says is meant.
@@ -114,6 +115,7 @@ REMEDIES: Final = {
     "W46": "Look at the names of layers and stones; export the drawing again if they are wrong.",
     "E47": "Move the model near the origin in the program that made it, and export it again.",
     "W47": "Move the model near the origin in the program that made it, and export it again.",
+    "W48": "Delete it if it is an offcut: it comes out first, and its load factor is not that of the building.",
 }
 
 # Places named after the first of a kind.

@@ -16,6 +16,7 @@ from churchpipe.dxf.laying import laid_stones
 from churchpipe.dxf.opening import open_document, without_collecting
 from churchpipe.dxf.properties import decode_properties
 from churchpipe.dxf.reading import Reading
+from churchpipe.dxf.slivers import slivers
 from churchpipe.dxf.stones import Stone, Survey, summary, survey
 from churchpipe.dxf.units import declared_unit, find_unit
 from churchpipe.errors import InputError
@@ -131,6 +132,7 @@ def read_drawing(
         stones = laid_stones(stones, reading.laid, schema.metres(unit), findings)
     stones = supported(stones, reading.support, findings) if stones else stones
     stones = uniquely_named(stones, findings)
+    findings += slivers(stones)
     weights, unweighted = unit_weights(stones, materials, weights_given, findings)
     weights[: len(share)] *= share
     ties, line_loads, wrong = records_of(gathered.carried, schema.metres(unit) if unit else 1.0)

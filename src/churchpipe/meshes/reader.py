@@ -25,6 +25,7 @@ from churchpipe.dxf.reader import (
     unit_weights,
 )
 from churchpipe.dxf.reading import Reading
+from churchpipe.dxf.slivers import slivers
 from churchpipe.dxf.units import length_text, plausible, unit_hint
 from churchpipe.errors import InputError
 from churchpipe.findings import Finding, Findings, FindingsError
@@ -146,6 +147,7 @@ def read_file(path: str | os.PathLike[str], *, unit_weight: float | Mapping[str,
         remedy = "Name the ground so, fix it in the program that made the file"
         stones = supported(stones, reading.support, findings, GROUND, remedy) if stones else stones
         stones = uniquely_named(stones, findings)
+        findings += slivers(stones)
     weights, unweighted = unit_weights(stones, (), weights_given, findings)
     weights[: len(share)] *= share
     collected = Findings(path.name, tuple(finding.in_metres(1.0) for finding in findings), source.reader)

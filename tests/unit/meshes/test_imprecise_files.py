@@ -66,6 +66,20 @@ def test_round_coordinates_far_from_the_origin_are_not_coarse(tmp_path: Path) ->
     assert stones.centroid[~stones.fixed, 1].tolist() == [4e6 + 0.25] * len(bricks)
 
 
+def test_a_sliver_is_told(tmp_path: Path) -> None:
+    stones = [box((0.5 * k, 0.5 * k + 0.5), (0, 0.25), (0.25 * z, 0.25 * z + 0.25)) for k in range(3) for z in range(3)]
+    film = box((1.5, 1.50015), (0, 0.25), (0, 0.4))
+    path = write_obj(Assemblage.from_polyhedra([*stones, film], 1.0), tmp_path / "wall.obj")
+    _, findings = cp.read_stones(path, unit_weight=20e3, support="base")
+    assert [finding.code for finding in findings.items if finding.code == "W48"] == ["W48"]
+    assert 'obj/W48 wall.obj: object "B9"' in str(findings)
+    assert "0.00015 m thick, the median stone 0.1 m" in str(findings)
+    # A mortar bed is none.
+    bed = box((1.5, 1.51), (0, 0.25), (0, 0.4))
+    path = write_obj(Assemblage.from_polyhedra([*stones, bed], 1.0), tmp_path / "wall.obj")
+    assert "W48" not in cp.read_stones(path, unit_weight=20e3, support="base")[1].codes
+
+
 def read(path: Path, exact: Assemblage, expected: set[str]) -> tuple[Assemblage, Contacts]:
     """The stones of a file and their joints, which are those of the exact stones; the file has the findings expected."""
     stones, findings = cp.read_stones(path, unit_weight=20e3)
