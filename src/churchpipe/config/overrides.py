@@ -67,15 +67,44 @@ def set_key(table: Table, key: str, value: Any) -> None:
 
 
 def apply_overrides(table: Table, overrides: Sequence[str]) -> Table:
-    """Return the table with overrides set; a key that is set is not swept any more."""
+    """Return the table with overrides set; a key that is set is not swept any more.
+
+    Entries of lists that keys of overrides, [sweep] and [sample] give by their names have their numbers in it.
+    """
     table = copy.deepcopy(table)
     override(table, overrides)
+    sweep, sample = table.get("sweep"), table.get("sample")
+    lists = flatten(sweep) if isinstance(sweep, dict) else {}
+    if any(numbered(table, key) != key for key in lists):
+        table["sweep"] = {numbered(table, key): values for key, values in lists.items()}
+    parameters = sample.get("parameters") if isinstance(sample, dict) else None
+    for parameter in parameters if isinstance(parameters, list) else []:
+        if isinstance(parameter, dict) and isinstance(keys := parameter.get("key"), str | list):
+            several = keys if isinstance(keys, list) else [keys]
+            several = [numbered(table, key) if isinstance(key, str) else key for key in several]
+            parameter["key"] = several if isinstance(keys, list) else several[0]
     return table
+
+
+def numbered(table: Table, key: str) -> str:
+    """Return a dotted key with the numbers of the entries of lists that it gives by their names."""
+    place: Any = table
+    parts: list[str] = []
+    for part in key.split("."):
+        if isinstance(place, list):
+            names = [entry.get("name") if isinstance(entry, dict) else None for entry in place]
+            part = str(names.index(part)) if part in names else part
+            place = place[int(part)] if part.isdecimal() and int(part) < len(place) else None
+        else:
+            place = place.get(part) if isinstance(place, dict) else None
+        parts.append(part)
+    return ".".join(parts)
 
 
 def override(table: Table, overrides: Sequence[str]) -> None:
     """Set overrides in place, as `apply_overrides` does."""
-    for key, value in map(parse_override, listed("overrides", overrides, str)):
+    for given, value in map(parse_override, listed("overrides", overrides, str)):
+        key = numbered(table, given)
         if key in SWITCHES and isinstance(value, bool):
             _switch(table, key, value)
             if value:
@@ -105,7 +134,7 @@ def not_swept(table: Table, key: str) -> None:
     sweep = table.get("sweep")
     if not isinstance(sweep, dict) or key.startswith("sweep."):
         return
-    table["sweep"] = {swept: values for swept, values in flatten(sweep).items() if not _overlap(swept, key)}
+    table["sweep"] = {swept: values for swept, values in flatten(sweep).items() if not _overlap(numbered(table, swept), key)}
     if not table["sweep"]:
         del table["sweep"]
 
@@ -173,7 +202,9 @@ def flatten(table: Table, prefix: str = "") -> Table:
 
 def _position(place: list[Any], part: str, key: str) -> int:
     if not part.isdecimal() or int(part) >= len(place):
+        names = [entry.get("name") if isinstance(entry, dict) else None for entry in place]
         numbers = "0, the only one" if len(place) == 1 else f"a number from 0 to {len(place) - 1}"
-        expected = numbers if place else "an entry, and the list is empty"
+        known = ", ".join(map(str, names)) if all(names) else numbers
+        expected = known if place else "an entry, and the list is empty"
         raise InputError(key, "no such entry", found=part, expected=expected)
     return int(part)

@@ -8,7 +8,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from churchpipe.config.overrides import apply_overrides, parse_override, set_key
+from churchpipe.config.overrides import apply_overrides, numbered, parse_override, set_key
 from churchpipe.config.section import MISSING, WRONG, GatheredError, gathered, shortened
 from churchpipe.config.variants import Variant, with_swept
 from churchpipe.errors import InputError
@@ -74,7 +74,7 @@ def located(
     missing = parts[sum(key.count(".") + 1 for key in written) :]
     own = _of_variant(asked, variant, number, written)
     stands = own or written
-    changed = [parse_override(change)[0] for change in overrides]
+    changed = [numbered(asked, parse_override(change)[0]) for change in overrides]
     # What is wrong with a whole table may come of a change within it.
     within = [f"--set {key}" for key in changed if stands and key.startswith(f"{'.'.join(stands)}.")]
     made = within and len(_followed(tomllib.loads(text), stands)[0]) < len(stands)

@@ -1,12 +1,13 @@
 """[[variants]]: what a building could be, beside what it is."""
 
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
 
 from case_texts import WALL, case_file
-from churchpipe.config.case import Generated, read_variants
+from churchpipe.config.case import Generated, read_case, read_variants
 from churchpipe.config.plan import plan
 from churchpipe.config.plausible import questions
 from churchpipe.errors import InputError
@@ -255,3 +256,35 @@ def test_joints_that_are_nowhere_are_found_by_check(capsys: pytest.CaptureFixtur
     code, _, err = call(capsys, "check", path)
     assert code == 1
     assert re.search(r"line \d+, joints\.0: joints loose: no such joint", err)
+
+
+NAMED = WALL + "".join(
+    f'[[line_loads]]\nname = "{name}"\nwall = "wall"\ndead_kN_m = {dead}\n' for name, dead in (("floor", 9.0), ("roof", 4.0))
+)
+
+
+def dead_loads(path: Path, overrides: Sequence[str] = ()) -> list[tuple[float, ...]]:
+    """The dead parts of floor and roof, kN/m, of each case of a file."""
+    return [tuple(load.dead / 1e3 for load in case.carries.line_loads) for case in read_variants(path, overrides)]
+
+
+def test_entries_are_set_and_swept_by_their_names(tmp_path: Path) -> None:
+    path = case_file(tmp_path, NAMED)
+    assert dead_loads(path, ["line_loads.roof.dead_kN_m=8"]) == [(9, 8)]
+    swept = case_file(tmp_path, NAMED + '[sweep]\n"line_loads.roof.dead_kN_m" = [1.0, 2.0]\n', "swept.toml")
+    assert dead_loads(swept) == [(9, 1), (9, 2)]
+    # What is set is not swept any more, by whatever name.
+    for key in ("line_loads.roof.dead_kN_m", "line_loads.1.dead_kN_m"):
+        assert dead_loads(swept, [f"{key}=8"]) == [(9, 8)]
+    with pytest.raises(InputError, match=r"--set line_loads\.rof\.dead_kN_m: no such entry; found rof; expected floor, roof"):
+        dead_loads(path, ["line_loads.rof.dead_kN_m=8"])
+    with pytest.raises(InputError, match=r"--set, line_loads\.1\.dead_kN_m: wrong value; found 'a'"):
+        dead_loads(path, ["line_loads.roof.dead_kN_m=a"])
+
+
+def test_entries_are_sampled_by_their_names(tmp_path: Path) -> None:
+    drawn = '[sample]\nnumber = 4\n[[sample.parameters]]\nkey = "line_loads.roof.dead_kN_m"\n'
+    path = case_file(tmp_path, NAMED + drawn + 'distribution = "uniform"\nlow = 1.0\nhigh = 2.0\n')
+    sample = read_case(path).sample
+    assert sample is not None
+    assert sample.parameters[0].key == ("line_loads.1.dead_kN_m",)
