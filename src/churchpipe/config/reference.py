@@ -13,7 +13,8 @@ _HEAD = """# The case file
 Every key of every table, made by `churchpipe schema --markdown` of what checks a case. Keys end with their unit; a length of
 `[source]` may be written in `_m` instead of `_mm`. `churchpipe generate NAME` writes a commented case, `churchpipe check CASE`
 examines one, and `--set a.b.c=value` changes a key. `[sweep]` takes lists of values of any key, by its dotted name, and runs
-every combination. A case is trusted: the drawing that it names may be any file that you can read.
+every combination. In such keys an entry of a list has its name or its number, from 0: `line_loads.roof.dead_kN_m`,
+`line_loads.0.dead_kN_m`. A case is trusted: the drawing that it names may be any file that you can read.
 """
 
 
