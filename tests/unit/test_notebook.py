@@ -40,6 +40,10 @@ def test_models_and_results_show_themselves() -> None:
 def test_models_and_results_are_printed_as_their_tables() -> None:
     assert repr(STONES).startswith("Assemblage: stones 2; fixed 1; weight, kN 60;")
     assert repr(CONTACTS).startswith("Contacts: interfaces 2;")
+    wall = cp.derive_blocks(BUILDING)
+    roof = cp.place_loads(wall, [cp.LineLoad("wall", dead=1e3, name="roof")])
+    assert repr(roof).startswith(f"Placed loads: parts {len(roof.stone)}; stones {len(np.unique(roof.stone))}; mass, kN ")
+    assert repr(roof).endswith(f"; line load roof (x, y, z), kN (0, 0, {roof.dead[:, 2].sum() / 1e3:.4g})")
     assert f"load factor {STATE.load_factor:.6g}; status optimal; flow rule associative" in str(STATE)
 
 

@@ -1,6 +1,6 @@
 """Loads at their places: forces and masses at points of stones, the form that both models take."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 
 import numpy as np
@@ -8,14 +8,15 @@ import numpy as np
 from churchpipe.errors import InputError
 from churchpipe.model.arrays import FloatArray, IntArray, NameArray, floats, rows_of, store, store_arrays
 from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.card import Shown
 from churchpipe.model.ties import Tie
 
 # How far beside its stone a load may stand, over the diagonal of the stone.
 _SLACK = 0.1
 
 
-@dataclass(frozen=True, slots=True)
-class PlacedLoads:
+@dataclass(frozen=True, slots=True, repr=False)
+class PlacedLoads(Shown):
     """n small parts of loads.
 
     Parameters
@@ -62,6 +63,13 @@ class PlacedLoads:
     def weight(self) -> FloatArray:
         """What presses downwards (n,), N."""
         return np.asarray(-self.dead[:, 2])
+
+    def _rows(self) -> tuple[str, Mapping[str, object]]:
+        rows = {"parts": len(self.stone), "stones": len(np.unique(self.stone)), "mass, kN": float(self.mass.sum()) / 1e3}
+        for name in dict.fromkeys(self.load.tolist()):
+            force = self.dead[self.load == name].sum(axis=0) / 1e3
+            rows[f"{name} (x, y, z), kN"] = f"({', '.join(f'{part:z.4g}' for part in force)})"
+        return "Placed loads", rows
 
 
 def joined_loads(parts: Sequence[PlacedLoads]) -> PlacedLoads:

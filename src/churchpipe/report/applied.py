@@ -14,7 +14,7 @@ from churchpipe.model.motion import velocity_at
 from churchpipe.model.placed_loads import Applied
 from churchpipe.model.ring_beam import RING_BEAM
 from churchpipe.report import colours
-from churchpipe.report.table import Row, amount, figure
+from churchpipe.report.table import Row, amount, figure, minus
 
 # Length of the longest arrow over the size of the building, and most arrows drawn of a load.
 _ARROW, _ARROWS = 0.08, 25
@@ -136,7 +136,7 @@ def gain_table(rows: Sequence[Row], weight: float) -> tuple[list[str], list[list
 
 def _again(row: Row, factor: float) -> str:
     """Return how much a load factor changed in a new analysis, if there was one."""
-    return "" if math.isnan(factor) else f"{factor - row.record.load_factor:+.5f}"
+    return "" if math.isnan(factor) else minus(f"{factor - row.record.load_factor:+.5f}")
 
 
 def add_applied(plotter: Any, stones: Assemblage, motion: FloatArray, amplitude: float, applied: Applied) -> None:
